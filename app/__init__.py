@@ -1,0 +1,1 @@
+"""The Telemotion service: accounts, patients, ingest, live sessions, store, comparison and views."""

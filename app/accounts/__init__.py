@@ -1,0 +1,1 @@
+"""Clinics, people, roles, sign-in, device tokens, tickets, consent and audit."""

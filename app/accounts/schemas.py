@@ -1,0 +1,126 @@
+"""Wire types of sign-in, grants, devices, consent and audit."""
+
+from datetime import datetime
+from typing import Any, Literal
+
+from pydantic import Field
+
+from app.schemas import Schema
+
+Role = Literal["administrator", "therapist", "patient", "integrator"]
+
+
+class SignInRequest(Schema):
+    """E-mail and password."""
+
+    email: str = Field(max_length=254)
+    password: str = Field(max_length=200)
+
+
+class Me(Schema):
+    """Who is signed in; the CSRF token goes back in `X-CSRF-Token` with every change."""
+
+    account_id: str
+    display_name: str
+    email: str
+    role: Role
+    clinic_id: str
+    clinic_name: str
+    patient_id: str | None
+    locale: str
+    csrf_token: str
+
+
+class AccountOut(Schema):
+    """An account as a colleague sees it."""
+
+    id: str
+    display_name: str
+    email: str
+    role: Role
+    is_active: bool
+
+
+class AccountIn(Schema):
+    """A new account; administrators only."""
+
+    email: str = Field(max_length=254)
+    display_name: str = Field(max_length=200)
+    role: Role
+    password: str = Field(min_length=10, max_length=200)
+    patient_id: str | None = None
+
+
+class GrantIn(Schema):
+    """Give a colleague a right to one patient."""
+
+    account_id: str
+    level: Literal["read", "treat"] = "treat"
+    expires_at: datetime | None = None
+
+
+class GrantOut(Schema):
+    """A right to one patient."""
+
+    id: str
+    account_id: str
+    display_name: str
+    level: Literal["read", "treat"]
+    expires_at: datetime | None
+    created_at: datetime
+
+
+class DeviceTokenIn(Schema):
+    """A new gateway credential."""
+
+    label: str = Field(max_length=100)
+    days: int = Field(default=90, ge=1, le=366)
+
+
+class DeviceTokenOut(Schema):
+    """A gateway credential; `token` is shown once, when it is made."""
+
+    id: str
+    label: str
+    created_at: datetime
+    expires_at: datetime
+    revoked_at: datetime | None
+    token: str | None = None
+
+
+class ConsentIn(Schema):
+    """Yes or no to one purpose."""
+
+    purpose: Literal["treatment", "research", "home_streaming"]
+    granted: bool
+
+
+class ConsentOut(ConsentIn):
+    """What the patient said, and when."""
+
+    changed_at: datetime
+
+
+class AuditOut(Schema):
+    """Who did what with a patient's data."""
+
+    at: datetime
+    who: str
+    role: str
+    action: str
+    resource_id: str | None
+    details: dict[str, Any]
+
+
+class TicketIn(Schema):
+    """What the socket is for."""
+
+    purpose: Literal["ingest", "live"]
+
+
+class TicketOut(Schema):
+    """A one-use right to open one socket within 30 seconds; it goes in the first message, never in a URL."""
+
+    ticket: str
+    expires_at: datetime
+    path: str

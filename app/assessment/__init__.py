@@ -1,0 +1,1 @@
+"""Comparison with the template, scores and progress."""

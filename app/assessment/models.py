@@ -1,0 +1,40 @@
+"""Tables of comparisons."""
+
+from typing import Any
+
+from sqlalchemy import JSON, Float, ForeignKey, Integer, LargeBinary, String
+from sqlalchemy.orm import Mapped, mapped_column
+
+from app.database.base import Base, Identified
+
+
+class Comparison(Identified, Base):
+    """One result compared with one template version."""
+
+    __tablename__ = "comparison"
+
+    session_id: Mapped[str] = mapped_column(ForeignKey("motion_session.id", ondelete="CASCADE"), index=True)
+    result_id: Mapped[str] = mapped_column(ForeignKey("result.id", ondelete="CASCADE"), index=True)
+    template_version_id: Mapped[str] = mapped_column(ForeignKey("template_version.id"))
+    version: Mapped[str] = mapped_column(String(20))
+    """Version of the comparison method."""
+    repetition_count: Mapped[int] = mapped_column(Integer)
+    summary: Mapped[dict[str, Any]] = mapped_column(JSON)
+    """`ComparisonSummary` of the schemas: each measure with value, unit, spread and count."""
+    content: Mapped[bytes] = mapped_column(LargeBinary)
+    """Curves and warping paths, `estimators.comparison` codec."""
+
+
+class RepetitionMeasure(Base):
+    """One measure of one repetition; a row each, so progress can be queried."""
+
+    __tablename__ = "repetition_measure"
+
+    comparison_id: Mapped[str] = mapped_column(
+        ForeignKey("comparison.id", ondelete="CASCADE"), primary_key=True
+    )
+    repetition: Mapped[int] = mapped_column(Integer, primary_key=True, autoincrement=False)
+    measure: Mapped[str] = mapped_column(String(80), primary_key=True)
+    value: Mapped[float] = mapped_column(Float)
+    uncertainty: Mapped[float | None] = mapped_column(Float)
+    unit: Mapped[str] = mapped_column(String(12))

@@ -1,0 +1,1 @@
+"""Engine, declarative base and unit of work."""

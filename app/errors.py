@@ -1,0 +1,105 @@
+"""The error tree of the service; one handler in `app.main` turns it into a response.
+
+::
+
+    TelemotionError                500  internal
+    ├── NotFound                   404  also for what the subject may not know exists
+    ├── NotAllowed                 403
+    ├── SignInRequired             401
+    ├── TooManyAttempts            429  with Retry-After
+    ├── Conflict                   409  wrong state, or already there
+    ├── InvalidInput               422  with the field and what to do
+    │   ├── PacketError            the wire format; see app.ingest.packet
+    │   ├── RecordingFormatError   an uploaded file that cannot be read as declared
+    │   └── CalibrationFailed      with the reason and what to redo
+    ├── TooLarge                   413
+    └── Unavailable                503  with Retry-After
+"""
+
+from typing import Any, ClassVar
+
+
+class TelemotionError(Exception):
+    """Base of all expected failures.
+
+    Parameters
+    ----------
+    message : str
+        What was wrong and what to do, without patient data.
+    details : dict, optional
+        Machine-readable facts: field names, limits, positions.
+    """
+
+    status: ClassVar[int] = 500
+    code: ClassVar[str] = "internal"
+
+    def __init__(self, message: str, **details: Any) -> None:
+        super().__init__(message)
+        self.message = message
+        self.details = details
+
+
+class NotFound(TelemotionError):
+    """No such thing, or nothing that this subject may see."""
+
+    status, code = 404, "not_found"
+
+
+class NotAllowed(TelemotionError):
+    """The subject is known and may see it, but may not do this."""
+
+    status, code = 403, "not_allowed"
+
+
+class SignInRequired(TelemotionError):
+    """No valid session, ticket or token."""
+
+    status, code = 401, "sign_in_required"
+
+
+class TooManyAttempts(TelemotionError):
+    """Rate limit; `retry_after_s` in the details."""
+
+    status, code = 429, "too_many_attempts"
+
+
+class Conflict(TelemotionError):
+    """The thing is in another state than the request needs."""
+
+    status, code = 409, "conflict"
+
+
+class InvalidInput(TelemotionError):
+    """The request cannot be understood; the message says what to change."""
+
+    status, code = 422, "invalid_input"
+
+
+class PacketError(InvalidInput):
+    """A body-network message that breaks the wire format; `reason` in the details is a fixed word."""
+
+    code = "packet"
+
+
+class RecordingFormatError(InvalidInput):
+    """An uploaded file that cannot be read as what it was declared to be."""
+
+    code = "recording_format"
+
+
+class CalibrationFailed(InvalidInput):
+    """A calibration that cannot be used; the message says what to redo."""
+
+    code = "calibration_failed"
+
+
+class TooLarge(TelemotionError):
+    """More than the configured limit."""
+
+    status, code = 413, "too_large"
+
+
+class Unavailable(TelemotionError):
+    """Busy or shutting down; try again."""
+
+    status, code = 503, "unavailable"

@@ -1,0 +1,1 @@
+"""Exercises, templates (versioned) and prescriptions."""

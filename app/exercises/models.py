@@ -1,0 +1,73 @@
+"""Tables of exercises, templates and prescriptions."""
+
+from datetime import datetime
+from typing import Any
+
+from sqlalchemy import JSON, Boolean, ForeignKey, Integer, LargeBinary, String, UniqueConstraint
+from sqlalchemy.orm import Mapped, mapped_column
+
+from app.database.base import Base, Identified, UtcDateTime
+
+
+class Exercise(Identified, Base):
+    """A movement that a clinic prescribes."""
+
+    __tablename__ = "exercise"
+
+    clinic_id: Mapped[str] = mapped_column(ForeignKey("clinic.id"), index=True)
+    name: Mapped[str] = mapped_column(String(200))
+    description: Mapped[str] = mapped_column(String(2000), default="")
+    movement: Mapped[str] = mapped_column(String(40))
+    """Kind, e.g. `reaching`, `drinking`, `abduction`, `flexion`, `pronation`, `other`."""
+    side: Mapped[str] = mapped_column(String(10), default="right")
+    primary_angle: Mapped[str] = mapped_column(String(80))
+    """Joint angle whose range is the main measure of progress."""
+
+
+class Template(Identified, Base):
+    """A therapist's recorded reference for one exercise, for one patient or for the clinic."""
+
+    __tablename__ = "template"
+
+    clinic_id: Mapped[str] = mapped_column(ForeignKey("clinic.id"), index=True)
+    exercise_id: Mapped[str] = mapped_column(ForeignKey("exercise.id"), index=True)
+    patient_id: Mapped[str | None] = mapped_column(ForeignKey("patient.id", ondelete="CASCADE"), index=True)
+    """Set when it was made for one patient; such a template is patient data."""
+    name: Mapped[str] = mapped_column(String(200))
+    created_by: Mapped[str] = mapped_column(ForeignKey("account.id"))
+
+
+class TemplateVersion(Identified, Base):
+    """One immutable version of a template: mean trajectory and band over 101 phases."""
+
+    __tablename__ = "template_version"
+    __table_args__ = (UniqueConstraint("template_id", "number"),)
+
+    template_id: Mapped[str] = mapped_column(ForeignKey("template.id", ondelete="CASCADE"), index=True)
+    number: Mapped[int] = mapped_column(Integer)
+    source_session_id: Mapped[str] = mapped_column(String(32))
+    source_result_id: Mapped[str] = mapped_column(String(32))
+    repetitions: Mapped[list[dict[str, Any]]] = mapped_column(JSON)
+    """Start, end, kept or dropped with its reason, per repetition."""
+    tolerance_scale: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
+    """The therapist's widening of the band, per channel and phase."""
+    content: Mapped[bytes] = mapped_column(LargeBinary)
+    """`estimators.comparison.Template` in its own codec."""
+    is_published: Mapped[bool] = mapped_column(Boolean, default=True)
+    created_by: Mapped[str] = mapped_column(ForeignKey("account.id"))
+
+
+class Prescription(Identified, Base):
+    """An exercise with a template, a dose and a period, for one patient."""
+
+    __tablename__ = "prescription"
+
+    patient_id: Mapped[str] = mapped_column(ForeignKey("patient.id", ondelete="CASCADE"), index=True)
+    exercise_id: Mapped[str] = mapped_column(ForeignKey("exercise.id"))
+    template_id: Mapped[str | None] = mapped_column(ForeignKey("template.id"))
+    repetitions: Mapped[int] = mapped_column(Integer, default=10)
+    sets: Mapped[int] = mapped_column(Integer, default=1)
+    times_per_week: Mapped[int] = mapped_column(Integer, default=5)
+    prescribed_by: Mapped[str] = mapped_column(ForeignKey("account.id"))
+    starts_at: Mapped[datetime] = mapped_column(UtcDateTime)
+    ends_at: Mapped[datetime | None] = mapped_column(UtcDateTime)

@@ -1,0 +1,1 @@
+"""Live sessions: state machine, clock alignment, runner and bus."""

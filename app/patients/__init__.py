@@ -1,0 +1,1 @@
+"""Patients, body dimensions, remembered mountings and grants."""

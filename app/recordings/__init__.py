@@ -1,0 +1,1 @@
+"""Stored sessions, signal chunks, reprocessing, replay and export."""

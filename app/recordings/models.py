@@ -1,0 +1,120 @@
+"""Tables of sessions, their signals and what was estimated from them."""
+
+from datetime import datetime
+from typing import Any
+
+from sqlalchemy import JSON, BigInteger, Boolean, Float, ForeignKey, Integer, LargeBinary, String
+from sqlalchemy.orm import Mapped, mapped_column
+
+from app.database.base import Base, Identified, UtcDateTime, utc_now
+
+
+class MotionSession(Identified, Base):
+    """One wearing of the body network, live or uploaded."""
+
+    __tablename__ = "motion_session"
+
+    clinic_id: Mapped[str] = mapped_column(ForeignKey("clinic.id"), index=True)
+    patient_id: Mapped[str] = mapped_column(ForeignKey("patient.id", ondelete="CASCADE"), index=True)
+    prescription_id: Mapped[str | None] = mapped_column(ForeignKey("prescription.id"))
+    exercise_id: Mapped[str | None] = mapped_column(ForeignKey("exercise.id"))
+    purpose: Mapped[str] = mapped_column(String(20), default="exercise")
+    """`exercise` or `template`."""
+    source: Mapped[str] = mapped_column(String(20), default="stream")
+    """`stream` or `upload`."""
+    state: Mapped[str] = mapped_column(String(20), default="created")
+    """created, calibrating, ready, recording, link_lost, closing, analysed, failed."""
+    state_reason: Mapped[str] = mapped_column(String(500), default="")
+    setup: Mapped[dict[str, Any]] = mapped_column(JSON)
+    """`estimators.pipelines.SessionSetup` in force."""
+    hello: Mapped[dict[str, Any] | None] = mapped_column(JSON)
+    """The gateway's declaration: placements, scales, rate, device, firmware."""
+    created_by: Mapped[str] = mapped_column(String(32))
+    started_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    ended_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    recording_start_s: Mapped[float | None] = mapped_column(Float)
+    recording_end_s: Mapped[float | None] = mapped_column(Float)
+    """Session time between which repetitions count; raw data before and after is kept."""
+    packets_stored: Mapped[int] = mapped_column(Integer, default=0)
+    packets_missing: Mapped[int] = mapped_column(Integer, default=0)
+    duration_s: Mapped[float] = mapped_column(Float, default=0.0)
+    main_result_id: Mapped[str | None] = mapped_column(String(32))
+    """The result that views open by default."""
+
+
+class SignalChunk(Base):
+    """About one second of one stream. Idempotent on (session, stream, sequence).
+
+    Streams: `raw` (packets as they came) and `frames/<result id>` (derived).
+    """
+
+    __tablename__ = "signal_chunk"
+
+    session_id: Mapped[str] = mapped_column(
+        ForeignKey("motion_session.id", ondelete="CASCADE"), primary_key=True
+    )
+    stream: Mapped[str] = mapped_column(String(60), primary_key=True)
+    sequence: Mapped[int] = mapped_column(Integer, primary_key=True, autoincrement=False)
+    start_ns: Mapped[int] = mapped_column(BigInteger)
+    """Session time of the first tick."""
+    ticks: Mapped[int] = mapped_column(Integer)
+    codec: Mapped[str] = mapped_column(String(40))
+    scale: Mapped[dict[str, Any]] = mapped_column(JSON)
+    """What the decoder needs besides the data: channel scales, packet sequences, column layout."""
+    crc: Mapped[int] = mapped_column(BigInteger)
+    data: Mapped[bytes] = mapped_column(LargeBinary)
+
+
+class SessionEvent(Identified, Base):
+    """A change of state, a gap, a lost sensor, a mark or a calibration; shown on the time line."""
+
+    __tablename__ = "session_event"
+
+    session_id: Mapped[str] = mapped_column(ForeignKey("motion_session.id", ondelete="CASCADE"), index=True)
+    kind: Mapped[str] = mapped_column(String(40))
+    time_s: Mapped[float] = mapped_column(Float)
+    """Session time."""
+    duration_s: Mapped[float] = mapped_column(Float, default=0.0)
+    placement: Mapped[str | None] = mapped_column(String(40))
+    text: Mapped[str] = mapped_column(String(500), default="")
+    details: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
+
+
+class Result(Identified, Base):
+    """One run of a pipeline over a session; every run is kept."""
+
+    __tablename__ = "result"
+
+    session_id: Mapped[str] = mapped_column(ForeignKey("motion_session.id", ondelete="CASCADE"), index=True)
+    kind: Mapped[str] = mapped_column(String(20))
+    """`live` or `offline`."""
+    pipeline: Mapped[str] = mapped_column(String(40))
+    pipeline_version: Mapped[str] = mapped_column(String(20))
+    orientation: Mapped[str] = mapped_column(String(40))
+    orientation_version: Mapped[str] = mapped_column(String(20))
+    setup: Mapped[dict[str, Any]] = mapped_column(JSON)
+    layout: Mapped[dict[str, Any]] = mapped_column(JSON)
+    """`FrameLayout` of the stored frames."""
+    status: Mapped[str] = mapped_column(String(20), default="running")
+    """running, complete, failed."""
+    progress: Mapped[float] = mapped_column(Float, default=0.0)
+    message: Mapped[str] = mapped_column(String(500), default="")
+    completed_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+
+
+class Job(Identified, Base):
+    """A long upload or analysis with its progress; survives a restart and is taken up again."""
+
+    __tablename__ = "job"
+
+    session_id: Mapped[str] = mapped_column(ForeignKey("motion_session.id", ondelete="CASCADE"), index=True)
+    kind: Mapped[str] = mapped_column(String(20))
+    """`upload`, `reprocess` or `compare`."""
+    arguments: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
+    status: Mapped[str] = mapped_column(String(20), default="queued")
+    """queued, running, complete, failed."""
+    progress: Mapped[float] = mapped_column(Float, default=0.0)
+    message: Mapped[str] = mapped_column(String(500), default="")
+    created_by: Mapped[str] = mapped_column(String(32))
+    updated_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now, onupdate=utc_now)
+    is_retryable: Mapped[bool] = mapped_column(Boolean, default=True)

@@ -1,0 +1,194 @@
+"""Wire types of sessions, results, jobs and views."""
+
+from datetime import datetime
+from typing import Any, Literal
+
+from pydantic import Field
+
+from app.schemas import Schema
+from estimators.conventions import Placement
+
+SessionState = Literal[
+    "created", "calibrating", "ready", "recording", "link_lost", "closing", "analysed", "failed"
+]
+
+
+class SessionIn(Schema):
+    """A new session; the rate and placements are confirmed by the gateway's hello."""
+
+    patient_id: str
+    exercise_id: str | None = None
+    prescription_id: str | None = None
+    purpose: Literal["exercise", "template"] = "exercise"
+    pipeline: Literal["arm"] = "arm"
+    placements: list[Placement] = Field(min_length=1, max_length=17)
+    rate_hz: float = Field(default=100.0, ge=10, le=1000)
+    orientation: str = "vqf"
+    orientation_parameters: dict[str, Any] = {}
+    use_mounting: bool = True
+    """Start with the remembered calibration of this patient, if there is one for these placements."""
+
+
+class ResultOut(Schema):
+    """One run of a pipeline over the session."""
+
+    id: str
+    kind: Literal["live", "offline"]
+    pipeline: str
+    pipeline_version: str
+    orientation: str
+    orientation_version: str
+    orientation_parameters: dict[str, Any]
+    status: Literal["running", "complete", "failed"]
+    progress: float
+    message: str
+    created_at: datetime
+
+
+class SessionOut(Schema):
+    """A session in a list."""
+
+    id: str
+    patient_id: str
+    exercise_id: str | None
+    exercise_name: str | None
+    prescription_id: str | None
+    purpose: Literal["exercise", "template"]
+    source: Literal["stream", "upload"]
+    state: SessionState
+    state_reason: str
+    created_at: datetime
+    started_at: datetime | None
+    ended_at: datetime | None
+    duration_s: float
+    packets_stored: int
+    packets_missing: int
+    main_result_id: str | None
+
+
+class SessionEventOut(Schema):
+    """Something on the time line: state, gap, sensor_lost, sensor_back, mark, calibration, error."""
+
+    kind: str
+    time_s: float
+    duration_s: float
+    placement: str | None
+    text: str
+
+
+class FrameLayoutOut(Schema):
+    """Columns of the frames."""
+
+    segments: list[str]
+    points: list[str]
+    angles: list[str]
+    scalars: list[str]
+
+
+class CalibrationOut(Schema):
+    """Result of a calibration step."""
+
+    method: str
+    score: float
+    reasons: list[str]
+
+
+class SessionDetail(SessionOut):
+    """A session with what was done with it."""
+
+    placements: list[Placement]
+    rate_hz: float
+    orientation: str
+    calibration: CalibrationOut | None
+    recording_start_s: float | None
+    recording_end_s: float | None
+    results: list[ResultOut]
+    events: list[SessionEventOut]
+    layout: FrameLayoutOut
+    may_treat: bool
+
+
+class ReprocessIn(Schema):
+    """Estimate a stored session again; the earlier results stay."""
+
+    orientation: str
+    orientation_parameters: dict[str, Any] = {}
+
+
+class MarkIn(Schema):
+    """A note on the time line, at the present session time."""
+
+    text: str = Field(max_length=200)
+
+
+class JobOut(Schema):
+    """A long task with its progress from 0 to 1."""
+
+    id: str
+    session_id: str
+    kind: Literal["upload", "reprocess", "compare"]
+    status: Literal["queued", "running", "complete", "failed"]
+    progress: float
+    message: str
+
+
+class CsvColumn(Schema):
+    """Where one axis triple stands in a CSV file."""
+
+    placement: Placement
+    quantity: Literal["gyroscope", "accelerometer", "magnetometer"]
+    columns: list[str] = Field(min_length=3, max_length=3)
+    unit: Literal["rad/s", "deg/s", "m/s^2", "g", "T", "uT", "mT", "G"]
+
+
+class CsvMapping(Schema):
+    """How to read a CSV file: time column with its unit, or a fixed rate, and the columns of each sensor."""
+
+    time_column: str | None = None
+    time_unit: Literal["s", "ms", "us"] = "s"
+    rate_hz: float | None = Field(default=None, gt=0)
+    delimiter: Literal[",", ";", "\t"] = ","
+    signals: list[CsvColumn]
+
+
+class UploadIn(Schema):
+    """The JSON part `declaration` of an upload; the file is the other part."""
+
+    patient_id: str
+    exercise_id: str | None = None
+    prescription_id: str | None = None
+    purpose: Literal["exercise", "template"] = "exercise"
+    format: Literal["packet_log", "csv", "qmt_mat"]
+    csv: CsvMapping | None = None
+    orientation: str = "vqf"
+    calibration_pose_s: tuple[float, float] | None = None
+    """Half-open interval in which the patient stands in N-pose; None lets the service look for stillness at the start."""
+
+
+class EstimatorOut(Schema):
+    """A choice of orientation estimator."""
+
+    name: str
+    version: str
+    title: str
+    description: str
+    parameters: dict[str, Any]
+
+
+class ViewIn(Schema):
+    """Open a 3D view."""
+
+    mode: Literal["live", "replay"]
+    result_id: str | None = None
+    template_version_id: str | None = None
+
+
+class ViewOut(Schema):
+    """A 3D view: the page for the frame element and the socket that steers it."""
+
+    id: str
+    page_path: str
+    """`/viewer/{view}/`"""
+    control_path: str
+    """`/ws/views/{view}`; see `app.live.messages`."""
+    expires_at: datetime

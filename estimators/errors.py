@@ -1,0 +1,30 @@
+"""Errors of the numerical library.
+
+::
+
+    EstimationError
+    ├── ShapeError          an array has the wrong shape, type or non-finite values
+    ├── SetupError          placements, rates or parameters that cannot work together
+    ├── CalibrationError    a calibration pose or movement that cannot be used, with what to redo
+    └── ComparisonError     a recording without the repetitions that a comparison needs
+"""
+
+
+class EstimationError(Exception):
+    """Base of all expected failures; the message says what was wrong and what to do."""
+
+
+class ShapeError(EstimationError, ValueError):
+    """An array has the wrong shape, type or values."""
+
+
+class SetupError(EstimationError, ValueError):
+    """Placements, rates or parameters that cannot work together."""
+
+
+class CalibrationError(EstimationError):
+    """A calibration pose or movement that cannot be used; the message says what to redo."""
+
+
+class ComparisonError(EstimationError):
+    """A recording that does not hold what a comparison needs."""

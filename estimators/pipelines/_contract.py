@@ -1,0 +1,224 @@
+"""What a session runs: configuration in, frames out.
+
+`SessionSetup` says everything that a result depends on besides the samples and is stored with it.
+`Frames` is the one type that live view, dashboards, the store and replay share.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.conventions import Placement
+from estimators.recording import Float, ImuChunk
+
+
+@dataclass(frozen=True)
+class BodyDimensions:
+    """Lengths of the patient's segments; defaults are those of a person 1.70 m tall.
+
+    All between joint centres, in metres. `stature_m` scales what was not measured.
+    """
+
+    stature_m: float = 1.70
+    upper_arm_m: float = 0.30
+    forearm_m: float = 0.25
+    hand_m: float = 0.18
+    shoulder_width_m: float = 0.36
+    trunk_m: float = 0.50
+    """From the middle of the hips to the height of the shoulders."""
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """How each sensor sits on its segment, and the constants found while standing still.
+
+    Attributes
+    ----------
+    q_sensor_segment : dict of placement to (w, x, y, z)
+        Orientation of the segment frame in the sensor frame: `q_room_segment = q_room_earth *
+        q_earth_sensor * q_sensor_segment`.
+    gyroscope_bias_radps : dict of placement to (x, y, z)
+    facing_rad : float
+        Heading of the patient's forward direction in the earth frame, counter-clockwise from x;
+        `q_room_earth` is the rotation about z by `-facing_rad`.
+    heading_offset_rad : dict of placement to float
+        Added per sensor when headings share no reference (no magnetometer): rotation about z that
+        brings the sensor's own earth frame to the common one.
+    score : float
+        0 (redo) to 1 (as good as it gets).
+    reasons : tuple of str
+        What lowered the score and what to do, in plain words.
+    """
+
+    q_sensor_segment: dict[Placement, tuple[float, float, float, float]]
+    gyroscope_bias_radps: dict[Placement, tuple[float, float, float]]
+    facing_rad: float = 0.0
+    heading_offset_rad: dict[Placement, float] = field(default_factory=dict)
+    method: str = "n_pose"
+    score: float = 1.0
+    reasons: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class SessionSetup:
+    """Everything that a result depends on besides the samples.
+
+    Attributes
+    ----------
+    pipeline : str
+        Key of the pipeline registry, for instance `arm`.
+    placements : tuple of Placement
+        Sensors in the order of the packets.
+    rate_hz : float
+        The common tick rate.
+    orientation : str
+        Key of the orientation registry.
+    orientation_parameters : dict
+        Overrides; empty means the defaults of that version.
+    calibration : Calibration or None
+        None until the patient was calibrated: frames then show sensor motion only, flagged.
+    """
+
+    pipeline: str
+    placements: tuple[Placement, ...]
+    rate_hz: float
+    orientation: str = "vqf"
+    orientation_parameters: dict[str, Any] = field(default_factory=dict)
+    body: BodyDimensions = field(default_factory=BodyDimensions)
+    calibration: Calibration | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain JSON types; `from_dict` reverses it exactly."""
+        from dataclasses import asdict
+
+        return asdict(self)
+
+    @classmethod
+    def from_dict(cls, stored: Mapping[str, Any]) -> "SessionSetup":
+        """Rebuild from `to_dict` after a trip through JSON."""
+        values = dict(stored)
+        values["placements"] = tuple(values["placements"])
+        values["body"] = BodyDimensions(**values["body"])
+        if values.get("calibration") is not None:
+            calibration = dict(values["calibration"])
+            calibration["q_sensor_segment"] = {k: tuple(v) for k, v in calibration["q_sensor_segment"].items()}
+            calibration["gyroscope_bias_radps"] = {
+                k: tuple(v) for k, v in calibration["gyroscope_bias_radps"].items()
+            }
+            calibration["reasons"] = tuple(calibration["reasons"])
+            values["calibration"] = Calibration(**calibration)
+        return cls(**values)
+
+
+@dataclass(frozen=True)
+class FrameLayout:
+    """Names of the columns of `Frames`; fixed for a session once its setup is fixed.
+
+    Attributes
+    ----------
+    segments : tuple of str
+        Segments with an orientation, in column order (`sternum` is drawn as the thorax).
+    points : tuple of str
+        Joint centres and end points with a position, in column order: `shoulder_right`,
+        `elbow_right`, `wrist_right`, `hand_right`, `neck`, ... (origin of the segment of that name, or end).
+    angles : tuple of str
+        Joint angles, named joint, sequence and meaning, e.g. `thorax_humerus_right_yxy_elevation`.
+    scalars : tuple of str
+        Other measures per tick with their unit as suffix, e.g. `trunk_lean_forward_rad`.
+    """
+
+    segments: tuple[str, ...]
+    points: tuple[str, ...]
+    angles: tuple[str, ...]
+    scalars: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Frames:
+    """What the pipeline found for K consecutive ticks.
+
+    Attributes
+    ----------
+    first_tick : int
+    time_step_s : float
+    q_room_segment : ndarray, shape (K, G, 4)
+    point_room_m : ndarray, shape (K, P, 3)
+    angle_rad : ndarray, shape (K, A)
+        NaN where the segments it needs are not worn or not calibrated. Unwrapped in time, so curves do not jump.
+    angle_sigma_rad : ndarray, shape (K, A)
+        One-sigma from orientation uncertainty, NaN where unknown.
+    scalar : ndarray, shape (K, C)
+    segment_flags : ndarray of uint8, shape (K, G)
+        `OrientationFlag` bits of the sensor that drives the segment.
+    angle_flags : ndarray of uint8, shape (K, A)
+        `OrientationFlag` bits; SINGULAR where the sequence is near its singularity.
+    """
+
+    layout: FrameLayout
+    first_tick: int
+    time_step_s: float
+    q_room_segment: Float
+    point_room_m: Float
+    angle_rad: Float
+    angle_sigma_rad: Float
+    scalar: Float
+    segment_flags: NDArray[np.uint8]
+    angle_flags: NDArray[np.uint8]
+
+    @property
+    def tick_count(self) -> int:
+        """Number of ticks K."""
+        return int(self.q_room_segment.shape[0])
+
+    @property
+    def time_s(self) -> Float:
+        """Time of each tick since the start of the session, shape (K,)."""
+        return (self.first_tick + np.arange(self.tick_count)) * self.time_step_s
+
+
+class Pipeline(ABC):
+    """One session's estimators behind one call.
+
+    Obeys the same rule as an estimator: any chunking and any `state`/`restore` gives the same frames.
+    """
+
+    name: ClassVar[str]
+    version: ClassVar[str]
+
+    @abstractmethod
+    def __init__(self, setup: SessionSetup) -> None:
+        """Check the setup (`SetupError` says what is wrong) and start with no samples seen."""
+
+    @property
+    @abstractmethod
+    def layout(self) -> FrameLayout:
+        """Column names of every `Frames` this pipeline gives."""
+
+    @abstractmethod
+    def step(self, chunk: ImuChunk) -> Frames:
+        """Take the next ticks of all sensors, in the order of `setup.placements`."""
+
+    @abstractmethod
+    def calibrate(self, pose: ImuChunk, method: str = "n_pose") -> Calibration:
+        """Find the calibration from the ticks during which the patient held the pose.
+
+        `pose` are ticks that `step` has already seen (orientation is taken from the running filter).
+        The result takes effect from the next `step`. Raises `CalibrationError` with what to redo.
+        """
+
+    @property
+    @abstractmethod
+    def setup(self) -> SessionSetup:
+        """The setup with the calibration in force, to be stored with the results."""
+
+    @abstractmethod
+    def state(self) -> dict[str, NDArray[Any]]:
+        """Return everything that the next step depends on, as arrays."""
+
+    @abstractmethod
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Continue exactly where the instance that gave `state` stood."""

@@ -1,0 +1,147 @@
+"""What a body network measured, as arrays.
+
+`ImuChunk` is the unit of the live path: a few ticks of all sensors on one common time base.
+`Recording` is a whole one, with its own time stamps, as a file reader or the store gives it.
+"""
+
+from dataclasses import dataclass, field, replace
+from enum import IntFlag
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.conventions import Placement
+from estimators.errors import ShapeError
+
+Float = NDArray[np.float64]
+
+
+class SampleQuality(IntFlag):
+    """Why a sample is less than measured; zero means measured and sound."""
+
+    MEASURED = 0
+    BRIDGED = 1
+    """Interpolated across a gap of at most 200 ms; the estimate goes on, flagged."""
+    MISSING = 2
+    """Nothing to go on: the values are NaN and the estimate holds or coasts."""
+    SATURATED = 4
+    """A channel was at its clip level."""
+    BACKFILLED = 8
+    """Arrived after a lost link; not part of the live view."""
+
+
+@dataclass(frozen=True)
+class ImuChunk:
+    """Consecutive ticks of S sensors at one fixed time step.
+
+    Attributes
+    ----------
+    first_tick : int
+        Number of the first tick since the start of the session; ticks are never renumbered.
+    time_step_s : float
+        Common tick interval.
+    gyroscope_radps, accelerometer_mps2 : ndarray, shape (S, K, 3)
+        Sensor axes; specific force. NaN where `quality` says MISSING.
+    magnetometer_t : ndarray, shape (S, K, 3), or None
+        Sensor axes, tesla; None when no sensor of the network has one. A sensor without one has NaN.
+    quality : ndarray of uint8, shape (S, K)
+        `SampleQuality` bits.
+    """
+
+    first_tick: int
+    time_step_s: float
+    gyroscope_radps: Float
+    accelerometer_mps2: Float
+    magnetometer_t: Float | None
+    quality: NDArray[np.uint8]
+
+    @property
+    def sensor_count(self) -> int:
+        """Number of sensors S."""
+        return int(self.gyroscope_radps.shape[0])
+
+    @property
+    def tick_count(self) -> int:
+        """Number of ticks K."""
+        return int(self.gyroscope_radps.shape[1])
+
+    @property
+    def time_s(self) -> Float:
+        """Time of each tick since the start of the session, shape (K,)."""
+        return (self.first_tick + np.arange(self.tick_count)) * self.time_step_s
+
+    def ticks(self, start: int, stop: int) -> "ImuChunk":
+        """Return the half-open range of ticks `[start, stop)`, counted within this chunk."""
+        magnetometer = None if self.magnetometer_t is None else self.magnetometer_t[:, start:stop]
+        return replace(
+            self,
+            first_tick=self.first_tick + start,
+            gyroscope_radps=self.gyroscope_radps[:, start:stop],
+            accelerometer_mps2=self.accelerometer_mps2[:, start:stop],
+            magnetometer_t=magnetometer,
+            quality=self.quality[:, start:stop],
+        )
+
+
+@dataclass(frozen=True)
+class SensorSignals:
+    """One sensor of a recording, on its own time stamps.
+
+    Attributes
+    ----------
+    time_s : ndarray, shape (N,)
+        Strictly increasing, not necessarily even; zero is the start of the recording.
+    gyroscope_radps, accelerometer_mps2 : ndarray, shape (N, 3)
+        Sensor axes; specific force.
+    magnetometer_t : ndarray, shape (N, 3), or None
+        Sensor axes, tesla.
+    """
+
+    time_s: Float
+    gyroscope_radps: Float
+    accelerometer_mps2: Float
+    magnetometer_t: Float | None = None
+
+    def __post_init__(self) -> None:
+        samples = self.time_s.shape[0]
+        for name in ("gyroscope_radps", "accelerometer_mps2", "magnetometer_t"):
+            values = getattr(self, name)
+            if values is not None and values.shape != (samples, 3):
+                raise ShapeError(f"{name} has shape {values.shape}; {samples} time stamps need ({samples}, 3)")
+        if samples and not (np.diff(self.time_s) > 0).all():
+            raise ShapeError("time_s must increase strictly; sort the samples and drop repeated stamps")
+
+
+@dataclass(frozen=True)
+class Recording:
+    """What a body network measured in one session.
+
+    Attributes
+    ----------
+    sensors : dict of Placement (or any name, for single sensors) to SensorSignals
+        In the order of the network.
+    nominal_rate_hz : float
+        The rate the devices were set to; the time stamps are the truth.
+    origin : str
+        Where it came from, for people: file format and device.
+    """
+
+    sensors: dict[str, SensorSignals]
+    nominal_rate_hz: float
+    origin: str = ""
+    metadata: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def placements(self) -> tuple[str, ...]:
+        """Names of the sensors in the order of the network."""
+        return tuple(self.sensors)
+
+    @property
+    def duration_s(self) -> float:
+        """From the earliest to the latest sample of any sensor."""
+        if not self.sensors:
+            return 0.0
+        return max(s.time_s[-1] for s in self.sensors.values()) - min(s.time_s[0] for s in self.sensors.values())
+
+
+__all__ = ["Float", "ImuChunk", "Placement", "Recording", "SampleQuality", "SensorSignals"]
