@@ -1,0 +1,85 @@
+# Telemotion. `make run` and `make test` need Python 3.11+, Node 20+ and make; everything else they set up.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+PORT ?= 8000
+export PYTHONDONTWRITEBYTECODE := 1
+# One thread a process for linear algebra: the service scales over sessions, not inside one.
+export OPENBLAS_NUM_THREADS ?= 1
+
+.PHONY: help run test test-quick lint types web web-test bench-live bench-kernels bench-viewer validate lock wheel check-versions browser clean
+
+help: ## This list
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk 'BEGIN {FS = ":.*## "} {printf "  make %-14s %s\n", $$1, $$2}'
+
+check-versions:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "Python 3.11 or newer is needed; call make PYTHON=/path/to/python3.11"; exit 1; }
+
+$(VENV)/installed: requirements.lock pyproject.toml
+	@$(MAKE) --no-print-directory check-versions
+	@echo "Setting up Python packages (about a minute the first time) ..."
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $@
+
+web/node_modules/installed: web/package-lock.json
+	@command -v node >/dev/null || { echo "Node 20 or newer is needed to build the browser client"; exit 1; }
+	@node -e 'process.exit(Number(process.versions.node.split(".")[0]) < 20 ? 1 : 0)' || { echo "Node 20 or newer is needed; this is $$(node --version)"; exit 1; }
+	@echo "Setting up browser client packages ..."
+	@cd web && npm ci --silent --no-audit --no-fund
+	@touch $@
+
+WEB_SOURCES := $(shell find web/src web/public web/index.html web/vite.config.ts -type f 2>/dev/null)
+web/dist/index.html: web/node_modules/installed $(WEB_SOURCES)
+	@echo "Building the browser client ..."
+	@cd web && npm run --silent build
+
+web: web/dist/index.html ## Build the browser client
+
+run: $(VENV)/installed web/dist/index.html ## Start the service with a demonstration clinic and a simulated patient
+	@$(BIN)/telemotion demo --port $(PORT)
+
+browser: ## Install Debian's Chromium when it is absent and this is root
+	@if command -v chromium >/dev/null || [ -n "$$CHROMIUM" ]; then :; \
+	elif [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+		echo "Installing Chromium for the browser tests ..."; \
+		apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends chromium fonts-dejavu-core >/dev/null; \
+	else echo "Chromium is needed for the browser tests: install it, or set CHROMIUM to its path"; exit 1; fi
+
+lint: $(VENV)/installed
+	@$(BIN)/ruff check . && $(BIN)/ruff format --check .
+
+types: $(VENV)/installed
+	@$(BIN)/mypy
+
+web-test: web/node_modules/installed
+	@cd web && npm run --silent check && npm test --silent
+
+test: lint types web-test web/dist/index.html browser ## Everything: lint, types, browser client, unit, service, database and browser tests
+	@$(BIN)/python -m pytest --cov --cov-report=term:skip-covered --durations=15
+
+test-quick: $(VENV)/installed ## Under two minutes, no browser
+	@$(BIN)/python -m pytest -m "not slow and not e2e and not postgres" -n 2
+
+bench-live: $(VENV)/installed ## 50 live sessions of 17 sensors at 100 Hz; prints latency and load
+	@$(BIN)/python -m tests.benchmarks.bench_live
+
+bench-kernels: $(VENV)/installed ## Orientation kernels beside the vqf package
+	@$(BIN)/python -m tests.benchmarks.bench_kernels
+
+bench-viewer: $(VENV)/installed ## Processor cost of the 3D scene
+	@$(BIN)/python -m tests.benchmarks.bench_viewer
+
+validate: $(VENV)/installed ## Published experiments, ours beside theirs
+	@$(BIN)/telemotion validate
+
+lock: ## Rewrite requirements.lock from pyproject.toml (needs uv)
+	uv pip compile --quiet --universal --generate-hashes --no-header --extra test --python-version 3.11 pyproject.toml -o requirements.lock
+
+wheel: $(VENV)/installed web/dist/index.html ## Build a wheel that carries the browser client
+	@rm -rf app/static && cp -r web/dist app/static
+	@$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation -w dist .
+
+clean: ## Remove everything that is built; the database under var/ stays
+	@rm -rf $(VENV) web/node_modules web/dist app/static dist build

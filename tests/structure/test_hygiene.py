@@ -1,0 +1,40 @@
+"""What must never be in a tracked file, and what every public docstring must have."""
+
+import re
+import subprocess
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def tracked(*patterns: str) -> list[Path]:
+    listing = subprocess.run(
+        ["git", "ls-files", "--", *patterns], cwd=ROOT, capture_output=True, text=True, check=True
+    ).stdout
+    return [ROOT / line for line in listing.splitlines() if (ROOT / line).is_file()]
+
+
+def test_locks_hold_no_registry_addresses() -> None:
+    for path in tracked("requirements.lock", "web/package-lock.json", "web/.npmrc"):
+        text = path.read_text()
+        assert not re.search(r"index-url|\"resolved\": *\"https?://|^registry *=", text, re.MULTILINE), path
+
+
+def test_no_machine_paths_in_tracked_files() -> None:
+    pattern = re.compile(r"/root/|/work/(main|shared)|/tmp/bash_jobs")
+    found = []
+    for path in tracked("*.py", "*.ts", "*.tsx", "*.md", "*.toml", "Makefile", "docker/*", ".ci/*"):
+        if path == Path(__file__):
+            continue
+        if pattern.search(path.read_text()):
+            found.append(path.name)
+    assert not found
+
+
+def test_test_data_names_its_origin_and_licence() -> None:
+    for folder in (ROOT / "tests" / "data").iterdir():
+        if folder.is_dir():
+            names = {path.name for path in folder.iterdir()}
+            assert "ORIGIN.md" in names, f"{folder.name} has no ORIGIN.md"
+    total = sum(path.stat().st_size for path in tracked("tests/data"))
+    assert total < 10e6, "test data is megabytes, not tens"
