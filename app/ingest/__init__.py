@@ -1,0 +1,1 @@
+"""How measurements come in: the packet, the socket and uploads."""

@@ -1,0 +1,152 @@
+"""What a gateway declares in its hello, checked once and stored with the session."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any, get_args
+
+from app.errors import PacketError
+from app.live.messages import PROTOCOL_VERSION, HelloMessage
+from estimators.conventions import PLACEMENTS, Placement
+
+_SCALE_LIMITS = {
+    "gyroscope_scale": 0.1,
+    "accelerometer_scale": 1.0,
+    "magnetometer_scale": 1e-4,
+}
+"""Largest believable size of one count: above it 16 bits would span more than any sensor measures."""
+
+
+@dataclass(frozen=True)
+class ClockEpoch:
+    """From which packet on the device clock has which offset to the session clock.
+
+    A session has one, and another each time its device starts its clock afresh.
+
+    Attributes
+    ----------
+    first_sequence : int
+        Unwrapped sequence of the first packet on this clock.
+    offset_us : int
+        Session time minus unwrapped device time.
+    """
+
+    first_sequence: int
+    offset_us: int
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """A checked hello without its ticket; `to_dict` is what the session stores.
+
+    Attributes
+    ----------
+    placements : tuple of Placement
+        Sensors in the order of the packets.
+    rate_hz : float
+        Tick rate of the device, also the common tick of the session.
+    gyroscope_scale, accelerometer_scale, magnetometer_scale : float or None
+        rad/s, m/s^2 and T per count for int16 packets; None when the device sends float32 only.
+    clip_gyroscope_radps, clip_accelerometer_mps2 : float or None
+        Full scale of the sensors; None when unknown.
+    clock_epochs : tuple of ClockEpoch
+        Found by the live session; empty until its first packet.
+    """
+
+    placements: tuple[Placement, ...]
+    rate_hz: float
+    gyroscope_scale: float | None = None
+    accelerometer_scale: float | None = None
+    magnetometer_scale: float | None = None
+    clip_gyroscope_radps: float | None = None
+    clip_accelerometer_mps2: float | None = None
+    device: str = ""
+    firmware: str = ""
+    clock_epochs: tuple[ClockEpoch, ...] = field(default=())
+
+    @property
+    def sensor_count(self) -> int:
+        """Number of sensors in every packet."""
+        return len(self.placements)
+
+    @property
+    def time_step_s(self) -> float:
+        """Interval of the common tick."""
+        return 1.0 / self.rate_hz
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain JSON types; `from_dict` reverses it."""
+        stored = asdict(self)
+        stored["placements"] = list(self.placements)
+        stored["clock_epochs"] = [asdict(epoch) for epoch in self.clock_epochs]
+        return stored
+
+    @classmethod
+    def from_dict(cls, stored: Mapping[str, Any]) -> "Declaration":
+        """Rebuild from what the session stored."""
+        values = {name: stored[name] for name in cls.__dataclass_fields__ if name in stored}
+        values["placements"] = tuple(values["placements"])
+        values["clock_epochs"] = tuple(ClockEpoch(**epoch) for epoch in values.get("clock_epochs") or ())
+        return cls(**values)
+
+    def same_network(self, other: "Declaration") -> bool:
+        """Whether packets under the two declarations mean the same."""
+        names = ("placements", "rate_hz", *_SCALE_LIMITS, "clip_gyroscope_radps", "clip_accelerometer_mps2")
+        return all(getattr(self, name) == getattr(other, name) for name in names)
+
+
+def check_hello(hello: HelloMessage) -> Declaration:
+    """Check what a gateway declares.
+
+    Raises
+    ------
+    PacketError
+        With the reason `protocol_version`, `placements`, `rate` or `scales`.
+    """
+    if hello.protocol_version != PROTOCOL_VERSION:
+        raise PacketError(
+            f"This service speaks protocol version {PROTOCOL_VERSION}, the hello says"
+            f" {hello.protocol_version}; update the gateway.",
+            reason="protocol_version",
+        )
+    return Declaration(
+        placements=check_placements(hello.placements),
+        rate_hz=_check_rate(hello.rate_hz),
+        device=hello.device,
+        firmware=hello.firmware,
+        clip_gyroscope_radps=_check_positive("clip_gyroscope_radps", hello.clip_gyroscope_radps, 1e3),
+        clip_accelerometer_mps2=_check_positive("clip_accelerometer_mps2", hello.clip_accelerometer_mps2, 1e4),
+        **{name: _check_positive(name, getattr(hello, name), limit) for name, limit in _SCALE_LIMITS.items()},
+    )
+
+
+def check_placements(names: list[str]) -> tuple[Placement, ...]:
+    """Return the placements, or say which name is unknown or given twice."""
+    if not names:
+        raise PacketError("The hello names no sensor; list the placements in packet order.", reason="placements")
+    unknown = [name for name in names if name not in get_args(Placement)]
+    if unknown:
+        raise PacketError(
+            f"Unknown placements {', '.join(name[:40] for name in unknown[:5])};"
+            f" use {', '.join(PLACEMENTS)}.",
+            reason="placements",
+        )
+    if len(set(names)) != len(names):
+        raise PacketError("A placement is named twice; each sensor has its own.", reason="placements")
+    return tuple(name for placement in names for name in PLACEMENTS if name == placement)
+
+
+def _check_rate(rate_hz: float) -> float:
+    if not (math.isfinite(rate_hz) and 10.0 <= rate_hz <= 1000.0):
+        raise PacketError(f"A rate of {rate_hz} Hz cannot be used; send 10 to 1000 Hz.", reason="rate")
+    return rate_hz
+
+
+def _check_positive(name: str, value: float | None, limit: float) -> float | None:
+    if value is None:
+        return None
+    if not (math.isfinite(value) and 0.0 < value <= limit):
+        raise PacketError(
+            f"{name} is {value}; it must be above 0 and at most {limit:g} in SI units.", reason="scales"
+        )
+    return value
