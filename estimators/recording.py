@@ -68,7 +68,8 @@ class ImuChunk:
     @property
     def time_s(self) -> Float:
         """Time of each tick since the start of the session, shape (K,)."""
-        return (self.first_tick + np.arange(self.tick_count)) * self.time_step_s
+        ticks = np.arange(self.first_tick, self.first_tick + self.tick_count, dtype=np.float64)
+        return ticks * self.time_step_s
 
     def ticks(self, start: int, stop: int) -> "ImuChunk":
         """Return the half-open range of ticks `[start, stop)`, counted within this chunk."""
@@ -107,7 +108,9 @@ class SensorSignals:
         for name in ("gyroscope_radps", "accelerometer_mps2", "magnetometer_t"):
             values = getattr(self, name)
             if values is not None and values.shape != (samples, 3):
-                raise ShapeError(f"{name} has shape {values.shape}; {samples} time stamps need ({samples}, 3)")
+                raise ShapeError(
+                    f"{name} has shape {values.shape}; {samples} time stamps need ({samples}, 3)"
+                )
         if samples and not (np.diff(self.time_s) > 0).all():
             raise ShapeError("time_s must increase strictly; sort the samples and drop repeated stamps")
 
@@ -141,7 +144,8 @@ class Recording:
         """From the earliest to the latest sample of any sensor."""
         if not self.sensors:
             return 0.0
-        return max(s.time_s[-1] for s in self.sensors.values()) - min(s.time_s[0] for s in self.sensors.values())
+        first = min(float(sensor.time_s[0]) for sensor in self.sensors.values())
+        return max(float(sensor.time_s[-1]) for sensor in self.sensors.values()) - first
 
 
 __all__ = ["Float", "ImuChunk", "Placement", "Recording", "SampleQuality", "SensorSignals"]

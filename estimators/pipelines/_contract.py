@@ -12,24 +12,9 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.body import BodyDimensions as BodyDimensions
 from estimators.conventions import Placement
 from estimators.recording import Float, ImuChunk
-
-
-@dataclass(frozen=True)
-class BodyDimensions:
-    """Lengths of the patient's segments; defaults are those of a person 1.70 m tall.
-
-    All between joint centres, in metres. `stature_m` scales what was not measured.
-    """
-
-    stature_m: float = 1.70
-    upper_arm_m: float = 0.30
-    forearm_m: float = 0.25
-    hand_m: float = 0.18
-    shoulder_width_m: float = 0.36
-    trunk_m: float = 0.50
-    """From the middle of the hips to the height of the shoulders."""
 
 
 @dataclass(frozen=True)
@@ -105,7 +90,9 @@ class SessionSetup:
         values["body"] = BodyDimensions(**values["body"])
         if values.get("calibration") is not None:
             calibration = dict(values["calibration"])
-            calibration["q_sensor_segment"] = {k: tuple(v) for k, v in calibration["q_sensor_segment"].items()}
+            calibration["q_sensor_segment"] = {
+                k: tuple(v) for k, v in calibration["q_sensor_segment"].items()
+            }
             calibration["gyroscope_bias_radps"] = {
                 k: tuple(v) for k, v in calibration["gyroscope_bias_radps"].items()
             }
@@ -148,7 +135,8 @@ class Frames:
     q_room_segment : ndarray, shape (K, G, 4)
     point_room_m : ndarray, shape (K, P, 3)
     angle_rad : ndarray, shape (K, A)
-        NaN where the segments it needs are not worn or not calibrated. Unwrapped in time, so curves do not jump.
+        NaN where the segments it needs are not worn or not calibrated. Unwrapped in time, so curves do
+        not jump.
     angle_sigma_rad : ndarray, shape (K, A)
         One-sigma from orientation uncertainty, NaN where unknown.
     scalar : ndarray, shape (K, C)
@@ -177,7 +165,8 @@ class Frames:
     @property
     def time_s(self) -> Float:
         """Time of each tick since the start of the session, shape (K,)."""
-        return (self.first_tick + np.arange(self.tick_count)) * self.time_step_s
+        ticks = np.arange(self.first_tick, self.first_tick + self.tick_count, dtype=np.float64)
+        return ticks * self.time_step_s
 
 
 class Pipeline(ABC):
