@@ -1,0 +1,113 @@
+"""The one decorator of compiled loops, and scalar quaternion helpers that they inline.
+
+A kernel is compiled when its module is imported, for one explicit signature over C-contiguous float64,
+and kept in numba's cache beside the source (`NUMBA_CACHE_DIR` in a read-only installation). Numba does
+not see a change of a helper in another file: after editing this file, delete `__pycache__/*.nb?`.
+
+Helpers take and give scalars in tuples, so that no array is made inside a loop. Quaternions are wxyz.
+"""
+
+import math
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
+
+import numba
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def kernel(signature: str) -> Callable[[F], F]:
+    """Compile a loop for one signature: no GIL, cached, IEEE arithmetic (so chunking cannot change bits).
+
+    Parameters
+    ----------
+    signature : str
+        Numba type string, for instance `"void(float64[:, ::1], float64)"`.
+
+    Returns
+    -------
+    callable
+        Decorator; the plain Python function stays reachable as `.py_func` for tests.
+    """
+    return cast(Callable[[F], F], numba.njit(signature, cache=True, nogil=True, error_model="numpy"))
+
+
+Scalars3 = tuple[float, float, float]
+Scalars4 = tuple[float, float, float, float]
+
+_QUATERNION = "UniTuple(float64, 4)"
+_VECTOR = "UniTuple(float64, 3)"
+_F = "float64"
+
+SMALL_ANGLE_RAD = 1e-4
+"""Below this a two-term series is exact to the last bit: the next term is under angle^4 / 120 = 1e-18."""
+
+
+@kernel(f"{_QUATERNION}({', '.join([_F] * 8)})")
+def multiply(
+    pw: float, px: float, py: float, pz: float, qw: float, qx: float, qy: float, qz: float
+) -> Scalars4:
+    """Return the Hamilton product p * q."""
+    return (
+        pw * qw - px * qx - py * qy - pz * qz,
+        pw * qx + px * qw + py * qz - pz * qy,
+        pw * qy - px * qz + py * qw + pz * qx,
+        pw * qz + px * qy - py * qx + pz * qw,
+    )
+
+
+@kernel(f"{_VECTOR}({', '.join([_F] * 7)})")
+def rotate(w: float, x: float, y: float, z: float, vx: float, vy: float, vz: float) -> Scalars3:
+    """Rotate the vector v by the unit quaternion."""
+    tx = 2.0 * (y * vz - z * vy)
+    ty = 2.0 * (z * vx - x * vz)
+    tz = 2.0 * (x * vy - y * vx)
+    return (
+        vx + w * tx + y * tz - z * ty,
+        vy + w * ty + z * tx - x * tz,
+        vz + w * tz + x * ty - y * tx,
+    )
+
+
+@kernel(f"{_VECTOR}({', '.join([_F] * 7)})")
+def rotate_back(w: float, x: float, y: float, z: float, vx: float, vy: float, vz: float) -> Scalars3:
+    """Rotate the vector v by the conjugate of the unit quaternion."""
+    return rotate(w, -x, -y, -z, vx, vy, vz)
+
+
+@kernel(f"{_QUATERNION}(float64, float64, float64)")
+def exponential(rx: float, ry: float, rz: float) -> Scalars4:
+    """Return the unit quaternion of a rotation vector in radians."""
+    angle = math.sqrt(rx * rx + ry * ry + rz * rz)
+    # sin(a/2)/a and its series 1/2 - a^2/48 around zero
+    scale = 0.5 - angle * angle / 48.0 if angle < SMALL_ANGLE_RAD else math.sin(0.5 * angle) / angle
+    return math.cos(0.5 * angle), rx * scale, ry * scale, rz * scale
+
+
+@kernel(f"{_QUATERNION}(float64, float64, float64, float64)")
+def normalized(w: float, x: float, y: float, z: float) -> Scalars4:
+    """Return the quaternion at unit norm; the zero quaternion becomes the identity."""
+    norm = math.sqrt(w * w + x * x + y * y + z * z)
+    if norm == 0.0:
+        return 1.0, 0.0, 0.0, 0.0
+    return w / norm, x / norm, y / norm, z / norm
+
+
+@kernel("float64(float64)")
+def wrapped(angle: float) -> float:
+    """Bring an angle to the interval [-pi, pi)."""
+    return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
+
+
+__all__ = [
+    "SMALL_ANGLE_RAD",
+    "Scalars3",
+    "Scalars4",
+    "exponential",
+    "kernel",
+    "multiply",
+    "normalized",
+    "rotate",
+    "rotate_back",
+    "wrapped",
+]
