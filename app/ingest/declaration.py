@@ -9,13 +9,6 @@ from app.errors import PacketError
 from app.live.messages import PROTOCOL_VERSION, HelloMessage
 from estimators.conventions import PLACEMENTS, Placement
 
-_SCALE_LIMITS = {
-    "gyroscope_scale": 0.1,
-    "accelerometer_scale": 1.0,
-    "magnetometer_scale": 1e-4,
-}
-"""Largest believable size of one count: above it 16 bits would span more than any sensor measures."""
-
 
 @dataclass(frozen=True)
 class ClockEpoch:
@@ -91,12 +84,23 @@ class Declaration:
 
     def same_network(self, other: "Declaration") -> bool:
         """Whether packets under the two declarations mean the same."""
-        names = ("placements", "rate_hz", *_SCALE_LIMITS, "clip_gyroscope_radps", "clip_accelerometer_mps2")
+        names = (
+            "placements",
+            "rate_hz",
+            "gyroscope_scale",
+            "accelerometer_scale",
+            "magnetometer_scale",
+            "clip_gyroscope_radps",
+            "clip_accelerometer_mps2",
+        )
         return all(getattr(self, name) == getattr(other, name) for name in names)
 
 
 def check_hello(hello: HelloMessage) -> Declaration:
     """Check what a gateway declares.
+
+    One count may be at most 0.1 rad/s, 1 m/s^2 or 100 uT: above it, 16 bits would span more than any sensor
+    measures, so the unit is wrong.
 
     Raises
     ------
@@ -115,15 +119,21 @@ def check_hello(hello: HelloMessage) -> Declaration:
         device=hello.device,
         firmware=hello.firmware,
         clip_gyroscope_radps=_check_positive("clip_gyroscope_radps", hello.clip_gyroscope_radps, 1e3),
-        clip_accelerometer_mps2=_check_positive("clip_accelerometer_mps2", hello.clip_accelerometer_mps2, 1e4),
-        **{name: _check_positive(name, getattr(hello, name), limit) for name, limit in _SCALE_LIMITS.items()},
+        clip_accelerometer_mps2=_check_positive(
+            "clip_accelerometer_mps2", hello.clip_accelerometer_mps2, 1e4
+        ),
+        gyroscope_scale=_check_positive("gyroscope_scale", hello.gyroscope_scale, 0.1),
+        accelerometer_scale=_check_positive("accelerometer_scale", hello.accelerometer_scale, 1.0),
+        magnetometer_scale=_check_positive("magnetometer_scale", hello.magnetometer_scale, 1e-4),
     )
 
 
 def check_placements(names: list[str]) -> tuple[Placement, ...]:
     """Return the placements, or say which name is unknown or given twice."""
     if not names:
-        raise PacketError("The hello names no sensor; list the placements in packet order.", reason="placements")
+        raise PacketError(
+            "The hello names no sensor; list the placements in packet order.", reason="placements"
+        )
     unknown = [name for name in names if name not in get_args(Placement)]
     if unknown:
         raise PacketError(

@@ -141,7 +141,8 @@ def decode_packet(data: bytes, declaration: Declaration | None = None) -> Packet
     size = len(data)
     if size < HEADER_BYTES:
         raise PacketError(
-            f"The packet has {size} bytes; the header alone has {HEADER_BYTES}. Send one whole packet a message.",
+            f"The packet has {size} bytes; the header alone has {HEADER_BYTES}."
+            " Send one whole packet a message.",
             reason="truncated",
         )
     magic, sensors, ticks, mask, encoding, flags, reserved, sequence, time_us, interval_us, crc = (
@@ -175,7 +176,9 @@ def decode_packet(data: bytes, declaration: Declaration | None = None) -> Packet
         )
     if declaration is not None:
         _check_declared(declaration, sensors, mask, encoding, interval_us, sequence)
-    values = np.frombuffer(data, "<i2" if encoding else "<f4", offset=HEADER_BYTES).reshape(ticks, sensors, width)
+    values = np.frombuffer(data, "<i2" if encoding else "<f4", offset=HEADER_BYTES).reshape(
+        ticks, sensors, width
+    )
     if not encoding and not np.abs(values).max() <= VALUE_LIMIT:
         raise _value_error(values, sequence)
     return Packet(data, sequence, time_us, interval_us, sensors, ticks, mask, encoding, flags, values)
@@ -205,10 +208,14 @@ def encode_packet(
         When the counts do not fit the format.
     """
     if values.dtype not in (np.dtype("<f4"), np.dtype("<i2")) or values.ndim != 3:
-        raise PacketError("Give float32 or int16 values of shape (ticks, sensors, values).", reason="encoding")
+        raise PacketError(
+            "Give float32 or int16 values of shape (ticks, sensors, values).", reason="encoding"
+        )
     ticks, sensors, width = values.shape
     if not 0 < int(channels) <= _KNOWN_MASK or width != _VALUES_PER_SENSOR[int(channels)]:
-        raise PacketError(f"{width} values per sensor do not fit mask {int(channels):#x}.", reason="channel_mask")
+        raise PacketError(
+            f"{width} values per sensor do not fit mask {int(channels):#x}.", reason="channel_mask"
+        )
     encoding = INT16 if values.dtype == np.dtype("<i2") else FLOAT32
     if not (
         0 < sensors <= MAX_SENSORS
@@ -257,7 +264,9 @@ def packet_from_json(message: JsonPacket, declaration: Declaration | None = None
         if has_magnetometer:
             channels.append(sensor.magnetometer or [])
         elif sensor.magnetometer is not None:
-            raise PacketError("Give a magnetometer for all sensors or for none.", reason="shape", sensor=number)
+            raise PacketError(
+                "Give a magnetometer for all sensors or for none.", reason="shape", sensor=number
+            )
         if any(len(rows) != ticks or any(len(row) != 3 for row in rows) for rows in channels):
             raise PacketError(
                 f"Sensor {number} must have {ticks} rows of three values in every channel, as sensor 0 has.",
@@ -313,16 +322,27 @@ def _check_declared(
 
 
 def _header_error(
-    magic: bytes, sensors: int, ticks: int, mask: int, encoding: int, flags: int, reserved: int, interval_us: int
+    magic: bytes,
+    sensors: int,
+    ticks: int,
+    mask: int,
+    encoding: int,
+    flags: int,
+    reserved: int,
+    interval_us: int,
 ) -> PacketError:
     if magic != MAGIC:
-        return PacketError("The message does not start with BNP1; it is no body-network packet.", reason="magic")
+        return PacketError(
+            "The message does not start with BNP1; it is no body-network packet.", reason="magic"
+        )
     if reserved:
         return PacketError("The reserved bytes 10 and 11 must be zero in version 1.", reason="reserved")
     if flags > _KNOWN_FLAGS:
         return PacketError(f"Flags {flags:#x} has unknown bits; only bits 0 and 1 exist.", reason="flags")
     if encoding > INT16:
-        return PacketError(f"Encoding {encoding} is unknown; use 0 (float32) or 1 (int16).", reason="encoding")
+        return PacketError(
+            f"Encoding {encoding} is unknown; use 0 (float32) or 1 (int16).", reason="encoding"
+        )
     if not 0 < mask <= _KNOWN_MASK:
         return PacketError(
             f"Channel mask {mask:#x} is empty or has unknown bits; bits 0 to 7 exist.", reason="channel_mask"
@@ -344,8 +364,8 @@ def _value_error(values: NDArray[np.float32] | NDArray[np.float64], sequence: in
     where = {"sequence": sequence, "tick": tick, "sensor": sensor}
     if not np.isfinite(values).all():
         return PacketError(
-            f"Tick {tick} of sensor {sensor} holds NaN or infinity. Send zeros in all channels for a sensor that"
-            " gave nothing.",
+            f"Tick {tick} of sensor {sensor} holds NaN or infinity."
+            " Send zeros in all channels for a sensor that gave nothing.",
             reason="not_finite",
             **where,
         )

@@ -1,0 +1,263 @@
+"""Where a packet stands: unwrapped sequence, session time, and how the device clock runs against ours.
+
+Session time is device time from the first packet on, so it depends on the packets alone and a stored session
+can be aligned again, bit for bit. Arrival times only tell the skew and bridge a restart of the device clock.
+"""
+
+from collections import deque
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from app.errors import PacketError
+from app.ingest.declaration import ClockEpoch, Declaration
+from app.ingest.packet import Packet
+from estimators.recording import Float
+
+MAX_GAP_US = 600_000_000
+"""A session with a longer hole is two sessions."""
+_REMEMBERED = 65_536
+_WRAP_32 = 1 << 32
+_WRAP_64 = 1 << 64
+_SEQUENCE_JUMP = 1_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Admitted:
+    """A packet's place in its session.
+
+    Attributes
+    ----------
+    sequence : int
+        Unwrapped: never falls back to zero.
+    time_us : int
+        Session time of the first tick.
+    is_duplicate : bool
+        The same packet came before.
+    """
+
+    sequence: int
+    time_us: int
+    is_duplicate: bool
+
+
+class PacketClock:
+    """Gives every packet of one session its place, or says why it has none.
+
+    Parameters
+    ----------
+    declaration : Declaration
+        With the clock epochs known so far, if the session was met before.
+    """
+
+    def __init__(self, declaration: Declaration) -> None:
+        self.declaration = declaration
+        self.time_errors = 0
+        self._times: dict[int, int] = {}
+        self._order: deque[int] = deque()
+        self._highest = -1
+        self._highest_time_us = 0
+        self._highest_duration_us = 0
+        self._reference_us: int | None = None
+        self._highest_arrival_s: float | None = None
+        self._is_new_connection = False
+
+    @property
+    def highest(self) -> int:
+        """Highest sequence admitted; -1 before the first."""
+        return self._highest
+
+    @property
+    def session_time_us(self) -> int:
+        """End of the newest packet."""
+        return self._highest_time_us + self._highest_duration_us if self._highest >= 0 else 0
+
+    def begin_connection(self) -> None:
+        """Allow the next new packet to start a new clock: the device may have been switched off."""
+        self._is_new_connection = True
+
+    def admit(self, packet: Packet, arrival_s: float | None = None) -> Admitted:
+        """Find the packet's place.
+
+        Parameters
+        ----------
+        packet : Packet
+        arrival_s : float, optional
+            Monotonic server time of arrival.
+
+        Raises
+        ------
+        PacketError
+            `time_backwards`, `time_jump`, `sequence_jump` or `sequence_reused`. The packet is not
+            admitted and nothing else changes.
+        """
+        sequence = self._unwrap_sequence(packet.sequence)
+        device_us = self._unwrap_time(packet.device_time_us)
+        if not self.declaration.clock_epochs:
+            self._add_epoch(ClockEpoch(0, -device_us))
+        time_us = device_us + self._offset_us(sequence)
+        known = self._times.get(sequence)
+        if known is not None:
+            if known != time_us:
+                raise PacketError(
+                    "This sequence number was used for another packet; after a restart go on after the"
+                    " acknowledged `highest`.",
+                    reason="sequence_reused",
+                    sequence=packet.sequence,
+                )
+            return Admitted(sequence, time_us, is_duplicate=True)
+        duration_us = packet.tick_count * packet.tick_interval_us
+        if sequence > self._highest:
+            time_us = self._check_newest(packet, sequence, device_us, time_us, arrival_s)
+            self._highest = sequence
+            self._highest_time_us = time_us
+            self._highest_duration_us = duration_us
+            self._highest_arrival_s = arrival_s
+            self._reference_us = device_us
+            self._is_new_connection = False
+        elif time_us + duration_us > self._highest_time_us + packet.tick_interval_us // 2:
+            raise self._time_error(packet, "time_backwards", "is later than that of a higher sequence number")
+        self._remember(sequence, time_us)
+        return Admitted(sequence, time_us, is_duplicate=False)
+
+    def _check_newest(
+        self, packet: Packet, sequence: int, device_us: int, time_us: int, arrival_s: float | None
+    ) -> int:
+        if self._highest < 0:
+            return time_us
+        steps = sequence - self._highest
+        gap_us = time_us - self.session_time_us
+        declared = any(epoch.first_sequence == sequence for epoch in self.declaration.clock_epochs)
+        backwards = gap_us < -(packet.tick_interval_us // 2)
+        too_far = gap_us > MAX_GAP_US or gap_us > 60_000_000 + 2 * steps * self._highest_duration_us
+        if self._is_new_connection and not declared and (backwards or too_far):
+            elapsed_us = 1_000_000
+            if arrival_s is not None and self._highest_arrival_s is not None:
+                elapsed_us = round(1e6 * (arrival_s - self._highest_arrival_s))
+            time_us = self.session_time_us + min(max(elapsed_us, 0), MAX_GAP_US)
+            self._add_epoch(ClockEpoch(sequence, time_us - device_us))
+            return time_us
+        if backwards:
+            raise self._time_error(packet, "time_backwards", "lies before the end of the packet before it")
+        if too_far:
+            raise self._time_error(
+                packet, "time_jump", f"is {gap_us / 1e6:.0f} s ahead of the packet before it"
+            )
+        if steps > _SEQUENCE_JUMP:
+            raise PacketError(
+                f"The sequence number is {steps} ahead of the newest; count packets one by one.",
+                reason="sequence_jump",
+                sequence=packet.sequence,
+            )
+        return time_us
+
+    def _time_error(self, packet: Packet, reason: str, what: str) -> PacketError:
+        self.time_errors += 1
+        return PacketError(
+            f"The device time {packet.device_time_us} us {what}; if the device clock was set anew, reconnect"
+            " with a new hello.",
+            reason=reason,
+            sequence=packet.sequence,
+        )
+
+    def _unwrap_sequence(self, raw: int) -> int:
+        if self._highest < 0:
+            return raw
+        step = (raw - self._highest + (_WRAP_32 >> 1)) % _WRAP_32 - (_WRAP_32 >> 1)
+        sequence = self._highest + step
+        return sequence if sequence >= 0 else sequence + _WRAP_32
+
+    def _unwrap_time(self, raw: int) -> int:
+        reference = self._reference_us
+        if reference is None:
+            return raw
+        low = reference % _WRAP_64
+        step = (raw - low + (_WRAP_64 >> 1)) % _WRAP_64 - (_WRAP_64 >> 1)
+        if raw < _WRAP_32 and -_WRAP_32 < step < -(_WRAP_32 >> 1) and low >= _WRAP_32 - MAX_GAP_US:
+            step += _WRAP_32  # a 32-bit microsecond counter, 71 minutes long, in the 64-bit field
+        elif (
+            reference >= _WRAP_32
+            and raw < _WRAP_32
+            and step <= -(_WRAP_32 >> 1)
+            and not self._is_new_connection
+        ):
+            turns = round((reference - raw) / _WRAP_32)
+            step = raw + turns * _WRAP_32 - reference
+        return reference + step
+
+    def _offset_us(self, sequence: int) -> int:
+        epochs = self.declaration.clock_epochs
+        for epoch in reversed(epochs):
+            if sequence >= epoch.first_sequence:
+                return epoch.offset_us
+        return epochs[0].offset_us
+
+    def _add_epoch(self, epoch: ClockEpoch) -> None:
+        self.declaration = replace(self.declaration, clock_epochs=(*self.declaration.clock_epochs, epoch))
+
+    def _remember(self, sequence: int, time_us: int) -> None:
+        self._times[sequence] = time_us
+        self._order.append(sequence)
+        if len(self._order) > _REMEMBERED:
+            del self._times[self._order.popleft()]
+
+
+class SkewEstimator:
+    """How fast the device clock runs against the server's, from the quickest packets.
+
+    Delay on the way is never negative, so the lower envelope of arrival minus device time is the clock; its
+    slope is the skew. One minimum a second over the last two minutes, then a line under them.
+    """
+
+    def __init__(self, window_s: int = 120) -> None:
+        self._minima: deque[tuple[float, float]] = deque(maxlen=window_s)
+        self._second: int | None = None
+
+    def add(self, device_s: float, arrival_s: float) -> None:
+        """Take one packet's device time (its last tick) and monotonic arrival time."""
+        delay = arrival_s - device_s
+        second = int(device_s)
+        if second == self._second:
+            if delay < self._minima[-1][1]:
+                self._minima[-1] = (device_s, delay)
+        elif self._second is None or second > self._second:
+            self._second = second
+            self._minima.append((device_s, delay))
+
+    def reset(self) -> None:
+        """Forget: the device clock started anew or the stream was resumed."""
+        self._minima.clear()
+        self._second = None
+
+    @property
+    def skew_ppm(self) -> float | None:
+        """Server seconds per device second minus one, in 1e-6.
+
+        None before 20 s, and when it is no clock at all: more than 2000 ppm, so not sent in real time.
+        """
+        if len(self._minima) < 20 or self._minima[-1][0] - self._minima[0][0] < 20.0:
+            return None
+        device_s, delay_s = np.array(self._minima).T
+        slope = _slope_under(device_s, delay_s)
+        return None if abs(slope) > 2e-3 else 1e6 * slope
+
+
+def _slope_under(x: Float, y: Float) -> float:
+    """Slope of the line below all points with the smallest sum of distances to them.
+
+    It is the edge of the lower convex hull that spans the mean of x (the dual of that linear program).
+    """
+    hull: list[int] = []
+    for i in range(x.shape[0]):
+        while len(hull) >= 2:
+            a, b = hull[-2], hull[-1]
+            if (y[b] - y[a]) * (x[i] - x[a]) < (y[i] - y[a]) * (x[b] - x[a]):
+                break
+            hull.pop()
+        hull.append(i)
+    middle = x.mean()
+    for a, b in pairwise(hull):
+        if x[b] >= middle:
+            return float((y[b] - y[a]) / (x[b] - x[a]))
+    return 0.0

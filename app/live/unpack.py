@@ -1,0 +1,108 @@
+"""One packet's values to SI signals with their quality: scales, clip levels and sensors that gave nothing."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.ingest.declaration import Declaration
+from app.ingest.packet import INT16, Channel, Packet, PacketFlag
+from estimators.recording import Float, SampleQuality
+
+STUCK_LIMIT_S = 0.5
+"""A sensor that repeats the same value in every inertial channel for so long is not measuring: noise alone
+moves the last bit."""
+
+
+class Unpacker:
+    """Unpacks the packets of one session in order.
+
+    Parameters
+    ----------
+    declaration : Declaration
+    has_magnetometer : bool
+        Whether the signals carry a third channel; NaN in packets without one.
+    """
+
+    def __init__(self, declaration: Declaration, has_magnetometer: bool) -> None:
+        self.channel_count = 3 if has_magnetometer else 2
+        scales = (
+            declaration.gyroscope_scale,
+            declaration.accelerometer_scale,
+            declaration.magnetometer_scale,
+        )
+        self._scales = np.array(scales[: self.channel_count], dtype=float).reshape(-1, 1, 1, 1)
+        self._clips = [
+            np.inf if clip is None else 0.999 * clip
+            for clip in (declaration.clip_gyroscope_radps, declaration.clip_accelerometer_mps2)
+        ]
+        self._count_clips = [
+            min(clip, np.inf if scale is None else 32766.5 * scale)
+            for clip, scale in zip(self._clips, scales[:2], strict=True)
+        ]
+        self._stuck_ticks = max(2, round(STUCK_LIMIT_S * declaration.rate_hz))
+        self._same_ticks = np.zeros(declaration.sensor_count, dtype=np.int64)
+        self._last_sent: Float | None = None
+
+    def unpack(self, packet: Packet) -> tuple[Float, NDArray[np.uint8]]:
+        """Return the next packet's signals and quality.
+
+        Parameters
+        ----------
+        packet : Packet
+            With gyroscope and accelerometer.
+
+        Returns
+        -------
+        signals : ndarray, shape (channels, S, K, 3)
+            Gyroscope in rad/s, accelerometer in m/s^2 and, with a magnetometer, T. NaN where missing.
+        quality : ndarray of uint8, shape (S, K)
+            `SampleQuality` bits.
+        """
+        ticks, sensors = packet.tick_count, packet.sensor_count
+        used = min(3 if packet.channels & Channel.MAGNETOMETER else 2, self.channel_count)
+        values = packet.values[:, :, : 3 * used].reshape(ticks, sensors, used, 3).transpose(2, 1, 0, 3)
+        signals = np.empty((self.channel_count, sensors, ticks, 3))
+        if packet.encoding == INT16:
+            np.multiply(values, self._scales[:used], out=signals[:used])
+        else:
+            signals[:used] = values
+        if used < self.channel_count:
+            signals[used:] = np.nan
+        quality = np.zeros((sensors, ticks), dtype=np.uint8)
+        self._mark_saturated(packet, signals, quality)
+        self._mark_dead(signals, quality)
+        if packet.flags & PacketFlag.BACKFILLED:
+            quality |= np.uint8(SampleQuality.BACKFILLED)
+        return signals, quality
+
+    def _mark_saturated(self, packet: Packet, signals: Float, quality: NDArray[np.uint8]) -> None:
+        found = False
+        clips = self._count_clips if packet.encoding == INT16 else self._clips
+        for values, limit in zip(signals[:2], clips, strict=True):
+            if limit < np.inf and (values.max() >= limit or values.min() <= -limit):
+                quality[(np.abs(values) >= limit).any(axis=2)] |= np.uint8(SampleQuality.SATURATED)
+                found = True
+        if packet.flags & PacketFlag.SATURATED and not found:
+            # The device knows that one of its sensors clipped, the values do not say which.
+            quality |= np.uint8(SampleQuality.SATURATED)
+
+    def _mark_dead(self, signals: Float, quality: NDArray[np.uint8]) -> None:
+        """Mark as MISSING a sensor that sent zeros (the sign of nothing) or stands still to the last bit."""
+        inertial = signals[:2]
+        missing = ~inertial[1].any(axis=2)
+        previous = self._last_sent
+        if previous is not None:
+            repeats = (inertial[:, :, 0] == previous).all(axis=(0, 2))
+            if repeats.any():
+                same = (inertial[:, :, 1:] == inertial[:, :, :-1]).all(axis=(0, 3))
+                for k in range(signals.shape[2]):
+                    self._same_ticks = np.where(
+                        repeats if k == 0 else same[:, k - 1], self._same_ticks + 1, 0
+                    )
+                    missing[:, k] |= self._same_ticks >= self._stuck_ticks
+            else:
+                self._same_ticks[:] = 0
+        self._last_sent = inertial[:, :, -1]
+        if missing.any():
+            self._last_sent = self._last_sent.copy()
+            signals[:, missing] = np.nan
+            quality[missing] |= np.uint8(SampleQuality.MISSING)
