@@ -73,7 +73,9 @@ class OrientationEstimator(ABC):
     """One sentence a therapist understands."""
 
     @abstractmethod
-    def __init__(self, sensor_count: int, time_step_s: float, parameters: Mapping[str, Any] | None = None) -> None:
+    def __init__(
+        self, sensor_count: int, time_step_s: float, parameters: Mapping[str, Any] | None = None
+    ) -> None:
         """Start with no samples seen. Unknown parameter names raise `SetupError`."""
 
     @abstractmethod

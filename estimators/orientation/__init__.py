@@ -1,0 +1,42 @@
+"""Orientation of each sensor in the earth frame: one filter a file, one contract, one registry."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from estimators.errors import SetupError
+from estimators.orientation._contract import OrientationEstimator, OrientationFlag, OrientationResult
+from estimators.orientation._vqf import VqfEstimator
+
+_REGISTRY: dict[str, type[OrientationEstimator]] = {kind.name: kind for kind in (VqfEstimator,)}
+
+
+def available() -> dict[str, type[OrientationEstimator]]:
+    """Return the estimators by name, the default first; `title` and `description` are for people."""
+    return dict(_REGISTRY)
+
+
+def create(
+    name: str, sensor_count: int, time_step_s: float, parameters: Mapping[str, Any] | None = None
+) -> OrientationEstimator:
+    """Build an estimator that has seen no samples.
+
+    Parameters
+    ----------
+    name : str
+        A key of `available()`.
+    sensor_count : int
+    time_step_s : float
+    parameters : mapping, optional
+        What differs from the defaults.
+
+    Raises
+    ------
+    SetupError
+        For an unknown name or parameter.
+    """
+    if name not in _REGISTRY:
+        raise SetupError(f"no orientation estimator {name!r}; known are {', '.join(_REGISTRY)}")
+    return _REGISTRY[name](sensor_count, time_step_s, parameters)
+
+
+__all__ = ["OrientationEstimator", "OrientationFlag", "OrientationResult", "available", "create"]

@@ -1,0 +1,83 @@
+"""What all streaming orientation estimators check and count alike."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.errors import SetupError, ShapeError
+from estimators.recording import Float, ImuChunk, SampleQuality
+
+MAXIMUM_SENSORS = 255
+_NEVER = -1
+
+
+class ChunkGuard:
+    """Checks that chunks fit the network and follow each other without a hole.
+
+    Parameters
+    ----------
+    sensor_count : int
+    time_step_s : float
+    """
+
+    def __init__(self, sensor_count: int, time_step_s: float) -> None:
+        if not 1 <= sensor_count <= MAXIMUM_SENSORS:
+            raise SetupError(f"{sensor_count} sensors; an estimator serves 1 to {MAXIMUM_SENSORS}")
+        if not 1e-4 <= time_step_s <= 1.0:
+            raise SetupError(f"time step {time_step_s} s; it must lie between 0.0001 and 1 s")
+        self.sensor_count = sensor_count
+        self.time_step_s = float(time_step_s)
+        self.next_tick = _NEVER
+
+    def accept(self, chunk: ImuChunk) -> None:
+        """Raise `ShapeError` unless the chunk is the next one of this network."""
+        expected = (self.sensor_count, chunk.tick_count, 3)
+        arrays = {"gyroscope_radps": chunk.gyroscope_radps, "accelerometer_mps2": chunk.accelerometer_mps2}
+        if chunk.magnetometer_t is not None:
+            arrays["magnetometer_t"] = chunk.magnetometer_t
+        for name, values in arrays.items():
+            if values.shape != expected:
+                raise ShapeError(f"{name} has shape {values.shape}; this network needs {expected}")
+        if chunk.quality.shape != expected[:2]:
+            raise ShapeError(f"quality has shape {chunk.quality.shape}; it must be {expected[:2]}")
+        if abs(chunk.time_step_s - self.time_step_s) > 1e-9 * self.time_step_s:
+            raise ShapeError(
+                f"chunk at {chunk.time_step_s} s per tick; the estimator runs at {self.time_step_s}"
+            )
+        if self.next_tick not in (_NEVER, chunk.first_tick):
+            raise ShapeError(f"chunk starts at tick {chunk.first_tick}; tick {self.next_tick} is next")
+        self.next_tick = chunk.first_tick + chunk.tick_count
+
+
+def usable_samples(chunk: ImuChunk) -> NDArray[np.bool_]:
+    """Return where gyroscope and accelerometer hold something to work with, shape (S, K)."""
+    missing = (chunk.quality & int(SampleQuality.MISSING)) != 0
+    # One sum per sample is NaN or infinite exactly when a part is (or overflows, which is as bad).
+    with np.errstate(over="ignore", invalid="ignore"):
+        total = chunk.gyroscope_radps.sum(axis=-1) + chunk.accelerometer_mps2.sum(axis=-1)
+    return np.asarray(np.isfinite(total) & ~missing)
+
+
+def bias_array(bias_radps: Float, sigma_radps: float, sensor_count: int) -> Float:
+    """Check a static calibration and return the bias as (S, 3)."""
+    bias = np.ascontiguousarray(bias_radps, dtype=np.float64)
+    if bias.shape != (sensor_count, 3) or not np.isfinite(bias).all():
+        raise ShapeError(f"gyroscope bias must be finite numbers of shape ({sensor_count}, 3)")
+    if not (np.isfinite(sigma_radps) and sigma_radps > 0.0):
+        raise ShapeError(f"standard error of the bias must be above zero, not {sigma_radps}")
+    return bias
+
+
+def copied(state: Mapping[str, NDArray[Any]], name: str, like: NDArray[Any]) -> NDArray[Any]:
+    """Return a stored array, checked against the one it replaces."""
+    if name not in state:
+        raise ShapeError(f"the stored state has no {name}; it was made by another version")
+    values = np.array(state[name], dtype=like.dtype, order="C")
+    if values.shape != like.shape:
+        raise ShapeError(f"stored {name} has shape {values.shape}; this estimator needs {like.shape}")
+    return values
+
+
+__all__ = ["ChunkGuard", "bias_array", "copied", "usable_samples"]
