@@ -1,0 +1,352 @@
+"""Signal chunks: packets and frames to the columns of a row and back, without the database.
+
+Stream `raw` holds every packet once, in the order of arrival, about one second a chunk, with the exact
+bytes of its payload and every field of its header, so each packet can be made again as it came. Stream
+`frames/<result id>` holds what a pipeline found, as 32-bit floats (relative rounding 6e-8) and flags.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.errors import InvalidInput
+from app.recordings import codecs
+from app.recordings.models import SignalChunk
+from app.recordings.ranges import SequenceRanges
+from estimators.pipelines._contract import FrameLayout, Frames
+
+if TYPE_CHECKING:
+    # The wire format's messages name types of this room; at run time the arrow must not close a circle.
+    from app.ingest.packet import Packet
+
+RAW_STREAM: Final = "raw"
+FLOAT32, COUNTS = 0, 1
+_WIDTH: Final = {FLOAT32: 4, COUNTS: 2}
+_HEAD_COLUMNS: Final = 6
+MAX_CHUNK_TICKS: Final = 4096
+
+
+@dataclass(frozen=True, slots=True)
+class RawPacket:
+    """One packet as it came: the header's fields, the payload's bytes and when it arrived.
+
+    Attributes
+    ----------
+    sequence : int
+        Sequence number of the packet; may go on above 32 bits where the sender's counter wrapped.
+    device_time_us : int
+        Device clock at the first tick, as sent.
+    tick_interval_us : int
+    sensor_count, tick_count, channel_mask, encoding, flags : int
+        Fields of the packet header (design page, section 4); encoding 0 is float32, 1 is int16 counts.
+    payload : bytes
+        For each tick, for each sensor, the channels of the mask.
+    arrival_ns : int
+        Server clock when it arrived, ns since the epoch. Never mixed with the device clock.
+    """
+
+    sequence: int
+    device_time_us: int
+    tick_interval_us: int
+    sensor_count: int
+    tick_count: int
+    channel_mask: int
+    encoding: int
+    flags: int
+    payload: bytes
+    arrival_ns: int
+
+    @property
+    def values_per_tick(self) -> int:
+        """Numbers in the payload per tick, over all sensors."""
+        return len(self.payload) // (self.tick_count * _WIDTH[self.encoding])
+
+    @property
+    def shape_key(self) -> tuple[int, int, int, int]:
+        """Packets share a chunk when this is equal."""
+        return self.sensor_count, self.channel_mask, self.encoding, self.values_per_tick
+
+    @classmethod
+    def from_packet(cls, packet: "Packet", arrival_ns: int, sequence: int | None = None) -> "RawPacket":
+        """Take a decoded packet; `sequence` replaces the one on the wire when its counter wrapped."""
+        return cls(
+            sequence=packet.sequence if sequence is None else sequence,
+            device_time_us=packet.device_time_us,
+            tick_interval_us=packet.tick_interval_us,
+            sensor_count=packet.sensor_count,
+            tick_count=packet.tick_count,
+            channel_mask=packet.channels,
+            encoding=packet.encoding,
+            flags=packet.flags,
+            payload=packet.values.tobytes(),
+            arrival_ns=arrival_ns,
+        )
+
+    def table(self) -> NDArray[Any]:
+        """Return the payload as a view, shape (tick_count, values_per_tick), float32 or int16 counts."""
+        dtype = np.dtype("<i2") if self.encoding == COUNTS else np.dtype("<f4")
+        return np.frombuffer(self.payload, dtype=dtype).reshape(self.tick_count, -1)
+
+
+@dataclass(frozen=True, slots=True)
+class EncodedChunk:
+    """A row of `signal_chunk` without its key."""
+
+    start_ns: int
+    ticks: int
+    codec: str
+    scale: dict[str, Any]
+    crc: int
+    data: bytes
+
+
+def check_packet(packet: RawPacket) -> None:
+    """Refuse a packet whose counts do not fit its payload.
+
+    Raises
+    ------
+    InvalidInput
+        With the field that is wrong; the decoder of the wire format catches these first.
+    """
+    if packet.encoding not in _WIDTH:
+        raise InvalidInput(f"packet encoding {packet.encoding} is unknown; use 0 (float32) or 1 (counts)")
+    if not 1 <= packet.tick_count <= MAX_CHUNK_TICKS or packet.sensor_count < 1:
+        raise InvalidInput("a packet needs at least one tick of at least one sensor", field="tick_count")
+    unit = packet.tick_count * _WIDTH[packet.encoding]
+    if not packet.payload or len(packet.payload) % unit:
+        raise InvalidInput(
+            f"a payload of {len(packet.payload)} bytes does not divide into {packet.tick_count} ticks",
+            field="payload",
+        )
+    if not 0 <= packet.sequence < 2**63 or not 0 <= packet.device_time_us < 2**64:
+        raise InvalidInput("sequence or device time is out of range", field="sequence")
+
+
+def encode_packets(packets: Sequence[RawPacket]) -> EncodedChunk:
+    """Encode packets of one `shape_key`, in the given order, as one chunk."""
+    first = packets[0]
+    table = np.concatenate([packet.table() for packet in packets])
+    heads = np.array(
+        [
+            (
+                p.sequence,
+                p.device_time_us - (2**64 if p.device_time_us >= 2**63 else 0),
+                p.tick_interval_us,
+                p.tick_count,
+                p.flags,
+                p.arrival_ns,
+            )
+            for p in packets
+        ],
+        dtype=np.int64,
+    )
+    head = codecs.encode_integers(heads)
+    body = codecs.encode_counts(table) if first.encoding == COUNTS else codecs.encode_floats(table)
+    data = head + body
+    scale = {
+        "packets": len(packets),
+        "ranges": list(SequenceRanges((p.sequence, p.sequence + 1) for p in packets)),
+        "head_bytes": len(head),
+        "sensor_count": first.sensor_count,
+        "channel_mask": first.channel_mask,
+        "encoding": first.encoding,
+        "values_per_tick": int(table.shape[1]),
+    }
+    return EncodedChunk(
+        start_ns=first.arrival_ns,
+        ticks=int(table.shape[0]),
+        codec=codecs.COUNTS_CODEC if first.encoding == COUNTS else codecs.FLOATS_CODEC,
+        scale=scale,
+        crc=codecs.checksum(data),
+        data=data,
+    )
+
+
+def decode_packets(chunk: EncodedChunk | SignalChunk) -> list[RawPacket]:
+    """Restore the packets of a chunk, in the order of arrival.
+
+    Raises
+    ------
+    DamagedChunkError
+        If the checksum does not match.
+    """
+    _check(chunk)
+    scale = chunk.scale
+    split, columns = scale["head_bytes"], scale["values_per_tick"]
+    heads = codecs.decode_integers(chunk.data[:split], scale["packets"], _HEAD_COLUMNS).tolist()
+    table: NDArray[Any]
+    if chunk.codec == codecs.COUNTS_CODEC:
+        table = codecs.decode_counts(chunk.data[split:], chunk.ticks, columns)
+    elif chunk.codec == codecs.FLOATS_CODEC:
+        table = codecs.decode_floats(chunk.data[split:], chunk.ticks, columns)
+    else:
+        raise codecs.DamagedChunkError(f"codec {chunk.codec} is unknown; it was written by a newer version")
+    packets: list[RawPacket] = []
+    row = 0
+    for sequence, device_time, interval, ticks, flags, arrival in heads:
+        packets.append(
+            RawPacket(
+                sequence=sequence,
+                device_time_us=device_time % 2**64,
+                tick_interval_us=interval,
+                sensor_count=scale["sensor_count"],
+                tick_count=ticks,
+                channel_mask=scale["channel_mask"],
+                encoding=scale["encoding"],
+                flags=flags,
+                payload=table[row : row + ticks].tobytes(),
+                arrival_ns=arrival,
+            )
+        )
+        row += ticks
+    return packets
+
+
+def _check(chunk: EncodedChunk | SignalChunk) -> None:
+    if codecs.checksum(chunk.data) != chunk.crc:
+        raise codecs.DamagedChunkError("a stored chunk has a wrong checksum; restore it from the backup")
+
+
+def frames_stream(result_id: str) -> str:
+    """Return the name of the stream that holds a result's frames."""
+    return f"frames/{result_id}"
+
+
+def encode_frames(frames: Frames) -> EncodedChunk:
+    """Encode the frames of consecutive ticks as one chunk; its sequence is `frames.first_tick`."""
+    ticks = frames.tick_count
+    floats = np.concatenate(
+        [
+            frames.q_room_segment.reshape(ticks, -1),
+            frames.point_room_m.reshape(ticks, -1),
+            frames.angle_rad,
+            frames.angle_sigma_rad,
+            frames.scalar,
+        ],
+        axis=1,
+    ).astype(np.float32)
+    flags = np.concatenate([frames.segment_flags, frames.angle_flags], axis=1).astype(np.uint8)
+    head = codecs.encode_floats(floats)
+    data = head + codecs.encode_flags(flags)
+    return EncodedChunk(
+        start_ns=round(frames.first_tick * frames.time_step_s * 1e9),
+        ticks=ticks,
+        codec=codecs.FRAMES_CODEC,
+        scale={
+            "first_tick": frames.first_tick,
+            "time_step_s": frames.time_step_s,
+            "head_bytes": len(head),
+            "floats": int(floats.shape[1]),
+            "flags": int(flags.shape[1]),
+        },
+        crc=codecs.checksum(data),
+        data=data,
+    )
+
+
+def decode_frames(chunk: EncodedChunk | SignalChunk, layout: FrameLayout) -> Frames:
+    """Restore the frames of a chunk."""
+    _check(chunk)
+    scale, ticks = chunk.scale, chunk.ticks
+    split = scale["head_bytes"]
+    floats = codecs.decode_floats(chunk.data[:split], ticks, scale["floats"]).astype(np.float64)
+    flags = codecs.decode_flags(chunk.data[split:], ticks, scale["flags"])
+    segments, points = len(layout.segments), len(layout.points)
+    angles, scalars = len(layout.angles), len(layout.scalars)
+    ends = np.cumsum([4 * segments, 3 * points, angles, angles, scalars])
+    if int(ends[-1]) != scale["floats"] or segments + angles != scale["flags"]:
+        raise codecs.DamagedChunkError("stored frames do not fit the layout of their result")
+    q, p, a, s, c, _ = np.split(floats, ends, axis=1)
+    return Frames(
+        layout=layout,
+        first_tick=scale["first_tick"],
+        time_step_s=scale["time_step_s"],
+        q_room_segment=q.reshape(ticks, segments, 4),
+        point_room_m=p.reshape(ticks, points, 3),
+        angle_rad=a,
+        angle_sigma_rad=s,
+        scalar=c,
+        segment_flags=flags[:, :segments],
+        angle_flags=flags[:, segments:],
+    )
+
+
+def layout_from_dict(stored: dict[str, Any]) -> FrameLayout:
+    """Rebuild a `FrameLayout` from `Result.layout`."""
+    return FrameLayout(
+        tuple(stored["segments"]), tuple(stored["points"]), tuple(stored["angles"]), tuple(stored["scalars"])
+    )
+
+
+def merge_frames(parts: Sequence[Frames], layout: FrameLayout, time_step_s: float) -> Frames:
+    """Join frames in time; ticks that no part covers are NaN, flagged 1 (invalid)."""
+    parts = sorted((p for p in parts if p.tick_count), key=lambda p: p.first_tick)
+    if not parts:
+        return _blank_frames(layout, 0, 0, time_step_s)
+    first, last = parts[0].first_tick, max(p.first_tick + p.tick_count for p in parts)
+    merged = _blank_frames(layout, first, last - first, parts[0].time_step_s)
+    for part in parts:
+        rows = slice(part.first_tick - first, part.first_tick - first + part.tick_count)
+        for name in _FRAME_ARRAYS:
+            getattr(merged, name)[rows] = getattr(part, name)
+    return merged
+
+
+_FRAME_ARRAYS: Final = (
+    "q_room_segment",
+    "point_room_m",
+    "angle_rad",
+    "angle_sigma_rad",
+    "scalar",
+    "segment_flags",
+    "angle_flags",
+)
+
+
+def _blank_frames(layout: FrameLayout, first_tick: int, ticks: int, time_step_s: float) -> Frames:
+    segments, points, angles = len(layout.segments), len(layout.points), len(layout.angles)
+    return Frames(
+        layout=layout,
+        first_tick=first_tick,
+        time_step_s=time_step_s,
+        q_room_segment=np.full((ticks, segments, 4), np.nan),
+        point_room_m=np.full((ticks, points, 3), np.nan),
+        angle_rad=np.full((ticks, angles), np.nan),
+        angle_sigma_rad=np.full((ticks, angles), np.nan),
+        scalar=np.full((ticks, len(layout.scalars)), np.nan),
+        segment_flags=np.ones((ticks, segments), np.uint8),
+        angle_flags=np.ones((ticks, angles), np.uint8),
+    )
+
+
+def slice_frames(frames: Frames, start: int, stop: int) -> Frames:
+    """Return the half-open range of rows `[start, stop)` of `frames`."""
+    start, stop = max(start, 0), min(stop, frames.tick_count)
+    return Frames(
+        layout=frames.layout,
+        first_tick=frames.first_tick + start,
+        time_step_s=frames.time_step_s,
+        **{name: getattr(frames, name)[start:stop] for name in _FRAME_ARRAYS},
+    )
+
+
+__all__ = [
+    "COUNTS",
+    "FLOAT32",
+    "MAX_CHUNK_TICKS",
+    "RAW_STREAM",
+    "EncodedChunk",
+    "RawPacket",
+    "check_packet",
+    "decode_frames",
+    "decode_packets",
+    "encode_frames",
+    "encode_packets",
+    "frames_stream",
+    "layout_from_dict",
+    "merge_frames",
+    "slice_frames",
+]
