@@ -1,0 +1,144 @@
+"""The bus between the live sessions and whoever watches: bounded, the newest wins, never a wait.
+
+A view that is slow loses the oldest messages of its own queue, counted; nothing it does slows a session or
+another view. Recordings do not go over the bus. `MemoryBus` serves one process; another implementation of
+`Bus` can carry the same topics between machines.
+
+Topics: `session/{id}/frames` (`estimators.pipelines.Frames`), and `session/{id}/state`, `/health`, `/event`,
+`/layout` (messages of `app.live.messages`).
+"""
+
+import asyncio
+from collections import deque
+from collections.abc import AsyncIterator
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+DEFAULT_QUEUE = 64
+
+
+@dataclass
+class BusMetrics:
+    """Counters since the start."""
+
+    published: int = 0
+    delivered: int = 0
+    dropped: int = 0
+
+
+class Subscription:
+    """One listener's own queue of (topic, message), for one or more topics.
+
+    Parameters
+    ----------
+    bus : MemoryBus
+    topics : tuple of str
+    size : int
+        Messages kept; the oldest is dropped when one more comes.
+    """
+
+    def __init__(self, bus: "MemoryBus", topics: tuple[str, ...], size: int) -> None:
+        self._bus = bus
+        self.topics = topics
+        self._queue: deque[tuple[str, Any]] = deque(maxlen=size)
+        self._ready = asyncio.Event()
+        self._is_closed = False
+        self.dropped = 0
+
+    def put(self, topic: str, message: Any) -> bool:
+        """Take a message; False when an older one was dropped for it."""
+        kept = len(self._queue) < (self._queue.maxlen or 0)
+        if not kept:
+            self.dropped += 1
+        self._queue.append((topic, message))
+        self._ready.set()
+        return kept
+
+    def take(self) -> list[tuple[str, Any]]:
+        """Return everything that waits, oldest first, without waiting."""
+        items = list(self._queue)
+        self._queue.clear()
+        self._ready.clear()
+        return items
+
+    async def wait(self) -> list[tuple[str, Any]]:
+        """Wait until something is there, then return all of it; empty when the subscription was closed."""
+        while not self._queue and not self._is_closed:
+            self._ready.clear()
+            await self._ready.wait()
+        return self.take()
+
+    async def __aiter__(self) -> AsyncIterator[Any]:
+        """Yield messages until the subscription is closed."""
+        while True:
+            items = await self.wait()
+            if not items and self._is_closed:
+                return
+            for _, message in items:
+                yield message
+
+    def close(self) -> None:
+        """Stop receiving; a waiting reader is woken and ends."""
+        self._is_closed = True
+        self._bus.remove(self)
+        self._ready.set()
+
+    def __enter__(self) -> "Subscription":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+class Bus(Protocol):
+    """What sessions and views need of a bus. All calls are made on the event loop's thread."""
+
+    def publish(self, topic: str, message: Any) -> None:
+        """Give a message to everybody who listens to the topic; never waits."""
+
+    def subscribe(self, *topics: str, size: int = DEFAULT_QUEUE) -> Subscription:
+        """Listen to topics from now on; close the subscription, or use it in a `with` statement."""
+
+    def has_listeners(self, topic: str) -> bool:
+        """Whether anybody listens, so that costly messages are made only then."""
+
+
+class MemoryBus:
+    """The bus of one process."""
+
+    def __init__(self) -> None:
+        self._listeners: dict[str, list[Subscription]] = {}
+        self.metrics = BusMetrics()
+
+    def publish(self, topic: str, message: Any) -> None:
+        """Give a message to everybody who listens to the topic; never waits."""
+        self.metrics.published += 1
+        for subscription in self._listeners.get(topic, ()):
+            self.metrics.delivered += 1
+            if not subscription.put(topic, message):
+                self.metrics.dropped += 1
+
+    def subscribe(self, *topics: str, size: int = DEFAULT_QUEUE) -> Subscription:
+        """Listen to topics from now on; close the subscription, or use it in a `with` statement."""
+        subscription = Subscription(self, topics, size)
+        for topic in topics:
+            self._listeners.setdefault(topic, []).append(subscription)
+        return subscription
+
+    def has_listeners(self, topic: str) -> bool:
+        """Whether anybody listens, so that costly messages are made only then."""
+        return topic in self._listeners
+
+    def remove(self, subscription: Subscription) -> None:
+        """Forget a subscription; `Subscription.close` calls this."""
+        for topic in subscription.topics:
+            listeners = self._listeners.get(topic, [])
+            if subscription in listeners:
+                listeners.remove(subscription)
+            if not listeners:
+                self._listeners.pop(topic, None)
+
+
+def topic(session_id: str, name: str) -> str:
+    """Return the topic of one session: name is `frames`, `state`, `health`, `event` or `layout`."""
+    return f"session/{session_id}/{name}"
