@@ -75,6 +75,8 @@ class Template:
     reach_m: float
     measures: dict[str, float] = field(default_factory=dict)
     """The template's own value of each measure, for display beside the patient's."""
+    measure_sd: dict[str, float] = field(default_factory=dict)
+    """Standard deviation of each measure between the therapist's repetitions; NaN where unknown."""
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,76 @@
+"""Comparison with a template: repetitions, alignment, timing and shape apart, measures, findings.
+
+::
+
+    moved = trajectory(frames)
+    repetitions = find_repetitions(moved, "right")
+    template = build_template(moved, repetitions, "right", reach_m=0.55, primary_channel="...")
+    result = compare(trajectory(patient_frames), template, "right", reach_m=0.52)
+"""
+
+from estimators.comparison._alignment import Alignment, align
+from estimators.comparison._channels import (
+    ArmChannels,
+    arm_channels,
+    channel_label,
+    channel_unit,
+    mirror_template,
+    mirror_trajectory,
+    trajectory,
+)
+from estimators.comparison._codec import (
+    comparison_from_bytes,
+    comparison_to_bytes,
+    template_from_bytes,
+    template_to_bytes,
+)
+from estimators.comparison._compare import compare, difference_score
+from estimators.comparison._contract import (
+    PHASES,
+    ComparisonResult,
+    Measure,
+    Repetition,
+    RepetitionResult,
+    Template,
+    Trajectory,
+)
+from estimators.comparison._judgement import judge_repetitions
+from estimators.comparison._measures import measure_label, repetition_measures, summarise
+from estimators.comparison._repetitions import find_repetitions
+from estimators.comparison._smoothness import movement_units, spectral_arc_length
+from estimators.comparison._template import build_template, near, phase_curves
+
+__all__ = [
+    "PHASES",
+    "Alignment",
+    "ArmChannels",
+    "ComparisonResult",
+    "Measure",
+    "Repetition",
+    "RepetitionResult",
+    "Template",
+    "Trajectory",
+    "align",
+    "arm_channels",
+    "build_template",
+    "channel_label",
+    "channel_unit",
+    "compare",
+    "comparison_from_bytes",
+    "comparison_to_bytes",
+    "difference_score",
+    "find_repetitions",
+    "judge_repetitions",
+    "measure_label",
+    "mirror_template",
+    "mirror_trajectory",
+    "movement_units",
+    "near",
+    "phase_curves",
+    "repetition_measures",
+    "spectral_arc_length",
+    "summarise",
+    "template_from_bytes",
+    "template_to_bytes",
+    "trajectory",
+]

@@ -1,0 +1,202 @@
+"""At most three plain sentences that a patient or a therapist understands.
+
+A sentence is written only where the difference from the template exceeds what chance and sensors explain.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import t as student
+
+from estimators.comparison._channels import channel_label
+from estimators.comparison._contract import Measure, RepetitionResult, Template
+
+_MOST = 3
+_CONFIDENCE = 0.975
+_LEAST_RANGE_RAD = 0.087
+_LEAST_SHARE = 0.15
+_LEAST_SMOOTHNESS = 0.2
+"""Differences below 5 degrees, 15 percent or 0.2 of arc length matter to nobody, however certain."""
+
+
+@dataclass(frozen=True)
+class _Difference:
+    """A measure beside its template value; `certainty` is the difference over its 95 percent limit."""
+
+    value: float
+    reference: float
+    certainty: float
+
+    @property
+    def excess(self) -> float:
+        return self.value - self.reference
+
+
+def write_findings(
+    results: Sequence[RepetitionResult], summary: tuple[Measure, ...], template: Template
+) -> tuple[str, ...]:
+    """Write the findings, the most important first.
+
+    Parameters
+    ----------
+    results : sequence of RepetitionResult
+    summary : tuple of Measure
+        Mean, spread and count over the kept repetitions.
+    template : Template
+
+    Returns
+    -------
+    tuple of str
+        One to three sentences.
+    """
+    kept = [result for result in results if result.repetition.is_kept]
+    if not results:
+        return ("No clear repetitions were found in this session.",)
+    if not kept:
+        return ("Repetitions were found, but none could be used; the reason stands beside each.",)
+    by_name = {measure.name: measure for measure in summary}
+    found: list[tuple[float, str]] = []
+    for write in (_range, _compensation, _duration, _smoothness, _path, _band):
+        sentence = write(kept, by_name, template)
+        if sentence is not None:
+            found.append(sentence)
+    if not found:
+        share = by_name.get("inside_band")
+        if share is not None and share.value > 80:
+            return ("The movement matched the template within what can be measured.",)
+        return ("No difference from the template is larger than the uncertainty of the measurement.",)
+    found.sort(key=lambda item: -item[0])
+    return tuple(sentence for _, sentence in found[:_MOST])
+
+
+def _difference(
+    name: str, kept: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template
+) -> _Difference | None:
+    measure, reference = summary.get(name), template.measures.get(name)
+    if measure is None or reference is None or not np.isfinite(measure.value) or not np.isfinite(reference):
+        return None
+    own = [m.uncertainty for r in kept for m in r.measures if m.name == name and np.isfinite(m.uncertainty)]
+    # Sensor error is common to the repetitions of a session, so it does not average out; spread does.
+    sensor = 2.0 * float(np.median(own)) if own else 0.0
+    count = measure.count
+    chance = student.ppf(_CONFIDENCE, count - 1) * measure.uncertainty / np.sqrt(count) if count > 1 else 0.0
+    deviation = template.measure_sd.get(name, np.nan)
+    others = template.repetition_count
+    if others > 1 and np.isfinite(deviation):
+        # With one repetition of the patient, the therapist's spread is all that is known about chance.
+        shrink = 1 / others + (1 if count < 2 else 0)
+        reference_chance = student.ppf(_CONFIDENCE, others - 1) * deviation * np.sqrt(shrink)
+    else:
+        reference_chance = 0.0
+    limit = float(np.sqrt(sensor**2 + chance**2 + reference_chance**2))
+    return _Difference(measure.value, reference, abs(measure.value - reference) / max(limit, 1e-9))
+
+
+def _degrees(value_rad: float) -> str:
+    return f"{abs(np.degrees(value_rad)):.0f}"
+
+
+def _range(
+    kept: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template
+) -> tuple[float, str] | None:
+    candidates: list[tuple[float, str]] = []
+    for name in (n for n in template.measures if n.startswith("range:")):
+        channel = name.removeprefix("range:")
+        difference = _difference(name, kept, summary, template)
+        is_primary = channel == template.primary_channel
+        if difference is None or difference.certainty < 1 or abs(difference.excess) < _LEAST_RANGE_RAD:
+            continue
+        if not is_primary and not channel.endswith(
+            ("_yxy_elevation", "_forearm_left_zxy_flexion", "_forearm_right_zxy_flexion", "_zxy_pronation")
+        ):
+            continue
+        if not is_primary and difference.reference < 2 * _LEAST_RANGE_RAD and difference.excess < 0:
+            continue
+        word = "less" if difference.excess < 0 else "more"
+        sentence = (
+            f"{channel_label(channel)} moved {_degrees(difference.excess)} degrees {word} than in the "
+            f"template ({_degrees(difference.value)} instead of {_degrees(difference.reference)} degrees)."
+        )
+        weight = abs(difference.excess) / max(difference.reference, _LEAST_RANGE_RAD)
+        candidates.append((weight * (3.0 if is_primary else 1.0), sentence))
+    return max(candidates) if candidates else None
+
+
+def _compensation(
+    kept: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template
+) -> tuple[float, str] | None:
+    words = {
+        "trunk_lean_forward_rad": "The trunk leaned {more} degrees more forward and back",
+        "trunk_lean_lateral_rad": "The trunk leaned {more} degrees more to the side",
+        "trunk_axial_rotation_rad": "The trunk turned {more} degrees more",
+    }
+    candidates: list[tuple[float, str]] = []
+    for channel, phrase in words.items():
+        difference = _difference(f"compensation:{channel}", kept, summary, template)
+        if difference is not None and difference.certainty >= 1 and difference.excess > _LEAST_RANGE_RAD:
+            sentence = (
+                phrase.format(more=_degrees(difference.excess)) + " than in the template to help the arm."
+            )
+            candidates.append((2.0 * difference.excess / 0.17, sentence))
+    return max(candidates) if candidates else None
+
+
+def _duration(
+    kept: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template
+) -> tuple[float, str] | None:
+    difference = _difference("duration", kept, summary, template)
+    if difference is None or difference.certainty < 1:
+        return None
+    ratio = difference.value / difference.reference
+    if abs(np.log(ratio)) < np.log(1 + _LEAST_SHARE):
+        return None
+    seconds = f"({difference.value:.1f} instead of {difference.reference:.1f} s)"
+    if ratio > 1:
+        return float(
+            np.log2(ratio)
+        ), f"Each repetition took {ratio:.1f} times as long as the template {seconds}."
+    return float(-np.log2(ratio)), f"Each repetition was faster than the template {seconds}."
+
+
+def _smoothness(
+    kept: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template
+) -> tuple[float, str] | None:
+    difference = _difference("spectral_arc_length", kept, summary, template)
+    if difference is None or difference.certainty < 1 or abs(difference.excess) < _LEAST_SMOOTHNESS:
+        return None
+    word = "less smooth" if difference.excess < 0 else "smoother"
+    numbers = f"(smoothness {difference.value:.1f} against {difference.reference:.1f})"
+    return abs(difference.excess) / 2, f"The movement was {word} than the template {numbers}."
+
+
+def _path(
+    kept: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template
+) -> tuple[float, str] | None:
+    difference = _difference("hand_path_ratio", kept, summary, template)
+    if (
+        difference is None
+        or difference.certainty < 1
+        or difference.excess < _LEAST_SHARE * difference.reference
+    ):
+        return None
+    more = 100 * difference.excess / difference.reference
+    return difference.excess, f"The hand took a longer way than the template, by {more:.0f} percent."
+
+
+def _band(
+    kept: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template
+) -> tuple[float, str] | None:
+    """Say where the primary channel is outside its band in most repetitions."""
+    count = np.zeros(101)
+    for result in kept:
+        for start, end in result.outside.get(template.primary_channel, []):
+            count[start:end] += 1
+    often = np.flatnonzero(count > len(kept) / 2)
+    if len(often) < 10:
+        return None
+    label = channel_label(template.primary_channel)
+    return (
+        0.2,
+        f"{label} was outside the band mostly between {often[0]} and {often[-1]} percent of the movement.",
+    )

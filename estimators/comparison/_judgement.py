@@ -1,0 +1,146 @@
+"""Which repetitions to leave out, and why, in words a therapist would use."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from estimators.comparison._alignment import align, resample
+from estimators.comparison._channels import ArmChannels, arm_channels, fill_gaps
+from estimators.comparison._contract import PHASES, Repetition, Trajectory
+from estimators.recording import Float
+
+_MAXIMUM_GAP_S = 0.3
+_MAXIMUM_GAP_SHARE = 0.10
+_SHORT, _LONG, _SMALL = 0.5, 2.0, 0.6
+_UNLIKE_FLOOR = 0.15
+"""Share of the movement's size: repetitions of healthy people differ by half of this; less is never odd."""
+_UNLIKE_MADS = 5.0
+_ANGLE_WEIGHT = 0.5
+
+
+def judge_repetitions(source: Trajectory, repetitions: list[Repetition], side: str) -> list[Repetition]:
+    """Mark the repetitions that should not count, with a plain reason.
+
+    Parameters
+    ----------
+    source : Trajectory
+    repetitions : list of Repetition
+        As found; those already dropped (by a person) stay dropped with their reason.
+    side : {"left", "right"}
+
+    Returns
+    -------
+    list of Repetition
+        Same order and bounds. Judged against the median of the others, so at least three are needed for
+        anything but a tracking gap.
+
+    Raises
+    ------
+    ComparisonError
+        If nothing of that side was measured.
+    """
+    arm = arm_channels(source, side)
+    judged = list(repetitions)
+    for place, repetition in enumerate(judged):
+        if repetition.is_kept and (reason := _gap_reason(arm.cut(repetition))):
+            judged[place] = replace(repetition, is_kept=False, reason=reason)
+    for judge in (_judge_duration, _judge_size_and_direction, _judge_likeness):
+        kept = [place for place, repetition in enumerate(judged) if repetition.is_kept]
+        if len(kept) < 3:
+            break
+        for place, reason in judge(arm, [judged[k] for k in kept], kept):
+            judged[place] = replace(judged[place], is_kept=False, reason=reason)
+    return judged
+
+
+def _posture(arm: ArmChannels) -> Float:
+    """Wrist and elbow angles as columns with comparable units; NaN in gaps."""
+    columns = []
+    for name in arm.channels:
+        column = arm.values[:, arm.channels.index(name)]
+        if name.startswith("wrist_"):
+            columns.append(column / 0.55)
+        elif name.endswith(("_zxy_flexion", "_zxy_pronation", "_yxy_elevation")) and "hand" not in name:
+            columns.append(column * _ANGLE_WEIGHT)
+    return np.stack(columns, axis=1) if columns else arm.values
+
+
+def _gap_reason(cut: ArmChannels) -> str:
+    if len(cut.time_s) < 5:
+        return "No measurement during this repetition."
+    step_s = float(np.median(np.diff(cut.time_s)))
+    posture = _posture(cut)
+    lost = ~np.isfinite(posture[:, np.isfinite(posture).any(axis=0)]).all(axis=1)
+    if not np.isfinite(posture).any():
+        return "No measurement during this repetition."
+    longest = _longest_run(np.asarray(lost)) * step_s
+    if longest > _MAXIMUM_GAP_S or lost.mean() > _MAXIMUM_GAP_SHARE:
+        return f"The sensors lost track for {max(longest, lost.sum() * step_s):.1f} s during this repetition."
+    return ""
+
+
+def _longest_run(mask: np.typing.NDArray[np.bool_]) -> int:
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
+    return int((edges[1::2] - edges[::2]).max()) if len(edges) else 0
+
+
+def _judge_duration(arm: ArmChannels, kept: list[Repetition], places: list[int]) -> list[tuple[int, str]]:
+    durations = np.array([r.end_s - r.start_s for r in kept])
+    usual = float(np.median(durations))
+    odd = []
+    for place, duration in zip(places, durations, strict=True):
+        if duration < _SHORT * usual:
+            odd.append(
+                (place, f"Much shorter than the others: {duration:.1f} s instead of about {usual:.1f} s.")
+            )
+        elif duration > _LONG * usual:
+            odd.append(
+                (place, f"Much longer than the others: {duration:.1f} s instead of about {usual:.1f} s.")
+            )
+    return odd
+
+
+def _judge_size_and_direction(
+    arm: ArmChannels, kept: list[Repetition], places: list[int]
+) -> list[tuple[int, str]]:
+    excursions = []
+    for repetition in kept:
+        filled, _ = fill_gaps(_posture(arm.cut(repetition)))
+        offset = filled - (filled[0] + filled[-1]) / 2
+        excursions.append(offset[np.argmax(np.linalg.norm(offset, axis=1))])
+    vectors = np.stack(excursions)
+    usual = np.median(vectors, axis=0)
+    size = float(np.linalg.norm(usual))
+    if size == 0:
+        return []
+    odd = []
+    for place, vector in zip(places, vectors, strict=True):
+        along = float(vector @ usual) / size**2
+        length = float(np.linalg.norm(vector)) / size
+        if along < 0:
+            odd.append((place, "Moved in the opposite direction to the others."))
+        elif length < _SMALL:
+            odd.append((place, f"Stopped half way: {100 * length:.0f} percent of the usual movement."))
+    return odd
+
+
+def _judge_likeness(arm: ArmChannels, kept: list[Repetition], places: list[int]) -> list[tuple[int, str]]:
+    curves = []
+    for repetition in kept:
+        cut = arm.cut(repetition)
+        filled, _ = fill_gaps(_posture(cut))
+        curves.append(resample(cut.time_s, filled, PHASES))
+    middle = np.median(np.stack(curves), axis=0)
+    size = float(np.linalg.norm(middle - middle[0], axis=1).max())
+    if size == 0:
+        return []
+    scale = np.full(middle.shape[1], size / np.sqrt(middle.shape[1]))
+    distances = np.array([align(curve, middle, scale).rms for curve in curves])
+    usual = float(np.median(distances))
+    spread = 1.4826 * float(np.median(np.abs(distances - usual)))
+    limit = max(usual + _UNLIKE_MADS * spread, usual + _UNLIKE_FLOOR)
+    return [
+        (place, "Unlike the others: the arm took another way.")
+        for place, distance in zip(places, distances, strict=True)
+        if distance > limit
+    ]

@@ -1,0 +1,247 @@
+"""The measures of one repetition, each with its uncertainty; and their summary over repetitions."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.signal import savgol_filter
+
+from estimators.comparison._channels import (
+    TRUNK_CHANNELS,
+    ArmChannels,
+    channel_label,
+    channel_unit,
+    fill_gaps,
+)
+from estimators.comparison._contract import Measure, Repetition, Trajectory
+from estimators.comparison._smoothness import (
+    UNIT_RISE_MPS,
+    UNIT_RISE_RADPS,
+    movement_units,
+    noise_level,
+    spectral_arc_length,
+    spectral_arc_length_uncertainty,
+)
+from estimators.recording import Float
+
+BOUNDARY_SIGMA_S = 0.08
+"""Standard deviation of a found beginning or end, measured on simulated movements with exact truth."""
+SMALLEST_PATH = 0.10
+"""Share of the reach below which the hand did not travel: path and speed then describe turning."""
+
+_MEASURE_LABELS = {
+    "duration": "Duration",
+    "duration_ratio": "Duration relative to the template",
+    "timing_deviation": "Uneven timing",
+    "shape_deviation": "Difference in shape",
+    "inside_band": "Share inside the band",
+    "peak_deviation_phase": "Phase of the largest difference",
+    "hand_path_ratio": "Hand path relative to a straight line",
+    "peak_speed": "Peak hand speed",
+    "peak_turning_speed": "Peak turning speed",
+    "spectral_arc_length": "Smoothness (SPARC)",
+    "movement_units": "Movement units",
+}
+_PREFIX_LABELS = {
+    "range": "range of motion",
+    "range_ratio": "range relative to the template",
+    "peak_deviation": "largest difference",
+    "shape_rms": "difference in shape",
+    "compensation": "range",
+}
+
+
+def measure_label(name: str) -> str:
+    """Return what a person calls a measure: `Elbow flexion, range of motion`."""
+    if name in _MEASURE_LABELS:
+        return _MEASURE_LABELS[name]
+    prefix, _, channel = name.partition(":")
+    return f"{channel_label(channel)}, {_PREFIX_LABELS.get(prefix, prefix.replace('_', ' '))}"
+
+
+@dataclass(frozen=True)
+class SpeedProfile:
+    """How fast one repetition went: of the hand in m/s, or of the turning in rad/s."""
+
+    values: Float
+    rate_hz: float
+    is_turning: bool
+
+
+def hand_travel(arm: ArmChannels, side: str) -> Float | None:
+    """Wrist relative to the shoulder, shape (N, 3), m; None when it was not measured."""
+    axes = [arm.column(f"wrist_{side}.{axis}") for axis in "xyz"]
+    if any(axis is None or not np.isfinite(axis).any() for axis in axes):
+        return None
+    return fill_gaps(np.stack([axis for axis in axes if axis is not None], axis=1))[0]
+
+
+def hand_travels(arm: ArmChannels, side: str, reach_m: float) -> bool:
+    """Tell whether the hand moves far enough for its path and speed to mean something."""
+    path = hand_travel(arm, side)
+    return path is not None and bool(np.ptp(path, axis=0).max() > SMALLEST_PATH * reach_m)
+
+
+def speed_profile(
+    source: Trajectory, arm: ArmChannels, side: str, primary: str, turning: bool
+) -> SpeedProfile | None:
+    """Return the speed during one repetition.
+
+    The hand's speed in the room comes from the pipeline, where it follows from turning rates; without it,
+    from the wrist's path. A turning movement uses the rate of its primary angle.
+    """
+    if len(arm.time_s) < 8:
+        return None
+    step_s = float(np.median(np.diff(arm.time_s)))
+    window = max(5, 2 * round(0.05 / step_s) + 1)
+    if turning:
+        angle = arm.column(primary)
+        if angle is None or not np.isfinite(angle).any() or len(angle) <= window:
+            return None
+        rate = savgol_filter(fill_gaps(angle[:, None])[0][:, 0], window, 3, deriv=1, delta=step_s)
+        return SpeedProfile(np.abs(rate), 1.0 / step_s, True)
+    name = f"hand_speed_{side}_mps"
+    if name in source.channels:
+        column = source.channels.index(name)
+        start = int(np.searchsorted(source.time_s, arm.time_s[0] - 1e-9))
+        chosen = slice(start, start + len(arm.time_s))
+        speed = np.where(source.valid[chosen, column], source.values[chosen, column], np.nan)
+        if np.isfinite(speed).mean() > 0.5:
+            return SpeedProfile(fill_gaps(speed[:, None])[0][:, 0], 1.0 / step_s, False)
+    path = hand_travel(arm, side)
+    if path is None or len(path) <= window:
+        return None
+    velocity = savgol_filter(path, window, 3, deriv=1, delta=step_s, axis=0)
+    return SpeedProfile(np.linalg.norm(velocity, axis=1), 1.0 / step_s, False)
+
+
+def repetition_measures(
+    source: Trajectory,
+    arm: ArmChannels,
+    repetition: Repetition,
+    side: str,
+    reach_m: float,
+    primary: str,
+    turning: bool,
+) -> list[Measure]:
+    """Measure one repetition by itself, without a template.
+
+    Parameters
+    ----------
+    source : Trajectory
+        Of the session, for the hand's speed.
+    arm : ArmChannels
+        Cut to the repetition, unscaled (metres of the person measured).
+    side : {"left", "right"}
+    reach_m : float
+        Upper arm plus forearm of the person measured.
+    primary : str
+        Main channel of the exercise.
+    turning : bool
+        True when the exercise turns the arm without moving the hand.
+
+    Returns
+    -------
+    list of Measure
+        Uncertainty is one standard deviation from the sensors' own uncertainty, NaN where unknown.
+    """
+    duration = repetition.end_s - repetition.start_s
+    measures = [_single("duration", "timing", duration, "s", np.sqrt(2.0) * BOUNDARY_SIGMA_S)]
+    for column, channel in enumerate(arm.channels):
+        if "." in channel:
+            continue
+        extent, sigma = _extent(arm.values[:, column], arm.sigma[:, column])
+        is_trunk = channel in TRUNK_CHANNELS or channel.startswith("shoulder_hike")
+        name = f"compensation:{channel}" if is_trunk else f"range:{channel}"
+        group = "compensation" if is_trunk else "range"
+        measures.append(_single(name, group, extent, channel_unit(channel), sigma))
+    if not turning and (path := hand_travel(arm, side)) is not None:
+        measures.append(_path_ratio(path, position_sigma(arm, reach_m)))
+    profile = speed_profile(source, arm, side, primary, turning)
+    if profile is not None:
+        measures.extend(_speed_measures(profile))
+    return measures
+
+
+def _single(name: str, group: str, value: float, unit: str, sigma: float) -> Measure:
+    return Measure(name=name, group=group, value=float(value), unit=unit, uncertainty=float(sigma), count=1)
+
+
+def _extent(values: Float, sigma: Float) -> tuple[float, float]:
+    """Largest minus smallest value and its standard deviation, the two ends taken as independent."""
+    sound = np.isfinite(values)
+    if sound.mean() < 0.5:
+        return float("nan"), float("nan")
+    high, low = int(np.nanargmax(values)), int(np.nanargmin(values))
+    return float(values[high] - values[low]), float(np.hypot(sigma[high], sigma[low]))
+
+
+def position_sigma(arm: ArmChannels, reach_m: float) -> float:
+    """Estimate the standard deviation of the hand's position: the arm's angular uncertainty at full reach."""
+    angular = [
+        arm.sigma[:, column]
+        for column, name in enumerate(arm.channels)
+        if name.endswith(("_zxy_flexion", "_yxy_elevation")) and "forearm_hand" not in name
+    ]
+    known = np.concatenate(angular) if angular else np.zeros(0)
+    known = known[np.isfinite(known)]
+    return reach_m * float(np.sqrt(np.mean(known**2))) if len(known) else float("nan")
+
+
+def _path_ratio(path: Float, sigma_m: float) -> Measure:
+    """Way of the hand out and back divided by twice the straight line to its farthest point."""
+    far = int(np.argmax(np.linalg.norm(path - (path[0] + path[-1]) / 2, axis=1)))
+    way_m = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+    straight_m = float(np.linalg.norm(path[far] - path[0]) + np.linalg.norm(path[far] - path[-1]))
+    if straight_m <= 0:
+        return _single("hand_path_ratio", "path", np.nan, "1", np.nan)
+    ratio = way_m / straight_m
+    return _single("hand_path_ratio", "path", ratio, "1", ratio * 2.0 * sigma_m / straight_m)
+
+
+def _speed_measures(profile: SpeedProfile) -> list[Measure]:
+    speed, rate_hz = profile.values, profile.rate_hz
+    rise = UNIT_RISE_RADPS if profile.is_turning else UNIT_RISE_MPS
+    name, unit = ("peak_turning_speed", "rad/s") if profile.is_turning else ("peak_speed", "m/s")
+    units = [movement_units(speed, rate_hz, factor * rise) for factor in (0.5, 1.0, 1.5)]
+    return [
+        _single(name, "path", speed.max(), unit, noise_level(speed, rate_hz)),
+        _single(
+            "spectral_arc_length",
+            "smoothness",
+            spectral_arc_length(speed, rate_hz),
+            "1",
+            spectral_arc_length_uncertainty(speed, rate_hz),
+        ),
+        # What the choice of the smallest push changes is the uncertainty of the count.
+        _single("movement_units", "smoothness", units[1], "count", (units[0] - units[2]) / 2),
+    ]
+
+
+def summarise(per_repetition: list[list[Measure]]) -> tuple[Measure, ...]:
+    """Average each measure over repetitions.
+
+    Returns
+    -------
+    tuple of Measure
+        Mean over the repetitions that have the measure, standard deviation between them (NaN for one) and
+        their count, in the order of first appearance.
+    """
+    collected: dict[str, list[Measure]] = {}
+    for measures in per_repetition:
+        for measure in measures:
+            collected.setdefault(measure.name, []).append(measure)
+    summary = []
+    for name, found in collected.items():
+        values = np.array([m.value for m in found])
+        values = values[np.isfinite(values)]
+        summary.append(
+            Measure(
+                name=name,
+                group=found[0].group,
+                value=float(values.mean()) if len(values) else float("nan"),
+                unit=found[0].unit,
+                uncertainty=float(values.std(ddof=1)) if len(values) > 1 else float("nan"),
+                count=len(values),
+            )
+        )
+    return tuple(summary)

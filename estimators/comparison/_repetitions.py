@@ -1,0 +1,255 @@
+"""Finding repetitions in a recording without a threshold per person.
+
+A repetition is an excursion: the arm leaves a posture of rest, goes somewhere and comes back. The posture
+is not given; every posture where the arm dwelled is tried, and the one whose excursions resemble each other
+most and explain most of the movement wins. All thresholds are shares of the movement's own size and speed.
+The only absolute numbers are what body-worn sensors can resolve.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
+
+from estimators.comparison._alignment import align, resample
+from estimators.comparison._channels import arm_channels, fill_gaps
+from estimators.comparison._contract import Repetition, Trajectory
+from estimators.errors import ComparisonError
+from estimators.recording import Float
+
+_RATE_HZ = 50.0
+_SMOOTHING_S = 0.08
+"""Standard deviation of the smoothing: halves 2.3 Hz, leaves 4 percent of a 5 Hz tremor."""
+_ANGLE_WEIGHT = 0.5
+"""One radian counts as half a reach: a right angle at the elbow moves the hand about that far."""
+_SMALLEST_MOVEMENT = 0.05
+"""Share of the reach (about 3 cm or 6 degrees) below which sensors cannot tell movement from drift."""
+_SHORTEST_S = 0.4
+_NEAR, _FAR = 0.30, 0.55
+"""Hysteresis, as shares of the usual excursion: left the rest, and really went somewhere."""
+_ALIKE = 0.33
+"""Two excursions are alike when they differ by less than this share of their size after alignment."""
+_SHAPE_POINTS = 33
+_ONSET_SHARE = 0.05
+"""A repetition begins where speed exceeds this share of its own peak."""
+
+
+@dataclass(frozen=True)
+class _Excursions:
+    """What one candidate posture of rest explains."""
+
+    bounds: list[tuple[int, int]]
+    distance: Float
+    score: float
+
+
+def find_repetitions(
+    source: Trajectory, side: str, start_s: float | None = None, end_s: float | None = None
+) -> list[Repetition]:
+    """Find the repetitions of one movement, whichever it is.
+
+    Parameters
+    ----------
+    source : Trajectory
+    side : {"left", "right"}
+        The arm that exercised.
+    start_s, end_s : float, optional
+        Look only inside this half-open stretch of session time.
+
+    Returns
+    -------
+    list of Repetition
+        In order, not overlapping, numbered from 1; empty when nothing repeats clearly. Half movements
+        and movements unlike the others are in the list: `judge_repetitions` says which to drop and why.
+
+    Raises
+    ------
+    ComparisonError
+        If nothing of that side was measured.
+    """
+    window = _window(source, start_s, end_s)
+    if window is None:
+        return []
+    time_s, features = _features(window, side)
+    if len(time_s) < 10:
+        return []
+    speed = np.linalg.norm(np.gradient(features, time_s, axis=0), axis=1)
+    extent = float(np.percentile(np.linalg.norm(features - np.median(features, axis=0), axis=1), 95))
+    if extent < _SMALLEST_MOVEMENT / 2:
+        return []
+    best = _Excursions([], np.zeros(0), 0.0)
+    for posture in _rest_postures(features, speed, extent):
+        candidate = _explain(features, speed, posture)
+        if candidate.score > best.score:
+            best = candidate
+    bounds = _sharpen(best, speed)
+    return [
+        Repetition(number=number, start_s=float(time_s[start]), end_s=float(time_s[end]))
+        for number, (start, end) in enumerate(bounds, start=1)
+    ]
+
+
+def _window(source: Trajectory, start_s: float | None, end_s: float | None) -> Trajectory | None:
+    inside = np.ones(len(source.time_s), dtype=bool)
+    if start_s is not None:
+        inside &= source.time_s >= start_s
+    if end_s is not None:
+        inside &= source.time_s < end_s
+    if inside.sum() < 2:
+        return None
+    return Trajectory(
+        time_s=source.time_s[inside],
+        channels=source.channels,
+        values=source.values[inside],
+        sigma=source.sigma[inside],
+        valid=source.valid[inside],
+    )
+
+
+def _features(source: Trajectory, side: str) -> tuple[Float, Float]:
+    """Return time and the posture of the arm as a point in a space with comparable axes.
+
+    The wrist relative to the shoulder in units of the reach, and the joint angles that have no singularity in
+    ordinary movement. Smoothed without delay, at `_RATE_HZ` or the recording's own rate if lower.
+    """
+    try:
+        arm = arm_channels(source, side)
+    except ComparisonError:
+        if not source.valid.any():
+            return np.zeros(0), np.zeros((0, 0))
+        raise
+    wanted = {
+        f"humerus_forearm_{side}_zxy_flexion": _ANGLE_WEIGHT,
+        f"humerus_forearm_{side}_zxy_pronation": _ANGLE_WEIGHT,
+        f"thorax_humerus_{side}_yxy_elevation": _ANGLE_WEIGHT,
+    }
+    wrist = [arm.column(f"wrist_{side}.{axis}") for axis in "xyz"]
+    columns = [column * weight for name, weight in wanted.items() if (column := arm.column(name)) is not None]
+    if all(axis is not None for axis in wrist):
+        position = np.stack([axis for axis in wrist if axis is not None], axis=1)
+        reach = float(np.nanpercentile(np.linalg.norm(position, axis=1), 99))
+        if reach > 0:
+            columns.extend(position.T / reach)
+    if not columns:
+        raise ComparisonError(
+            f"neither the {side} wrist nor the {side} elbow or shoulder angle was measured; "
+            "wear and calibrate an upper arm and a forearm sensor"
+        )
+    filled, _ = fill_gaps(np.stack(columns, axis=1))
+    step_s = float(np.median(np.diff(source.time_s)))
+    smooth = gaussian_filter1d(filled, _SMOOTHING_S / step_s, axis=0, mode="nearest")
+    stride = max(1, int(1.0 / (_RATE_HZ * step_s)))
+    return source.time_s[::stride], smooth[::stride]
+
+
+def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Half-open runs of True."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+
+
+def _rest_postures(features: Float, speed: Float, extent: float) -> list[Float]:
+    """Postures where the arm dwelled or turned round, near ones merged; the most visited first."""
+    brisk = float(np.percentile(speed, 90))
+    dwells = [features[start:end].mean(axis=0) for start, end in _runs(speed < 0.2 * brisk)]
+    merged: list[tuple[Float, int]] = []
+    for posture in dwells:
+        for place, (centre, visits) in enumerate(merged):
+            if np.linalg.norm(posture - centre) < 0.25 * extent:
+                merged[place] = ((centre * visits + posture) / (visits + 1), visits + 1)
+                break
+        else:
+            merged.append((posture, 1))
+    merged.sort(key=lambda item: -item[1])
+    return [centre for centre, _ in merged[:12]]
+
+
+def _excursions(distance: Float, size: float) -> list[tuple[int, int]]:
+    """Complete excursions: the last sample near before going far, and the first one near again after."""
+    state = np.zeros(len(distance), dtype=np.int8)
+    state[distance < _NEAR * size] = -1
+    state[distance > _FAR * size] = 1
+    told = np.flatnonzero(state)
+    changes = told[np.flatnonzero(np.diff(state[told]))], told[1:][np.flatnonzero(np.diff(state[told]))]
+    found: list[tuple[int, int]] = []
+    left = -1
+    for before, after in zip(*changes, strict=True):
+        if state[before] == -1:
+            left = int(before)
+        elif left >= 0:
+            found.append((left, int(after)))
+            left = -1
+    return found
+
+
+def _explain(features: Float, speed: Float, posture: Float) -> _Excursions:
+    """Cut the movement into excursions from one posture and say how well they explain it."""
+    distance = np.linalg.norm(features - posture, axis=1)
+    best = _Excursions([], distance, 0.0)
+    travelled = np.concatenate([[0.0], np.cumsum((speed[1:] + speed[:-1]) / 2)])
+    tried: set[tuple[tuple[int, int], ...]] = set()
+    for share in (98, 90, 75, 50):
+        size = float(np.percentile(distance, share))
+        bounds = _excursions(distance, size)
+        if bounds:
+            size = float(np.median([distance[a : b + 1].max() for a, b in bounds]))
+            bounds = _excursions(distance, size)
+        shortest = _SHORTEST_S * _RATE_HZ / 2
+        bounds = [(a, b) for a, b in bounds if b - a >= shortest]
+        if not bounds or size < _SMALLEST_MOVEMENT or tuple(bounds) in tried:
+            continue
+        tried.add(tuple(bounds))
+        alike = _alike(features - posture, bounds, size)
+        if not alike:
+            continue
+        covered = sum(travelled[b] - travelled[a] for a, b in (bounds[k] for k in alike))
+        score = len(alike) * covered / max(travelled[-1], 1e-9)
+        if score > best.score:
+            best = _Excursions(bounds, distance, float(score))
+    return best
+
+
+def _alike(offset: Float, bounds: list[tuple[int, int]], size: float) -> list[int]:
+    """Return the largest set of excursions that resemble one of them; empty when nothing repeats.
+
+    A single excursion counts when it starts and ends in the same posture, which it does by construction,
+    and is the only thing that happened; that is decided by the caller through the share it covers.
+    """
+    if len(bounds) == 1:
+        return [0]
+    shapes = [resample(np.arange(b - a + 1.0), offset[a : b + 1], _SHAPE_POINTS) / size for a, b in bounds]
+    # Root of channels: `align` gives the difference per channel, likeness is about the whole distance.
+    scale = np.full(offset.shape[1], 1.0 / np.sqrt(offset.shape[1]))
+    near = np.eye(len(shapes), dtype=bool)
+    for i in range(len(shapes)):
+        for j in range(i + 1, min(len(shapes), i + 40)):
+            near[i, j] = near[j, i] = align(shapes[i], shapes[j], scale, 0.25).rms < _ALIKE
+    counts = near.sum(axis=1)
+    medoid = int(np.argmax(counts))
+    return [] if counts[medoid] < 2 else np.flatnonzero(near[medoid]).tolist()
+
+
+def _sharpen(found: _Excursions, speed: Float) -> list[tuple[int, int]]:
+    """Move the bounds outward to where the movement begins and ends."""
+    bounds, distance = found.bounds, found.distance
+    if not bounds:
+        return []
+    limits = [0]
+    for (_, end), (start, _) in pairwise(bounds):
+        limits.append(end + int(np.argmin(distance[end : start + 1])))
+    limits.append(len(speed) - 1)
+    usual = float(np.median([distance[a : b + 1].max() for a, b in bounds]))
+    resting = distance < _NEAR * usual
+    restless = float(np.median(speed[resting])) if np.any(resting) else 0.0
+    sharp: list[tuple[int, int]] = []
+    for number, (start, end) in enumerate(bounds):
+        peak = float(speed[start : end + 1].max())
+        onset = min(max(_ONSET_SHARE * peak, 1.5 * restless), 0.25 * peak)
+        while start > limits[number] and speed[start] > onset:
+            start -= 1
+        while end < limits[number + 1] and speed[end] > onset:
+            end += 1
+        sharp.append((start, end))
+    return sharp

@@ -1,0 +1,228 @@
+"""A therapist's repetitions averaged into a template with a tolerance band."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.ndimage import uniform_filter1d
+from scipy.stats import t as student
+
+from estimators.comparison._alignment import Alignment, align, apply, resample
+from estimators.comparison._channels import TRUNK_CHANNELS, ArmChannels, arm_channels
+from estimators.comparison._contract import PHASES, Repetition, Template, Trajectory
+from estimators.comparison._judgement import judge_repetitions
+from estimators.comparison._measures import hand_travels, repetition_measures, summarise
+from estimators.errors import ComparisonError, SetupError
+from estimators.recording import Float
+
+COVERAGE = 0.90
+"""Share of the therapist's own further repetitions that the band should hold."""
+FLOOR_ARM_RAD = 0.087
+FLOOR_TRUNK_RAD = 0.052
+FLOOR_REACH = 0.05
+"""Smallest half width of the band: what putting the sensors on anew and calibrating changes by itself
+(5 degrees in arm angles, 3 in trunk lean, 5 percent of the reach in positions)."""
+_SPREAD_WINDOW = 11
+
+
+def build_template(
+    source: Trajectory,
+    repetitions: list[Repetition],
+    side: str,
+    reach_m: float,
+    primary_channel: str,
+    tolerance_scale: Mapping[str, float] | None = None,
+) -> Template:
+    """Average repetitions into a template.
+
+    Parameters
+    ----------
+    source : Trajectory
+        The therapist's recording.
+    repetitions : list of Repetition
+        Those marked as dropped are left out; `judge_repetitions` drops further odd ones.
+    side : {"left", "right"}
+    reach_m : float
+        Upper arm plus forearm of the person recorded.
+    primary_channel : str
+        The channel whose range is the main measure, for instance `humerus_forearm_right_zxy_flexion`.
+    tolerance_scale : mapping of channel to float, optional
+        Factor on the band; 1 when absent.
+
+    Returns
+    -------
+    Template
+        Positions are relative to the shoulder, in metres of the person recorded.
+
+    Raises
+    ------
+    ComparisonError
+        If fewer than two repetitions are left or the primary channel was not measured.
+    SetupError
+        If the reach or a tolerance factor is not positive.
+
+    Notes
+    -----
+    Each repetition is warped onto the most typical one and averaged there, so that differing pace does not
+    blunt the curve; the average is then put on the mean pace. The band is a prediction interval: Student's
+    t for the number of repetitions times their spread after alignment, not narrower than the floor.
+    """
+    if not reach_m > 0:
+        raise SetupError(f"the reach is {reach_m} m; give upper arm plus forearm, for instance 0.55")
+    factors = dict(tolerance_scale or {})
+    if any(not factor > 0 for factor in factors.values()):
+        raise SetupError("every tolerance factor must be positive; 1 leaves the band as recorded")
+    kept = [r for r in judge_repetitions(source, repetitions, side) if r.is_kept]
+    if len(kept) < 2:
+        raise ComparisonError(
+            f"{len(kept)} usable repetition(s) found; record at least two, better five, "
+            "with a short rest between them"
+        )
+    arm = arm_channels(source, side)
+    if primary_channel not in arm.channels:
+        raise ComparisonError(f"{primary_channel} was not measured; choose one of {', '.join(arm.channels)}")
+    cuts = [arm.cut(repetition) for repetition in kept]
+    curves = [phase_curves(cut) for cut in cuts]
+    mean, spread = _average(curves, arm.channels)
+    count = len(kept)
+    quantile = float(student.ppf(0.5 + COVERAGE / 2, count - 1)) * np.sqrt(1 + 1 / count)
+    floor = np.array([_floor(name, arm, reach_m) for name in arm.channels])
+    scale = np.array([factors.get(name, 1.0) for name in arm.channels])
+    turning = not hand_travels(cuts[0], side, reach_m)
+    measured = summarise(
+        [
+            repetition_measures(source, c, r, side, reach_m, primary_channel, turning)
+            for c, r in zip(cuts, kept, strict=True)
+        ]
+    )
+    durations = np.array([r.end_s - r.start_s for r in kept])
+    return Template(
+        channels=arm.channels,
+        mean=mean,
+        tolerance=np.where(np.isfinite(mean), np.maximum(quantile * spread, floor) * scale, np.nan),
+        duration_s=float(durations.mean()),
+        duration_sd_s=float(durations.std(ddof=1)),
+        repetition_count=count,
+        primary_channel=primary_channel,
+        side=side,
+        reach_m=float(reach_m),
+        measures={m.name: m.value for m in measured},
+        measure_sd={m.name: m.uncertainty for m in measured},
+    )
+
+
+def phase_curves(cut: ArmChannels) -> Float:
+    """Return one repetition over 101 phases, shape (101, C)."""
+    return resample(cut.time_s, cut.values, PHASES)
+
+
+def is_angle(channel: str) -> bool:
+    """Tell whether a channel is an angle, that is, known only up to whole turns."""
+    return "." not in channel and not channel.endswith("_m")
+
+
+def near(curves: Float, reference: Float, channels: tuple[str, ...]) -> Float:
+    """Shift angles by whole turns so that each curve lies nearest to the reference."""
+    moved = curves.copy()
+    for column, name in enumerate(channels):
+        both = np.isfinite(curves[:, column]) & np.isfinite(reference[:, column])
+        if is_angle(name) and both.any():
+            turns = np.median(reference[both, column] - curves[both, column]) / (2 * np.pi)
+            moved[:, column] += 2 * np.pi * np.round(turns)
+    return moved
+
+
+def alignment_scale(channels: tuple[str, ...], tolerance: Float) -> Float:
+    """Choose the unit of difference per channel for the warp; NaN for what should not steer it.
+
+    Angles with a singularity, fine wrist movement and the trunk (compensation is judged, not followed)
+    are left out; of the positions only the wrist counts, as elbow and hand follow from it and the angles.
+    """
+    steering = ("_zxy_flexion", "_zxy_pronation", "_yxy_elevation")
+    scale = np.full(len(channels), np.nan)
+    for column, name in enumerate(channels):
+        finite = tolerance[:, column][np.isfinite(tolerance[:, column])]
+        if len(finite) and (
+            (name.endswith(steering) and "forearm_hand" not in name) or name.startswith("wrist_")
+        ):
+            scale[column] = np.median(finite)
+    return scale
+
+
+def align_timing(curves: Float, reference: Float, scale: Float) -> Alignment:
+    """Warp by timing only: offset and size of each channel are matched first.
+
+    Without that, a smaller movement would look like a differently timed one, because warping would hurry
+    to where the values agree.
+    """
+    size = np.array([_spread(curves[:, c]) for c in range(curves.shape[1])])
+    reference_size = np.array([_spread(reference[:, c]) for c in range(curves.shape[1])])
+    centre = np.array([_centre(curves[:, c]) for c in range(curves.shape[1])])
+    reference_centre = np.array([_centre(reference[:, c]) for c in range(curves.shape[1])])
+    # A channel that hardly moves is not blown up: at most three times, so that noise stays noise.
+    gain = reference_size / np.maximum(size, np.maximum(reference_size / 3.0, 1e-9))
+    return align((curves - centre) * gain, reference - reference_centre, scale)
+
+
+def _spread(values: Float) -> float:
+    finite = values[np.isfinite(values)]
+    return float(finite.std()) if len(finite) else 0.0
+
+
+def _centre(values: Float) -> float:
+    finite = values[np.isfinite(values)]
+    return float(finite.mean()) if len(finite) else 0.0
+
+
+def _average(curves: list[Float], channels: tuple[str, ...]) -> tuple[Float, Float]:
+    """Mean and spread over repetitions after alignment, on the mean pace, each shape (101, C)."""
+    unit = np.tile([FLOOR_REACH if "." in name else FLOOR_ARM_RAD for name in channels], (PHASES, 1))
+    scale = alignment_scale(channels, unit)
+    if not np.isfinite(scale).any():
+        scale = unit[0]
+    curves = [near(curve, curves[0], channels) for curve in curves]
+    distance = np.array([[align_timing(a, b, scale).rms for b in curves] for a in curves])
+    typical = curves[int(np.argmin(distance.sum(axis=1)))]
+    alignments = [align_timing(curve, typical, scale) for curve in curves]
+    aligned = np.stack([apply(a, curve, PHASES) for a, curve in zip(alignments, curves, strict=True)])
+    known = np.isfinite(aligned)
+    count = known.sum(axis=0)
+    enough = count >= 2
+    filled = np.where(known, aligned, 0.0)
+    mean = filled.sum(axis=0) / np.maximum(count, 1)
+    variance = (np.where(known, aligned - mean, 0.0) ** 2).sum(axis=0) / np.maximum(count - 1, 1)
+    spread = np.sqrt(uniform_filter1d(variance, _SPREAD_WINDOW, axis=0, mode="nearest"))
+    mean, spread = np.where(enough, mean, np.nan), np.where(enough, spread, np.nan)
+    phase = np.arange(PHASES, dtype=np.float64)
+    own_phase = apply_phase(alignments)
+    # A strictly rising pace: the slope of 1e-6 only breaks ties of the staircase.
+    pace = (own_phase + 1e-6 * phase) / (own_phase[-1] + 1e-6 * phase[-1]) * phase[-1]
+    return resample_at(pace, mean, phase), resample_at(pace, spread, phase)
+
+
+def apply_phase(alignments: list[Alignment]) -> Float:
+    """Mean own phase of the repetitions at each phase of the reference, shape (101,)."""
+    phase = np.arange(PHASES, dtype=np.float64)[:, None]
+    return np.asarray(np.mean([apply(a, phase, PHASES)[:, 0] for a in alignments], axis=0))
+
+
+def resample_at(position: Float, values: Float, target: Float) -> Float:
+    """Interpolate columns at `target`; NaN stays where it was."""
+    result = np.full((len(target), values.shape[1]), np.nan)
+    for column in range(values.shape[1]):
+        finite = np.isfinite(values[:, column])
+        if finite.sum() > 1:
+            filled = np.interp(target, position[finite], values[finite, column])
+            present = np.interp(target, position, finite.astype(np.float64)) > 0.5
+            result[:, column] = np.where(present, filled, np.nan)
+    return result
+
+
+def _floor(channel: str, arm: ArmChannels, reach_m: float) -> float:
+    """Smallest half width of the band of a channel."""
+    if "." in channel or channel.endswith("_m"):
+        return FLOOR_REACH * reach_m
+    least = FLOOR_TRUNK_RAD if channel in TRUNK_CHANNELS else FLOOR_ARM_RAD
+    sigma = arm.sigma[:, arm.channels.index(channel)]
+    sigma = sigma[np.isfinite(sigma)]
+    two_sided = float(student.ppf(0.5 + COVERAGE / 2, 1e6))
+    return max(least, two_sided * float(np.median(sigma))) if len(sigma) else least
