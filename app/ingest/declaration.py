@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any, get_args
 
 from app.errors import PacketError
-from app.live.messages import PROTOCOL_VERSION, HelloMessage
+from app.ingest.messages import PROTOCOL_VERSION, HelloMessage
 from estimators.conventions import PLACEMENTS, Placement
 
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from app.errors import PacketError
 from app.ingest.declaration import Declaration
-from app.live.messages import JsonPacket
+from app.ingest.messages import JsonPacket
 
 MAGIC: Final = b"BNP1"
 HEADER_BYTES: Final = 32

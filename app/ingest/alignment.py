@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.errors import PacketError
+from app.ingest.clock import PacketClock
 from app.ingest.declaration import Declaration
 from app.ingest.packet import Channel, Packet
-from app.live.clock import PacketClock
-from app.live.unpack import Unpacker
+from app.ingest.unpack import Unpacker
 from estimators.recording import Float, ImuChunk, SampleQuality
 
 REORDER_WINDOW_S = 0.150

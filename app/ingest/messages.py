@@ -1,0 +1,77 @@
+"""Messages between a gateway and `/ws/ingest`, and the typed error of every socket."""
+
+from typing import Any, Literal
+
+from pydantic import Field
+
+from app.recordings.schemas import SessionState
+from app.schemas import Schema
+
+PROTOCOL_VERSION = 1
+
+
+class ErrorMessage(Schema):
+    """A typed error on any socket; the socket stays open unless `closing`."""
+
+    type: Literal["error"] = "error"
+    code: str
+    message: str
+    details: dict[str, Any] = Field(default_factory=dict)
+    closing: bool = False
+
+
+class HelloMessage(Schema):
+    """Gateway to `/ws/ingest`: first message. JSON; after it binary packets or `packet` messages."""
+
+    type: Literal["hello"] = "hello"
+    protocol_version: int
+    ticket: str
+    placements: list[str]
+    rate_hz: float = Field(gt=0, le=2000)
+    gyroscope_scale: float | None = None
+    """rad/s per count, for encoding 1; likewise below in m/s^2 and T per count."""
+    accelerometer_scale: float | None = None
+    magnetometer_scale: float | None = None
+    clip_gyroscope_radps: float | None = None
+    clip_accelerometer_mps2: float | None = None
+    device: str = Field(default="", max_length=100)
+    firmware: str = Field(default="", max_length=100)
+
+
+class AcknowledgeMessage(Schema):
+    """Server to gateway: after hello and at least four times a second while packets come."""
+
+    type: Literal["acknowledge"] = "acknowledge"
+    session_id: str
+    acknowledged: int
+    """Everything up to and including this sequence is stored or given up; -1 when nothing is."""
+    highest: int
+    """Highest sequence stored; -1 when none."""
+    missing: list[tuple[int, int]]
+    """Half-open ranges below `highest` not stored; send them again if you have them."""
+    state: SessionState
+
+
+class JsonSensor(Schema):
+    """One sensor's values in a JSON packet, K rows of three."""
+
+    gyroscope: list[list[float]]
+    accelerometer: list[list[float]]
+    magnetometer: list[list[float]] | None = None
+
+
+class JsonPacket(Schema):
+    """The binary packet's content as JSON, SI units, for people with curl; at low rate."""
+
+    type: Literal["packet"] = "packet"
+    sequence: int = Field(ge=0, lt=2**32)
+    device_time_us: int = Field(ge=0)
+    tick_interval_us: int = Field(gt=0)
+    sensors: list[JsonSensor]
+
+
+class GoodbyeMessage(Schema):
+    """Gateway: no more packets; `last_sequence` lets the server know what is missing."""
+
+    type: Literal["goodbye"] = "goodbye"
+    last_sequence: int
