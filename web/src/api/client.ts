@@ -1,0 +1,112 @@
+// One way to the service: JSON in, JSON out, errors as `ApiError` with the service's own words.
+
+/** What the service refused, in words that say what to do. */
+export class ApiError extends Error {
+  override readonly name = 'ApiError';
+  constructor(
+    readonly status: number,
+    readonly code: string,
+    message: string,
+    readonly details: Record<string, unknown> = {},
+  ) {
+    super(message);
+  }
+}
+
+let csrfToken = '';
+
+/** Remember the token of the signed-in session; it goes out with every change. */
+export function setCsrfToken(token: string): void {
+  csrfToken = token;
+}
+
+async function errorOf(response: Response): Promise<ApiError> {
+  const fallback = `The service answered ${response.status}. Try again; if it stays, tell the person who runs the service.`;
+  try {
+    const body = (await response.json()) as { code?: string; message?: string; details?: Record<string, unknown> };
+    return new ApiError(response.status, body.code ?? 'unknown', body.message ?? fallback, body.details ?? {});
+  } catch {
+    return new ApiError(response.status, 'unknown', fallback);
+  }
+}
+
+async function send(path: string, init: RequestInit): Promise<Response> {
+  let response: Response;
+  try {
+    response = await fetch(path, { credentials: 'same-origin', ...init });
+  } catch (error) {
+    if (error instanceof DOMException && error.name === 'AbortError') throw error;
+    throw new ApiError(0, 'offline', 'The service cannot be reached. Check the network connection, then try again.');
+  }
+  if (!response.ok) throw await errorOf(response);
+  return response;
+}
+
+async function json<T>(response: Response): Promise<T> {
+  if (response.status === 204) return undefined as T;
+  const text = await response.text();
+  return (text ? JSON.parse(text) : undefined) as T;
+}
+
+function change(method: string) {
+  return async <T>(path: string, body?: unknown): Promise<T> =>
+    json<T>(
+      await send(path, {
+        method,
+        headers: {
+          'X-CSRF-Token': csrfToken,
+          ...(body === undefined ? {} : { 'Content-Type': 'application/json' }),
+        },
+        body: body === undefined ? undefined : JSON.stringify(body),
+      }),
+    );
+}
+
+type Query = Record<string, string | number | null | undefined>;
+
+/** Append the parameters that have a value. */
+export function withQuery(path: string, query: Query): string {
+  const search = new URLSearchParams();
+  for (const [name, value] of Object.entries(query)) {
+    if (value !== null && value !== undefined && value !== '') search.set(name, String(value));
+  }
+  const text = search.toString();
+  return text ? `${path}?${text}` : path;
+}
+
+export const api = {
+  get: async <T>(path: string, signal?: AbortSignal): Promise<T> => json<T>(await send(path, { signal })),
+  binary: async (path: string, signal?: AbortSignal): Promise<ArrayBuffer> =>
+    (await send(path, { signal })).arrayBuffer(),
+  post: change('POST'),
+  put: change('PUT'),
+  patch: change('PATCH'),
+  delete: change('DELETE'),
+};
+
+/** Upload a form with progress from 0 to 1; fetch cannot tell how much was sent. */
+export function upload<T>(path: string, form: FormData, onProgress: (share: number) => void, signal?: AbortSignal): Promise<T> {
+  return new Promise<T>((resolve, reject) => {
+    const request = new XMLHttpRequest();
+    request.open('POST', path);
+    request.setRequestHeader('X-CSRF-Token', csrfToken);
+    request.upload.onprogress = (event) => {
+      if (event.lengthComputable) onProgress(event.loaded / event.total);
+    };
+    request.onerror = () =>
+      reject(new ApiError(0, 'offline', 'The upload was interrupted. Check the network connection, then send the file again.'));
+    request.onabort = () => reject(new DOMException('Aborted', 'AbortError'));
+    request.onload = async () => {
+      if (request.status >= 200 && request.status < 300) resolve(JSON.parse(request.responseText) as T);
+      else reject(await errorOf(new Response(request.responseText, { status: request.status })));
+    };
+    signal?.addEventListener('abort', () => request.abort());
+    request.send(form);
+  });
+}
+
+/** Address of a socket of this service. */
+export function socketUrl(path: string): string {
+  const scheme = window.location.protocol === 'https:' ? 'wss:' : 'ws:';
+  return `${scheme}//${window.location.host}${path}`;
+}

@@ -1,0 +1,205 @@
+// Every question the client asks the service, with one key each, so a change refreshes what it touched.
+import { useMutation, useQuery, useQueryClient, type QueryClient } from '@tanstack/react-query';
+import { api, ApiError, setCsrfToken, withQuery } from './client';
+import type * as Wire from './types';
+import { setLocale } from '../i18n';
+
+export const keys = {
+  me: ['me'] as const,
+  caseload: ['caseload'] as const,
+  patients: ['patients'] as const,
+  patient: (id: string) => ['patients', id] as const,
+  progress: (id: string, exerciseId: string | null) => ['patients', id, 'progress', exerciseId] as const,
+  patientSessions: (id: string) => ['patients', id, 'sessions'] as const,
+  prescriptions: (id: string) => ['patients', id, 'prescriptions'] as const,
+  grants: (id: string) => ['patients', id, 'grants'] as const,
+  deviceTokens: (id: string) => ['patients', id, 'device-tokens'] as const,
+  consents: (id: string) => ['patients', id, 'consents'] as const,
+  audit: (id: string) => ['patients', id, 'audit'] as const,
+  accounts: ['accounts'] as const,
+  exercises: ['exercises'] as const,
+  templates: (exerciseId: string | null, patientId: string | null) => ['templates', exerciseId, patientId] as const,
+  templateVersion: (id: string) => ['template-versions', id] as const,
+  session: (id: string) => ['sessions', id] as const,
+  sessionJobs: (id: string) => ['sessions', id, 'jobs'] as const,
+  comparisons: (id: string) => ['sessions', id, 'comparisons'] as const,
+  comparison: (id: string) => ['comparisons', id] as const,
+  estimators: ['estimators'] as const,
+  job: (id: string) => ['jobs', id] as const,
+};
+
+function accept(me: Wire.Me): Wire.Me {
+  setCsrfToken(me.csrf_token);
+  setLocale(me.locale);
+  return me;
+}
+
+/** Who is signed in; null when nobody is. */
+export function useMe() {
+  return useQuery({
+    queryKey: keys.me,
+    queryFn: async ({ signal }): Promise<Wire.Me | null> => {
+      try {
+        return accept(await api.get<Wire.Me>('/api/me', signal));
+      } catch (error) {
+        if (error instanceof ApiError && error.status === 401) return null;
+        throw error;
+      }
+    },
+    staleTime: Infinity,
+  });
+}
+
+export function useSignIn() {
+  const client = useQueryClient();
+  return useMutation({
+    mutationFn: (request: Wire.SignInRequest) => api.post<Wire.Me>('/api/sign-in', request),
+    onSuccess: (me) => {
+      client.clear();
+      client.setQueryData(keys.me, accept(me));
+    },
+  });
+}
+
+export function useSignOut() {
+  const client = useQueryClient();
+  return useMutation({
+    mutationFn: () => api.post<void>('/api/sign-out'),
+    onSettled: () => forgetEverything(client),
+  });
+}
+
+/** After signing out nothing of the patient data may stay in memory. */
+export function forgetEverything(client: QueryClient): void {
+  setCsrfToken('');
+  client.clear();
+  client.setQueryData(keys.me, null);
+}
+
+function useGet<T>(queryKey: readonly unknown[], path: string, options: { enabled?: boolean; refetchInterval?: number; staleTime?: number } = {}) {
+  return useQuery({ queryKey, queryFn: ({ signal }) => api.get<T>(path, signal), ...options });
+}
+
+/** A change, and the keys that it makes old. */
+function useChange<In, Out>(change: (input: In) => Promise<Out>, old: (input: In, output: Out) => readonly (readonly unknown[])[]) {
+  const client = useQueryClient();
+  return useMutation<Out, Error, In>({
+    mutationFn: change,
+    onSuccess: (output, input) =>
+      Promise.all(old(input, output).map((queryKey) => client.invalidateQueries({ queryKey }))).then(() => undefined),
+  });
+}
+
+export const useCaseload = () => useGet<Wire.CaseloadRow[]>(keys.caseload, '/api/caseload', { refetchInterval: 15_000 });
+export const usePatients = () => useGet<Wire.Patient[]>(keys.patients, '/api/patients');
+export const usePatient = (id: string) => useGet<Wire.Patient>(keys.patient(id), `/api/patients/${id}`, { enabled: id !== '' });
+export const useProgress = (id: string, exerciseId: string | null) =>
+  useGet<Wire.Progress>(keys.progress(id, exerciseId), withQuery(`/api/patients/${id}/progress`, { exercise_id: exerciseId }));
+export const usePatientSessions = (id: string, enabled = true) =>
+  useGet<Wire.Session[]>(keys.patientSessions(id), `/api/patients/${id}/sessions`, { enabled: enabled && id !== '' });
+export const usePrescriptions = (id: string) =>
+  useGet<Wire.Prescription[]>(keys.prescriptions(id), `/api/patients/${id}/prescriptions`, { enabled: id !== '' });
+export const useGrants = (id: string, enabled = true) => useGet<Wire.Grant[]>(keys.grants(id), `/api/patients/${id}/grants`, { enabled });
+export const useDeviceTokens = (id: string, enabled = true) =>
+  useGet<Wire.DeviceToken[]>(keys.deviceTokens(id), `/api/patients/${id}/device-tokens`, { enabled });
+export const useConsents = (id: string) => useGet<Wire.Consent[]>(keys.consents(id), `/api/patients/${id}/consents`);
+export const useAudit = (id: string, enabled = true) =>
+  useGet<Wire.AuditEntry[]>(keys.audit(id), `/api/patients/${id}/audit`, { enabled });
+export const useAccounts = (enabled = true) => useGet<Wire.Account[]>(keys.accounts, '/api/accounts', { enabled });
+export const useExercises = () => useGet<Wire.Exercise[]>(keys.exercises, '/api/exercises', { staleTime: 60_000 });
+export const useTemplates = (exerciseId: string | null, patientId: string | null, enabled = true) =>
+  useGet<Wire.Template[]>(
+    keys.templates(exerciseId, patientId),
+    withQuery('/api/templates', { exercise_id: exerciseId, patient_id: patientId }),
+    { enabled },
+  );
+export const useTemplateVersion = (id: string | null) =>
+  useGet<Wire.TemplateVersionDetail>(keys.templateVersion(id ?? ''), `/api/template-versions/${id}`, {
+    enabled: id !== null,
+    staleTime: Infinity,
+  });
+export const useSession = (id: string, refetchInterval?: number) =>
+  useGet<Wire.SessionDetail>(keys.session(id), `/api/sessions/${id}`, { enabled: id !== '', refetchInterval });
+export const useSessionJobs = (id: string, refetchInterval?: number) =>
+  useGet<Wire.Job[]>(keys.sessionJobs(id), `/api/sessions/${id}/jobs`, { refetchInterval, enabled: id !== '' });
+export const useComparisons = (id: string) => useGet<Wire.Comparison[]>(keys.comparisons(id), `/api/sessions/${id}/comparisons`);
+export const useComparison = (id: string | null) =>
+  useGet<Wire.ComparisonDetail>(keys.comparison(id ?? ''), `/api/comparisons/${id}`, { enabled: id !== null, staleTime: Infinity });
+export const useEstimators = () => useGet<Wire.Estimator[]>(keys.estimators, '/api/estimators', { staleTime: Infinity });
+
+/** A long task, asked for twice a second until it ends. */
+export function useJob(id: string | null, onEnd?: (job: Wire.Job) => void) {
+  const client = useQueryClient();
+  return useQuery({
+    queryKey: keys.job(id ?? ''),
+    enabled: id !== null,
+    queryFn: async ({ signal }) => {
+      const job = await api.get<Wire.Job>(`/api/jobs/${id}`, signal);
+      if (job.status === 'complete' || job.status === 'failed') {
+        await client.invalidateQueries({ queryKey: keys.session(job.session_id) });
+        onEnd?.(job);
+      }
+      return job;
+    },
+    refetchInterval: (query) => {
+      const status = query.state.data?.status;
+      return status === 'complete' || status === 'failed' ? false : 500;
+    },
+  });
+}
+
+export const useAddPatient = () =>
+  useChange((input: Wire.PatientIn) => api.post<Wire.Patient>('/api/patients', input), () => [keys.patients, keys.caseload]);
+export const useEditPatient = (id: string) =>
+  useChange(
+    (input: Wire.PatientPatch) => api.patch<Wire.Patient>(`/api/patients/${id}`, input),
+    () => [keys.patient(id), keys.caseload],
+  );
+export const usePrescribe = (id: string) =>
+  useChange(
+    (input: Wire.PrescriptionIn) => api.post<Wire.Prescription>(`/api/patients/${id}/prescriptions`, input),
+    () => [keys.prescriptions(id), keys.caseload],
+  );
+export const useEndPrescription = (id: string) =>
+  useChange(
+    (prescriptionId: string) => api.delete<void>(`/api/prescriptions/${prescriptionId}`),
+    () => [keys.prescriptions(id), keys.caseload],
+  );
+export const useGrant = (id: string) =>
+  useChange((input: Wire.GrantIn) => api.post<Wire.Grant>(`/api/patients/${id}/grants`, input), () => [keys.grants(id)]);
+export const useRevokeGrant = (id: string) =>
+  useChange((grantId: string) => api.delete<void>(`/api/grants/${grantId}`), () => [keys.grants(id)]);
+export const useAddDeviceToken = (id: string) =>
+  useChange(
+    (input: Wire.DeviceTokenIn) => api.post<Wire.DeviceToken>(`/api/patients/${id}/device-tokens`, input),
+    () => [keys.deviceTokens(id)],
+  );
+export const useRevokeDeviceToken = (id: string) =>
+  useChange((tokenId: string) => api.delete<void>(`/api/device-tokens/${tokenId}`), () => [keys.deviceTokens(id)]);
+export const useConsent = (id: string) =>
+  useChange((input: Wire.ConsentIn) => api.put<unknown>(`/api/patients/${id}/consents`, input), () => [keys.consents(id)]);
+export const useAddExercise = () =>
+  useChange((input: Wire.ExerciseIn) => api.post<Wire.Exercise>('/api/exercises', input), () => [keys.exercises]);
+export const useNewSession = () =>
+  useChange(
+    (input: Wire.SessionIn) => api.post<Wire.SessionDetail>('/api/sessions', input),
+    (input) => [keys.patientSessions(input.patient_id), keys.caseload],
+  );
+export const useDeleteSession = () =>
+  useChange(
+    (session: { id: string; patient_id: string }) => api.delete<void>(`/api/sessions/${session.id}`),
+    (session) => [keys.patientSessions(session.patient_id), keys.caseload],
+  );
+export const useReprocess = (id: string) =>
+  useChange(
+    (orientation: string) => api.post<Wire.Job>(`/api/sessions/${id}/reprocess`, { orientation }),
+    () => [keys.sessionJobs(id)],
+  );
+export const useCompare = (id: string) =>
+  useChange(
+    (input: { template_version_id: string; result_id?: string | null }) =>
+      api.post<Wire.Comparison>(`/api/sessions/${id}/comparisons`, input),
+    () => [keys.comparisons(id)],
+  );
+export const useSaveTemplate = () =>
+  useChange((input: Wire.TemplateIn) => api.post<Wire.TemplateVersionDetail>('/api/templates', input), () => [['templates']]);

@@ -1,0 +1,70 @@
+// Short names for the generated wire types; the only file that knows how they are generated.
+import type { components } from './schema';
+
+type Schemas = components['schemas'];
+
+export type Me = Schemas['Me'];
+export type Role = Me['role'];
+export type SignInRequest = Schemas['SignInRequest'];
+export type Account = Schemas['AccountOut'];
+export type Grant = Schemas['GrantOut'];
+export type GrantIn = Schemas['GrantIn'];
+export type DeviceToken = Schemas['DeviceTokenOut'];
+export type DeviceTokenIn = Schemas['DeviceTokenIn'];
+export type Consent = Schemas['ConsentOut'];
+export type ConsentIn = Schemas['ConsentIn'];
+export type AuditEntry = Schemas['AuditOut'];
+export type Ticket = Schemas['TicketOut'];
+
+export type CaseloadRow = Schemas['CaseloadRow'];
+export type Patient = Schemas['PatientOut'];
+export type PatientIn = Schemas['PatientIn'];
+export type PatientPatch = Schemas['PatientPatch'];
+export type BodyDimensions = Schemas['BodyDimensionsIn'];
+export type Progress = Schemas['Progress'];
+export type ProgressMeasure = Schemas['ProgressMeasure'];
+export type ProgressEvent = Schemas['ProgressEvent'];
+export type Side = NonNullable<CaseloadRow['affected_side']>;
+
+export type Exercise = Schemas['ExerciseOut'];
+export type ExerciseIn = Schemas['ExerciseIn'];
+export type Template = Schemas['TemplateOut'];
+export type TemplateVersion = Schemas['TemplateVersionOut'];
+export type TemplateVersionDetail = Schemas['TemplateVersionDetail'];
+export type TemplateContent = Schemas['TemplateContent'];
+export type TemplatePreviewIn = Schemas['TemplatePreviewIn'];
+export type TemplateIn = Schemas['TemplateIn'];
+export type Repetition = Schemas['RepetitionOut'];
+export type PhaseCurve = Schemas['PhaseCurve'];
+export type Prescription = Schemas['PrescriptionOut'];
+export type PrescriptionIn = Schemas['PrescriptionIn'];
+
+export type Session = Schemas['SessionOut'];
+export type SessionDetail = Schemas['SessionDetail'];
+export type SessionIn = Schemas['SessionIn'];
+export type SessionState = Session['state'];
+export type SessionEvent = Schemas['SessionEventOut'];
+export type Placement = SessionDetail['placements'][number];
+export type Result = Schemas['ResultOut'];
+export type Calibration = Schemas['CalibrationOut'];
+export type Estimator = Schemas['EstimatorOut'];
+export type Job = Schemas['JobOut'];
+export type UploadIn = Schemas['UploadIn'];
+export type CsvMapping = Schemas['CsvMapping'];
+export type CsvColumn = Schemas['CsvColumn'];
+export type ViewIn = Schemas['ViewIn'];
+export type View = Schemas['ViewOut'];
+
+export type Comparison = Schemas['ComparisonOut'];
+export type ComparisonDetail = Schemas['ComparisonDetail'];
+export type RepetitionComparison = Schemas['RepetitionComparison'];
+export type MeasureValue = Schemas['MeasureValue'];
+
+export type LayoutMessage = Schemas['LayoutMessage'];
+export type StateMessage = Schemas['StateMessage'];
+export type HealthMessage = Schemas['HealthMessage'];
+export type SensorHealth = Schemas['SensorHealth'];
+export type EventMessage = Schemas['EventMessage'];
+export type ErrorMessage = Schemas['ErrorMessage'];
+export type LiveMessage = LayoutMessage | StateMessage | HealthMessage | EventMessage | ErrorMessage;
+export type PlayerCommand = Schemas['PlayerCommand'];

@@ -1,0 +1,44 @@
+// Small signs that never rely on colour: each has a shape and a word.
+import { IconArrowDownRight, IconBroadcast, IconCalendarOff, IconRouteOff, IconWifiOff } from '@tabler/icons-react';
+import type { CaseloadRow, SessionState, Side } from '../api/types';
+import { t } from '../i18n';
+
+/** The affected side: the filled half of the circle is the patient's own left or right, seen from behind. */
+export function SideMark({ side }: { side: Side | null }) {
+  if (!side) return null;
+  return (
+    <span className="side-mark">
+      <svg width="15" height="15" viewBox="0 0 16 16" aria-hidden>
+        <circle cx="8" cy="8" r="6.9" fill="none" stroke="currentColor" strokeWidth="1.6" />
+        {side !== 'right' && <path d="M8 1.1a6.9 6.9 0 0 0 0 13.8z" fill="currentColor" />}
+        {side !== 'left' && <path d="M8 1.1a6.9 6.9 0 0 1 0 13.8z" fill="currentColor" />}
+      </svg>
+      {t(`affected.${side}`)}
+    </span>
+  );
+}
+
+const REASONS = {
+  live: { Icon: IconBroadcast, tone: 'tag-accent' },
+  declining: { Icon: IconArrowDownRight, tone: 'tag-alert' },
+  bad_data: { Icon: IconWifiOff, tone: '' },
+  not_practising: { Icon: IconCalendarOff, tone: '' },
+  no_template: { Icon: IconRouteOff, tone: '' },
+} as const;
+
+/** Why to look at this patient today. */
+export function ReasonMark({ reason }: { reason: Exclude<CaseloadRow['reason'], ''> }) {
+  const { Icon, tone } = REASONS[reason];
+  return (
+    <span className={`tag ${tone}`}>
+      <Icon size={17} aria-hidden />
+      {t(`reason.${reason}`)}
+    </span>
+  );
+}
+
+/** State of a session in a word. */
+export function StateMark({ state }: { state: SessionState }) {
+  const tone = state === 'failed' || state === 'link_lost' ? 'tag-alert' : state === 'recording' || state === 'ready' || state === 'calibrating' ? 'tag-accent' : '';
+  return <span className={`tag ${tone}`}>{t(`sessionState.${state}`)}</span>;
+}

@@ -1,0 +1,36 @@
+// Head of every page: where we are, its name, what can be done here.
+import { useEffect, type ReactNode } from 'react';
+import { Link } from 'react-router';
+import { t } from '../i18n';
+
+export interface Crumb {
+  to: string;
+  text: string;
+}
+
+export function Page({ title, lead, crumbs, actions, narrow, children }: { title: string; lead?: ReactNode; crumbs?: Crumb[]; actions?: ReactNode; narrow?: boolean; children: ReactNode }) {
+  useEffect(() => {
+    document.title = `${title} · ${t('product.name')}`;
+  }, [title]);
+  return (
+    <div className={narrow ? 'page page-narrow' : 'page'}>
+      <header className="page-head">
+        <div>
+          {crumbs && crumbs.length > 0 && (
+            <nav className="crumbs" aria-label={t('nav.path')}>
+              {crumbs.map((crumb) => (
+                <span key={crumb.to}>
+                  <Link to={crumb.to}>{crumb.text}</Link> <span aria-hidden>/</span>
+                </span>
+              ))}
+            </nav>
+          )}
+          <h1>{title}</h1>
+          {lead && <p className="lead">{lead}</p>}
+        </div>
+        {actions && <div className="actions">{actions}</div>}
+      </header>
+      {children}
+    </div>
+  );
+}

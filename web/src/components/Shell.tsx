@@ -1,0 +1,136 @@
+// The frame around every page of a signed-in person: skip link, top bar, theme, sign-out.
+import { ActionIcon, Button, Menu, useComputedColorScheme, useMantineColorScheme } from '@mantine/core';
+import { IconChevronDown, IconMenu2, IconMoon, IconSun } from '@tabler/icons-react';
+import { useEffect, useRef } from 'react';
+import { Link, Navigate, NavLink, Outlet, useLocation, useNavigate } from 'react-router';
+import { useMe, useSignOut } from '../api/queries';
+import { t } from '../i18n';
+import { Problem, Waiting } from './Feedback';
+
+export function ThemeToggle() {
+  const scheme = useComputedColorScheme('light');
+  const { setColorScheme } = useMantineColorScheme();
+  const label = scheme === 'dark' ? t('theme.light') : t('theme.dark');
+  return (
+    <ActionIcon size={44} color="gray" variant="subtle" aria-label={label} title={label} onClick={() => setColorScheme(scheme === 'dark' ? 'light' : 'dark')}>
+      {scheme === 'dark' ? <IconSun size={21} aria-hidden /> : <IconMoon size={21} aria-hidden />}
+    </ActionIcon>
+  );
+}
+
+export function Wordmark() {
+  return (
+    <Link to="/" className="wordmark">
+      <img src="/mark.svg" alt="" width={28} height={28} />
+      {t('product.name')}
+    </Link>
+  );
+}
+
+/** Pages for signed-in people only; everybody else is sent to sign in and comes back afterwards. */
+export function Shell() {
+  const me = useMe();
+  const signOut = useSignOut();
+  const navigate = useNavigate();
+  const location = useLocation();
+  const main = useRef<HTMLElement>(null);
+  const first = useRef(true);
+
+  // A new page: start at its top, and let a screen reader start there too.
+  useEffect(() => {
+    if (first.current) {
+      first.current = false;
+      return;
+    }
+    window.scrollTo(0, 0);
+    main.current?.focus({ preventScroll: true });
+  }, [location.pathname]);
+
+  if (me.error) {
+    return (
+      <div className="page page-narrow">
+        <Problem error={me.error} onRetry={() => void me.refetch()} />
+      </div>
+    );
+  }
+  if (me.data === undefined) {
+    return (
+      <div className="page">
+        <Waiting lines={6} height={34} />
+      </div>
+    );
+  }
+  if (me.data === null) {
+    const next = location.pathname + location.search;
+    return <Navigate to={next === '/' ? '/sign-in' : `/sign-in?next=${encodeURIComponent(next)}`} replace />;
+  }
+  const isPatient = me.data.role === 'patient';
+  const links = isPatient
+    ? [
+        { to: '/', text: t('nav.today') },
+        { to: '/my/results', text: t('nav.myResults') },
+        { to: '/my/data', text: t('nav.myData') },
+      ]
+    : [
+        { to: '/', text: t('nav.caseload') },
+        { to: '/exercises', text: t('nav.exercises') },
+        { to: '/upload', text: t('nav.upload') },
+      ];
+  return (
+    <div className={isPatient ? 'shell shell-patient' : 'shell'}>
+      <a className="skip-link" href="#main">
+        {t('nav.skip')}
+      </a>
+      <header className="topbar">
+        <div className="topbar-in">
+          <Wordmark />
+          <nav className="topnav" aria-label={t('nav.main')}>
+            {links.map((link) => (
+              <NavLink key={link.to} to={link.to} end={link.to === '/'}>
+                {link.text}
+              </NavLink>
+            ))}
+          </nav>
+          <div className="topbar-end">
+            <ThemeToggle />
+            <Menu position="bottom-end" width={260}>
+              <Menu.Target>
+                <Button variant="subtle" color="gray" visibleFrom="sm" h={44} rightSection={<IconChevronDown size={16} aria-hidden />} className="account-button">
+                  {me.data.display_name}
+                </Button>
+              </Menu.Target>
+              <Menu.Dropdown>
+                <Menu.Label>
+                  {me.data.clinic_name} · {t(`role.${me.data.role}`)}
+                </Menu.Label>
+                <Menu.Item onClick={() => signOut.mutate()}>{t('action.signOut')}</Menu.Item>
+              </Menu.Dropdown>
+            </Menu>
+            <Menu position="bottom-end" width={260}>
+              <Menu.Target>
+                <ActionIcon hiddenFrom="sm" size={44} color="gray" variant="subtle" aria-label={t('nav.menu')}>
+                  <IconMenu2 size={24} aria-hidden />
+                </ActionIcon>
+              </Menu.Target>
+              <Menu.Dropdown>
+                <Menu.Label>{me.data.display_name}</Menu.Label>
+                {links.map((link) => (
+                  <Menu.Item key={link.to} fz="md" py={12} onClick={() => void navigate(link.to)}>
+                    {link.text}
+                  </Menu.Item>
+                ))}
+                <Menu.Divider />
+                <Menu.Item fz="md" py={12} onClick={() => signOut.mutate()}>
+                  {t('action.signOut')}
+                </Menu.Item>
+              </Menu.Dropdown>
+            </Menu>
+          </div>
+        </div>
+      </header>
+      <main id="main" tabIndex={-1} ref={main}>
+        <Outlet context={me.data} />
+      </main>
+    </div>
+  );
+}

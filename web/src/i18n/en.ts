@@ -1,0 +1,7 @@
+// English, complete: the catalogue that every other language is checked against.
+import { common } from './en/common';
+import { motion } from './en/motion';
+import { patient } from './en/patient';
+import { session } from './en/session';
+
+export const en = { ...common, ...motion, ...patient, ...session } as const;

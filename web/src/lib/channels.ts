@@ -1,0 +1,89 @@
+// Names of angles, scalars, points and placements in plain words, with the convention beside them.
+import { t, tOr } from '../i18n';
+import type { Placement } from '../api/types';
+
+/** A channel of the frames as people and experts read it. */
+export interface ChannelLabel {
+  /** Plain words, e.g. `Elbow flexion, right`. */
+  text: string;
+  /** Segments and rotation sequence, e.g. `humerus to forearm, Z-X-Y`; empty for scalars. */
+  convention: string;
+  unit: string;
+  side: 'left' | 'right' | null;
+}
+
+const ANGLE = /^(thorax_humerus|humerus_forearm|forearm_hand)_(left|right)_([a-z]{3})_([a-z_]+)$/;
+const SCALAR = /^(.*?)(?:_(left|right))?_(rad|m|mps|s|radps)$/;
+const POINT = /^([a-z]+)(?:_(left|right))?\.([xyz])$/;
+const SUFFIX_UNITS: Record<string, string> = { rad: 'rad', m: 'm', mps: 'm/s', s: 's', radps: 'rad/s' };
+
+function sided(text: string, side: string | undefined): string {
+  return side === 'left' || side === 'right' ? t('channel.sided', { name: text, side: t(`side.${side}`) }) : text;
+}
+
+function readable(name: string): string {
+  const words = name.replaceAll('_', ' ');
+  return words.charAt(0).toUpperCase() + words.slice(1);
+}
+
+/** Words for a channel; a name that is not known is shown readably, never hidden. */
+export function channelLabel(name: string): ChannelLabel {
+  const angle = ANGLE.exec(name);
+  if (angle) {
+    const [, joint = '', side, sequence = '', movement = ''] = angle;
+    return {
+      text: sided(tOr(`angle.${joint}.${movement}`, readable(`${joint} ${movement}`)), side),
+      convention: t('channel.convention', {
+        joint: tOr(`joint.${joint}`, readable(joint)),
+        sequence: sequence.toUpperCase().split('').join('-'),
+      }),
+      unit: 'rad',
+      side: side as 'left' | 'right',
+    };
+  }
+  const point = POINT.exec(name);
+  if (point) {
+    const [, place = '', side, axis = ''] = point;
+    return {
+      text: `${sided(tOr(`point.${place}`, readable(place)), side)}, ${tOr(`axis.${axis}`, axis)}`,
+      convention: '',
+      unit: 'm',
+      side: (side as 'left' | 'right' | undefined) ?? null,
+    };
+  }
+  const scalar = SCALAR.exec(name);
+  if (scalar) {
+    const [, measure = '', side, suffix = ''] = scalar;
+    return {
+      text: sided(tOr(`scalar.${measure}`, readable(measure)), side),
+      convention: '',
+      unit: SUFFIX_UNITS[suffix] ?? '',
+      side: (side as 'left' | 'right' | undefined) ?? null,
+    };
+  }
+  return { text: readable(name), convention: '', unit: '', side: null };
+}
+
+/** Words for a sensor placement. */
+export function placementLabel(placement: Placement | string): string {
+  return tOr(`placement.${placement}`, readable(placement));
+}
+
+/** The angles worth showing first: the exercise's own, then what a therapist looks at next. */
+export function preferredAngles(angles: readonly string[], primary: string | null | undefined, side: string | null, count = 4): string[] {
+  const order = [
+    'humerus_forearm_{side}_zxy_flexion',
+    'thorax_humerus_{side}_yxy_elevation',
+    'thorax_humerus_{side}_yxy_plane_of_elevation',
+    'humerus_forearm_{side}_zxy_pronation',
+    'forearm_hand_{side}_zxy_flexion',
+    'thorax_humerus_{side}_yxy_axial_rotation',
+  ];
+  const sides = side === 'left' ? ['left', 'right'] : ['right', 'left'];
+  const wanted = [
+    ...(primary ? [primary] : []),
+    ...sides.flatMap((one) => order.map((name) => name.replace('{side}', one))),
+    ...angles,
+  ];
+  return [...new Set(wanted)].filter((name) => angles.includes(name)).slice(0, count);
+}

@@ -1,0 +1,124 @@
+// Numbers and dates as a therapist reads them. Degrees exist only here, at the edge of the screen.
+import { formatLocale, t } from '../i18n';
+
+/** How a unit of the service is shown: factor, sign, digits. */
+export interface DisplayUnit {
+  factor: number;
+  suffix: string;
+  digits: number;
+}
+
+const UNITS: Record<string, DisplayUnit> = {
+  rad: { factor: 180 / Math.PI, suffix: '°', digits: 0 },
+  deg: { factor: 1, suffix: '°', digits: 0 },
+  'rad/s': { factor: 180 / Math.PI, suffix: ' °/s', digits: 0 },
+  m: { factor: 100, suffix: ' cm', digits: 1 },
+  'm/s': { factor: 1, suffix: ' m/s', digits: 2 },
+  s: { factor: 1, suffix: ' s', digits: 1 },
+  '%': { factor: 1, suffix: ' %', digits: 0 },
+  percent: { factor: 1, suffix: ' %', digits: 0 },
+  '1': { factor: 1, suffix: '', digits: 2 },
+  '': { factor: 1, suffix: '', digits: 2 },
+  count: { factor: 1, suffix: '', digits: 0 },
+};
+
+/** How to show values of this unit; an unknown unit is shown as it is. */
+export function displayUnit(unit: string | null | undefined): DisplayUnit {
+  const name = unit ?? '';
+  return UNITS[name] ?? { factor: 1, suffix: name ? ` ${name}` : '', digits: 2 };
+}
+
+/** A plain number with a fixed count of decimals and a true minus sign. */
+export function number(value: number | null | undefined, digits = 0): string {
+  if (value === null || value === undefined || !Number.isFinite(value)) return '–';
+  const text = new Intl.NumberFormat(formatLocale(), {
+    minimumFractionDigits: digits,
+    maximumFractionDigits: digits,
+  }).format(value);
+  return /^-[0.,]+$/.test(text) ? text.slice(1) : text.replace('-', '−');
+}
+
+/** A value in its display unit, e.g. `87°`. */
+export function quantity(value: number | null | undefined, unit: string | null | undefined): string {
+  if (value === null || value === undefined || !Number.isFinite(value)) return '–';
+  const shown = displayUnit(unit);
+  return `${number(value * shown.factor, shown.digits)}${shown.suffix}`;
+}
+
+/** A value with its uncertainty, e.g. `87° ± 3`; without one only the value. */
+export function uncertain(value: number | null, uncertainty: number | null, unit: string): string {
+  const text = quantity(value, unit);
+  if (value === null || uncertainty === null || !Number.isFinite(uncertainty)) return text;
+  const shown = displayUnit(unit);
+  return `${text} ± ${number(uncertainty * shown.factor, shown.digits)}`;
+}
+
+const DAY_MS = 86_400_000;
+
+function startOfDay(at: Date): number {
+  return new Date(at.getFullYear(), at.getMonth(), at.getDate()).getTime();
+}
+
+/** Clock time, e.g. `14:05`. */
+export function clockTime(at: string | Date): string {
+  return new Intl.DateTimeFormat(formatLocale(), { hour: '2-digit', minute: '2-digit' }).format(new Date(at));
+}
+
+/** Calendar date, e.g. `3 Mar 2025`; without the year when it is this year's. */
+export function date(at: string | Date, now = new Date()): string {
+  const day = new Date(at);
+  return new Intl.DateTimeFormat(formatLocale(), {
+    day: 'numeric',
+    month: 'short',
+    ...(day.getFullYear() === now.getFullYear() ? {} : { year: 'numeric' }),
+  }).format(day);
+}
+
+/** How long ago in words a person would use: today with the time, yesterday, days, then the date. */
+export function day(at: string | Date | null, now = new Date()): string {
+  if (at === null) return t('time.never');
+  const then = new Date(at);
+  const days = Math.round((startOfDay(now) - startOfDay(then)) / DAY_MS);
+  if (days === 0) return t('time.today', { time: clockTime(then) });
+  if (days === 1) return t('time.yesterday', { time: clockTime(then) });
+  if (days > 1 && days < 14) return t('time.daysAgo', { count: days });
+  return date(then, now);
+}
+
+/** Date and time, for lists where both count. */
+export function dateTime(at: string | Date): string {
+  return `${date(at)}, ${clockTime(at)}`;
+}
+
+/** Age in whole years. */
+export function age(birthDate: string, now = new Date()): number {
+  const born = new Date(birthDate);
+  const had = now.getMonth() > born.getMonth() || (now.getMonth() === born.getMonth() && now.getDate() >= born.getDate());
+  return now.getFullYear() - born.getFullYear() - (had ? 0 : 1);
+}
+
+/** Seconds as `1:05.2`, for positions on a time line. */
+export function position(seconds: number, digits = 1): string {
+  if (!Number.isFinite(seconds)) return '–';
+  const scale = 10 ** digits;
+  const whole = Math.round(Math.max(0, seconds) * scale);
+  const minutes = Math.floor(whole / (60 * scale));
+  const rest = (whole - minutes * 60 * scale) / scale;
+  return `${minutes}:${rest.toFixed(digits).padStart(digits ? 3 + digits : 2, '0')}`;
+}
+
+/** Length of time in words, e.g. `4 min 10 s`. */
+export function duration(seconds: number): string {
+  if (!Number.isFinite(seconds)) return '–';
+  const whole = Math.round(seconds);
+  if (whole < 60) return t('time.seconds', { seconds: whole });
+  const minutes = Math.floor(whole / 60);
+  return t('time.minutes', { minutes, seconds: whole - minutes * 60 });
+}
+
+/** Sizes of files for people. */
+export function bytes(size: number): string {
+  if (size < 1e6) return `${number(size / 1e3)} kB`;
+  if (size < 1e9) return `${number(size / 1e6, 1)} MB`;
+  return `${number(size / 1e9, 2)} GB`;
+}

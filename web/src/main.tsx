@@ -1,0 +1,44 @@
+import '@mantine/core/styles.css';
+import '@mantine/notifications/styles.css';
+import '@fontsource-variable/atkinson-hyperlegible-next';
+import 'uplot/dist/uPlot.min.css';
+import './styles.css';
+import { MantineProvider } from '@mantine/core';
+import { Notifications } from '@mantine/notifications';
+import { QueryClient, QueryClientProvider } from '@tanstack/react-query';
+import { StrictMode } from 'react';
+import { createRoot } from 'react-dom/client';
+import { RouterProvider } from 'react-router';
+import { ApiError } from './api/client';
+import { keys } from './api/queries';
+import { router } from './App';
+import { theme } from './theme';
+
+const queryClient = new QueryClient({
+  defaultOptions: {
+    queries: {
+      staleTime: 5_000,
+      // What the service refused stays refused; only a lost connection is worth another try.
+      retry: (count, error) => error instanceof ApiError && (error.status === 0 || error.status === 503) && count < 3,
+      refetchOnWindowFocus: false,
+    },
+  },
+});
+
+// A sign-in that ended anywhere ends everywhere: the next render shows the sign-in page.
+queryClient.getQueryCache().config.onError = (error) => {
+  if (error instanceof ApiError && error.status === 401) queryClient.setQueryData(keys.me, null);
+};
+
+const root = document.getElementById('root');
+if (!root) throw new Error('index.html has no element #root');
+createRoot(root).render(
+  <StrictMode>
+    <MantineProvider theme={theme} defaultColorScheme="light">
+      <QueryClientProvider client={queryClient}>
+        <Notifications position="bottom-right" />
+        <RouterProvider router={router} />
+      </QueryClientProvider>
+    </MantineProvider>
+  </StrictMode>,
+);

@@ -1,0 +1,168 @@
+import { Button, SegmentedControl, TextInput } from '@mantine/core';
+import { IconSearch, IconUserPlus, IconUsers } from '@tabler/icons-react';
+import { useState } from 'react';
+import { Link } from 'react-router';
+import { useCaseload } from '../api/queries';
+import type { CaseloadRow } from '../api/types';
+import { Sparkline } from '../charts/Sparkline';
+import { Answer, Empty } from '../components/Feedback';
+import { ReasonMark, SideMark } from '../components/Marks';
+import { Page } from '../components/Page';
+import { useSignedIn } from '../components/useSignedIn';
+import { t } from '../i18n';
+import { day, number, quantity } from '../lib/format';
+import { byReason, matches, type CaseloadFilter } from '../lib/caseload';
+
+function Practised({ percent }: { percent: number | null }) {
+  if (percent === null) return <span className="muted">–</span>;
+  return (
+    <span className="nowrap">
+      <span className="meter" aria-hidden>
+        <span style={{ width: `${Math.min(100, percent)}%` }} />
+      </span>
+      {number(percent)} %
+    </span>
+  );
+}
+
+function Row({ row }: { row: CaseloadRow }) {
+  const name = `${row.given_name} ${row.family_name}`;
+  return (
+    <tr>
+      <td className="who wide">
+        <Link to={`/patients/${row.patient_id}`}>{name}</Link>
+        <div>
+          <SideMark side={row.affected_side ?? null} />
+        </div>
+      </td>
+      <td className="wide">
+        {row.reason === '' ? (
+          <span className="muted">{t('reason.none')}</span>
+        ) : (
+          <>
+            <ReasonMark reason={row.reason} />
+            {row.reason_text && <span className="reason-text">{row.reason_text}</span>}
+          </>
+        )}
+        {row.live_session_id && (
+          <Button component={Link} to={`/sessions/${row.live_session_id}/live`} size="sm" mt={8} className="above">
+            {t('caseload.watch')}
+          </Button>
+        )}
+      </td>
+      <td data-label={row.main_measure ?? t('caseload.trend')} className="wide">
+        <div className="trend">
+          <Sparkline values={row.trend} low={row.trend_low} high={row.trend_high} unit={row.main_unit ?? null} label={row.main_measure ?? ''} />
+          {row.trend.length > 0 && (
+            <span>
+              <span className="value number">{quantity(row.trend.at(-1), row.main_unit)}</span>
+              <span className="muted small measure-name">{row.main_measure}</span>
+            </span>
+          )}
+        </div>
+      </td>
+      <td data-label={t('caseload.practised')}>
+        <Practised percent={row.adherence_percent ?? null} />
+      </td>
+      <td data-label={t('caseload.last')}>{day(row.last_session_at ?? null)}</td>
+      <td data-label={t('caseload.due')} className="wide">
+        {row.due || <span className="muted">{t('caseload.nothingDue')}</span>}
+      </td>
+    </tr>
+  );
+}
+
+function Rows({ rows }: { rows: CaseloadRow[] }) {
+  const [search, setSearch] = useState('');
+  const [filter, setFilter] = useState<CaseloadFilter>('all');
+  if (rows.length === 0) {
+    return (
+      <div className="card">
+        <Empty
+          icon={<IconUsers size={44} aria-hidden />}
+          title={t('caseload.emptyTitle')}
+          action={
+            <Button component={Link} to="/patients/new">
+              {t('patient.add')}
+            </Button>
+          }
+        >
+          {t('caseload.emptyText')}
+        </Empty>
+      </div>
+    );
+  }
+  const shown = byReason(rows).filter((row) => matches(row, filter, search));
+  const count = (one: CaseloadFilter) => rows.filter((row) => matches(row, one, '')).length;
+  return (
+    <>
+      <div className="caseload-tools">
+        <TextInput
+          className="search"
+          aria-label={t('caseload.search')}
+          placeholder={t('caseload.search')}
+          leftSection={<IconSearch size={19} aria-hidden />}
+          value={search}
+          onChange={(event) => setSearch(event.currentTarget.value)}
+        />
+        <SegmentedControl
+          size="md"
+          aria-label={t('caseload.filter')}
+          value={filter}
+          onChange={(value) => setFilter(value as CaseloadFilter)}
+          data={(['all', 'look', 'live'] as const).map((value) => ({
+            value,
+            label: `${t(`caseload.filter.${value}`)} (${count(value)})`,
+          }))}
+        />
+      </div>
+      <p className="visually-hidden" role="status">
+        {t('caseload.shown', { count: shown.length })}
+      </p>
+      {shown.length === 0 ? (
+        <div className="card">
+          <Empty title={t('caseload.noMatchTitle')}>{t('caseload.noMatchText')}</Empty>
+        </div>
+      ) : (
+        <table className="caseload">
+          <thead>
+            <tr>
+              <th scope="col">{t('caseload.patient')}</th>
+              <th scope="col">{t('caseload.reason')}</th>
+              <th scope="col">{t('caseload.trend')}</th>
+              <th scope="col">{t('caseload.practised')}</th>
+              <th scope="col">{t('caseload.last')}</th>
+              <th scope="col">{t('caseload.due')}</th>
+            </tr>
+          </thead>
+          <tbody>
+            {shown.map((row) => (
+              <Row key={row.patient_id} row={row} />
+            ))}
+          </tbody>
+        </table>
+      )}
+    </>
+  );
+}
+
+export function CaseloadPage() {
+  const me = useSignedIn();
+  const caseload = useCaseload();
+  const waiting = caseload.data?.filter((row) => row.reason !== '').length;
+  return (
+    <Page
+      title={t('caseload.title')}
+      lead={waiting === undefined ? me.clinic_name : t('caseload.lead', { count: waiting })}
+      actions={
+        <Button component={Link} to="/patients/new" variant="default" leftSection={<IconUserPlus size={19} aria-hidden />}>
+          {t('patient.add')}
+        </Button>
+      }
+    >
+      <Answer of={caseload} lines={8} height={44}>
+        {(rows) => <Rows rows={rows} />}
+      </Answer>
+    </Page>
+  );
+}
