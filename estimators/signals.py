@@ -266,7 +266,7 @@ def _moving_spread(values: Float, half: int) -> tuple[Float, Float]:
 
     centred: Float = held - centre
     mean = window_sum(centred) / width
-    variance = window_sum(centred**2) / width - mean**2
+    variance = window_sum(np.square(centred)) / width - mean**2
     spread = np.sqrt(np.maximum(variance.sum(axis=-1), 0.0))
     holes = window_sum((~finite).astype(np.float64))[..., 0] > 0.5
     return np.where(holes, np.inf, spread), mean + centre
