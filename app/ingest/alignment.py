@@ -36,7 +36,7 @@ class Gap:
 
 
 class Aligner:
-    """Turns the admitted packets of one session into consecutive `ImuChunk`, from tick 0 on.
+    """Turns the admitted packets of one session into consecutive `ImuChunk`.
 
     Parameters
     ----------
@@ -44,9 +44,13 @@ class Aligner:
         Network, scales and clip levels.
     reorder_window_s : float
         How long, in device time, a missing sequence is awaited while later ones are there.
+    first_tick : int
+        Where to begin; above zero when a running session is taken up again.
     """
 
-    def __init__(self, declaration: Declaration, reorder_window_s: float = REORDER_WINDOW_S) -> None:
+    def __init__(
+        self, declaration: Declaration, reorder_window_s: float = REORDER_WINDOW_S, first_tick: int = 0
+    ) -> None:
         self._declaration = declaration
         self._step_us = 1e6 / declaration.rate_hz
         self._window_us = reorder_window_s * 1e6
@@ -55,7 +59,7 @@ class Aligner:
         self._waiting: dict[int, tuple[Packet, int]] = {}
         self._next_sequence = -1
         self._released_end_us = 0
-        self._next_tick = 0
+        self._next_tick = first_tick
         self._last_position = 0.0
         self._last_row: Float | None = None
         self.gaps: list[Gap] = []

@@ -14,7 +14,8 @@ Text messages are JSON with a `type`. Binary messages to the browser are frame b
     40  f32[K*C] rows: per tick the columns of the `layout` message in order
 
 Columns: every angle in rad, then every `<angle>.sigma` in rad, then every scalar, then points as
-`<point>.x|y|z` in m, then `<segment>.flags` and `<angle>.flags` as small whole numbers. NaN where there is nothing to show.
+`<point>.x|y|z` in m, then `<segment>.flags` and `<angle>.flags` as small whole numbers. NaN where there is
+nothing to show.
 """
 
 from typing import Annotated, Literal

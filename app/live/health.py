@@ -1,0 +1,137 @@
+"""Link and signal health of one live session, over about the last two seconds."""
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.live.messages import SensorHealth
+from estimators.orientation._contract import OrientationFlag
+from estimators.recording import ImuChunk, SampleQuality
+
+LOST_AFTER_S = 0.5
+"""A sensor without samples for so long is told to be lost."""
+_NOISY_LOSS_PERCENT = 5.0
+_WINDOW_S = 1.0
+_LATENCIES = 512
+
+
+@dataclass
+class _Window:
+    """Counts over one second."""
+
+    sensors: int
+    ticks: int = 0
+    lost: NDArray[np.int64] = field(init=False)
+    saturated: NDArray[np.bool_] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.lost = np.zeros(self.sensors, dtype=np.int64)
+        self.saturated = np.zeros(self.sensors, dtype=np.bool_)
+
+
+@dataclass(frozen=True)
+class SensorChange:
+    """A sensor was lost or came back; told once."""
+
+    placement: str
+    is_lost: bool
+    tick: int
+
+
+class LinkHealth:
+    """Counts what the live view shows beside the patient.
+
+    Parameters
+    ----------
+    placements : sequence of str
+        Sensors in the order of the packets.
+    time_step_s : float
+    """
+
+    def __init__(self, placements: Sequence[str], time_step_s: float) -> None:
+        self.placements = tuple(placements)
+        self._step_s = time_step_s
+        self._present = _Window(len(placements))
+        self._previous = _Window(len(placements))
+        self._missing_ticks = np.zeros(len(placements), dtype=np.int64)
+        self._is_lost = np.zeros(len(placements), dtype=np.bool_)
+        self._transit_s: float | None = None
+        self._jitter_s = 0.0
+        self._flags: dict[str, int] = {}
+        self.latencies_s: deque[float] = deque(maxlen=_LATENCIES)
+
+    def add_packet(self, device_s: float, arrival_s: float) -> None:
+        """Take device time and monotonic arrival time of a packet that came as it was measured.
+
+        Jitter is the running mean change of transit time, RFC 3550 section 6.4.1.
+        """
+        transit_s = arrival_s - device_s
+        if self._transit_s is not None:
+            self._jitter_s += (min(abs(transit_s - self._transit_s), 1.0) - self._jitter_s) / 16.0
+        self._transit_s = transit_s
+
+    def add_chunk(self, chunk: ImuChunk) -> list[SensorChange]:
+        """Take aligned ticks; return the sensors that were lost or came back with them."""
+        if self._present.ticks * self._step_s >= _WINDOW_S:
+            self._previous, self._present = self._present, _Window(len(self.placements))
+        self._present.ticks += chunk.tick_count
+        quality = chunk.quality
+        if not quality.any():
+            if self._missing_ticks.any() or self._is_lost.any():
+                return self._changes(np.zeros_like(self._missing_ticks), chunk.first_tick)
+            return []
+        missing = (quality & SampleQuality.MISSING) != 0
+        bad = missing | ((quality & SampleQuality.BRIDGED) != 0)
+        self._present.lost += bad.sum(axis=1)
+        self._present.saturated |= ((quality & SampleQuality.SATURATED) != 0).any(axis=1)
+        # Missing ticks at the end of the chunk; the run goes on only when all of it is missing.
+        trailing = np.where(missing.all(axis=1), chunk.tick_count, np.argmax(~missing[:, ::-1], axis=1))
+        run = np.where(missing.all(axis=1), self._missing_ticks + trailing, trailing)
+        return self._changes(run, chunk.first_tick + chunk.tick_count)
+
+    def _changes(self, run: NDArray[np.int64], tick: int) -> list[SensorChange]:
+        self._missing_ticks = run
+        lost = run * self._step_s >= LOST_AFTER_S
+        back = self._is_lost & (run == 0)
+        changed = np.flatnonzero((lost & ~self._is_lost) | back)
+        self._is_lost = (self._is_lost | lost) & ~back
+        return [
+            SensorChange(self.placements[i], bool(lost[i]), tick - int(run[i]) if lost[i] else tick)
+            for i in changed
+        ]
+
+    def set_flags(self, segments: Sequence[str], flags: NDArray[np.uint8]) -> None:
+        """Take the orientation flags of the newest tick, by segment."""
+        self._flags = dict(zip(segments, flags.tolist(), strict=True))
+
+    def latency_ms(self) -> tuple[float | None, float | None]:
+        """Return median and 99th percentile of the last latencies, packet arrival to published frame."""
+        if not self.latencies_s:
+            return None, None
+        median, high = np.percentile(np.array(self.latencies_s), [50, 99])
+        return round(1e3 * float(median), 3), round(1e3 * float(high), 3)
+
+    def sensors(self, link_is_up: bool) -> list[SensorHealth]:
+        """Return the health of every sensor."""
+        ticks = max(1, self._present.ticks + self._previous.ticks)
+        loss = 100.0 * (self._present.lost + self._previous.lost) / ticks
+        saturated = self._present.saturated | self._previous.saturated
+        found = []
+        for i, placement in enumerate(self.placements):
+            flags = self._flags.get(placement, 0)
+            is_noisy = loss[i] > _NOISY_LOSS_PERCENT or bool(saturated[i])
+            found.append(
+                SensorHealth(
+                    placement=placement,
+                    status="lost" if self._is_lost[i] or not link_is_up else "noisy" if is_noisy else "ok",
+                    loss_percent=round(float(loss[i]), 2),
+                    jitter_ms=round(1e3 * self._jitter_s, 2),
+                    saturated=bool(saturated[i]),
+                    magnetic_disturbance=bool(flags & OrientationFlag.MAGNETIC_DISTURBANCE),
+                    heading_trusted=not flags & OrientationFlag.HEADING_NOT_TRUSTED,
+                )
+            )
+        return found
