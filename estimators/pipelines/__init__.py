@@ -1,0 +1,30 @@
+"""What a session runs: a setup in, frames out; live by `step`, off-line by `run`."""
+
+from estimators.pipelines._arm import ArmPipeline
+from estimators.pipelines._contract import (
+    BodyDimensions,
+    Calibration,
+    FrameLayout,
+    Frames,
+    Pipeline,
+    SessionSetup,
+)
+from estimators.pipelines._orientation import OrientationPipeline
+from estimators.pipelines._run import available, concatenate, create, find_pose, run, step_through
+
+__all__ = [
+    "ArmPipeline",
+    "BodyDimensions",
+    "Calibration",
+    "FrameLayout",
+    "Frames",
+    "OrientationPipeline",
+    "Pipeline",
+    "SessionSetup",
+    "available",
+    "concatenate",
+    "create",
+    "find_pose",
+    "run",
+    "step_through",
+]

@@ -1,0 +1,124 @@
+"""The arm pipeline: trunk, one or two arms, and whatever else is worn."""
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.arm import ArmModel
+from estimators.conventions import PLACEMENTS
+from estimators.errors import SetupError, ShapeError
+from estimators.orientation import OrientationFlag
+from estimators.pipelines._body import BodyNetwork
+from estimators.pipelines._contract import Calibration, FrameLayout, Frames, Pipeline, SessionSetup
+from estimators.recording import ImuChunk
+
+_INVALID = np.uint8(OrientationFlag.INVALID)
+
+
+class ArmPipeline(Pipeline):
+    """Sensors on sternum, upper arm, forearm and hand to posture, joint angles and compensation.
+
+    Any subset with an upper arm or a forearm works: what the worn sensors cannot tell is not in the layout.
+    Further sensors (head, pelvis, legs) become segments with an orientation. Until the patient was
+    calibrated the segments show the sensors' own motion, flagged CONVERGING and HEADING_NOT_TRUSTED, and
+    angles, points and scalars are NaN, flagged INVALID.
+
+    In a gap that could not be bridged angles and points hold their last value, flagged INVALID; the speed of
+    the hand is NaN there. Near the shoulder's singularity (arm hanging) plane of elevation and axial
+    rotation are flagged SINGULAR; see `estimators.arm`.
+    """
+
+    name: ClassVar[str] = "arm"
+    version: ClassVar[str] = "1"
+    title: ClassVar[str] = "Arms and trunk"
+
+    def __init__(self, setup: SessionSetup) -> None:
+        unknown = [name for name in setup.placements if name not in PLACEMENTS]
+        if unknown:
+            raise SetupError(f"unknown placement {', '.join(unknown)}; known are {', '.join(PLACEMENTS)}")
+        if not any(name.startswith(("upper_arm", "forearm")) for name in setup.placements):
+            raise SetupError(
+                "the arm pipeline needs a sensor on an upper arm or a forearm; worn: "
+                + (", ".join(setup.placements) or "none")
+            )
+        self._network = BodyNetwork(setup)
+        has_upper_arm = any(name.startswith("upper_arm") for name in setup.placements)
+        # A forearm alone has no joint to measure and hangs from nothing: it stays a segment.
+        self._model = (
+            ArmModel(setup.body, setup.placements, self._network.time_step_s) if has_upper_arm else None
+        )
+        self._previous_angle_rad = ArmModel.initial_previous()
+        self._layout = FrameLayout(
+            segments=tuple(setup.placements),
+            points=self._model.points if self._model else (),
+            angles=self._model.angles if self._model else (),
+            scalars=self._model.scalars if self._model else (),
+        )
+
+    @property
+    def layout(self) -> FrameLayout:
+        """Column names of every `Frames` this pipeline gives."""
+        return self._layout
+
+    @property
+    def setup(self) -> SessionSetup:
+        """The setup with the calibration in force."""
+        return self._network.setup
+
+    def step(self, chunk: ImuChunk) -> Frames:
+        """Take the next ticks of all sensors, in the order of `setup.placements`."""
+        _, q_room_segment, omega, sigma, flags = self._network.step(chunk)
+        ticks, layout = chunk.tick_count, self._layout
+        if self._model is None or not self._network.is_calibrated:
+            angles = np.full((ticks, len(layout.angles)), np.nan)
+            return Frames(
+                layout=layout,
+                first_tick=chunk.first_tick,
+                time_step_s=chunk.time_step_s,
+                q_room_segment=q_room_segment,
+                point_room_m=np.full((ticks, len(layout.points), 3), np.nan),
+                angle_rad=angles,
+                angle_sigma_rad=angles.copy(),
+                scalar=np.full((ticks, len(layout.scalars)), np.nan),
+                segment_flags=flags,
+                angle_flags=np.full(angles.shape, _INVALID),
+            )
+        found = self._model.evaluate(
+            q_room_segment,
+            segment_flags=flags,
+            angular_velocity_room_radps=omega,
+            sigma_room_rad=sigma,
+            previous_angle_rad=self._previous_angle_rad,
+        )
+        self._previous_angle_rad = found.previous_angle_rad
+        return Frames(
+            layout=layout,
+            first_tick=chunk.first_tick,
+            time_step_s=chunk.time_step_s,
+            q_room_segment=q_room_segment,
+            point_room_m=found.point_room_m,
+            angle_rad=found.angle_rad,
+            angle_sigma_rad=found.angle_sigma_rad,
+            scalar=found.scalar,
+            segment_flags=flags,
+            angle_flags=found.angle_flags,
+        )
+
+    def calibrate(self, pose: ImuChunk, method: str = "n_pose") -> Calibration:
+        """Find bias, mounting and facing from the ticks of a pose; see the contract."""
+        found = self._network.calibrate(pose, method)
+        self._previous_angle_rad = ArmModel.initial_previous()
+        return found
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """Return everything that the next step depends on, as arrays."""
+        return {**self._network.state(), "previous_angle_rad": self._previous_angle_rad.copy()}
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Continue exactly where the instance that gave `state` stood."""
+        if "previous_angle_rad" not in state:
+            raise ShapeError("this state has no previous_angle_rad; it is of another pipeline")
+        self._network.restore(state)
+        self._previous_angle_rad = np.array(state["previous_angle_rad"], dtype=np.float64)

@@ -1,0 +1,198 @@
+"""What every pipeline over a body network shares: orientation, calibration, segments in the room."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators import orientation, rotation
+from estimators.errors import CalibrationError, SetupError, ShapeError
+from estimators.orientation import OrientationFlag, OrientationResult
+from estimators.pipelines._contract import Calibration, SessionSetup
+from estimators.pipelines._kernel import compose
+from estimators.recording import Float, ImuChunk
+
+REMEMBERED_BIAS_SIGMA_RADPS = np.deg2rad(0.1)
+"""Trust in a bias from an earlier session: in-run stability of consumer gyroscopes between switch-ons."""
+MEASURED_BIAS_SIGMA_RADPS = np.deg2rad(0.02)
+"""Trust in a bias just found while standing still for a few seconds."""
+_MEMORY_S = 8.0
+_MEMORY_HZ = 5.0
+"""Orientation remembered for a calibration pose: a still pose needs no more."""
+_UNCALIBRATED = np.uint8(OrientationFlag.CONVERGING | OrientationFlag.HEADING_NOT_TRUSTED)
+
+
+class BodyNetwork:
+    """Runs the orientation filter of a network and turns its result into segments.
+
+    Parameters
+    ----------
+    setup : SessionSetup
+        Checked here: at least one placement, none twice, a rate that sensors have.
+
+    Raises
+    ------
+    SetupError
+        With what to change.
+    """
+
+    def __init__(self, setup: SessionSetup) -> None:
+        _check(setup)
+        self.setup = setup
+        self.sensor_count = len(setup.placements)
+        self.time_step_s = 1.0 / setup.rate_hz
+        self._filter = orientation.create(
+            setup.orientation, self.sensor_count, self.time_step_s, setup.orientation_parameters
+        )
+        self._stride = max(1, round(setup.rate_hz / _MEMORY_HZ))
+        slots = int(_MEMORY_S * _MEMORY_HZ)
+        self._memory_tick = np.full(slots, -1, dtype=np.int64)
+        self._memory_q = np.full((slots, self.sensor_count, 4), np.nan)
+        self._apply(setup.calibration)
+        if setup.calibration is not None:
+            self._set_bias(setup.calibration, REMEMBERED_BIAS_SIGMA_RADPS)
+
+    @property
+    def is_calibrated(self) -> bool:
+        """Whether segment orientations mean anything yet."""
+        return self.setup.calibration is not None
+
+    def step(self, chunk: ImuChunk) -> tuple[OrientationResult, Float, Float, Float, NDArray[np.uint8]]:
+        """Take the next ticks.
+
+        Returns
+        -------
+        result : OrientationResult
+            As the filter gave it.
+        q_room_segment : ndarray, shape (K, S, 4)
+        omega_room_radps, sigma_room_rad : ndarray, shape (K, S, 3)
+            Turning rate of each segment in room axes, and one-sigma of its orientation (NaN where unknown).
+        flags : ndarray of uint8, shape (K, S)
+        """
+        result = self._filter.update(chunk)
+        shape = (chunk.tick_count, self.sensor_count)
+        q_room_segment, omega = np.empty((*shape, 4)), np.empty((*shape, 3))
+        sigma, flags = np.empty((*shape, 3)), np.empty(shape, dtype=np.uint8)
+        known = result.sigma_rad
+        compose(
+            result.q_earth_sensor,
+            np.full((*shape[::-1], 3), np.nan) if known is None else known,
+            np.ascontiguousarray(chunk.gyroscope_radps, dtype=np.float64),
+            result.gyroscope_bias_radps,
+            result.flags,
+            self._q_room_earth,
+            self._q_sensor_segment,
+            q_room_segment,
+            omega,
+            sigma,
+            flags,
+        )
+        if not self.is_calibrated:
+            flags |= _UNCALIBRATED
+        self._remember(chunk.first_tick, result)
+        return result, q_room_segment, omega, sigma, flags
+
+    def calibrate(self, pose: ImuChunk, method: str) -> Calibration:
+        """Find the calibration from a pose among the ticks already seen; it holds from the next step."""
+        if pose.sensor_count != self.sensor_count:
+            raise ShapeError(
+                f"the pose has {pose.sensor_count} sensors; this session has {self.sensor_count}"
+            )
+        found = self._find(pose, method)
+        self._apply(found)
+        self._set_bias(found, MEASURED_BIAS_SIGMA_RADPS)
+        self.setup = replace(self.setup, calibration=found)
+        return found
+
+    def _find(self, pose: ImuChunk, method: str) -> Calibration:
+        raise NotImplementedError
+
+    def pose_orientation(self, pose: ImuChunk) -> Float:
+        """Return the mean orientation of each sensor during the pose, shape (S, 4), from memory."""
+        first, stop = pose.first_tick, pose.first_tick + pose.tick_count
+        inside = (self._memory_tick >= first) & (self._memory_tick < stop)
+        if not inside.any():
+            raise CalibrationError(
+                "these ticks are not among the last 8 s that were processed; hold the pose again for 3 s"
+            )
+        remembered = self._memory_q[inside]
+        mean = np.empty((self.sensor_count, 4))
+        for s in range(self.sensor_count):
+            usable = remembered[np.isfinite(remembered[:, s, 0]), s]
+            if not len(usable):
+                name = self.setup.placements[s]
+                raise CalibrationError(f"no data from the {name} sensor during the pose; check it and repeat")
+            mean[s] = rotation.mean(usable)
+        return mean
+
+    def _remember(self, first_tick: int, result: OrientationResult) -> None:
+        """Keep the orientation at every n-th tick, counted since the start so that chunks do not matter."""
+        ticks = result.flags.shape[1]
+        start = -first_tick % self._stride
+        for k in range(start, ticks, self._stride):
+            slot = ((first_tick + k) // self._stride) % len(self._memory_tick)
+            self._memory_tick[slot] = first_tick + k
+            invalid = (result.flags[:, k] & OrientationFlag.INVALID) != 0
+            self._memory_q[slot] = np.where(invalid[:, None], np.nan, result.q_earth_sensor[:, k])
+
+    def _apply(self, found: Calibration | None) -> None:
+        """Take over a calibration: rotations per sensor, ready for the kernel."""
+        self._q_room_earth = rotation.identity((self.sensor_count,))
+        self._q_sensor_segment = rotation.identity((self.sensor_count,))
+        if found is None:
+            return
+        for s, name in enumerate(self.setup.placements):
+            if name not in found.q_sensor_segment:
+                raise SetupError(
+                    f"the calibration knows no {name} sensor; calibrate again with all sensors on"
+                )
+            turn_rad = found.heading_offset_rad.get(name, 0.0) - found.facing_rad
+            self._q_room_earth[s] = rotation.about_z(turn_rad)
+            self._q_sensor_segment[s] = rotation.normalize(found.q_sensor_segment[name])
+
+    def _set_bias(self, found: Calibration, sigma_radps: float) -> None:
+        if all(name in found.gyroscope_bias_radps for name in self.setup.placements):
+            bias = np.array([found.gyroscope_bias_radps[name] for name in self.setup.placements])
+            self._filter.set_gyroscope_bias(bias, sigma_radps)
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """Return the filter's state, the calibration in force and the short memory for a pose."""
+        found = self.setup.calibration
+        text = json.dumps(None if found is None else asdict(found))
+        state = {f"orientation.{name}": values for name, values in self._filter.state().items()}
+        state["calibration"] = np.frombuffer(text.encode(), dtype=np.uint8).copy()
+        state["memory_tick"] = self._memory_tick.copy()
+        state["memory_q"] = self._memory_q.copy()
+        return state
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Continue where the instance that gave `state` stood, its calibration included."""
+        missing = {"calibration", "memory_tick", "memory_q"} - set(state)
+        if missing:
+            raise ShapeError(f"this state has no {', '.join(sorted(missing))}; it is of another pipeline")
+        if state["memory_q"].shape != self._memory_q.shape:
+            raise ShapeError(
+                f"this state is of {state['memory_q'].shape[1]} sensors; the session has {self.sensor_count}"
+            )
+        prefix = "orientation."
+        self._filter.restore({k.removeprefix(prefix): v for k, v in state.items() if k.startswith(prefix)})
+        stored = json.loads(state["calibration"].tobytes())
+        plain = {**self.setup.to_dict(), "calibration": stored}
+        self.setup = replace(self.setup, calibration=SessionSetup.from_dict(plain).calibration)
+        self._apply(self.setup.calibration)
+        self._memory_tick = state["memory_tick"].astype(np.int64)
+        self._memory_q = state["memory_q"].astype(np.float64)
+
+
+def _check(setup: SessionSetup) -> None:
+    if not setup.placements:
+        raise SetupError("no placements; name at least one sensor")
+    if len(set(setup.placements)) != len(setup.placements):
+        raise SetupError(
+            f"a placement occurs twice in {', '.join(setup.placements)}; each sensor needs its own"
+        )
+    if not 10 <= setup.rate_hz <= 1000:
+        raise SetupError(f"the rate is {setup.rate_hz} Hz; estimators work between 10 and 1000 Hz")

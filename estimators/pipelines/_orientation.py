@@ -1,0 +1,69 @@
+"""The orientation pipeline: each sensor for itself, no body."""
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.errors import SetupError
+from estimators.pipelines._body import BodyNetwork
+from estimators.pipelines._contract import Calibration, FrameLayout, Frames, Pipeline, SessionSetup
+from estimators.recording import ImuChunk
+
+
+class OrientationPipeline(Pipeline):
+    """Single sensors to their orientation: segments are the sensors, room is the earth frame (x east).
+
+    Placements may have any name. There is nothing to calibrate but the gyroscopes' bias, method `static`,
+    and no need to: the filters find it.
+    """
+
+    name: ClassVar[str] = "orientation"
+    version: ClassVar[str] = "1"
+    title: ClassVar[str] = "Single sensors"
+
+    def __init__(self, setup: SessionSetup) -> None:
+        self._network = BodyNetwork(setup)
+        self._layout = FrameLayout(segments=tuple(setup.placements), points=(), angles=())
+
+    @property
+    def layout(self) -> FrameLayout:
+        """Column names of every `Frames` this pipeline gives."""
+        return self._layout
+
+    @property
+    def setup(self) -> SessionSetup:
+        """The setup with the calibration in force."""
+        return self._network.setup
+
+    def step(self, chunk: ImuChunk) -> Frames:
+        """Take the next ticks of all sensors, in the order of `setup.placements`."""
+        result, q_room_segment, _, _, _ = self._network.step(chunk)
+        ticks = chunk.tick_count
+        return Frames(
+            layout=self._layout,
+            first_tick=chunk.first_tick,
+            time_step_s=chunk.time_step_s,
+            q_room_segment=q_room_segment,
+            point_room_m=np.empty((ticks, 0, 3)),
+            angle_rad=np.empty((ticks, 0)),
+            angle_sigma_rad=np.empty((ticks, 0)),
+            scalar=np.empty((ticks, 0)),
+            segment_flags=np.ascontiguousarray(result.flags.T),
+            angle_flags=np.empty((ticks, 0), dtype=np.uint8),
+        )
+
+    def calibrate(self, pose: ImuChunk, method: str = "static") -> Calibration:
+        """Find the gyroscopes' bias while every sensor lies still."""
+        if method != "static":
+            raise SetupError(f"single sensors have no pose {method!r}; use method 'static'")
+        return self._network.calibrate(pose, method)
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """Return everything that the next step depends on, as arrays."""
+        return self._network.state()
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Continue exactly where the instance that gave `state` stood."""
+        self._network.restore(state)

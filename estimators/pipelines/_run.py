@@ -1,0 +1,177 @@
+"""Pipelines by name, frames put together, and whole recordings off-line."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from estimators import signals
+from estimators.errors import CalibrationError, SetupError, ShapeError
+from estimators.pipelines._arm import ArmPipeline
+from estimators.pipelines._contract import Frames, Pipeline, SessionSetup
+from estimators.pipelines._orientation import OrientationPipeline
+from estimators.recording import ImuChunk, Recording
+
+_REGISTRY: dict[str, type[Pipeline]] = {kind.name: kind for kind in (ArmPipeline, OrientationPipeline)}
+_POSE_S = 3.0
+_SHORTEST_POSE_S = 1.5
+_BLOCK = 6000
+"""Ticks stepped at once off-line; any number gives the same frames."""
+
+
+def available() -> dict[str, type[Pipeline]]:
+    """Return the pipelines by name."""
+    return dict(_REGISTRY)
+
+
+def create(setup: SessionSetup) -> Pipeline:
+    """Build the pipeline that a setup asks for, having seen no samples.
+
+    Parameters
+    ----------
+    setup : SessionSetup
+
+    Returns
+    -------
+    Pipeline
+
+    Raises
+    ------
+    SetupError
+        For an unknown pipeline, estimator or parameter, or placements that cannot work together.
+    """
+    if setup.pipeline not in _REGISTRY:
+        raise SetupError(f"no pipeline {setup.pipeline!r}; known are {', '.join(_REGISTRY)}")
+    return _REGISTRY[setup.pipeline](setup)
+
+
+def concatenate(parts: Sequence[Frames]) -> Frames:
+    """Put consecutive frames together.
+
+    Parameters
+    ----------
+    parts : sequence of Frames
+        In order, of one layout, each starting where the one before ended.
+
+    Returns
+    -------
+    Frames
+
+    Raises
+    ------
+    ShapeError
+        If there is none, or ticks are missing, repeated, or of another layout or rate.
+    """
+    if not parts:
+        raise ShapeError("no frames to put together")
+    first = parts[0]
+    expected = first.first_tick
+    for part in parts:
+        if part.layout != first.layout or part.time_step_s != first.time_step_s:
+            raise ShapeError("frames of different layouts or rates cannot be put together")
+        if part.first_tick != expected:
+            raise ShapeError(f"frames start at tick {part.first_tick}; tick {expected} is next")
+        expected += part.tick_count
+    if len(parts) == 1:
+        return first
+    return replace(
+        first,
+        q_room_segment=np.concatenate([part.q_room_segment for part in parts]),
+        point_room_m=np.concatenate([part.point_room_m for part in parts]),
+        angle_rad=np.concatenate([part.angle_rad for part in parts]),
+        angle_sigma_rad=np.concatenate([part.angle_sigma_rad for part in parts]),
+        scalar=np.concatenate([part.scalar for part in parts]),
+        segment_flags=np.concatenate([part.segment_flags for part in parts]),
+        angle_flags=np.concatenate([part.angle_flags for part in parts]),
+    )
+
+
+def run(
+    recording: Recording, setup: SessionSetup, pose_s: tuple[float, float] | None = None
+) -> tuple[Frames, SessionSetup]:
+    """Estimate a whole recording off-line.
+
+    Parameters
+    ----------
+    recording : Recording
+        Must hold every placement of the setup; further sensors are left out.
+    setup : SessionSetup
+    pose_s : (float, float), optional
+        Half-open stretch of the recording in which the patient held the calibration pose. Without it the
+        first 3 s in which all sensors are still are taken for the pose, as people begin with it.
+
+    Returns
+    -------
+    frames : Frames
+        From the first tick to the last.
+    setup : SessionSetup
+        With the calibration used, to be stored.
+
+    Raises
+    ------
+    SetupError
+        If a placement is not in the recording.
+    CalibrationError
+        If the setup has no calibration and no usable pose is found.
+
+    Notes
+    -----
+    The calibration found is applied to the whole recording from its start, also to what came before the
+    pose: a second pass, as off-line nothing is in a hurry.
+    """
+    missing = [name for name in setup.placements if name not in recording.sensors]
+    if missing:
+        raise SetupError(
+            f"the recording has no sensor {', '.join(missing)}; it has {', '.join(recording.sensors)}"
+        )
+    worn = replace(recording, sensors={name: recording.sensors[name] for name in setup.placements})
+    chunk = signals.to_common_ticks(worn, setup.rate_hz)
+    if setup.calibration is None and (setup.pipeline != OrientationPipeline.name or pose_s is not None):
+        setup = _calibrated(chunk, setup, pose_s)
+    return step_through(create(setup), chunk), setup
+
+
+def step_through(pipeline: Pipeline, chunk: ImuChunk) -> Frames:
+    """Run a pipeline over a long chunk in blocks."""
+    ticks = range(0, max(chunk.tick_count, 1), _BLOCK)
+    return concatenate([pipeline.step(chunk.ticks(i, min(i + _BLOCK, chunk.tick_count))) for i in ticks])
+
+
+def _calibrated(chunk: ImuChunk, setup: SessionSetup, pose_s: tuple[float, float] | None) -> SessionSetup:
+    """Run up to the end of the pose and calibrate there."""
+    first, stop = find_pose(chunk) if pose_s is None else _ticks_of(chunk, pose_s)
+    pipeline = create(setup)
+    step_through(pipeline, chunk.ticks(0, stop))
+    method = "static" if setup.pipeline == OrientationPipeline.name else "n_pose"
+    pipeline.calibrate(chunk.ticks(first, stop), method)
+    return pipeline.setup
+
+
+def _ticks_of(chunk: ImuChunk, pose_s: tuple[float, float]) -> tuple[int, int]:
+    first, stop = (round(bound / chunk.time_step_s) - chunk.first_tick for bound in pose_s)
+    first, stop = max(first, 0), min(stop, chunk.tick_count)
+    if (stop - first) * chunk.time_step_s < 0.5:
+        raise CalibrationError(f"the pose from {pose_s[0]} to {pose_s[1]} s is not in the recording")
+    return first, stop
+
+
+def find_pose(chunk: ImuChunk) -> tuple[int, int]:
+    """Return the first ticks `[start, stop)` in which every sensor is still, at most 3 s, within the chunk.
+
+    Raises
+    ------
+    CalibrationError
+        If there is no still stretch of 1.5 s.
+    """
+    still = signals.stillness(chunk.gyroscope_radps, chunk.accelerometer_mps2, 1.0 / chunk.time_step_s)
+    together = np.concatenate([[False], still.all(axis=0), [False]])
+    edges = np.flatnonzero(np.diff(together.astype(np.int8)))
+    needed = {length: round(length / chunk.time_step_s) for length in (_POSE_S, _SHORTEST_POSE_S)}
+    for length in needed.values():
+        for start, stop in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+            if stop - start >= length:
+                return start, min(stop, start + needed[_POSE_S])
+    raise CalibrationError(
+        "no moment of 1.5 s in which all sensors are still; record the calibration pose, standing still "
+        "with hanging arms for 3 s, or say when it was held"
+    )
