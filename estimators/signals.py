@@ -264,11 +264,11 @@ def _moving_spread(values: Float, half: int) -> tuple[Float, Float]:
         total = np.concatenate((np.zeros_like(table[..., :1, :]), np.cumsum(table, axis=-2)), axis=-2)
         return np.asarray(total[..., stop, :] - total[..., start, :])
 
-    centred: Float = held - centre
+    centred = held - centre
     mean = window_sum(centred) / width
-    variance = window_sum(np.square(centred)) / width - mean**2
+    variance = window_sum(centred * centred) / width - mean**2
     spread = np.sqrt(np.maximum(variance.sum(axis=-1), 0.0))
-    holes = window_sum((~finite).astype(np.float64))[..., 0] > 0.5
+    holes = window_sum(np.asarray(~finite, dtype=np.float64))[..., 0] > 0.5
     return np.where(holes, np.inf, spread), mean + centre
 
 
