@@ -1,0 +1,58 @@
+"""Consent by purpose: what the patient said, in the patient's or a therapist's record of it."""
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from app.accounts.models import Consent
+from app.database.base import utc_now
+
+PURPOSES = ("treatment", "research", "home_streaming")
+
+
+def consent(session: Session, patient_id: str, purpose: str) -> bool | None:
+    """Return yes, no, or None when the patient was not asked.
+
+    Parameters
+    ----------
+    session : Session
+    patient_id : str
+    purpose : {"treatment", "research", "home_streaming"}
+    """
+    return session.scalar(
+        select(Consent.granted).where(Consent.patient_id == patient_id, Consent.purpose == purpose)
+    )
+
+
+def list_consents(session: Session, patient_id: str) -> list[Consent]:
+    """Return every answer of a patient, by purpose; the caller has checked the right to the patient.
+
+    Parameters
+    ----------
+    session : Session
+    patient_id : str
+    """
+    query = select(Consent).where(Consent.patient_id == patient_id).order_by(Consent.purpose)
+    return list(session.scalars(query))
+
+
+def set_consent(session: Session, patient_id: str, purpose: str, granted: bool, changed_by: str) -> Consent:
+    """Store the patient's answer; the caller has checked the right to the patient.
+
+    Parameters
+    ----------
+    session : Session
+    patient_id : str
+    purpose : str
+    granted : bool
+    changed_by : str
+        Account that stored it.
+    """
+    row = session.scalar(select(Consent).where(Consent.patient_id == patient_id, Consent.purpose == purpose))
+    if row is None:
+        row = Consent(patient_id=patient_id, purpose=purpose)
+        session.add(row)
+    row.granted = granted
+    row.changed_at = utc_now()
+    row.changed_by = changed_by
+    session.flush()
+    return row

@@ -1,0 +1,167 @@
+"""Who asks: FastAPI dependencies for HTTP and the function for sockets.
+
+A browser shows its cookie. Browsers attach cookies to requests that other sites provoke, so a change by
+cookie also needs the CSRF token in `X-CSRF-Token` and an `Origin` of our own; a socket by cookie needs the
+`Origin` (browsers let any site open sockets). Gateways show `Authorization: Bearer <device token>`, which no
+browser attaches by itself, and need neither.
+"""
+
+import hmac
+from typing import Annotated
+from urllib.parse import urlsplit
+
+from anyio import to_thread
+from fastapi import Depends
+from starlette.requests import HTTPConnection
+from starlette.websockets import WebSocket
+
+from app.accounts.device_tokens import subject_of_device_token
+from app.accounts.sign_in import COOKIE, FoundSignIn, find_sign_in, touch
+from app.accounts.subject import Subject
+from app.database.unit_of_work import read_only, unit_of_work
+from app.errors import NotAllowed, SignInRequired
+from app.services import services_of
+from app.settings import Settings
+
+CSRF_HEADER = "X-CSRF-Token"
+SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
+
+
+def is_own_origin(settings: Settings, connection: HTTPConnection) -> bool:
+    """Return whether the request comes from a page of this service.
+
+    Parameters
+    ----------
+    settings : Settings
+        `base_url` is the only origin; a demonstration or a service on this machine's own address also accepts
+        the address it was called by, so `localhost` and `127.0.0.1` both work.
+    connection : Request or WebSocket
+    """
+    origin = connection.headers.get("origin")
+    if not origin:
+        return False
+    if origin == settings.base_url:
+        return True
+    if settings.is_https or not (settings.demo or settings.is_loopback):
+        return False
+    parts = urlsplit(origin)
+    return parts.scheme == "http" and parts.netloc == connection.headers.get("host")
+
+
+def require_own_origin(connection: HTTPConnection) -> None:
+    """Refuse a request that another site provoked.
+
+    Parameters
+    ----------
+    connection : Request or WebSocket
+
+    Raises
+    ------
+    NotAllowed
+        The `Origin` is absent or not ours.
+    """
+    if not is_own_origin(services_of(connection).settings, connection):
+        raise NotAllowed("This request did not come from a page of this service (wrong or missing Origin).")
+
+
+def current_sign_in(connection: HTTPConnection) -> FoundSignIn:
+    """Return the valid browser session of a request, with CSRF and Origin checked for changes.
+
+    Parameters
+    ----------
+    connection : Request or WebSocket
+
+    Raises
+    ------
+    SignInRequired
+        No cookie, or its session has ended.
+    NotAllowed
+        A change without the CSRF token or from another origin, or a socket from another origin.
+    """
+    services = services_of(connection)
+    cookie = connection.cookies.get(COOKIE)
+    if not cookie:
+        raise SignInRequired("Please sign in.")
+    with read_only(services.engine) as session:
+        found = find_sign_in(session, services.settings, cookie)
+    if connection.scope["type"] == "websocket":
+        require_own_origin(connection)
+    elif connection.scope["method"] not in SAFE_METHODS:
+        require_own_origin(connection)
+        given = connection.headers.get(CSRF_HEADER, "")
+        if not hmac.compare_digest(given.encode(), found.csrf_token.encode()):
+            raise NotAllowed(
+                f"The header {CSRF_HEADER} is missing or wrong; read it again from /api/me.",
+                header=CSRF_HEADER,
+            )
+    if found.needs_touch:
+        with unit_of_work(services.engine) as writer:
+            touch(writer, found.id)
+    return found
+
+
+def current_subject(connection: HTTPConnection) -> Subject:
+    """Return who asks, by device token or cookie; blocks on the database, so call it in a thread.
+
+    Parameters
+    ----------
+    connection : Request or WebSocket
+
+    Raises
+    ------
+    SignInRequired
+        Nobody valid.
+    NotAllowed
+        See `current_sign_in`.
+    """
+    scheme, _, token = connection.headers.get("authorization", "").partition(" ")
+    if not token:
+        return current_sign_in(connection).subject
+    if scheme.lower() != "bearer":
+        raise SignInRequired("Only `Authorization: Bearer` with a device token is understood.")
+    services = services_of(connection)
+    with read_only(services.engine) as session:
+        return subject_of_device_token(session, services.settings, token.strip())
+
+
+def current_account(subject: Annotated[Subject, Depends(current_subject)]) -> Subject:
+    """Return the subject when it is a person or integrator that signed in, not a device.
+
+    Parameters
+    ----------
+    subject : Subject
+
+    Raises
+    ------
+    NotAllowed
+        A device.
+    """
+    if subject.kind != "account":
+        raise NotAllowed("A device token cannot be used here; sign in.")
+    return subject
+
+
+async def websocket_subject(websocket: WebSocket) -> Subject:
+    """Return who opens a socket by cookie or device token, without blocking the loop.
+
+    Parameters
+    ----------
+    websocket : WebSocket
+        Accepted or not; the error handler closes it in either case.
+
+    Raises
+    ------
+    SignInRequired, NotAllowed
+        As `current_subject`.
+    """
+    return await to_thread.run_sync(current_subject, websocket)
+
+
+CurrentSubject = Annotated[Subject, Depends(current_subject)]
+"""Any valid subject, devices included; the access check decides what it may do."""
+
+CurrentAccount = Annotated[Subject, Depends(current_account)]
+"""A person or integrator that signed in."""
+
+CurrentSignIn = Annotated[FoundSignIn, Depends(current_sign_in)]
+"""A browser session with its CSRF token."""

@@ -1,0 +1,84 @@
+"""Signing in and out, and the clinic's accounts."""
+
+from anyio import to_thread
+from fastapi import APIRouter, Depends, Request, Response
+
+from app.accounts import service
+from app.accounts.dependencies import (
+    CurrentAccount,
+    CurrentSignIn,
+    is_own_origin,
+    require_own_origin,
+)
+from app.accounts.schemas import AccountIn, AccountOut, Me, SignInRequest
+from app.accounts.sign_in import COOKIE, end_sign_in, me
+from app.database.dependencies import ReadSession, WriteSession
+from app.services import services_of
+from app.settings import Settings
+
+router = APIRouter(prefix="/api", tags=["accounts"])
+
+
+def _not_from_another_site(request: Request) -> None:
+    """Refuse a sign-in that another site's page provokes; programs without a browser send no Origin."""
+    if request.headers.get("origin") and not is_own_origin(services_of(request).settings, request):
+        require_own_origin(request)
+
+
+@router.post("/sign-in", dependencies=[Depends(_not_from_another_site)])
+async def sign_in(body: SignInRequest, request: Request, response: Response) -> Me:
+    """Sign in with e-mail and password; the answer sets the session cookie.
+
+    Errors: `sign_in_required` for any wrong pair, `too_many_attempts` with Retry-After, `unavailable`.
+    """
+    services = services_of(request)
+    address = request.client.host if request.client else "unknown"
+    agent = request.headers.get("user-agent", "")
+    account_id = await service.check_password(services, body.email, body.password, address)
+    token, found = await to_thread.run_sync(
+        service.open_sign_in, services, account_id, agent, request.cookies.get(COOKIE)
+    )
+    _set_cookie(response, services.settings, token)
+    return found
+
+
+@router.post("/sign-out", status_code=204)
+def sign_out(current: CurrentSignIn, request: Request, response: Response, session: WriteSession) -> None:
+    """End this browser session."""
+    end_sign_in(session, request.cookies.get(COOKIE, ""))
+    settings = services_of(request).settings
+    response.delete_cookie(COOKIE, path="/", secure=settings.is_https, httponly=True, samesite="lax")
+
+
+@router.get("/me")
+def who_am_i(current: CurrentSignIn, session: ReadSession) -> Me:
+    """Return the signed-in account with its CSRF token."""
+    return me(session, current.subject.id, current.csrf_token)
+
+
+@router.get("/accounts")
+def list_accounts(subject: CurrentAccount, session: ReadSession) -> list[AccountOut]:
+    """Return the clinic's accounts: all for administrators, colleagues only for therapists."""
+    return service.list_accounts(session, subject)
+
+
+@router.post("/accounts", status_code=201)
+async def create_account(body: AccountIn, subject: CurrentAccount, request: Request) -> AccountOut:
+    """Create an account; administrators only.
+
+    Errors: `not_allowed`, `conflict` when the e-mail address is taken, `not_found` for another clinic's
+    patient.
+    """
+    return await service.create_account(services_of(request), subject, body)
+
+
+def _set_cookie(response: Response, settings: Settings, token: str) -> None:
+    response.set_cookie(
+        COOKIE,
+        token,
+        max_age=settings.sign_in_hours * 3600,
+        path="/",
+        secure=settings.is_https,
+        httponly=True,
+        samesite="lax",
+    )

@@ -1,0 +1,177 @@
+"""Limits on failed sign-ins, per address and per account, in bounded memory.
+
+Each key has a level that every attempt raises by one and that time lowers steadily; above the capacity an
+attempt is refused with the time after which the next one is allowed. An attempt is counted before its
+password is checked (so many at once cannot slip past) and taken back when it succeeds. Accounts are limited
+whether they exist or not, so the limit says nothing about them.
+"""
+
+import ipaddress
+import math
+import threading
+import time
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from app.accounts.tokens import hash_token
+from app.errors import TooManyAttempts
+
+
+@dataclass(frozen=True)
+class Limit:
+    """How much a key may do.
+
+    Attributes
+    ----------
+    capacity : int
+        Attempts in one burst.
+    recovery_s : float
+        Time that gives one attempt back.
+    """
+
+    capacity: int
+    recovery_s: float
+
+
+PER_ACCOUNT = Limit(capacity=8, recovery_s=60.0)
+PER_ADDRESS = Limit(capacity=30, recovery_s=20.0)
+"""Wider: a whole clinic may share one address."""
+
+
+class LeakyCounter:
+    """Counts attempts per key; levels leak away with time.
+
+    Parameters
+    ----------
+    limit : Limit
+    maximum_keys : int
+        Above it the keys that were quiet longest are forgotten.
+    clock : callable
+        Monotonic seconds.
+    """
+
+    def __init__(
+        self, limit: Limit, maximum_keys: int = 20_000, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self._limit = limit
+        self._maximum_keys = maximum_keys
+        self._clock = clock
+        self._levels: OrderedDict[str, tuple[float, float]] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def __len__(self) -> int:
+        return len(self._levels)
+
+    def take(self, key: str) -> float:
+        """Count an attempt.
+
+        Parameters
+        ----------
+        key : str
+
+        Returns
+        -------
+        float
+            0 when allowed; otherwise the seconds until one is, and nothing is counted.
+        """
+        with self._lock:
+            level = self._level(key)
+            if level + 1.0 > self._limit.capacity + 1e-9:
+                return (level + 1.0 - self._limit.capacity) * self._limit.recovery_s
+            self._set(key, level + 1.0)
+            return 0.0
+
+    def give_back(self, key: str) -> None:
+        """Take one counted attempt back.
+
+        Parameters
+        ----------
+        key : str
+        """
+        with self._lock:
+            self._set(key, self._level(key) - 1.0)
+
+    def _level(self, key: str) -> float:
+        level, at = self._levels.get(key, (0.0, 0.0))
+        return max(0.0, level - (self._clock() - at) / self._limit.recovery_s) if level else 0.0
+
+    def _set(self, key: str, level: float) -> None:
+        if level <= 0.0:
+            self._levels.pop(key, None)
+            return
+        self._levels[key] = (level, self._clock())
+        self._levels.move_to_end(key)
+        while len(self._levels) > self._maximum_keys:
+            self._levels.popitem(last=False)
+
+
+class SignInLimits:
+    """Both limits of a sign-in.
+
+    Parameters
+    ----------
+    per_account, per_address : Limit
+    clock : callable
+        Monotonic seconds.
+    """
+
+    def __init__(
+        self,
+        per_account: Limit = PER_ACCOUNT,
+        per_address: Limit = PER_ADDRESS,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._accounts = LeakyCounter(per_account, clock=clock)
+        self._addresses = LeakyCounter(per_address, clock=clock)
+
+    def attempt(self, email: str, address: str) -> None:
+        """Count an attempt before its password is checked.
+
+        Parameters
+        ----------
+        email : str
+            Already in lower case.
+        address : str
+            Of the client.
+
+        Raises
+        ------
+        TooManyAttempts
+            With `retry_after_s`.
+        """
+        network = _network(address)
+        wait = self._addresses.take(network)
+        if wait == 0.0:
+            wait = self._accounts.take(hash_token(email))
+            if wait > 0.0:
+                self._addresses.give_back(network)
+        if wait > 0.0:
+            seconds = math.ceil(wait)
+            raise TooManyAttempts(
+                f"Too many failed sign-ins; try again in {seconds} s.", retry_after_s=seconds
+            )
+
+    def succeeded(self, email: str, address: str) -> None:
+        """Take the attempt back: only failures count.
+
+        Parameters
+        ----------
+        email, address : str
+            As for `attempt`.
+        """
+        self._accounts.give_back(hash_token(email))
+        self._addresses.give_back(_network(address))
+
+
+def _network(address: str) -> str:
+    """Return the key of an address: IPv6 by /64, since one household has 2^64 addresses."""
+    try:
+        parsed = ipaddress.ip_address(address)
+    except ValueError:
+        return address
+    if isinstance(parsed, ipaddress.IPv6Address):
+        if parsed.ipv4_mapped is not None:
+            return str(parsed.ipv4_mapped)
+        return str(ipaddress.ip_network((parsed, 64), strict=False))
+    return str(parsed)

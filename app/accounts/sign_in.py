@@ -1,0 +1,181 @@
+"""Browser sessions: made by sign-in, found again by the cookie, ended by sign-out, idleness or age."""
+
+from dataclasses import dataclass
+from datetime import timedelta
+
+from sqlalchemy import delete, select, update
+from sqlalchemy.orm import Session
+
+from app.accounts.models import Account, Clinic, SignIn
+from app.accounts.schemas import Me
+from app.accounts.subject import Subject
+from app.accounts.tickets import account_subject
+from app.accounts.tokens import hash_token, new_token
+from app.database.base import utc_now
+from app.errors import SignInRequired
+from app.settings import Settings
+
+COOKIE = "telemotion_session"
+SEEN_AGAIN_AFTER = timedelta(seconds=60)
+"""`last_seen_at` is written at most this often, so reading stays cheap."""
+_PLEASE = "Please sign in."
+
+
+@dataclass(frozen=True)
+class FoundSignIn:
+    """A valid browser session."""
+
+    id: str
+    subject: Subject
+    csrf_token: str
+    needs_touch: bool
+
+
+def normalise_email(email: str) -> str:
+    """Return the form in which an e-mail address is stored and compared.
+
+    Parameters
+    ----------
+    email : str
+    """
+    return email.strip().lower()
+
+
+def password_hash_of(session: Session, email: str) -> tuple[str | None, str | None]:
+    """Return account and password hash for a sign-in; `(None, None)` when nobody may sign in so.
+
+    Parameters
+    ----------
+    session : Session
+    email : str
+        Normalised.
+    """
+    row = session.execute(
+        select(Account.id, Account.password_hash).where(Account.email == email, Account.is_active)
+    ).first()
+    return (row.id, row.password_hash) if row else (None, None)
+
+
+def create_sign_in(
+    session: Session, settings: Settings, account_id: str, user_agent: str
+) -> tuple[str, SignIn]:
+    """Open a browser session.
+
+    Parameters
+    ----------
+    session : Session
+        Writing.
+    settings : Settings
+        For the life time.
+    account_id : str
+    user_agent : str
+        As the browser calls itself; shortened.
+
+    Returns
+    -------
+    str
+        The cookie's value; only its hash is stored.
+    SignIn
+    """
+    now = utc_now()
+    session.execute(delete(SignIn).where(SignIn.expires_at < now))
+    token = new_token()
+    row = SignIn(
+        account_id=account_id,
+        token_hash=hash_token(token),
+        csrf_token=new_token(),
+        expires_at=now + timedelta(hours=settings.sign_in_hours),
+        last_seen_at=now,
+        user_agent=user_agent[:200],
+    )
+    session.add(row)
+    session.flush()
+    return token, row
+
+
+def find_sign_in(session: Session, settings: Settings, token: str) -> FoundSignIn:
+    """Return the browser session behind a cookie.
+
+    Parameters
+    ----------
+    session : Session
+    settings : Settings
+    token : str
+        The cookie's value.
+
+    Raises
+    ------
+    SignInRequired
+        Unknown, too old, idle too long, or the account is no longer active.
+    """
+    now = utc_now()
+    row = session.execute(
+        select(SignIn, Account)
+        .join(Account, Account.id == SignIn.account_id)
+        .where(
+            SignIn.token_hash == hash_token(token),
+            SignIn.expires_at > now,
+            SignIn.last_seen_at > now - timedelta(minutes=settings.sign_in_idle_minutes),
+            Account.is_active,
+        )
+    ).first()
+    if row is None:
+        raise SignInRequired(_PLEASE)
+    sign_in, account = row
+    return FoundSignIn(
+        id=sign_in.id,
+        subject=account_subject(account),
+        csrf_token=sign_in.csrf_token,
+        needs_touch=now - sign_in.last_seen_at > SEEN_AGAIN_AFTER,
+    )
+
+
+def touch(session: Session, sign_in_id: str) -> None:
+    """Note that the browser session is in use.
+
+    Parameters
+    ----------
+    session : Session
+        Writing.
+    sign_in_id : str
+    """
+    session.execute(update(SignIn).where(SignIn.id == sign_in_id).values(last_seen_at=utc_now()))
+
+
+def end_sign_in(session: Session, token: str) -> None:
+    """Forget the browser session behind a cookie; nothing happens when there is none.
+
+    Parameters
+    ----------
+    session : Session
+        Writing.
+    token : str
+    """
+    session.execute(delete(SignIn).where(SignIn.token_hash == hash_token(token)))
+
+
+def me(session: Session, account_id: str, csrf_token: str) -> Me:
+    """Return what a browser needs to know about its own account.
+
+    Parameters
+    ----------
+    session : Session
+    account_id : str
+    csrf_token : str
+    """
+    account, clinic_name = session.execute(
+        select(Account, Clinic.name)
+        .join(Clinic, Clinic.id == Account.clinic_id)
+        .where(Account.id == account_id)
+    ).one()
+    return Me(
+        account_id=account.id,
+        display_name=account.display_name,
+        email=account.email,
+        role=account.role,
+        clinic_id=account.clinic_id,
+        clinic_name=clinic_name,
+        patient_id=account.patient_id,
+        locale=account.locale,
+        csrf_token=csrf_token,
+    )

@@ -1,0 +1,37 @@
+"""Random tokens and what is stored of them.
+
+Session cookies and tickets are 256 random bits; only their SHA-256 is stored. A slow hash would add nothing:
+there is no dictionary of random tokens to try.
+"""
+
+import hashlib
+import hmac
+import secrets
+
+
+def new_token() -> str:
+    """Return 256 random bits, safe in URLs and headers."""
+    return secrets.token_urlsafe(32)
+
+
+def hash_token(token: str) -> str:
+    """Return what is stored of a token: SHA-256 in hexadecimal.
+
+    Parameters
+    ----------
+    token : str
+    """
+    return hashlib.sha256(token.encode()).hexdigest()
+
+
+def derive_key(secret: str, purpose: str) -> bytes:
+    """Return a key for one purpose from the service's secret, so one leaked use does not open another.
+
+    Parameters
+    ----------
+    secret : str
+        `Settings.signing_secret`.
+    purpose : str
+        A fixed word, e.g. `device-token`.
+    """
+    return hmac.new(secret.encode(), f"telemotion/{purpose}/1".encode(), hashlib.sha256).digest()

@@ -1,0 +1,65 @@
+"""The built browser client: files from one folder, and its first page for every other path that a person may
+open.
+"""
+
+from pathlib import Path
+
+from fastapi import APIRouter
+from fastapi.responses import FileResponse, HTMLResponse
+from starlette.responses import Response
+
+from app.errors import NotFound
+from app.settings import Settings
+
+_TREE = Path(__file__).resolve().parents[2] / "web" / "dist"
+_PACKAGED = Path(__file__).resolve().parents[1] / "static"
+NOT_PAGES = ("api", "ws", "viewer")
+"""First parts of paths that are never answered with the client's first page."""
+
+_NOT_BUILT = (
+    "<!doctype html><html lang=en><title>Telemotion</title><h1>The browser client is not built</h1>"
+    "<p>Run <code>make web</code> and load this page again. The service itself is running: "
+    "<a href=/api/docs>its interface</a>.</html>"
+)
+
+
+def client_folder(settings: Settings) -> Path | None:
+    """Return the folder of the built client, or None when there is none.
+
+    Parameters
+    ----------
+    settings : Settings
+        `client_dir` wins over the tree's web/dist, which wins over the packaged one.
+    """
+    candidates = [settings.client_dir] if settings.client_dir else [_TREE, _PACKAGED]
+    return next((folder.resolve() for folder in candidates if (folder / "index.html").is_file()), None)
+
+
+def client_router(settings: Settings) -> APIRouter:
+    """Return the routes of the client; include them last, they match every path.
+
+    Parameters
+    ----------
+    settings : Settings
+    """
+    router = APIRouter(include_in_schema=False)
+
+    @router.get("/{path:path}", response_class=Response)
+    def client(path: str) -> Response:
+        """Return a file of the client, or its first page."""
+        if path.split("/", 1)[0] in NOT_PAGES:
+            raise NotFound("There is nothing at this address.")
+        folder = client_folder(settings)
+        if folder is None:
+            return HTMLResponse(_NOT_BUILT, status_code=503)
+        target = (folder / path).resolve()
+        if target.is_relative_to(folder) and target.is_file() and target.name != "index.html":
+            # Built files carry a hash of their content in their name; others (icons, the worker) may change.
+            hashed = path.startswith("assets/")
+            caching = "public, max-age=31536000, immutable" if hashed else "no-cache"
+            return FileResponse(target, headers={"Cache-Control": caching})
+        if "." in path.rsplit("/", 1)[-1]:
+            raise NotFound("There is no such file.")
+        return FileResponse(folder / "index.html", headers={"Cache-Control": "no-cache"})
+
+    return router

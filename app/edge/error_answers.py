@@ -1,0 +1,128 @@
+"""The one handler that turns errors into answers: JSON `{"code", "message", "details"}` with the status of
+the error tree.
+
+What a client sent never comes back in an answer (it may be a password or a name); only where in the input the
+problem is. Unexpected errors are logged with their trace and answered without any detail.
+"""
+
+import logging
+from typing import Any, cast
+
+from fastapi import FastAPI
+from fastapi.exceptions import RequestValidationError, WebSocketRequestValidationError
+from fastapi.responses import JSONResponse
+from starlette.exceptions import HTTPException
+from starlette.requests import Request
+from starlette.responses import Response
+from starlette.types import ExceptionHandler
+from starlette.websockets import WebSocket
+
+from app.errors import TelemotionError
+
+logger = logging.getLogger("telemotion.errors")
+
+_CODES = {400: "invalid_input", 404: "not_found", 405: "method_not_allowed", 413: "too_large"}
+
+CLOSE_CODES = {401: 4401, 403: 4403, 404: 4404, 409: 4409, 413: 1009, 422: 4422, 429: 4429, 503: 1013}
+"""WebSocket close code by status: the private range tells a browser what a refused HTTP request would
+have."""
+
+
+class BodyTooLarge(HTTPException):
+    """Raised while a body is being received, where only FastAPI's own error type passes through the
+    parser.
+    """
+
+    def __init__(self, limit_bytes: int) -> None:
+        super().__init__(413, f"The body is larger than the limit of {limit_bytes} bytes.")
+        self.limit_bytes = limit_bytes
+
+
+def register(app: FastAPI) -> None:
+    """Install the handlers.
+
+    Parameters
+    ----------
+    app : FastAPI
+    """
+    handlers = {
+        TelemotionError: _expected,
+        HTTPException: _http,
+        RequestValidationError: _invalid,
+        WebSocketRequestValidationError: _invalid,
+        Exception: _unexpected,
+    }
+    for kind, handler in handlers.items():
+        # One function serves requests and sockets, which Starlette's type cannot say.
+        app.add_exception_handler(kind, cast(ExceptionHandler, handler))
+
+
+def answer(status: int, code: str, message: str, details: dict[str, Any]) -> JSONResponse:
+    """Return an error answer.
+
+    Parameters
+    ----------
+    status : int
+    code : str
+    message : str
+    details : dict
+        `retry_after_s` also becomes the header `Retry-After`.
+    """
+    headers = {"Cache-Control": "no-store"}
+    if "retry_after_s" in details:
+        headers["Retry-After"] = str(int(details["retry_after_s"]))
+    return JSONResponse(
+        {"code": code, "message": message, "details": details}, status_code=status, headers=headers
+    )
+
+
+async def _expected(connection: Request | WebSocket, error: Exception) -> Response | None:
+    if not isinstance(error, TelemotionError):
+        raise error
+    if error.status == 500:
+        logger.error("unexpected %s in %s", error.code, _where(connection), exc_info=error)
+    if error.status == 503:
+        error.details.setdefault("retry_after_s", 5)
+    return await _send(connection, error.status, error.code, error.message, error.details)
+
+
+async def _http(connection: Request | WebSocket, error: Exception) -> Response | None:
+    if not isinstance(error, HTTPException):
+        raise error
+    details = {"limit_bytes": error.limit_bytes} if isinstance(error, BodyTooLarge) else {}
+    code = _CODES.get(error.status_code, "http")
+    return await _send(connection, error.status_code, code, str(error.detail), details)
+
+
+async def _invalid(connection: Request | WebSocket, error: Exception) -> Response | None:
+    if not isinstance(error, RequestValidationError | WebSocketRequestValidationError):
+        raise error
+    fields = [
+        {"field": ".".join(str(part) for part in problem["loc"]), "problem": str(problem["msg"])}
+        for problem in error.errors()
+    ]
+    named = ", ".join(field["field"] for field in fields[:5])
+    message = f"The request cannot be understood; look at: {named}."
+    return await _send(connection, 422, "invalid_input", message, {"fields": fields})
+
+
+async def _unexpected(connection: Request | WebSocket, error: Exception) -> Response | None:
+    logger.error("unexpected %s in %s", type(error).__name__, _where(connection), exc_info=error)
+    message = "Something went wrong on our side; it has been noted."
+    return await _send(connection, 500, "internal", message, {})
+
+
+async def _send(
+    connection: Request | WebSocket, status: int, code: str, message: str, details: dict[str, Any]
+) -> Response | None:
+    if not isinstance(connection, WebSocket):
+        return answer(status, code, message, details)
+    # Before the handshake this becomes a refusal (HTTP 403); after it, a close frame with the code as its
+    # reason.
+    await connection.close(code=CLOSE_CODES.get(status, 1011), reason=code)
+    return None
+
+
+def _where(connection: Request | WebSocket) -> str:
+    route = connection.scope.get("route")
+    return getattr(route, "path", "an unknown route")

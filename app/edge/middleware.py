@@ -1,0 +1,178 @@
+"""Plain ASGI middleware: security headers, body limits and the access log.
+
+Written against ASGI and not `BaseHTTPMiddleware`, which would buffer streams and break the cancelling of
+requests.
+"""
+
+import logging
+import time
+from collections.abc import Mapping
+from urllib.parse import urlsplit
+
+from starlette.datastructures import MutableHeaders
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from app.edge.error_answers import BodyTooLarge, answer
+from app.settings import Settings
+
+access_log = logging.getLogger("telemotion.access")
+
+
+def content_security_policy(settings: Settings) -> str:
+    """Return the policy for pages of the client: everything from ourselves, nothing framed, nothing
+    evaluated.
+
+    Parameters
+    ----------
+    settings : Settings
+        `base_url` names the socket's origin for browsers that do not count it as 'self'.
+
+    Notes
+    -----
+    Inline styles are allowed because the component library writes its theme variables into a style element;
+    inline scripts are not. The viewer's pages carry their own policy, which this one does not replace.
+    """
+    scheme = "wss" if settings.is_https else "ws"
+    socket = f"{scheme}://{urlsplit(settings.base_url).netloc}"
+    return "; ".join(
+        [
+            "default-src 'self'",
+            "script-src 'self'",
+            "style-src 'self' 'unsafe-inline'",
+            "img-src 'self' data: blob:",
+            "font-src 'self' data:",
+            f"connect-src 'self' {socket}",
+            "worker-src 'self' blob:",
+            "frame-src 'self'",
+            "object-src 'none'",
+            "base-uri 'none'",
+            "form-action 'self'",
+            "frame-ancestors 'none'",
+        ]
+    )
+
+
+class SecurityHeaders:
+    """Adds the headers to every response; a header that a route has set itself stays.
+
+    Parameters
+    ----------
+    app : ASGIApp
+    settings : Settings
+    """
+
+    def __init__(self, app: ASGIApp, settings: Settings) -> None:
+        self.app = app
+        self._headers = {
+            "Content-Security-Policy": content_security_policy(settings),
+            "X-Content-Type-Options": "nosniff",
+            "X-Frame-Options": "DENY",
+            "Referrer-Policy": "no-referrer",
+            "Cross-Origin-Opener-Policy": "same-origin",
+            "Cross-Origin-Resource-Policy": "same-origin",
+            "Permissions-Policy": "camera=(), microphone=(), geolocation=(), payment=()",
+        }
+        if settings.is_https:
+            self._headers["Strict-Transport-Security"] = "max-age=63072000; includeSubDomains"
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on and add the headers to its answer."""
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
+            return
+        path: str = scope["path"]
+
+        async def send_with_headers(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                headers = MutableHeaders(scope=message)
+                for name, value in self._headers.items():
+                    headers.setdefault(name, value)
+                if path.startswith("/api/"):
+                    headers.setdefault("Cache-Control", "no-store")
+            await send(message)
+
+        await self.app(scope, receive, send_with_headers)
+
+
+class BodyLimit:
+    """Refuses bodies above a limit, by their declared length or while they arrive.
+
+    Parameters
+    ----------
+    app : ASGIApp
+    default_bytes : int
+    by_path : mapping of path to bytes
+        Routes with a larger limit.
+    """
+
+    def __init__(self, app: ASGIApp, default_bytes: int, by_path: Mapping[str, int]) -> None:
+        self.app = app
+        self._default = default_bytes
+        self._by_path = dict(by_path)
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on, counting its body."""
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
+            return
+        limit = self._by_path.get(scope["path"], self._default)
+        for name, value in scope["headers"]:
+            if name == b"content-length" and value.isdigit() and int(value) > limit:
+                error = BodyTooLarge(limit)
+                refusal = answer(413, "too_large", str(error.detail), {"limit_bytes": limit})
+                refusal.headers["Connection"] = "close"
+                await refusal(scope, receive, send)
+                return
+        received = 0
+
+        async def receive_counted() -> Message:
+            nonlocal received
+            message = await receive()
+            if message["type"] == "http.request":
+                received += len(message.get("body", b""))
+                if received > limit:
+                    raise BodyTooLarge(limit)
+            return message
+
+        await self.app(scope, receive_counted, send)
+
+
+class AccessLog:
+    """One line per request: method, route template, status, time. No addresses of patients, no query, no
+    identifiers.
+
+    Parameters
+    ----------
+    app : ASGIApp
+    """
+
+    def __init__(self, app: ASGIApp) -> None:
+        self.app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on and note how it went."""
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
+            return
+        started = time.perf_counter()
+        status = 500
+
+        async def send_noting(message: Message) -> None:
+            nonlocal status
+            if message["type"] == "http.response.start":
+                status = message["status"]
+            await send(message)
+
+        try:
+            await self.app(scope, receive, send_noting)
+        finally:
+            milliseconds = (time.perf_counter() - started) * 1e3
+            access_log.info("%s %s %d %.1f ms", scope["method"], _template(scope), status, milliseconds)
+
+
+def _template(scope: Scope) -> str:
+    """Return the route's template, e.g. `/api/patients/{patient_id}`; never the path itself, which holds
+    identifiers.
+    """
+    path = getattr(scope.get("route"), "path", None)
+    return path if isinstance(path, str) else "-"

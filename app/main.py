@@ -1,0 +1,124 @@
+"""Puts the service together: resources, routes, limits and the client. Nothing imports this module but the
+command line.
+"""
+
+import logging
+from collections.abc import AsyncIterator
+from contextlib import AsyncExitStack, asynccontextmanager
+from importlib.metadata import PackageNotFoundError, version
+
+from anyio import to_thread
+from fastapi import APIRouter, FastAPI, Request
+from sqlalchemy import text
+
+from app import tables as tables
+from app.accounts.endpoints import router as accounts_router
+from app.accounts.passwords import Passwords
+from app.accounts.rate_limit import SignInLimits
+from app.database import engine as database_engine
+from app.database.migrate import require_newest
+from app.database.unit_of_work import read_only
+from app.edge import error_answers
+from app.edge.client import client_router
+from app.edge.documentation import router as documentation_router
+from app.edge.middleware import AccessLog, BodyLimit, SecurityHeaders
+from app.services import Services, services_of
+from app.settings import Settings
+
+logger = logging.getLogger("telemotion.service")
+
+MULTIPART_SLACK_BYTES = 1 << 20
+"""Room for the declaration and the boundaries around an uploaded file of the largest size."""
+
+
+def service_version() -> str:
+    """Return the installed version, or `unknown` when run from a tree that was not installed."""
+    try:
+        return version("telemotion")
+    except PackageNotFoundError:
+        return "unknown"
+
+
+def create_app(settings: Settings | None = None, *, passwords: Passwords | None = None) -> FastAPI:
+    """Make the application; nothing is opened before its lifespan starts.
+
+    Parameters
+    ----------
+    settings : Settings, optional
+        Read from the environment when absent; unsafe ones raise here.
+    passwords : Passwords, optional
+        Another cost of password hashing.
+    """
+    settings = settings or Settings()
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        async with AsyncExitStack() as stack:
+            app.state.services = await open_services(settings, stack, passwords)
+            logger.info("service %s is open at %s", service_version(), settings.base_url)
+            yield
+        logger.info("service is closed")
+
+    app = FastAPI(
+        title="Telemotion",
+        version=service_version(),
+        description="Body-worn sensors in; motion and comparison with the therapist's template out.",
+        lifespan=lifespan,
+        openapi_url=None,
+        docs_url=None,
+        redoc_url=None,
+    )
+    error_answers.register(app)
+    app.add_middleware(
+        BodyLimit,
+        default_bytes=settings.request_limit_bytes,
+        by_path={"/api/uploads": settings.upload_limit_bytes + MULTIPART_SLACK_BYTES},
+    )
+    app.add_middleware(SecurityHeaders, settings=settings)
+    app.add_middleware(AccessLog)
+    for router in all_routers():
+        app.include_router(router)
+    app.include_router(client_router(settings))
+    return app
+
+
+async def open_services(
+    settings: Settings, stack: AsyncExitStack, passwords: Passwords | None = None
+) -> Services:
+    """Open every resource in order; the stack closes them in reverse.
+
+    Parameters
+    ----------
+    settings : Settings
+    stack : AsyncExitStack
+        Closed by the caller when the service stops.
+    passwords : Passwords, optional
+
+    Raises
+    ------
+    Conflict
+        The database has not been migrated to this version.
+    """
+    engine = database_engine.create(settings)
+    stack.callback(engine.dispose)
+    await to_thread.run_sync(require_newest, engine)
+    services = Services(settings=settings, engine=engine)
+    services.passwords = passwords or await to_thread.run_sync(Passwords)
+    services.sign_in_limits = SignInLimits()
+    return services
+
+
+def all_routers() -> list[APIRouter]:
+    """Return the routers of every room, in the order in which paths are matched."""
+    return [health_router, documentation_router, accounts_router]
+
+
+health_router = APIRouter(prefix="/api", tags=["service"])
+
+
+@health_router.get("/health")
+def health(request: Request) -> dict[str, str]:
+    """Return whether the service and its database answer; no sign-in needed."""
+    with read_only(services_of(request).engine) as session:
+        session.execute(text("SELECT 1"))
+    return {"status": "ok", "version": service_version()}

@@ -1,0 +1,58 @@
+"""What the running service is made of; opened in the lifespan of `app.main`, found by requests here.
+
+Rooms take what they need from `services_of(request)`; only `app.main` fills it.
+"""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from sqlalchemy import Engine
+from starlette.requests import HTTPConnection
+
+from app.settings import Settings
+
+
+@dataclass
+class Services:
+    """Open resources of one running service.
+
+    Attributes
+    ----------
+    settings : Settings
+    engine : Engine
+    bus : app.live bus
+        Publishes frames, states, health and events to views.
+    recorder : app.recordings store
+        Group commit of raw packets and frames.
+    live : app.live runner
+        Live sessions of this process.
+    jobs : app.recordings jobs
+        Long uploads, reprocessing and comparisons.
+    viewer : app.viewer
+        3D views.
+    sign_in_limits : app.accounts.rate_limit.SignInLimits
+    passwords : app.accounts.passwords.Passwords
+    """
+
+    settings: Settings
+    engine: Engine
+    bus: Any = None
+    recorder: Any = None
+    live: Any = None
+    jobs: Any = None
+    viewer: Any = None
+    sign_in_limits: Any = None
+    passwords: Any = None
+    extras: dict[str, Any] = field(default_factory=dict)
+
+
+def services_of(connection: HTTPConnection) -> Services:
+    """Return the services behind a request or a WebSocket.
+
+    Parameters
+    ----------
+    connection : Request or WebSocket
+        Any connection of an application made by `app.main.create_app`.
+    """
+    services: Services = connection.app.state.services
+    return services

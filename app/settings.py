@@ -1,0 +1,144 @@
+"""Settings of the service, from environment variables `TELEMOTION_*` or a `.env` file.
+
+Outside a demonstration the service refuses to start with settings that would put patients at risk; the
+message names the variable and what to set. `Settings.model_fields` holds the documentation of each field; a
+test fails on one without.
+"""
+
+import ipaddress
+from pathlib import Path
+from typing import Literal, Self
+from urllib.parse import urlsplit
+
+from pydantic import Field, SecretStr, field_validator, model_validator
+from pydantic_settings import BaseSettings, SettingsConfigDict
+from sqlalchemy import make_url
+from sqlalchemy.exc import ArgumentError
+
+MINIMUM_SECRET_LENGTH = 32
+DEMO_SECRET = "demonstration only, never with real patients"  # noqa: S105 - refused outside the demonstration
+
+
+class Settings(BaseSettings):
+    """How this service runs."""
+
+    model_config = SettingsConfigDict(env_prefix="TELEMOTION_", env_file=".env", extra="ignore", frozen=True)
+
+    demo: bool = Field(
+        default=False,
+        description="Demonstration with invented patients: allows a known secret and plain http.",
+    )
+    base_url: str = Field(
+        default="http://127.0.0.1:8000",
+        description="Address that browsers use; decides Origin checks and Secure cookies.",
+    )
+    secret_key: SecretStr = Field(
+        default=SecretStr(""),
+        description="At least 32 random characters; signs device tokens. Changing it ends all device tokens.",
+    )
+    database_url: str = Field(
+        default="sqlite:///var/telemotion.db",
+        description="sqlite:///path or postgresql://user:password@host/name.",
+    )
+    database_durability: Literal["process_death", "power_loss"] = Field(
+        default="process_death",
+        description="What a commit survives on SQLite: death of the process, or loss of power too.",
+    )
+    data_dir: Path = Field(
+        default=Path("var"), description="Folder for files in passing, such as uploads being read."
+    )
+    upload_limit_bytes: int = Field(
+        default=1 << 30, gt=0, description="Largest recording that may be uploaded, in bytes."
+    )
+    request_limit_bytes: int = Field(
+        default=1 << 20, gt=0, description="Largest body of any other request, in bytes."
+    )
+    sign_in_idle_minutes: int = Field(
+        default=60, ge=1, le=1440, description="A browser session ends after this long without a request."
+    )
+    sign_in_hours: int = Field(
+        default=12, ge=1, le=168, description="A browser session ends after this long in any case."
+    )
+    client_dir: Path | None = Field(
+        default=None, description="Built browser client; by default web/dist of the tree or the packaged one."
+    )
+    log_level: Literal["debug", "info", "warning", "error"] = Field(
+        default="info", description="Least severe message that is logged."
+    )
+
+    @field_validator("base_url")
+    @classmethod
+    def _check_base_url(cls, value: str) -> str:
+        parts = urlsplit(value)
+        if parts.scheme not in {"http", "https"} or not parts.hostname or parts.path not in {"", "/"}:
+            raise ValueError("TELEMOTION_BASE_URL must look like https://motion.example.org, without a path")
+        return value.rstrip("/")
+
+    @field_validator("database_url")
+    @classmethod
+    def _check_database_url(cls, value: str) -> str:
+        try:
+            backend = make_url(value).get_backend_name()
+        except ArgumentError as error:
+            raise ValueError(
+                "TELEMOTION_DATABASE_URL must look like sqlite:///var/telemotion.db or postgresql://user@host/name"
+            ) from error
+        if backend not in {"sqlite", "postgresql"}:
+            raise ValueError("TELEMOTION_DATABASE_URL must name sqlite or postgresql")
+        return value
+
+    @model_validator(mode="after")
+    def _refuse_unsafe(self) -> Self:
+        problems = self._problems_everywhere()
+        if not self.demo:
+            problems += self._problems_outside_demo()
+        if problems:
+            raise ValueError("refusing to start: " + "; ".join(problems))
+        return self
+
+    def _problems_everywhere(self) -> list[str]:
+        url = make_url(self.database_url)
+        if url.get_backend_name() == "sqlite" and url.database in {None, "", ":memory:"}:
+            return [
+                "TELEMOTION_DATABASE_URL is an in-memory database, which would forget every patient "
+                "and cannot be shared between threads; name a file"
+            ]
+        return []
+
+    def _problems_outside_demo(self) -> list[str]:
+        problems = []
+        secret = self.secret_key.get_secret_value()
+        if len(secret) < MINIMUM_SECRET_LENGTH or len(set(secret)) < 10:
+            problems.append(
+                f"TELEMOTION_SECRET_KEY must hold at least {MINIMUM_SECRET_LENGTH} random characters, "
+                "e.g. from `python -c 'import secrets; print(secrets.token_urlsafe(48))'`"
+            )
+        if secret == DEMO_SECRET:
+            problems.append("TELEMOTION_SECRET_KEY is the one of the demonstration, which everybody knows")
+        if not self.is_https and not self.is_loopback:
+            problems.append(
+                "TELEMOTION_BASE_URL must begin with https://, because sign-in cookies and movement data "
+                "would travel in clear; only a demonstration or this machine's own address may use http"
+            )
+        return problems
+
+    @property
+    def is_https(self) -> bool:
+        """Whether browsers reach the service over TLS."""
+        return self.base_url.startswith("https://")
+
+    @property
+    def is_loopback(self) -> bool:
+        """Whether `base_url` names this machine only."""
+        host = urlsplit(self.base_url).hostname or ""
+        if host == "localhost":
+            return True
+        try:
+            return ipaddress.ip_address(host).is_loopback
+        except ValueError:
+            return False
+
+    @property
+    def signing_secret(self) -> str:
+        """The secret in force; the well-known one only in a demonstration without its own."""
+        return self.secret_key.get_secret_value() or DEMO_SECRET
