@@ -8,13 +8,15 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 
 NOUNS = {"accounts", "patients", "exercises", "recordings"}
-FOUNDATION = {"errors", "schemas", "settings", "database"}
+FOUNDATION = {"errors", "schemas", "settings", "services", "database"}
 # Rooms of `app` that each room may import, besides itself. `accounts` is below the other nouns.
 ALLOWED = {
     "errors": set(),
     "schemas": set(),
     "settings": {"errors"},
-    "database": {"errors", "settings"},
+    "services": {"settings"},
+    "database": {"errors", "settings", "services"},
+    "edge": FOUNDATION | {"accounts"},
     "accounts": FOUNDATION | {"patients"},
     "patients": FOUNDATION | {"accounts", "exercises", "recordings", "assessment"},
     "exercises": FOUNDATION | {"accounts", "patients"},
@@ -25,7 +27,7 @@ ALLOWED = {
     "viewer": FOUNDATION | NOUNS | {"live", "assessment"},
     "gateway": FOUNDATION | {"ingest", "live"},
 }
-TOP = {"main", "cli", "demo"}
+TOP = {"main", "cli", "demo", "tables"}
 
 
 def modules(package: str) -> list[Path]:
