@@ -56,7 +56,7 @@ class SignalChunk(Base):
     stream: Mapped[str] = mapped_column(String(60), primary_key=True)
     sequence: Mapped[int] = mapped_column(Integer, primary_key=True, autoincrement=False)
     start_ns: Mapped[int] = mapped_column(BigInteger)
-    """Session time of the first tick."""
+    """Session time of the first tick of frames; server time of arrival of the first packet in `raw`."""
     ticks: Mapped[int] = mapped_column(Integer)
     codec: Mapped[str] = mapped_column(String(40))
     scale: Mapped[dict[str, Any]] = mapped_column(JSON)

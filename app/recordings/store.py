@@ -4,10 +4,12 @@ The chunk's `scale` column carries what can be read without its data: the ranges
 it. `stored_ranges` adds them up, which is the whole ledger after a crash.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from heapq import heappop, heappush
+from typing import Any
 
 import numpy as np
-from sqlalchemy import Connection, Engine, select
+from sqlalchemy import Connection, Engine, Select, select
 from sqlalchemy.orm import Session
 
 from app.errors import NotFound
@@ -27,51 +29,80 @@ from app.recordings.models import Result, SignalChunk
 from app.recordings.ranges import SequenceRanges
 from estimators.pipelines._contract import Frames
 
+Source = Engine | Connection | Session
 
-def read_packets(source: Engine | Connection | Session, session_id: str) -> Iterator[RawPacket]:
-    """Yield every stored packet of a session in the order of arrival, one chunk in memory at a time."""
+
+def read_packets(source: Source, session_id: str) -> Iterator[RawPacket]:
+    """Yield every stored packet of a session in the order of arrival, one chunk in memory at a time.
+
+    With an engine each chunk is read in a transaction of its own, so that hours of reading hold nothing up.
+    """
+    for (number,) in _fetch(
+        source,
+        select(SignalChunk.sequence)
+        .where(SignalChunk.session_id == session_id, SignalChunk.stream == RAW_STREAM)
+        .order_by(SignalChunk.sequence),
+    ):
+        yield from _read_chunk(source, session_id, number)
+
+
+def read_packets_in_order(source: Source, session_id: str) -> Iterator[RawPacket]:
+    """Yield every stored packet of a session by rising sequence, whatever the order of arrival.
+
+    Holds only the chunks that overlap in sequence: those of a late back-fill, not the whole session.
+    """
+    keys = _fetch(
+        source,
+        select(SignalChunk.sequence, SignalChunk.scale).where(
+            SignalChunk.session_id == session_id, SignalChunk.stream == RAW_STREAM
+        ),
+    )
+    chunks = sorted((min(start for start, _ in scale["ranges"]), number) for number, scale in keys)
+    held: list[tuple[int, int, RawPacket]] = []
+    for lowest, number in chunks:
+        while held and held[0][0] < lowest:
+            yield heappop(held)[2]
+        for place, packet in enumerate(_read_chunk(source, session_id, number)):
+            heappush(held, (packet.sequence, place, packet))
+    while held:
+        yield heappop(held)[2]
+
+
+def _read_chunk(source: Source, session_id: str, number: int) -> list[RawPacket]:
+    (row,) = _fetch(
+        source,
+        select(
+            SignalChunk.start_ns,
+            SignalChunk.ticks,
+            SignalChunk.codec,
+            SignalChunk.scale,
+            SignalChunk.crc,
+            SignalChunk.data,
+        ).where(
+            SignalChunk.session_id == session_id,
+            SignalChunk.stream == RAW_STREAM,
+            SignalChunk.sequence == number,
+        ),
+    )
+    return decode_packets(EncodedChunk(*row))
+
+
+def _fetch(source: Source, query: Select[Any]) -> Sequence[Any]:
     if isinstance(source, Engine):
-        with source.connect() as connection:
-            yield from read_packets(connection, session_id)
-        return
-    after = -1
-    while True:
-        row = source.execute(
-            select(
-                SignalChunk.sequence,
-                SignalChunk.start_ns,
-                SignalChunk.ticks,
-                SignalChunk.codec,
-                SignalChunk.scale,
-                SignalChunk.crc,
-                SignalChunk.data,
-            )
-            .where(
-                SignalChunk.session_id == session_id,
-                SignalChunk.stream == RAW_STREAM,
-                SignalChunk.sequence > after,
-            )
-            .order_by(SignalChunk.sequence)
-            .limit(1)
-        ).first()
-        if row is None:
-            return
-        after = row.sequence
-        yield from decode_packets(EncodedChunk(*row[1:]))
+        with source.execution_options(read_only=True).connect() as connection:
+            return connection.execute(query).all()
+    return source.execute(query).all()
 
 
-def stored_ranges(source: Engine | Connection | Session, session_id: str) -> SequenceRanges:
+def stored_ranges(source: Source, session_id: str) -> SequenceRanges:
     """Return which packet sequences of a session are committed, from the chunks' metadata alone."""
-    if isinstance(source, Engine):
-        with source.connect() as connection:
-            return stored_ranges(connection, session_id)
-    rows = source.execute(
+    found = SequenceRanges()
+    for (scale,) in _fetch(
+        source,
         select(SignalChunk.scale)
         .where(SignalChunk.session_id == session_id, SignalChunk.stream == RAW_STREAM)
-        .order_by(SignalChunk.sequence)
-    )
-    found = SequenceRanges()
-    for (scale,) in rows:
+        .order_by(SignalChunk.sequence),
+    ):
         found.update((start, stop) for start, stop in scale["ranges"])
     return found
 
@@ -123,4 +154,4 @@ def read_frames(
     return merge_frames(parts, layout, 1.0 / float(result.setup["rate_hz"]))
 
 
-__all__ = ["iterate_frames", "read_frames", "read_packets", "stored_ranges"]
+__all__ = ["iterate_frames", "read_frames", "read_packets", "read_packets_in_order", "stored_ranges"]

@@ -1,0 +1,216 @@
+"""Sessions, results, events and long tasks: every query, who may, and the audit event it leaves.
+
+Reading what was measured needs the level `read`; starting and feeding a session `record` (or `treat` when it
+is to become a template); analysing again and deleting `treat`; watching a task's progress `status`.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+from sqlalchemy import delete, select
+from sqlalchemy.orm import Session
+
+from app.accounts import audit
+from app.accounts.subject import Subject
+from app.errors import Conflict, InvalidInput, NotFound
+from app.exercises.models import Exercise, Prescription
+from app.patients.access import Level, require_patient
+from app.patients.models import Mounting, Patient
+from app.recordings.models import Job, MotionSession, Result, SessionEvent
+
+NO_SUCH_SESSION = "There is no such session, or you have no right to know."
+
+
+def recording_level(purpose: str) -> Level:
+    """Return the level that recording a session of this purpose needs."""
+    return "treat" if purpose == "template" else "record"
+
+
+def get_session(
+    session: Session,
+    subject: Subject,
+    session_id: str,
+    level: Level = "read",
+    *,
+    action: str = "session.read",
+    details: dict[str, Any] | None = None,
+) -> MotionSession:
+    """Return a session that the subject has the level for, and note `action`.
+
+    Raises
+    ------
+    NotFound
+        No such session, or no right to know of it.
+    NotAllowed
+        Another right than the one needed.
+    """
+    found = session.get(MotionSession, session_id)
+    if found is None:
+        raise NotFound(NO_SUCH_SESSION)
+    try:
+        require_patient(session, subject, found.patient_id, level)
+    except NotFound:
+        raise NotFound(NO_SUCH_SESSION) from None
+    if action:
+        audit.record(session, subject, action, found.patient_id, found.id, details)
+    return found
+
+
+def list_sessions(
+    session: Session, subject: Subject, patient_id: str
+) -> list[tuple[MotionSession, str | None]]:
+    """Return a patient's sessions, newest first, each with the name of its exercise."""
+    require_patient(session, subject, patient_id, "read")
+    audit.record(session, subject, "session.list", patient_id)
+    rows = session.execute(
+        select(MotionSession, Exercise.name)
+        .outerjoin(Exercise, Exercise.id == MotionSession.exercise_id)
+        .where(MotionSession.patient_id == patient_id)
+        .order_by(MotionSession.created_at.desc(), MotionSession.id)
+    )
+    return [(found, name) for found, name in rows]
+
+
+def create_session(session: Session, subject: Subject, new: MotionSession) -> MotionSession:
+    """Store a new session for a patient after checking what it refers to.
+
+    Raises
+    ------
+    InvalidInput
+        The exercise or prescription is not one of this clinic or patient.
+    """
+    patient = require_patient(session, subject, new.patient_id, recording_level(new.purpose))
+    new.clinic_id = patient.clinic_id
+    if new.prescription_id is not None:
+        prescription = session.get(Prescription, new.prescription_id)
+        if prescription is None or prescription.patient_id != patient.id:
+            raise InvalidInput("The prescription is not one of this patient.", field="prescription_id")
+        if new.exercise_id is None:
+            new.exercise_id = prescription.exercise_id
+        elif new.exercise_id != prescription.exercise_id:
+            raise InvalidInput("The exercise is not the one that was prescribed.", field="exercise_id")
+    if new.exercise_id is not None:
+        exercise = session.get(Exercise, new.exercise_id)
+        if exercise is None or exercise.clinic_id != patient.clinic_id:
+            raise InvalidInput("There is no such exercise in this clinic.", field="exercise_id")
+    session.add(new)
+    session.flush()
+    audit.record(
+        session, subject, "session.create", patient.id, new.id, {"purpose": new.purpose, "source": new.source}
+    )
+    return new
+
+
+def patient_of(session: Session, subject: Subject, patient_id: str, level: Level) -> Patient:
+    """Return the patient for a new session."""
+    return require_patient(session, subject, patient_id, level)
+
+
+def mounting_of(session: Session, patient_id: str) -> Mounting | None:
+    """Return the remembered calibration of a patient whose access was checked."""
+    return session.scalar(select(Mounting).where(Mounting.patient_id == patient_id))
+
+
+def exercise_name(session: Session, found: MotionSession) -> str | None:
+    """Return the name of a session's exercise."""
+    if found.exercise_id is None:
+        return None
+    return session.scalar(select(Exercise.name).where(Exercise.id == found.exercise_id))
+
+
+def results_of(session: Session, session_id: str) -> Sequence[Result]:
+    """Return the results of a session whose access was checked, oldest first."""
+    return session.scalars(
+        select(Result).where(Result.session_id == session_id).order_by(Result.created_at, Result.id)
+    ).all()
+
+
+def events_of(session: Session, session_id: str) -> Sequence[SessionEvent]:
+    """Return the time line of a session whose access was checked."""
+    return session.scalars(
+        select(SessionEvent)
+        .where(SessionEvent.session_id == session_id)
+        .order_by(SessionEvent.time_s, SessionEvent.created_at)
+    ).all()
+
+
+def result_of(session: Session, found: MotionSession, result_id: str | None = None) -> Result:
+    """Return one result of a session whose access was checked; by default the main one.
+
+    Raises
+    ------
+    NotFound
+        The session has no such result, or none yet.
+    """
+    wanted = result_id or found.main_result_id
+    if wanted is None:
+        complete = [r for r in results_of(session, found.id) if r.status != "failed"]
+        if not complete:
+            raise NotFound("This session has no result yet; wait until its analysis is done.")
+        return complete[-1]
+    result = session.get(Result, wanted)
+    if result is None or result.session_id != found.id:
+        raise NotFound("This session has no such result.")
+    return result
+
+
+def add_job(
+    session: Session, found: MotionSession, kind: str, arguments: dict[str, Any], subject: Subject
+) -> Job:
+    """Queue a long task for a session whose access was checked."""
+    job = Job(session_id=found.id, kind=kind, arguments=arguments, created_by=subject.id)
+    session.add(job)
+    session.flush()
+    return job
+
+
+def get_job(session: Session, subject: Subject, job_id: str) -> Job:
+    """Return a task of a patient of whom the subject may know the state; progress is no patient data."""
+    job = session.get(Job, job_id)
+    if job is None:
+        raise NotFound("There is no such task.")
+    try:
+        get_session(session, subject, job.session_id, "status", action="")
+    except NotFound:
+        raise NotFound("There is no such task.") from None
+    return job
+
+
+def jobs_of(session: Session, subject: Subject, session_id: str) -> Sequence[Job]:
+    """Return the tasks of a session, newest first."""
+    get_session(session, subject, session_id, "status", action="")
+    return session.scalars(
+        select(Job).where(Job.session_id == session_id).order_by(Job.created_at.desc(), Job.id)
+    ).all()
+
+
+def delete_session(session: Session, subject: Subject, session_id: str) -> None:
+    """Erase a session with its signals, results and comparisons; the audit trail keeps that it happened.
+
+    Raises
+    ------
+    Conflict
+        The session is live.
+    """
+    found = get_session(session, subject, session_id, "treat", action="session.delete")
+    if found.state in {"calibrating", "ready", "recording"}:
+        raise Conflict("This session is live; close it before deleting it.", state=found.state)
+    session.execute(delete(MotionSession).where(MotionSession.id == session_id))
+
+
+__all__ = [
+    "add_job",
+    "create_session",
+    "delete_session",
+    "events_of",
+    "exercise_name",
+    "get_job",
+    "get_session",
+    "jobs_of",
+    "list_sessions",
+    "mounting_of",
+    "patient_of",
+    "recording_level",
+    "result_of",
+    "results_of",
+]

@@ -1,0 +1,276 @@
+"""Estimating a stored session again, from all its packets, with the same or another estimator.
+
+The result depends on the packets and the setup alone, not on the order in which the packets arrived: they
+are read by rising sequence. Earlier results stay; the new one names the versions and parameters it was made
+with.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+from sqlalchemy import delete, func, select
+from sqlalchemy.orm import Session
+
+from app.database.base import utc_now
+from app.database.unit_of_work import read_only, unit_of_work
+from app.errors import NotFound
+from app.ingest.alignment import align_chunks, joined_chunks
+from app.ingest.packet import Packet
+from app.recordings._rows import insert_chunk
+from app.recordings.chunks import RAW_STREAM, EncodedChunk, RawPacket, encode_frames, frames_stream
+from app.recordings.jobs import JobContext
+from app.recordings.models import Job, MotionSession, Result, SessionEvent, SignalChunk
+from app.recordings.store import Source, read_packets_in_order, stored_ranges
+from estimators import orientation, pipelines
+from estimators.errors import CalibrationError
+from estimators.pipelines import SessionSetup
+from estimators.recording import ImuChunk
+
+PIECE_TICKS: Final = 1000
+_CHUNKS_A_COMMIT: Final = 8
+_POSE_SEARCH_S: Final = 120.0
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """What one run over a session gave."""
+
+    result_id: str
+    ticks: int
+    is_calibrated: bool
+    message: str
+
+
+def decoded(packet: RawPacket) -> Packet:
+    """Return a stored packet as the decoder of the wire format gives it, without its message."""
+    values = packet.table().reshape(packet.tick_count, packet.sensor_count, -1)
+    return Packet(
+        data=b"",
+        sequence=packet.sequence % 2**32,
+        device_time_us=packet.device_time_us,
+        tick_interval_us=packet.tick_interval_us,
+        sensor_count=packet.sensor_count,
+        tick_count=packet.tick_count,
+        channels=packet.channel_mask,
+        encoding=packet.encoding,
+        flags=packet.flags,
+        values=values,
+    )
+
+
+def aligned(
+    source: Source, session_id: str, hello: dict[str, Any] | None, piece_ticks: int = PIECE_TICKS
+) -> Iterator[ImuChunk]:
+    """Yield a stored session on its common ticks, from tick 0 on, piece by piece."""
+    if hello is None:
+        raise NotFound("This session has no packets: no gateway ever declared itself.")
+    packets = (decoded(packet) for packet in read_packets_in_order(source, session_id))
+    yield from align_chunks(packets, hello, piece_ticks)
+
+
+def reprocess(context: JobContext) -> str:
+    """Task `reprocess`: estimate again; on closing a session also count, name the main result and compare.
+
+    Arguments: `orientation`, `orientation_parameters` (absent: as in the session's setup), `close`.
+    """
+    closing = bool(context.arguments.get("close"))
+    with read_only(context.engine) as session:
+        found = session.get_one(MotionSession, context.session_id)
+        setup = SessionSetup.from_dict(found.setup)
+        pose_s = _last_pose(session, found.id)
+    wanted = context.arguments.get("orientation") or setup.orientation
+    parameters = context.arguments.get("orientation_parameters", setup.orientation_parameters)
+    is_other = wanted != setup.orientation or parameters != setup.orientation_parameters
+    setup = replace(setup, orientation=wanted, orientation_parameters=dict(parameters))
+    if is_other and pose_s is not None:
+        # Another filter has another heading to begin with: the pose is evaluated with its own orientation.
+        setup = replace(setup, calibration=None)
+    analysis = analyse(context, setup, pose_s)
+    with unit_of_work(context.engine) as session:
+        found = session.get_one(MotionSession, context.session_id)
+        if closing or found.main_result_id is None:
+            found.main_result_id = analysis.result_id
+        if closing:
+            count_session(session, found, analysis)
+            enqueue_comparison(session, found)
+    return analysis.message
+
+
+def enqueue_comparison(session: Session, found: MotionSession) -> None:
+    """Queue what follows the analysis of a closed session: comparison, where a template is prescribed."""
+    session.add(
+        Job(session_id=found.id, kind="compare", arguments={"close": True}, created_by=found.created_by)
+    )
+
+
+def count_session(session: Session, found: MotionSession, analysis: Analysis) -> None:
+    """Write how long the session was and what is missing of it."""
+    stored = stored_ranges(session, found.id)
+    found.packets_stored = len(stored)
+    found.packets_missing = stored.missing_count
+    found.duration_s = analysis.ticks / float(found.setup["rate_hz"])
+
+
+def analyse(
+    context: JobContext,
+    setup: SessionSetup,
+    pose_s: tuple[float, float] | None = None,
+    *,
+    search_pose: bool = False,
+    progress_from: float = 0.0,
+) -> Analysis:
+    """Run the pipeline over the stored packets and keep the frames as a new result.
+
+    Parameters
+    ----------
+    context : JobContext
+    setup : SessionSetup
+        With its calibration, or without: then the pose is evaluated first and applied to the whole session.
+    pose_s : (float, float), optional
+        Half-open session time of the N-pose.
+    search_pose : bool
+        Without `pose_s`, take the first stillness of the first two minutes.
+    progress_from : float
+        Where on the task's scale of 0 to 1 this work begins.
+    """
+    message = ""
+    if setup.calibration is None and (pose_s is not None or search_pose):
+        try:
+            setup = calibrated(context, setup, pose_s)
+        except CalibrationError as error:
+            message = f"Not calibrated, so there are no joint angles: {error}"
+    elif setup.calibration is None:
+        message = "Not calibrated, so there are no joint angles: no calibration pose was recorded."
+    pipeline = pipelines.create(setup)
+    result_id = _new_result(context, setup, pipeline)
+    with read_only(context.engine) as session:
+        hello = session.get_one(MotionSession, context.session_id).hello
+        total = session.scalar(
+            select(func.sum(SignalChunk.ticks)).where(
+                SignalChunk.session_id == context.session_id, SignalChunk.stream == RAW_STREAM
+            )
+        )
+    ticks = 0
+    waiting: list[EncodedChunk] = []
+    for piece in aligned(context.engine, context.session_id, hello):
+        waiting.append(encode_frames(pipeline.step(piece)))
+        ticks = piece.first_tick + piece.tick_count
+        if len(waiting) >= _CHUNKS_A_COMMIT:
+            _write(context, result_id, waiting)
+            waiting = []
+        done = min(1.0, ticks / max(1, total or 1))
+        context.progress(progress_from + (1 - progress_from) * done, "Estimating the movement")
+    _write(context, result_id, waiting)
+    if not ticks:
+        message = "The session holds no packets that can be estimated."
+    with unit_of_work(context.engine) as session:
+        result = session.get_one(Result, result_id)
+        result.status, result.progress, result.message = "complete", 1.0, message[:500]
+        result.completed_at = utc_now()
+    return Analysis(result_id, ticks, setup.calibration is not None, message)
+
+
+def calibrated(context: JobContext, setup: SessionSetup, pose_s: tuple[float, float] | None) -> SessionSetup:
+    """Run up to the end of the pose, evaluate it there and return the setup with its calibration.
+
+    Raises
+    ------
+    CalibrationError
+        No usable pose, with what to do.
+    """
+    limit_s = _POSE_SEARCH_S if pose_s is None else pose_s[1]
+    limit = round(limit_s * setup.rate_hz)
+    pieces: list[ImuChunk] = []
+    with read_only(context.engine) as session:
+        hello = session.get_one(MotionSession, context.session_id).hello
+    for piece in aligned(context.engine, context.session_id, hello):
+        pieces.append(piece)
+        if piece.first_tick + piece.tick_count >= limit:
+            break
+    if not pieces:
+        raise CalibrationError("the session holds no packets")
+    chunk = joined_chunks(pieces)
+    chunk = chunk.ticks(0, min(limit, chunk.tick_count))
+    if pose_s is None:
+        first, stop = pipelines.find_pose(chunk)
+    else:
+        first, stop = round(pose_s[0] * setup.rate_hz), chunk.tick_count
+        if stop - first < 0.5 * setup.rate_hz:
+            raise CalibrationError(f"the pose from {pose_s[0]:g} to {pose_s[1]:g} s is not in the recording")
+    pipeline = pipelines.create(setup)
+    pipelines.step_through(pipeline, chunk.ticks(0, stop))
+    pipeline.calibrate(chunk.ticks(first, stop))
+    return pipeline.setup
+
+
+def _last_pose(session: Session, session_id: str) -> tuple[float, float] | None:
+    """Return the stretch of the last calibration pose on the time line."""
+    event = session.scalar(
+        select(SessionEvent)
+        .where(SessionEvent.session_id == session_id, SessionEvent.kind == "calibration")
+        .where(SessionEvent.duration_s > 0)
+        .order_by(SessionEvent.time_s.desc())
+        .limit(1)
+    )
+    return None if event is None else (event.time_s, event.time_s + event.duration_s)
+
+
+def _new_result(context: JobContext, setup: SessionSetup, pipeline: pipelines.Pipeline) -> str:
+    """Make the row of a new result; what an interrupted attempt left is removed."""
+    layout = pipeline.layout
+    with unit_of_work(context.engine) as session:
+        earlier = context.arguments.get("result_id")
+        if isinstance(earlier, str):
+            _forget(session, context.session_id, earlier)
+        result = Result(
+            session_id=context.session_id,
+            kind="offline",
+            pipeline=setup.pipeline,
+            pipeline_version=pipeline.version,
+            orientation=setup.orientation,
+            orientation_version=orientation.available()[setup.orientation].version,
+            setup=setup.to_dict(),
+            layout={
+                "segments": list(layout.segments),
+                "points": list(layout.points),
+                "angles": list(layout.angles),
+                "scalars": list(layout.scalars),
+            },
+        )
+        session.add(result)
+        session.flush()
+        result_id = result.id
+    context.remember(result_id=result_id)
+    return result_id
+
+
+def _forget(session: Session, session_id: str, result_id: str) -> None:
+    session.execute(
+        delete(SignalChunk).where(
+            SignalChunk.session_id == session_id, SignalChunk.stream == frames_stream(result_id)
+        )
+    )
+    session.execute(delete(Result).where(Result.id == result_id))
+
+
+def _write(context: JobContext, result_id: str, chunks: list[EncodedChunk]) -> None:
+    if not chunks:
+        return
+    with unit_of_work(context.engine) as session:
+        for chunk in chunks:
+            insert_chunk(
+                session, context.session_id, frames_stream(result_id), chunk.scale["first_tick"], chunk
+            )
+
+
+__all__ = [
+    "Analysis",
+    "aligned",
+    "analyse",
+    "calibrated",
+    "count_session",
+    "decoded",
+    "enqueue_comparison",
+    "reprocess",
+]
