@@ -1,0 +1,55 @@
+"""Stored frames over HTTP, in the same blocks and columns as the live view, so one player shows both."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Response
+
+from app.accounts.dependencies import CurrentSubject
+from app.database.dependencies import ReadSession
+from app.live.blocks import encode_block, layout_message
+from app.live.messages import LayoutMessage
+from app.recordings import repository, service
+
+router = APIRouter(prefix="/api", tags=["sessions"])
+
+
+@router.get(
+    "/sessions/{session_id}/frames",
+    response_class=Response,
+    responses={200: {"content": {"application/octet-stream": {}}, "description": "One frame block."}},
+)
+def get_frames(
+    session_id: str,
+    session: ReadSession,
+    subject: CurrentSubject,
+    result_id: str | None = None,
+    start_s: Annotated[float | None, Query(ge=0)] = None,
+    end_s: Annotated[float | None, Query(ge=0)] = None,
+    max_points: Annotated[int | None, Query(ge=2, le=service.MAX_POINTS)] = None,
+) -> Response:
+    """Return a result's frames of the half-open session time `[start_s, end_s)` as one binary block.
+
+    At most `max_points` ticks: with more, every n-th is sent and the block's tick interval is n times longer.
+    The columns are those of `/layout`.
+    """
+    frames = service.frames(session, subject, session_id, result_id, start_s, end_s, max_points)
+    layout_path = f"/api/sessions/{session_id}/layout" + (f"?result_id={result_id}" if result_id else "")
+    return Response(
+        encode_block(frames),
+        media_type="application/octet-stream",
+        headers={"X-Columns-Url": layout_path, "Cache-Control": "private, no-store"},
+    )
+
+
+@router.get("/sessions/{session_id}/layout")
+def get_layout(
+    session_id: str, session: ReadSession, subject: CurrentSubject, result_id: str | None = None
+) -> LayoutMessage:
+    """Return the columns of a result's frames."""
+    found = repository.get_session(session, subject, session_id, action="session.layout")
+    return layout_message(
+        session_id, service.layout_of(session, found, result_id), float(found.setup["rate_hz"])
+    )
+
+
+__all__ = ["router"]

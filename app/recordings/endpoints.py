@@ -1,0 +1,83 @@
+"""HTTP of stored sessions. Their frames are served by `app.live.replay`, in the blocks of the live view."""
+
+from fastapi import APIRouter, Request, Response
+from fastapi.responses import StreamingResponse
+
+from app.accounts.dependencies import CurrentSubject
+from app.database.dependencies import ReadSession, WriteSession
+from app.recordings import repository, service
+from app.recordings.schemas import EstimatorOut, JobOut, ReprocessIn, SessionDetail, SessionIn, SessionOut
+from app.services import services_of
+
+router = APIRouter(prefix="/api", tags=["sessions"])
+
+
+@router.post("/sessions", status_code=201)
+def create_session(wanted: SessionIn, session: WriteSession, subject: CurrentSubject) -> SessionDetail:
+    """Start a session; a gateway then streams to it."""
+    return service.create(session, subject, wanted)
+
+
+@router.get("/patients/{patient_id}/sessions")
+def list_sessions(patient_id: str, session: ReadSession, subject: CurrentSubject) -> list[SessionOut]:
+    """Return a patient's sessions, newest first."""
+    return service.list_of_patient(session, subject, patient_id)
+
+
+@router.get("/sessions/{session_id}")
+def get_session(session_id: str, session: ReadSession, subject: CurrentSubject) -> SessionDetail:
+    """Return a session with its results, time line and column names."""
+    return service.detail(session, subject, session_id)
+
+
+@router.delete("/sessions/{session_id}", status_code=204)
+def delete_session(session_id: str, session: WriteSession, subject: CurrentSubject) -> Response:
+    """Erase a session with all its signals, results and comparisons."""
+    repository.delete_session(session, subject, session_id)
+    return Response(status_code=204)
+
+
+@router.get("/sessions/{session_id}/raw", response_class=StreamingResponse)
+def download_raw(session_id: str, request: Request, subject: CurrentSubject) -> StreamingResponse:
+    """Return every packet as it came, as a packet log that can be uploaded again."""
+    pieces = service.packet_log(services_of(request).engine, subject, session_id)
+    return StreamingResponse(
+        pieces,
+        media_type="application/octet-stream",
+        headers={
+            "Content-Disposition": f'attachment; filename="session-{session_id[:8]}.tmlog"',
+            "Cache-Control": "no-store",
+        },
+    )
+
+
+@router.post("/sessions/{session_id}/reprocess", status_code=202)
+def reprocess(
+    session_id: str, wanted: ReprocessIn, request: Request, session: WriteSession, subject: CurrentSubject
+) -> JobOut:
+    """Estimate a stored session again with another estimator; earlier results stay."""
+    job = service.queue_reprocess(session, subject, session_id, wanted)
+    if services_of(request).jobs is not None:
+        services_of(request).jobs.wake()
+    return job
+
+
+@router.get("/sessions/{session_id}/jobs")
+def list_jobs(session_id: str, session: ReadSession, subject: CurrentSubject) -> list[JobOut]:
+    """Return the long tasks of a session, newest first."""
+    return [service.job_out(job) for job in repository.jobs_of(session, subject, session_id)]
+
+
+@router.get("/jobs/{job_id}")
+def get_job(job_id: str, session: ReadSession, subject: CurrentSubject) -> JobOut:
+    """Return a long task with its progress."""
+    return service.job_out(repository.get_job(session, subject, job_id))
+
+
+@router.get("/estimators")
+def list_estimators(subject: CurrentSubject) -> list[EstimatorOut]:
+    """Return the orientation estimators that a session can run with."""
+    return service.estimators_out()
+
+
+__all__ = ["router"]

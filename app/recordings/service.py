@@ -1,0 +1,371 @@
+"""What can be asked of stored sessions; the edge commits."""
+
+from collections.abc import Iterator
+from dataclasses import fields, replace
+from typing import Any, Final, cast
+
+import numpy as np
+from sqlalchemy import Engine
+from sqlalchemy.orm import Session
+
+from app.accounts.subject import Subject
+from app.database.unit_of_work import read_only
+from app.errors import Conflict, InvalidInput, NotFound
+from app.patients.access import levels
+from app.patients.models import Patient
+from app.recordings import repository
+from app.recordings.chunks import layout_from_dict
+from app.recordings.models import Job, MotionSession, Result
+from app.recordings.packet_log import write_log
+from app.recordings.schemas import (
+    CalibrationOut,
+    EstimatorOut,
+    FrameLayoutOut,
+    JobOut,
+    ReprocessIn,
+    ResultOut,
+    SessionDetail,
+    SessionEventOut,
+    SessionIn,
+    SessionOut,
+)
+from app.recordings.store import read_frames, read_packets
+from estimators import orientation, pipelines
+from estimators.body import BodyDimensions, body_from_stature
+from estimators.errors import EstimationError
+from estimators.pipelines import Calibration, FrameLayout, Frames, SessionSetup
+
+MAX_POINTS: Final = 20_000
+"""Most ticks that one answer of `/frames` holds; more is thinned."""
+
+
+def body_of(patient: Patient) -> BodyDimensions:
+    """Return a patient's segment lengths: measured ones as they are, the others scaled from stature."""
+    measured = {
+        name: float(value)
+        for name, value in patient.body_dimensions.items()
+        if value is not None and value > 0
+    }
+    known = {field.name for field in fields(BodyDimensions)}
+    stature_m = measured.get("stature_m", BodyDimensions().stature_m)
+    return replace(
+        body_from_stature(stature_m), **{name: value for name, value in measured.items() if name in known}
+    )
+
+
+def reach_of(patient: Patient) -> float:
+    """Return upper arm plus forearm, the unit in which positions of two people are compared, m."""
+    body = body_of(patient)
+    return body.upper_arm_m + body.forearm_m
+
+
+def checked(setup: SessionSetup) -> SessionSetup:
+    """Return the setup when its pipeline and estimator can be built.
+
+    Raises
+    ------
+    InvalidInput
+        With what cannot work together.
+    """
+    try:
+        pipelines.create(setup)
+    except EstimationError as error:
+        raise InvalidInput(str(error), field="setup") from error
+    return setup
+
+
+def create(session: Session, subject: Subject, wanted: SessionIn) -> SessionDetail:
+    """Start a session: its setup is fixed here, the gateway's hello confirms it."""
+    level = repository.recording_level(wanted.purpose)
+    patient = repository.patient_of(session, subject, wanted.patient_id, level)
+    calibration = None
+    if wanted.use_mounting:
+        calibration = _remembered(session, patient.id, tuple(wanted.placements))
+    setup = checked(
+        SessionSetup(
+            pipeline=wanted.pipeline,
+            placements=tuple(wanted.placements),
+            rate_hz=wanted.rate_hz,
+            orientation=wanted.orientation,
+            orientation_parameters=wanted.orientation_parameters,
+            body=body_of(patient),
+            calibration=calibration,
+        )
+    )
+    found = repository.create_session(
+        session,
+        subject,
+        MotionSession(
+            patient_id=patient.id,
+            exercise_id=wanted.exercise_id,
+            prescription_id=wanted.prescription_id,
+            purpose=wanted.purpose,
+            source="stream",
+            setup=setup.to_dict(),
+            created_by=subject.id,
+        ),
+    )
+    return describe(session, subject, found)
+
+
+def _remembered(session: Session, patient_id: str, placements: tuple[str, ...]) -> Calibration | None:
+    mounting = repository.mounting_of(session, patient_id)
+    if mounting is None:
+        return None
+    stored = mounting.calibration
+    if not set(placements) <= set(stored["q_sensor_segment"]):
+        return None
+    return Calibration(
+        q_sensor_segment={name: tuple(stored["q_sensor_segment"][name]) for name in placements},  # type: ignore[misc]
+        gyroscope_bias_radps={
+            name: tuple(stored["gyroscope_bias_radps"].get(name, (0.0, 0.0, 0.0)))  # type: ignore[misc]
+            for name in placements
+        },
+        facing_rad=stored.get("facing_rad", 0.0),
+        heading_offset_rad={
+            name: angle for name, angle in stored.get("heading_offset_rad", {}).items() if name in placements
+        },
+        method=stored.get("method", "n_pose"),
+        score=stored.get("score", 1.0),
+        reasons=tuple(stored.get("reasons", ())),
+    )
+
+
+def list_of_patient(session: Session, subject: Subject, patient_id: str) -> list[SessionOut]:
+    """Return a patient's sessions, newest first."""
+    return [
+        SessionOut(**_row(found, name))
+        for found, name in repository.list_sessions(session, subject, patient_id)
+    ]
+
+
+def detail(session: Session, subject: Subject, session_id: str) -> SessionDetail:
+    """Return a session with results, time line and layout."""
+    return describe(session, subject, repository.get_session(session, subject, session_id))
+
+
+def describe(session: Session, subject: Subject, found: MotionSession) -> SessionDetail:
+    """Return the detail of a session whose access was checked."""
+    patient = session.get_one(Patient, found.patient_id)
+    results = repository.results_of(session, found.id)
+    setup = found.setup
+    return SessionDetail(
+        **_row(found, repository.exercise_name(session, found)),
+        placements=list(setup["placements"]),
+        rate_hz=setup["rate_hz"],
+        orientation=setup["orientation"],
+        calibration=_calibration(setup.get("calibration")),
+        recording_start_s=found.recording_start_s,
+        recording_end_s=found.recording_end_s,
+        results=[result_out(result) for result in results],
+        events=[SessionEventOut.model_validate(event) for event in _events(session, found.id)],
+        layout=layout_out(layout_of(session, found)),
+        may_treat="treat" in levels(session, subject, patient),
+    )
+
+
+def _events(session: Session, session_id: str) -> list[dict[str, Any]]:
+    return [
+        {
+            "kind": event.kind,
+            "time_s": event.time_s,
+            "duration_s": event.duration_s,
+            "placement": event.placement,
+            "text": event.text,
+        }
+        for event in repository.events_of(session, session_id)
+    ]
+
+
+def _row(found: MotionSession, exercise_name: str | None) -> dict[str, Any]:
+    names = (
+        "id patient_id exercise_id prescription_id purpose source state state_reason created_at started_at"
+        " ended_at duration_s packets_stored packets_missing main_result_id"
+    )
+    return {"exercise_name": exercise_name, **{name: getattr(found, name) for name in names.split()}}
+
+
+def _calibration(stored: dict[str, Any] | None) -> CalibrationOut | None:
+    if stored is None:
+        return None
+    return CalibrationOut(method=stored["method"], score=stored["score"], reasons=list(stored["reasons"]))
+
+
+def result_out(result: Result) -> ResultOut:
+    """Return a result as clients see it."""
+    return ResultOut(
+        id=result.id,
+        kind=cast(Any, result.kind),
+        pipeline=result.pipeline,
+        pipeline_version=result.pipeline_version,
+        orientation=result.orientation,
+        orientation_version=result.orientation_version,
+        orientation_parameters=result.setup.get("orientation_parameters", {}),
+        status=cast(Any, result.status),
+        progress=result.progress,
+        message=result.message,
+        created_at=result.created_at,
+    )
+
+
+def layout_of(session: Session, found: MotionSession, result_id: str | None = None) -> FrameLayout:
+    """Return the columns of a result, by default of the main one, or those that a first one will have."""
+    try:
+        return layout_from_dict(repository.result_of(session, found, result_id).layout)
+    except NotFound:
+        if result_id is not None:
+            raise
+        return pipelines.create(SessionSetup.from_dict(found.setup)).layout
+
+
+def layout_out(layout: FrameLayout) -> FrameLayoutOut:
+    """Return a layout as clients see it."""
+    return FrameLayoutOut(
+        segments=list(layout.segments),
+        points=list(layout.points),
+        angles=list(layout.angles),
+        scalars=list(layout.scalars),
+    )
+
+
+def frames(
+    session: Session,
+    subject: Subject,
+    session_id: str,
+    result_id: str | None = None,
+    start_s: float | None = None,
+    end_s: float | None = None,
+    max_points: int | None = None,
+) -> Frames:
+    """Return stored frames of the half-open session time `[start_s, end_s)`, at most `max_points` ticks."""
+    found = repository.get_session(
+        session, subject, session_id, action="session.frames", details={"result": result_id or "main"}
+    )
+    result = repository.result_of(session, found, result_id)
+    return thinned(read_frames(session, result.id, start_s, end_s), min(max_points or MAX_POINTS, MAX_POINTS))
+
+
+def thinned(frames_: Frames, max_points: int) -> Frames:
+    """Keep every n-th tick so that at most `max_points` are left; the tick interval grows with it.
+
+    Flags of the ticks left out are kept by joining them into the tick before, so a gap stays visible.
+    """
+    stride = -(-frames_.tick_count // max(1, max_points))
+    if stride <= 1:
+        return frames_
+    # Whole multiples of the stride, so that the block's own tick number says its time exactly and
+    # neighbouring requests continue each other.
+    skip = -frames_.first_tick % stride
+    starts = np.arange(skip, frames_.tick_count, stride)
+    return Frames(
+        layout=frames_.layout,
+        first_tick=(frames_.first_tick + skip) // stride,
+        time_step_s=frames_.time_step_s * stride,
+        q_room_segment=frames_.q_room_segment[starts],
+        point_room_m=frames_.point_room_m[starts],
+        angle_rad=frames_.angle_rad[starts],
+        angle_sigma_rad=frames_.angle_sigma_rad[starts],
+        scalar=frames_.scalar[starts],
+        segment_flags=np.bitwise_or.reduceat(frames_.segment_flags, starts, axis=0),
+        angle_flags=np.bitwise_or.reduceat(frames_.angle_flags, starts, axis=0),
+    )
+
+
+def packet_log(engine: Engine, subject: Subject, session_id: str) -> Iterator[bytes]:
+    """Return every packet of a session as a packet log; access is decided before the first byte.
+
+    Raises
+    ------
+    NotFound
+        Also when no gateway ever declared itself.
+    """
+    with read_only(engine) as session:
+        found = repository.get_session(session, subject, session_id, action="session.download")
+        hello = found.hello
+    if hello is None:
+        raise NotFound("This session has no packets: no gateway ever declared itself.")
+    return write_log(hello, read_packets(engine, session_id))
+
+
+def queue_reprocess(session: Session, subject: Subject, session_id: str, wanted: ReprocessIn) -> JobOut:
+    """Queue another estimate of a stored session; the earlier results stay."""
+    found = repository.get_session(
+        session,
+        subject,
+        session_id,
+        "treat",
+        action="session.reprocess",
+        details={"orientation": wanted.orientation},
+    )
+    if found.state not in {"analysed", "failed"}:
+        raise Conflict("This session is not finished; wait until it is analysed.", state=found.state)
+    setup = SessionSetup.from_dict(found.setup)
+    checked(
+        replace(
+            setup, orientation=wanted.orientation, orientation_parameters=dict(wanted.orientation_parameters)
+        )
+    )
+    return job_out(repository.add_job(session, found, "reprocess", wanted.model_dump(), subject))
+
+
+def queue_closing(session: Session, session_id: str) -> str:
+    """Queue the analysis of a session that has just been closed; returns the task's id.
+
+    The live side calls this after its last packet is durable; a closing session that has the task already
+    keeps it.
+    """
+    found = session.get_one(MotionSession, session_id)
+    for job in session.query(Job).where(Job.session_id == session_id, Job.kind == "reprocess"):
+        if job.arguments.get("close") and job.status in {"queued", "running"}:
+            return job.id
+    job = Job(session_id=session_id, kind="reprocess", arguments={"close": True}, created_by=found.created_by)
+    session.add(job)
+    session.flush()
+    return job.id
+
+
+def job_out(job: Job) -> JobOut:
+    """Return a task as clients see it."""
+    return JobOut(
+        id=job.id,
+        session_id=job.session_id,
+        kind=cast(Any, job.kind),
+        status=cast(Any, job.status),
+        progress=job.progress,
+        message=job.message,
+    )
+
+
+def estimators_out() -> list[EstimatorOut]:
+    """Return the orientation estimators that a session can run with."""
+    return [
+        EstimatorOut(
+            name=name,
+            version=kind.version,
+            title=kind.title,
+            description=kind.description,
+            parameters=orientation.create(name, 1, 0.01).parameters,
+        )
+        for name, kind in orientation.available().items()
+    ]
+
+
+__all__ = [
+    "body_of",
+    "checked",
+    "create",
+    "describe",
+    "detail",
+    "estimators_out",
+    "frames",
+    "job_out",
+    "layout_of",
+    "layout_out",
+    "list_of_patient",
+    "packet_log",
+    "queue_closing",
+    "queue_reprocess",
+    "reach_of",
+    "result_out",
+    "thinned",
+]
