@@ -1,0 +1,213 @@
+"""What stands in the scene, as viser nodes: room, pieces of the body, ghost, trail, halo, labels."""
+
+from typing import Any, Final
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+from viser import _messages as wire
+
+from app.viewer.body_mesh import Piece
+from app.viewer.palette import ACCENT, HALO, LOST, MATERIAL_COLOURS, TRAIL, UNMEASURED_SKIN, Palette, Rgb
+from app.viewer.proportions import hip_half_width_m, leg_lengths_m, neck_height_m
+from estimators.body import BodyDimensions
+
+GHOST: Final = "/template"
+FLOOR: Final = "/room/floor"
+_LIGHTS: Final = ("/room/sky", "/room/key", "/room/fill")
+_HALF_FLOOR_M: Final = 2.0
+_TRAIL_OLD_SHARE: Final = 0.55
+
+
+def joint_offsets_m(body: BodyDimensions) -> dict[str, tuple[float, float, float]]:
+    """Return where each segment's origin lies in its parent (or above the hips), standing."""
+    thigh, shank, _ = leg_lengths_m(body)
+    offsets = {"pelvis": (0.0, 0.0, 0.0), "sternum": (0.0, 0.0, 0.0), "head": (0.0, 0.0, neck_height_m(body))}
+    for side, sign in (("left", 1.0), ("right", -1.0)):
+        offsets |= {
+            f"upper_arm_{side}": (0.0, sign * 0.5 * body.shoulder_width_m, body.trunk_m),
+            f"forearm_{side}": (0.0, 0.0, -body.upper_arm_m),
+            f"hand_{side}": (0.0, 0.0, -body.forearm_m),
+            f"thigh_{side}": (0.0, sign * hip_half_width_m(body), 0.0),
+            f"shank_{side}": (0.0, 0.0, -thigh),
+            f"foot_{side}": (0.0, 0.0, -shank),
+        }
+    return offsets
+
+
+def add_room(server: viser.ViserServer, light: Palette) -> None:
+    """Add floor with scale, and lights; take viser's own lights and reflections away."""
+    scene = server.scene
+    scene.configure_default_lights(enabled=False)
+    scene.configure_environment_map(hdri=None)
+    scene.add_light_hemisphere(_LIGHTS[0])
+    scene.add_light_directional(_LIGHTS[1], position=(2.4, 1.8, 3.4), cast_shadow=True)
+    scene.add_light_directional(_LIGHTS[2], position=(1.2, -3.0, 1.4))
+    scene.add_grid(
+        FLOOR,
+        width=2 * _HALF_FLOOR_M + 3.0,
+        height=2 * _HALF_FLOOR_M + 3.0,
+        cell_size=0.5,
+        section_size=1.0,
+        fade_distance=3.6,
+        fade_strength=1.0,
+        fade_from="origin",
+    )
+    for message in theme_updates(light):
+        server._websock_server.queue_message(message)
+    for metres in (0.5, 1.0, 1.5):
+        scene.add_label(
+            f"/room/scale/{metres:.1f}",
+            f"{metres:g} m",
+            position=(metres, 0.0, 0.0),
+            font_size_mode="scene",
+            font_scene_height=0.055,
+            depth_test=True,
+            anchor="center-center",
+        )
+
+
+def theme_updates(theme: Palette) -> list[Any]:
+    """Return the viser messages that give floor and lights the colours of a theme."""
+    sky, key, fill = _LIGHTS
+    return [
+        wire.SceneNodeUpdateMessage(
+            FLOOR,
+            {
+                "cell_color": theme.floor_line,
+                "section_color": theme.floor_section,
+                "shadow_opacity": theme.floor_shadow,
+            },
+        ),
+        wire.SceneNodeUpdateMessage(
+            sky, {"sky_color": theme.sky, "ground_color": theme.ground, "intensity": theme.sky_intensity}
+        ),
+        wire.SceneNodeUpdateMessage(key, {"color": theme.key, "intensity": theme.key_intensity}),
+        wire.SceneNodeUpdateMessage(fill, {"color": theme.sky, "intensity": theme.fill_intensity}),
+    ]
+
+
+def add_piece(
+    server: viser.ViserServer, path: str, piece: Piece, measured: frozenset[str]
+) -> tuple[Any, Rgb]:
+    """Add one piece of the patient; return its handle and its colour."""
+    colour = MATERIAL_COLOURS[piece.material]
+    if piece.material == "skin" and piece.segment not in measured:
+        colour = UNMEASURED_SKIN
+    handle = server.scene.add_mesh_simple(
+        f"{path}/{piece.material}",
+        piece.mesh.vertices_m,
+        piece.mesh.faces,
+        color=colour,
+        cast_shadow=True,
+        receive_shadow=False,
+    )
+    return handle, colour
+
+
+def add_ghost_piece(server: viser.ViserServer, path: str, piece: Piece) -> None:
+    """Add one piece of the template's ghost: accent, translucent, without a shadow."""
+    server.scene.add_mesh_simple(
+        f"{path}/{piece.material}",
+        piece.mesh.vertices_m,
+        piece.mesh.faces,
+        color=ACCENT,
+        opacity=0.42,
+        cast_shadow=False,
+        receive_shadow=False,
+    )
+
+
+def add_ghost_path(server: viser.ViserServer, hand_m: NDArray[np.float32]) -> None:
+    """Add the way of the template's hand as a dashed line; the patient's own trail is a whole one."""
+    known = hand_m[np.isfinite(hand_m).all(axis=1)]
+    if len(known) < 4:
+        return
+    pairs = np.stack([known[:-1], known[1:]], axis=1)
+    dashes = pairs[np.arange(len(pairs)) % 3 != 2]
+    server.scene.add_line_segments(f"{GHOST}_path", dashes, colors=ACCENT, line_width=2.5)
+
+
+def add_lost_label(server: viser.ViserServer, path: str, segment: str) -> Any:
+    """Add the hidden words that say which sensor gives nothing."""
+    words = "chest" if segment == "sternum" else segment.replace("_", " ")
+    return server.scene.add_label(
+        f"{path}/lost", f"{words}: no signal", position=(0.0, 0.0, -0.1), visible=False, anchor="center-left"
+    )
+
+
+class Trail:
+    """Where a hand has been: thick where it has just been, thin before."""
+
+    def __init__(self, server: viser.ViserServer, name: str) -> None:
+        nothing = np.zeros((1, 2, 3), dtype=np.float32)
+        self._new = server.scene.add_line_segments(
+            f"{name}/new", nothing, colors=TRAIL, line_width=5.0, visible=False
+        )
+        self._old = server.scene.add_line_segments(
+            f"{name}/old", nothing, colors=TRAIL, line_width=2.0, visible=False
+        )
+
+    def show(self, points_m: NDArray[np.float32]) -> None:
+        """Draw a path, shape (N, 3), oldest first; NaN breaks it."""
+        pairs = (
+            np.stack([points_m[:-1], points_m[1:]], axis=1)
+            if len(points_m) > 1
+            else np.zeros((0, 2, 3), np.float32)
+        )
+        sound = np.isfinite(pairs).all(axis=(1, 2))
+        recent = np.arange(len(pairs)) >= _TRAIL_OLD_SHARE * len(pairs)
+        for line, chosen in ((self._new, sound & recent), (self._old, sound & ~recent)):
+            part = pairs[chosen]
+            if len(part):
+                line.points = part
+            if line.visible != bool(len(part)):
+                line.visible = bool(len(part))
+
+
+class Halo:
+    """A soft shell around the elbow or the hand, as wide as two standard deviations of its place."""
+
+    def __init__(self, server: viser.ViserServer, path: str, segment: str, body: BodyDimensions) -> None:
+        self._core_m = (0.055 if segment == "forearm" else 0.075) * body.stature_m / 1.70
+        middle = 0.0 if segment == "forearm" else -0.5 * body.hand_m
+        self._shells = [
+            server.scene.add_icosphere(
+                f"{path}/halo{number}",
+                radius=1.0,
+                color=HALO,
+                subdivisions=3,
+                opacity=0.09,
+                cast_shadow=False,
+                receive_shadow=False,
+                position=(0.0, 0.0, middle),
+                visible=False,
+            )
+            for number in range(3)
+        ]
+        self._shown_m = 0.0
+
+    def show(self, spread_m: float) -> None:
+        """Resize to two standard deviations; below 8 mm nothing is worth showing."""
+        spread_m = spread_m if spread_m >= 0.008 else 0.0
+        if abs(spread_m - self._shown_m) <= 0.12 * self._shown_m:
+            return
+        for number, shell in enumerate(self._shells):
+            if spread_m:
+                shell.scale = self._core_m + spread_m * (number + 1) / len(self._shells)
+            if shell.visible != (spread_m > 0.0):
+                shell.visible = spread_m > 0.0
+        self._shown_m = spread_m
+
+
+def turn(server: viser.ViserServer, frame: Any, wxyz: NDArray[np.float32]) -> None:
+    """Send a segment's rotation."""
+    server._websock_server.queue_message(wire.SetOrientationMessage(frame.name, tuple(wxyz.tolist())))
+
+
+def shift(server: viser.ViserServer, frame: Any, position_m: NDArray[np.float32]) -> None:
+    """Send a segment's place in its parent."""
+    frame.position = position_m
+
+
+__all__ = ["GHOST", "LOST", "Halo", "Trail", "add_room", "theme_updates"]

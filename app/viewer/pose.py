@@ -1,0 +1,250 @@
+"""From estimated frames, or from a template, to what the figure shows: one rotation per segment and tick.
+
+The scene is a tree of segments, so that a tick is one small message per segment that moved: rotations are
+relative to the parent, and a shoulder's place is given in the thorax.
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.viewer.proportions import hip_height_m
+from estimators import rotation
+from estimators.body import BodyDimensions
+from estimators.conventions import SIDES, Side
+from estimators.orientation._contract import OrientationFlag
+from estimators.pipelines._contract import Frames
+
+Float32 = NDArray[np.float32]
+
+PARENT: Final[dict[str, str | None]] = {
+    "pelvis": None,
+    "sternum": None,
+    "head": "sternum",
+    **{
+        f"{child}_{side}": f"{parent}_{side}"
+        if parent in {"upper_arm", "forearm", "thigh", "shank"}
+        else parent
+        for side in SIDES
+        for child, parent in (
+            ("upper_arm", "sternum"),
+            ("forearm", "upper_arm"),
+            ("hand", "forearm"),
+            ("thigh", "pelvis"),
+            ("shank", "thigh"),
+            ("foot", "shank"),
+        )
+    },
+}
+"""Segments of the figure, parents before children; `sternum` is the thorax. None hangs on the room."""
+
+SEGMENTS: Final = tuple(PARENT)
+
+# In the N-pose the palms face the thighs; arms without sensors also hang a little away from the body.
+_TURNED_IN = {"left": rotation.about_z(-np.pi / 2), "right": rotation.about_z(np.pi / 2)}
+_HANGING = {"left": rotation.about_x(0.10), "right": rotation.about_x(-0.10)}
+_HANGING_FOREARM = {
+    side: rotation.multiply(rotation.multiply(_HANGING[side], rotation.about_y(-0.22)), _TURNED_IN[side])
+    for side in SIDES
+}
+_LOST = np.uint8(OrientationFlag.INVALID)
+
+
+@dataclass(frozen=True)
+class PoseTrack:
+    """The figure over K ticks.
+
+    Attributes
+    ----------
+    time_s : ndarray, shape (K,)
+        Session time.
+    wxyz : ndarray of float32, shape (K, S, 4)
+        Rotation of each segment in its parent, in the order of `SEGMENTS`.
+    shoulder_m : ndarray of float32, shape (K, 2, 3)
+        Left and right shoulder in the thorax.
+    hand_m : ndarray of float32, shape (K, 2, 3)
+        End of the left and right hand in the room; NaN where it is not known.
+    halo_m : ndarray of float32, shape (K, 2, 2)
+        Two standard deviations of the position of elbow and hand, per side; zero where unknown.
+    lost : ndarray of bool, shape (K, S)
+        The segment's sensor gives nothing now; the rotation is the last one known.
+    """
+
+    time_s: NDArray[np.float64]
+    wxyz: Float32
+    shoulder_m: Float32
+    hand_m: Float32
+    halo_m: Float32
+    lost: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        """Return the number of ticks K."""
+        return int(self.time_s.shape[0])
+
+
+def measured_segments(frames: Frames) -> frozenset[str]:
+    """Return the segments of the figure that a sensor drives."""
+    return frozenset(frames.layout.segments) & frozenset(SEGMENTS)
+
+
+def track_from_frames(frames: Frames, body: BodyDimensions) -> PoseTrack:
+    """Prepare estimated frames for drawing.
+
+    Parameters
+    ----------
+    frames : Frames
+    body : BodyDimensions
+        Of the session's setup.
+
+    Returns
+    -------
+    PoseTrack
+        Segments without a sensor follow their parent or hang down; nothing is invented that looks measured.
+    """
+    layout, ticks = frames.layout, frames.tick_count
+    given = {name: _sound(frames.q_room_segment[:, column]) for column, name in enumerate(layout.segments)}
+    room = _complete(given, ticks)
+    lost = np.zeros((ticks, len(SEGMENTS)), dtype=bool)
+    for column, name in enumerate(layout.segments):
+        if name in PARENT:
+            lost[:, SEGMENTS.index(name)] = (frames.segment_flags[:, column] & _LOST) != 0
+    points = {name: frames.point_room_m[:, column] for column, name in enumerate(layout.points)}
+    return PoseTrack(
+        time_s=frames.time_s,
+        wxyz=relative_rotations(room),
+        shoulder_m=_shoulders(points, room["sternum"], body, ticks),
+        hand_m=_hands(points, ticks),
+        halo_m=_halo(frames, body),
+        lost=lost,
+    )
+
+
+def track_from_room(
+    given: dict[str, NDArray[np.float64]], time_s: NDArray[np.float64], body: BodyDimensions
+) -> PoseTrack:
+    """Prepare orientations that come from elsewhere (a template) for drawing.
+
+    Parameters
+    ----------
+    given : dict of segment to ndarray, shape (K, 4)
+        Orientation in the room.
+    time_s : ndarray, shape (K,)
+    body : BodyDimensions
+        Of the person on whom it is drawn, so that template and patient have the same lengths.
+
+    Returns
+    -------
+    PoseTrack
+        With the hands where forward kinematics puts them.
+    """
+    ticks = len(time_s)
+    room = _complete(given, ticks)
+    shoulder = _shoulders({}, room["sternum"], body, ticks)
+    hip = np.array([0.0, 0.0, hip_height_m(body)])
+    hands = np.full((ticks, 2, 3), np.nan)
+    for number, side in enumerate(SIDES):
+        if f"forearm_{side}" not in given:
+            continue
+        place = hip + rotation.rotate(room["sternum"], shoulder[:, number])
+        for segment, length in (
+            ("upper_arm", body.upper_arm_m),
+            ("forearm", body.forearm_m),
+            ("hand", body.hand_m),
+        ):
+            place = place + rotation.rotate(room[f"{segment}_{side}"], np.array([0.0, 0.0, -length]))
+        hands[:, number] = place
+    return PoseTrack(
+        time_s=time_s,
+        wxyz=relative_rotations(room),
+        shoulder_m=shoulder,
+        hand_m=hands.astype(np.float32),
+        halo_m=np.zeros((ticks, 2, 2), dtype=np.float32),
+        lost=np.zeros((ticks, len(SEGMENTS)), dtype=bool),
+    )
+
+
+def relative_rotations(room: dict[str, NDArray[np.float64]]) -> Float32:
+    """Turn orientations in the room into rotations in the parent, shape (K, S, 4), free of sign jumps."""
+    relative = [
+        room[name] if parent is None else rotation.multiply(rotation.conjugate(room[parent]), room[name])
+        for name, parent in PARENT.items()
+    ]
+    return rotation.positive(np.stack(relative, axis=1)).astype(np.float32)
+
+
+def _sound(q: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Hold the last orientation over unknown ones; identity before the first."""
+    known = np.isfinite(q).all(axis=-1)
+    if known.all():
+        return q
+    last = np.maximum.accumulate(np.where(known, np.arange(len(q)), -1))
+    return np.where((last >= 0)[:, None], q[np.maximum(last, 0)], rotation.identity())
+
+
+def _complete(given: dict[str, NDArray[np.float64]], ticks: int) -> dict[str, NDArray[np.float64]]:
+    """Give every segment an orientation: measured, else with its parent, else hanging or standing."""
+    room: dict[str, NDArray[np.float64]] = {}
+    upright = rotation.identity((ticks,))
+    for name, parent in PARENT.items():
+        if name in given:
+            room[name] = given[name]
+        elif name.startswith("upper_arm"):
+            room[name] = np.broadcast_to(_HANGING[_side(name)], (ticks, 4))
+        elif name.startswith("forearm"):
+            side = _side(name)
+            upper = f"upper_arm_{side}"
+            room[name] = (
+                rotation.multiply(room[upper], _TURNED_IN[side])
+                if upper in given
+                else np.broadcast_to(_HANGING_FOREARM[side], (ticks, 4))
+            )
+        else:
+            room[name] = upright if parent is None else room[parent]
+    return room
+
+
+def _shoulders(
+    points: dict[str, NDArray[np.float64]], thorax: NDArray[np.float64], body: BodyDimensions, ticks: int
+) -> Float32:
+    """Shoulders in the thorax; measured ones (hiked, pulled forward) where there are any."""
+    half, hip = 0.5 * body.shoulder_width_m, np.array([0.0, 0.0, hip_height_m(body)])
+    shoulders = np.empty((ticks, 2, 3))
+    for number, side in enumerate(SIDES):
+        neutral = np.array([0.0, half if side == "left" else -half, body.trunk_m])
+        shoulders[:, number] = neutral
+        measured = points.get(f"shoulder_{side}")
+        if measured is not None:
+            inside = rotation.rotate(rotation.conjugate(thorax), measured - hip)
+            known = np.isfinite(inside).all(axis=-1) & (np.linalg.norm(inside - neutral, axis=-1) < 0.25)
+            shoulders[known, number] = inside[known]
+    return shoulders.astype(np.float32)
+
+
+def _hands(points: dict[str, NDArray[np.float64]], ticks: int) -> Float32:
+    nowhere = np.full((ticks, 3), np.nan)
+    return np.stack([points.get(f"hand_{side}", nowhere) for side in SIDES], axis=1).astype(np.float32)
+
+
+def _halo(frames: Frames, body: BodyDimensions) -> Float32:
+    """Two sigmas of elbow and hand: sigmas of shoulder elevation and elbow flexion times the levers."""
+    layout = frames.layout
+    halo = np.zeros((frames.tick_count, 2, 2))
+
+    def sigma(name: str) -> NDArray[np.float64]:
+        if name not in layout.angles:
+            return np.zeros(frames.tick_count)
+        return np.nan_to_num(frames.angle_sigma_rad[:, layout.angles.index(name)])
+
+    for number, side in enumerate(SIDES):
+        shoulder = sigma(f"thorax_humerus_{side}_yxy_elevation")
+        elbow = sigma(f"humerus_forearm_{side}_zxy_flexion")
+        beyond = body.forearm_m + body.hand_m
+        halo[:, number, 0] = 2.0 * shoulder * body.upper_arm_m
+        halo[:, number, 1] = 2.0 * np.hypot(shoulder * (body.upper_arm_m + beyond), elbow * beyond)
+    return np.clip(halo, 0.0, 0.25).astype(np.float32)
+
+
+def _side(name: str) -> Side:
+    return "left" if name.endswith("_left") else "right"

@@ -1,0 +1,222 @@
+"""One viser scene: the room, the patient's body, the template's ghost, trails, halos and what is lost.
+
+The scene holds no clock. A player calls `draw` with a tick of a `PoseTrack`; only what changed is sent, as
+one small message per segment that turned (the tree of segments makes positions follow).
+"""
+
+from collections.abc import Iterable
+from typing import Any, Final
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from app.viewer import nodes, palette
+from app.viewer.body_mesh import build_figure
+from app.viewer.pose import PARENT, SEGMENTS, PoseTrack
+from app.viewer.proportions import hip_height_m
+from estimators.body import BodyDimensions
+from estimators.conventions import SIDES
+
+_TURN_EPSILON: Final = 2e-4
+"""Quaternion components closer than this (about 0.02 degrees) are not sent again."""
+_SHIFT_EPSILON_M: Final = 5e-4
+_HALO_STEP: Final = 0.12
+_HALO_LEAST_M: Final = 0.008
+_TRAIL_OLD_SHARE: Final = 0.5
+
+
+class BodyScene:
+    """The contents of one `ViserServer`.
+
+    Parameters
+    ----------
+    server : viser.ViserServer
+        Empty; bound to loopback by the caller.
+    body : BodyDimensions
+    measured : frozenset of str
+        Segments that a sensor drives; the others are drawn paler.
+    affected_side : str or None
+        `left`, `right`, `both` or None: wears a band on the upper arm.
+    ghost : PoseTrack or None
+        The template over its phases 0 to 100, drawn on this body.
+    ghost_side : str
+        The arm that the template is about.
+    """
+
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        body: BodyDimensions,
+        measured: frozenset[str],
+        affected_side: str | None = None,
+        ghost: PoseTrack | None = None,
+        ghost_side: str = "right",
+    ) -> None:
+        self._server = server
+        self._ghost = ghost
+        self._ghost_side = SIDES.index("left" if ghost_side == "left" else "right")
+        self._measured = measured
+        bands = {"left": {"left"}, "right": {"right"}, "both": {"left", "right"}}.get(
+            affected_side or "", set()
+        )
+        with server.atomic():
+            nodes.add_room(server, palette.PALETTES["light"])
+            self._solid = _Figure(server, "/patient", body, PARENT)
+            self._skin: dict[str, list[tuple[Any, palette.Rgb]]] = {}
+            for piece in build_figure(body):
+                if piece.material == "band" and piece.segment.rpartition("_")[2] not in bands:
+                    continue
+                handle, colour = nodes.add_piece(server, self._solid.path[piece.segment], piece, measured)
+                self._skin.setdefault(piece.segment, []).append((handle, colour))
+            self._lost_labels = {
+                name: nodes.add_lost_label(server, self._solid.path[name], name) for name in sorted(measured)
+            }
+            self._halos = {
+                (number, joint): nodes.Halo(server, self._solid.path[f"{segment}_{side}"], segment, body)
+                for number, side in enumerate(SIDES)
+                for joint, segment in enumerate(("forearm", "hand"))
+                if f"{segment}_{side}" in measured
+            }
+            self._trails = {
+                number: nodes.Trail(server, f"/trail/{side}")
+                for number, side in enumerate(SIDES)
+                if f"hand_{side}" in measured or f"forearm_{side}" in measured
+            }
+            self._ghost_figure: _Figure | None = None
+            if ghost is not None:
+                self._add_ghost(body, ghost)
+        self._lost = np.zeros(len(SEGMENTS), dtype=bool)
+
+    @property
+    def has_ghost(self) -> bool:
+        """Whether a template was given."""
+        return self._ghost_figure is not None
+
+    def draw(self, track: PoseTrack, tick: int, trail: NDArray[np.float32] | None = None) -> None:
+        """Show one tick of the patient.
+
+        Parameters
+        ----------
+        track : PoseTrack
+        tick : int
+            Index into the track.
+        trail : ndarray of float32, shape (N, 2, 3), optional
+            Past positions of the left and right hand up to this tick; None leaves the trails as they are.
+        """
+        with self._server.atomic():
+            self._solid.show(track.wxyz[tick], track.shoulder_m[tick])
+            if not np.array_equal(track.lost[tick], self._lost):
+                self._show_lost(track.lost[tick])
+            for (number, joint), halo in self._halos.items():
+                halo.show(float(track.halo_m[tick, number, joint]))
+            if trail is not None:
+                for number, line in self._trails.items():
+                    line.show(trail[:, number])
+
+    def draw_ghost(self, phase: float | None) -> None:
+        """Show the template at a phase from 0 to 100 (interpolated), or hide it.
+
+        Parameters
+        ----------
+        phase : float or None
+        """
+        if self._ghost_figure is None or self._ghost is None:
+            return
+        if phase is None:
+            self._ghost_figure.visible(False)
+            return
+        place = float(np.clip(phase, 0.0, 100.0)) / 100.0 * (len(self._ghost) - 1)
+        before = min(int(place), len(self._ghost) - 2)
+        share = np.float32(place - before)
+        # Neighbouring phases differ by a few degrees at most: the chord is as good as the arc.
+        wxyz = _blend(self._ghost.wxyz[before], self._ghost.wxyz[before + 1], share)
+        shoulder = self._ghost.shoulder_m[before] * (1 - share) + self._ghost.shoulder_m[before + 1] * share
+        with self._server.atomic():
+            self._ghost_figure.visible(True)
+            self._ghost_figure.show(wxyz, shoulder)
+
+    def clear_trails(self) -> None:
+        """Forget the trails, after a jump in time."""
+        nothing = np.full((0, 3), np.nan, dtype=np.float32)
+        for line in self._trails.values():
+            line.show(nothing)
+
+    def _add_ghost(self, body: BodyDimensions, ghost: PoseTrack) -> None:
+        side = SIDES[self._ghost_side]
+        segments = {
+            name: parent
+            for name, parent in PARENT.items()
+            if name == "sternum"
+            or (name.endswith(f"_{side}") and name.partition("_")[0] in {"upper", "forearm", "hand"})
+        }
+        self._ghost_figure = _Figure(self._server, nodes.GHOST, body, segments)
+        for piece in build_figure(body):
+            if piece.segment in segments and piece.material == "skin":
+                nodes.add_ghost_piece(self._server, self._ghost_figure.path[piece.segment], piece)
+        nodes.add_ghost_path(self._server, ghost.hand_m[:, self._ghost_side])
+
+    def _show_lost(self, lost: NDArray[np.bool_]) -> None:
+        for number in np.flatnonzero(lost != self._lost):
+            name = SEGMENTS[number]
+            for handle, colour in self._skin.get(name, []):
+                handle.color = palette.LOST if lost[number] else colour
+                handle.opacity = 0.45 if lost[number] else None
+            if name in self._lost_labels:
+                self._lost_labels[name].visible = bool(lost[number])
+        self._lost = lost.copy()
+
+
+class _Figure:
+    """The frames of one body; knows what was sent, so that only changes go out."""
+
+    def __init__(
+        self, server: viser.ViserServer, root: str, body: BodyDimensions, segments: dict[str, str | None]
+    ) -> None:
+        self._server = server
+        self._root = server.scene.add_frame(root, show_axes=False, position=(0.0, 0.0, hip_height_m(body)))
+        self.path: dict[str, str] = {}
+        self._frames: list[tuple[int, Any]] = []
+        offsets = nodes.joint_offsets_m(body)
+        for name, parent in segments.items():
+            self.path[name] = f"{self.path.get(parent or '', root)}/{name}"
+            frame = server.scene.add_frame(self.path[name], show_axes=False, position=offsets[name])
+            self._frames.append((SEGMENTS.index(name), frame))
+        self._columns = [column for column, _ in self._frames]
+        self._shoulders = {
+            number: frame
+            for column, frame in self._frames
+            for number, side in enumerate(SIDES)
+            if SEGMENTS[column] == f"upper_arm_{side}"
+        }
+        self._sent = np.tile(np.array([1, 0, 0, 0], np.float32), (len(self._frames), 1))
+        self._sent_shoulder = np.array([offsets[f"upper_arm_{side}"] for side in SIDES], np.float32)
+        self._visible = True
+
+    def show(self, wxyz: NDArray[np.float32], shoulder_m: NDArray[np.float32]) -> None:
+        """Turn the segments (S, 4) and move the shoulders (2, 3) that changed."""
+        wanted = wxyz[self._columns]
+        for row in np.flatnonzero(np.abs(wanted - self._sent).max(axis=1) > _TURN_EPSILON):
+            nodes.turn(self._server, self._frames[row][1], wanted[row])
+            self._sent[row] = wanted[row]
+        if np.abs(shoulder_m - self._sent_shoulder).max() > _SHIFT_EPSILON_M:
+            for number, frame in self._shoulders.items():
+                nodes.shift(self._server, frame, shoulder_m[number])
+            self._sent_shoulder = shoulder_m.copy()
+
+    def visible(self, on: bool) -> None:
+        """Show or hide the whole figure."""
+        if on != self._visible:
+            self._root.visible = self._visible = on
+
+
+def _blend(first: NDArray[np.float32], second: NDArray[np.float32], share: np.float32) -> NDArray[np.float32]:
+    near = np.where((first * second).sum(axis=-1, keepdims=True) < 0, -second, second)
+    mixed = first * (1 - share) + near * share
+    blended: NDArray[np.float32] = (mixed / np.linalg.norm(mixed, axis=-1, keepdims=True)).astype(np.float32)
+    return blended
+
+
+def segments_of(names: Iterable[str]) -> frozenset[str]:
+    """Return those names that are segments of the figure."""
+    return frozenset(names) & frozenset(SEGMENTS)
