@@ -27,11 +27,14 @@ _ANGLE_WEIGHT = 0.5
 _SMALLEST_MOVEMENT = 0.05
 """Share of the reach (about 3 cm or 6 degrees) below which sensors cannot tell movement from drift."""
 _SHORTEST_S = 0.4
-_NEAR, _FAR = 0.30, 0.55
+_SINGLE_REST_S = 0.5
+_NEAR, _FAR = 0.28, 0.45
 """Hysteresis, as shares of the usual excursion: left the rest, and really went somewhere."""
 _ALIKE = 0.33
 """Two excursions are alike when they differ by less than this share of their size after alignment."""
 _SHAPE_POINTS = 33
+_EXPLAINED = 0.45
+"""Share of all movement that the repetitions must account for; random movement reaches a third."""
 _ONSET_SHARE = 0.05
 """A repetition begins where speed exceeds this share of its own peak."""
 
@@ -201,21 +204,33 @@ def _explain(features: Float, speed: Float, posture: Float) -> _Excursions:
         if not bounds or size < _SMALLEST_MOVEMENT or tuple(bounds) in tried:
             continue
         tried.add(tuple(bounds))
+        if len(bounds) == 1 and not _rests_around(speed, *bounds[0]):
+            continue
         alike = _alike(features - posture, bounds, size)
         if not alike:
             continue
         covered = sum(travelled[b] - travelled[a] for a, b in (bounds[k] for k in alike))
-        score = len(alike) * covered / max(travelled[-1], 1e-9)
-        if score > best.score:
+        covered /= max(travelled[-1], 1e-9)
+        score = len(alike) * covered
+        if covered >= _EXPLAINED and score > best.score:
             best = _Excursions(bounds, distance, float(score))
     return best
+
+
+def _rests_around(speed: Float, start: int, end: int) -> bool:
+    """Whether the arm rested right before and right after: a movement done once, not one of many."""
+    slow = speed < 0.15 * speed[start : end + 1].max()
+    needed = round(_SINGLE_REST_S * _RATE_HZ)
+    before, after = _runs(slow[: start + 1]), _runs(slow[end:])
+    return any(b - a >= needed and start + 1 - b <= 2 * needed for a, b in before) and any(
+        b - a >= needed and a <= 2 * needed for a, b in after
+    )
 
 
 def _alike(offset: Float, bounds: list[tuple[int, int]], size: float) -> list[int]:
     """Return the largest set of excursions that resemble one of them; empty when nothing repeats.
 
-    A single excursion counts when it starts and ends in the same posture, which it does by construction,
-    and is the only thing that happened; that is decided by the caller through the share it covers.
+    A single excursion has nothing to resemble; the caller asks for rest around it instead.
     """
     if len(bounds) == 1:
         return [0]
@@ -251,5 +266,23 @@ def _sharpen(found: _Excursions, speed: Float) -> list[tuple[int, int]]:
             start -= 1
         while end < limits[number + 1] and speed[end] > onset:
             end += 1
-        sharp.append((start, end))
+        begins = _extrapolate(speed[start : end + 1], onset, peak)
+        ends = _extrapolate(speed[start : end + 1][::-1], onset, peak)
+        sharp.append((max(start - begins, limits[number]), min(end + ends, limits[number + 1])))
     return sharp
+
+
+def _extrapolate(speed: Float, onset: float, peak: float) -> int:
+    """How many samples before the onset threshold the movement began.
+
+    Human movements begin with constant jerk, so speed grows with the square of time: its root is extended
+    as a straight line, through the onset threshold and a higher one, down to zero. Never further than the
+    rise between the two thresholds took.
+    """
+    high = max(0.3 * peak, 2.0 * onset)
+    above = np.flatnonzero(speed > high)
+    if not len(above) or onset <= 0:
+        return 0
+    rise = int(above[0])
+    share = np.sqrt(onset) / (np.sqrt(high) - np.sqrt(onset))
+    return int(np.rint(rise * min(1.0, float(share))))

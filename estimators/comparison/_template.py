@@ -154,23 +154,20 @@ def align_timing(curves: Float, reference: Float, scale: Float) -> Alignment:
     Without that, a smaller movement would look like a differently timed one, because warping would hurry
     to where the values agree.
     """
-    size = np.array([_spread(curves[:, c]) for c in range(curves.shape[1])])
-    reference_size = np.array([_spread(reference[:, c]) for c in range(curves.shape[1])])
-    centre = np.array([_centre(curves[:, c]) for c in range(curves.shape[1])])
-    reference_centre = np.array([_centre(reference[:, c]) for c in range(curves.shape[1])])
+    size, centre = _extent(curves)
+    reference_size, reference_centre = _extent(reference)
     # A channel that hardly moves is not blown up: at most three times, so that noise stays noise.
     gain = reference_size / np.maximum(size, np.maximum(reference_size / 3.0, 1e-9))
     return align((curves - centre) * gain, reference - reference_centre, scale)
 
 
-def _spread(values: Float) -> float:
-    finite = values[np.isfinite(values)]
-    return float(finite.std()) if len(finite) else 0.0
-
-
-def _centre(values: Float) -> float:
-    finite = values[np.isfinite(values)]
-    return float(finite.mean()) if len(finite) else 0.0
+def _extent(curves: Float) -> tuple[Float, Float]:
+    """Range and its middle per channel, shape (C,): unlike mean and deviation, pauses do not change them."""
+    known = np.isfinite(curves)
+    some = known.any(axis=0)
+    high = np.max(np.where(known, curves, np.where(some, -np.inf, 0.0)), axis=0)
+    low = np.min(np.where(known, curves, np.where(some, np.inf, 0.0)), axis=0)
+    return high - low, (high + low) / 2
 
 
 def _average(curves: list[Float], channels: tuple[str, ...]) -> tuple[Float, Float]:
@@ -190,7 +187,8 @@ def _average(curves: list[Float], channels: tuple[str, ...]) -> tuple[Float, Flo
     filled = np.where(known, aligned, 0.0)
     mean = filled.sum(axis=0) / np.maximum(count, 1)
     variance = (np.where(known, aligned - mean, 0.0) ** 2).sum(axis=0) / np.maximum(count - 1, 1)
-    spread = np.sqrt(uniform_filter1d(variance, _SPREAD_WINDOW, axis=0, mode="nearest"))
+    smooth = uniform_filter1d(variance, _SPREAD_WINDOW, axis=0, mode="nearest")
+    spread = np.sqrt(np.maximum(smooth, 0.0))  # the running sum may end a rounding error below zero
     mean, spread = np.where(enough, mean, np.nan), np.where(enough, spread, np.nan)
     phase = np.arange(PHASES, dtype=np.float64)
     own_phase = apply_phase(alignments)
