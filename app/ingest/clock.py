@@ -96,7 +96,7 @@ class PacketClock:
         device_us = self._unwrap_time(packet.device_time_us)
         if not self.declaration.clock_epochs:
             self._add_epoch(ClockEpoch(0, -device_us))
-        time_us = device_us + self._offset_us(sequence)
+        time_us = device_us + self.offset_us(sequence)
         known = self._times.get(sequence)
         if known is not None:
             if known != time_us:
@@ -186,7 +186,8 @@ class PacketClock:
             step = raw + turns * _WRAP_32 - reference
         return reference + step
 
-    def _offset_us(self, sequence: int) -> int:
+    def offset_us(self, sequence: int) -> int:
+        """Return session time minus device time for a packet; needs a first epoch."""
         epochs = self.declaration.clock_epochs
         for epoch in reversed(epochs):
             if sequence >= epoch.first_sequence:

@@ -3,6 +3,7 @@
 import struct
 import time
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -26,6 +27,11 @@ class PublishedFrames(Frames):
     """
 
     published_at_s: float = 0.0
+
+    @cached_property
+    def block(self) -> bytes:
+        """The frames as a binary block, made once for all who watch."""
+        return encode_block(self)
 
 
 def column_names(layout: FrameLayout) -> list[str]:

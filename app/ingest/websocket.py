@@ -1,0 +1,296 @@
+"""`/ws/ingest`: a gateway's connection, from its hello to its goodbye.
+
+The first message is a JSON hello with a one-use ticket; then binary packets, or JSON packets at low rate. The
+server acknowledges about five times a second what is durably stored, and says what is missing. A wrong
+message is answered with a typed error and the connection lives on; only a sender that gets nothing right is
+turned away. What a live session is, this module does not know: it talks to a `PacketSink`.
+"""
+
+import asyncio
+import contextlib
+import time
+from dataclasses import dataclass
+from typing import Annotated, Protocol
+
+from fastapi import APIRouter, WebSocket
+from pydantic import Field, TypeAdapter, ValidationError
+from starlette.websockets import WebSocketDisconnect, WebSocketState
+
+from app.errors import InvalidInput, PacketError, TelemotionError, Unavailable
+from app.ingest.declaration import Declaration, check_hello
+from app.ingest.messages import AcknowledgeMessage, ErrorMessage, GoodbyeMessage, HelloMessage, JsonPacket
+from app.ingest.packet import MAX_PACKET_BYTES, Packet, decode_packet, packet_from_json
+from app.services import services_of
+
+HELLO_TIMEOUT_S = 10.0
+ACKNOWLEDGE_EVERY_S = 0.2
+CHECK_RIGHT_EVERY_S = 5.0
+MAX_TEXT_BYTES = 256 * 1024
+ERRORS_A_SECOND = 20
+"""Error messages sent; further errors of that second are counted only."""
+WRONG_IN_A_ROW = 1000
+"""A connection that sends so many wrong messages and no right one between is ended."""
+TURN_S = 0.005
+"""A connection that has messages waiting lets the others have their turn after so long."""
+
+router = APIRouter()
+
+
+class Intake(Protocol):
+    """One connection's way into its session."""
+
+    ended: asyncio.Event
+    """Set when the connection must end; `end_error` says why."""
+    end_error: TelemotionError
+
+    @property
+    def session_id(self) -> str:
+        """The session that the ticket named."""
+
+    @property
+    def declaration(self) -> Declaration:
+        """What packets must fit."""
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the session takes packets."""
+
+    @property
+    def is_finished(self) -> bool:
+        """Whether the session is closed and all of it is stored."""
+
+    def receive(self, packet: Packet, arrival_s: float, arrival_ns: int) -> bool:
+        """Take one packet; False when it was here before. Raises typed errors."""
+
+    def acknowledge(self) -> AcknowledgeMessage:
+        """Return what the gateway may forget and what it should send again."""
+
+    def goodbye(self, last_sequence: int) -> None:
+        """Note that nothing above `last_sequence` will come."""
+
+    async def check_right(self) -> None:
+        """Raise when the gateway has lost its right since it connected."""
+
+    def detach(self) -> None:
+        """Note that the connection has ended."""
+
+
+class PacketSink(Protocol):
+    """Where packets go; implemented by the live side, wired by `app.main` as `Services.live`."""
+
+    async def open(self, hello: HelloMessage, declaration: Declaration) -> Intake:
+        """Open the session of the hello's ticket. Raises typed errors."""
+
+
+@dataclass
+class IngestMetrics:
+    """Counters of all connections since the start."""
+
+    connections: int = 0
+    packets: int = 0
+    duplicates: int = 0
+    errors: int = 0
+
+
+metrics = IngestMetrics()
+
+_message: TypeAdapter[JsonPacket | GoodbyeMessage] = TypeAdapter(
+    Annotated[JsonPacket | GoodbyeMessage, Field(discriminator="type")]
+)
+
+
+@router.websocket("/ws/ingest")
+async def ingest(websocket: WebSocket) -> None:
+    """Serve one gateway."""
+    await websocket.accept()
+    connection = IngestConnection(websocket, services_of(websocket).live)
+    with contextlib.suppress(WebSocketDisconnect):
+        await connection.serve()
+
+
+class IngestConnection:
+    """The conversation with one gateway.
+
+    Parameters
+    ----------
+    websocket : WebSocket
+        Accepted.
+    sink : PacketSink
+    """
+
+    def __init__(self, websocket: WebSocket, sink: PacketSink) -> None:
+        self._websocket = websocket
+        self._sink = sink
+        self._sending = asyncio.Lock()
+        self._error_second = 0
+        self._errors_sent = 0
+        self._wrong_in_a_row = 0
+
+    async def serve(self) -> None:
+        """Run from hello to goodbye."""
+        metrics.connections += 1
+        try:
+            intake = await self._hello()
+        except (TelemotionError, TimeoutError) as error:
+            if isinstance(error, TimeoutError):
+                error = InvalidInput(f"Send a hello within {HELLO_TIMEOUT_S:.0f} s of connecting.")
+            await self._end(error)
+            return
+        try:
+            await self._send(intake.acknowledge())
+            await self._converse(intake)
+        finally:
+            intake.detach()
+
+    async def _hello(self) -> Intake:
+        async with asyncio.timeout(HELLO_TIMEOUT_S):
+            message = await self._websocket.receive()
+        if message["type"] == "websocket.disconnect":
+            raise WebSocketDisconnect(message.get("code", 1000))
+        text = message.get("text")
+        if text is None or len(text) > MAX_TEXT_BYTES:
+            raise PacketError("The first message must be a JSON hello.", reason="hello")
+        try:
+            hello = HelloMessage.model_validate_json(text)
+        except ValidationError as error:
+            raise PacketError(f"The hello is not understood: {in_words(error)}", reason="hello") from error
+        return await self._sink.open(hello, check_hello(hello))
+
+    async def _converse(self, intake: Intake) -> None:
+        """Receive until the gateway leaves, while acknowledging; the first that ends, ends both."""
+        receiving = asyncio.create_task(self._receive_all(intake), name="ingest receive")
+        acknowledging = asyncio.create_task(self._acknowledge(intake), name="ingest acknowledge")
+        try:
+            done, _ = await asyncio.wait({receiving, acknowledging}, return_when=asyncio.FIRST_COMPLETED)
+            for task in done:
+                task.result()
+        except TelemotionError as error:
+            await self._end(error)
+        finally:
+            for task in (receiving, acknowledging):
+                task.cancel()
+            await asyncio.gather(receiving, acknowledging, return_exceptions=True)
+        if self._websocket.application_state is WebSocketState.CONNECTED:
+            with contextlib.suppress(WebSocketDisconnect, RuntimeError):
+                await self._websocket.close()
+
+    async def _receive_all(self, intake: Intake) -> None:
+        turn_s = time.monotonic()
+        while True:
+            message = await self._websocket.receive()
+            if message["type"] == "websocket.disconnect":
+                return
+            arrival_s, arrival_ns = time.monotonic(), time.time_ns()
+            data, text = message.get("bytes"), message.get("text")
+            try:
+                if data is not None:
+                    packet = self._decode(data, intake)
+                    await self._give(intake, packet, arrival_s, arrival_ns)
+                elif text is not None:
+                    await self._take_text(intake, text, arrival_s, arrival_ns)
+                self._wrong_in_a_row = 0
+            except TelemotionError as error:
+                if not intake.is_open:
+                    # Told by the closing acknowledgement.
+                    continue
+                await self._wrong(error)
+            if time.monotonic() - turn_s > TURN_S:
+                await asyncio.sleep(0)
+                turn_s = time.monotonic()
+
+    @staticmethod
+    def _decode(data: bytes, intake: Intake) -> Packet:
+        if len(data) > MAX_PACKET_BYTES:
+            raise PacketError(
+                f"A packet of {len(data)} bytes is too long; send at most {MAX_PACKET_BYTES}.",
+                reason="length",
+            )
+        return decode_packet(data, intake.declaration)
+
+    async def _take_text(self, intake: Intake, text: str, arrival_s: float, arrival_ns: int) -> None:
+        if len(text) > MAX_TEXT_BYTES:
+            raise PacketError("A JSON message may have 256 KiB; send binary packets.", reason="length")
+        try:
+            message = _message.validate_json(text)
+        except ValidationError as error:
+            raise PacketError(f"The message is not understood: {in_words(error)}", reason="json") from error
+        if isinstance(message, GoodbyeMessage):
+            intake.goodbye(message.last_sequence)
+        else:
+            await self._give(intake, packet_from_json(message, intake.declaration), arrival_s, arrival_ns)
+
+    async def _give(self, intake: Intake, packet: Packet, arrival_s: float, arrival_ns: int) -> None:
+        """Hand a packet on; while the store is behind, stop reading so the gateway slows down."""
+        metrics.packets += 1
+        while True:
+            try:
+                if not intake.receive(packet, arrival_s, arrival_ns):
+                    metrics.duplicates += 1
+            except Unavailable as error:
+                if error.details.get("reason") not in {"store_behind", "behind"}:
+                    raise
+                await asyncio.sleep(0.1)
+            else:
+                return
+
+    async def _acknowledge(self, intake: Intake) -> None:
+        """Acknowledge and watch the right; returns when the session has closed and all is stored."""
+        last = ""
+        sent_s = checked_s = time.monotonic()
+        while True:
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(intake.ended.wait(), ACKNOWLEDGE_EVERY_S)
+            if intake.ended.is_set():
+                raise intake.end_error
+            now = time.monotonic()
+            # Asked first, so that the last acknowledgement covers everything that was stored.
+            is_finished = intake.is_finished
+            text = intake.acknowledge().model_dump_json()
+            if text != last or now - sent_s > 1.0:
+                await self._send_text(text)
+                last, sent_s = text, now
+            if is_finished:
+                return
+            if now - checked_s > CHECK_RIGHT_EVERY_S:
+                await intake.check_right()
+                checked_s = now
+
+    async def _wrong(self, error: TelemotionError) -> None:
+        metrics.errors += 1
+        self._wrong_in_a_row += 1
+        if self._wrong_in_a_row >= WRONG_IN_A_ROW:
+            raise InvalidInput(
+                "Nothing right was sent for a long time; read docs/packet.md.", reason="give_up"
+            )
+        second = int(time.monotonic())
+        if second != self._error_second:
+            self._error_second, self._errors_sent = second, 0
+        if self._errors_sent < ERRORS_A_SECOND:
+            self._errors_sent += 1
+            await self._send(as_message(error))
+
+    async def _end(self, error: TelemotionError) -> None:
+        with contextlib.suppress(WebSocketDisconnect, RuntimeError):
+            await self._send(as_message(error, closing=True))
+            await self._websocket.close(code=1008 if error.status < 500 else 1013, reason=error.code)
+
+    async def _send(self, message: AcknowledgeMessage | ErrorMessage) -> None:
+        await self._send_text(message.model_dump_json())
+
+    async def _send_text(self, text: str) -> None:
+        async with self._sending:
+            if self._websocket.application_state is WebSocketState.CONNECTED:
+                await self._websocket.send_text(text)
+
+
+def as_message(error: TelemotionError, *, closing: bool = False) -> ErrorMessage:
+    """Return a typed error as the message that tells it."""
+    return ErrorMessage(code=error.code, message=error.message, details=error.details, closing=closing)
+
+
+def in_words(error: ValidationError) -> str:
+    """Return the first few faults of a JSON message, without its values."""
+    faults = error.errors(include_url=False, include_context=False, include_input=False)
+    return "; ".join(
+        f"{'.'.join(str(step) for step in fault['loc']) or 'message'}: {fault['msg']}" for fault in faults[:3]
+    )

@@ -1,0 +1,96 @@
+"""Steering a live session over HTTP: tickets, calibration, recording, marks and closing."""
+
+import asyncio
+from typing import Literal
+
+from fastapi import APIRouter, Request
+
+from app.accounts.dependencies import CurrentSubject
+from app.accounts.schemas import TicketIn, TicketOut
+from app.accounts.subject import Subject
+from app.live import repository
+from app.live.manager import LiveManager
+from app.live.messages import StateMessage
+from app.recordings.schemas import MarkIn
+from app.services import services_of
+
+router = APIRouter(prefix="/api/sessions", tags=["live"])
+
+
+@router.post("/{session_id}/ticket")
+def give_ticket(session_id: str, body: TicketIn, request: Request, subject: CurrentSubject) -> TicketOut:
+    """Get a one-use right to open a socket of this session within 30 seconds.
+
+    `ingest` needs the right to record, `live` the right to read. The ticket goes into the socket's first
+    message, never into a URL.
+    """
+    token, expires_at = repository.give_ticket(services_of(request).engine, subject, session_id, body.purpose)
+    path = "/ws/ingest" if body.purpose == "ingest" else f"/ws/live/{session_id}"
+    return TicketOut(ticket=token, expires_at=expires_at, path=path)
+
+
+@router.post("/{session_id}/calibrate")
+async def calibrate(session_id: str, request: Request, subject: CurrentSubject) -> StateMessage:
+    """Look for three still seconds in the N-pose and calibrate from them; progress comes over the live socket."""
+    live = await _live(request, subject, session_id, "calibrate")
+    session = live.live(session_id)
+    session.calibrate()
+    return session.state_message()
+
+
+@router.post("/{session_id}/record")
+async def begin_recording(session_id: str, request: Request, subject: CurrentSubject) -> StateMessage:
+    """Begin the interval in which repetitions count; the session must be calibrated."""
+    live = await _live(request, subject, session_id, "record")
+    session = live.live(session_id)
+    session.record()
+    await session.saved()
+    return session.state_message()
+
+
+@router.post("/{session_id}/stop")
+async def stop_recording(session_id: str, request: Request, subject: CurrentSubject) -> StateMessage:
+    """End the interval in which repetitions count; the sensors go on streaming."""
+    live = await _live(request, subject, session_id, "stop")
+    session = live.live(session_id)
+    session.stop()
+    await session.saved()
+    return session.state_message()
+
+
+@router.post("/{session_id}/mark")
+async def mark(session_id: str, body: MarkIn, request: Request, subject: CurrentSubject) -> StateMessage:
+    """Put a note on the time line at the present session time."""
+    live = await _live(request, subject, session_id, "mark")
+    session = live.live(session_id)
+    session.mark(body.text)
+    return session.state_message()
+
+
+@router.post("/{session_id}/close")
+async def close(session_id: str, request: Request, subject: CurrentSubject) -> StateMessage:
+    """End the session: everything is stored, analysed off-line and compared with the prescribed template."""
+    live = await _live(request, subject, session_id, "close")
+    return await live.close(session_id, "Closed by a person.")
+
+
+@router.get("/{session_id}/state")
+async def state(session_id: str, request: Request, subject: CurrentSubject) -> StateMessage:
+    """Get the state of a session, live or not."""
+    services = services_of(request)
+    await asyncio.to_thread(repository.authorise, services.engine, subject, session_id, "status")
+    live: LiveManager = services.live
+    return await live.state(session_id)
+
+
+Action = Literal["calibrate", "record", "stop", "mark", "close"]
+
+
+async def _live(request: Request, subject: Subject, session_id: str, action: Action) -> LiveManager:
+    """Return the live side after the access check, with the action in the audit trail."""
+    services = services_of(request)
+    await asyncio.to_thread(
+        repository.authorise, services.engine, subject, session_id, "record", f"session.{action}"
+    )
+    live: LiveManager = services.live
+    return live

@@ -1,0 +1,88 @@
+"""One gateway connection's way into its session."""
+
+import asyncio
+import time
+from collections.abc import Callable
+
+from sqlalchemy import Engine
+
+from app.accounts.subject import Subject
+from app.errors import Conflict, TelemotionError, Unavailable
+from app.ingest.declaration import Declaration
+from app.ingest.messages import AcknowledgeMessage
+from app.ingest.packet import Packet
+from app.live import repository
+from app.live.runner import LiveSession
+from app.live.states import OPEN
+
+
+class Intake:
+    """One gateway connection's way into its session; a newer connection takes its place.
+
+    Implements `app.ingest.websocket.Intake`.
+    """
+
+    def __init__(
+        self, session: LiveSession, subject: Subject, engine: Engine, detached: Callable[["Intake"], None]
+    ) -> None:
+        self._session = session
+        self._engine = engine
+        self._detached = detached
+        self.subject = subject
+        self.ended = asyncio.Event()
+        self.end_error: TelemotionError = Unavailable(
+            "The service is stopping; connect again.", reason="stopping"
+        )
+        self._reviewed_s = time.monotonic()
+
+    @property
+    def session_id(self) -> str:
+        """The session that the ticket named."""
+        return self._session.id
+
+    @property
+    def declaration(self) -> Declaration:
+        """What packets must fit."""
+        return self._session.declaration
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the session takes packets."""
+        return self._session.state in OPEN
+
+    @property
+    def is_finished(self) -> bool:
+        """Whether the session is closed and all of it is stored."""
+        return self._session.is_finished
+
+    def end(self, error: TelemotionError) -> None:
+        """Have the connection ended for a reason."""
+        self.end_error = error
+        self.ended.set()
+
+    def receive(self, packet: Packet, arrival_s: float, arrival_ns: int) -> bool:
+        """Take one packet; see `LiveSession.receive`."""
+        if self.ended.is_set():
+            raise Conflict(self.end_error.message)
+        return self._session.receive(packet, arrival_s, arrival_ns)
+
+    def acknowledge(self) -> AcknowledgeMessage:
+        """Return what the gateway may forget and what it should send again."""
+        now = time.monotonic()
+        missing = self._session.ledger.review(now - self._reviewed_s)
+        self._reviewed_s = now
+        return self._session.acknowledge(missing)
+
+    def goodbye(self, last_sequence: int) -> None:
+        """Note that no packet above `last_sequence` will come; the session closes once it is settled."""
+        self._session.ledger.last_sequence = last_sequence
+
+    async def check_right(self) -> None:
+        """Raise when the gateway has lost its right since it connected."""
+        await asyncio.to_thread(
+            repository.still_allowed, self._engine, self.subject, self._session.id, "record"
+        )
+
+    def detach(self) -> None:
+        """Note that the connection has ended."""
+        self._detached(self)

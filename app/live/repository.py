@@ -1,0 +1,300 @@
+"""What the live side reads and writes in the database, with the access decision of every request.
+
+All functions block; the live side calls them in a thread.
+"""
+
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Any
+
+from sqlalchemy import Engine, select
+from sqlalchemy.orm import Session
+
+from app.accounts.audit import record
+from app.accounts.device_tokens import is_valid
+from app.accounts.models import Account, DeviceToken
+from app.accounts.subject import Subject
+from app.accounts.tickets import Redeemed, issue_ticket, redeem_ticket
+from app.database.base import utc_now
+from app.database.unit_of_work import read_only, unit_of_work
+from app.errors import NotFound, SignInRequired
+from app.live.states import OPEN
+from app.patients.access import Level, require_patient
+from app.patients.models import Mounting
+from app.recordings.chunks import frames_stream
+from app.recordings.models import Job, MotionSession, Result, SignalChunk
+from app.recordings.schemas import SessionState
+from estimators import orientation
+from estimators.pipelines import Calibration, FrameLayout, Pipeline, SessionSetup
+
+NO_SUCH_SESSION = "There is no such session, or you have no right to know."
+
+
+@dataclass(frozen=True)
+class StoredSession:
+    """What the database knows of a session that the live side needs."""
+
+    id: str
+    clinic_id: str
+    patient_id: str
+    state: SessionState
+    state_reason: str
+    setup: dict[str, Any]
+    hello: dict[str, Any] | None
+    recording_start_s: float | None
+    recording_end_s: float | None
+    created_by: str
+
+
+def authorise(
+    engine: Engine, subject: Subject, session_id: str, level: Level, action: str | None = None
+) -> StoredSession:
+    """Return the session when the subject has the level for its patient.
+
+    Parameters
+    ----------
+    engine : Engine
+    subject : Subject
+    session_id : str
+    level : {"status", "read", "record", "treat", "manage"}
+    action : str, optional
+        Written to the audit trail, e.g. `session.calibrate`.
+
+    Raises
+    ------
+    NotFound, NotAllowed
+        See `app.patients.access`.
+    """
+    with read_only(engine) as session:
+        row = _row(session, session_id)
+        try:
+            require_patient(session, subject, row.patient_id, level)
+        except NotFound as error:
+            raise NotFound(NO_SUCH_SESSION) from error
+        if action is not None:
+            record(session, subject, action, row.patient_id, session_id)
+        return _stored(row)
+
+
+def open_by_ticket(engine: Engine, ticket: str) -> tuple[Subject, StoredSession]:
+    """Use an ingest ticket up and return whose it was and the session it opens.
+
+    Raises
+    ------
+    SignInRequired
+        The ticket is not valid.
+    NotFound, NotAllowed
+        The right to the patient was lost since it was issued.
+    """
+    with unit_of_work(engine) as session:
+        redeemed: Redeemed = redeem_ticket(session, ticket, "ingest")
+    return redeemed.subject, authorise(
+        engine, redeemed.subject, redeemed.session_id, "record", "session.stream"
+    )
+
+
+def watch_by_ticket(engine: Engine, ticket: str, session_id: str) -> Subject:
+    """Use a live ticket up and return whose it was; the caller then calls `authorise`."""
+    with unit_of_work(engine) as session:
+        return redeem_ticket(session, ticket, "live", session_id).subject
+
+
+def give_ticket(engine: Engine, subject: Subject, session_id: str, purpose: str) -> tuple[str, datetime]:
+    """Issue a one-use ticket for `ingest` or `live` to a subject who has the right to it."""
+    with unit_of_work(engine) as session:
+        row = _row(session, session_id)
+        try:
+            require_patient(session, subject, row.patient_id, "record" if purpose == "ingest" else "read")
+        except NotFound as error:
+            raise NotFound(NO_SUCH_SESSION) from error
+        record(session, subject, "session.ticket", row.patient_id, session_id, {"purpose": purpose})
+        token, ticket = issue_ticket(
+            session, subject, "ingest" if purpose == "ingest" else "live", session_id
+        )
+        return token, ticket.expires_at
+
+
+def still_allowed(engine: Engine, subject: Subject, session_id: str, level: Level) -> None:
+    """Check an open socket again: the account or device is valid and its right to the patient stands.
+
+    Raises
+    ------
+    SignInRequired, NotFound, NotAllowed
+    """
+    with read_only(engine) as session:
+        if subject.kind == "device":
+            device = session.get(DeviceToken, subject.id)
+            if device is None or not is_valid(device):
+                raise SignInRequired("The device token was revoked or has expired.")
+        elif subject.kind == "account":
+            account = session.get(Account, subject.id)
+            if account is None or not account.is_active:
+                raise SignInRequired("This account is no longer active.")
+        require_patient(session, subject, _row(session, session_id).patient_id, level)
+
+
+def load(engine: Engine, session_id: str) -> StoredSession:
+    """Return a session for the service's own work; requests use `authorise`."""
+    with read_only(engine) as session:
+        return _stored(_row(session, session_id))
+
+
+def begin_stream(
+    engine: Engine, session_id: str, hello: dict[str, Any], pipeline: Pipeline
+) -> tuple[str, int]:
+    """Store the hello and find or make the live result.
+
+    Returns
+    -------
+    str
+        Identifier of the live result.
+    int
+        First tick of which no frame is stored.
+    """
+    with unit_of_work(engine) as session:
+        row = _row(session, session_id)
+        row.hello = hello
+        row.setup = pipeline.setup.to_dict()
+        row.started_at = row.started_at or utc_now()
+        result = session.scalars(
+            select(Result).where(Result.session_id == session_id, Result.kind == "live")
+        ).first()
+        if result is None:
+            result = Result(
+                session_id=session_id,
+                kind="live",
+                pipeline=pipeline.name,
+                pipeline_version=pipeline.version,
+                orientation=pipeline.setup.orientation,
+                orientation_version=orientation.available()[pipeline.setup.orientation].version,
+                setup=pipeline.setup.to_dict(),
+                layout=layout_dict(pipeline.layout),
+                status="running",
+            )
+            session.add(result)
+            session.flush()
+            row.main_result_id = row.main_result_id or result.id
+        last = session.execute(
+            select(SignalChunk.sequence + SignalChunk.ticks)
+            .where(SignalChunk.session_id == session_id, SignalChunk.stream == frames_stream(result.id))
+            .order_by(SignalChunk.sequence.desc())
+            .limit(1)
+        ).scalar()
+        return result.id, int(last or 0)
+
+
+def save_hello(engine: Engine, session_id: str, hello: dict[str, Any]) -> None:
+    """Store the hello again: its clock epochs have grown."""
+    with unit_of_work(engine) as session:
+        _row(session, session_id).hello = hello
+
+
+def save_state(engine: Engine, session_id: str, state: SessionState, reason: str) -> None:
+    """Store a change of state."""
+    with unit_of_work(engine) as session:
+        row = _row(session, session_id)
+        row.state, row.state_reason = state, reason[:500]
+
+
+def save_recording(engine: Engine, session_id: str, start_s: float | None, end_s: float | None) -> None:
+    """Store the interval in which repetitions count."""
+    with unit_of_work(engine) as session:
+        row = _row(session, session_id)
+        row.recording_start_s, row.recording_end_s = start_s, end_s
+
+
+def save_calibration(engine: Engine, session_id: str, result_id: str, setup: SessionSetup) -> None:
+    """Store a calibration with the session, its live result and as the patient's mounting."""
+    stored = setup.to_dict()
+    with unit_of_work(engine) as session:
+        row = _row(session, session_id)
+        row.setup = stored
+        result = session.get(Result, result_id)
+        if result is not None:
+            result.setup = stored
+        mounting = session.scalars(select(Mounting).where(Mounting.patient_id == row.patient_id)).first()
+        if mounting is None:
+            mounting = Mounting(patient_id=row.patient_id)
+            session.add(mounting)
+        mounting.calibration = stored["calibration"]
+        mounting.session_id = session_id
+        mounting.updated_at = utc_now()
+
+
+def finish_stream(
+    engine: Engine, session_id: str, result_id: str | None, duration_s: float, packets_missing: int
+) -> None:
+    """Store what is known at the end of a stream and mark its live result complete."""
+    with unit_of_work(engine) as session:
+        row = _row(session, session_id)
+        row.ended_at = utc_now()
+        row.duration_s = max(row.duration_s or 0.0, duration_s)
+        row.packets_missing = packets_missing
+        result = session.get(Result, result_id) if result_id else None
+        if result is not None:
+            result.status, result.progress, result.completed_at = "complete", 1.0, utc_now()
+
+
+def interrupted(engine: Engine) -> list[StoredSession]:
+    """Return streamed sessions that were open or closing when the service last stopped."""
+    states = [state for state in OPEN if state not in {"created", "failed"}] + ["closing"]
+    with read_only(engine) as session:
+        rows = session.scalars(
+            select(MotionSession).where(MotionSession.state.in_(states), MotionSession.source == "stream")
+        )
+        return [_stored(row) for row in rows]
+
+
+def queue_analysis(engine: Engine, session_id: str) -> None:
+    """Queue the off-line analysis of a closed session, unless it waits or runs already."""
+    with unit_of_work(engine) as session:
+        row = _row(session, session_id)
+        waiting = session.scalars(
+            select(Job).where(Job.session_id == session_id, Job.status.in_(["queued", "running"]))
+        ).all()
+        if not any(job.arguments.get("close") for job in waiting):
+            session.add(
+                Job(
+                    session_id=session_id,
+                    kind="reprocess",
+                    arguments={"close": True},
+                    created_by=row.created_by,
+                )
+            )
+
+
+def layout_dict(layout: FrameLayout) -> dict[str, list[str]]:
+    """Return a layout as `Result.layout` stores it."""
+    return {
+        "segments": list(layout.segments),
+        "points": list(layout.points),
+        "angles": list(layout.angles),
+        "scalars": list(layout.scalars),
+    }
+
+
+def calibration_of(setup: dict[str, Any]) -> Calibration | None:
+    """Return the calibration in a stored setup."""
+    return SessionSetup.from_dict(setup).calibration
+
+
+def _row(session: Session, session_id: str) -> MotionSession:
+    row = session.get(MotionSession, session_id)
+    if row is None:
+        raise NotFound(NO_SUCH_SESSION)
+    return row
+
+
+def _stored(row: MotionSession) -> StoredSession:
+    return StoredSession(
+        id=row.id,
+        clinic_id=row.clinic_id,
+        patient_id=row.patient_id,
+        state=row.state,  # type: ignore[arg-type]
+        state_reason=row.state_reason,
+        setup=dict(row.setup),
+        hello=None if row.hello is None else dict(row.hello),
+        recording_start_s=row.recording_start_s,
+        recording_end_s=row.recording_end_s,
+        created_by=row.created_by,
+    )

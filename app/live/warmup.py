@@ -1,0 +1,27 @@
+"""Compiling what estimation needs before the first session, so that its first packet does not wait for it."""
+
+import numpy as np
+
+from estimators import pipelines
+from estimators.conventions import PLACEMENTS
+from estimators.pipelines import SessionSetup
+from estimators.recording import ImuChunk
+
+
+def warm_up() -> None:
+    """Run the arm pipeline once over a second of stillness, calibrated and not, in a thread of the caller."""
+    setup = SessionSetup(pipeline="arm", placements=PLACEMENTS, rate_hz=100.0)
+    pipeline = pipelines.create(setup)
+    generator = np.random.default_rng(0)
+    sensors = len(PLACEMENTS)
+    for start in range(0, 400, 5):
+        noise = 1e-3 * generator.standard_normal((3, sensors, 5, 3))
+        chunk = ImuChunk(
+            start,
+            0.01,
+            noise[0],
+            noise[1] + np.array([0.0, 0.0, 9.81]),
+            1e-3 * noise[2] + np.array([2e-5, 0.0, -4e-5]),
+            np.zeros((sensors, 5), dtype=np.uint8),
+        )
+        pipeline.step(chunk)

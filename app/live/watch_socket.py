@@ -1,0 +1,156 @@
+"""`/ws/live/{session_id}`: what a dashboard sees of a session, as it happens.
+
+A browser is known by its cookie and its Origin, others by a first message `{"ticket": ...}`. Then come the
+layout, the state, and from then on every change, link health twice a second and frames as binary blocks. A
+slow client loses frames, never states; nothing it does slows the session. The right is checked again every
+few seconds, and the socket ends when it is lost.
+"""
+
+import asyncio
+import contextlib
+from collections.abc import Callable
+from functools import partial
+
+from fastapi import APIRouter, WebSocket
+from pydantic import ValidationError
+from starlette.websockets import WebSocketDisconnect, WebSocketState
+
+from app.accounts.dependencies import websocket_subject
+from app.accounts.sign_in import COOKIE
+from app.accounts.subject import Subject
+from app.errors import InvalidInput, SignInRequired, TelemotionError
+from app.ingest.messages import ErrorMessage
+from app.live import repository
+from app.live.blocks import PublishedFrames
+from app.live.bus import Subscription, topic
+from app.live.manager import LiveManager
+from app.schemas import Schema
+from app.services import Services, services_of
+
+TICKET_TIMEOUT_S = 10.0
+CHECK_RIGHT_EVERY_S = 5.0
+FRAMES_KEPT = 16
+MESSAGES_KEPT = 256
+
+router = APIRouter()
+
+
+class TicketMessage(Schema):
+    """First message of a client without a cookie."""
+
+    ticket: str
+
+
+@router.websocket("/ws/live/{session_id}")
+async def watch(websocket: WebSocket, session_id: str) -> None:
+    """Serve one dashboard."""
+    await websocket.accept()
+    services = services_of(websocket)
+    with contextlib.suppress(WebSocketDisconnect):
+        try:
+            check = await _who(websocket, services, session_id)
+            stored = await asyncio.to_thread(check)
+            await _serve(websocket, services.live, stored, check)
+        except TelemotionError as error:
+            await _end(websocket, error)
+
+
+Check = Callable[[], repository.StoredSession]
+
+
+async def _who(websocket: WebSocket, services: Services, session_id: str) -> Check:
+    """Return the check that decides, now and again later, whether this client may watch."""
+    engine = services.engine
+    if websocket.cookies.get(COOKIE) or websocket.headers.get("authorization"):
+        subject = await websocket_subject(websocket)
+    else:
+        subject = await _subject_of_ticket(websocket, services, session_id)
+    stored = await asyncio.to_thread(
+        repository.authorise, engine, subject, session_id, "read", "session.watch"
+    )
+    return partial(_check_again, services, subject, stored)
+
+
+def _check_again(
+    services: Services, subject: Subject, stored: repository.StoredSession
+) -> repository.StoredSession:
+    repository.still_allowed(services.engine, subject, stored.id, "read")
+    return repository.load(services.engine, stored.id)
+
+
+async def _subject_of_ticket(websocket: WebSocket, services: Services, session_id: str) -> Subject:
+    try:
+        async with asyncio.timeout(TICKET_TIMEOUT_S):
+            text = await websocket.receive_text()
+        ticket = TicketMessage.model_validate_json(text).ticket
+    except TimeoutError as error:
+        raise SignInRequired("Sign in, or send a ticket as the first message.") from error
+    except (ValidationError, KeyError) as error:
+        raise InvalidInput('The first message must be {"ticket": "..."}.') from error
+    return await asyncio.to_thread(repository.watch_by_ticket, services.engine, ticket, session_id)
+
+
+async def _serve(
+    websocket: WebSocket, live: LiveManager, stored: repository.StoredSession, check: Check
+) -> None:
+    names = ("layout", "state", "health", "event")
+    with (
+        live.bus.subscribe(topic(stored.id, "frames"), size=FRAMES_KEPT) as frames,
+        live.bus.subscribe(*(topic(stored.id, name) for name in names), size=MESSAGES_KEPT) as messages,
+    ):
+        session = live.find(stored.id)
+        if session is not None:
+            first = [session.layout(), session.state_message(), session.health_message()]
+        else:
+            layout = await asyncio.to_thread(live.stored_layout, stored)
+            first = [layout, live.stored_state(stored)]
+        for message in first:
+            await websocket.send_text(message.model_dump_json())
+        tasks = [
+            asyncio.create_task(_send_frames(websocket, frames), name="watch frames"),
+            asyncio.create_task(_send_messages(websocket, messages), name="watch messages"),
+            asyncio.create_task(_receive(websocket), name="watch receive"),
+            asyncio.create_task(_keep_checking(websocket, check), name="watch right"),
+        ]
+        try:
+            done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+            for task in done:
+                task.result()
+        finally:
+            for task in tasks:
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
+
+
+async def _send_frames(websocket: WebSocket, frames: Subscription) -> None:
+    async for item in frames:
+        if isinstance(item, PublishedFrames):
+            await websocket.send_bytes(item.block)
+
+
+async def _send_messages(websocket: WebSocket, messages: Subscription) -> None:
+    async for message in messages:
+        await websocket.send_text(message.model_dump_json())
+
+
+async def _receive(websocket: WebSocket) -> None:
+    """Read and forget what the client sends, to notice when it leaves."""
+    while (await websocket.receive())["type"] != "websocket.disconnect":
+        pass
+
+
+async def _keep_checking(websocket: WebSocket, check: Check) -> None:
+    while True:
+        await asyncio.sleep(CHECK_RIGHT_EVERY_S)
+        if websocket.cookies.get(COOKIE):
+            await websocket_subject(websocket)
+        await asyncio.to_thread(check)
+
+
+async def _end(websocket: WebSocket, error: TelemotionError) -> None:
+    if websocket.application_state is not WebSocketState.CONNECTED:
+        return
+    message = ErrorMessage(code=error.code, message=error.message, details=error.details, closing=True)
+    with contextlib.suppress(WebSocketDisconnect, RuntimeError):
+        await websocket.send_text(message.model_dump_json())
+        await websocket.close(code=1008 if error.status < 500 else 1011, reason=error.code)
