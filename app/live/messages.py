@@ -110,9 +110,41 @@ class PlayerCommand(Schema):
     """Ghost follows the patient's own timing; False plays it at the therapist's pace from each start."""
 
 
+class CameraCommand(Schema):
+    """Browser to `/ws/views/{view}`: turn the view by keyboard or button, and say whether the page is dark."""
+
+    type: Literal["camera"] = "camera"
+    preset: Literal["front", "side", "top", "arm"] | None = None
+    """`side` is the side of the arm that the exercise is about; `arm` is close to it."""
+    turn_deg: float = Field(default=0.0, ge=-180.0, le=180.0)
+    """Walk around the patient, counter-clockwise seen from above."""
+    tilt_deg: float = Field(default=0.0, ge=-90.0, le=90.0)
+    """Rise."""
+    zoom: float = Field(default=1.0, ge=0.2, le=5.0)
+    """Above 1 comes nearer."""
+    theme: Literal["light", "dark"] | None = None
+
+
+class PlayerState(Schema):
+    """Server to browser on `/ws/views/{view}`: on connecting and after each command."""
+
+    type: Literal["player_state"] = "player_state"
+    mode: Literal["live", "replay"]
+    time_s: float | None
+    """Session time that is shown; None in live views, which always show the newest."""
+    start_s: float | None
+    end_s: float | None
+    playing: bool
+    speed: float
+    has_ghost: bool
+    has_warp: bool
+    """A comparison with this template exists, so the ghost can follow the patient's timing."""
+
+
 __all__ = [
     "PROTOCOL_VERSION",
     "AcknowledgeMessage",
+    "CameraCommand",
     "ErrorMessage",
     "EventMessage",
     "GoodbyeMessage",
@@ -123,6 +155,7 @@ __all__ = [
     "LayoutMessage",
     "LiveMessage",
     "PlayerCommand",
+    "PlayerState",
     "SensorHealth",
     "StateMessage",
 ]
