@@ -22,6 +22,8 @@ from app.edge import error_answers
 from app.edge.client import client_router
 from app.edge.documentation import router as documentation_router
 from app.edge.middleware import AccessLog, BodyLimit, SecurityHeaders
+from app.exercises.endpoints import router as exercises_router
+from app.patients.endpoints import router as patients_router
 from app.services import Services, services_of
 from app.settings import Settings
 
@@ -110,7 +112,13 @@ async def open_services(
 
 def all_routers() -> list[APIRouter]:
     """Return the routers of every room, in the order in which paths are matched."""
-    return [health_router, documentation_router, accounts_router]
+    return [
+        health_router,
+        documentation_router,
+        accounts_router,
+        patients_router,
+        exercises_router,
+    ]
 
 
 health_router = APIRouter(prefix="/api", tags=["service"])

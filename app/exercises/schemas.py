@@ -54,7 +54,7 @@ class TemplateContent(Schema):
     duration_s: float
     repetitions: list[RepetitionOut]
     curves: list[PhaseCurve]
-    movement_onset_phases: list[int] = []
+    movement_onset_phases: list[int] = Field(default_factory=list)
 
 
 class TemplatePreviewIn(Schema):
@@ -64,7 +64,7 @@ class TemplatePreviewIn(Schema):
     result_id: str | None = None
     dropped: list[int] | None = None
     """Numbers of the repetitions to leave out; None lets the service decide."""
-    tolerance_scale: dict[str, float] = {}
+    tolerance_scale: dict[str, float] = Field(default_factory=dict)
     """Factor on the band per channel, 1 when absent."""
 
 

@@ -1,0 +1,52 @@
+"""The audit trail for people: names instead of identifiers."""
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from app.accounts.models import Account, AuditEvent, DeviceToken
+from app.accounts.schemas import AuditOut
+
+
+def read_audit(session: Session, clinic_id: str, patient_id: str, limit: int) -> list[AuditOut]:
+    """Return the newest events about a patient; the caller has checked the right to the patient.
+
+    Parameters
+    ----------
+    session : Session
+    clinic_id : str
+    patient_id : str
+    limit : int
+    """
+    events = session.scalars(
+        select(AuditEvent)
+        .where(AuditEvent.clinic_id == clinic_id, AuditEvent.patient_id == patient_id)
+        .order_by(AuditEvent.number.desc())
+        .limit(limit)
+    ).all()
+    people = _people(session, {event.subject_id for event in events})
+    return [_out(event, people) for event in events]
+
+
+def _people(session: Session, ids: set[str]) -> dict[str, tuple[str, str]]:
+    """Return name and role by identifier."""
+    found = {"service": ("Telemotion", "system")}
+    accounts = select(Account.id, Account.display_name, Account.role).where(Account.id.in_(ids))
+    for account_id, name, role in session.execute(accounts):
+        found[account_id] = (name, role)
+    for token_id, label in session.execute(
+        select(DeviceToken.id, DeviceToken.label).where(DeviceToken.id.in_(ids))
+    ):
+        found[token_id] = (label, "device")
+    return found
+
+
+def _out(event: AuditEvent, people: dict[str, tuple[str, str]]) -> AuditOut:
+    who, role = people.get(event.subject_id, ("a former account", event.subject_kind))
+    return AuditOut(
+        at=event.at,
+        who=who,
+        role=role,
+        action=event.action,
+        resource_id=event.resource_id,
+        details=event.details,
+    )

@@ -1,0 +1,244 @@
+"""Exercises and prescriptions: every query, who may, and the audit event it leaves."""
+
+from datetime import datetime, timedelta
+
+from sqlalchemy import func, or_, select
+from sqlalchemy.orm import Session
+
+from app.accounts import audit
+from app.accounts.subject import Subject
+from app.database.base import new_id, utc_now
+from app.errors import InvalidInput, NotAllowed, NotFound
+from app.exercises.models import Exercise, Prescription, Template
+from app.exercises.schemas import ExerciseIn, PrescriptionIn
+from app.patients.access import require_patient
+from app.recordings.models import MotionSession
+from estimators.arm import MODEL_ANGLES
+
+NO_SUCH_PRESCRIPTION = "There is no such prescription, or you have no right to know."
+
+
+def list_exercises(session: Session, subject: Subject) -> list[Exercise]:
+    """Return the clinic's exercises by name; they are no patient data.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+    """
+    query = select(Exercise).where(Exercise.clinic_id == subject.clinic_id)
+    return list(session.scalars(query.order_by(Exercise.name, Exercise.id)))
+
+
+def get_exercise(session: Session, subject: Subject, exercise_id: str) -> Exercise:
+    """Return an exercise of the subject's clinic.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+    exercise_id : str
+
+    Raises
+    ------
+    NotFound
+        No such exercise in this clinic.
+    """
+    exercise = session.get(Exercise, exercise_id)
+    if exercise is None or exercise.clinic_id != subject.clinic_id:
+        raise NotFound("There is no such exercise in your clinic.")
+    return exercise
+
+
+def create_exercise(session: Session, subject: Subject, body: ExerciseIn) -> Exercise:
+    """Store a new exercise of the clinic.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+        A therapist or administrator.
+    body : ExerciseIn
+
+    Raises
+    ------
+    NotAllowed
+        Another role.
+    InvalidInput
+        The primary angle is not a joint angle of the exercise's side.
+    """
+    if subject.role not in {"therapist", "administrator", "system"}:
+        raise NotAllowed("Only therapists and administrators can create exercises.")
+    known = joint_angles(body.side)
+    if body.primary_angle not in known:
+        raise InvalidInput(
+            f"The primary angle is not a joint angle of the {body.side} side; take one of the list.",
+            field="primary_angle",
+            allowed=known,
+        )
+    exercise = Exercise(id=new_id(), clinic_id=subject.clinic_id, **body.model_dump())
+    session.add(exercise)
+    session.flush()
+    audit.record(session, subject, "exercise.create", None, exercise.id)
+    return exercise
+
+
+def joint_angles(side: str) -> list[str]:
+    """Return the names of the joint angles of one arm.
+
+    Parameters
+    ----------
+    side : {"left", "right"}
+    """
+    return [name for name in MODEL_ANGLES if f"_{side}_" in name]
+
+
+def list_prescriptions(
+    session: Session, subject: Subject, patient_id: str
+) -> list[tuple[Prescription, str, str | None, int]]:
+    """Return a patient's present and coming prescriptions, with exercise, template and sessions done this
+    week.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+        With the level `read`.
+    patient_id : str
+    """
+    require_patient(session, subject, patient_id, "read")
+    audit.record(session, subject, "prescription.list", patient_id)
+    now = utc_now()
+    rows = session.execute(
+        select(Prescription, Exercise.name, Template.name)
+        .join(Exercise, Exercise.id == Prescription.exercise_id)
+        .outerjoin(Template, Template.id == Prescription.template_id)
+        .where(
+            Prescription.patient_id == patient_id,
+            or_(Prescription.ends_at.is_(None), Prescription.ends_at > now),
+        )
+        .order_by(Prescription.starts_at, Prescription.id)
+    ).all()
+    done = _done_since(session, patient_id, week_start(now))
+    return [
+        (prescription, exercise, template, done.get(prescription.exercise_id, 0))
+        for prescription, exercise, template in rows
+    ]
+
+
+def create_prescription(
+    session: Session, subject: Subject, patient_id: str, body: PrescriptionIn
+) -> tuple[Prescription, str, str | None, int]:
+    """Prescribe an exercise.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+        With the level `treat`.
+    patient_id : str
+    body : PrescriptionIn
+
+    Raises
+    ------
+    InvalidInput
+        Exercise or template cannot be used for this patient, or the period is empty.
+    """
+    patient = require_patient(session, subject, patient_id, "treat")
+    exercise = session.get(Exercise, body.exercise_id)
+    if exercise is None or exercise.clinic_id != patient.clinic_id:
+        raise InvalidInput("There is no such exercise in this clinic.", field="exercise_id")
+    template = None
+    if body.template_id is not None:
+        template = session.get(Template, body.template_id)
+        if (
+            template is None
+            or template.clinic_id != patient.clinic_id
+            or template.exercise_id != exercise.id
+            or template.patient_id not in {None, patient_id}
+        ):
+            raise InvalidInput(
+                "There is no such template of this exercise for this patient.", field="template_id"
+            )
+    starts_at = _with_zone(body.starts_at, "starts_at") or utc_now()
+    ends_at = _with_zone(body.ends_at, "ends_at")
+    if ends_at is not None and ends_at <= starts_at:
+        raise InvalidInput("A prescription must end after it starts.", field="ends_at")
+    prescription = Prescription(
+        id=new_id(),
+        patient_id=patient_id,
+        exercise_id=exercise.id,
+        template_id=body.template_id,
+        repetitions=body.repetitions,
+        sets=body.sets,
+        times_per_week=body.times_per_week,
+        prescribed_by=subject.account_id or subject.id,
+        starts_at=starts_at,
+        ends_at=ends_at,
+    )
+    session.add(prescription)
+    session.flush()
+    audit.record(session, subject, "prescription.create", patient_id, prescription.id)
+    done = _done_since(session, patient_id, week_start(utc_now())).get(exercise.id, 0)
+    return prescription, exercise.name, template.name if template else None, done
+
+
+def end_prescription(session: Session, subject: Subject, prescription_id: str) -> None:
+    """End a prescription now; the sessions made for it stay.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+        With the level `treat` for its patient.
+    prescription_id : str
+
+    Raises
+    ------
+    NotFound
+        No such prescription, or no right to know of it.
+    """
+    prescription = session.get(Prescription, prescription_id)
+    if prescription is None:
+        raise NotFound(NO_SUCH_PRESCRIPTION)
+    try:
+        require_patient(session, subject, prescription.patient_id, "treat")
+    except NotFound:
+        raise NotFound(NO_SUCH_PRESCRIPTION) from None
+    now = utc_now()
+    if prescription.ends_at is None or prescription.ends_at > now:
+        prescription.starts_at = min(prescription.starts_at, now)
+        prescription.ends_at = now
+    audit.record(session, subject, "prescription.end", prescription.patient_id, prescription.id)
+
+
+def week_start(now: datetime) -> datetime:
+    """Return the last Monday, 00:00 UTC.
+
+    Parameters
+    ----------
+    now : datetime
+    """
+    return (now - timedelta(days=now.weekday())).replace(hour=0, minute=0, second=0, microsecond=0)
+
+
+def _done_since(session: Session, patient_id: str, start: datetime) -> dict[str, int]:
+    at = func.coalesce(MotionSession.started_at, MotionSession.created_at)
+    rows = session.execute(
+        select(MotionSession.exercise_id, func.count())
+        .where(
+            MotionSession.patient_id == patient_id,
+            MotionSession.purpose == "exercise",
+            MotionSession.exercise_id.is_not(None),
+            MotionSession.state.in_(("closing", "analysed")),
+            at >= start,
+        )
+        .group_by(MotionSession.exercise_id)
+    )
+    return {exercise_id: count for exercise_id, count in rows if exercise_id is not None}
+
+
+def _with_zone(value: datetime | None, field: str) -> datetime | None:
+    if value is not None and value.tzinfo is None:
+        raise InvalidInput("A time needs its zone, e.g. 2030-01-31T12:00:00Z.", field=field)
+    return value

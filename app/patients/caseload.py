@@ -1,0 +1,266 @@
+"""The caseload: one line a patient, with at most one reason to look, sorted by it.
+
+Reasons, the most urgent first: `live` (streaming now), `declining` (the main measure fell by more than the
+minimal detectable change), `not_practising`, `bad_data` (the last session failed or lost more than a tenth of
+its packets), `no_template`.
+"""
+
+from collections import defaultdict
+from dataclasses import dataclass, field
+from datetime import datetime, timedelta
+from typing import Literal
+
+from sqlalchemy import func, or_, select
+from sqlalchemy.orm import Session
+
+from app.accounts.subject import Subject
+from app.database.base import utc_now
+from app.exercises.models import Exercise, Prescription, TemplateVersion
+from app.patients.access import visible_patients
+from app.patients.measures import SessionValue, by_patient, change, pooled_spread, session_values
+from app.patients.models import Patient
+from app.patients.progress import band, dose, main_measure
+from app.patients.repository import note_once_an_hour
+from app.patients.schemas import CaseloadRow
+from app.recordings.models import MotionSession
+from estimators.comparison import measure_label
+
+Reason = Literal["live", "declining", "not_practising", "bad_data", "no_template", ""]
+ORDER: tuple[Reason, ...] = ("live", "declining", "not_practising", "bad_data", "no_template", "")
+
+LIVE_STATES = ("calibrating", "ready", "recording", "link_lost")
+ADHERENCE_WINDOW = timedelta(days=28)
+QUIET = timedelta(days=7)
+"""Without a session for this long, somebody with a prescription is not practising; rarer prescriptions get
+longer."""
+LOSS_LIMIT = 0.10
+TREND_LENGTH = 10
+_WHEN = func.coalesce(MotionSession.started_at, MotionSession.created_at)
+
+
+@dataclass
+class _Sessions:
+    """What a line needs to know about a patient's sessions."""
+
+    last: MotionSession | None = None
+    live_id: str | None = None
+    practised: list[tuple[datetime, str | None]] = field(default_factory=list)
+
+
+def caseload(session: Session, subject: Subject) -> list[CaseloadRow]:
+    """Return the lines of every patient in reach.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+    """
+    now = utc_now()
+    patients = list(session.scalars(visible_patients(subject).where(Patient.archived_at.is_(None))))
+    ids = [patient.id for patient in patients]
+    note_once_an_hour(session, subject, "caseload.read", ids)
+    prescriptions = _prescriptions(session, ids, now)
+    sessions = _sessions(session, ids, now)
+    with_version = set(session.scalars(select(TemplateVersion.template_id).distinct()))
+    mains = _main_exercises(session, ids, prescriptions, sessions)
+    values = by_patient(
+        session_values(session, ids, measures=sorted({main_measure(e) for e in mains.values()}))
+    )
+    rows = []
+    for patient in patients:
+        exercise = mains.get(patient.id)
+        own = [
+            value
+            for value in values.get(patient.id, [])
+            if exercise is not None
+            and value.exercise_id == exercise.id
+            and value.measure == main_measure(exercise)
+        ]
+        rows.append(
+            _row(patient, prescriptions[patient.id], sessions[patient.id], own, exercise, with_version, now)
+        )
+    return sorted(rows, key=lambda row: (ORDER.index(row.reason), row.family_name, row.given_name))
+
+
+def adherence(
+    prescriptions: list[Prescription], practised: list[tuple[datetime, str | None]], now: datetime
+) -> float | None:
+    """Return sessions done in percent of sessions prescribed, over the last four weeks; None before the first
+    is due.
+
+    Parameters
+    ----------
+    prescriptions : list of Prescription
+    practised : list of (time, exercise)
+    now : datetime
+
+    Notes
+    -----
+    More than prescribed in one exercise does not make up for none in another: each counts at most in full.
+    """
+    expected_total, done_total = 0.0, 0.0
+    for prescription in prescriptions:
+        start = max(prescription.starts_at, now - ADHERENCE_WINDOW)
+        end = min(prescription.ends_at or now, now)
+        expected = prescription.times_per_week * max(0.0, (end - start) / timedelta(weeks=1))
+        done = sum(
+            1 for at, exercise in practised if exercise == prescription.exercise_id and start <= at <= end
+        )
+        expected_total += expected
+        done_total += min(float(done), expected)
+    return round(100.0 * done_total / expected_total, 1) if expected_total >= 1.0 else None
+
+
+def _row(
+    patient: Patient,
+    prescriptions: list[tuple[Prescription, Exercise]],
+    sessions: _Sessions,
+    values: list[SessionValue],
+    exercise: Exercise | None,
+    with_version: set[str],
+    now: datetime,
+) -> CaseloadRow:
+    reason, text = _reason([p for p, _ in prescriptions], sessions, values, with_version, now)
+    shown = values[-TREND_LENGTH:]
+    pooled = pooled_spread(values)
+    bands = [band(value, pooled) for value in shown]
+    last = sessions.last
+    return CaseloadRow(
+        patient_id=patient.id,
+        given_name=patient.given_name,
+        family_name=patient.family_name,
+        affected_side=patient.affected_side,
+        due="; ".join(f"{named.name}: {dose(p)}" for p, named in prescriptions),
+        last_session_at=(last.started_at or last.created_at) if last else None,
+        live_session_id=sessions.live_id,
+        main_measure=measure_label(main_measure(exercise)) if exercise and values else None,
+        main_unit=values[-1].unit if values else None,
+        trend=[value.mean for value in shown],
+        trend_low=[low for low, _ in bands],
+        trend_high=[high for _, high in bands],
+        adherence_percent=adherence([p for p, _ in prescriptions], sessions.practised, now),
+        reason=reason,
+        reason_text=text,
+    )
+
+
+def _reason(
+    prescriptions: list[Prescription],
+    sessions: _Sessions,
+    values: list[SessionValue],
+    with_version: set[str],
+    now: datetime,
+) -> tuple[Reason, str]:
+    if sessions.live_id is not None:
+        return "live", "Streaming now."
+    # The last six sessions: three against the three before them.
+    moved = change(values[-6:])
+    if moved.is_real and moved.difference is not None and moved.difference < 0.0:
+        return "declining", "The range fell by more than chance between repetitions."
+    quiet = _quiet_for(prescriptions, sessions, now)
+    if quiet is not None:
+        return "not_practising", f"No session for {quiet.days} days."
+    text = _bad_data(sessions.last)
+    if text:
+        return "bad_data", text
+    if any(p.template_id is None or p.template_id not in with_version for p in prescriptions):
+        return "no_template", "An exercise is prescribed without a template to compare with."
+    return "", ""
+
+
+def _quiet_for(prescriptions: list[Prescription], sessions: _Sessions, now: datetime) -> timedelta | None:
+    if not prescriptions:
+        return None
+    often = max(prescription.times_per_week for prescription in prescriptions)
+    allowed = max(QUIET, 2 * timedelta(weeks=1) / often)
+    begun = min(prescription.starts_at for prescription in prescriptions)
+    last = max([at for at, _ in sessions.practised], default=begun)
+    quiet = now - max(last, begun)
+    return quiet if quiet > allowed else None
+
+
+def _bad_data(last: MotionSession | None) -> str:
+    if last is None:
+        return ""
+    if last.state == "failed":
+        return "The last session failed."
+    total = last.packets_stored + last.packets_missing
+    if total and last.packets_missing / total > LOSS_LIMIT:
+        return f"The last session lost {100 * last.packets_missing / total:.0f} percent of its packets."
+    return ""
+
+
+def _prescriptions(
+    session: Session, ids: list[str], now: datetime
+) -> dict[str, list[tuple[Prescription, Exercise]]]:
+    found: dict[str, list[tuple[Prescription, Exercise]]] = defaultdict(list)
+    rows = session.execute(
+        select(Prescription, Exercise)
+        .join(Exercise, Exercise.id == Prescription.exercise_id)
+        .where(
+            Prescription.patient_id.in_(ids),
+            Prescription.starts_at <= now,
+            or_(Prescription.ends_at.is_(None), Prescription.ends_at > now),
+        )
+        .order_by(Prescription.starts_at, Prescription.id)
+    )
+    for prescription, exercise in rows:
+        found[prescription.patient_id].append((prescription, exercise))
+    return found
+
+
+def _sessions(session: Session, ids: list[str], now: datetime) -> dict[str, _Sessions]:
+    found: dict[str, _Sessions] = defaultdict(_Sessions)
+    ranked = (
+        select(
+            MotionSession.id,
+            func.row_number()
+            .over(partition_by=MotionSession.patient_id, order_by=_WHEN.desc())
+            .label("rank"),
+        )
+        .where(
+            MotionSession.patient_id.in_(ids),
+            MotionSession.purpose == "exercise",
+            MotionSession.state != "created",
+        )
+        .subquery()
+    )
+    last = select(MotionSession).join(ranked, (ranked.c.id == MotionSession.id) & (ranked.c.rank == 1))
+    for row in session.scalars(last):
+        found[row.patient_id].last = row
+    live = select(MotionSession.patient_id, MotionSession.id).where(
+        MotionSession.patient_id.in_(ids), MotionSession.state.in_(LIVE_STATES)
+    )
+    for patient_id, session_id in session.execute(live.order_by(MotionSession.created_at)):
+        found[patient_id].live_id = session_id
+    practised = select(
+        MotionSession.patient_id,
+        MotionSession.started_at,
+        MotionSession.created_at,
+        MotionSession.exercise_id,
+    ).where(
+        MotionSession.patient_id.in_(ids),
+        MotionSession.purpose == "exercise",
+        MotionSession.state.in_(("closing", "analysed")),
+        now - 4 * ADHERENCE_WINDOW <= _WHEN,
+    )
+    for patient_id, started_at, created_at, exercise_id in session.execute(practised):
+        found[patient_id].practised.append((started_at or created_at, exercise_id))
+    return found
+
+
+def _main_exercises(
+    session: Session,
+    ids: list[str],
+    prescriptions: dict[str, list[tuple[Prescription, Exercise]]],
+    sessions: dict[str, _Sessions],
+) -> dict[str, Exercise]:
+    """Return the exercise of each patient's trend: the first prescribed, else the one practised last."""
+    found = {patient_id: rows[0][1] for patient_id, rows in prescriptions.items() if rows}
+    for patient_id in ids:
+        last = sessions[patient_id].last
+        if patient_id not in found and last is not None and last.exercise_id is not None:
+            exercise = session.get(Exercise, last.exercise_id)
+            if exercise is not None:
+                found[patient_id] = exercise
+    return found

@@ -1,0 +1,134 @@
+"""Patients, the caseload, progress, grants, device tokens, consents and the audit trail.
+
+Errors of every route: `not_found` for a patient out of reach (existing or not), `not_allowed` when the right
+does not cover the request, `invalid_input` with the fields.
+"""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Request
+
+from app.accounts.dependencies import CurrentAccount
+from app.accounts.schemas import (
+    AuditOut,
+    ConsentIn,
+    ConsentOut,
+    DeviceTokenIn,
+    DeviceTokenOut,
+    GrantIn,
+    GrantOut,
+)
+from app.database.dependencies import ReadSession, WriteSession
+from app.patients import service
+from app.patients.caseload import caseload
+from app.patients.progress import progress
+from app.patients.repository import revoke_grant
+from app.patients.schemas import CaseloadRow, PatientIn, PatientOut, PatientPatch, Progress
+from app.services import services_of
+
+router = APIRouter(prefix="/api", tags=["patients"])
+
+
+@router.get("/caseload")
+def read_caseload(subject: CurrentAccount, session: ReadSession) -> list[CaseloadRow]:
+    """Return one line per patient in reach, those with a reason to look first."""
+    return caseload(session, subject)
+
+
+@router.get("/patients")
+def list_patients(subject: CurrentAccount, session: ReadSession) -> list[PatientOut]:
+    """Return the patients in reach; a patient gets the own record only."""
+    return service.list_patients(session, subject)
+
+
+@router.post("/patients", status_code=201)
+def create_patient(body: PatientIn, subject: CurrentAccount, session: WriteSession) -> PatientOut:
+    """Create a patient; the therapist who does gets the right to treat."""
+    return service.create_patient(session, subject, body)
+
+
+@router.get("/patients/{patient_id}")
+def read_patient(patient_id: str, subject: CurrentAccount, session: ReadSession) -> PatientOut:
+    """Return a patient."""
+    return service.get_patient(session, subject, patient_id)
+
+
+@router.patch("/patients/{patient_id}")
+def update_patient(
+    patient_id: str, body: PatientPatch, subject: CurrentAccount, session: WriteSession
+) -> PatientOut:
+    """Change the fields that the body names."""
+    return service.update_patient(session, subject, patient_id, body)
+
+
+@router.get("/patients/{patient_id}/progress")
+def read_progress(
+    patient_id: str, subject: CurrentAccount, session: ReadSession, exercise_id: str | None = None
+) -> Progress:
+    """Return progress in one exercise; without `exercise_id` in the one practised last."""
+    return progress(session, subject, patient_id, exercise_id)
+
+
+@router.get("/patients/{patient_id}/grants")
+def list_grants(patient_id: str, subject: CurrentAccount, session: ReadSession) -> list[GrantOut]:
+    """Return who may see this patient's data."""
+    return service.list_grants(session, subject, patient_id)
+
+
+@router.post("/patients/{patient_id}/grants", status_code=201)
+def create_grant(patient_id: str, body: GrantIn, subject: CurrentAccount, session: WriteSession) -> GrantOut:
+    """Give a colleague a right to this patient; an earlier one of the same colleague ends."""
+    return service.create_grant(session, subject, patient_id, body)
+
+
+@router.delete("/grants/{grant_id}", status_code=204)
+def delete_grant(grant_id: str, subject: CurrentAccount, session: WriteSession) -> None:
+    """End a right now."""
+    revoke_grant(session, subject, grant_id)
+
+
+@router.get("/patients/{patient_id}/audit")
+def read_audit(
+    patient_id: str,
+    subject: CurrentAccount,
+    session: ReadSession,
+    limit: Annotated[int, Query(ge=1, le=1000)] = 200,
+) -> list[AuditOut]:
+    """Return who did what with this patient's data, newest first."""
+    return service.patient_audit(session, subject, patient_id, limit)
+
+
+@router.get("/patients/{patient_id}/device-tokens")
+def list_device_tokens(
+    patient_id: str, subject: CurrentAccount, session: ReadSession
+) -> list[DeviceTokenOut]:
+    """Return this patient's device tokens, without their secrets."""
+    return service.device_tokens(session, subject, patient_id)
+
+
+@router.post("/patients/{patient_id}/device-tokens", status_code=201)
+def create_device_token(
+    patient_id: str, body: DeviceTokenIn, subject: CurrentAccount, request: Request, session: WriteSession
+) -> DeviceTokenOut:
+    """Make a device token; the answer is the only one that holds it."""
+    return service.add_device_token(session, services_of(request).settings, subject, patient_id, body)
+
+
+@router.delete("/device-tokens/{token_id}", status_code=204)
+def delete_device_token(token_id: str, subject: CurrentAccount, session: WriteSession) -> None:
+    """Revoke a device token now."""
+    service.revoke_device_token(session, subject, token_id)
+
+
+@router.get("/patients/{patient_id}/consents")
+def read_consents(patient_id: str, subject: CurrentAccount, session: ReadSession) -> list[ConsentOut]:
+    """Return what the patient agreed to; a purpose that is absent was never asked."""
+    return service.consents(session, subject, patient_id)
+
+
+@router.put("/patients/{patient_id}/consents")
+def write_consent(
+    patient_id: str, body: ConsentIn, subject: CurrentAccount, session: WriteSession
+) -> list[ConsentOut]:
+    """Store the patient's answer for one purpose."""
+    return service.put_consent(session, subject, patient_id, body)

@@ -1,0 +1,226 @@
+"""Measured values over sessions: the queries behind progress and the caseload, and the statistics of change.
+
+One session gives one value per measure: the mean over its kept repetitions, from the newest comparison of the
+session's main result. Their spread is the standard deviation between repetitions.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from itertools import groupby
+
+from sqlalchemy import ColumnElement, func, select
+from sqlalchemy.orm import Session
+
+from app.assessment.models import Comparison, RepetitionMeasure
+from app.recordings.models import MotionSession, Result
+
+
+@dataclass(frozen=True)
+class SessionValue:
+    """One measure of one session.
+
+    Attributes
+    ----------
+    mean : float
+        Over the repetitions, in the unit of the measure.
+    spread : float or None
+        Standard deviation between repetitions; None for a single one.
+    count : int
+        Repetitions.
+    """
+
+    patient_id: str
+    exercise_id: str | None
+    session_id: str
+    at: datetime
+    measure: str
+    unit: str
+    mean: float
+    spread: float | None
+    count: int
+    orientation: str
+    orientation_version: str
+    pipeline_version: str
+    template_version_id: str
+
+
+@dataclass(frozen=True)
+class Change:
+    """How a measure moved, and whether that is more than chance between repetitions.
+
+    Attributes
+    ----------
+    difference : float or None
+        Mean of the later sessions minus mean of the earlier ones; None with fewer than two sessions.
+    minimal_detectable : float or None
+        Smallest difference that is unlikely to be chance; None where no session has two repetitions.
+    """
+
+    difference: float | None
+    minimal_detectable: float | None
+
+    @property
+    def is_real(self) -> bool | None:
+        """Whether the difference is larger than the minimal detectable one; None when that is unknown."""
+        if self.difference is None or self.minimal_detectable is None:
+            return None
+        return abs(self.difference) > self.minimal_detectable
+
+
+def session_values(
+    session: Session,
+    patient_ids: Sequence[str],
+    exercise_id: str | None = None,
+    measures: Sequence[str] | None = None,
+) -> list[SessionValue]:
+    """Return every session's values, oldest first within each patient; access was checked.
+
+    Parameters
+    ----------
+    session : Session
+    patient_ids : sequence of str
+    exercise_id : str, optional
+        Only sessions of this exercise.
+    measures : sequence of str, optional
+        Only these; all when absent.
+    """
+    conditions: list[ColumnElement[bool]] = [
+        MotionSession.patient_id.in_(patient_ids),
+        MotionSession.purpose == "exercise",
+    ]
+    if exercise_id is not None:
+        conditions.append(MotionSession.exercise_id == exercise_id)
+    if measures is not None:
+        conditions.append(RepetitionMeasure.measure.in_(measures))
+    newest = (
+        select(
+            Comparison.id,
+            func.row_number()
+            .over(
+                partition_by=Comparison.session_id,
+                order_by=(
+                    (Comparison.result_id == MotionSession.main_result_id).desc(),
+                    Comparison.created_at.desc(),
+                    Comparison.id,
+                ),
+            )
+            .label("rank"),
+        )
+        .join(MotionSession, MotionSession.id == Comparison.session_id)
+        .where(MotionSession.patient_id.in_(patient_ids))
+        .subquery()
+    )
+    at = func.coalesce(MotionSession.started_at, MotionSession.created_at)
+    rows = session.execute(
+        select(
+            MotionSession.patient_id,
+            MotionSession.exercise_id,
+            MotionSession.id.label("session_id"),
+            MotionSession.started_at,
+            MotionSession.created_at,
+            RepetitionMeasure.measure,
+            func.min(RepetitionMeasure.unit).label("unit"),
+            func.avg(RepetitionMeasure.value).label("mean"),
+            func.avg(RepetitionMeasure.value * RepetitionMeasure.value).label("mean_square"),
+            func.count().label("count"),
+            Result.orientation,
+            Result.orientation_version,
+            Result.pipeline_version,
+            Comparison.template_version_id,
+        )
+        .join(newest, (newest.c.id == RepetitionMeasure.comparison_id) & (newest.c.rank == 1))
+        .join(Comparison, Comparison.id == RepetitionMeasure.comparison_id)
+        .join(Result, Result.id == Comparison.result_id)
+        .join(MotionSession, MotionSession.id == Comparison.session_id)
+        .where(*conditions)
+        .group_by(MotionSession.id, RepetitionMeasure.measure, Result.id, Comparison.id)
+        .order_by(MotionSession.patient_id, at, MotionSession.id, RepetitionMeasure.measure)
+    )
+    return [
+        SessionValue(
+            patient_id=row.patient_id,
+            exercise_id=row.exercise_id,
+            session_id=row.session_id,
+            at=row.started_at or row.created_at,
+            measure=row.measure,
+            unit=row.unit,
+            mean=row.mean,
+            spread=_spread(row.mean, row.mean_square, row[9]),
+            count=row[9],
+            orientation=row.orientation,
+            orientation_version=row.orientation_version,
+            pipeline_version=row.pipeline_version,
+            template_version_id=row.template_version_id,
+        )
+        for row in rows
+    ]
+
+
+def by_patient(values: Sequence[SessionValue]) -> dict[str, list[SessionValue]]:
+    """Return values grouped by patient, in their order.
+
+    Parameters
+    ----------
+    values : sequence of SessionValue
+        From `session_values`.
+    """
+    return {patient: list(found) for patient, found in groupby(values, key=lambda value: value.patient_id)}
+
+
+def pooled_spread(values: Sequence[SessionValue]) -> float | None:
+    """Return the standard deviation between repetitions, pooled over sessions by their degrees of freedom.
+
+    Parameters
+    ----------
+    values : sequence of SessionValue
+        Of one measure.
+    """
+    known = [(value.spread, value.count) for value in values if value.spread is not None]
+    freedom = sum(count - 1 for _, count in known)
+    if not freedom:
+        return None
+    return math.sqrt(sum(spread**2 * (count - 1) for spread, count in known) / freedom)
+
+
+def minimal_detectable_change(values: Sequence[SessionValue]) -> float | None:
+    """Return 1.96 sqrt(2) SEM, the 95 percent limit of the difference of two measurements without true
+    change.
+
+    Parameters
+    ----------
+    values : sequence of SessionValue
+        Of one measure.
+
+    Notes
+    -----
+    The standard error of measurement (SEM) is taken as the pooled standard deviation between repetitions of a
+    session. It is not divided by the root of their number: repetitions of one day resemble each other more
+    than sessions do, so the smaller number would call chance a change. Formula as in Haley and
+    Fragala-Pinkham (2006), Physical Therapy 86(5), 735-743.
+    """
+    error_of_measurement = pooled_spread(values)
+    return None if error_of_measurement is None else 1.96 * math.sqrt(2.0) * error_of_measurement
+
+
+def change(values: Sequence[SessionValue]) -> Change:
+    """Compare the last sessions with the first: three against three, fewer where there are not six.
+
+    Parameters
+    ----------
+    values : sequence of SessionValue
+        Of one measure, oldest first.
+    """
+    taken = min(3, len(values) // 2)
+    if not taken:
+        return Change(None, minimal_detectable_change(values))
+    first = sum(value.mean for value in values[:taken]) / taken
+    last = sum(value.mean for value in values[-taken:]) / taken
+    return Change(last - first, minimal_detectable_change(values))
+
+
+def _spread(mean: float, mean_square: float, count: int) -> float | None:
+    if count < 2:
+        return None
+    return math.sqrt(max(0.0, mean_square - mean * mean) * count / (count - 1))

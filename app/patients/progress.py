@@ -1,0 +1,161 @@
+"""A patient's progress in one exercise: values over sessions, change against chance, and what else changed
+meanwhile.
+"""
+
+from itertools import pairwise
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from app.accounts import audit
+from app.accounts.subject import Subject
+from app.errors import NotFound
+from app.exercises.models import Exercise, Prescription, Template, TemplateVersion
+from app.patients.access import require_patient
+from app.patients.measures import SessionValue, change, pooled_spread, session_values
+from app.patients.schemas import Progress, ProgressEvent, ProgressMeasure, ProgressPoint
+from estimators.comparison import measure_label
+
+
+def progress(session: Session, subject: Subject, patient_id: str, exercise_id: str | None) -> Progress:
+    """Return a patient's progress.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+        With the level `read`.
+    patient_id : str
+    exercise_id : str, optional
+        The exercise practised last when absent: values of different exercises do not belong on one axis.
+
+    Raises
+    ------
+    NotFound
+        No such patient or exercise in reach.
+    """
+    patient = require_patient(session, subject, patient_id, "read")
+    audit.record(session, subject, "progress.read", patient_id, exercise_id)
+    if exercise_id is not None:
+        exercise = session.get(Exercise, exercise_id)
+        if exercise is None or exercise.clinic_id != patient.clinic_id:
+            raise NotFound("There is no such exercise in this clinic.")
+    values = session_values(session, [patient_id], exercise_id)
+    if exercise_id is None and values:
+        exercise_id = values[-1].exercise_id
+        values = [value for value in values if value.exercise_id == exercise_id]
+    exercise = session.get(Exercise, exercise_id) if exercise_id else None
+    first = main_measure(exercise) if exercise else ""
+    measures = sorted({value.measure for value in values}, key=lambda name: (name != first, name))
+    return Progress(
+        exercise_id=exercise_id,
+        measures=[_measure([v for v in values if v.measure == name]) for name in measures],
+        events=_events(session, patient_id, exercise_id, values),
+    )
+
+
+def main_measure(exercise: Exercise) -> str:
+    """Return the key of an exercise's main measure: the range of its primary angle.
+
+    Parameters
+    ----------
+    exercise : Exercise
+    """
+    return f"range:{exercise.primary_angle}"
+
+
+def _measure(values: list[SessionValue]) -> ProgressMeasure:
+    moved = change(values)
+    pooled = pooled_spread(values)
+    return ProgressMeasure(
+        measure=values[0].measure,
+        label=measure_label(values[0].measure),
+        unit=values[0].unit,
+        points=[_point(value, pooled) for value in values],
+        change=moved.difference,
+        minimal_detectable_change=moved.minimal_detectable,
+        is_real_change=moved.is_real,
+    )
+
+
+def _point(value: SessionValue, pooled: float | None) -> ProgressPoint:
+    low, high = band(value, pooled)
+    return ProgressPoint(
+        session_id=value.session_id,
+        at=value.at,
+        value=value.mean,
+        low=low,
+        high=high,
+        count=value.count,
+        orientation=f"{value.orientation} {value.orientation_version}",
+        template_version_id=value.template_version_id,
+    )
+
+
+def band(value: SessionValue, pooled: float | None) -> tuple[float, float]:
+    """Return value plus and minus one standard deviation between repetitions.
+
+    Parameters
+    ----------
+    value : SessionValue
+    pooled : float or None
+        Stands in for a session with a single repetition.
+    """
+    spread = value.spread if value.spread is not None else pooled or 0.0
+    return value.mean - spread, value.mean + spread
+
+
+def _events(
+    session: Session, patient_id: str, exercise_id: str | None, values: list[SessionValue]
+) -> list[ProgressEvent]:
+    if exercise_id is None:
+        return []
+    events = _estimator_events(values)
+    used = {value.template_version_id for value in values}
+    versions = session.execute(
+        select(TemplateVersion.id, TemplateVersion.created_at, TemplateVersion.number, Template)
+        .join(Template, Template.id == TemplateVersion.template_id)
+        .where(Template.exercise_id == exercise_id, TemplateVersion.is_published)
+    )
+    for version_id, at, number, template in versions:
+        if template.patient_id == patient_id or (template.patient_id is None and version_id in used):
+            text = f"Template {template.name}, version {number}"
+            events.append(ProgressEvent(at=at, kind="template", text=text))
+    prescriptions = session.scalars(
+        select(Prescription).where(
+            Prescription.patient_id == patient_id, Prescription.exercise_id == exercise_id
+        )
+    )
+    for prescription in prescriptions:
+        text = f"Prescribed: {dose(prescription)}"
+        events.append(ProgressEvent(at=prescription.starts_at, kind="prescription", text=text))
+    return sorted(events, key=lambda event: event.at)
+
+
+def _estimator_events(values: list[SessionValue]) -> list[ProgressEvent]:
+    """Mark the sessions from which on another estimator made the numbers."""
+    sessions = {value.session_id: value for value in values}
+    events = []
+    for before, after in pairwise(sessions.values()):
+        old = (before.orientation, before.orientation_version, before.pipeline_version)
+        new = (after.orientation, after.orientation_version, after.pipeline_version)
+        if old != new:
+            text = f"Estimator {new[0]} {new[1]}, pipeline {new[2]}"
+            events.append(ProgressEvent(at=after.at, kind="estimator", text=text))
+    return events
+
+
+def dose(prescription: Prescription) -> str:
+    """Return a prescription's dose in a few words.
+
+    Parameters
+    ----------
+    prescription : Prescription
+    """
+    amount = f"{prescription.repetitions} repetitions"
+    if prescription.sets > 1:
+        amount = f"{prescription.sets} sets of {amount}"
+    often = (
+        "once a week" if prescription.times_per_week == 1 else f"{prescription.times_per_week} times a week"
+    )
+    return f"{amount}, {often}"

@@ -1,0 +1,290 @@
+"""Patients, grants and mountings: every query, who may, and the audit event it leaves."""
+
+from datetime import datetime, timedelta
+from typing import Any
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from app.accounts import audit
+from app.accounts.models import Account, AuditEvent
+from app.accounts.subject import Subject
+from app.database.base import new_id, utc_now
+from app.errors import InvalidInput, NotAllowed, NotFound
+from app.patients.access import Level, is_in_force, levels, require_patient, visible_patients
+from app.patients.models import Grant, Mounting, Patient
+
+NO_SUCH_GRANT = "There is no such grant, or you have no right to know."
+
+
+def get_patient(
+    session: Session, subject: Subject, patient_id: str, level: Level = "read", action: str = "patient.read"
+) -> Patient:
+    """Return a patient and note `action`.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+    patient_id : str
+    level : str
+        See `app.patients.access`.
+    action : str
+        For the audit trail.
+    """
+    patient = require_patient(session, subject, patient_id, level)
+    audit.record(session, subject, action, patient_id, patient_id)
+    return patient
+
+
+def list_patients(session: Session, subject: Subject) -> list[Patient]:
+    """Return every patient whose data the subject may read, by name; archived ones last.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+    """
+    query = visible_patients(subject).order_by(
+        Patient.archived_at.is_not(None), Patient.family_name, Patient.given_name, Patient.id
+    )
+    patients = list(session.scalars(query))
+    note_once_an_hour(session, subject, "patient.list", [patient.id for patient in patients])
+    return patients
+
+
+def note_once_an_hour(session: Session, subject: Subject, action: str, patient_ids: list[str]) -> None:
+    """Audit a list for each patient in it, but not again within an hour: pages refresh lists by themselves.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+    action : str
+    patient_ids : list of str
+    """
+    recent = set(
+        session.scalars(
+            select(AuditEvent.patient_id).where(
+                AuditEvent.clinic_id == subject.clinic_id,
+                AuditEvent.subject_id == subject.id,
+                AuditEvent.action == action,
+                AuditEvent.patient_id.in_(patient_ids),
+                AuditEvent.at > utc_now() - timedelta(hours=1),
+            )
+        )
+    )
+    for patient_id in patient_ids:
+        if patient_id not in recent:
+            audit.record(session, subject, action, patient_id)
+
+
+def create_patient(session: Session, subject: Subject, fields: dict[str, Any]) -> Patient:
+    """Store a new patient; a therapist who makes one gets the grant `treat`.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+        A therapist or administrator.
+    fields : dict
+        Columns of `Patient`.
+
+    Raises
+    ------
+    NotAllowed
+        Another role.
+    """
+    if subject.role not in {"therapist", "administrator"}:
+        raise NotAllowed("Only therapists and administrators can create patients.")
+    patient = Patient(id=new_id(), clinic_id=subject.clinic_id, **fields)
+    session.add(patient)
+    session.flush()
+    audit.record(session, subject, "patient.create", patient.id, patient.id)
+    if subject.role == "therapist" and subject.account_id is not None:
+        _add_grant(session, subject, patient.id, subject.account_id, "treat", None)
+    return patient
+
+
+def update_patient(session: Session, subject: Subject, patient_id: str, fields: dict[str, Any]) -> Patient:
+    """Change fields of a patient.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+        With the level `manage`.
+    patient_id : str
+    fields : dict
+        Only what changes; the audit trail names the fields, not their values.
+    """
+    patient = require_patient(session, subject, patient_id, "manage")
+    for name, value in fields.items():
+        setattr(patient, name, value)
+    audit.record(session, subject, "patient.update", patient_id, patient_id, {"fields": sorted(fields)})
+    session.flush()
+    return patient
+
+
+def may_treat(session: Session, subject: Subject, patient: Patient) -> bool:
+    """Return whether the subject may record templates and prescribe for a patient it can see.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+    patient : Patient
+    """
+    return "treat" in levels(session, subject, patient)
+
+
+def mounted_patients(session: Session, patient_ids: list[str]) -> set[str]:
+    """Return which of the patients have a remembered calibration.
+
+    Parameters
+    ----------
+    session : Session
+    patient_ids : list of str
+        Access was checked.
+    """
+    return set(session.scalars(select(Mounting.patient_id).where(Mounting.patient_id.in_(patient_ids))))
+
+
+def treated_patients(session: Session, subject: Subject, patient_ids: list[str]) -> set[str]:
+    """Return which of the patients the subject may treat.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+    patient_ids : list of str
+        Access was checked.
+    """
+    if subject.role == "system":
+        return set(patient_ids)
+    if subject.kind != "account" or subject.role == "patient":
+        return set()
+    query = select(Grant.patient_id).where(
+        Grant.patient_id.in_(patient_ids),
+        Grant.account_id == subject.account_id,
+        Grant.level == "treat",
+        is_in_force(),
+    )
+    return set(session.scalars(query))
+
+
+def list_grants(session: Session, subject: Subject, patient_id: str) -> list[tuple[Grant, str]]:
+    """Return the grants in force for a patient with the name of who holds them.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+        With the level `read`: patients see who may look.
+    patient_id : str
+    """
+    require_patient(session, subject, patient_id, "read")
+    audit.record(session, subject, "grant.list", patient_id)
+    rows = session.execute(
+        select(Grant, Account.display_name)
+        .join(Account, Account.id == Grant.account_id)
+        .where(Grant.patient_id == patient_id, is_in_force())
+        .order_by(Account.display_name, Grant.created_at)
+    )
+    return [(grant, name) for grant, name in rows]
+
+
+def create_grant(
+    session: Session,
+    subject: Subject,
+    patient_id: str,
+    account_id: str,
+    level: str,
+    expires_at: datetime | None,
+) -> tuple[Grant, str]:
+    """Give a colleague a right to a patient; one that the colleague had is replaced.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+        With the level `manage`.
+    patient_id, account_id : str
+        Of the same clinic.
+    level : {"read", "treat"}
+    expires_at : datetime, optional
+
+    Raises
+    ------
+    InvalidInput
+        The account is not an active therapist, administrator or integrator of the clinic, or the end is in
+        the past.
+    """
+    require_patient(session, subject, patient_id, "manage")
+    account = session.get(Account, account_id)
+    if account is None or account.clinic_id != subject.clinic_id or not account.is_active:
+        raise InvalidInput("There is no such active account in this clinic.", field="account_id")
+    if account.role == "patient":
+        raise InvalidInput("Patients see their own data without a grant.", field="account_id")
+    if expires_at is not None and expires_at <= utc_now():
+        raise InvalidInput("The end of a grant must be in the future.", field="expires_at")
+    held = session.scalars(
+        select(Grant).where(Grant.patient_id == patient_id, Grant.account_id == account_id, is_in_force())
+    )
+    for old in held:
+        old.revoked_at = utc_now()
+    return _add_grant(session, subject, patient_id, account_id, level, expires_at), account.display_name
+
+
+def revoke_grant(session: Session, subject: Subject, grant_id: str) -> Grant:
+    """End a grant now.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+        With the level `manage` for the patient, or the holder giving the right back.
+    grant_id : str
+
+    Raises
+    ------
+    NotFound
+        No such grant, no right to know of it, or it has ended already.
+    """
+    grant = session.get(Grant, grant_id)
+    if grant is None or grant.revoked_at is not None:
+        raise NotFound(NO_SUCH_GRANT)
+    level: Level = "read" if grant.account_id == subject.account_id else "manage"
+    try:
+        require_patient(session, subject, grant.patient_id, level)
+    except NotFound:
+        raise NotFound(NO_SUCH_GRANT) from None
+    grant.revoked_at = utc_now()
+    audit.record(
+        session, subject, "grant.revoke", grant.patient_id, grant.id, {"account_id": grant.account_id}
+    )
+    return grant
+
+
+def _add_grant(
+    session: Session,
+    subject: Subject,
+    patient_id: str,
+    account_id: str,
+    level: str,
+    expires_at: datetime | None,
+) -> Grant:
+    grant = Grant(
+        id=new_id(),
+        patient_id=patient_id,
+        account_id=account_id,
+        level=level,
+        granted_by=subject.account_id or subject.id,
+        expires_at=expires_at,
+        revoked_at=None,
+    )
+    session.add(grant)
+    session.flush()
+    details = {"account_id": account_id, "level": level}
+    audit.record(session, subject, "grant.create", patient_id, grant.id, details)
+    return grant

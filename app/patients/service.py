@@ -1,0 +1,292 @@
+"""From patients' rows to what a page shows."""
+
+from sqlalchemy.orm import Session
+
+from app.accounts.audit import record
+from app.accounts.audit_reading import read_audit
+from app.accounts.consents import list_consents, set_consent
+from app.accounts.device_tokens import create_device_token, get_device_token, list_device_tokens
+from app.accounts.models import DeviceToken
+from app.accounts.schemas import (
+    AuditOut,
+    ConsentIn,
+    ConsentOut,
+    DeviceTokenIn,
+    DeviceTokenOut,
+    GrantIn,
+    GrantOut,
+)
+from app.accounts.subject import Subject
+from app.database.base import utc_now
+from app.errors import InvalidInput, NotAllowed, NotFound
+from app.patients import repository
+from app.patients.access import levels, require_patient
+from app.patients.models import Grant, Patient
+from app.patients.schemas import BodyDimensionsIn, PatientIn, PatientOut, PatientPatch
+from app.settings import Settings
+
+
+def list_patients(session: Session, subject: Subject) -> list[PatientOut]:
+    """Return every patient in reach.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+    """
+    patients = repository.list_patients(session, subject)
+    ids = [patient.id for patient in patients]
+    mounted = repository.mounted_patients(session, ids)
+    treated = repository.treated_patients(session, subject, ids)
+    return [_out(patient, patient.id in mounted, patient.id in treated) for patient in patients]
+
+
+def get_patient(session: Session, subject: Subject, patient_id: str) -> PatientOut:
+    """Return one patient.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+    patient_id : str
+    """
+    return patient_out(session, subject, repository.get_patient(session, subject, patient_id))
+
+
+def create_patient(session: Session, subject: Subject, body: PatientIn) -> PatientOut:
+    """Store a new patient.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+    body : PatientIn
+    """
+    fields = body.model_dump(exclude={"body_dimensions"})
+    fields["body_dimensions"] = body.body_dimensions.model_dump(exclude_none=True)
+    return patient_out(session, subject, repository.create_patient(session, subject, fields))
+
+
+def update_patient(session: Session, subject: Subject, patient_id: str, body: PatientPatch) -> PatientOut:
+    """Change what the request names; `null` clears a date of birth or a side, never a name.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+    patient_id : str
+    body : PatientPatch
+
+    Raises
+    ------
+    InvalidInput
+        A field that cannot be empty is null.
+    """
+    fields = body.model_dump(exclude_unset=True, exclude={"body_dimensions"})
+    empty = [
+        name for name in ("given_name", "family_name", "notes") if name in fields and fields[name] is None
+    ]
+    if empty:
+        raise InvalidInput(f"{empty[0]} cannot be null; leave it out to keep it.", field=empty[0])
+    if body.body_dimensions is not None:
+        fields["body_dimensions"] = body.body_dimensions.model_dump(exclude_none=True)
+    return patient_out(session, subject, repository.update_patient(session, subject, patient_id, fields))
+
+
+def patient_out(session: Session, subject: Subject, patient: Patient) -> PatientOut:
+    """Return a patient as the subject sees it.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+    patient : Patient
+        Access was checked.
+    """
+    mounted = repository.mounted_patients(session, [patient.id])
+    return _out(patient, bool(mounted), repository.may_treat(session, subject, patient))
+
+
+def list_grants(session: Session, subject: Subject, patient_id: str) -> list[GrantOut]:
+    """Return who may see a patient.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+    patient_id : str
+    """
+    return [_grant_out(*row) for row in repository.list_grants(session, subject, patient_id)]
+
+
+def create_grant(session: Session, subject: Subject, patient_id: str, body: GrantIn) -> GrantOut:
+    """Give a colleague a right.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+    patient_id : str
+    body : GrantIn
+    """
+    if body.expires_at is not None and body.expires_at.tzinfo is None:
+        raise InvalidInput(
+            "The end of a grant needs a time zone, e.g. 2030-01-31T12:00:00Z.", field="expires_at"
+        )
+    return _grant_out(
+        *repository.create_grant(session, subject, patient_id, body.account_id, body.level, body.expires_at)
+    )
+
+
+def patient_audit(session: Session, subject: Subject, patient_id: str, limit: int) -> list[AuditOut]:
+    """Return who did what with a patient's data, newest first; patients read their own.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+    patient_id : str
+    limit : int
+    """
+    patient = require_patient(session, subject, patient_id, "read")
+    record(session, subject, "audit.read", patient_id)
+    return read_audit(session, patient.clinic_id, patient_id, limit)
+
+
+def device_tokens(session: Session, subject: Subject, patient_id: str) -> list[DeviceTokenOut]:
+    """Return a patient's device tokens without the tokens themselves.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+        With the level `manage`, or the patient.
+    patient_id : str
+    """
+    _require_own_or_manage(session, subject, patient_id)
+    record(session, subject, "device_token.list", patient_id)
+    return [_token_out(row) for row in list_device_tokens(session, patient_id)]
+
+
+def add_device_token(
+    session: Session, settings: Settings, subject: Subject, patient_id: str, body: DeviceTokenIn
+) -> DeviceTokenOut:
+    """Make a device token; it is shown this once.
+
+    Parameters
+    ----------
+    session : Session
+    settings : Settings
+    subject : Subject
+        With the level `manage`, or the patient for an own phone.
+    patient_id : str
+    body : DeviceTokenIn
+    """
+    _require_own_or_manage(session, subject, patient_id)
+    row, token = create_device_token(session, settings, subject, patient_id, body.label, body.days)
+    record(session, subject, "device_token.create", patient_id, row.id)
+    return _token_out(row, token)
+
+
+def revoke_device_token(session: Session, subject: Subject, token_id: str) -> None:
+    """End a device token now.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+        With the level `manage` for its patient, or the patient.
+    token_id : str
+    """
+    row = get_device_token(session, subject, token_id)
+    try:
+        _require_own_or_manage(session, subject, row.patient_id)
+    except NotFound:
+        raise NotFound("There is no such device token, or you have no right to know.") from None
+    row.revoked_at = row.revoked_at or utc_now()
+    record(session, subject, "device_token.revoke", row.patient_id, row.id)
+
+
+def consents(session: Session, subject: Subject, patient_id: str) -> list[ConsentOut]:
+    """Return what the patient agreed to.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+    patient_id : str
+    """
+    require_patient(session, subject, patient_id, "read")
+    record(session, subject, "consent.read", patient_id)
+    return [ConsentOut.model_validate(row) for row in _answers(session, patient_id)]
+
+
+def put_consent(session: Session, subject: Subject, patient_id: str, body: ConsentIn) -> list[ConsentOut]:
+    """Store one answer and return all.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+        The patient, or who has the level `manage` and writes down what the patient said.
+    patient_id : str
+    body : ConsentIn
+    """
+    _require_own_or_manage(session, subject, patient_id)
+    set_consent(session, patient_id, body.purpose, body.granted, subject.account_id or subject.id)
+    details = {"purpose": body.purpose, "granted": body.granted}
+    record(session, subject, "consent.change", patient_id, None, details)
+    return [ConsentOut.model_validate(row) for row in _answers(session, patient_id)]
+
+
+def _answers(session: Session, patient_id: str) -> list[dict[str, object]]:
+    return [
+        {"purpose": row.purpose, "granted": row.granted, "changed_at": row.changed_at}
+        for row in list_consents(session, patient_id)
+    ]
+
+
+def _require_own_or_manage(session: Session, subject: Subject, patient_id: str) -> Patient:
+    patient = require_patient(session, subject, patient_id, "status")
+    is_own = subject.role == "patient" and subject.patient_id == patient_id
+    if not is_own and "manage" not in levels(session, subject, patient):
+        raise NotAllowed("Your right to this patient does not cover this (it needs: manage).", level="manage")
+    return patient
+
+
+def _out(patient: Patient, has_mounting: bool, may_treat: bool) -> PatientOut:
+    return PatientOut(
+        id=patient.id,
+        created_at=patient.created_at,
+        archived_at=patient.archived_at,
+        given_name=patient.given_name,
+        family_name=patient.family_name,
+        birth_date=patient.birth_date,
+        affected_side=patient.affected_side,
+        notes=patient.notes,
+        body_dimensions=BodyDimensionsIn(**patient.body_dimensions),
+        has_mounting=has_mounting,
+        may_treat=may_treat,
+    )
+
+
+def _grant_out(grant: Grant, display_name: str) -> GrantOut:
+    return GrantOut(
+        id=grant.id,
+        account_id=grant.account_id,
+        display_name=display_name,
+        level=grant.level,
+        expires_at=grant.expires_at,
+        created_at=grant.created_at,
+    )
+
+
+def _token_out(row: DeviceToken, token: str | None = None) -> DeviceTokenOut:
+    return DeviceTokenOut(
+        id=row.id,
+        label=row.label,
+        created_at=row.created_at,
+        expires_at=row.expires_at,
+        revoked_at=row.revoked_at,
+        token=token,
+    )
