@@ -6,6 +6,7 @@
 
 from dataclasses import dataclass, field, replace
 from enum import IntFlag
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -127,12 +128,16 @@ class Recording:
         The rate the devices were set to; the time stamps are the truth.
     origin : str
         Where it came from, for people: file format and device.
+    reference : dict of str to ndarray
+        What else the file holds about the same samples, for validation: `q_earth_sensor` (N, 4) from motion
+        capture, NaN where it saw nothing, and `is_movement` (N,) where a score counts.
     """
 
     sensors: dict[str, SensorSignals]
     nominal_rate_hz: float
     origin: str = ""
     metadata: dict[str, str] = field(default_factory=dict)
+    reference: dict[str, NDArray[Any]] = field(default_factory=dict)
 
     @property
     def placements(self) -> tuple[str, ...]:
