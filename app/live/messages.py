@@ -111,7 +111,7 @@ class PlayerCommand(Schema):
 
 
 class CameraCommand(Schema):
-    """Browser to `/ws/views/{view}`: turn the view by keyboard or button, and say whether the page is dark."""
+    """Browser to `/ws/views/{view}`: turn the view by key or button; say whether the page is dark."""
 
     type: Literal["camera"] = "camera"
     preset: Literal["front", "side", "top", "arm"] | None = None
