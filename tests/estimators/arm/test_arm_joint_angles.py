@@ -211,7 +211,7 @@ def test_angles_do_not_jump_through_the_singularity(side, pole):
     q = rotation.multiply(q, rotation.exp(rng.normal(0, np.radians(0.3), (ticks, 3))))
     found = continuous_shoulder_angles(q, side, 0.01)
     steps = np.abs(np.diff(found, axis=0))
-    # The plane changes by 75 degrees while the arm is within the zone for 60 ticks; tick by tick it would jump.
+    # The plane changes by 75 degrees within the 60 ticks in the zone; tick by tick it would jump.
     assert np.degrees(steps[:, [0, 2]].max()) < 15.0
     raw_steps = np.abs(np.diff(shoulder_angles(q, side), axis=0))
     assert np.degrees(raw_steps[:, [0, 2]].max()) > 40.0

@@ -1,0 +1,42 @@
+"""The body network with exact truth: movements, sensors, their errors, and faults of link and device."""
+
+from estimators.simulation._errors import SENSOR_PRESETS, SensorErrors, TriadErrors, sensor_errors
+from estimators.simulation._exercises import EXERCISES, Exercise, ExerciseName
+from estimators.simulation._movements import (
+    MovementStyle,
+    Schedule,
+    style_of_impairment,
+)
+from estimators.simulation._scenario import (
+    ARM_PLACEMENTS,
+    ArmScenario,
+    ArmTruth,
+    SensorClocks,
+    SimulatedSession,
+    simulate_arm,
+)
+from estimators.simulation._sensors import EarthField, Magnet, Mounting, dipole_field, outward_mounting
+
+__all__ = [
+    "ARM_PLACEMENTS",
+    "EXERCISES",
+    "SENSOR_PRESETS",
+    "ArmScenario",
+    "ArmTruth",
+    "EarthField",
+    "Exercise",
+    "ExerciseName",
+    "Magnet",
+    "Mounting",
+    "MovementStyle",
+    "Schedule",
+    "SensorClocks",
+    "SensorErrors",
+    "SimulatedSession",
+    "TriadErrors",
+    "dipole_field",
+    "outward_mounting",
+    "sensor_errors",
+    "simulate_arm",
+    "style_of_impairment",
+]
