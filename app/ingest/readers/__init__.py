@@ -1,0 +1,97 @@
+"""Files that hold a whole recording, read into `Recording`: our packet log, CSV, and two research formats.
+
+Every reader takes a path and raises `RecordingFormatError` that says what is wrong and what to do.
+"""
+
+from pathlib import Path
+
+from app.errors import InvalidInput, RecordingFormatError
+from app.ingest.readers._broad import read_broad
+from app.ingest.readers._csv import read_csv
+from app.ingest.readers._packet_log import LogReader, read_packet_log
+from app.ingest.readers._packets import RecordingPackets, packets_of
+from app.ingest.readers._qmt import read_qmt
+from app.recordings.schemas import CsvMapping
+from estimators.recording import Recording
+
+FORMATS = ("packet_log", "csv", "qmt_mat", "broad")
+
+
+def read(path: Path, format: str = "auto", csv: CsvMapping | None = None) -> Recording:
+    """Read a recording.
+
+    Parameters
+    ----------
+    path : Path
+    format : str
+        One of `FORMATS`, or `auto`: by the file's ending and content.
+    csv : CsvMapping, optional
+        Needed for CSV: which column is what, in which unit.
+
+    Raises
+    ------
+    RecordingFormatError
+        The file is not what it was declared to be; the message says what to do.
+    InvalidInput
+        The format is unknown, or a CSV comes without its mapping.
+    """
+    if format == "auto":
+        format = guess(path)
+    match format:
+        case "packet_log":
+            return read_packet_log(path)
+        case "csv":
+            if csv is None:
+                raise InvalidInput(
+                    "A CSV file needs a mapping that says which column is what, in which unit.", field="csv"
+                )
+            return read_csv(path, csv)
+        case "qmt_mat":
+            return read_qmt(path)
+        case "broad":
+            return read_broad(path)
+    raise InvalidInput(f"The format {format!r} is unknown; use one of {', '.join(FORMATS)}.", field="format")
+
+
+def guess(path: Path) -> str:
+    """Return the format that a file seems to have.
+
+    Raises
+    ------
+    RecordingFormatError
+        Nothing fits.
+    """
+    with path.open("rb") as file:
+        start = file.read(8)
+    if start.startswith(b"TML1"):
+        return "packet_log"
+    if start.startswith(b"\x89HDF"):
+        return "broad"
+    if path.suffix.lower() == ".mat":
+        import scipy.io
+
+        try:
+            names = {name for name, _, _ in scipy.io.whosmat(path)}
+        except (ValueError, TypeError, OSError, NotImplementedError) as error:
+            raise RecordingFormatError("The .mat file cannot be read; save it as version 5 or 7.") from error
+        return "broad" if "imu_gyr" in names else "qmt_mat"
+    if path.suffix.lower() in {".csv", ".txt", ".tsv"}:
+        return "csv"
+    raise RecordingFormatError(
+        f"The format of a file ending in {path.suffix[:10] or 'nothing'} cannot be told; name it:"
+        f" {', '.join(FORMATS)}."
+    )
+
+
+__all__ = [
+    "FORMATS",
+    "LogReader",
+    "RecordingPackets",
+    "guess",
+    "packets_of",
+    "read",
+    "read_broad",
+    "read_csv",
+    "read_packet_log",
+    "read_qmt",
+]

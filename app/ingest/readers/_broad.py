@@ -1,0 +1,95 @@
+"""Trials of the BROAD benchmark (`.mat` or `.hdf5`): one sensor and optical truth, for single-sensor work."""
+
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import scipy.io
+
+from app.errors import RecordingFormatError
+from app.ingest.readers._units import check_accelerometer, check_gyroscope, check_magnetometer
+from estimators.recording import Float, Recording, SensorSignals
+
+_NAMES = ["imu_gyr", "imu_acc", "imu_mag", "opt_quat", "movement", "sampling_rate"]
+
+
+def read_broad(path: Path) -> Recording:
+    """Read one trial.
+
+    Returns
+    -------
+    Recording
+        One sensor named `imu`; `reference` holds `q_earth_sensor` (optical, NaN in its gaps) and
+        `is_movement`, the samples that count in a score.
+
+    Raises
+    ------
+    RecordingFormatError
+        Not a trial of this set.
+    """
+    content = _hdf5(path) if _is_hdf5(path) else _mat(path)
+    missing = [name for name in _NAMES if name not in content]
+    if missing:
+        raise RecordingFormatError(f"The file has no {', '.join(missing)}; it is no trial of BROAD.")
+    try:
+        gyroscope = _table(content["imu_gyr"], 3)
+        accelerometer = _table(content["imu_acc"], 3)
+        field_t = _table(content["imu_mag"], 3) * 1e-6
+        optical = _table(content["opt_quat"], 4)
+        rate_hz = float(np.asarray(content["sampling_rate"]).reshape(-1)[0])
+        movement = np.asarray(content["movement"]).reshape(-1).astype(bool)
+    except (ValueError, TypeError) as error:
+        raise RecordingFormatError("The arrays of the file are not those of a trial of BROAD.") from error
+    samples = gyroscope.shape[0]
+    if not (accelerometer.shape[0] == field_t.shape[0] == optical.shape[0] == movement.size == samples):
+        raise RecordingFormatError("The arrays of the file differ in length; it is damaged.")
+    if not 1.0 <= rate_hz <= 10_000.0:
+        raise RecordingFormatError(f"A sampling rate of {rate_hz:g} Hz cannot be.")
+    check_gyroscope(gyroscope, "rad/s", "imu")
+    check_accelerometer(accelerometer, "m/s^2", "imu")
+    check_magnetometer(field_t, "T", "imu")
+    return Recording(
+        {"imu": SensorSignals(np.arange(samples) / rate_hz, gyroscope, accelerometer, field_t)},
+        rate_hz,
+        origin="BROAD trial",
+        metadata={"format": "broad", "trial": path.stem},
+        reference={"q_earth_sensor": optical, "is_movement": movement},
+    )
+
+
+def _table(values: Any, width: int) -> Float:
+    table = np.asarray(values, dtype=np.float64)
+    if table.ndim != 2 or table.shape[1] != width:
+        raise ValueError(f"shape {table.shape}")
+    return table
+
+
+def _is_hdf5(path: Path) -> bool:
+    with path.open("rb") as file:
+        return file.read(4) == b"\x89HDF"
+
+
+def _mat(path: Path) -> dict[str, Any]:
+    try:
+        content: dict[str, Any] = scipy.io.loadmat(path, variable_names=_NAMES)
+    except NotImplementedError as error:
+        raise RecordingFormatError("The .mat file is of version 7.3; save it as version 5 or 7.") from error
+    except (ValueError, TypeError, KeyError, OSError, MemoryError) as error:
+        raise RecordingFormatError("The file cannot be read as a .mat file of version 5 or 7.") from error
+    return content
+
+
+def _hdf5(path: Path) -> dict[str, Any]:
+    try:
+        with h5py.File(path, "r") as file:
+            content = {name: file[name][()] for name in _NAMES if name in file}
+            for name in _NAMES:
+                if name in file.attrs:
+                    content[name] = file.attrs[name]
+    except (OSError, RuntimeError, KeyError, MemoryError) as error:
+        raise RecordingFormatError("The file cannot be read as HDF5.") from error
+    return content
+
+
+__all__ = ["read_broad"]

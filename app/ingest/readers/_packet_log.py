@@ -1,0 +1,120 @@
+"""Our packet log: the hello and every packet as it came."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from app.errors import PacketError, RecordingFormatError
+from app.ingest.alignment import align_all
+from app.ingest.clock import PacketClock
+from app.ingest.declaration import Declaration, check_hello
+from app.ingest.messages import PROTOCOL_VERSION, HelloMessage
+from app.ingest.packet import Packet, decode_packet
+from app.recordings.chunks import RawPacket
+from app.recordings.packet_log import read_entries, read_head
+from app.recordings.ranges import SequenceRanges
+from estimators.recording import Recording, SampleQuality, SensorSignals
+
+
+@dataclass
+class LogReader:
+    """Reads a log packet by packet; damaged packets are counted and left out, as on the socket.
+
+    Attributes
+    ----------
+    declaration : Declaration
+        Of the network; its clock epochs grow while packets are read.
+    damaged, repeated : int
+        Packets left out.
+    """
+
+    path: Path
+    declaration: Declaration = field(init=False)
+    damaged: int = 0
+    repeated: int = 0
+
+    def __post_init__(self) -> None:
+        with self.path.open("rb") as file:
+            self.declaration = declaration_of(read_head(file))
+
+    def packets(self) -> Iterator[tuple[RawPacket, Packet]]:
+        """Yield every sound packet once, in the order of the log."""
+        clock = PacketClock(self.declaration)
+        seen = SequenceRanges()
+        with self.path.open("rb") as file:
+            read_head(file)
+            for arrival_ns, message in read_entries(file):
+                try:
+                    packet = decode_packet(message, self.declaration)
+                    place = clock.admit(packet)
+                except PacketError:
+                    self.damaged += 1
+                    continue
+                if place.is_duplicate or not seen.add(place.sequence):
+                    self.repeated += 1
+                    continue
+                self.declaration = clock.declaration
+                yield RawPacket.from_packet(packet, arrival_ns, place.sequence), packet
+
+
+def declaration_of(hello: dict[str, Any]) -> Declaration:
+    """Check the hello of a log as the socket would; clock epochs found by a live session are kept.
+
+    Raises
+    ------
+    RecordingFormatError
+        With what is wrong in the hello.
+    """
+    known = set(HelloMessage.model_fields) - {"type", "ticket", "protocol_version"}
+    try:
+        message = HelloMessage(
+            ticket="", protocol_version=PROTOCOL_VERSION, **{k: v for k, v in hello.items() if k in known}
+        )
+        checked = check_hello(message)
+        if hello.get("clock_epochs"):
+            return Declaration.from_dict({**checked.to_dict(), "clock_epochs": hello["clock_epochs"]})
+    except PacketError as error:
+        raise RecordingFormatError(f"The hello of the log cannot be used: {error.message}") from error
+    except (ValidationError, TypeError, KeyError) as error:
+        raise RecordingFormatError(
+            "The hello at the beginning of the log lacks placements, rate or scales."
+        ) from error
+    return checked
+
+
+def read_packet_log(path: Path) -> Recording:
+    """Read a packet log on the common tick of its session; what was never measured is left out.
+
+    Raises
+    ------
+    RecordingFormatError
+        No log, cut off, or without a sound packet.
+    """
+    log = LogReader(path)
+    packets = sorted(((raw.sequence, packet) for raw, packet in log.packets()), key=lambda item: item[0])
+    chunk = align_all((packet for _, packet in packets), log.declaration)
+    if chunk is None:
+        raise RecordingFormatError("The log holds no sound packet.", damaged=log.damaged)
+    sensors = {}
+    for index, placement in enumerate(log.declaration.placements):
+        measured = (chunk.quality[index] & (SampleQuality.MISSING | SampleQuality.BRIDGED)) == 0
+        magnetometer = None if chunk.magnetometer_t is None else chunk.magnetometer_t[index, measured]
+        sensors[str(placement)] = SensorSignals(
+            chunk.time_s[measured],
+            np.ascontiguousarray(chunk.gyroscope_radps[index, measured]),
+            np.ascontiguousarray(chunk.accelerometer_mps2[index, measured]),
+            magnetometer,
+        )
+    return Recording(
+        sensors,
+        log.declaration.rate_hz,
+        origin=f"packet log {log.declaration.device}".strip(),
+        metadata={"format": "packet_log", "damaged_packets": str(log.damaged)},
+    )
+
+
+__all__ = ["LogReader", "declaration_of", "read_packet_log"]

@@ -1,0 +1,86 @@
+"""The whole-body recording of the qmt toolbox: a struct of `acc`, `gyr` and `quat` per sensor, and `t`."""
+
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import scipy.io
+
+from app.errors import RecordingFormatError
+from app.ingest.readers._time import nominal_rate, seconds_of
+from app.ingest.readers._units import check_accelerometer, check_gyroscope
+from estimators.recording import Float, Recording, SensorSignals
+
+PLACEMENT_OF: Final = {
+    "head": "head",
+    "upper_back": "sternum",
+    "hip": "pelvis",
+    **{
+        f"{theirs}_{side}": f"{ours}_{side}"
+        for theirs, ours in (
+            ("upper_arm", "upper_arm"),
+            ("forearm", "forearm"),
+            ("hand", "hand"),
+            ("upper_leg", "thigh"),
+            ("lower_leg", "shank"),
+            ("foot", "foot"),
+        )
+        for side in ("left", "right")
+    },
+}
+"""`upper_back` moves with the thorax, which is what our `sternum` measures; calibration takes care of how the
+sensor sits. `lower_back` lies between pelvis and thorax, has no segment of ours and is left out."""
+
+
+def read_qmt(path: Path) -> Recording:
+    """Read a whole-body `.mat` recording; there is no magnetometer.
+
+    Raises
+    ------
+    RecordingFormatError
+        No `.mat` file, or not with these sensors.
+    """
+    try:
+        content = scipy.io.loadmat(
+            path, simplify_cells=True, variable_names=["t", *PLACEMENT_OF, "lower_back"]
+        )
+    except NotImplementedError as error:
+        raise RecordingFormatError("The .mat file is of version 7.3; save it as version 5 or 7.") from error
+    except (ValueError, TypeError, KeyError, OSError, MemoryError) as error:
+        raise RecordingFormatError("The file cannot be read as a .mat file of version 5 or 7.") from error
+    if "t" not in content:
+        raise RecordingFormatError("The .mat file has no time `t`; it is no whole-body recording of qmt.")
+    present = [name for name in PLACEMENT_OF if isinstance(content.get(name), dict)]
+    if not present:
+        raise RecordingFormatError(
+            f"The .mat file has none of the sensors {', '.join(PLACEMENT_OF)}; it is no whole-body recording"
+            " of qmt."
+        )
+    time_s = seconds_of(np.asarray(content["t"], dtype=np.float64).reshape(-1), "s", first_row=1)
+    sensors = {}
+    for name in present:
+        gyroscope = _signal(content[name], name, "gyr", time_s.size)
+        accelerometer = _signal(content[name], name, "acc", time_s.size)
+        check_gyroscope(gyroscope, "rad/s", name)
+        check_accelerometer(accelerometer, "m/s^2", name)
+        sensors[PLACEMENT_OF[name]] = SensorSignals(time_s, gyroscope, accelerometer)
+    metadata = {"format": "qmt_mat"}
+    if "lower_back" in content:
+        metadata["left_out"] = "lower_back"
+    return Recording(sensors, nominal_rate(time_s), origin="qmt whole-body recording", metadata=metadata)
+
+
+def _signal(sensor: dict[str, Any], name: str, key: str, samples: int) -> Float:
+    try:
+        values = np.asarray(sensor[key], dtype=np.float64)
+    except (KeyError, TypeError, ValueError) as error:
+        raise RecordingFormatError(f"The sensor {name} has no numeric `{key}`.", sensor=name) from error
+    if values.shape != (samples, 3):
+        raise RecordingFormatError(
+            f"`{key}` of {name} has the shape {values.shape}; {samples} time stamps need ({samples}, 3).",
+            sensor=name,
+        )
+    return values
+
+
+__all__ = ["PLACEMENT_OF", "read_qmt"]

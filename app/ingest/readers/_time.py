@@ -1,0 +1,67 @@
+"""Checks of time columns, and the rate that a device was set to."""
+
+import numpy as np
+
+from app.errors import RecordingFormatError
+from estimators.recording import Float
+
+LOWEST_HZ, HIGHEST_HZ = 10.0, 1000.0
+_UNIT_FACTORS = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
+
+
+def seconds_of(column: Float, unit: str, first_row: int = 2) -> Float:
+    """Return a time column in seconds from its first value.
+
+    Parameters
+    ----------
+    column : ndarray, shape (N,)
+    unit : {"s", "ms", "us"}
+    first_row : int
+        Line of the file in which the first value stands, for messages.
+
+    Raises
+    ------
+    RecordingFormatError
+        A value is missing, time stands still or runs backwards, or the unit cannot be right.
+    """
+    if column.size < 2:
+        raise RecordingFormatError("The file holds fewer than two rows; there is nothing to estimate.")
+    wrong = np.flatnonzero(~np.isfinite(column))
+    if wrong.size:
+        raise RecordingFormatError(f"Row {wrong[0] + first_row} has no time.", row=int(wrong[0] + first_row))
+    steps = np.diff(column)
+    wrong = np.flatnonzero(steps <= 0)
+    if wrong.size:
+        row = int(wrong[0] + first_row + 1)
+        kind = "stands still" if steps[wrong[0]] == 0 else "runs backwards"
+        raise RecordingFormatError(
+            f"Time {kind} in row {row}; sort the rows and drop repeated ones.", row=row, count=int(wrong.size)
+        )
+    rate_hz = 1.0 / (float(np.median(steps)) * _UNIT_FACTORS[unit])
+    if not LOWEST_HZ <= rate_hz <= HIGHEST_HZ:
+        others = [
+            name
+            for name, factor in _UNIT_FACTORS.items()
+            if name != unit and LOWEST_HZ <= 1.0 / (float(np.median(steps)) * factor) <= HIGHEST_HZ
+        ]
+        advice = f" It looks like {others[0]}; declare that unit." if others else ""
+        raise RecordingFormatError(
+            f"The time column in {unit} gives {rate_hz:.3g} rows a second;"
+            f" {LOWEST_HZ:g} to {HIGHEST_HZ:g} are possible.{advice}"
+        )
+    return np.asarray((column - column[0]) * _UNIT_FACTORS[unit])
+
+
+def nominal_rate(time_s: Float) -> float:
+    """Return the rate that a device was set to: a whole number when the stamps say nearly that."""
+    measured = 1.0 / float(np.median(np.diff(time_s)))
+    whole = round(measured)
+    # Stamps in whole milliseconds make 100/3 ms steps look like 33 or 34; the mean rate settles it.
+    mean = (time_s.size - 1) / float(time_s[-1] - time_s[0])
+    for rate in (measured, mean):
+        if abs(rate - whole) < 2e-3 * whole:
+            return float(whole)
+    return measured
+
+
+__all__ = ["HIGHEST_HZ", "LOWEST_HZ", "nominal_rate", "seconds_of"]

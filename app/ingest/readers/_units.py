@@ -1,0 +1,95 @@
+"""Are the units what they were declared to be? Gravity and the earth's field are in every recording."""
+
+from typing import Final
+
+import numpy as np
+
+from app.errors import RecordingFormatError
+from estimators.conventions import GRAVITY_MPS2
+from estimators.recording import Float
+
+TO_SI: Final[dict[str, float]] = {
+    "rad/s": 1.0,
+    "deg/s": np.pi / 180.0,
+    "m/s^2": 1.0,
+    "g": GRAVITY_MPS2,
+    "T": 1.0,
+    "mT": 1e-3,
+    "uT": 1e-6,
+    "G": 1e-4,
+}
+UNITS: Final[dict[str, tuple[str, ...]]] = {
+    "gyroscope": ("rad/s", "deg/s"),
+    "accelerometer": ("m/s^2", "g"),
+    "magnetometer": ("T", "mT", "uT", "G"),
+}
+
+GRAVITY_RANGE_MPS2: Final = (7.5, 13.0)
+"""Median size of specific force over any recording of a person."""
+FIELD_RANGE_T: Final = (10e-6, 150e-6)
+"""The earth's field is 22 to 67 microtesla; steel in buildings bends it."""
+FASTEST_TURN_RADPS: Final = 70.0
+"""4000 degrees a second: the widest gyroscopes clip there."""
+
+
+def check_accelerometer(values: Float, unit: str, where: str) -> None:
+    """Refuse a sensor whose median specific force is not about gravity, and guess the unit meant.
+
+    Parameters
+    ----------
+    values : ndarray, shape (N, 3)
+        m/s^2 after conversion from `unit`.
+    unit : str
+        As declared.
+    where : str
+        Which sensor, for the message.
+    """
+    _check_norm(values, unit, where, "accelerometer", GRAVITY_RANGE_MPS2, "gravity (9.81 m/s^2)")
+
+
+def check_magnetometer(values: Float, unit: str, where: str) -> None:
+    """Refuse a sensor whose median field is not about that of the earth, and guess the unit meant."""
+    _check_norm(values, unit, where, "magnetometer", FIELD_RANGE_T, "the earth's field (22 to 67 uT)")
+
+
+def check_gyroscope(values: Float, unit: str, where: str) -> None:
+    """Refuse turning rates that no sensor measures: degrees declared as radians."""
+    finite = np.abs(values[np.isfinite(values)])
+    if finite.size and float(np.percentile(finite, 99.0)) > FASTEST_TURN_RADPS:
+        fastest = float(finite.max()) / TO_SI[unit]
+        raise RecordingFormatError(
+            f"The gyroscope of {where} reaches {fastest:.0f} {unit}, faster than any sensor measures."
+            + (" It looks like deg/s; declare that unit." if unit == "rad/s" else " Check its columns."),
+            sensor=where,
+            quantity="gyroscope",
+        )
+
+
+def _check_norm(
+    values: Float, unit: str, where: str, quantity: str, expected: tuple[float, float], of_what: str
+) -> None:
+    norms = np.linalg.norm(values, axis=1)
+    norms = norms[np.isfinite(norms)]
+    if not norms.size:
+        raise RecordingFormatError(
+            f"The {quantity} of {where} holds no numbers.", sensor=where, quantity=quantity
+        )
+    low, high = expected
+    median = float(np.median(norms))
+    if low <= median <= high:
+        return
+    raw = median / TO_SI[unit]
+    fitting = [u for u in UNITS[quantity] if u != unit and low <= raw * TO_SI[u] <= high]
+    advice = (
+        f" It looks like {fitting[0]}; declare that unit."
+        if fitting
+        else " Check that its columns and unit are the right ones."
+    )
+    raise RecordingFormatError(
+        f"The {quantity} of {where} has a median size of {raw:.3g} {unit}; {of_what} was expected.{advice}",
+        sensor=where,
+        quantity=quantity,
+    )
+
+
+__all__ = ["TO_SI", "UNITS", "check_accelerometer", "check_gyroscope", "check_magnetometer"]
