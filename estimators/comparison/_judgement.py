@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from estimators.comparison._alignment import align, resample
+from estimators.comparison._alignment import align, apply, resample
 from estimators.comparison._channels import ArmChannels, arm_channels, fill_gaps
 from estimators.comparison._contract import PHASES, Repetition, Trajectory
 from estimators.recording import Float
 
 _MAXIMUM_GAP_S = 0.3
 _MAXIMUM_GAP_SHARE = 0.10
-_SHORT, _LONG, _SMALL = 0.5, 2.0, 0.6
+_SHORT, _LONG, _SMALL, _OPPOSITE = 0.5, 2.0, 0.6, -0.2
 _UNLIKE_FLOOR = 0.15
 """Share of the movement's size: repetitions of healthy people differ by half of this; less is never odd."""
 _UNLIKE_MADS = 5.0
@@ -103,33 +103,34 @@ def _judge_duration(arm: ArmChannels, kept: list[Repetition], places: list[int])
 def _judge_size_and_direction(
     arm: ArmChannels, kept: list[Repetition], places: list[int]
 ) -> list[tuple[int, str]]:
-    excursions = []
-    for repetition in kept:
-        filled, _ = fill_gaps(_posture(arm.cut(repetition)))
-        offset = filled - (filled[0] + filled[-1]) / 2
-        excursions.append(offset[np.argmax(np.linalg.norm(offset, axis=1))])
-    vectors = np.stack(excursions)
-    usual = np.median(vectors, axis=0)
-    size = float(np.linalg.norm(usual))
-    if size == 0:
+    curves = _curves(arm, kept)
+    curves = [curve - (curve[0] + curve[-1]) / 2 for curve in curves]
+    usual = np.median(np.stack(curves), axis=0)
+    if not usual.any():
         return []
     odd = []
-    for place, vector in zip(places, vectors, strict=True):
-        along = float(vector @ usual) / size**2
-        length = float(np.linalg.norm(vector)) / size
-        if along < 0:
+    for place, curve in zip(places, curves, strict=True):
+        # Laid on each other in time first, or a hesitation would look like a smaller movement.
+        laid = apply(align(curve, usual, np.ones(usual.shape[1])), curve, PHASES)
+        along = float(np.sum(laid * usual) / np.sum(usual * usual))
+        if float(np.sum(curve * usual) / np.sum(usual * usual)) < _OPPOSITE:
             odd.append((place, "Moved in the opposite direction to the others."))
-        elif length < _SMALL:
-            odd.append((place, f"Stopped half way: {100 * length:.0f} percent of the usual movement."))
+        elif along < _SMALL:
+            odd.append((place, f"Stopped half way: {100 * along:.0f} percent of the usual movement."))
     return odd
 
 
-def _judge_likeness(arm: ArmChannels, kept: list[Repetition], places: list[int]) -> list[tuple[int, str]]:
+def _curves(arm: ArmChannels, kept: list[Repetition]) -> list[Float]:
     curves = []
     for repetition in kept:
         cut = arm.cut(repetition)
         filled, _ = fill_gaps(_posture(cut))
         curves.append(resample(cut.time_s, filled, PHASES))
+    return curves
+
+
+def _judge_likeness(arm: ArmChannels, kept: list[Repetition], places: list[int]) -> list[tuple[int, str]]:
+    curves = _curves(arm, kept)
     middle = np.median(np.stack(curves), axis=0)
     size = float(np.linalg.norm(middle - middle[0], axis=1).max())
     if size == 0:

@@ -30,11 +30,17 @@ _SHORTEST_S = 0.4
 _SINGLE_REST_S = 0.5
 _NEAR, _FAR = 0.28, 0.45
 """Hysteresis, as shares of the usual excursion: left the rest, and really went somewhere."""
+_SLOW = 0.3
+"""Share of brisk speed (its 90th percentile) below which the arm pauses or turns round."""
 _ALIKE = 0.33
 """Two excursions are alike when they differ by less than this share of their size after alignment."""
+_CANDIDATES = 8
 _SHAPE_POINTS = 33
 _EXPLAINED = 0.45
 """Share of all movement that the repetitions must account for; random movement reaches a third."""
+_COUNT_POWER = 0.6
+"""More repetitions speak for a posture of rest, but less than in proportion: the stops inside a composed
+movement, such as a cup on its way to the mouth, are visited more often than rest."""
 _ONSET_SHARE = 0.05
 """A repetition begins where speed exceeds this share of its own peak."""
 
@@ -154,35 +160,47 @@ def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
 
 
 def _rest_postures(features: Float, speed: Float, extent: float) -> list[Float]:
-    """Postures where the arm dwelled or turned round, near ones merged; the most visited first."""
+    """Postures where the arm dwelled or turned round, near ones merged; the most visited first.
+
+    Merged at three finenesses, since how far apart two postures are that differ is not known beforehand:
+    the extent may be that of getting ready and not that of the exercise.
+    """
     brisk = float(np.percentile(speed, 90))
-    dwells = [features[start:end].mean(axis=0) for start, end in _runs(speed < 0.2 * brisk)]
-    merged: list[tuple[Float, int]] = []
-    for posture in dwells:
-        for place, (centre, visits) in enumerate(merged):
-            if np.linalg.norm(posture - centre) < 0.25 * extent:
-                merged[place] = ((centre * visits + posture) / (visits + 1), visits + 1)
-                break
-        else:
-            merged.append((posture, 1))
-    merged.sort(key=lambda item: -item[1])
-    return [centre for centre, _ in merged[:12]]
+    dwells = [features[start:end].mean(axis=0) for start, end in _runs(speed < _SLOW * brisk)]
+    postures: list[Float] = []
+    for radius in (0.07, 0.14, 0.28):
+        merged: list[tuple[Float, int]] = []
+        for posture in dwells:
+            for place, (centre, visits) in enumerate(merged):
+                if np.linalg.norm(posture - centre) < radius * extent:
+                    merged[place] = ((centre * visits + posture) / (visits + 1), visits + 1)
+                    break
+            else:
+                merged.append((posture, 1))
+        merged.sort(key=lambda item: -item[1])
+        postures.extend(centre for centre, _ in merged[:_CANDIDATES])
+    return postures
 
 
-def _excursions(distance: Float, size: float) -> list[tuple[int, int]]:
-    """Complete excursions: the last sample near before going far, and the first one near again after."""
+def _excursions(distance: Float, is_slow: NDArray[np.bool_], size: float) -> list[tuple[int, int]]:
+    """Complete excursions: the last sample near before going far, and the first one near again after.
+
+    Near counts only where the arm slows down: swinging through the posture of rest is not resting.
+    """
     state = np.zeros(len(distance), dtype=np.int8)
-    state[distance < _NEAR * size] = -1
+    for start, end in _runs(distance < _NEAR * size):
+        if is_slow[start:end].any():
+            state[start:end] = -1
     state[distance > _FAR * size] = 1
     told = np.flatnonzero(state)
-    changes = told[np.flatnonzero(np.diff(state[told]))], told[1:][np.flatnonzero(np.diff(state[told]))]
+    turns = np.flatnonzero(np.diff(state[told]))
     found: list[tuple[int, int]] = []
     left = -1
-    for before, after in zip(*changes, strict=True):
+    for before, after in zip(told[turns].tolist(), told[turns + 1].tolist(), strict=True):
         if state[before] == -1:
-            left = int(before)
+            left = before
         elif left >= 0:
-            found.append((left, int(after)))
+            found.append((left, after))
             left = -1
     return found
 
@@ -191,14 +209,15 @@ def _explain(features: Float, speed: Float, posture: Float) -> _Excursions:
     """Cut the movement into excursions from one posture and say how well they explain it."""
     distance = np.linalg.norm(features - posture, axis=1)
     best = _Excursions([], distance, 0.0)
+    is_slow = speed < _SLOW * np.percentile(speed, 90)
     travelled = np.concatenate([[0.0], np.cumsum((speed[1:] + speed[:-1]) / 2)])
     tried: set[tuple[tuple[int, int], ...]] = set()
     for share in (98, 90, 75, 50):
         size = float(np.percentile(distance, share))
-        bounds = _excursions(distance, size)
+        bounds = _excursions(distance, is_slow, size)
         if bounds:
             size = float(np.median([distance[a : b + 1].max() for a, b in bounds]))
-            bounds = _excursions(distance, size)
+            bounds = _excursions(distance, is_slow, size)
         shortest = _SHORTEST_S * _RATE_HZ / 2
         bounds = [(a, b) for a, b in bounds if b - a >= shortest]
         if not bounds or size < _SMALLEST_MOVEMENT or tuple(bounds) in tried:
@@ -211,7 +230,7 @@ def _explain(features: Float, speed: Float, posture: Float) -> _Excursions:
             continue
         covered = sum(travelled[b] - travelled[a] for a, b in (bounds[k] for k in alike))
         covered /= max(travelled[-1], 1e-9)
-        score = len(alike) * covered
+        score = len(alike) ** _COUNT_POWER * covered
         if covered >= _EXPLAINED and score > best.score:
             best = _Excursions(bounds, distance, float(score))
     return best
@@ -285,4 +304,5 @@ def _extrapolate(speed: Float, onset: float, peak: float) -> int:
         return 0
     rise = int(above[0])
     share = np.sqrt(onset) / (np.sqrt(high) - np.sqrt(onset))
-    return int(np.rint(rise * min(1.0, float(share))))
+    # Smoothing has already brought the crossing forward by about its own width.
+    return max(0, int(np.rint(rise * min(1.0, float(share)) - _SMOOTHING_S * _RATE_HZ)))
