@@ -13,39 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.body import BodyDimensions as BodyDimensions
+from estimators.calibration import Calibration as Calibration
 from estimators.conventions import Placement
 from estimators.recording import Float, ImuChunk
-
-
-@dataclass(frozen=True)
-class Calibration:
-    """How each sensor sits on its segment, and the constants found while standing still.
-
-    Attributes
-    ----------
-    q_sensor_segment : dict of placement to (w, x, y, z)
-        Orientation of the segment frame in the sensor frame: `q_room_segment = q_room_earth *
-        q_earth_sensor * q_sensor_segment`.
-    gyroscope_bias_radps : dict of placement to (x, y, z)
-    facing_rad : float
-        Heading of the patient's forward direction in the earth frame, counter-clockwise from x;
-        `q_room_earth` is the rotation about z by `-facing_rad`.
-    heading_offset_rad : dict of placement to float
-        Added per sensor when headings share no reference (no magnetometer): rotation about z that
-        brings the sensor's own earth frame to the common one.
-    score : float
-        0 (redo) to 1 (as good as it gets).
-    reasons : tuple of str
-        What lowered the score and what to do, in plain words.
-    """
-
-    q_sensor_segment: dict[Placement, tuple[float, float, float, float]]
-    gyroscope_bias_radps: dict[Placement, tuple[float, float, float]]
-    facing_rad: float = 0.0
-    heading_offset_rad: dict[Placement, float] = field(default_factory=dict)
-    method: str = "n_pose"
-    score: float = 1.0
-    reasons: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

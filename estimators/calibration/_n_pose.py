@@ -1,0 +1,293 @@
+"""Sensor-to-segment orientation from standing still with hanging arms."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators import rotation
+from estimators.calibration._contract import Calibration
+from estimators.calibration._mounting import FACING_ORDER, N_POSE_TURN_RAD, OUTWARD_HEADING_RAD
+from estimators.calibration._static import StaticBias, static_bias
+from estimators.conventions import GRAVITY_MPS2, Placement
+from estimators.errors import CalibrationError, ShapeError
+from estimators.orientation import OrientationFlag
+from estimators.recording import Float
+
+UNUSABLE_SCORE = 0.25
+_STEEP_RAD = math.radians(75.0)
+_SLANTED_RAD = math.radians(55.0)
+_SWAY_RAD = math.radians(3.0)
+_MOVED_RAD = math.radians(12.0)
+_QUIET_RADPS = math.radians(4.0)
+_RESTLESS_RADPS = math.radians(25.0)
+_NORM_WARNING = 0.03
+_NORM_FAULT = 0.15
+_DISAGREEMENT_RAD = math.radians(40.0)
+
+
+def n_pose(
+    q_earth_sensor: Float,
+    gyroscope_radps: Float,
+    accelerometer_mps2: Float,
+    placements: Sequence[Placement],
+    flags: NDArray[np.uint8] | None = None,
+    *,
+    time_step_s: float = 0.01,
+) -> Calibration:
+    """Find how every sensor sits on its segment from one N-pose.
+
+    Parameters
+    ----------
+    q_earth_sensor : ndarray, shape (S, K, 4)
+        Orientations from the running filter during the pose, K at least 1 (need not be every tick).
+        NaN where there was none.
+    gyroscope_radps, accelerometer_mps2 : ndarray, shape (S, N, 3)
+        Samples of the pose.
+    placements : sequence of Placement, length S
+    flags : ndarray of uint8, shape (S, K), optional
+        `OrientationFlag` bits of the orientations; absent means sound and with a shared heading.
+    time_step_s : float
+        Of the samples.
+
+    Returns
+    -------
+    Calibration
+        With a score from 0 to 1 and reasons for what is missing to 1.
+
+    Raises
+    ------
+    CalibrationError
+        If the pose cannot be used, with what to redo.
+
+    Notes
+    -----
+    Inclination comes from gravity: in the N-pose every segment's z axis is vertical. Where the patient
+    faces cannot be told from one pose of arbitrarily mounted sensors. Assumed is the mounting rule of
+    `OUTWARD_HEADING_RAD` for *one* sensor, the first of `FACING_ORDER` that is worn, shares the common
+    heading and whose z axis is not nearly vertical: the sternum's z axis points forward; without it, the
+    upper arm's points sideways (of both arms the mean). Other sensors that share the magnetic heading may
+    be mounted any way round. Those whose heading is not trusted (no magnetometer) each need the rule:
+    `heading_offset_rad` turns their z axis to its expected direction.
+    """
+    sensors = len(placements)
+    if q_earth_sensor.ndim != 3 or q_earth_sensor.shape[0] != sensors or q_earth_sensor.shape[2] != 4:
+        raise ShapeError(f"q_earth_sensor has shape {q_earth_sensor.shape}; it must be ({sensors}, K, 4)")
+    if flags is None:
+        flags = np.zeros(q_earth_sensor.shape[:2], dtype=np.uint8)
+    if flags.shape != q_earth_sensor.shape[:2]:
+        raise ShapeError(f"flags have shape {flags.shape}; they must be {q_earth_sensor.shape[:2]}")
+    bias = static_bias(gyroscope_radps, accelerometer_mps2, time_step_s, require_still=False)
+    verdict = _Verdict()
+    q_mean = np.stack([_mean(q_earth_sensor[s], flags[s], placements[s], verdict) for s in range(sensors)])
+    _judge_samples(bias, accelerometer_mps2, q_mean, placements, verdict)
+    _judge_flags(flags, placements, verdict)
+    outward = rotation.rotate(q_mean, [0.0, 0.0, 1.0])
+    heading_rad = np.arctan2(outward[:, 1], outward[:, 0])
+    steepness_rad = np.abs(np.arcsin(np.clip(outward[:, 2], -1.0, 1.0)))
+    own_heading = _mostly(flags, OrientationFlag.HEADING_NOT_TRUSTED)
+    facing_rad, reference = _facing(placements, heading_rad, steepness_rad, own_heading, verdict)
+    offsets: dict[Placement, float] = {}
+    q_sensor_segment: dict[Placement, tuple[float, float, float, float]] = {}
+    for s, placement in enumerate(placements):
+        if own_heading[s]:
+            if steepness_rad[s] > _STEEP_RAD:
+                raise CalibrationError(
+                    f"the z axis of the {_words(placement)} sensor points up or down and it has no compass, "
+                    "so its direction cannot be found; mount it with the z axis away from the body and repeat"
+                )
+            if steepness_rad[s] > _SLANTED_RAD:
+                verdict.lower(
+                    0.7, f"the {_words(placement)} sensor lies flat; mount it with its z axis outward"
+                )
+            offsets[placement] = _wrapped(facing_rad + OUTWARD_HEADING_RAD[placement] - heading_rad[s])
+        turn = rotation.about_z(offsets.get(placement, 0.0) - facing_rad)
+        q_room_sensor = rotation.multiply(turn, q_mean[s])
+        q_room_segment = rotation.about_z(N_POSE_TURN_RAD.get(placement, 0.0))
+        w, x, y, z = rotation.positive(rotation.multiply(rotation.conjugate(q_room_sensor), q_room_segment))
+        q_sensor_segment[placement] = (float(w), float(x), float(y), float(z))
+    _judge_agreement(placements, heading_rad, steepness_rad, own_heading, facing_rad, reference, verdict)
+    if verdict.score < UNUSABLE_SCORE:
+        raise CalibrationError("this pose cannot be used: " + "; ".join(verdict.reasons))
+    return Calibration(
+        q_sensor_segment=q_sensor_segment,
+        gyroscope_bias_radps={
+            name: (float(b[0]), float(b[1]), float(b[2]))
+            for name, b in zip(placements, bias.gyroscope_bias_radps, strict=True)
+        },
+        facing_rad=facing_rad,
+        heading_offset_rad=offsets,
+        method="n_pose",
+        score=verdict.score,
+        reasons=tuple(verdict.reasons),
+    )
+
+
+@dataclass
+class _Verdict:
+    """Collects what lowers the score."""
+
+    score: float = 1.0
+    reasons: list[str] = field(default_factory=list)
+
+    def lower(self, factor: float, reason: str) -> None:
+        self.score *= factor
+        self.reasons.append(reason)
+
+
+def _words(placement: Placement) -> str:
+    part, _, side = placement.rpartition("_")
+    return f"{side} {part.replace('_', ' ')}" if side in ("left", "right") else placement
+
+
+def _wrapped(angle_rad: float) -> float:
+    return float(math.remainder(angle_rad, 2.0 * math.pi))
+
+
+def _mostly(flags: NDArray[np.uint8], flag: OrientationFlag) -> NDArray[np.bool_]:
+    return np.asarray(np.mean((flags & int(flag)) != 0, axis=1) > 0.5)
+
+
+def _mean(q: Float, flags: NDArray[np.uint8], placement: Placement, verdict: _Verdict) -> Float:
+    """Average one sensor's orientation robustly and judge how much it moved."""
+    usable = np.isfinite(q).all(axis=-1) & ((flags & int(OrientationFlag.INVALID)) == 0)
+    if not usable.any():
+        raise CalibrationError(
+            f"no data from the {_words(placement)} sensor during the pose; "
+            "check that it is on and near, and repeat"
+        )
+    kept = q[usable]
+    centre = rotation.mean(kept)
+    away = rotation.angle_between(centre, kept)
+    # The middle half decides where the pose was; what lies far from it was a twitch.
+    close = away <= 2.0 * np.median(away) + 1e-9
+    centre = rotation.mean(kept[close])
+    spread = float(np.quantile(rotation.angle_between(centre, kept), 0.9))
+    if spread > _MOVED_RAD:
+        raise CalibrationError(
+            f"the {_words(placement)} moved by {math.degrees(spread):.0f} degrees; "
+            "stand still with hanging arms and repeat"
+        )
+    if spread > _SWAY_RAD:
+        verdict.lower(_SWAY_RAD / spread, f"the {_words(placement)} swayed; stand still and repeat")
+    return centre
+
+
+def _judge_samples(
+    bias: StaticBias,
+    accelerometer_mps2: Float,
+    q_mean: Float,
+    placements: Sequence[Placement],
+    verdict: _Verdict,
+) -> None:
+    """Look for motion, faulty accelerometers and orientations that contradict gravity."""
+    restless = np.sqrt(np.sum(bias.gyroscope_sd_radps**2, axis=1))
+    for s, placement in enumerate(placements):
+        if restless[s] > _RESTLESS_RADPS:
+            raise CalibrationError(
+                f"the {_words(placement)} was moving; stand still with hanging arms and repeat"
+            )
+        if restless[s] > _QUIET_RADPS:
+            verdict.lower(
+                max(0.3, _QUIET_RADPS / restless[s]), f"the {_words(placement)} was not still; repeat"
+            )
+        force = np.nanmedian(accelerometer_mps2[s], axis=0)
+        error = abs(float(np.linalg.norm(force)) / GRAVITY_MPS2 - 1.0)
+        if error > _NORM_FAULT:
+            raise CalibrationError(
+                f"the accelerometer of the {_words(placement)} sensor reads {100 * error:.0f} % off gravity "
+                "at rest; check its unit and range, or replace it"
+            )
+        if error > _NORM_WARNING:
+            verdict.lower(
+                _NORM_WARNING / error,
+                f"the accelerometer of the {_words(placement)} sensor is {100 * error:.0f} % off; "
+                "calibrate it",
+            )
+        tilt = rotation.rotate(q_mean[s], force / np.linalg.norm(force))
+        away = math.acos(min(1.0, float(tilt[2])))
+        if away > _SWAY_RAD:
+            verdict.lower(
+                max(0.2, _SWAY_RAD / away),
+                f"the orientation of the {_words(placement)} sensor has not settled "
+                f"({math.degrees(away):.0f} degrees off gravity); wait 3 s in the pose and repeat",
+            )
+
+
+def _judge_flags(flags: NDArray[np.uint8], placements: Sequence[Placement], verdict: _Verdict) -> None:
+    for flag, factor, text in (
+        (
+            OrientationFlag.MAGNETIC_DISTURBANCE,
+            0.6,
+            "iron or a magnet is near {}; move away from it and repeat",
+        ),
+        (OrientationFlag.CONVERGING, 0.8, "{} had only just started; wait 3 s and repeat"),
+        (OrientationFlag.SATURATED, 0.5, "{} was at its limit while standing; check its range"),
+    ):
+        hit = [
+            f"the {_words(p)} sensor" for p, bad in zip(placements, _mostly(flags, flag), strict=True) if bad
+        ]
+        if hit:
+            verdict.lower(factor, text.format(", ".join(hit)))
+
+
+def _facing(
+    placements: Sequence[Placement],
+    heading_rad: Float,
+    steepness_rad: Float,
+    own_heading: NDArray[np.bool_],
+    verdict: _Verdict,
+) -> tuple[float, Placement]:
+    """Return where the patient faces in the earth frame and the sensor that says so."""
+    shared = [p for p in placements if not own_heading[placements.index(p)]]
+    candidates = [p for p in FACING_ORDER if p in (shared or placements)]
+    usable = [p for p in candidates if steepness_rad[placements.index(p)] <= _STEEP_RAD]
+    if not usable:
+        names = ", ".join(_words(p) for p in candidates)
+        raise CalibrationError(
+            f"cannot tell where the patient faces: the z axis of every sensor ({names}) points up or down; "
+            "mount one with the z axis away from the body and repeat"
+        )
+    chosen = usable[0]
+    if chosen != candidates[0]:
+        verdict.lower(
+            0.8,
+            f"the {_words(candidates[0])} sensor lies flat, so {_words(chosen)} tells the facing direction",
+        )
+    if steepness_rad[placements.index(chosen)] > _SLANTED_RAD:
+        verdict.lower(0.6, f"the {_words(chosen)} sensor lies nearly flat; mount it upright")
+    group = [chosen]
+    other = chosen.replace("right", "left") if chosen.endswith("right") else chosen.replace("left", "right")
+    if other != chosen and other in usable and shared:
+        group += [p for p in usable if p == other]
+    each = [heading_rad[placements.index(p)] - OUTWARD_HEADING_RAD[p] for p in group]
+    facing = math.atan2(sum(math.sin(a) for a in each), sum(math.cos(a) for a in each))
+    return facing, chosen
+
+
+def _judge_agreement(
+    placements: Sequence[Placement],
+    heading_rad: Float,
+    steepness_rad: Float,
+    own_heading: NDArray[np.bool_],
+    facing_rad: float,
+    reference: Placement,
+    verdict: _Verdict,
+) -> None:
+    """Say so when most other sensors that follow the mounting rule contradict the reference."""
+    off = [
+        abs(_wrapped(heading_rad[s] - OUTWARD_HEADING_RAD[p] - facing_rad))
+        for s, p in enumerate(placements)
+        if p != reference and not own_heading[s] and steepness_rad[s] <= _SLANTED_RAD
+    ]
+    if len(off) >= 2 and np.median(off) > _DISAGREEMENT_RAD:
+        verdict.lower(
+            0.9,
+            f"the other sensors face {math.degrees(float(np.median(off))):.0f} degrees away from the "
+            f"{_words(reference)} sensor; if they were mounted with the z axis outward, check how that one sits",
+        )
+
+
+__all__ = ["UNUSABLE_SCORE", "n_pose"]
