@@ -286,7 +286,7 @@ def _judge_agreement(
         verdict.lower(
             0.9,
             f"the other sensors face {math.degrees(float(np.median(off))):.0f} degrees away from the "
-            f"{_words(reference)} sensor; if they were mounted with the z axis outward, check how that one sits",
+            f"{_words(reference)} sensor; if they sit with the z axis outward, check that one",
         )
 
 
