@@ -59,7 +59,6 @@ class PacketClock:
         self._highest = -1
         self._highest_time_us = 0
         self._highest_duration_us = 0
-        self._reference_us: int | None = None
         self._highest_arrival_s: float | None = None
         self._is_new_connection = False
 
@@ -93,10 +92,9 @@ class PacketClock:
             admitted and nothing else changes.
         """
         sequence = self._unwrap_sequence(packet.sequence)
-        device_us = self._unwrap_time(packet.device_time_us)
         if not self.declaration.clock_epochs:
-            self._add_epoch(ClockEpoch(0, -device_us))
-        time_us = device_us + self.offset_us(sequence)
+            self._add_epoch(ClockEpoch(0, packet.device_time_us, 0))
+        time_us = self._place_in_epoch(sequence, packet.device_time_us)
         known = self._times.get(sequence)
         if known is not None:
             if known != time_us:
@@ -109,21 +107,18 @@ class PacketClock:
             return Admitted(sequence, time_us, is_duplicate=True)
         duration_us = packet.tick_count * packet.tick_interval_us
         if sequence > self._highest:
-            time_us = self._check_newest(packet, sequence, device_us, time_us, arrival_s)
+            time_us = self._check_newest(packet, sequence, time_us, arrival_s)
             self._highest = sequence
             self._highest_time_us = time_us
             self._highest_duration_us = duration_us
             self._highest_arrival_s = arrival_s
-            self._reference_us = device_us
             self._is_new_connection = False
         elif time_us + duration_us > self._highest_time_us + packet.tick_interval_us // 2:
             raise self._time_error(packet, "time_backwards", "is later than that of a higher sequence number")
         self._remember(sequence, time_us)
         return Admitted(sequence, time_us, is_duplicate=False)
 
-    def _check_newest(
-        self, packet: Packet, sequence: int, device_us: int, time_us: int, arrival_s: float | None
-    ) -> int:
+    def _check_newest(self, packet: Packet, sequence: int, time_us: int, arrival_s: float | None) -> int:
         if self._highest < 0:
             return time_us
         steps = sequence - self._highest
@@ -136,7 +131,7 @@ class PacketClock:
             if arrival_s is not None and self._highest_arrival_s is not None:
                 elapsed_us = round(1e6 * (arrival_s - self._highest_arrival_s))
             time_us = self.session_time_us + min(max(elapsed_us, 0), MAX_GAP_US)
-            self._add_epoch(ClockEpoch(sequence, time_us - device_us))
+            self._add_epoch(ClockEpoch(sequence, packet.device_time_us, time_us))
             return time_us
         if backwards:
             raise self._time_error(packet, "time_backwards", "lies before the end of the packet before it")
@@ -168,31 +163,15 @@ class PacketClock:
         sequence = self._highest + step
         return sequence if sequence >= 0 else sequence + _WRAP_32
 
-    def _unwrap_time(self, raw: int) -> int:
-        reference = self._reference_us
-        if reference is None:
-            return raw
-        low = reference % _WRAP_64
-        step = (raw - low + (_WRAP_64 >> 1)) % _WRAP_64 - (_WRAP_64 >> 1)
-        if raw < _WRAP_32 and -_WRAP_32 < step < -(_WRAP_32 >> 1) and low >= _WRAP_32 - MAX_GAP_US:
-            step += _WRAP_32  # a 32-bit microsecond counter, 71 minutes long, in the 64-bit field
-        elif (
-            reference >= _WRAP_32
-            and raw < _WRAP_32
-            and step <= -(_WRAP_32 >> 1)
-            and not self._is_new_connection
-        ):
-            turns = round((reference - raw) / _WRAP_32)
-            step = raw + turns * _WRAP_32 - reference
-        return reference + step
-
-    def offset_us(self, sequence: int) -> int:
-        """Return session time minus device time for a packet; needs a first epoch."""
+    def _place_in_epoch(self, sequence: int, device_us: int) -> int:
+        """Return session time, with the wraps of a 64-bit or (71 minutes) 32-bit counter undone."""
         epochs = self.declaration.clock_epochs
-        for epoch in reversed(epochs):
-            if sequence >= epoch.first_sequence:
-                return epoch.offset_us
-        return epochs[0].offset_us
+        epoch = next((one for one in reversed(epochs) if sequence >= one.first_sequence), epochs[0])
+        elapsed_us = (device_us - epoch.device_start_us + (_WRAP_64 >> 1)) % _WRAP_64 - (_WRAP_64 >> 1)
+        if device_us < _WRAP_32 and epoch.device_start_us < _WRAP_32:
+            expected_us = self._highest_time_us - epoch.session_start_us
+            elapsed_us += _WRAP_32 * round((expected_us - elapsed_us) / _WRAP_32)
+        return epoch.session_start_us + elapsed_us
 
     def _add_epoch(self, epoch: ClockEpoch) -> None:
         self.declaration = replace(self.declaration, clock_epochs=(*self.declaration.clock_epochs, epoch))

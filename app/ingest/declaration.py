@@ -12,7 +12,7 @@ from estimators.conventions import PLACEMENTS, Placement
 
 @dataclass(frozen=True)
 class ClockEpoch:
-    """From which packet on the device clock has which offset to the session clock.
+    """Where the device clock stands on the session clock, from one packet on.
 
     A session has one, and another each time its device starts its clock afresh.
 
@@ -20,12 +20,13 @@ class ClockEpoch:
     ----------
     first_sequence : int
         Unwrapped sequence of the first packet on this clock.
-    offset_us : int
-        Session time minus unwrapped device time.
+    device_start_us, session_start_us : int
+        The same moment on both clocks: the first tick of that packet.
     """
 
     first_sequence: int
-    offset_us: int
+    device_start_us: int
+    session_start_us: int
 
 
 @dataclass(frozen=True)

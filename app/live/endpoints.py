@@ -31,7 +31,7 @@ def give_ticket(session_id: str, body: TicketIn, request: Request, subject: Curr
 
 @router.post("/{session_id}/calibrate")
 async def calibrate(session_id: str, request: Request, subject: CurrentSubject) -> StateMessage:
-    """Look for three still seconds in the N-pose and calibrate from them; progress comes over the live socket."""
+    """Look for three still seconds in the N-pose and calibrate; progress comes over the live socket."""
     live = await _live(request, subject, session_id, "calibrate")
     session = live.live(session_id)
     session.calibrate()

@@ -10,6 +10,7 @@ from sqlalchemy import Engine
 
 from app.errors import PacketError
 from app.ingest.alignment import Aligner
+from app.ingest.clock import Admitted
 from app.ingest.packet import Channel, Packet
 from app.live.runner import LiveSession
 from app.recordings.reprocess import decoded
@@ -27,39 +28,31 @@ def rebuild(session: LiveSession, engine: Engine) -> None:
         Not yet given to anybody; open at the writer.
     engine : Engine
     """
-    tail: deque[Packet] = deque()
+    tail: deque[tuple[Packet, Admitted]] = deque()
     is_whole = False
     for raw in read_packets_in_order(engine, session.id):
         packet = decoded(raw)
+        try:
+            tail.append((packet, session.clock.admit(packet)))
+        except PacketError:
+            continue
         is_whole = is_whole or not packet.channels & Channel.MAGNETOMETER
-        tail.append(packet)
         if is_whole:
             while tail:
-                _feed(session, tail.popleft())
-        elif len(tail) > _packets_in(packet, TAIL_S):
+                _feed(session, *tail.popleft())
+        elif tail[-1][1].time_us - tail[0][1].time_us > 1e6 * TAIL_S:
             tail.popleft()
     if tail:
-        _start_at(session, tail[0])
-    for packet in tail:
-        _feed(session, packet)
+        # Alignment begins at the tail instead of filling up from tick 0.
+        first_tick = max(0, round(tail[0][1].time_us * 1e-6 * session.declaration.rate_hz))
+        session.aligner = Aligner(session.declaration, first_tick=first_tick)
+    while tail:
+        _feed(session, *tail.popleft())
     session.aligner.gaps.clear()
 
 
-def _packets_in(packet: Packet, duration_s: float) -> int:
-    return max(1, int(duration_s * 1e6 / (packet.tick_count * packet.tick_interval_us)))
-
-
-def _start_at(session: LiveSession, packet: Packet) -> None:
-    """Let alignment begin at the first packet of the tail instead of filling up from tick 0."""
-    first_us = packet.device_time_us + session.clock.offset_us(packet.sequence)
-    session.aligner = Aligner(
-        session.declaration, first_tick=max(0, round(first_us * 1e-6 * session.declaration.rate_hz))
-    )
-
-
-def _feed(session: LiveSession, packet: Packet) -> None:
+def _feed(session: LiveSession, packet: Packet, place: Admitted) -> None:
     try:
-        place = session.clock.admit(packet)
         chunk = session.aligner.push(packet, place.sequence, place.time_us)
     except PacketError:
         return
