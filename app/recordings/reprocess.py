@@ -14,7 +14,7 @@ from sqlalchemy.orm import Session
 
 from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
-from app.errors import NotFound
+from app.errors import InvalidInput, NotFound
 from app.ingest.alignment import align_chunks, joined_chunks
 from app.ingest.packet import Packet
 from app.recordings._rows import insert_chunk
@@ -38,7 +38,10 @@ class Analysis:
 
     result_id: str
     ticks: int
-    is_calibrated: bool
+    setup: SessionSetup
+    """With the calibration used."""
+    pose_s: tuple[float, float] | None
+    """Where in the session that calibration was found, when it was found here."""
     message: str
 
 
@@ -60,13 +63,40 @@ def decoded(packet: RawPacket) -> Packet:
 
 
 def aligned(
-    source: Source, session_id: str, hello: dict[str, Any] | None, piece_ticks: int = PIECE_TICKS
+    source: Source,
+    session_id: str,
+    hello: dict[str, Any] | None,
+    placements: tuple[str, ...] | None = None,
+    piece_ticks: int = PIECE_TICKS,
 ) -> Iterator[ImuChunk]:
-    """Yield a stored session on its common ticks, from tick 0 on, piece by piece."""
+    """Yield a stored session on its common ticks, from tick 0 on, piece by piece.
+
+    `placements` picks sensors of the network, in that order; by default all.
+    """
     if hello is None:
         raise NotFound("This session has no packets: no gateway ever declared itself.")
     packets = (decoded(packet) for packet in read_packets_in_order(source, session_id))
-    yield from align_chunks(packets, hello, piece_ticks)
+    sent = list(hello["placements"])
+    if placements is None or list(placements) == sent:
+        yield from align_chunks(packets, hello, piece_ticks)
+        return
+    missing = [name for name in placements if name not in sent]
+    if missing:
+        raise InvalidInput(f"The session has no sensor {', '.join(missing)}.", field="placements")
+    rows = [sent.index(name) for name in placements]
+    for piece in align_chunks(packets, hello, piece_ticks):
+        yield _picked(piece, rows)
+
+
+def _picked(chunk: ImuChunk, rows: list[int]) -> ImuChunk:
+    magnetometer = None if chunk.magnetometer_t is None else chunk.magnetometer_t[rows]
+    return replace(
+        chunk,
+        gyroscope_radps=chunk.gyroscope_radps[rows],
+        accelerometer_mps2=chunk.accelerometer_mps2[rows],
+        magnetometer_t=magnetometer,
+        quality=chunk.quality[rows],
+    )
 
 
 def reprocess(context: JobContext) -> str:
@@ -137,7 +167,7 @@ def analyse(
     message = ""
     if setup.calibration is None and (pose_s is not None or search_pose):
         try:
-            setup = calibrated(context, setup, pose_s)
+            setup, pose_s = calibrated(context, setup, pose_s)
         except CalibrationError as error:
             message = f"Not calibrated, so there are no joint angles: {error}"
     elif setup.calibration is None:
@@ -153,7 +183,7 @@ def analyse(
         )
     ticks = 0
     waiting: list[EncodedChunk] = []
-    for piece in aligned(context.engine, context.session_id, hello):
+    for piece in aligned(context.engine, context.session_id, hello, setup.placements):
         waiting.append(encode_frames(pipeline.step(piece)))
         ticks = piece.first_tick + piece.tick_count
         if len(waiting) >= _CHUNKS_A_COMMIT:
@@ -168,11 +198,11 @@ def analyse(
         result = session.get_one(Result, result_id)
         result.status, result.progress, result.message = "complete", 1.0, message[:500]
         result.completed_at = utc_now()
-    return Analysis(result_id, ticks, setup.calibration is not None, message)
+    return Analysis(result_id, ticks, setup, pose_s if setup.calibration is not None else None, message)
 
 
-def calibrated(context: JobContext, setup: SessionSetup, pose_s: tuple[float, float] | None) -> SessionSetup:
-    """Run up to the end of the pose, evaluate it there and return the setup with its calibration.
+def calibrated(context: JobContext, setup: SessionSetup, pose_s: tuple[float, float] | None) -> tuple[SessionSetup, tuple[float, float]]:
+    """Run up to the end of the pose and evaluate it there; return the calibrated setup and the pose.
 
     Raises
     ------
@@ -184,7 +214,7 @@ def calibrated(context: JobContext, setup: SessionSetup, pose_s: tuple[float, fl
     pieces: list[ImuChunk] = []
     with read_only(context.engine) as session:
         hello = session.get_one(MotionSession, context.session_id).hello
-    for piece in aligned(context.engine, context.session_id, hello):
+    for piece in aligned(context.engine, context.session_id, hello, setup.placements):
         pieces.append(piece)
         if piece.first_tick + piece.tick_count >= limit:
             break
@@ -201,7 +231,7 @@ def calibrated(context: JobContext, setup: SessionSetup, pose_s: tuple[float, fl
     pipeline = pipelines.create(setup)
     pipelines.step_through(pipeline, chunk.ticks(0, stop))
     pipeline.calibrate(chunk.ticks(first, stop))
-    return pipeline.setup
+    return pipeline.setup, (first / setup.rate_hz, stop / setup.rate_hz)
 
 
 def _last_pose(session: Session, session_id: str) -> tuple[float, float] | None:

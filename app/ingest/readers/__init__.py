@@ -10,7 +10,7 @@ from app.ingest.readers._broad import read_broad
 from app.ingest.readers._csv import read_csv
 from app.ingest.readers._packet_log import LogReader, read_packet_log
 from app.ingest.readers._packets import RecordingPackets, packets_of
-from app.ingest.readers._qmt import read_qmt
+from app.ingest.readers._qmt import PLACEMENT_OF, read_qmt
 from app.recordings.schemas import CsvMapping
 from estimators.recording import Recording
 
@@ -85,6 +85,7 @@ def guess(path: Path) -> str:
 
 __all__ = [
     "FORMATS",
+    "PLACEMENT_OF",
     "LogReader",
     "RecordingPackets",
     "guess",

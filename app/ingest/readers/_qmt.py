@@ -9,24 +9,25 @@ import scipy.io
 from app.errors import RecordingFormatError
 from app.ingest.readers._time import nominal_rate, seconds_of
 from app.ingest.readers._units import check_accelerometer, check_gyroscope
+from estimators.conventions import Placement
 from estimators.recording import Float, Recording, SensorSignals
 
-PLACEMENT_OF: Final = {
+PLACEMENT_OF: Final[dict[str, Placement]] = {
     "head": "head",
     "upper_back": "sternum",
     "hip": "pelvis",
-    **{
-        f"{theirs}_{side}": f"{ours}_{side}"
-        for theirs, ours in (
-            ("upper_arm", "upper_arm"),
-            ("forearm", "forearm"),
-            ("hand", "hand"),
-            ("upper_leg", "thigh"),
-            ("lower_leg", "shank"),
-            ("foot", "foot"),
-        )
-        for side in ("left", "right")
-    },
+    "upper_arm_left": "upper_arm_left",
+    "upper_arm_right": "upper_arm_right",
+    "forearm_left": "forearm_left",
+    "forearm_right": "forearm_right",
+    "hand_left": "hand_left",
+    "hand_right": "hand_right",
+    "upper_leg_left": "thigh_left",
+    "upper_leg_right": "thigh_right",
+    "lower_leg_left": "shank_left",
+    "lower_leg_right": "shank_right",
+    "foot_left": "foot_left",
+    "foot_right": "foot_right",
 }
 """`upper_back` moves with the thorax, which is what our `sternum` measures; calibration takes care of how the
 sensor sits. `lower_back` lies between pelvis and thorax, has no segment of ours and is left out."""
@@ -57,7 +58,7 @@ def read_qmt(path: Path) -> Recording:
             " of qmt."
         )
     time_s = seconds_of(np.asarray(content["t"], dtype=np.float64).reshape(-1), "s", first_row=1)
-    sensors = {}
+    sensors: dict[str, SensorSignals] = {}
     for name in present:
         gyroscope = _signal(content[name], name, "gyr", time_s.size)
         accelerometer = _signal(content[name], name, "acc", time_s.size)

@@ -1,0 +1,222 @@
+"""Uploading a whole recording: received to disk, stored as packets, analysed like a streamed session.
+
+The request ends when the file is on disk and its task is queued; reading, storing and estimating are the
+task's work, in the worker process, with progress. A file is removed when it was read or cannot be.
+"""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, Final
+
+from anyio import to_thread
+from fastapi import APIRouter, Request
+from pydantic import ValidationError
+from sqlalchemy import Engine, select
+
+from app.accounts.dependencies import CurrentSubject
+from app.accounts.subject import Subject
+from app.database.base import new_id
+from app.database.unit_of_work import read_only, unit_of_work
+from app.errors import InvalidInput
+from app.ingest import readers
+from app.ingest._multipart import UploadReceiver, too_large
+from app.recordings import repository, service
+from app.recordings.models import Job, MotionSession
+from app.recordings.schemas import JobOut, UploadIn
+from app.services import services_of
+from app.settings import Settings
+from estimators.conventions import Placement
+from estimators.pipelines import SessionSetup
+
+MULTIPART_SLACK_BYTES: Final = 1 << 20
+_LEGS: Final = ("thigh_", "shank_", "foot_")
+
+router = APIRouter(prefix="/api", tags=["sessions"])
+
+_BODY: Final[dict[str, Any]] = {
+    "requestBody": {
+        "required": True,
+        "content": {
+            "multipart/form-data": {
+                "schema": {
+                    "type": "object",
+                    "required": ["declaration", "file"],
+                    "properties": {
+                        "declaration": {
+                            "type": "string",
+                            "contentMediaType": "application/json",
+                            "description": "UploadIn as JSON; must come before the file.",
+                        },
+                        "file": {"type": "string", "format": "binary"},
+                    },
+                }
+            }
+        },
+    }
+}
+
+
+@router.post("/uploads", status_code=202, openapi_extra=_BODY)
+async def upload_recording(request: Request, subject: CurrentSubject) -> JobOut:
+    """Upload a recording: a packet log, CSV with its mapping, or a whole-body `.mat`.
+
+    The JSON part `declaration` (`UploadIn`) comes first, then the part `file`.
+    """
+    services = services_of(request)
+    settings: Settings = services.settings
+    length = request.headers.get("content-length", "")
+    if length.isdigit() and int(length) > settings.upload_limit_bytes + MULTIPART_SLACK_BYTES:
+        raise too_large(settings.upload_limit_bytes)
+    declared: list[UploadIn] = []
+
+    async def check(text: bytes) -> None:
+        declaration = parse_declaration(text)
+        await to_thread.run_sync(_check_right, services.engine, subject, declaration)
+        declared.append(declaration)
+
+    folder = upload_folder(settings)
+    name = new_id()
+    partial, whole = folder / f"{name}.part", folder / f"{name}.upload"
+    receiver = UploadReceiver(
+        request.headers.get("content-type", ""), partial, settings.upload_limit_bytes, check
+    )
+    try:
+        await receiver.receive(request.stream())
+        await to_thread.run_sync(partial.rename, whole)
+        job = await to_thread.run_sync(register, services.engine, settings, subject, declared[0], whole)
+    except BaseException:
+        # Also when the client went away: nothing half received stays on the disk.
+        partial.unlink(missing_ok=True)
+        whole.unlink(missing_ok=True)
+        raise
+    if services.jobs is not None:
+        services.jobs.wake()
+    return job
+
+
+def parse_declaration(text: bytes) -> UploadIn:
+    """Read the JSON part.
+
+    Raises
+    ------
+    InvalidInput
+        With the fields that are wrong.
+    """
+    try:
+        declaration = UploadIn.model_validate_json(text)
+    except ValidationError as error:
+        fields = [".".join(str(part) for part in item["loc"]) or "declaration" for item in error.errors()]
+        raise InvalidInput(
+            f"The declaration is wrong in: {', '.join(fields[:8])}.",
+            problems=[
+                {"field": name, "problem": item["msg"]}
+                for name, item in zip(fields, error.errors(), strict=True)
+            ][:20],
+        ) from error
+    if declaration.format == "csv" and declaration.csv is None:
+        raise InvalidInput("A CSV upload needs `csv`: which column is what, in which unit.", field="csv")
+    pose = declaration.calibration_pose_s
+    if pose is not None and not 0 <= pose[0] < pose[1]:
+        raise InvalidInput(
+            "calibration_pose_s must be a start and a later end, in seconds of the recording.",
+            field="calibration_pose_s",
+        )
+    return declaration
+
+
+def upload_folder(settings: Settings) -> Path:
+    """Return the folder for files in passing, readable by the service only."""
+    folder = settings.data_dir / "uploads"
+    folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+    return folder
+
+
+def remove_orphans(engine: Engine, settings: Settings) -> int:
+    """Remove uploaded files that no unfinished task needs; called once at the start of the service."""
+    with read_only(engine) as session:
+        wanted = {
+            job.arguments.get("file")
+            for job in session.scalars(
+                select(Job).where(Job.kind == "upload", Job.status.in_(("queued", "running")))
+            )
+        }
+    removed = 0
+    for path in upload_folder(settings).iterdir():
+        if path.name not in wanted:
+            path.unlink(missing_ok=True)
+            removed += 1
+    return removed
+
+
+def _check_right(engine: Engine, subject: Subject, declaration: UploadIn) -> None:
+    with read_only(engine) as session:
+        repository.patient_of(
+            session, subject, declaration.patient_id, repository.recording_level(declaration.purpose)
+        )
+
+
+def register(
+    engine: Engine, settings: Settings, subject: Subject, declaration: UploadIn, path: Path
+) -> JobOut:
+    """Make the session of an uploaded file and queue its task.
+
+    Parameters
+    ----------
+    path : Path
+        Inside `upload_folder(settings)`; from now on the task's.
+
+    Raises
+    ------
+    RecordingFormatError
+        The beginning of the file is not what it was declared to be.
+    """
+    placements, rate_hz = _announced(declaration, path)
+    with unit_of_work(engine) as session:
+        patient = repository.patient_of(
+            session, subject, declaration.patient_id, repository.recording_level(declaration.purpose)
+        )
+        setup = service.checked(
+            SessionSetup(
+                pipeline="arm",
+                placements=estimated(placements),
+                rate_hz=rate_hz,
+                orientation=declaration.orientation,
+                body=service.body_of(patient),
+            )
+        )
+        found = repository.create_session(
+            session,
+            subject,
+            MotionSession(
+                patient_id=patient.id,
+                exercise_id=declaration.exercise_id,
+                prescription_id=declaration.prescription_id,
+                purpose=declaration.purpose,
+                source="upload",
+                state="closing",
+                setup=setup.to_dict(),
+                created_by=subject.id,
+            ),
+        )
+        arguments = {"file": path.name, "declaration": declaration.model_dump(mode="json")}
+        return service.job_out(repository.add_job(session, found, "upload", arguments, subject))
+
+
+def estimated(placements: Iterable[Placement]) -> tuple[Placement, ...]:
+    """Return the sensors that the arm pipeline uses: all but the legs, which stay in the raw data."""
+    return tuple(name for name in placements if not name.startswith(_LEGS))
+
+
+def _announced(declaration: UploadIn, path: Path) -> tuple[list[Placement], float]:
+    """Return placements and rate as far as they can be told without reading the whole file."""
+    if declaration.format == "packet_log":
+        log = readers.LogReader(path)
+        return list(log.declaration.placements), log.declaration.rate_hz
+    if declaration.csv is not None:
+        names = list(dict.fromkeys(signal.placement for signal in declaration.csv.signals))
+        return names, declaration.csv.rate_hz or 100.0
+    # Those that any whole-body recording has; the task replaces them by what the file holds.
+    return list(readers.PLACEMENT_OF.values()), 100.0
+
+
+__all__ = ["estimated", "parse_declaration", "register", "remove_orphans", "router", "upload_folder"]

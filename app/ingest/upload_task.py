@@ -1,0 +1,169 @@
+"""The task of an upload: read the file, store it as packets, estimate, and go on as after a live session."""
+
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+from sqlalchemy import delete
+
+from app.database.base import utc_now
+from app.database.unit_of_work import unit_of_work
+from app.errors import RecordingFormatError
+from app.ingest import readers
+from app.ingest.declaration import Declaration
+from app.ingest.upload import estimated, upload_folder
+from app.recordings._rows import insert_chunk
+from app.recordings.chunks import RAW_STREAM, EncodedChunk, RawPacket, encode_packets
+from app.recordings.jobs import JobContext
+from app.recordings.models import MotionSession, SessionEvent, SignalChunk
+from app.recordings.reprocess import Analysis, analyse, count_session, enqueue_comparison
+from app.recordings.schemas import UploadIn
+from estimators.pipelines import SessionSetup
+
+_CHUNK_TICKS: Final = 100
+_CHUNKS_A_COMMIT: Final = 16
+_STORED_AT: Final = 0.4
+"""Share of the task's progress when the packets are stored and estimation begins."""
+
+
+def process_upload(context: JobContext) -> str:
+    """Do the task `upload`; its arguments are the name of the file and the declaration.
+
+    Raises
+    ------
+    RecordingFormatError
+        The file is not what it was declared to be; it is removed.
+    """
+    declaration = UploadIn.model_validate(context.arguments["declaration"])
+    path = upload_folder(context.settings) / Path(str(context.arguments["file"])).name
+    try:
+        if not path.exists():
+            raise RecordingFormatError("The uploaded file is gone; upload it again.")
+        notes = _store(context, declaration, path)
+        analysis = _analyse(context, declaration)
+    except RecordingFormatError:
+        path.unlink(missing_ok=True)
+        raise
+    _finish(context, analysis)
+    path.unlink(missing_ok=True)
+    return " ".join(part for part in (analysis.message, *notes) if part)
+
+
+def _store(context: JobContext, declaration: UploadIn, path: Path) -> list[str]:
+    """Store the file as packets with the hello that a gateway would have sent; return notes for people."""
+    context.progress(0.01, "Reading the file")
+    _forget_raw(context)
+    notes = []
+    if declaration.format == "packet_log":
+        log = readers.LogReader(path)
+        size = path.stat().st_size
+        stored_ticks = _write_packets(
+            context, (raw for raw, _ in log.packets()), lambda packet: (len(packet.payload) + 44) / size
+        )
+        network = log.declaration
+        if log.damaged:
+            notes.append(f"{log.damaged} damaged packets were left out.")
+    else:
+        recording = readers.read(path, declaration.format, declaration.csv)
+        prepared = readers.packets_of(recording)
+        network = prepared.declaration
+        total = prepared.tick_count
+        stored_ticks = _write_packets(
+            context, prepared.packets(time.time_ns()), lambda packet: packet.tick_count / total
+        )
+        if prepared.left_out:
+            notes.append(f"Not used, as it is no placement of ours: {', '.join(prepared.left_out)}.")
+    if not stored_ticks:
+        raise RecordingFormatError("The file holds no sound packet.")
+    _declare(context, network)
+    return notes
+
+
+def _forget_raw(context: JobContext) -> None:
+    """Remove what an interrupted attempt stored."""
+    with unit_of_work(context.engine) as session:
+        session.execute(
+            delete(SignalChunk).where(
+                SignalChunk.session_id == context.session_id, SignalChunk.stream == RAW_STREAM
+            )
+        )
+
+
+def _write_packets(
+    context: JobContext, packets: Iterable[RawPacket], share: Callable[[RawPacket], float]
+) -> int:
+    """Write packets in chunks of about a second; return how many ticks."""
+    done = 0.0
+    ticks = number = 0
+    group: list[RawPacket] = []
+    group_ticks = 0
+    chunks: list[tuple[int, EncodedChunk]] = []
+    for packet in packets:
+        if group and (group_ticks >= _CHUNK_TICKS or packet.shape_key != group[0].shape_key):
+            chunks.append((number, encode_packets(group)))
+            number, group, group_ticks = number + 1, [], 0
+        if len(chunks) >= _CHUNKS_A_COMMIT:
+            _write_chunks(context, chunks)
+            chunks = []
+            context.progress(0.1 + (_STORED_AT - 0.1) * min(1.0, done), "Storing the recording")
+        group.append(packet)
+        group_ticks += packet.tick_count
+        ticks += packet.tick_count
+        done += share(packet)
+    if group:
+        chunks.append((number, encode_packets(group)))
+    _write_chunks(context, chunks)
+    return ticks
+
+
+def _write_chunks(context: JobContext, chunks: list[tuple[int, EncodedChunk]]) -> None:
+    with unit_of_work(context.engine) as session:
+        for number, chunk in chunks:
+            insert_chunk(session, context.session_id, RAW_STREAM, number, chunk)
+
+
+def _declare(context: JobContext, network: Declaration) -> None:
+    """Write to the session what its gateway would have declared."""
+    with unit_of_work(context.engine) as session:
+        found = session.get_one(MotionSession, context.session_id)
+        found.hello = network.to_dict()
+        found.setup = replace(
+            SessionSetup.from_dict(found.setup),
+            placements=estimated(network.placements),
+            rate_hz=network.rate_hz,
+        ).to_dict()
+        found.started_at = found.started_at or utc_now()
+
+
+def _analyse(context: JobContext, declaration: UploadIn) -> Analysis:
+    with unit_of_work(context.engine) as session:
+        setup = SessionSetup.from_dict(session.get_one(MotionSession, context.session_id).setup)
+    return analyse(context, setup, declaration.calibration_pose_s, search_pose=True, progress_from=_STORED_AT)
+
+
+def _finish(context: JobContext, analysis: Analysis) -> None:
+    """Write what the analysis found about the session and queue the comparison."""
+    with unit_of_work(context.engine) as session:
+        found = session.get_one(MotionSession, context.session_id)
+        found.setup = analysis.setup.to_dict()
+        found.main_result_id = analysis.result_id
+        found.ended_at = utc_now()
+        found.state_reason = analysis.message[:500]
+        count_session(session, found, analysis)
+        if analysis.pose_s is not None:
+            start_s, end_s = analysis.pose_s
+            session.add(
+                SessionEvent(
+                    session_id=found.id,
+                    kind="calibration",
+                    time_s=start_s,
+                    duration_s=end_s - start_s,
+                    text="Calibration pose found in the recording.",
+                )
+            )
+        enqueue_comparison(session, found)
+
+
+__all__ = ["process_upload"]
