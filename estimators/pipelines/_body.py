@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators import orientation, rotation
+from estimators import calibration, orientation, rotation
 from estimators.errors import CalibrationError, SetupError, ShapeError
 from estimators.orientation import OrientationFlag, OrientationResult
 from estimators.pipelines._contract import Calibration, SessionSetup
@@ -51,6 +51,7 @@ class BodyNetwork:
         slots = int(_MEMORY_S * _MEMORY_HZ)
         self._memory_tick = np.full(slots, -1, dtype=np.int64)
         self._memory_q = np.full((slots, self.sensor_count, 4), np.nan)
+        self._memory_flags = np.zeros((slots, self.sensor_count), dtype=np.uint8)
         self._apply(setup.calibration)
         if setup.calibration is not None:
             self._set_bias(setup.calibration, REMEMBERED_BIAS_SIGMA_RADPS)
@@ -96,37 +97,69 @@ class BodyNetwork:
         return result, q_room_segment, omega, sigma, flags
 
     def calibrate(self, pose: ImuChunk, method: str) -> Calibration:
-        """Find the calibration from a pose among the ticks already seen; it holds from the next step."""
+        """Find the calibration from a pose among the ticks already seen; it holds from the next step.
+
+        Parameters
+        ----------
+        pose : ImuChunk
+        method : str
+            `n_pose` finds mounting, facing and bias; `static` only the bias, for sensors that lie still.
+
+        Raises
+        ------
+        CalibrationError
+            With what to redo.
+        SetupError
+            For another method.
+        """
         if pose.sensor_count != self.sensor_count:
             raise ShapeError(
                 f"the pose has {pose.sensor_count} sensors; this session has {self.sensor_count}"
             )
-        found = self._find(pose, method)
+        placements = self.setup.placements
+        if method == "n_pose":
+            q_earth_sensor, flags = self._during(pose)
+            found = calibration.n_pose(
+                q_earth_sensor,
+                pose.gyroscope_radps,
+                pose.accelerometer_mps2,
+                placements,
+                flags,
+                time_step_s=pose.time_step_s,
+            )
+        elif method == "static":
+            rest = calibration.static_bias(
+                pose.gyroscope_radps, pose.accelerometer_mps2, pose.time_step_s, require_still=True
+            )
+            found = Calibration(
+                q_sensor_segment=dict.fromkeys(placements, (1.0, 0.0, 0.0, 0.0)),
+                gyroscope_bias_radps={
+                    name: (float(x), float(y), float(z))
+                    for name, (x, y, z) in zip(placements, rest.gyroscope_bias_radps, strict=True)
+                },
+                method="static",
+            )
+        else:
+            raise SetupError(f"no calibration method {method!r}; known are n_pose and static")
         self._apply(found)
         self._set_bias(found, MEASURED_BIAS_SIGMA_RADPS)
         self.setup = replace(self.setup, calibration=found)
         return found
 
-    def _find(self, pose: ImuChunk, method: str) -> Calibration:
-        raise NotImplementedError
-
-    def pose_orientation(self, pose: ImuChunk) -> Float:
-        """Return the mean orientation of each sensor during the pose, shape (S, 4), from memory."""
+    def _during(self, pose: ImuChunk) -> tuple[Float, NDArray[np.uint8]]:
+        """Return orientations (S, M, 4) and flags (S, M) remembered from the pose."""
         first, stop = pose.first_tick, pose.first_tick + pose.tick_count
-        inside = (self._memory_tick >= first) & (self._memory_tick < stop)
-        if not inside.any():
+        inside = np.flatnonzero((self._memory_tick >= first) & (self._memory_tick < stop))
+        if not len(inside):
             raise CalibrationError(
-                "these ticks are not among the last 8 s that were processed; hold the pose again for 3 s"
+                f"these ticks are not among the last {_MEMORY_S:.0f} s that were processed; "
+                "hold the pose again for 3 s"
             )
-        remembered = self._memory_q[inside]
-        mean = np.empty((self.sensor_count, 4))
-        for s in range(self.sensor_count):
-            usable = remembered[np.isfinite(remembered[:, s, 0]), s]
-            if not len(usable):
-                name = self.setup.placements[s]
-                raise CalibrationError(f"no data from the {name} sensor during the pose; check it and repeat")
-            mean[s] = rotation.mean(usable)
-        return mean
+        inside = inside[np.argsort(self._memory_tick[inside])]
+        return (
+            np.ascontiguousarray(self._memory_q[inside].swapaxes(0, 1)),
+            np.ascontiguousarray(self._memory_flags[inside].T),
+        )
 
     def _remember(self, first_tick: int, result: OrientationResult) -> None:
         """Keep the orientation at every n-th tick, counted since the start so that chunks do not matter."""
@@ -135,8 +168,8 @@ class BodyNetwork:
         for k in range(start, ticks, self._stride):
             slot = ((first_tick + k) // self._stride) % len(self._memory_tick)
             self._memory_tick[slot] = first_tick + k
-            invalid = (result.flags[:, k] & OrientationFlag.INVALID) != 0
-            self._memory_q[slot] = np.where(invalid[:, None], np.nan, result.q_earth_sensor[:, k])
+            self._memory_q[slot] = result.q_earth_sensor[:, k]
+            self._memory_flags[slot] = result.flags[:, k]
 
     def _apply(self, found: Calibration | None) -> None:
         """Take over a calibration: rotations per sensor, ready for the kernel."""
@@ -166,11 +199,12 @@ class BodyNetwork:
         state["calibration"] = np.frombuffer(text.encode(), dtype=np.uint8).copy()
         state["memory_tick"] = self._memory_tick.copy()
         state["memory_q"] = self._memory_q.copy()
+        state["memory_flags"] = self._memory_flags.copy()
         return state
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Continue where the instance that gave `state` stood, its calibration included."""
-        missing = {"calibration", "memory_tick", "memory_q"} - set(state)
+        missing = {"calibration", "memory_tick", "memory_q", "memory_flags"} - set(state)
         if missing:
             raise ShapeError(f"this state has no {', '.join(sorted(missing))}; it is of another pipeline")
         if state["memory_q"].shape != self._memory_q.shape:
@@ -185,6 +219,7 @@ class BodyNetwork:
         self._apply(self.setup.calibration)
         self._memory_tick = state["memory_tick"].astype(np.int64)
         self._memory_q = state["memory_q"].astype(np.float64)
+        self._memory_flags = state["memory_flags"].astype(np.uint8)
 
 
 def _check(setup: SessionSetup) -> None:
