@@ -1,5 +1,6 @@
-"""The body network with exact truth: movements, sensors, their errors, and faults of link and device."""
+"""The body network with exact truth: movements, sensors, their errors; faults in `simulation.faults`."""
 
+from estimators.simulation import faults
 from estimators.simulation._errors import SENSOR_PRESETS, SensorErrors, TriadErrors, sensor_errors
 from estimators.simulation._exercises import EXERCISES, Exercise, ExerciseName
 from estimators.simulation._movements import (
@@ -7,6 +8,7 @@ from estimators.simulation._movements import (
     Schedule,
     style_of_impairment,
 )
+from estimators.simulation._patients import IMPAIRMENT, PatientName, demonstration_scenario
 from estimators.simulation._scenario import (
     ARM_PLACEMENTS,
     ArmScenario,
@@ -20,6 +22,7 @@ from estimators.simulation._sensors import EarthField, Magnet, Mounting, dipole_
 __all__ = [
     "ARM_PLACEMENTS",
     "EXERCISES",
+    "IMPAIRMENT",
     "SENSOR_PRESETS",
     "ArmScenario",
     "ArmTruth",
@@ -29,12 +32,15 @@ __all__ = [
     "Magnet",
     "Mounting",
     "MovementStyle",
+    "PatientName",
     "Schedule",
     "SensorClocks",
     "SensorErrors",
     "SimulatedSession",
     "TriadErrors",
+    "demonstration_scenario",
     "dipole_field",
+    "faults",
     "outward_mounting",
     "sensor_errors",
     "simulate_arm",
