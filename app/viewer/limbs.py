@@ -175,7 +175,7 @@ def shank(body: BodyDimensions, wide: float) -> Mesh:
 
 
 def ankle(body: BodyDimensions, wide: float) -> Mesh:
-    """What is seen of the leg between trousers and shoe."""
+    """Bare ankle between trousers and shoe."""
     long, side = leg_lengths_m(body)[1], 0.07 * wide
     shape = tapered(
         (-0.006 * wide, 0, -0.80 * long), (-0.006 * wide, 0, -1.03 * long), 0.038 * wide, 0.034 * wide

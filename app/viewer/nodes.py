@@ -1,5 +1,6 @@
 """What stands in the scene, as viser nodes: room, pieces of the body, ghost, trail, halo, labels."""
 
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -8,7 +9,7 @@ from numpy.typing import NDArray
 from viser import _messages as wire
 
 from app.viewer.body_mesh import Piece
-from app.viewer.palette import ACCENT, HALO, LOST, MATERIAL_COLOURS, TRAIL, UNMEASURED_SKIN, Palette, Rgb
+from app.viewer.palette import ACCENT, HALO, MATERIAL_COLOURS, TRAIL, UNMEASURED_SKIN, Palette, Rgb
 from app.viewer.proportions import hip_half_width_m, leg_lengths_m, neck_height_m
 from estimators.body import BodyDimensions
 
@@ -87,13 +88,30 @@ def theme_updates(theme: Palette) -> list[Any]:
     ]
 
 
-def add_piece(
-    server: viser.ViserServer, path: str, piece: Piece, measured: frozenset[str]
-) -> tuple[Any, Rgb]:
-    """Add one piece of the patient; return its handle and its colour."""
-    colour = MATERIAL_COLOURS[piece.material]
+def ghost_visibility(on: bool) -> Any:
+    """Return the viser message that shows or hides ghost and path in one page."""
+    return wire.SetSceneNodeVisibilityMessage(GHOST, on)
+
+
+@dataclass
+class Part:
+    """One piece of the patient in the scene."""
+
+    piece: Piece
+    handle: Any
+    colour: Rgb
+
+
+def piece_colour(piece: Piece, measured: frozenset[str]) -> Rgb:
+    """Return the colour of a piece: skin without a sensor is paler."""
     if piece.material == "skin" and piece.segment not in measured:
-        colour = UNMEASURED_SKIN
+        return UNMEASURED_SKIN
+    return MATERIAL_COLOURS[piece.material]
+
+
+def add_piece(server: viser.ViserServer, path: str, piece: Piece, measured: frozenset[str]) -> Part:
+    """Add one piece of the patient."""
+    colour = piece_colour(piece, measured)
     handle = server.scene.add_mesh_simple(
         f"{path}/{piece.material}",
         piece.mesh.vertices_m,
@@ -102,7 +120,7 @@ def add_piece(
         cast_shadow=True,
         receive_shadow=False,
     )
-    return handle, colour
+    return Part(piece, handle, colour)
 
 
 def add_ghost_piece(server: viser.ViserServer, path: str, piece: Piece) -> None:
@@ -125,7 +143,7 @@ def add_ghost_path(server: viser.ViserServer, hand_m: NDArray[np.float32]) -> No
         return
     pairs = np.stack([known[:-1], known[1:]], axis=1)
     dashes = pairs[np.arange(len(pairs)) % 3 != 2]
-    server.scene.add_line_segments(f"{GHOST}_path", dashes, colors=ACCENT, line_width=2.5)
+    server.scene.add_line_segments(f"{GHOST}/path", dashes, colors=ACCENT, line_width=2.5)
 
 
 def add_lost_label(server: viser.ViserServer, path: str, segment: str) -> Any:
@@ -208,6 +226,3 @@ def turn(server: viser.ViserServer, frame: Any, wxyz: NDArray[np.float32]) -> No
 def shift(server: viser.ViserServer, frame: Any, position_m: NDArray[np.float32]) -> None:
     """Send a segment's place in its parent."""
     frame.position = position_m
-
-
-__all__ = ["GHOST", "LOST", "Halo", "Trail", "add_room", "theme_updates"]

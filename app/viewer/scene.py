@@ -4,7 +4,6 @@ The scene holds no clock. A player calls `draw` with a tick of a `PoseTrack`; on
 one small message per segment that turned (the tree of segments makes positions follow).
 """
 
-from collections.abc import Iterable
 from typing import Any, Final
 
 import numpy as np
@@ -18,12 +17,12 @@ from app.viewer.proportions import hip_height_m
 from estimators.body import BodyDimensions
 from estimators.conventions import SIDES
 
+_WEARABLE: Final = tuple(
+    name for name in SEGMENTS if not name.startswith(("pelvis", "thigh", "shank", "foot"))
+)
 _TURN_EPSILON: Final = 2e-4
 """Quaternion components closer than this (about 0.02 degrees) are not sent again."""
 _SHIFT_EPSILON_M: Final = 5e-4
-_HALO_STEP: Final = 0.12
-_HALO_LEAST_M: Final = 0.008
-_TRAIL_OLD_SHARE: Final = 0.5
 
 
 class BodyScene:
@@ -63,26 +62,21 @@ class BodyScene:
         with server.atomic():
             nodes.add_room(server, palette.PALETTES["light"])
             self._solid = _Figure(server, "/patient", body, PARENT)
-            self._skin: dict[str, list[tuple[Any, palette.Rgb]]] = {}
+            self._parts: dict[str, list[nodes.Part]] = {}
             for piece in build_figure(body):
                 if piece.material == "band" and piece.segment.rpartition("_")[2] not in bands:
                     continue
-                handle, colour = nodes.add_piece(server, self._solid.path[piece.segment], piece, measured)
-                self._skin.setdefault(piece.segment, []).append((handle, colour))
+                part = nodes.add_piece(server, self._solid.path[piece.segment], piece, measured)
+                self._parts.setdefault(piece.segment, []).append(part)
             self._lost_labels = {
-                name: nodes.add_lost_label(server, self._solid.path[name], name) for name in sorted(measured)
+                name: nodes.add_lost_label(server, self._solid.path[name], name) for name in _WEARABLE
             }
             self._halos = {
                 (number, joint): nodes.Halo(server, self._solid.path[f"{segment}_{side}"], segment, body)
                 for number, side in enumerate(SIDES)
                 for joint, segment in enumerate(("forearm", "hand"))
-                if f"{segment}_{side}" in measured
             }
-            self._trails = {
-                number: nodes.Trail(server, f"/trail/{side}")
-                for number, side in enumerate(SIDES)
-                if f"hand_{side}" in measured or f"forearm_{side}" in measured
-            }
+            self._trails = [nodes.Trail(server, f"/trail/{side}") for side in SIDES]
             self._ghost_figure: _Figure | None = None
             if ghost is not None:
                 self._add_ghost(body, ghost)
@@ -92,6 +86,22 @@ class BodyScene:
     def has_ghost(self) -> bool:
         """Whether a template was given."""
         return self._ghost_figure is not None
+
+    @property
+    def measured_mask(self) -> NDArray[np.bool_]:
+        """Which of `SEGMENTS` a sensor drives, shape (S,)."""
+        return np.array([name in self._measured for name in SEGMENTS])
+
+    def show_measured(self, measured: frozenset[str]) -> None:
+        """Take note of other sensors than those declared before: their segments get the warmer skin."""
+        if measured == self._measured:
+            return
+        self._measured = measured
+        with self._server.atomic():
+            for parts in self._parts.values():
+                for part in parts:
+                    part.colour = nodes.piece_colour(part.piece, measured)
+                    part.handle.color = part.colour
 
     def draw(self, track: PoseTrack, tick: int, trail: NDArray[np.float32] | None = None) -> None:
         """Show one tick of the patient.
@@ -111,7 +121,7 @@ class BodyScene:
             for (number, joint), halo in self._halos.items():
                 halo.show(float(track.halo_m[tick, number, joint]))
             if trail is not None:
-                for number, line in self._trails.items():
+                for number, line in enumerate(self._trails):
                     line.show(trail[:, number])
 
     def draw_ghost(self, phase: float | None) -> None:
@@ -139,7 +149,7 @@ class BodyScene:
     def clear_trails(self) -> None:
         """Forget the trails, after a jump in time."""
         nothing = np.full((0, 3), np.nan, dtype=np.float32)
-        for line in self._trails.values():
+        for line in self._trails:
             line.show(nothing)
 
     def _add_ghost(self, body: BodyDimensions, ghost: PoseTrack) -> None:
@@ -150,7 +160,8 @@ class BodyScene:
             if name == "sternum"
             or (name.endswith(f"_{side}") and name.partition("_")[0] in {"upper", "forearm", "hand"})
         }
-        self._ghost_figure = _Figure(self._server, nodes.GHOST, body, segments)
+        self._server.scene.add_frame(nodes.GHOST, show_axes=False)
+        self._ghost_figure = _Figure(self._server, f"{nodes.GHOST}/figure", body, segments)
         for piece in build_figure(body):
             if piece.segment in segments and piece.material == "skin":
                 nodes.add_ghost_piece(self._server, self._ghost_figure.path[piece.segment], piece)
@@ -159,9 +170,9 @@ class BodyScene:
     def _show_lost(self, lost: NDArray[np.bool_]) -> None:
         for number in np.flatnonzero(lost != self._lost):
             name = SEGMENTS[number]
-            for handle, colour in self._skin.get(name, []):
-                handle.color = palette.LOST if lost[number] else colour
-                handle.opacity = 0.45 if lost[number] else None
+            for part in self._parts.get(name, []):
+                part.handle.color = palette.LOST if lost[number] else part.colour
+                part.handle.opacity = 0.45 if lost[number] else None
             if name in self._lost_labels:
                 self._lost_labels[name].visible = bool(lost[number])
         self._lost = lost.copy()
@@ -215,8 +226,3 @@ def _blend(first: NDArray[np.float32], second: NDArray[np.float32], share: np.fl
     mixed = first * (1 - share) + near * share
     blended: NDArray[np.float32] = (mixed / np.linalg.norm(mixed, axis=-1, keepdims=True)).astype(np.float32)
     return blended
-
-
-def segments_of(names: Iterable[str]) -> frozenset[str]:
-    """Return those names that are segments of the figure."""
-    return frozenset(names) & frozenset(SEGMENTS)

@@ -1,0 +1,97 @@
+"""Where one looks from: presets that fit the picture's shape, and steps for keys and buttons."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any, Final, Literal
+
+from viser import _messages as viser_messages
+
+from estimators.body import BodyDimensions
+
+Preset = Literal["front", "side", "top", "arm"]
+Point = tuple[float, float, float]
+
+FIELD_OF_VIEW_RAD: Final = math.radians(32.0)
+_LOWEST_DEG, _HIGHEST_DEG = -4.0, 88.5
+_NEAREST_M, _FARTHEST_M = 0.6, 12.0
+
+# Direction from which one looks (degrees from straight ahead of the patient toward the arm, degrees up), then
+# what must fit in: middle, height and width as shares of stature.
+_PRESETS: Final[dict[Preset, tuple[float, float, float, float, float]]] = {
+    "front": (16.0, 8.0, 0.575, 1.20, 1.05),
+    "side": (90.0, 5.0, 0.575, 1.20, 1.05),
+    "top": (180.0, 86.0, 0.60, 1.05, 1.05),
+    "arm": (38.0, 14.0, 0.74, 0.62, 0.70),
+}
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A camera that looks at a point of the room.
+
+    Attributes
+    ----------
+    position_m, look_at_m : tuple of float
+        In the room.
+    """
+
+    position_m: Point
+    look_at_m: Point
+
+    def messages(self) -> list[Any]:
+        """Return the viser messages that move a browser's camera here."""
+        return [
+            viser_messages.SetCameraPositionMessage(self.position_m),
+            viser_messages.SetCameraLookAtMessage(self.look_at_m),
+        ]
+
+    def stepped(self, turn_deg: float, tilt_deg: float, zoom: float) -> "Camera":
+        """Walk around the point, rise, or come nearer.
+
+        Parameters
+        ----------
+        turn_deg, tilt_deg : float
+        zoom : float
+            Above 1 comes nearer.
+        """
+        azimuth, elevation, distance = self._around()
+        elevation = min(max(elevation + tilt_deg, _LOWEST_DEG), _HIGHEST_DEG)
+        distance = min(max(distance / zoom, _NEAREST_M), _FARTHEST_M)
+        return replace(self, position_m=_place(self.look_at_m, azimuth + turn_deg, elevation, distance))
+
+    def _around(self) -> tuple[float, float, float]:
+        x, y, z = (a - b for a, b in zip(self.position_m, self.look_at_m, strict=True))
+        distance = math.sqrt(x * x + y * y + z * z) or 1.0
+        return math.degrees(math.atan2(y, x)), math.degrees(math.asin(z / distance)), distance
+
+
+def preset(name: Preset, body: BodyDimensions, side: str, aspect: float) -> Camera:
+    """Return a preset for this person and this picture.
+
+    Parameters
+    ----------
+    name : {"front", "side", "top", "arm"}
+    body : BodyDimensions
+    side : str
+        `left` or `right`: the arm that matters; it is turned toward the camera.
+    aspect : float
+        Width over height of the picture; a narrow one needs more distance.
+    """
+    azimuth, elevation, middle, height, width = _PRESETS[name]
+    toward = 1.0 if side == "left" else -1.0
+    sideways = toward * 0.5 * body.shoulder_width_m if name == "arm" else 0.0
+    forward = 0.12 * body.stature_m if name in {"side", "top"} else 0.0
+    tangent = math.tan(0.5 * FIELD_OF_VIEW_RAD)
+    distance = 0.5 * body.stature_m * max(height / tangent, width / (tangent * max(aspect, 0.2)))
+    look_at = (forward, sideways, middle * body.stature_m)
+    return Camera(_place(look_at, toward * azimuth, elevation, min(distance, _FARTHEST_M)), look_at)
+
+
+def _place(look_at: Point, azimuth_deg: float, elevation_deg: float, distance_m: float) -> Point:
+    azimuth, elevation = math.radians(azimuth_deg), math.radians(elevation_deg)
+    level = distance_m * math.cos(elevation)
+    return (
+        look_at[0] + level * math.cos(azimuth),
+        look_at[1] + level * math.sin(azimuth),
+        look_at[2] + distance_m * math.sin(elevation),
+    )

@@ -1,0 +1,216 @@
+"""The clocks of the scene: a replay that is steered, and a live view that shows the newest.
+
+Both run on the event loop, draw at most 60 times a second, and nothing at all while nobody watches.
+"""
+
+import asyncio
+import logging
+import time
+from collections import deque
+from typing import Final
+
+import numpy as np
+
+from app.live.bus import Bus, topic
+from app.live.messages import PlayerCommand, PlayerState, StateMessage
+from app.viewer.ghost import GhostClock
+from app.viewer.pose import PoseTrack, measured_segments, track_from_frames
+from app.viewer.scene import BodyScene
+from estimators.body import BodyDimensions
+from estimators.pipelines import Frames
+
+logger = logging.getLogger(__name__)
+
+PICTURE_S: Final = 1.0 / 60.0
+TRAIL_S: Final = 2.0
+TRAIL_RATE_HZ: Final = 30.0
+_PICTURES_A_TRAIL: Final = 4
+_TOGETHER_S: Final = 0.12
+"""A command whose time differs by less is not a jump; the two clocks are just not the same."""
+SILENCE_S: Final = 1.0
+"""Without frames for so long, everything measured is shown as lost: nothing freezes silently."""
+
+
+class ReplayPlayer:
+    """Plays a stored track.
+
+    Parameters
+    ----------
+    scene : BodyScene
+    track : PoseTrack
+    ghost_clock : GhostClock or None
+    """
+
+    def __init__(self, scene: BodyScene, track: PoseTrack, ghost_clock: GhostClock | None) -> None:
+        self._scene = scene
+        self._track = track
+        self._ghost_clock = ghost_clock
+        self._start_s, self._end_s = float(track.time_s[0]), float(track.time_s[-1])
+        self._anchor_s, self._anchor_at = self._start_s, time.monotonic()
+        self._speed, self._is_playing, self._warp = 1.0, False, True
+        self._changed = asyncio.Event()
+        self._stride = max(1, round(len(track) / max(self._end_s - self._start_s, 1e-3) / TRAIL_RATE_HZ))
+        self._pictures = 0
+
+    def now_s(self) -> float:
+        """Return the session time that is shown."""
+        elapsed = (time.monotonic() - self._anchor_at) * self._speed if self._is_playing else 0.0
+        return min(max(self._anchor_s + elapsed, self._start_s), self._end_s)
+
+    def command(self, command: PlayerCommand) -> None:
+        """Obey: play, stop, jump, change speed or the ghost's timing."""
+        shown = self.now_s()
+        jump = not command.playing or abs(command.time_s - shown) > _TOGETHER_S * max(command.speed, 1.0)
+        self._anchor_s, self._anchor_at = command.time_s if jump else shown, time.monotonic()
+        self._speed, self._is_playing, self._warp = command.speed, command.playing, command.warp
+        self._changed.set()
+
+    def state(self) -> PlayerState:
+        """Return what the page may want to know."""
+        return PlayerState(
+            mode="replay",
+            time_s=self.now_s(),
+            start_s=self._start_s,
+            end_s=self._end_s,
+            playing=self._is_playing,
+            speed=self._speed,
+            has_ghost=self._ghost_clock is not None,
+            has_warp=bool(self._ghost_clock and self._ghost_clock.repetitions),
+        )
+
+    async def run(self) -> None:
+        """Draw until cancelled."""
+        while True:
+            self._changed.clear()
+            self._draw(self.now_s(), with_trail=True)
+            if not self._is_playing:
+                await self._changed.wait()
+                continue
+            while self._is_playing and not self._changed.is_set():
+                started = time.monotonic()
+                now_s = self.now_s()
+                self._pictures += 1
+                self._draw(now_s, with_trail=self._pictures % _PICTURES_A_TRAIL == 0)
+                if now_s >= self._end_s:
+                    self._anchor_s, self._is_playing = self._end_s, False
+                await asyncio.sleep(max(PICTURE_S - (time.monotonic() - started), 0.001))
+
+    def _draw(self, time_s: float, with_trail: bool) -> None:
+        tick = int(np.searchsorted(self._track.time_s, time_s, side="right")) - 1
+        tick = min(max(tick, 0), len(self._track) - 1)
+        trail = None
+        if with_trail:
+            first = int(np.searchsorted(self._track.time_s, time_s - TRAIL_S))
+            trail = self._track.hand_m[first : tick + 1 : self._stride]
+        self._scene.draw(self._track, tick, trail)
+        if self._ghost_clock is not None:
+            self._scene.draw_ghost(self._ghost_clock.phase(time_s, self._warp))
+
+
+class LivePlayer:
+    """Shows the newest frames of a live session, spread evenly over the time until the next ones come.
+
+    Parameters
+    ----------
+    scene : BodyScene
+    bus : Bus
+    session_id : str
+    body : BodyDimensions
+    ghost_duration_s : float or None
+        Of the template, which is shown over and over as the example to follow.
+    """
+
+    def __init__(
+        self,
+        scene: BodyScene,
+        bus: Bus,
+        session_id: str,
+        body: BodyDimensions,
+        ghost_duration_s: float | None,
+    ) -> None:
+        self._scene = scene
+        self._bus = bus
+        self._session_id = session_id
+        self._body = body
+        self._ghost_clock = GhostClock(ghost_duration_s) if ghost_duration_s is not None else None
+        self._trail: deque[np.ndarray] = deque(maxlen=int(TRAIL_S * TRAIL_RATE_HZ))
+        self._last: PoseTrack | None = None
+
+    def command(self, command: PlayerCommand) -> None:
+        """Live views have nothing to steer; the ghost is switched by the view itself."""
+
+    def state(self) -> PlayerState:
+        """Return what the page may want to know."""
+        return PlayerState(
+            mode="live",
+            time_s=None,
+            start_s=None,
+            end_s=None,
+            playing=True,
+            speed=1.0,
+            has_ghost=self._ghost_clock is not None,
+            has_warp=False,
+        )
+
+    async def run(self) -> None:
+        """Draw until cancelled."""
+        frames_topic, state_topic = topic(self._session_id, "frames"), topic(self._session_id, "state")
+        with self._bus.subscribe(frames_topic, state_topic, size=8) as subscription:
+            pending: list[Frames] = []
+            while True:
+                try:
+                    items = await asyncio.wait_for(subscription.wait(), SILENCE_S)
+                except TimeoutError:
+                    self._show_silence()
+                    items = await subscription.wait()
+                for name, message in items:
+                    if name == frames_topic:
+                        pending.append(message)
+                    elif isinstance(message, StateMessage):
+                        self._follow(message)
+                if pending:
+                    await self._show(pending[-1])
+                    pending.clear()
+
+    async def _show(self, frames: Frames) -> None:
+        if not frames.tick_count:
+            return
+        self._scene.show_measured(measured_segments(frames))
+        track = self._last = track_from_frames(frames, self._body)
+        step = max(1, round(PICTURE_S / frames.time_step_s))
+        # The last tick is always among those shown; a little less than real time, so that no delay piles up.
+        ticks = range((len(track) - 1) % step, len(track), step)
+        pause_s = 0.9 * step * frames.time_step_s
+        for tick in ticks:
+            started = time.monotonic()
+            self._draw(track, tick, is_last=tick == ticks[-1])
+            if tick != ticks[-1]:
+                await asyncio.sleep(max(pause_s - (time.monotonic() - started), 0.0))
+
+    def _draw(self, track: PoseTrack, tick: int, is_last: bool) -> None:
+        if not self._trail or is_last:
+            self._trail.append(track.hand_m[tick])
+        self._scene.draw(track, tick, np.stack(self._trail) if is_last else None)
+        if self._ghost_clock is not None:
+            self._scene.draw_ghost(self._ghost_clock.phase(float(track.time_s[tick]), warp=False))
+
+    def _show_silence(self) -> None:
+        if self._last is None:
+            return
+        lost = np.ones_like(self._last.lost[-1:])
+        silent = PoseTrack(
+            time_s=self._last.time_s[-1:],
+            wxyz=self._last.wxyz[-1:],
+            shoulder_m=self._last.shoulder_m[-1:],
+            hand_m=self._last.hand_m[-1:],
+            halo_m=np.zeros_like(self._last.halo_m[-1:]),
+            lost=lost & self._scene.measured_mask,
+        )
+        self._scene.draw(silent, 0)
+
+    def _follow(self, message: StateMessage) -> None:
+        if self._ghost_clock is not None and message.recording_start_s is not None:
+            self._ghost_clock = GhostClock(self._ghost_clock.duration_s, begin_s=message.recording_start_s)
+
+
+Player = ReplayPlayer | LivePlayer

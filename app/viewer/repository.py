@@ -1,0 +1,212 @@
+"""What a view needs from the database, and who may have it."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from sqlalchemy import Engine, select
+from sqlalchemy.orm import Session
+
+from app.accounts.subject import Subject
+from app.assessment.models import Comparison
+from app.database.unit_of_work import read_only
+from app.errors import Conflict, InvalidInput, NotFound
+from app.exercises.models import Exercise, Prescription, Template, TemplateVersion
+from app.patients.access import require_patient
+from app.patients.models import Patient
+from app.recordings import repository as recordings
+from app.recordings.models import MotionSession, Result
+from app.recordings.schemas import ViewIn
+from app.recordings.store import read_frames
+from app.viewer.ghost import Ghost, GhostClock, ghost_from_template
+from app.viewer.pose import SEGMENTS, PoseTrack, measured_segments, thinned, track_from_frames
+from estimators.body import BodyDimensions
+from estimators.comparison import RepetitionResult, comparison_from_bytes, template_from_bytes
+from estimators.conventions import Side
+from estimators.pipelines import SessionSetup
+
+Mode = Literal["live", "replay"]
+NO_SUCH_TEMPLATE = "There is no such template, or you have no right to know."
+_ENDED = ("analysed", "failed")
+
+
+@dataclass(frozen=True)
+class ViewTarget:
+    """What a view shows, by identifiers; small enough to be kept for hours."""
+
+    mode: Mode
+    session_id: str
+    patient_id: str
+    result_id: str | None
+    template_version_id: str | None
+
+
+@dataclass(frozen=True)
+class Contents:
+    """What stands in the scene of a view.
+
+    Attributes
+    ----------
+    track : PoseTrack or None
+        The stored movement; None in live views.
+    side : {"left", "right"}
+        The arm that the exercise is about.
+    """
+
+    body: BodyDimensions
+    measured: frozenset[str]
+    affected_side: str | None
+    side: Side
+    ghost: Ghost | None
+    ghost_clock: GhostClock | None
+    track: PoseTrack | None
+
+
+def find_target(engine: Engine, subject: Subject, session_id: str, wanted: ViewIn) -> ViewTarget:
+    """Check the right to a view and fix what it shows; leaves an audit event.
+
+    Parameters
+    ----------
+    engine : Engine
+    subject : Subject
+    session_id : str
+    wanted : ViewIn
+        Without a template, the prescribed one's newest version is taken.
+
+    Raises
+    ------
+    NotFound, NotAllowed
+        No such session, result or template for this subject.
+    Conflict
+        A live view of a session that has ended.
+    """
+    with read_only(engine) as session:
+        found = recordings.get_session(
+            session, subject, session_id, action="session.view", details={"mode": wanted.mode}
+        )
+        result_id = None
+        if wanted.mode == "replay":
+            result_id = recordings.result_of(session, found, wanted.result_id).id
+        elif found.state in _ENDED:
+            raise Conflict("This session has ended; open a replay instead.", state=found.state)
+        version_id = wanted.template_version_id
+        if version_id is not None:
+            _template_version(session, subject, version_id)
+        else:
+            version_id = _prescribed_version(session, found)
+        return ViewTarget(wanted.mode, found.id, found.patient_id, result_id, version_id)
+
+
+def check_right(engine: Engine, subject: Subject, patient_id: str) -> None:
+    """Raise when the right to the patient has been lost; for sockets that stay open."""
+    with read_only(engine) as session:
+        require_patient(session, subject, patient_id, "read")
+
+
+def load_contents(engine: Engine, target: ViewTarget) -> Contents:
+    """Read what a view shows; access was decided by `find_target`.
+
+    Raises
+    ------
+    NotFound
+        It has been deleted since.
+    InvalidInput
+        The result holds no frames.
+    """
+    with read_only(engine) as session:
+        found = session.get(MotionSession, target.session_id)
+        patient = session.get(Patient, target.patient_id)
+        if found is None or patient is None:
+            raise NotFound(recordings.NO_SUCH_SESSION)
+        setup = SessionSetup.from_dict(found.setup)
+        measured: frozenset[str] = frozenset(SEGMENTS).intersection(setup.placements)
+        track = None
+        if target.result_id is not None:
+            result = session.get(Result, target.result_id)
+            if result is None:
+                raise NotFound("This session has no such result.")
+            setup = SessionSetup.from_dict(result.setup)
+            frames = read_frames(session, target.result_id)
+            if frames.tick_count == 0:
+                raise InvalidInput("This result holds no movement yet; wait until its analysis is done.")
+            measured = measured_segments(frames)
+            track = track_from_frames(thinned(frames), setup.body)
+        side = _side(session, found, patient, measured)
+        ghost, clock = _ghost(session, target, found, setup.body, side)
+        return Contents(
+            body=setup.body,
+            measured=measured,
+            affected_side=patient.affected_side,
+            side=ghost.side if ghost is not None else side,
+            ghost=ghost,
+            ghost_clock=clock,
+            track=track,
+        )
+
+
+def _template_version(session: Session, subject: Subject, version_id: str) -> TemplateVersion:
+    row = session.execute(
+        select(TemplateVersion, Template)
+        .join(Template, Template.id == TemplateVersion.template_id)
+        .where(TemplateVersion.id == version_id, Template.clinic_id == subject.clinic_id)
+    ).first()
+    if row is None:
+        raise NotFound(NO_SUCH_TEMPLATE)
+    version, template = row
+    if template.patient_id is not None:
+        try:
+            require_patient(session, subject, template.patient_id, "read")
+        except NotFound:
+            raise NotFound(NO_SUCH_TEMPLATE) from None
+    return version
+
+
+def _prescribed_version(session: Session, found: MotionSession) -> str | None:
+    if found.prescription_id is None:
+        return None
+    return session.scalar(
+        select(TemplateVersion.id)
+        .join(Prescription, Prescription.template_id == TemplateVersion.template_id)
+        .where(Prescription.id == found.prescription_id, TemplateVersion.is_published)
+        .order_by(TemplateVersion.number.desc())
+        .limit(1)
+    )
+
+
+def _side(session: Session, found: MotionSession, patient: Patient, measured: frozenset[str]) -> Side:
+    """Return the arm of the exercise; if it carries no sensor and the other does, the other."""
+    exercise = session.get(Exercise, found.exercise_id) if found.exercise_id else None
+    named = exercise.side if exercise is not None else patient.affected_side
+    side: Side = "left" if named == "left" else "right"
+    other: Side = "right" if side == "left" else "left"
+    if f"upper_arm_{side}" not in measured and f"upper_arm_{other}" in measured:
+        return other
+    return side
+
+
+def _ghost(
+    session: Session, target: ViewTarget, found: MotionSession, body: BodyDimensions, side: Side
+) -> tuple[Ghost | None, GhostClock | None]:
+    if target.template_version_id is None:
+        return None, None
+    version = session.get(TemplateVersion, target.template_version_id)
+    if version is None:
+        return None, None
+    template = template_from_bytes(version.content)
+    results: tuple[RepetitionResult, ...] = ()
+    if target.mode == "replay":
+        stored = session.scalars(
+            select(Comparison)
+            .where(
+                Comparison.session_id == found.id,
+                Comparison.template_version_id == version.id,
+                Comparison.result_id == target.result_id,
+            )
+            .order_by(Comparison.created_at.desc())
+        ).first()
+        if stored is not None:
+            comparison = comparison_from_bytes(stored.content)
+            results = comparison.repetitions
+            if comparison.channels:
+                side = "left" if any("_left" in name for name in comparison.channels) else "right"
+    ghost = ghost_from_template(template, body, side)
+    return ghost, GhostClock.of(ghost.duration_s, results, found.recording_start_s or 0.0)

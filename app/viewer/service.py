@@ -1,0 +1,267 @@
+"""Views: who opened which, the stages they are shown on, and when both end.
+
+A view belongs to the account that opened it. Live views of one session share a stage; a replay has its own.
+A stage without watchers is taken down after a minute and built again when somebody comes back.
+"""
+
+import asyncio
+import contextlib
+import logging
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from datetime import datetime, timedelta
+from typing import Any, Final
+
+from sqlalchemy import Engine
+
+from app.accounts.subject import Subject
+from app.database.base import new_id, utc_now
+from app.errors import NotFound, Unavailable
+from app.live.bus import Bus
+from app.live.messages import CameraCommand, PlayerCommand, PlayerState
+from app.recordings.schemas import ViewIn, ViewOut
+from app.viewer import repository, wire
+from app.viewer.camera import Camera, preset
+from app.viewer.nodes import ghost_visibility
+from app.viewer.repository import ViewTarget
+from app.viewer.stage import Stage, theme_messages
+
+logger = logging.getLogger(__name__)
+
+VIEW_LIFE: Final = timedelta(hours=12)
+MAX_STAGES: Final = 32
+MAX_VIEWS: Final = 1000
+UNWATCHED_S: Final = 60.0
+CHECK_RIGHT_EVERY_S: Final = 5.0
+NO_SUCH_VIEW: Final = "There is no such view; open the session again."
+
+Inject = Callable[[bytes], None]
+
+
+@dataclass
+class View:
+    """One opened view.
+
+    Attributes
+    ----------
+    target : ViewTarget
+        What it shows.
+    account_id : str
+        Whose it is; nobody else's cookie opens it.
+    camera : Camera or None
+        Last pose that the page reported.
+    pages : set of callable
+        Take packed messages for this view's own pages.
+    """
+
+    target: ViewTarget
+    account_id: str
+    id: str = field(default_factory=new_id)
+    expires_at: datetime = field(default_factory=lambda: utc_now() + VIEW_LIFE)
+    camera: Camera | None = None
+    aspect: float = 1.4
+    is_dark: bool = False
+    shows_ghost: bool = True
+    pages: set[Inject] = field(default_factory=set)
+
+    @property
+    def stage_key(self) -> tuple[str, ...]:
+        """Views with the same key share a stage."""
+        if self.target.mode == "live":
+            return ("live", self.target.session_id, self.target.template_version_id or "")
+        return ("replay", self.id)
+
+    def to_pages(self, messages: list[Any]) -> None:
+        """Send viser messages to this view's pages only."""
+        if messages:
+            packed = wire.pack(messages)
+            for page in self.pages:
+                page(packed)
+
+
+class Viewer:
+    """All views of this process.
+
+    Parameters
+    ----------
+    engine : Engine
+    bus : Bus
+    max_stages : int
+        More scenes at once are refused.
+    unwatched_s : float
+        A stage without watchers is taken down after so long.
+    check_right_every_s : float
+        How often an open socket's right is checked again.
+    """
+
+    def __init__(
+        self,
+        engine: Engine,
+        bus: Bus,
+        *,
+        max_stages: int = MAX_STAGES,
+        unwatched_s: float = UNWATCHED_S,
+        check_right_every_s: float = CHECK_RIGHT_EVERY_S,
+    ) -> None:
+        self._engine = engine
+        self._bus = bus
+        self._max_stages = max_stages
+        self._unwatched_s = unwatched_s
+        self.check_right_every_s = check_right_every_s
+        self._views: dict[str, View] = {}
+        self._stages: dict[tuple[str, ...], Stage] = {}
+        self._building: dict[tuple[str, ...], asyncio.Task[Stage]] = {}
+        self._sweeper: asyncio.Task[None] | None = None
+
+    async def start(self) -> None:
+        """Begin to look after views that nobody watches."""
+        self._sweeper = asyncio.create_task(self._sweep_forever(), name="viewer sweep")
+
+    async def close(self) -> None:
+        """Take every stage down."""
+        if self._sweeper is not None:
+            self._sweeper.cancel()
+        for task in list(self._building.values()):
+            task.cancel()
+            with contextlib.suppress(asyncio.CancelledError, Exception):
+                await task
+        stages = list(self._stages.values())
+        self._stages.clear()
+        self._views.clear()
+        await asyncio.gather(*(stage.close() for stage in stages))
+
+    @property
+    def stage_count(self) -> int:
+        """Scenes that stand now."""
+        return len(self._stages) + len(self._building)
+
+    async def open(self, subject: Subject, session_id: str, wanted: ViewIn) -> ViewOut:
+        """Open a view for a person who may read the session.
+
+        Raises
+        ------
+        NotFound, NotAllowed, Conflict, InvalidInput
+            See `repository.find_target` and `repository.load_contents`.
+        Unavailable
+            Too many scenes are open.
+        """
+        target = await asyncio.to_thread(repository.find_target, self._engine, subject, session_id, wanted)
+        view = View(target=target, account_id=subject.id)
+        await self.stage_of(view)
+        while len(self._views) >= MAX_VIEWS:
+            self._views.pop(next(iter(self._views)))
+        self._views[view.id] = view
+        return ViewOut(
+            id=view.id,
+            page_path=f"/viewer/{view.id}/",
+            control_path=f"/ws/views/{view.id}",
+            expires_at=view.expires_at,
+        )
+
+    def find(self, subject: Subject, view_id: str) -> View:
+        """Return a view of this account.
+
+        Raises
+        ------
+        NotFound
+            Another's, ended, or none.
+        """
+        view = self._views.get(view_id)
+        if view is None or view.account_id != subject.id or view.expires_at <= utc_now():
+            raise NotFound(NO_SUCH_VIEW)
+        return view
+
+    async def check(self, subject: Subject, view_id: str) -> View:
+        """Return a view of this account while its right to the patient stands.
+
+        Raises
+        ------
+        NotFound, NotAllowed
+        """
+        view = self.find(subject, view_id)
+        await asyncio.to_thread(repository.check_right, self._engine, subject, view.target.patient_id)
+        return view
+
+    async def stage_of(self, view: View) -> Stage:
+        """Return the stage of a view, built now if it does not stand.
+
+        Raises
+        ------
+        Unavailable
+            Too many scenes are open.
+        """
+        key = view.stage_key
+        if key in self._stages:
+            return self._stages[key]
+        if key not in self._building:
+            if self.stage_count >= self._max_stages:
+                await self._sweep(unwatched_s=0.0)
+            if self.stage_count >= self._max_stages:
+                raise Unavailable("Too many 3D views are open; close one or try again in a minute.")
+            self._building[key] = asyncio.create_task(self._build(key, view.target), name="viewer stage")
+        return await asyncio.shield(self._building[key])
+
+    async def _build(self, key: tuple[str, ...], target: ViewTarget) -> Stage:
+        try:
+            stage = await asyncio.to_thread(
+                lambda: Stage(target, repository.load_contents(self._engine, target), self._bus)
+            )
+            self._stages[key] = stage
+            return stage
+        finally:
+            self._building.pop(key, None)
+
+    async def obey(self, view: View, command: PlayerCommand | CameraCommand) -> PlayerState:
+        """Carry out what a page asks through the control socket; return what is shown then."""
+        stage = await self.stage_of(view)
+        if isinstance(command, CameraCommand):
+            self._look(view, stage, command)
+        else:
+            if command.ghost != view.shows_ghost:
+                view.shows_ghost = command.ghost
+                view.to_pages([ghost_visibility(command.ghost)])
+            stage.player.command(command)
+        return stage.player.state()
+
+    def greeting(self, view: View, stage: Stage) -> list[Any]:
+        """Return the messages that give a page that has just connected this view's own look."""
+        camera = view.camera or preset("front", stage.body, stage.side, view.aspect)
+        messages = camera.messages()
+        if view.is_dark:
+            messages += theme_messages(dark=True)
+        if stage.scene.has_ghost and not view.shows_ghost:
+            messages.append(ghost_visibility(False))
+        return messages
+
+    def _look(self, view: View, stage: Stage, command: CameraCommand) -> None:
+        messages: list[Any] = []
+        camera = view.camera or preset("front", stage.body, stage.side, view.aspect)
+        if command.preset is not None:
+            camera = preset(command.preset, stage.body, stage.side, view.aspect)
+        if command.turn_deg or command.tilt_deg or command.zoom != 1.0:
+            camera = camera.stepped(command.turn_deg, command.tilt_deg, command.zoom)
+        if camera is not view.camera:
+            view.camera = camera
+            messages += camera.messages()
+        if command.theme is not None and (command.theme == "dark") != view.is_dark:
+            view.is_dark = command.theme == "dark"
+            messages += theme_messages(view.is_dark)
+        view.to_pages(messages)
+
+    async def _sweep_forever(self) -> None:
+        while True:
+            await asyncio.sleep(min(self._unwatched_s / 4, 5.0))
+            try:
+                await self._sweep(self._unwatched_s)
+            except Exception:
+                logger.exception("cannot take an unwatched 3D view down")
+
+    async def _sweep(self, unwatched_s: float) -> None:
+        now = time.monotonic()
+        for view in [v for v in self._views.values() if v.expires_at <= utc_now()]:
+            self._views.pop(view.id, None)
+        for key, stage in list(self._stages.items()):
+            if stage.watchers == 0 and now - stage.unwatched_since >= unwatched_s:
+                del self._stages[key]
+                await stage.close()

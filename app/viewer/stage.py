@@ -1,0 +1,137 @@
+"""A stage: one viser server on loopback with its scene and its player, shared by those who watch the same."""
+
+import asyncio
+import logging
+import time
+from typing import Any, Final
+
+import rich
+import viser
+from viser import _messages as viser_messages
+
+from app.live.bus import Bus
+from app.viewer.camera import FIELD_OF_VIEW_RAD, preset
+from app.viewer.nodes import theme_updates
+from app.viewer.palette import PALETTES
+from app.viewer.player import LivePlayer, Player, ReplayPlayer
+from app.viewer.repository import Contents, ViewTarget
+from app.viewer.scene import BodyScene
+
+logger = logging.getLogger(__name__)
+
+LOOPBACK: Final = "127.0.0.1"
+
+
+class LoopbackServer(viser.ViserServer):  # type: ignore[misc]  # viser is not typed here
+    """A viser server that only this machine reaches and that never opens a public address."""
+
+    def __init__(self) -> None:
+        # viser tells its address on the terminal whatever `verbose` says; a service has a log for that.
+        rich.get_console().quiet = True
+        super().__init__(host=LOOPBACK, port=0, verbose=False)
+        self.gui.configure_theme(show_logo=False, show_share_button=False, dark_mode=False)
+
+    def request_share_url(self, verbose: bool = True) -> str | None:
+        """Refuse: patient data does not go to a public tunnel."""
+        return None
+
+
+class Stage:
+    """One scene, its server and its clock.
+
+    Parameters
+    ----------
+    target : ViewTarget
+    contents : Contents
+    bus : Bus
+        For live sessions.
+
+    Notes
+    -----
+    Building takes about a second (a new body is modelled) and must not run on the event loop.
+    """
+
+    def __init__(self, target: ViewTarget, contents: Contents, bus: Bus) -> None:
+        self.target = target
+        self.body = contents.body
+        self.side = contents.side
+        self._server = LoopbackServer()
+        ghost = contents.ghost
+        self.scene = BodyScene(
+            self._server,
+            contents.body,
+            contents.measured,
+            contents.affected_side,
+            ghost.track if ghost is not None else None,
+            contents.side,
+        )
+        camera = preset("front", contents.body, contents.side, aspect=1.4)
+        self._server.initial_camera.position = camera.position_m
+        self._server.initial_camera.look_at = camera.look_at_m
+        self._server.initial_camera.fov = FIELD_OF_VIEW_RAD
+        self.player: Player
+        if contents.track is not None:
+            self.player = ReplayPlayer(self.scene, contents.track, contents.ghost_clock)
+        else:
+            duration_s = ghost.duration_s if ghost is not None else None
+            self.player = LivePlayer(self.scene, bus, target.session_id, contents.body, duration_s)
+        self._task: asyncio.Task[None] | None = None
+        self._watchers = 0
+        self.unwatched_since = time.monotonic()
+
+    @property
+    def address(self) -> str:
+        """Where the relay finds viser."""
+        return f"ws://{LOOPBACK}:{self._server.get_port()}"
+
+    @property
+    def watchers(self) -> int:
+        """How many pages are connected."""
+        return self._watchers
+
+    def enter(self) -> None:
+        """Count a watcher; the first one sets the clock going."""
+        self._watchers += 1
+        if self._task is None or self._task.done():
+            self._task = asyncio.create_task(self._run(), name="viewer player")
+
+    def leave(self) -> None:
+        """Count a watcher out; without any nothing is drawn."""
+        self._watchers -= 1
+        if self._watchers == 0:
+            self.unwatched_since = time.monotonic()
+            if self._task is not None:
+                self._task.cancel()
+
+    async def close(self) -> None:
+        """Stop drawing and take the server down."""
+        if self._task is not None:
+            self._task.cancel()
+            await asyncio.gather(self._task, return_exceptions=True)
+        await asyncio.to_thread(self._server.stop)
+
+    async def _run(self) -> None:
+        try:
+            await self.player.run()
+        except asyncio.CancelledError:
+            raise
+        except Exception:
+            # The scene stands still, which the page cannot see by itself; the sweep rebuilds it when left.
+            logger.exception("a 3D view has stopped drawing")
+            raise
+
+
+def theme_messages(dark: bool) -> list[Any]:
+    """Return the viser messages that make one page light or dark, whatever the other watchers chose."""
+    return [
+        viser_messages.ThemeConfigurationMessage(
+            titlebar_content=None,
+            control_layout="floating",
+            control_width="medium",
+            show_logo=False,
+            show_share_button=False,
+            dark_mode=dark,
+            colors=None,
+        ),
+        *theme_updates(PALETTES["dark" if dark else "light"]),
+    ]
