@@ -7,6 +7,7 @@ from estimators.errors import SetupError
 from estimators.orientation._contract import OrientationEstimator, OrientationFlag, OrientationResult
 from estimators.orientation._marzouk_error_state import MarzoukErrorStateEstimator
 from estimators.orientation._marzouk_quaternion import MarzoukQuaternionEstimator
+from estimators.orientation._scoring import OrientationErrors, orientation_errors
 from estimators.orientation._vqf import VqfEstimator
 
 _REGISTRY: dict[str, type[OrientationEstimator]] = {
@@ -43,4 +44,12 @@ def create(
     return _REGISTRY[name](sensor_count, time_step_s, parameters)
 
 
-__all__ = ["OrientationEstimator", "OrientationFlag", "OrientationResult", "available", "create"]
+__all__ = [
+    "OrientationErrors",
+    "OrientationEstimator",
+    "OrientationFlag",
+    "OrientationResult",
+    "available",
+    "create",
+    "orientation_errors",
+]
