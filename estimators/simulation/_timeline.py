@@ -29,7 +29,7 @@ def submovements(phase: Float, count: NDArray[np.int64]) -> Scalar:
     """Return a step from 0 to 1 made of `count` overlapping minimum-jerk steps, sample by sample.
 
     Impaired reaches are sequences of short submovements with dips of speed between them (Rohrer et al.
-    2002, J. Neurosci. 22:8297); two and more overlap by roughly half here, so that the dips are seen.
+    2002, J. Neurosci. 22:8297); they overlap by a fifth to a third here, so that the dips are seen.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def submovements(phase: Float, count: NDArray[np.int64]) -> Scalar:
     count : ndarray of int, shape (N,)
         At least 1.
     """
-    width = np.where(count == 1, 1.0, 1.3 / np.maximum(count, 1))
+    width = np.where(count == 1, 1.0, 1.2 / np.maximum(count, 1))
     delay = (1.0 - width) / np.maximum(count - 1, 1)
     total = Scalar(np.zeros_like(phase), np.zeros_like(phase), np.zeros_like(phase))
     for number in range(int(count.max(initial=1))):
