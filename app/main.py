@@ -5,6 +5,7 @@ command line.
 import logging
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
+from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 
 from anyio import to_thread
@@ -17,13 +18,24 @@ from app.accounts.passwords import Passwords
 from app.accounts.rate_limit import SignInLimits
 from app.database import engine as database_engine
 from app.database.migrate import require_newest
-from app.database.unit_of_work import read_only
+from app.database.unit_of_work import read_only, unit_of_work
 from app.edge import error_answers
 from app.edge.client import client_router
 from app.edge.documentation import router as documentation_router
 from app.edge.middleware import AccessLog, BodyLimit, SecurityHeaders
 from app.exercises.endpoints import router as exercises_router
+from app.ingest.websocket import router as ingest_router
+from app.live.bus import MemoryBus
+from app.live.endpoints import router as live_router
+from app.live.manager import LiveManager
+from app.live.replay import router as replay_router
+from app.live.watch_socket import router as watch_router
 from app.patients.endpoints import router as patients_router
+from app.recordings import GroupCommitWriter
+from app.recordings.endpoints import router as sessions_router
+from app.recordings.jobs import Handler, JobRunner
+from app.recordings.reprocess import reprocess
+from app.recordings.service import queue_closing
 from app.services import Services, services_of
 from app.settings import Settings
 
@@ -107,7 +119,33 @@ async def open_services(
     services = Services(settings=settings, engine=engine)
     services.passwords = passwords or await to_thread.run_sync(Passwords)
     services.sign_in_limits = SignInLimits()
+
+    services.bus = MemoryBus()
+    writer = GroupCommitWriter(engine)
+    writer.start()
+    stack.push_async_callback(partial(to_thread.run_sync, writer.close))
+    services.recorder = writer
+
+    jobs = JobRunner(engine, settings, job_handlers())
+    await to_thread.run_sync(jobs.start)
+    stack.push_async_callback(partial(to_thread.run_sync, jobs.stop))
+    services.jobs = jobs
+
+    def analyse(session_id: str) -> None:
+        with unit_of_work(engine) as session:
+            queue_closing(session, session_id)
+        jobs.wake()
+
+    live = LiveManager(engine, writer, services.bus, on_closed=analyse)
+    await live.start()
+    stack.push_async_callback(live.stop)
+    services.live = live
     return services
+
+
+def job_handlers() -> dict[str, Handler]:
+    """Return what can be done in the background, by kind of task."""
+    return {"reprocess": reprocess}
 
 
 def all_routers() -> list[APIRouter]:
@@ -118,6 +156,11 @@ def all_routers() -> list[APIRouter]:
         accounts_router,
         patients_router,
         exercises_router,
+        sessions_router,
+        replay_router,
+        live_router,
+        watch_router,
+        ingest_router,
     ]
 
 

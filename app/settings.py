@@ -22,7 +22,9 @@ DEMO_SECRET = "demonstration only, never with real patients"  # noqa: S105 - ref
 class Settings(BaseSettings):
     """How this service runs."""
 
-    model_config = SettingsConfigDict(env_prefix="TELEMOTION_", env_file=".env", extra="ignore", frozen=True)
+    model_config = SettingsConfigDict(
+        env_prefix="TELEMOTION_", env_file=".env", extra="ignore", frozen=True, hide_input_in_errors=True
+    )
 
     demo: bool = Field(
         default=False,

@@ -83,6 +83,16 @@ def newest_revision() -> str:
     return head
 
 
+def is_known(revision: str) -> bool:
+    """Return whether this version of the service has a migration of that name.
+
+    Parameters
+    ----------
+    revision : str
+    """
+    return any(script.revision == revision for script in ScriptDirectory(str(SCRIPTS)).walk_revisions())
+
+
 def require_newest(engine: Engine) -> None:
     """Refuse a database whose schema does not fit this version of the service.
 

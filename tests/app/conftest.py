@@ -12,6 +12,7 @@
 resources.
 """
 
+import functools
 import shutil
 import warnings
 from collections.abc import Callable, Iterator
@@ -39,6 +40,7 @@ from app.database.base import new_id, utc_now
 from app.database.engine import create_from_url
 from app.database.unit_of_work import unit_of_work
 from app.exercises.models import Exercise
+from app.live import manager, warmup
 from app.main import create_app
 from app.patients.models import Grant, Patient
 from app.services import Services
@@ -252,8 +254,20 @@ def world(engine: Engine, cheap_passwords: Passwords) -> World:
         )
 
 
+@pytest.fixture(scope="session")
+def warm_up_once() -> Callable[[], None]:
+    """Estimation's real warm-up, once per test process: what is compiled stays compiled."""
+    return functools.cache(warmup.warm_up)
+
+
 @pytest.fixture
-def application(settings: Settings, cheap_passwords: Passwords) -> FastAPI:
+def application(
+    settings: Settings,
+    cheap_passwords: Passwords,
+    warm_up_once: Callable[[], None],
+    monkeypatch: pytest.MonkeyPatch,
+) -> FastAPI:
+    monkeypatch.setattr(manager, "warm_up", warm_up_once)
     return create_app(settings, passwords=cheap_passwords)
 
 

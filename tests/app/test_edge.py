@@ -1,0 +1,237 @@
+"""The HTTP edge: headers, limits, errors, origin and CSRF, the client's files, the interface's description, logs."""
+
+import logging
+
+import pytest
+from fastapi import APIRouter
+
+from app.errors import TelemotionError, Unavailable
+from app.main import create_app
+from app.settings import Settings
+
+from .conftest import BASE_URL, ServiceClient
+
+
+@pytest.fixture
+def client_files(tmp_path):
+    folder = tmp_path / "client"
+    (folder / "assets").mkdir(parents=True)
+    (folder / "index.html").write_text("<!doctype html><title>client</title>")
+    (folder / "assets" / "app-1a2b.js").write_text("void 0")
+    (tmp_path / "secret.txt").write_text("outside")
+    return folder
+
+
+def open_client(settings, cheap_passwords, **changes):
+    settings = Settings(
+        _env_file=None,
+        **(settings.model_dump() | {"secret_key": settings.secret_key.get_secret_value()} | changes),
+    )
+    base_url = changes.get("base_url", BASE_URL)
+    return ServiceClient(
+        create_app(settings, passwords=cheap_passwords), base_url=base_url, raise_server_exceptions=False
+    )
+
+
+def test_every_answer_carries_the_security_headers(therapist, world):
+    for path in ("/", "/api/health", f"/api/patients/{world.patient_id}", "/api/nothing", "/assets/none.js"):
+        headers = therapist.get(path).headers
+        policy = headers["content-security-policy"]
+        assert "default-src 'self'" in policy
+        assert "script-src 'self';" in policy, "neither inline scripts nor eval"
+        assert "frame-ancestors 'none'" in policy
+        assert "ws://127.0.0.1:8000" in policy
+        assert headers["x-content-type-options"] == "nosniff"
+        assert headers["x-frame-options"] == "DENY"
+        assert headers["referrer-policy"] == "no-referrer"
+        if path.startswith("/api/"):
+            assert headers["cache-control"] == "no-store"
+
+
+def test_https_makes_cookies_secure_and_binds_browsers(settings, cheap_passwords, world, engine):
+    with open_client(settings, cheap_passwords, base_url="https://clinic.example.org") as client:
+        from app.accounts.models import Account
+        from app.database.unit_of_work import read_only
+
+        with read_only(engine) as session:
+            email = session.get(Account, world.accounts["therapist"]).email
+        answer = client.post("/api/sign-in", json={"email": email, "password": "a long enough password"})
+        assert answer.status_code == 200
+        assert "; secure" in answer.headers["set-cookie"].lower()
+        assert "max-age" in answer.headers["strict-transport-security"]
+        assert "wss://clinic.example.org" in answer.headers["content-security-policy"]
+
+
+def test_a_route_may_have_its_own_policy(application):
+    router = APIRouter()
+
+    @router.get("/api/framed")
+    def framed():
+        from fastapi.responses import HTMLResponse
+
+        return HTMLResponse(
+            "", headers={"Content-Security-Policy": "frame-ancestors 'self'", "X-Frame-Options": "SAMEORIGIN"}
+        )
+
+    application.router.routes.insert(0, router.routes[0])
+    with ServiceClient(application, base_url=BASE_URL) as client:
+        headers = client.get("/api/framed").headers
+    assert headers["content-security-policy"] == "frame-ancestors 'self'"
+    assert headers["x-frame-options"] == "SAMEORIGIN"
+
+
+@pytest.mark.parametrize(
+    ("headers", "status"),
+    [
+        ({}, 201),
+        ({"Origin": "https://evil.example"}, 403),
+        ({"Origin": "null"}, 403),
+        ({"Origin": "http://127.0.0.1:8001"}, 403),
+        ({"Origin": "https://127.0.0.1:8000"}, 403),
+        ({"Origin": ""}, 403),
+        ({"X-CSRF-Token": ""}, 403),
+        ({"X-CSRF-Token": "x" * 43}, 403),
+    ],
+)
+def test_changes_by_cookie_need_our_origin_and_the_token(therapist, headers, status):
+    therapist.headers.update(headers)
+    answer = therapist.post("/api/patients", json={"given_name": "A", "family_name": "B"})
+    assert answer.status_code == status
+
+
+def test_a_missing_origin_is_no_origin(therapist):
+    del therapist.headers["Origin"]
+    assert therapist.post("/api/patients", json={"given_name": "A", "family_name": "B"}).status_code == 403
+    assert therapist.get("/api/patients").status_code == 200, "reading changes nothing"
+
+
+def test_the_token_of_another_session_does_not_help(sign_in):
+    first, second = sign_in("therapist"), sign_in("therapist")
+    first.headers["X-CSRF-Token"] = second.headers["X-CSRF-Token"]
+    assert first.post("/api/patients", json={"given_name": "A", "family_name": "B"}).status_code == 403
+
+
+def test_another_site_cannot_sign_a_browser_in(nobody):
+    answer = nobody.post(
+        "/api/sign-in",
+        json={"email": "a@b.example", "password": "x"},
+        headers={"Origin": "https://evil.example"},
+    )
+    assert answer.status_code == 403
+
+
+def test_only_a_demonstration_answers_to_every_name_of_this_machine(settings, cheap_passwords, world):
+    origin = {"Origin": "http://other-name:8000", "Host": "other-name:8000"}
+    body = {"email": "a@b.example", "password": "x"}
+    with open_client(settings, cheap_passwords, base_url="https://clinic.example.org") as client:
+        assert client.post("/api/sign-in", json=body, headers=origin).status_code == 403
+    with open_client(settings, cheap_passwords, demo=True) as client:
+        assert client.post("/api/sign-in", json=body, headers=origin).status_code == 401
+
+
+def test_large_bodies_are_refused_by_their_length_and_while_they_come(therapist):
+    large = b'{"given_name": "' + b"a" * (1 << 20) + b'"}'
+    declared = therapist.post("/api/patients", content=large, headers={"Content-Type": "application/json"})
+    assert declared.status_code == 413
+    assert declared.json()["code"] == "too_large"
+    assert declared.json()["details"]["limit_bytes"] == 1 << 20
+
+    def pieces():
+        for _ in range(40):
+            yield b"a" * (1 << 15)
+
+    streamed = therapist.post("/api/patients", content=pieces(), headers={"Content-Type": "application/json"})
+    assert (streamed.status_code, streamed.json()["code"]) == (413, "too_large")
+
+
+def test_errors_are_typed_and_silent_about_their_inside(application, caplog):
+    router = APIRouter()
+
+    @router.get("/api/broken")
+    def broken():
+        raise ValueError("Ada Lindqvist")
+
+    @router.get("/api/busy")
+    def busy():
+        raise Unavailable("busy", retry_after_s=7)
+
+    @router.get("/api/bug")
+    def bug():
+        raise TelemotionError("odd")
+
+    for route in router.routes:
+        application.router.routes.insert(0, route)
+    with ServiceClient(application, base_url=BASE_URL, raise_server_exceptions=False) as client:
+        answer = client.get("/api/broken")
+        assert (answer.status_code, answer.json()["code"]) == (500, "internal")
+        assert "Ada" not in answer.text
+        assert client.get("/api/busy").headers["retry-after"] == "7"
+        assert client.get("/api/bug").status_code == 500
+        assert client.get("/api/nothing").json()["code"] == "not_found"
+        assert client.post("/api/health").json()["code"] == "method_not_allowed"
+
+
+def test_the_client_is_served_with_its_first_page_for_every_page(settings, cheap_passwords, client_files):
+    with open_client(settings, cheap_passwords, client_dir=client_files) as client:
+        for path in ("/", "/caseload", "/patients/abc/sessions/def"):
+            page = client.get(path)
+            assert "<title>client</title>" in page.text
+            assert page.headers["cache-control"] == "no-cache"
+        script = client.get("/assets/app-1a2b.js")
+        assert script.text == "void 0"
+        assert "immutable" in script.headers["cache-control"]
+        for path in ("/api/none", "/ws/none", "/viewer/none", "/assets/none.js", "/favicon.ico"):
+            assert client.get(path).status_code in {401, 404}, path
+        for path in (
+            "/../secret.txt",
+            "/%2e%2e/secret.txt",
+            "/assets/..%2f..%2fsecret.txt",
+            "/..%5csecret.txt",
+        ):
+            assert "outside" not in client.get(path).text
+
+
+def test_without_a_built_client_it_says_what_to_do(settings, cheap_passwords, tmp_path):
+    with open_client(settings, cheap_passwords, client_dir=tmp_path / "none") as client:
+        page = client.get("/")
+    assert page.status_code == 503
+    assert "make web" in page.text
+
+
+def test_the_interface_is_described_to_insiders_only(nobody, therapist, settings, cheap_passwords):
+    for path in ("/api/openapi.json", "/api/docs"):
+        assert nobody.get(path).status_code == 401
+        assert therapist.get(path).status_code == 200
+    for path in ("/docs", "/redoc", "/openapi.json"):
+        assert "openapi" not in therapist.get(path).text.lower()
+    page = therapist.get("/api/docs").text
+    assert "/api/patients/{patient_id}" in page
+    assert "<script" not in page
+    with open_client(settings, cheap_passwords, demo=True) as client:
+        assert client.get("/api/openapi.json").json()["info"]["title"] == "Telemotion"
+
+
+def test_logs_hold_templates_and_no_identifiers(therapist, world, caplog):
+    with caplog.at_level(logging.INFO):
+        therapist.get(f"/api/patients/{world.patient_id}/progress?exercise_id={world.exercise_id}")
+        therapist.get("/patients/Ada-Lindqvist")
+    lines = [record.getMessage() for record in caplog.records if record.name == "telemotion.access"]
+    assert any("GET /api/patients/{patient_id}/progress 200" in line for line in lines)
+    text = "\n".join(lines)
+    assert world.patient_id not in text
+    assert world.exercise_id not in text
+    assert "Ada" not in text
+
+
+def test_health_needs_no_sign_in_and_tells_little(nobody):
+    assert set(nobody.get("/api/health").json()) == {"status", "version"}
+
+
+def test_a_database_that_was_not_migrated_refuses_to_start(settings, cheap_passwords, tmp_path):
+    from app.errors import Conflict
+
+    with (
+        pytest.raises(Conflict, match="telemotion migrate"),
+        open_client(settings, cheap_passwords, database_url=f"sqlite:///{tmp_path / 'new.db'}"),
+    ):
+        pass

@@ -1,0 +1,82 @@
+"""Settings: documented, and unsafe ones refuse to start."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+from pydantic import ValidationError
+
+from app.settings import DEMO_SECRET, Settings
+
+SECRET = "0123456789abcdefghijklmnopqrstuvwxyz-tests"
+
+
+def make(**fields):
+    return Settings(_env_file=None, **({"secret_key": SECRET} | fields))
+
+
+def test_every_setting_is_documented():
+    for name, field in Settings.model_fields.items():
+        assert field.description, f"{name} has no description"
+        assert field.description.endswith("."), name
+
+
+@pytest.mark.parametrize(
+    ("fields", "names"),
+    [
+        ({"secret_key": ""}, "TELEMOTION_SECRET_KEY"),
+        ({"secret_key": "short"}, "TELEMOTION_SECRET_KEY"),
+        ({"secret_key": "a" * 64}, "TELEMOTION_SECRET_KEY"),
+        ({"secret_key": DEMO_SECRET}, "TELEMOTION_SECRET_KEY"),
+        ({"base_url": "http://clinic.example.org"}, "TELEMOTION_BASE_URL"),
+        ({"base_url": "http://192.168.1.4:8000"}, "TELEMOTION_BASE_URL"),
+    ],
+)
+def test_unsafe_settings_start_in_a_demonstration_only(fields, names):
+    with pytest.raises(ValidationError, match=names):
+        make(**fields)
+    assert make(demo=True, **fields).demo
+
+
+@pytest.mark.parametrize("demo", [False, True])
+@pytest.mark.parametrize(
+    ("fields", "names"),
+    [
+        ({"database_url": "sqlite://"}, "TELEMOTION_DATABASE_URL"),
+        ({"database_url": "sqlite:///:memory:"}, "TELEMOTION_DATABASE_URL"),
+        ({"database_url": "mysql://root@localhost/x"}, "TELEMOTION_DATABASE_URL"),
+        ({"database_url": "rubbish"}, "TELEMOTION_DATABASE_URL"),
+        ({"base_url": "https://clinic.example.org/app"}, "TELEMOTION_BASE_URL"),
+        ({"base_url": "clinic.example.org"}, "TELEMOTION_BASE_URL"),
+    ],
+)
+def test_what_cannot_work_never_starts(fields, names, demo):
+    with pytest.raises(ValidationError, match=names):
+        make(demo=demo, **fields)
+
+
+def test_safe_settings_start():
+    assert make(base_url="https://clinic.example.org/").base_url == "https://clinic.example.org"
+    assert make(base_url="http://localhost:8000").is_loopback
+    assert make(base_url="http://[::1]:8000").is_loopback
+
+
+def test_the_secret_does_not_show_itself():
+    settings = make()
+    assert SECRET not in repr(settings)
+    assert SECRET not in settings.model_dump_json()
+
+
+def test_a_refusal_does_not_print_the_secret(tmp_path):
+    environment = {"PATH": os.environ["PATH"], "TELEMOTION_SECRET_KEY": "short-but-secret"}
+    done = subprocess.run(
+        [sys.executable, "-c", "from app.settings import Settings; Settings(_env_file=None)"],
+        env=environment | {"PYTHONPATH": os.getcwd()},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode != 0
+    assert "refusing to start" in done.stderr
+    assert "short-but-secret" not in done.stderr
