@@ -1,4 +1,4 @@
-"""The HTTP edge: headers, limits, errors, origin and CSRF, the client's files, the interface's description, logs."""
+"""The HTTP edge: headers, limits, errors, origin and CSRF, the client's files, the description, logs."""
 
 import logging
 
