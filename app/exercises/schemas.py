@@ -41,10 +41,11 @@ class PhaseCurve(Schema):
     channel: str
     label: str
     unit: str
-    mean: list[float]
-    low: list[float]
-    high: list[float]
-    repetitions: list[list[float]]
+    mean: list[float | None]
+    low: list[float | None]
+    high: list[float | None]
+    """None at phases that were not measured (gaps, singular postures)."""
+    repetitions: list[list[float | None]]
     """Every repetition's curve; dropped ones too, in the order of the repetitions."""
 
 
