@@ -1,1 +1,1 @@
-"""Comparison with the template, scores and progress."""
+"""Templates from recorded sessions, and comparison of a patient's repetitions with them."""

@@ -1,0 +1,207 @@
+"""Comparing a session with a template: on demand, and by the task that follows a closed session."""
+
+from dataclasses import dataclass
+
+from sqlalchemy import Engine
+from sqlalchemy.orm import Session
+
+from app.accounts.subject import Subject
+from app.assessment import repository
+from app.assessment.models import Comparison, RepetitionMeasure
+from app.assessment.presentation import (
+    phase_curves_out,
+    repetition_comparison,
+    summary_out,
+)
+from app.assessment.schemas import ComparisonDetail, ComparisonIn, ComparisonOut, MeasureValue
+from app.assessment.templates import load_source
+from app.database.base import utc_now
+from app.database.unit_of_work import read_only, unit_of_work
+from app.errors import InvalidInput, NotFound
+from app.exercises.models import Exercise, TemplateVersion
+from app.exercises.models import Template as TemplateRow
+from app.recordings import repository as recordings
+from app.recordings.jobs import JobContext
+from app.recordings.models import MotionSession, SessionEvent
+from estimators.comparison import (
+    ComparisonResult,
+    Template,
+    compare,
+    comparison_from_bytes,
+    comparison_to_bytes,
+    mirror_template,
+    template_from_bytes,
+)
+from estimators.errors import ComparisonError, EstimationError
+
+VERSION = "1"
+"""Of the comparison method; stored with each comparison, changes whenever the numbers change."""
+
+
+@dataclass(frozen=True)
+class _Work:
+    """A computed comparison, not yet stored."""
+
+    result_id: str
+    version_id: str
+    template: Template
+    template_name: str
+    result: ComparisonResult
+
+
+def compare_session(engine: Engine, subject: Subject, session_id: str, wanted: ComparisonIn) -> ComparisonOut:
+    """Compare a stored session with a template version and keep the comparison.
+
+    Reading and computing happen outside the writing transaction, which is short.
+
+    Raises
+    ------
+    NotFound, NotAllowed
+        The session or template is not the subject's to compare.
+    InvalidInput
+        They cannot be compared; the message says why.
+    """
+    with read_only(engine) as session:
+        found = recordings.get_session(session, subject, session_id, "treat", action="")
+        template, version = repository.get_version(
+            session, subject, wanted.template_version_id, audited=False
+        )
+        if template.patient_id not in {None, found.patient_id}:
+            raise InvalidInput("This template was made for another patient.", field="template_version_id")
+        work = _compute(session, found, template, version, wanted.result_id)
+    with unit_of_work(engine) as session:
+        found = recordings.get_session(session, subject, session_id, "treat", action="")
+        return _out(_store(session, subject, found, work), work.template_name)
+
+
+def compare_task(context: JobContext) -> str:
+    """Task `compare`: compare with what was prescribed; on closing, the session is then analysed.
+
+    Arguments: `close`; `template_version_id` and `result_id` to name them.
+    """
+    close = bool(context.arguments.get("close"))
+    work: _Work | None = None
+    message = ""
+    with read_only(context.engine) as session:
+        found = session.get_one(MotionSession, context.session_id)
+        named = context.arguments.get("template_version_id")
+        version = (
+            session.get(TemplateVersion, named)
+            if named
+            else repository.prescribed_version(session, found)
+            if found.purpose == "exercise"
+            else None
+        )
+        if version is None:
+            message = "No template is prescribed; there was nothing to compare with."
+        else:
+            context.progress(0.1, "Comparing with the template")
+            template = session.get_one(TemplateRow, version.template_id)
+            try:
+                work = _compute(session, found, template, version, context.arguments.get("result_id"))
+            except (InvalidInput, NotFound, ComparisonError) as error:
+                # A session that cannot be compared is still analysed: the movement can be seen.
+                if not close:
+                    raise
+                message = f"Not compared: {error}"
+    with unit_of_work(context.engine) as session:
+        found = session.get_one(MotionSession, context.session_id)
+        if work is not None:
+            _store(session, context.subject, found, work)
+            kept = sum(1 for r in work.result.repetitions if r.repetition.is_kept)
+            message = f"{kept} of {len(work.result.repetitions)} repetitions compared."
+        if close and found.state == "closing":
+            _conclude(session, found, message if work is None and version is not None else "")
+    return message
+
+
+def _conclude(session: Session, found: MotionSession, reason: str) -> None:
+    """Let a closed session be analysed."""
+    found.state = "analysed"
+    found.state_reason = (found.state_reason or reason)[:500]
+    found.ended_at = found.ended_at or utc_now()
+    session.add(SessionEvent(session_id=found.id, kind="state", time_s=found.duration_s, text="Analysed."))
+
+
+def _compute(
+    session: Session,
+    found: MotionSession,
+    template_row: TemplateRow,
+    version: TemplateVersion,
+    result_id: str | None,
+) -> _Work:
+    result = recordings.result_of(session, found, result_id)
+    template = template_from_bytes(version.content)
+    exercise = session.get(Exercise, found.exercise_id) if found.exercise_id else None
+    side = exercise.side if exercise is not None else template.side
+    source = load_source(session, found, result)
+    try:
+        compared = compare(source.moved, template, side, source.reach_m, source.start_s, source.end_s)
+    except EstimationError as error:
+        raise InvalidInput(str(error)) from error
+    if template.side != side:
+        template = mirror_template(template)
+    return _Work(result.id, version.id, template, template_row.name, compared)
+
+
+def _store(session: Session, subject: Subject, found: MotionSession, work: _Work) -> Comparison:
+    summary = summary_out(work.result, work.template)
+    rows = [
+        RepetitionMeasure(
+            repetition=one.repetition.number,
+            measure=measure.measure,
+            value=measure.value,
+            uncertainty=measure.uncertainty,
+            unit=measure.unit,
+        )
+        for one in work.result.repetitions
+        if one.repetition.is_kept
+        for measure in repetition_comparison(one, work.template).measures
+        if measure.value is not None
+    ]
+    new = Comparison(
+        session_id=found.id,
+        result_id=work.result_id,
+        template_version_id=work.version_id,
+        version=VERSION,
+        repetition_count=sum(1 for r in work.result.repetitions if r.repetition.is_kept),
+        summary={"measures": [measure.model_dump() for measure in summary]},
+        content=comparison_to_bytes(work.result),
+    )
+    return repository.add_comparison(session, subject, found, new, rows)
+
+
+def list_of(session: Session, subject: Subject, session_id: str) -> list[ComparisonOut]:
+    """Return a session's comparisons, newest first."""
+    return [_out(found, name) for found, name in repository.list_comparisons(session, subject, session_id)]
+
+
+def detail(session: Session, subject: Subject, comparison_id: str) -> ComparisonDetail:
+    """Return a comparison with every repetition and curve."""
+    found, template_row, version = repository.get_comparison(session, subject, comparison_id)
+    compared = comparison_from_bytes(found.content)
+    template = template_from_bytes(version.content)
+    if template.channels != compared.channels:
+        template = mirror_template(template)
+    return ComparisonDetail(
+        **_out(found, template_row.name).model_dump(),
+        repetitions=[repetition_comparison(one, template) for one in compared.repetitions],
+        curves=phase_curves_out(template, [one.aligned for one in compared.repetitions]),
+        findings=list(compared.findings),
+    )
+
+
+def _out(found: Comparison, template_name: str) -> ComparisonOut:
+    return ComparisonOut(
+        id=found.id,
+        session_id=found.session_id,
+        result_id=found.result_id,
+        template_version_id=found.template_version_id,
+        template_name=template_name,
+        created_at=found.created_at,
+        repetition_count=found.repetition_count,
+        summary=[MeasureValue.model_validate(measure) for measure in found.summary["measures"]],
+    )
+
+
+__all__ = ["VERSION", "compare_session", "compare_task", "detail", "list_of"]

@@ -1,0 +1,85 @@
+"""HTTP of templates and comparisons.
+
+Building and comparing are done before the writing transaction is opened, because it holds the database's one
+write lock.
+"""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Request
+
+from app.accounts.dependencies import CurrentSubject
+from app.assessment import comparisons, templates
+from app.assessment.schemas import ComparisonDetail, ComparisonIn, ComparisonOut
+from app.database.dependencies import ReadSession
+from app.database.unit_of_work import read_only, unit_of_work
+from app.exercises.schemas import (
+    TemplateContent,
+    TemplateIn,
+    TemplateOut,
+    TemplatePreviewIn,
+    TemplateVersionDetail,
+)
+from app.services import services_of
+
+router = APIRouter(prefix="/api", tags=["assessment"])
+
+
+@router.get("/templates")
+def list_templates(
+    session: ReadSession,
+    subject: CurrentSubject,
+    exercise_id: Annotated[str | None, Query(max_length=32)] = None,
+    patient_id: Annotated[str | None, Query(max_length=32)] = None,
+) -> list[TemplateOut]:
+    """Return the clinic's templates and, with `patient_id`, those made for that patient."""
+    return templates.list_of(session, subject, exercise_id, patient_id)
+
+
+@router.post("/templates/preview")
+def preview_template(
+    wanted: TemplatePreviewIn, session: ReadSession, subject: CurrentSubject
+) -> TemplateContent:
+    """Cut a recorded session into repetitions and average them, without storing anything."""
+    return templates.preview(session, subject, wanted)
+
+
+@router.post("/templates", status_code=201)
+def create_template(wanted: TemplateIn, request: Request, subject: CurrentSubject) -> TemplateVersionDetail:
+    """Store a template, or with `template_id` a further version; versions never change."""
+    engine = services_of(request).engine
+    with read_only(engine) as session:
+        version, content = templates.prepare(session, subject, wanted)
+    with unit_of_work(engine) as session:
+        return templates.store(session, subject, wanted, version, content)
+
+
+@router.get("/template-versions/{version_id}")
+def get_template_version(
+    version_id: str, session: ReadSession, subject: CurrentSubject
+) -> TemplateVersionDetail:
+    """Return a version of a template with its curves."""
+    return templates.detail(session, subject, version_id)
+
+
+@router.get("/sessions/{session_id}/comparisons")
+def list_comparisons(session_id: str, session: ReadSession, subject: CurrentSubject) -> list[ComparisonOut]:
+    """Return a session's comparisons, newest first."""
+    return comparisons.list_of(session, subject, session_id)
+
+
+@router.post("/sessions/{session_id}/comparisons", status_code=201)
+def create_comparison(
+    session_id: str, wanted: ComparisonIn, request: Request, subject: CurrentSubject
+) -> ComparisonOut:
+    """Compare a session with a template version now."""
+    return comparisons.compare_session(services_of(request).engine, subject, session_id, wanted)
+
+
+@router.get("/comparisons/{comparison_id}")
+def get_comparison(comparison_id: str, session: ReadSession, subject: CurrentSubject) -> ComparisonDetail:
+    """Return a comparison with every repetition and curve."""
+    return comparisons.detail(session, subject, comparison_id)
+
+
+__all__ = ["router"]

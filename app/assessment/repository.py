@@ -1,0 +1,252 @@
+"""Templates and comparisons: every query, who may, and the audit event it leaves.
+
+A template made for one patient is that patient's data. A template of the clinic can be used by everybody who
+works there; a patient sees those that were prescribed to them or that they were compared with.
+"""
+
+from collections.abc import Sequence
+
+from sqlalchemy import ColumnElement, func, or_, select
+from sqlalchemy.orm import Session
+
+from app.accounts import audit
+from app.accounts.subject import Subject
+from app.assessment.models import Comparison, RepetitionMeasure
+from app.errors import InvalidInput, NotAllowed, NotFound
+from app.exercises.models import Exercise, Prescription, Template, TemplateVersion
+from app.patients.access import require_patient
+from app.recordings import repository as recordings
+from app.recordings.models import MotionSession
+
+NO_SUCH_TEMPLATE = "There is no such template, or you have no right to know."
+NO_SUCH_COMPARISON = "There is no such comparison, or you have no right to know."
+STAFF = frozenset({"administrator", "therapist", "integrator", "system"})
+
+
+def list_templates(
+    session: Session, subject: Subject, exercise_id: str | None, patient_id: str | None
+) -> list[tuple[Template, list[TemplateVersion]]]:
+    """Return templates by name with their published versions, newest first.
+
+    Those of the clinic that the subject may use and, with `patient_id`, those of that patient.
+    """
+    visible: ColumnElement[bool] = Template.patient_id.is_(None)
+    if patient_id is not None:
+        require_patient(session, subject, patient_id, "read")
+        audit.record(session, subject, "template.list", patient_id)
+        visible = or_(visible, Template.patient_id == patient_id)
+    query = select(Template).where(Template.clinic_id == subject.clinic_id, visible)
+    if exercise_id is not None:
+        query = query.where(Template.exercise_id == exercise_id)
+    found = [
+        template
+        for template in session.scalars(query.order_by(Template.name, Template.id))
+        if template.patient_id is not None or _may_use(session, subject, template)
+    ]
+    versions = session.scalars(
+        select(TemplateVersion)
+        .where(TemplateVersion.template_id.in_([template.id for template in found]))
+        .where(TemplateVersion.is_published)
+        .order_by(TemplateVersion.number.desc())
+    ).all()
+    return [(template, [v for v in versions if v.template_id == template.id]) for template in found]
+
+
+def get_template(session: Session, subject: Subject, template_id: str) -> Template:
+    """Return a template that the subject may use.
+
+    Raises
+    ------
+    NotFound
+        No such template, or no right to know of it.
+    """
+    template = session.get(Template, template_id)
+    if template is None or template.clinic_id != subject.clinic_id:
+        raise NotFound(NO_SUCH_TEMPLATE)
+    if template.patient_id is None:
+        if not _may_use(session, subject, template):
+            raise NotFound(NO_SUCH_TEMPLATE)
+        return template
+    try:
+        require_patient(session, subject, template.patient_id, "read")
+    except (NotFound, NotAllowed):
+        raise NotFound(NO_SUCH_TEMPLATE) from None
+    return template
+
+
+def get_version(
+    session: Session, subject: Subject, version_id: str, *, audited: bool = True
+) -> tuple[Template, TemplateVersion]:
+    """Return a version of a template that the subject may use."""
+    version = session.get(TemplateVersion, version_id)
+    if version is None:
+        raise NotFound(NO_SUCH_TEMPLATE)
+    template = get_template(session, subject, version.template_id)
+    if audited:
+        audit.record(session, subject, "template.read", template.patient_id, version.id)
+    return template, version
+
+
+def _may_use(session: Session, subject: Subject, template: Template) -> bool:
+    """Whether a template of the clinic is open to the subject."""
+    if subject.role in STAFF:
+        return True
+    if subject.patient_id is None:
+        return False
+    prescribed = select(Prescription.id).where(
+        Prescription.patient_id == subject.patient_id, Prescription.template_id == template.id
+    )
+    compared = (
+        select(Comparison.id)
+        .join(TemplateVersion, TemplateVersion.id == Comparison.template_version_id)
+        .join(MotionSession, MotionSession.id == Comparison.session_id)
+        .where(MotionSession.patient_id == subject.patient_id, TemplateVersion.template_id == template.id)
+    )
+    return session.scalar(select(or_(prescribed.exists(), compared.exists()))) is True
+
+
+def exercise_of(session: Session, subject: Subject, exercise_id: str) -> Exercise:
+    """Return an exercise of the subject's clinic."""
+    exercise = session.get(Exercise, exercise_id)
+    if exercise is None or exercise.clinic_id != subject.clinic_id:
+        raise InvalidInput("There is no such exercise in this clinic.", field="exercise_id")
+    return exercise
+
+
+def add_version(
+    session: Session,
+    subject: Subject,
+    template: Template | None,
+    exercise: Exercise,
+    patient_id: str | None,
+    name: str,
+    version: TemplateVersion,
+) -> Template:
+    """Store a new template with its first version, or a further version of a template.
+
+    The right to the source session was checked; here the right to what the template belongs to.
+
+    Raises
+    ------
+    NotAllowed
+        Only people who treat make templates.
+    InvalidInput
+        The template is of another exercise or patient.
+    """
+    if subject.role not in {"therapist", "administrator", "system"} or subject.account_id is None:
+        raise NotAllowed("Only therapists can make templates.")
+    if patient_id is not None:
+        require_patient(session, subject, patient_id, "treat")
+    if template is None:
+        template = Template(
+            clinic_id=subject.clinic_id,
+            exercise_id=exercise.id,
+            patient_id=patient_id,
+            name=name,
+            created_by=subject.account_id,
+        )
+        session.add(template)
+        session.flush()
+    elif template.exercise_id != exercise.id or template.patient_id != patient_id:
+        raise InvalidInput(
+            "A further version must be of the same exercise and patient as its template.", field="template_id"
+        )
+    else:
+        template.name = name
+    last = session.scalar(
+        select(func.max(TemplateVersion.number)).where(TemplateVersion.template_id == template.id)
+    )
+    version.template_id = template.id
+    version.number = (last or 0) + 1
+    version.created_by = subject.account_id
+    session.add(version)
+    session.flush()
+    audit.record(
+        session,
+        subject,
+        "template.publish",
+        patient_id,
+        version.id,
+        {"template": template.id, "number": version.number, "source_session": version.source_session_id},
+    )
+    return template
+
+
+def prescribed_version(session: Session, found: MotionSession) -> TemplateVersion | None:
+    """Return the newest published version of the template that a session was prescribed with."""
+    if found.prescription_id is None:
+        return None
+    template_id = session.scalar(
+        select(Prescription.template_id).where(Prescription.id == found.prescription_id)
+    )
+    if template_id is None:
+        return None
+    return session.scalar(
+        select(TemplateVersion)
+        .where(TemplateVersion.template_id == template_id, TemplateVersion.is_published)
+        .order_by(TemplateVersion.number.desc())
+        .limit(1)
+    )
+
+
+def add_comparison(
+    session: Session, subject: Subject, found: MotionSession, new: Comparison, rows: list[RepetitionMeasure]
+) -> Comparison:
+    """Store a comparison with a row per repetition and measure."""
+    session.add(new)
+    session.flush()
+    for row in rows:
+        row.comparison_id = new.id
+    session.add_all(rows)
+    session.flush()
+    audit.record(
+        session,
+        subject,
+        "comparison.create",
+        found.patient_id,
+        new.id,
+        {"template_version": new.template_version_id},
+    )
+    return new
+
+
+def list_comparisons(session: Session, subject: Subject, session_id: str) -> Sequence[tuple[Comparison, str]]:
+    """Return a session's comparisons, newest first, each with its template's name."""
+    recordings.get_session(session, subject, session_id, action="comparison.list")
+    rows = session.execute(
+        select(Comparison, Template.name)
+        .join(TemplateVersion, TemplateVersion.id == Comparison.template_version_id)
+        .join(Template, Template.id == TemplateVersion.template_id)
+        .where(Comparison.session_id == session_id)
+        .order_by(Comparison.created_at.desc(), Comparison.id)
+    )
+    return [(comparison, name) for comparison, name in rows]
+
+
+def get_comparison(
+    session: Session, subject: Subject, comparison_id: str
+) -> tuple[Comparison, Template, TemplateVersion]:
+    """Return a comparison of a session that the subject may read."""
+    comparison = session.get(Comparison, comparison_id)
+    if comparison is None:
+        raise NotFound(NO_SUCH_COMPARISON)
+    try:
+        found = recordings.get_session(session, subject, comparison.session_id, action="")
+    except NotFound:
+        raise NotFound(NO_SUCH_COMPARISON) from None
+    audit.record(session, subject, "comparison.read", found.patient_id, comparison.id)
+    version = session.get_one(TemplateVersion, comparison.template_version_id)
+    return comparison, session.get_one(Template, version.template_id), version
+
+
+__all__ = [
+    "add_comparison",
+    "add_version",
+    "exercise_of",
+    "get_comparison",
+    "get_template",
+    "get_version",
+    "list_comparisons",
+    "list_templates",
+    "prescribed_version",
+]

@@ -1,0 +1,293 @@
+"""Templates from a recorded session: cut, judged, averaged; looked at first, then kept for good."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+
+import numpy as np
+from sqlalchemy.orm import Session
+
+from app.accounts.subject import Subject
+from app.assessment import repository
+from app.assessment.presentation import phase_curves_out, repetition_out
+from app.errors import InvalidInput, NotAllowed, NotFound
+from app.exercises.models import Exercise, TemplateVersion
+from app.exercises.models import Template as TemplateRow
+from app.exercises.schemas import (
+    TemplateContent,
+    TemplateIn,
+    TemplateOut,
+    TemplatePreviewIn,
+    TemplateVersionDetail,
+    TemplateVersionOut,
+)
+from app.recordings import read_frames
+from app.recordings import repository as recordings
+from app.recordings.models import MotionSession, Result
+from estimators.comparison import (
+    ArmChannels,
+    Repetition,
+    Template,
+    Trajectory,
+    arm_channels,
+    build_template,
+    find_repetitions,
+    judge_repetitions,
+    near,
+    phase_curves,
+    template_from_bytes,
+    template_to_bytes,
+    trajectory,
+)
+from estimators.errors import EstimationError
+from estimators.pipelines import SessionSetup
+from estimators.recording import Float
+
+BY_HAND = "Left out by hand."
+
+
+@dataclass(frozen=True)
+class Source:
+    """A recorded session as comparisons see it.
+
+    Attributes
+    ----------
+    reach_m : float
+        Upper arm plus forearm of the person recorded, as the result was made with.
+    """
+
+    session_id: str
+    result_id: str
+    moved: Trajectory
+    reach_m: float
+    start_s: float | None
+    end_s: float | None
+
+
+def load_source(session: Session, found: MotionSession, result: Result) -> Source:
+    """Read a result's frames as a trajectory; access was checked."""
+    frames = read_frames(session, result.id)
+    if not frames.tick_count:
+        raise InvalidInput("This result holds no frames; analyse the session first.", field="result_id")
+    body = SessionSetup.from_dict(result.setup).body
+    return Source(
+        found.id,
+        result.id,
+        trajectory(frames),
+        body.upper_arm_m + body.forearm_m,
+        found.recording_start_s,
+        found.recording_end_s,
+    )
+
+
+@dataclass(frozen=True)
+class Built:
+    """A template with every repetition that was found, kept or not."""
+
+    template: Template
+    repetitions: list[Repetition]
+    curves: list[Float]
+
+
+def build(
+    source: Source,
+    side: str,
+    primary_channel: str,
+    dropped: Sequence[int] | None,
+    tolerance_scale: Mapping[str, float],
+) -> Built:
+    """Cut a session into repetitions and average those that are kept.
+
+    Parameters
+    ----------
+    dropped : sequence of int, optional
+        Numbers that a person left out; odd ones are left out in any case, with their reason.
+
+    Raises
+    ------
+    InvalidInput
+        Too few repetitions, or a channel that was not measured: the message says what to do.
+    """
+    try:
+        found = find_repetitions(source.moved, side, source.start_s, source.end_s)
+        unknown = set(dropped or ()) - {repetition.number for repetition in found}
+        if unknown:
+            raise InvalidInput(f"There is no repetition {min(unknown)} in this recording.", field="dropped")
+        by_hand = [
+            replace(r, is_kept=False, reason=BY_HAND) if r.number in (dropped or ()) else r for r in found
+        ]
+        judged = judge_repetitions(source.moved, by_hand, side)
+        template = build_template(
+            source.moved, judged, side, source.reach_m, primary_channel, tolerance_scale
+        )
+    except EstimationError as error:
+        raise InvalidInput(str(error)) from error
+    arm = arm_channels(source.moved, side)
+    return Built(template, judged, [_curve(arm, repetition, template) for repetition in judged])
+
+
+def _curve(arm: ArmChannels, repetition: Repetition, template: Template) -> Float:
+    cut = arm.cut(repetition)
+    if len(cut.time_s) < 2:
+        return np.full(template.mean.shape, np.nan)
+    return near(phase_curves(cut), template.mean, template.channels)
+
+
+def preview(session: Session, subject: Subject, wanted: TemplatePreviewIn) -> TemplateContent:
+    """Build a template from a session without keeping it."""
+    _, _, built = _build_from(session, subject, wanted, None)
+    return content_of(built)
+
+
+def prepare(
+    session: Session, subject: Subject, wanted: TemplateIn
+) -> tuple[TemplateVersion, TemplateContent]:
+    """Build a template from a session, ready to be stored by `store`; reads only."""
+    exercise = repository.exercise_of(session, subject, wanted.exercise_id)
+    found, result, built = _build_from(session, subject, wanted, exercise)
+    version = TemplateVersion(
+        source_session_id=found.id,
+        source_result_id=result.id,
+        repetitions=[asdict(repetition) for repetition in built.repetitions],
+        tolerance_scale=dict(wanted.tolerance_scale),
+        content=template_to_bytes(built.template),
+    )
+    return version, content_of(built)
+
+
+def store(
+    session: Session,
+    subject: Subject,
+    wanted: TemplateIn,
+    version: TemplateVersion,
+    content: TemplateContent,
+) -> TemplateVersionDetail:
+    """Store what `prepare` built, as a first or further version."""
+    recordings.get_session(session, subject, wanted.session_id, "treat", action="")
+    exercise = repository.exercise_of(session, subject, wanted.exercise_id)
+    template = None
+    if wanted.template_id is not None:
+        template = repository.get_template(session, subject, wanted.template_id)
+    template = repository.add_version(
+        session, subject, template, exercise, wanted.patient_id, wanted.name, version
+    )
+    return _detail(template, version, content)
+
+
+def _build_from(
+    session: Session, subject: Subject, wanted: TemplatePreviewIn, exercise: Exercise | None
+) -> tuple[MotionSession, Result, Built]:
+    found = recordings.get_session(session, subject, wanted.session_id, "treat", action="template.preview")
+    result = recordings.result_of(session, found, wanted.result_id)
+    if exercise is None and found.exercise_id is not None:
+        exercise = session.get(Exercise, found.exercise_id)
+    source = load_source(session, found, result)
+    side, primary = _what_moved(source) if exercise is None else (exercise.side, exercise.primary_angle)
+    return found, result, build(source, side, primary, wanted.dropped, wanted.tolerance_scale)
+
+
+def _what_moved(source: Source) -> tuple[str, str]:
+    """Return side and angle with the largest range, for a session without an exercise."""
+    moved = source.moved
+    values = np.where(moved.valid, moved.values, np.nan)
+    best, channel = 0.0, ""
+    for column, name in enumerate(moved.channels):
+        if not name.endswith(("_elevation", "_flexion", "_pronation")) or "plane_of" in name:
+            continue
+        finite = values[np.isfinite(values[:, column]), column]
+        if finite.size and (extent := float(np.subtract(*np.percentile(finite, [98, 2])))) > best:
+            best, channel = extent, name
+    if not channel:
+        raise InvalidInput(
+            "No joint angle was measured in this session; calibrate the patient and record again."
+        )
+    return ("left" if "_left_" in channel else "right"), channel
+
+
+def content_of(built: Built) -> TemplateContent:
+    """Return what a built template looks like."""
+    return TemplateContent(
+        duration_s=built.template.duration_s,
+        repetitions=[repetition_out(repetition) for repetition in built.repetitions],
+        curves=phase_curves_out(built.template, built.curves),
+    )
+
+
+def list_of(
+    session: Session, subject: Subject, exercise_id: str | None, patient_id: str | None
+) -> list[TemplateOut]:
+    """Return the templates that the subject may use."""
+    return [
+        TemplateOut(
+            id=template.id,
+            exercise_id=template.exercise_id,
+            patient_id=template.patient_id,
+            name=template.name,
+            created_at=template.created_at,
+            versions=[version_out(version) for version in versions],
+        )
+        for template, versions in repository.list_templates(session, subject, exercise_id, patient_id)
+    ]
+
+
+def detail(session: Session, subject: Subject, version_id: str) -> TemplateVersionDetail:
+    """Return a version with its curves; single repetitions only to those who may read their recording."""
+    template, version = repository.get_version(session, subject, version_id)
+    stored = template_from_bytes(version.content)
+    repetitions = [Repetition(**repetition) for repetition in version.repetitions]
+    content = TemplateContent(
+        duration_s=stored.duration_s,
+        repetitions=[repetition_out(repetition) for repetition in repetitions],
+        curves=phase_curves_out(stored, _repetition_curves(session, subject, version, stored, repetitions)),
+    )
+    return _detail(template, version, content)
+
+
+def _repetition_curves(
+    session: Session,
+    subject: Subject,
+    version: TemplateVersion,
+    template: Template,
+    repetitions: list[Repetition],
+) -> list[Float]:
+    try:
+        found = recordings.get_session(session, subject, version.source_session_id, action="")
+        result = recordings.result_of(session, found, version.source_result_id)
+        arm = arm_channels(load_source(session, found, result).moved, template.side)
+    except (NotFound, NotAllowed, InvalidInput, EstimationError):
+        # The recording was deleted or is not this subject's to see; the template stands by itself.
+        return []
+    index = [arm.channels.index(name) if name in arm.channels else -1 for name in template.channels]
+    curves = []
+    for repetition in repetitions:
+        cut = arm.cut(repetition)
+        curve = np.full(template.mean.shape, np.nan)
+        if len(cut.time_s) >= 2:
+            measured = phase_curves(cut)
+            for column, source in enumerate(index):
+                if source >= 0:
+                    curve[:, column] = measured[:, source]
+            curve = near(curve, template.mean, template.channels)
+        curves.append(curve)
+    return curves
+
+
+def version_out(version: TemplateVersion) -> TemplateVersionOut:
+    """Return a version without its curves."""
+    return TemplateVersionOut(
+        id=version.id,
+        number=version.number,
+        created_at=version.created_at,
+        repetition_count=sum(1 for repetition in version.repetitions if repetition["is_kept"]),
+        source_session_id=version.source_session_id,
+    )
+
+
+def _detail(
+    template: TemplateRow, version: TemplateVersion, content: TemplateContent
+) -> TemplateVersionDetail:
+    return TemplateVersionDetail(
+        **version_out(version).model_dump(), template_id=template.id, name=template.name, content=content
+    )
+
+
+__all__ = ["Source", "build", "content_of", "detail", "list_of", "load_source", "prepare", "preview", "store"]
