@@ -28,7 +28,7 @@ _STORED_AT: Final = 0.4
 """Share of the task's progress when the packets are stored and estimation begins."""
 
 
-def process_upload(context: JobContext) -> str:
+def upload(context: JobContext) -> str:
     """Do the task `upload`; its arguments are the name of the file and the declaration.
 
     Raises
@@ -166,4 +166,4 @@ def _finish(context: JobContext, analysis: Analysis) -> None:
         enqueue_comparison(session, found)
 
 
-__all__ = ["process_upload"]
+__all__ = ["upload"]

@@ -5,7 +5,7 @@ from dataclasses import fields, replace
 from typing import Any, Final, cast
 
 import numpy as np
-from sqlalchemy import Engine
+from sqlalchemy import Engine, select
 from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
@@ -311,12 +311,13 @@ def queue_reprocess(session: Session, subject: Subject, session_id: str, wanted:
 def queue_closing(session: Session, session_id: str) -> str:
     """Queue the analysis of a session that has just been closed; returns the task's id.
 
-    The live side calls this after its last packet is durable; a closing session that has the task already
-    keeps it.
+    The live side calls this after its last packet is durable, and again after a restart: while any task of
+    the closing is unfinished, that one is kept.
     """
     found = session.get_one(MotionSession, session_id)
-    for job in session.query(Job).where(Job.session_id == session_id, Job.kind == "reprocess"):
-        if job.arguments.get("close") and job.status in {"queued", "running"}:
+    unfinished = select(Job).where(Job.session_id == session_id, Job.status.in_(("queued", "running")))
+    for job in session.scalars(unfinished.order_by(Job.created_at)):
+        if job.arguments.get("close") or job.kind == "upload":
             return job.id
     job = Job(session_id=session_id, kind="reprocess", arguments={"close": True}, created_by=found.created_by)
     session.add(job)
