@@ -1,6 +1,6 @@
 """What is wrong with a real sensor: error models as plain dataclasses, with named and sourced presets."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 import numpy as np
@@ -103,6 +103,37 @@ def _times(factor: float, *values: float) -> Vector:
 
 _THESIS_FIELD_T = 49e-6
 
+_MARZOUK: Final = SensorErrors(
+    gyroscope=TriadErrors(
+        noise_sd=_degrees(0.4960, 0.6001, 0.5181),
+        bias=_degrees(-0.8229, 0.7879, 0.5597),
+        resolution=float(np.radians(0.07326)),
+        limit=float(np.radians(300.0)),
+    ),
+    accelerometer=TriadErrors(
+        noise_sd=_times(GRAVITY_MPS2, 0.0169, 0.0134, 0.01469),
+        # Printed for the gravity-positive sign; specific force has the other one.
+        bias=_times(-GRAVITY_MPS2, -0.0158, 0.0068, 0.0176),
+        resolution=2.522e-3 * GRAVITY_MPS2,
+        limit=10.0 * GRAVITY_MPS2,
+    ),
+    magnetometer=TriadErrors(
+        noise_sd=_times(_THESIS_FIELD_T, 0.0031, 0.0131, 0.0302), resolution=1.5e-8, limit=1.1e-3
+    ),
+    gyroscope_sampling="instant",
+    source="Marzouk (2009) tables 2.1, 2.2, 2.4 and appendices A, B, with errata: ADIS16355, MicroMag-3; "
+    "per-sample figures of 17 Hz; normalised magnetometer figures times a field of 49 uT",
+)
+
+# What is left after the static calibration A2 over 150 samples: the standard error of the gyroscope bias,
+# and an accelerometer whose bias was taken out in a known pose.
+_MARZOUK_CALIBRATED: Final = replace(
+    _MARZOUK,
+    gyroscope=replace(_MARZOUK.gyroscope, bias=_ZERO, bias_sd=float(np.radians(0.045))),
+    accelerometer=replace(_MARZOUK.accelerometer, bias=_ZERO),
+    source=_MARZOUK.source + "; biases removed as by its static calibration",
+)
+
 SENSOR_PRESETS: Final[dict[str, SensorErrors]] = {
     "ideal": SensorErrors(source="no error at all"),
     "nominal": SensorErrors(
@@ -136,27 +167,8 @@ SENSOR_PRESETS: Final[dict[str, SensorErrors]] = {
         "Roetenberg (2006) section 5.2.1 as gathered for 100 Hz simulations; resolution and range of common "
         "16-bit devices",
     ),
-    "marzouk_2009": SensorErrors(
-        gyroscope=TriadErrors(
-            noise_sd=_degrees(0.4960, 0.6001, 0.5181),
-            bias=_degrees(-0.8229, 0.7879, 0.5597),
-            resolution=float(np.radians(0.07326)),
-            limit=float(np.radians(300.0)),
-        ),
-        accelerometer=TriadErrors(
-            noise_sd=_times(GRAVITY_MPS2, 0.0169, 0.0134, 0.01469),
-            # Printed for the gravity-positive sign; specific force has the other one.
-            bias=_times(-GRAVITY_MPS2, -0.0158, 0.0068, 0.0176),
-            resolution=2.522e-3 * GRAVITY_MPS2,
-            limit=10.0 * GRAVITY_MPS2,
-        ),
-        magnetometer=TriadErrors(
-            noise_sd=_times(_THESIS_FIELD_T, 0.0031, 0.0131, 0.0302), resolution=1.5e-8, limit=1.1e-3
-        ),
-        gyroscope_sampling="instant",
-        source="Marzouk (2009) tables 2.1, 2.2, 2.4 and appendices A, B, with errata: ADIS16355, MicroMag-3; "
-        "per-sample figures of 17 Hz; normalised magnetometer figures times a field of 49 uT",
-    ),
+    "marzouk_2009": _MARZOUK,
+    "marzouk_2009_calibrated": _MARZOUK_CALIBRATED,
 }
 """Named error models; `source` says where the figures come from."""
 

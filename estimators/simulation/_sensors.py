@@ -89,26 +89,26 @@ def dipole_field(moment_am2: ArrayLike, offset_m: Float) -> Float:
 
 
 # Outward and distal direction of the sensor's z and x axes, in segment axes while the N-pose is held.
-_AXES_N_POSE: Final[dict[str, tuple[tuple[int, int, int], tuple[int, int, int]]]] = {
+_AXES_N_POSE: Final[dict[str, tuple[tuple[float, float, float], tuple[float, float, float]]]] = {
     "head": ((1, 0, 0), (0, 0, -1)),
     "sternum": ((1, 0, 0), (0, 0, -1)),
-    "pelvis": ((-1, 0, 0), (0, 0, -1)),
-    "shoulder": ((0, 0, 1), (0, 1, 0)),
+    "pelvis": ((1, 0, 0), (0, 0, -1)),
+    "shoulder": ((0, 1, 0), (0, 0, -1)),
     "upper_arm": ((0, 1, 0), (0, 0, -1)),
     "forearm": ((0, 1, 0), (0, 0, -1)),
     "hand": ((0, 1, 0), (0, 0, -1)),
     "thigh": ((0, 1, 0), (0, 0, -1)),
     "shank": ((0, 1, 0), (0, 0, -1)),
-    "foot": ((0, 0, 1), (1, 0, 0)),
+    "foot": ((0.6, 0, 0.8), (0.8, 0, -0.6)),
 }
 
 
 def outward_mounting(placement: Placement) -> Float:
     """Return `q_segment_sensor` of the house rule, shape (4,).
 
-    The sensor's z axis points outward from the body while the N-pose is held (sternum and head forward,
-    pelvis backward, arms and legs to their side, back of the hand, upward on shoulder and foot) and its x
-    axis along the segment, away from the trunk.
+    The sensor's z axis points outward from the body while the N-pose is held (head, sternum and pelvis
+    forward; shoulder, arm, back of the hand and leg to their side; the slope of the instep forward and up)
+    and its x axis along the segment, away from the trunk: the rule that the N-pose calibration expects.
     """
     part, _, side = placement.rpartition("_")
     part = part if side in ("left", "right") else placement
@@ -129,8 +129,8 @@ def sensor_offset_m(placement: Placement, body: BodyDimensions) -> Float:
     along = {
         "head": (0.09, 0.0, 0.20),
         "sternum": (0.10, 0.0, 0.80 * body.trunk_m),
-        "pelvis": (-0.10, 0.0, 0.05),
-        "shoulder": (0.0, sign * 0.40 * body.shoulder_width_m, 0.04),
+        "pelvis": (0.10, 0.0, 0.05),
+        "shoulder": (0.0, sign * 0.55 * body.shoulder_width_m, 0.02),
         # Thesis V9: 0.18 m from the shoulder on a 0.30 m arm.
         "upper_arm": (0.0, sign * 0.045, -0.60 * body.upper_arm_m),
         # Forearm and hand frames are turned by 90 degrees in the N-pose: outward is x there.

@@ -157,10 +157,10 @@ def test_recording_setup_and_truth_fit_together():
 
 def test_default_mounting_points_outward_in_the_n_pose():
     outward = {
-        "sternum": (1, 0, 0), "head": (1, 0, 0), "pelvis": (-1, 0, 0), "upper_arm_right": (0, -1, 0),
+        "sternum": (1, 0, 0), "head": (1, 0, 0), "pelvis": (1, 0, 0), "upper_arm_right": (0, -1, 0),
         "forearm_right": (0, -1, 0), "hand_right": (0, -1, 0), "upper_arm_left": (0, 1, 0),
         "forearm_left": (0, 1, 0), "hand_left": (0, 1, 0), "thigh_left": (0, 1, 0), "shank_right": (0, -1, 0),
-        "foot_left": (0, 0, 1), "shoulder_right": (0, 0, 1),
+        "foot_left": (0.6, 0, 0.8), "shoulder_right": (0, -1, 0),
     }  # fmt: skip
     one = simulate_arm(
         ArmScenario(placements=tuple(outward), schedule=SHORT, sway_rad=0.0, facing_rad=0.0,
@@ -174,6 +174,23 @@ def test_default_mounting_points_outward_in_the_n_pose():
         off = np.degrees(rotation.angle_between(rotation.conjugate(q), outward_mounting(name)))
         # Three axes of 4 degrees: 7 on average, 20 is five times the spread.
         assert 0.1 < off < 20.0
+
+
+def test_the_rule_is_the_one_that_the_n_pose_calibration_expects():
+    from estimators.calibration import OUTWARD_HEADING_RAD
+
+    one = simulate_arm(
+        ArmScenario(
+            placements=PLACEMENTS,
+            schedule=SHORT,
+            sway_rad=0.0,
+            facing_rad=0.0,
+            mounting=Mounting(misalignment_sd_rad=0.0),
+        )
+    )
+    for s, name in enumerate(PLACEMENTS):
+        z = rotation.rotate(one.truth.q_earth_sensor[s, 0], (0.0, 0.0, 1.0))
+        assert np.arctan2(z[1], z[0]) == pytest.approx(OUTWARD_HEADING_RAD[name], abs=1e-9)
 
 
 def test_arbitrary_mounting_and_lever_arm_are_taken_as_given():
