@@ -44,9 +44,8 @@ class BodyNetwork:
         self.setup = setup
         self.sensor_count = len(setup.placements)
         self.time_step_s = 1.0 / setup.rate_hz
-        self._filter = orientation.create(
-            setup.orientation, self.sensor_count, self.time_step_s, setup.orientation_parameters
-        )
+        self._filter = self._new_filter()
+        self._next_tick = 0
         self._stride = max(1, round(setup.rate_hz / _MEMORY_HZ))
         slots = int(_MEMORY_S * _MEMORY_HZ)
         self._memory_tick = np.full(slots, -1, dtype=np.int64)
@@ -60,6 +59,11 @@ class BodyNetwork:
     def is_calibrated(self) -> bool:
         """Whether segment orientations mean anything yet."""
         return self.setup.calibration is not None
+
+    def _new_filter(self) -> orientation.OrientationEstimator:
+        return orientation.create(
+            self.setup.orientation, self.sensor_count, self.time_step_s, self.setup.orientation_parameters
+        )
 
     def step(self, chunk: ImuChunk) -> tuple[OrientationResult, Float, Float, Float, NDArray[np.uint8]]:
         """Take the next ticks.
@@ -94,6 +98,7 @@ class BodyNetwork:
         if not self.is_calibrated:
             flags |= _UNCALIBRATED
         self._remember(chunk.first_tick, result)
+        self._next_tick = chunk.first_tick + chunk.tick_count
         return result, q_room_segment, omega, sigma, flags
 
     def calibrate(self, pose: ImuChunk, method: str) -> Calibration:
@@ -117,8 +122,12 @@ class BodyNetwork:
                 f"the pose has {pose.sensor_count} sensors; this session has {self.sensor_count}"
             )
         placements = self.setup.placements
+        rest = calibration.static_bias(
+            pose.gyroscope_radps, pose.accelerometer_mps2, pose.time_step_s, require_still=method == "static"
+        )
+        anew = self._begin_anew(pose, rest.gyroscope_bias_radps)
         if method == "n_pose":
-            q_earth_sensor, flags = self._during(pose)
+            q_earth_sensor, flags = self._during(pose, anew)
             found = calibration.n_pose(
                 q_earth_sensor,
                 pose.gyroscope_radps,
@@ -128,9 +137,6 @@ class BodyNetwork:
                 time_step_s=pose.time_step_s,
             )
         elif method == "static":
-            rest = calibration.static_bias(
-                pose.gyroscope_radps, pose.accelerometer_mps2, pose.time_step_s, require_still=True
-            )
             found = Calibration(
                 q_sensor_segment=dict.fromkeys(placements, (1.0, 0.0, 0.0, 0.0)),
                 gyroscope_bias_radps={
@@ -142,13 +148,38 @@ class BodyNetwork:
         else:
             raise SetupError(f"no calibration method {method!r}; known are n_pose and static")
         self._apply(found)
-        self._set_bias(found, MEASURED_BIAS_SIGMA_RADPS)
+        if anew is None:
+            self._set_bias(found, MEASURED_BIAS_SIGMA_RADPS)
+        else:
+            self._filter = anew[0]
         self.setup = replace(self.setup, calibration=found)
         return found
 
-    def _during(self, pose: ImuChunk) -> tuple[Float, NDArray[np.uint8]]:
-        """Return orientations (S, M, 4) and flags (S, M) remembered from the pose."""
+    def _begin_anew(
+        self, pose: ImuChunk, bias_radps: Float
+    ) -> tuple[orientation.OrientationEstimator, Float] | None:
+        """Run a fresh filter over the pose with the bias known; None if ticks have followed the pose.
+
+        Until now the filter did not know the bias: 1 deg/s holds its heading about 7 degrees off, which would
+        go into the mounting and fade only over half a minute afterwards.
+        """
+        if pose.first_tick + pose.tick_count != self._next_tick:
+            return None
+        fresh = self._new_filter()
+        fresh.set_gyroscope_bias(bias_radps, MEASURED_BIAS_SIGMA_RADPS)
+        return fresh, fresh.update(pose).q_earth_sensor
+
+    def _during(
+        self, pose: ImuChunk, anew: tuple[orientation.OrientationEstimator, Float] | None
+    ) -> tuple[Float, NDArray[np.uint8]]:
+        """Return orientations (S, M, 4) and flags (S, M) of the pose, at the remembered ticks.
+
+        Of a filter that began with the pose the second half counts; the flags are those of the running one,
+        which has seen more.
+        """
         first, stop = pose.first_tick, pose.first_tick + pose.tick_count
+        if anew is not None:
+            first += pose.tick_count // 2
         inside = np.flatnonzero((self._memory_tick >= first) & (self._memory_tick < stop))
         if not len(inside):
             raise CalibrationError(
@@ -156,10 +187,10 @@ class BodyNetwork:
                 "hold the pose again for 3 s"
             )
         inside = inside[np.argsort(self._memory_tick[inside])]
-        return (
-            np.ascontiguousarray(self._memory_q[inside].swapaxes(0, 1)),
-            np.ascontiguousarray(self._memory_flags[inside].T),
-        )
+        flags = np.ascontiguousarray(self._memory_flags[inside].T)
+        if anew is not None:
+            return np.ascontiguousarray(anew[1][:, self._memory_tick[inside] - pose.first_tick]), flags
+        return np.ascontiguousarray(self._memory_q[inside].swapaxes(0, 1)), flags
 
     def _remember(self, first_tick: int, result: OrientationResult) -> None:
         """Keep the orientation at every n-th tick, counted since the start so that chunks do not matter."""
@@ -197,6 +228,7 @@ class BodyNetwork:
         text = json.dumps(None if found is None else asdict(found))
         state = {f"orientation.{name}": values for name, values in self._filter.state().items()}
         state["calibration"] = np.frombuffer(text.encode(), dtype=np.uint8).copy()
+        state["next_tick"] = np.array(self._next_tick, dtype=np.int64)
         state["memory_tick"] = self._memory_tick.copy()
         state["memory_q"] = self._memory_q.copy()
         state["memory_flags"] = self._memory_flags.copy()
@@ -204,7 +236,7 @@ class BodyNetwork:
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Continue where the instance that gave `state` stood, its calibration included."""
-        missing = {"calibration", "memory_tick", "memory_q", "memory_flags"} - set(state)
+        missing = {"calibration", "next_tick", "memory_tick", "memory_q", "memory_flags"} - set(state)
         if missing:
             raise ShapeError(f"this state has no {', '.join(sorted(missing))}; it is of another pipeline")
         if state["memory_q"].shape != self._memory_q.shape:
@@ -217,6 +249,7 @@ class BodyNetwork:
         plain = {**self.setup.to_dict(), "calibration": stored}
         self.setup = replace(self.setup, calibration=SessionSetup.from_dict(plain).calibration)
         self._apply(self.setup.calibration)
+        self._next_tick = int(state["next_tick"])
         self._memory_tick = state["memory_tick"].astype(np.int64)
         self._memory_q = state["memory_q"].astype(np.float64)
         self._memory_flags = state["memory_flags"].astype(np.uint8)
