@@ -1,0 +1,103 @@
+"""A real server process on a real socket, and the therapist's hands on it."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Awaitable, Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+
+from app.gateway import ServiceClient
+from app.settings import Settings
+
+PASSWORD = "a long enough password"
+"""Of everybody in `world`."""
+ROOT = Path(__file__).resolve().parents[3]
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+class ServerProcess:
+    """uvicorn with the application, as `telemotion serve` starts it; survives `kill` and `start` again."""
+
+    def __init__(self, settings: Settings, log: Path) -> None:
+        self.port = free_port()
+        self.address = f"http://127.0.0.1:{self.port}"
+        self._log = log
+        self._environment = os.environ | {
+            "TELEMOTION_DATABASE_URL": settings.database_url,
+            "TELEMOTION_SECRET_KEY": settings.secret_key.get_secret_value(),
+            "TELEMOTION_BASE_URL": self.address,
+            "TELEMOTION_DATA_DIR": str(settings.data_dir),
+            "PYTHONPATH": str(ROOT),
+            "OPENBLAS_NUM_THREADS": "1",
+        }
+        self.process: subprocess.Popen[bytes] | None = None
+
+    def start(self) -> None:
+        arguments = ["--factory", "app.main:create_app", "--host", "127.0.0.1", "--port", str(self.port)]
+        arguments += ["--ws", "websockets-sansio", "--loop", "uvloop", "--http", "httptools"]
+        arguments += ["--no-access-log", "--log-level", "warning"]
+        with self._log.open("ab") as log:
+            self.process = subprocess.Popen(
+                [sys.executable, "-m", "uvicorn", *arguments],
+                cwd=ROOT,
+                env=self._environment,
+                stdout=log,
+                stderr=log,
+                start_new_session=True,
+            )
+        deadline = time.monotonic() + 90
+        while time.monotonic() < deadline:
+            assert self.process.poll() is None, self._log.read_text()
+            try:
+                if httpx.get(f"{self.address}/api/health", trust_env=False, timeout=1).is_success:
+                    return
+            except httpx.TransportError:
+                time.sleep(0.1)
+        raise TimeoutError(self._log.read_text())
+
+    def kill(self) -> None:
+        """SIGKILL, the worker process for long tasks included."""
+        if self.process is not None:
+            os.killpg(self.process.pid, signal.SIGKILL)
+            self.process.wait(10)
+            self.process = None
+
+    def log(self) -> str:
+        return self._log.read_text()
+
+
+@pytest.fixture
+def server(settings: Settings, world: Any, tmp_path: Path) -> Iterator[ServerProcess]:
+    process = ServerProcess(settings, tmp_path / "server.log")
+    process.start()
+    yield process
+    process.kill()
+
+
+@pytest.fixture
+def email(world: Any) -> Callable[[str], str]:
+    return lambda name: f"{name}@{world.clinic_id[:6]}.example"
+
+
+@pytest.fixture
+def signed_in(server: ServerProcess, email: Callable[[str], str]) -> Callable[..., Awaitable[ServiceClient]]:
+    """Return an async function that gives a client in which the named person is signed in."""
+
+    async def make(name: str = "therapist") -> ServiceClient:
+        client = ServiceClient(server.address)
+        await client.sign_in(email(name), PASSWORD)
+        return client
+
+    return make
