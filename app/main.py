@@ -16,6 +16,8 @@ from app import tables as tables
 from app.accounts.endpoints import router as accounts_router
 from app.accounts.passwords import Passwords
 from app.accounts.rate_limit import SignInLimits
+from app.assessment.comparisons import compare_task
+from app.assessment.endpoints import router as assessment_router
 from app.database import engine as database_engine
 from app.database.migrate import require_newest
 from app.database.unit_of_work import read_only, unit_of_work
@@ -24,6 +26,9 @@ from app.edge.client import client_router
 from app.edge.documentation import router as documentation_router
 from app.edge.middleware import AccessLog, BodyLimit, SecurityHeaders
 from app.exercises.endpoints import router as exercises_router
+from app.ingest.upload import MULTIPART_SLACK_BYTES, remove_orphans
+from app.ingest.upload import router as upload_router
+from app.ingest.upload_task import upload
 from app.ingest.websocket import router as ingest_router
 from app.live.bus import MemoryBus
 from app.live.endpoints import router as live_router
@@ -38,11 +43,10 @@ from app.recordings.reprocess import reprocess
 from app.recordings.service import queue_closing
 from app.services import Services, services_of
 from app.settings import Settings
+from app.viewer import open_viewer
+from app.viewer import router as viewer_router
 
 logger = logging.getLogger("telemotion.service")
-
-MULTIPART_SLACK_BYTES = 1 << 20
-"""Room for the declaration and the boundaries around an uploaded file of the largest size."""
 
 
 def service_version() -> str:
@@ -126,6 +130,7 @@ async def open_services(
     stack.push_async_callback(partial(to_thread.run_sync, writer.close))
     services.recorder = writer
 
+    await to_thread.run_sync(remove_orphans, engine, settings)
     jobs = JobRunner(engine, settings, job_handlers())
     await to_thread.run_sync(jobs.start)
     stack.push_async_callback(partial(to_thread.run_sync, jobs.stop))
@@ -140,12 +145,14 @@ async def open_services(
     await live.start()
     stack.push_async_callback(live.stop)
     services.live = live
+
+    await open_viewer(services, stack)
     return services
 
 
 def job_handlers() -> dict[str, Handler]:
     """Return what can be done in the background, by kind of task."""
-    return {"reprocess": reprocess}
+    return {"reprocess": reprocess, "upload": upload, "compare": compare_task}
 
 
 def all_routers() -> list[APIRouter]:
@@ -161,6 +168,9 @@ def all_routers() -> list[APIRouter]:
         live_router,
         watch_router,
         ingest_router,
+        upload_router,
+        assessment_router,
+        viewer_router,
     ]
 
 

@@ -1,0 +1,331 @@
+"""Progress and caseload: the statistics by hand, the reasons by example."""
+
+import math
+from datetime import timedelta
+
+import numpy as np
+import pytest
+
+from app.assessment.models import Comparison, RepetitionMeasure
+from app.database.base import new_id, utc_now
+from app.database.unit_of_work import read_only, unit_of_work
+from app.exercises.models import Prescription, Template, TemplateVersion
+from app.patients.caseload import adherence
+from app.patients.measures import change, minimal_detectable_change, session_values
+from app.recordings.models import MotionSession, Result
+
+MEASURE = "range:thorax_humerus_right_yxy_elevation"
+
+
+class History:
+    """Makes sessions with compared repetitions."""
+
+    def __init__(self, engine, world):
+        self.engine, self.world = engine, world
+        with unit_of_work(engine) as session:
+            template = Template(
+                id=new_id(),
+                clinic_id=world.clinic_id,
+                exercise_id=world.exercise_id,
+                patient_id=world.patient_id,
+                name="Template",
+                created_by=world.accounts["therapist"],
+            )
+            session.add(template)
+            session.flush()
+            version = TemplateVersion(
+                id=new_id(),
+                template_id=template.id,
+                number=1,
+                source_session_id="0" * 32,
+                source_result_id="0" * 32,
+                repetitions=[],
+                tolerance_scale={},
+                content=b"",
+                is_published=True,
+                created_by=world.accounts["therapist"],
+            )
+            session.add(version)
+        self.template_id, self.version_id = template.id, version.id
+
+    def prescribe(self, days_ago, times_per_week=5, template=True, patient_id=None):
+        with unit_of_work(self.engine) as session:
+            row = Prescription(
+                id=new_id(),
+                patient_id=patient_id or self.world.patient_id,
+                exercise_id=self.world.exercise_id,
+                template_id=self.template_id if template else None,
+                times_per_week=times_per_week,
+                prescribed_by=self.world.accounts["therapist"],
+                starts_at=utc_now() - timedelta(days=days_ago),
+                ends_at=None,
+            )
+            session.add(row)
+        return row
+
+    def session(self, days_ago, values=(), orientation="vqf", measure=MEASURE, **fields):
+        at = utc_now() - timedelta(days=days_ago)
+        with unit_of_work(self.engine) as session:
+            motion = MotionSession(
+                id=new_id(),
+                created_at=at,
+                started_at=at,
+                clinic_id=self.world.clinic_id,
+                patient_id=fields.pop("patient_id", self.world.patient_id),
+                exercise_id=fields.pop("exercise_id", self.world.exercise_id),
+                state=fields.pop("state", "analysed"),
+                setup={},
+                created_by=self.world.accounts["patient"],
+                **fields,
+            )
+            session.add(motion)
+            session.flush()
+            if len(values):
+                motion.main_result_id = self.compare(session, motion.id, values, orientation, at, measure)
+        return motion.id
+
+    def compare(self, session, motion_id, values, orientation, at, measure=MEASURE):
+        result = Result(
+            id=new_id(),
+            session_id=motion_id,
+            kind="offline",
+            pipeline="arm",
+            pipeline_version="1",
+            orientation=orientation,
+            orientation_version="2",
+            setup={},
+            layout={},
+            status="complete",
+        )
+        session.add(result)
+        session.flush()
+        comparison = Comparison(
+            id=new_id(),
+            created_at=at,
+            session_id=motion_id,
+            result_id=result.id,
+            template_version_id=self.version_id,
+            version="1",
+            repetition_count=len(values),
+            summary={},
+            content=b"",
+        )
+        session.add(comparison)
+        session.flush()
+        for number, value in enumerate(values):
+            session.add(
+                RepetitionMeasure(
+                    comparison_id=comparison.id,
+                    repetition=number,
+                    measure=measure,
+                    value=value,
+                    uncertainty=0.01,
+                    unit="rad",
+                )
+            )
+        return result.id
+
+
+@pytest.fixture
+def history(engine, world):
+    return History(engine, world)
+
+
+def values_of(history, **arguments):
+    with read_only(history.engine) as session:
+        return session_values(session, [history.world.patient_id], **arguments)
+
+
+def test_a_session_is_mean_spread_and_count(history):
+    repetitions = [1.0, 1.1, 1.25, 0.95]
+    history.session(1, repetitions)
+    (value,) = values_of(history)
+    assert value.mean == pytest.approx(np.mean(repetitions))
+    assert value.spread == pytest.approx(np.std(repetitions, ddof=1))
+    assert (value.count, value.unit) == (4, "rad")
+
+
+def test_detectable_change_follows_its_formula(history):
+    groups = [[1.0, 1.2], [1.1, 1.2, 1.3], [0.9, 1.0, 1.4, 1.5]]
+    for age, group in zip((3, 2, 1), groups, strict=True):
+        history.session(age, group)
+    pooled = math.sqrt(
+        sum(np.var(group, ddof=1) * (len(group) - 1) for group in groups) / sum(len(g) - 1 for g in groups)
+    )
+    assert minimal_detectable_change(values_of(history)) == pytest.approx(1.96 * math.sqrt(2) * pooled)
+
+
+def test_change_is_last_three_against_first_three_without_overlap(history):
+    means = [1.0, 1.1, 1.2, 5.0, 1.7, 1.8, 1.9]
+    for age, mean in zip(range(7, 0, -1), means, strict=True):
+        history.session(age, [mean - 0.01, mean + 0.01])
+    moved = change(values_of(history))
+    assert moved.difference == pytest.approx(0.7)
+    assert moved.is_real is True
+    assert change(values_of(history)[:1]).difference is None
+    assert change(values_of(history)[:3]).difference == pytest.approx(0.2), "one against one of three"
+
+
+def test_scatter_is_not_called_change(history):
+    generator = np.random.default_rng(7)
+    for age in range(8, 0, -1):
+        history.session(age, 1.0 + 0.1 * generator.standard_normal(10))
+    assert change(values_of(history)).is_real is False
+
+
+def test_one_repetition_says_nothing_about_chance(history, therapist, world):
+    for age in (3, 2):
+        history.session(age, [1.0])
+    (measure,) = therapist.get(f"/api/patients/{world.patient_id}/progress").json()["measures"]
+    assert (measure["minimal_detectable_change"], measure["is_real_change"]) == (None, None)
+    assert measure["change"] == pytest.approx(0.0)
+
+
+def test_the_main_result_counts_not_every_comparison(history):
+    motion = history.session(2, [1.0, 1.0])
+    with unit_of_work(history.engine) as session:
+        history.compare(session, motion, [9.0, 9.0], "other", utc_now())
+    (value,) = values_of(history)
+    assert value.mean == 1.0
+
+
+def test_templates_and_other_exercises_stay_apart(history, engine, world):
+    from .conftest import make_exercise
+
+    with unit_of_work(engine) as session:
+        other = make_exercise(session, world.clinic_id, "Drink").id
+    history.session(3, [1.0, 1.2])
+    history.session(2, [7.0, 7.1], purpose="template")
+    history.session(1, [3.0, 3.1], exercise_id=other)
+    assert [v.mean for v in values_of(history, exercise_id=world.exercise_id)] == [pytest.approx(1.1)]
+
+
+def test_progress_over_http_names_what_changed_meanwhile(history, therapist, world):
+    history.prescribe(5)
+    history.session(4, [1.0, 1.1])
+    history.session(3, [1.0, 1.1], measure="duration")
+    history.session(2, [1.2, 1.3], orientation="marzouk_quaternion_ekf")
+    path = f"/api/patients/{world.patient_id}/progress"
+    found = therapist.get(path, params={"exercise_id": world.exercise_id}).json()
+    assert [measure["measure"] for measure in found["measures"]] == [MEASURE, "duration"], (
+        "the main one first"
+    )
+    main = found["measures"][0]
+    assert main["label"] == "Shoulder elevation, range of motion"
+    first, last = main["points"]
+    assert first["low"] == pytest.approx(1.05 - np.std([1.0, 1.1], ddof=1))
+    assert last["orientation"] == "marzouk_quaternion_ekf 2"
+    assert {event["kind"] for event in found["events"]} == {"template", "prescription", "estimator"}
+    assert therapist.get(path).json()["exercise_id"] == world.exercise_id
+    assert therapist.get(path, params={"exercise_id": world.foreign_exercise_id}).status_code == 404
+
+
+def line(client, world):
+    rows = client.get("/api/caseload").json()
+    (row,) = [row for row in rows if row["patient_id"] == world.patient_id]
+    return row
+
+
+def test_a_line_without_anything(therapist, world):
+    row = line(therapist, world)
+    assert (row["reason"], row["due"], row["trend"], row["adherence_percent"]) == ("", "", [], None)
+
+
+def test_a_line_shows_dose_trend_and_adherence(history, therapist, world):
+    history.prescribe(14, times_per_week=2)
+    for age in (13, 9, 5):
+        history.session(age, [1.0 + age / 100, 1.1 + age / 100])
+    row = line(therapist, world)
+    assert row["due"] == "Reach forward: 10 repetitions, 2 times a week"
+    assert row["main_measure"] == "Shoulder elevation, range of motion"
+    assert row["trend"] == pytest.approx([1.18, 1.14, 1.10])
+    assert all(
+        low < value < high
+        for low, value, high in zip(row["trend_low"], row["trend"], row["trend_high"], strict=True)
+    )
+    assert row["adherence_percent"] == pytest.approx(75.0, abs=0.2)
+    assert row["reason"] == ""
+
+
+def reason_live(history):
+    history.session(0, state="recording")
+
+
+def reason_declining(history):
+    for age, mean in zip(range(6, 0, -1), [1.5, 1.5, 1.5, 1.0, 1.0, 1.0], strict=True):
+        history.session(age, [mean - 0.02, mean + 0.02])
+
+
+def reason_not_practising(history):
+    history.prescribe(30)
+    history.session(20, [1.0, 1.1])
+
+
+def reason_bad_data(history):
+    history.session(1, [1.0, 1.1], packets_stored=80, packets_missing=20)
+
+
+def reason_no_template(history):
+    history.prescribe(2, template=False)
+
+
+@pytest.mark.parametrize(
+    ("reason", "arrange"),
+    [
+        ("live", reason_live),
+        ("declining", reason_declining),
+        ("not_practising", reason_not_practising),
+        ("bad_data", reason_bad_data),
+        ("no_template", reason_no_template),
+    ],
+)
+def test_each_reason_to_look(history, therapist, world, reason, arrange):
+    arrange(history)
+    row = line(therapist, world)
+    assert row["reason"] == reason
+    assert row["reason_text"]
+
+
+def test_the_most_urgent_reason_wins_and_sorts(history, therapist, world):
+    for arrange in (reason_no_template, reason_bad_data, reason_declining):
+        arrange(history)
+    history.prescribe(2, template=False, patient_id=world.other_patient_id)
+    rows = therapist.get("/api/caseload").json()
+    assert [row["reason"] for row in rows] == ["declining", "no_template"]
+    reason_live(history)
+    rows = therapist.get("/api/caseload").json()
+    assert rows[0]["reason"] == "live"
+    assert rows[0]["live_session_id"]
+
+
+def test_improvement_and_rest_are_no_reasons(history, therapist, world):
+    history.prescribe(30, times_per_week=1)
+    for age, mean in zip((12, 11, 10, 9, 8, 8), [1.0, 1.0, 1.0, 1.5, 1.5, 1.5], strict=True):
+        history.session(age, [mean - 0.02, mean + 0.02])
+    assert line(therapist, world)["reason"] == "", "once a week may rest for two weeks"
+
+
+def test_adherence_counts_each_exercise_at_most_in_full():
+    now = utc_now()
+
+    def prescription(exercise, **fields):
+        return Prescription(
+            exercise_id=exercise, times_per_week=7, starts_at=now - timedelta(days=7), ends_at=None, **fields
+        )
+
+    daily = [(now - timedelta(days=day, hours=1), "a") for day in range(7)]
+    assert adherence([prescription("a")], daily, now) == 100.0
+    assert adherence([prescription("a")], daily + daily, now) == 100.0
+    assert adherence([prescription("a"), prescription("b")], daily + daily, now) == 50.0
+    assert adherence([prescription("a")], [], now) == 0.0
+    assert adherence([], daily, now) is None
+    coming = Prescription(exercise_id="a", times_per_week=7, starts_at=now + timedelta(days=1), ends_at=None)
+    assert adherence([coming], [], now) is None
+
+
+def test_sessions_of_this_week_are_counted_on_prescriptions(history, patient, world):
+    history.prescribe(20)
+    history.session(0)
+    history.session(15)
+    (row,) = patient.get(f"/api/patients/{world.patient_id}/prescriptions").json()
+    assert row["done_this_week"] == 1
