@@ -157,7 +157,7 @@ class Mounting:
         Where some sensors sit in their segment frame.
     """
 
-    misalignment_sd_rad: float = float(np.radians(4.0))
+    misalignment_sd_rad: float = float(np.radians(3.0))
     q_segment_sensor: Mapping[Placement, tuple[float, float, float, float]] = field(default_factory=dict)
     offset_m: Mapping[Placement, tuple[float, float, float]] = field(default_factory=dict)
 

@@ -172,7 +172,7 @@ def test_default_mounting_points_outward_in_the_n_pose():
     tilted = simulate_arm(ArmScenario(schedule=SHORT, seed=5))
     for name, q in tilted.truth.q_sensor_segment.items():
         off = np.degrees(rotation.angle_between(rotation.conjugate(q), outward_mounting(name)))
-        # Three axes of 4 degrees: 7 on average, 20 is five times the spread.
+        # Three axes of 3 degrees: 5 on average, 20 is four standard deviations off.
         assert 0.1 < off < 20.0
 
 
