@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from estimators._kernels import exponential, kernel, multiply, normalized, rotate, rotate_back
 from estimators.orientation import _marzouk_steps as steps
-from estimators.orientation._marzouk_steps import prepare, start_variance, store
+from estimators.orientation._marzouk_steps import prepare, set_heading, start_variance, store
 from estimators.recording import Float
 
 # Positions in the settings, after the shared ones.
@@ -122,6 +122,8 @@ def correct(
     inject(q, bias, s, error)
     if sample[_HAS_FIELD] == 0.0:
         return
+    if not counters[s, _HEADING_KNOWN]:
+        set_heading(s, q, sample, counters)
     w, x, y, z = q[s, 0], q[s, 1], q[s, 2], q[s, 3]
     north, east, _ = rotate(w, x, y, z, sample[_FIELD], sample[_FIELD + 1], sample[_FIELD + 2])
     innovation = -math.atan2(east, north)
@@ -129,12 +131,7 @@ def correct(
     if abs(sample[_FIELD_NORM] - 1.0) > settings[_FIELD_TOLERANCE]:
         variance *= settings[FIELD_PENALTY]
     vx, vy, vz = rotate_back(w, x, y, z, 0.0, 0.0, 1.0)
-    if counters[s, _HEADING_KNOWN] == 0:
-        # The first field ever: the heading so far was arbitrary, so it is set, not corrected.
-        counters[s, _HEADING_KNOWN] = 1
-        error[0], error[1], error[2] = vx * innovation, vy * innovation, vz * innovation
-    else:
-        absorb(p, error, ph, vx, vy, vz, innovation, variance)
+    absorb(p, error, ph, vx, vy, vz, innovation, variance)
     inject(q, bias, s, error)
 
 

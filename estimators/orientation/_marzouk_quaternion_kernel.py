@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from estimators._kernels import exponential, kernel, multiply, normalized, wrapped
 from estimators.orientation import _marzouk_steps as steps
 from estimators.orientation._contract import OrientationFlag
-from estimators.orientation._marzouk_steps import prepare, start_variance, store
+from estimators.orientation._marzouk_steps import prepare, set_heading, start_variance, store
 from estimators.recording import Float
 
 # Positions in the settings, after the shared ones; triples start at the number given.
@@ -164,8 +164,18 @@ def correct(
                 break
             mx, my, mz = sample[_FIELD], sample[_FIELD + 1], sample[_FIELD + 2]
             px, py, pz = my * sz - mz * sy, mz * sx - mx * sz, mx * sy - my * sx
-            measured = math.atan2(-px, sy * pz - sz * py)
+            # The page's A5 lacks the norm of s; without it the yaw is wrong whenever the arm is pushed.
+            measured = math.atan2(-px * sample[_GRAVITY_NORM], sy * pz - sz * py)
         angle, h0, h1, h2, h3, cosine_squared = angle_row(which, q[s, 0], q[s, 1], q[s, 2], q[s, 3])
+        # The rows are right along the unit sphere only. Their part along q says that the norm were measured,
+        # which it is not; left in, it makes a heading without magnetometer look known.
+        radial = h0 * q[s, 0] + h1 * q[s, 1] + h2 * q[s, 2] + h3 * q[s, 3]
+        h0, h1, h2, h3 = (
+            h0 - radial * q[s, 0],
+            h1 - radial * q[s, 1],
+            h2 - radial * q[s, 2],
+            h3 - radial * q[s, 3],
+        )
         variance = weight * settings[ANGLE_VARIANCE + which]
         if which != 1 and settings[SINGULAR_WEIGHTING] > 0.0:
             # Roll and yaw of a nearly vertical x axis are as noisy as one over the cosine of the pitch.
@@ -252,9 +262,9 @@ def run(
             elif action != _HOLD:
                 predict(q, bias, covariance, s, sample, settings, work)
                 if action == _FILTER:
+                    if sample[_HAS_FIELD] > 0.0 and not counters[s, _HEADING_KNOWN]:
+                        set_heading(s, q, sample, counters)
                     correct(q, bias, covariance, s, sample, settings, work)
-                    if sample[_HAS_FIELD] > 0.0:
-                        counters[s, _HEADING_KNOWN] = 1
             w, x, y, z = q[s, 0], q[s, 1], q[s, 2], q[s, 3]
             own = _SINGULAR if abs(2.0 * (x * z - w * y)) > _SINGULAR_SINE else 0
             # Rotation error in U: twice the vector part of dq * conj(q).

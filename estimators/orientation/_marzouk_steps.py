@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators._kernels import Scalars4, kernel, multiply, normalized, rotate_back
+from estimators._kernels import Scalars4, kernel, multiply, normalized, rotate, rotate_back
 from estimators.conventions import GRAVITY_MPS2
 from estimators.orientation._contract import OrientationFlag
 from estimators.recording import Float, SampleQuality
@@ -215,6 +215,17 @@ def prepare(
     return FILTER
 
 
+@kernel("void(int64, float64[:, ::1], float64[::1], int64[:, ::1])")
+def set_heading(s: int, q: Float, sample: Float, counters: NDArray[np.int64]) -> None:
+    """Turn the attitude to the first field ever seen: its heading so far was arbitrary."""
+    w, x, y, z = q[s, 0], q[s, 1], q[s, 2], q[s, 3]
+    north, east, _ = rotate(w, x, y, z, sample[FIELD], sample[FIELD + 1], sample[FIELD + 2])
+    half = -0.5 * math.atan2(east, north)
+    w, x, y, z = multiply(math.cos(half), 0.0, 0.0, math.sin(half), w, x, y, z)
+    q[s, 0], q[s, 1], q[s, 2], q[s, 3] = w, x, y, z
+    counters[s, HEADING_KNOWN] = 1
+
+
 @kernel("float64(int64, float64[:, ::1], int64[:, ::1], float64[::1])")
 def start_variance(s: int, memory: Float, counters: NDArray[np.int64], settings: Float) -> float:
     """Return the variance per axis of the start attitude: more if the sensor turned or was pushed."""
@@ -269,6 +280,8 @@ def store(
         for axis in range(3):
             sigma_rad[s, k, axis] = math.pi
         return
+    if not count[RUNNING]:
+        variance_north = variance_east = variance_down = settings[ATTITUDE_SIGMA] ** 2
     sigma_rad[s, k, 0] = min(math.sqrt(max(variance_east, 0.0)), math.pi)
     sigma_rad[s, k, 1] = min(math.sqrt(max(variance_north, 0.0)), math.pi)
     sigma_rad[s, k, 2] = min(math.sqrt(max(variance_down, 0.0)), math.pi)
