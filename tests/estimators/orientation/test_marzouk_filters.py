@@ -385,7 +385,7 @@ def assert_v4(name, parameters, handle, published_deg, limit_deg):
     assert (mean <= limit_deg).all()
     # Another eight runs differ by 0.01 in roll and pitch and 0.05 in yaw, which moreover lacks the error
     # that the page's A5 makes while the arm is pushed.
-    np.testing.assert_allclose(mean, published_deg, atol=[0.04, 0.04, 0.2])
+    np.testing.assert_array_less(np.abs(mean - published_deg), [0.04, 0.04, 0.2])
 
 
 def geodesic_deg(found, given):
