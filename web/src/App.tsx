@@ -5,20 +5,34 @@ import { CaseloadPage } from './pages/Caseload';
 import { CrashPage } from './pages/Crash';
 import { NotFoundPage } from './pages/NotFound';
 import { SignInPage } from './pages/SignIn';
+import { TodayPage } from './pages/mine/Today';
 
 function Home() {
   const me = useSignedIn();
-  return me.role === 'patient' ? null : <CaseloadPage />;
+  return me.role === 'patient' ? <TodayPage /> : <CaseloadPage />;
 }
 
+// Pages that are not the first to be seen come in pieces of their own.
 export const router = createBrowserRouter([
   { path: '/sign-in', element: <SignInPage />, errorElement: <CrashPage /> },
   {
     path: '/',
     element: <Shell />,
     errorElement: <CrashPage />,
+    HydrateFallback: () => null,
     children: [
       { index: true, element: <Home /> },
+      { path: 'my/results', lazy: async () => ({ Component: (await import('./pages/mine/Results')).ResultsPage }) },
+      { path: 'my/data', lazy: async () => ({ Component: (await import('./pages/mine/MyData')).MyDataPage }) },
+      { path: 'patients/new', lazy: async () => ({ Component: (await import('./pages/PatientNew')).PatientNewPage }) },
+      { path: 'patients/:patientId', lazy: async () => ({ Component: (await import('./pages/patient/PatientPage')).PatientPage }) },
+      { path: 'patients/:patientId/sessions/new', lazy: async () => ({ Component: (await import('./pages/session/NewSession')).NewSessionPage }) },
+      { path: 'sessions/:sessionId', lazy: async () => ({ Component: (await import('./pages/session/SessionPage')).SessionPage }) },
+      { path: 'sessions/:sessionId/live', lazy: async () => ({ Component: (await import('./pages/session/LiveSession')).LiveSessionPage }) },
+      { path: 'templates/record', lazy: async () => ({ Component: (await import('./pages/template/RecordTemplate')).RecordTemplatePage }) },
+      { path: 'exercises', lazy: async () => ({ Component: (await import('./pages/Exercises')).ExercisesPage }) },
+      { path: 'exercises/:exerciseId', lazy: async () => ({ Component: (await import('./pages/ExercisePage')).ExercisePage }) },
+      { path: 'upload', lazy: async () => ({ Component: (await import('./pages/Upload')).UploadPage }) },
       { path: '*', element: <NotFoundPage /> },
     ],
   },

@@ -146,6 +146,43 @@ export interface components {
             score: number;
         };
         /**
+         * CameraCommand
+         * @description Browser to `/ws/views/{view}`: turn the view by key or button; say whether the page is dark.
+         */
+        CameraCommand: {
+            /**
+             * Preset
+             * @default null
+             */
+            preset?: ("front" | "side" | "top" | "arm") | null;
+            /**
+             * Theme
+             * @default null
+             */
+            theme?: ("light" | "dark") | null;
+            /**
+             * Tilt Deg
+             * @default 0
+             */
+            tilt_deg?: number;
+            /**
+             * Turn Deg
+             * @default 0
+             */
+            turn_deg?: number;
+            /**
+             * Type
+             * @default camera
+             * @constant
+             */
+            type?: "camera";
+            /**
+             * Zoom
+             * @default 1
+             */
+            zoom?: number;
+        };
+        /**
          * CaseloadRow
          * @description One line of the caseload.
          */
@@ -389,10 +426,7 @@ export interface components {
             closing?: boolean;
             /** Code */
             code: string;
-            /**
-             * Details
-             * @default {}
-             */
+            /** Details */
             details?: {
                 [key: string]: unknown;
             };
@@ -920,7 +954,7 @@ export interface components {
         };
         /**
          * PlayerCommand
-         * @description Browser to `/ws/views/{view}`: steer a replay; also sent once a second while playing to stay together.
+         * @description Browser to `/ws/views/{view}`: steer a replay; also once a second while playing, to stay together.
          */
         PlayerCommand: {
             /**
@@ -948,6 +982,37 @@ export interface components {
              * @default true
              */
             warp?: boolean;
+        };
+        /**
+         * PlayerState
+         * @description Server to browser on `/ws/views/{view}`: on connecting and after each command.
+         */
+        PlayerState: {
+            /** End S */
+            end_s: number | null;
+            /** Has Ghost */
+            has_ghost: boolean;
+            /** Has Warp */
+            has_warp: boolean;
+            /**
+             * Mode
+             * @enum {string}
+             */
+            mode: "live" | "replay";
+            /** Playing */
+            playing: boolean;
+            /** Speed */
+            speed: number;
+            /** Start S */
+            start_s: number | null;
+            /** Time S */
+            time_s: number | null;
+            /**
+             * Type
+             * @default player_state
+             * @constant
+             */
+            type?: "player_state";
         };
         /**
          * PrescriptionIn
@@ -1447,10 +1512,7 @@ export interface components {
             curves: components["schemas"]["PhaseCurve"][];
             /** Duration S */
             duration_s: number;
-            /**
-             * Movement Onset Phases
-             * @default []
-             */
+            /** Movement Onset Phases */
             movement_onset_phases?: number[];
             /** Repetitions */
             repetitions: components["schemas"]["RepetitionOut"][];
@@ -1486,10 +1548,7 @@ export interface components {
              * @default null
              */
             template_id?: string | null;
-            /**
-             * Tolerance Scale
-             * @default {}
-             */
+            /** Tolerance Scale */
             tolerance_scale?: {
                 [key: string]: number;
             };
@@ -1532,10 +1591,7 @@ export interface components {
             result_id?: string | null;
             /** Session Id */
             session_id: string;
-            /**
-             * Tolerance Scale
-             * @default {}
-             */
+            /** Tolerance Scale */
             tolerance_scale?: {
                 [key: string]: number;
             };

@@ -68,3 +68,5 @@ export type EventMessage = Schemas['EventMessage'];
 export type ErrorMessage = Schemas['ErrorMessage'];
 export type LiveMessage = LayoutMessage | StateMessage | HealthMessage | EventMessage | ErrorMessage;
 export type PlayerCommand = Schemas['PlayerCommand'];
+export type CameraCommand = Schemas['CameraCommand'];
+export type PlayerState = Schemas['PlayerState'];

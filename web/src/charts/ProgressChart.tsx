@@ -1,0 +1,149 @@
+// One measure over the sessions: value, its spread, what happened meanwhile, and whether the change is real.
+import { useMemo } from 'react';
+import type uPlot from 'uplot';
+import type { ProgressEvent, ProgressMeasure } from '../api/types';
+import { t } from '../i18n';
+import { date, dateTime, displayUnit, quantity } from '../lib/format';
+import { axis, Plot, themeColour, type PlotOptions } from './Plot';
+
+const seconds = (at: string) => new Date(at).getTime() / 1000;
+
+/** The verdict on a change: only called a change when it is larger than what repeats by chance. */
+export function changeText(measure: ProgressMeasure): string {
+  if (measure.change === null || measure.change === undefined) return t('progress.tooFew');
+  const change = (measure.change > 0 ? '+' : '') + quantity(measure.change, measure.unit);
+  const limit = quantity(measure.minimal_detectable_change, measure.unit);
+  if (measure.minimal_detectable_change === null || measure.minimal_detectable_change === undefined) return t('progress.changeUnjudged', { change });
+  return measure.is_real_change ? t('progress.changeReal', { change, limit }) : t('progress.changeNotReal', { change, limit });
+}
+
+function pins(plot: uPlot, events: readonly ProgressEvent[]): void {
+  const { ctx, bbox } = plot;
+  const ratio = window.devicePixelRatio || 1;
+  ctx.save();
+  ctx.strokeStyle = themeColour('--tm-line-strong');
+  ctx.fillStyle = themeColour('--tm-muted');
+  ctx.font = `600 ${13 * ratio}px 'Atkinson Hyperlegible Next Variable', sans-serif`;
+  ctx.textAlign = 'center';
+  ctx.setLineDash([3 * ratio, 4 * ratio]);
+  ctx.lineWidth = 1.5 * ratio;
+  events.forEach((event, index) => {
+    const x = plot.valToPos(seconds(event.at), 'x', true);
+    if (x < bbox.left || x > bbox.left + bbox.width) return;
+    ctx.beginPath();
+    ctx.moveTo(x, bbox.top + 4 * ratio);
+    ctx.lineTo(x, bbox.top + bbox.height);
+    ctx.stroke();
+    ctx.fillText(String(index + 1), x, bbox.top - 4 * ratio);
+  });
+  ctx.restore();
+}
+
+export function ProgressChart({ measure, events, height = 260 }: { measure: ProgressMeasure; events: readonly ProgressEvent[]; height?: number }) {
+  const unit = displayUnit(measure.unit);
+  const { points } = measure;
+  const firstS = points[0] ? seconds(points[0].at) : 0;
+  const lastS = points.at(-1) ? seconds(points.at(-1)?.at ?? '') : 1;
+  const within = useMemo(() => events.filter((event) => seconds(event.at) >= firstS - 43_200 && seconds(event.at) <= lastS + 43_200), [events, firstS, lastS]);
+  const options = useMemo<PlotOptions>(
+    () => ({
+      cursor: { show: false },
+      legend: { show: false },
+      padding: [22, 18, 0, 0],
+      scales: {
+        x: { time: true, range: (_, low, high) => [low - 43_200, high + 43_200] },
+        y: {
+          range: (_, low, high) => {
+            const pad = Math.max((high - low) * 0.18, 1e-3);
+            return [low - pad, high + pad];
+          },
+        },
+      },
+      axes: [
+        axis({
+          size: 34,
+          space: 80,
+          grid: { show: false },
+          splits: (_, __, low, high) => {
+            // Whole days only: two labels may not show the same date.
+            const days = Math.max(1, Math.round((high - low) / 86_400));
+            const every = Math.max(1, Math.ceil(days / 6));
+            const start = new Date(low * 1000);
+            const first = new Date(start.getFullYear(), start.getMonth(), start.getDate() + 1).getTime() / 1000 + 43_200;
+            return Array.from({ length: Math.ceil(days / every) }, (___, index) => first + index * every * 86_400).filter((at) => at <= high);
+          },
+          values: (_, ticks) => ticks.map((tick) => date(new Date(tick * 1000))),
+        }),
+        axis({ size: 60, space: 44, values: (_, ticks) => ticks.map((tick) => `${Number(tick.toFixed(2))}${unit.suffix === '°' ? '°' : ''}`) }),
+      ],
+      series: [
+        {},
+        { stroke: 'transparent', points: { show: false } },
+        { stroke: 'transparent', points: { show: false } },
+        {
+          stroke: () => themeColour('--tm-accent'),
+          width: 3,
+          points: { show: true, size: 10, width: 3, stroke: () => themeColour('--tm-accent'), fill: () => themeColour('--tm-surface') },
+        },
+      ],
+      bands: [{ series: [2, 1], fill: () => themeColour('--tm-accent-band') }],
+      hooks: { drawClear: [(plot) => pins(plot, within)] },
+    }),
+    [unit.suffix, within],
+  );
+  const data = useMemo<uPlot.AlignedData>(
+    () => [
+      points.map((point) => seconds(point.at)),
+      points.map((point) => point.low * unit.factor),
+      points.map((point) => point.high * unit.factor),
+      points.map((point) => point.value * unit.factor),
+    ],
+    [points, unit.factor],
+  );
+  return (
+    <figure className="figure">
+      <Plot
+        options={options}
+        data={data}
+        height={height}
+        label={`${t('trend.summary', { label: measure.label, count: points.length, first: quantity(points[0]?.value, measure.unit), last: quantity(points.at(-1)?.value, measure.unit) })}. ${changeText(measure)}`}
+      />
+      {within.length > 0 && (
+        <ol className="pins small muted">
+          {within.map((event) => (
+            <li key={`${event.at}${event.text}`}>
+              {event.text} <span className="nowrap">({date(event.at)})</span>
+            </li>
+          ))}
+        </ol>
+      )}
+      <details className="as-table">
+        <summary>{t('chart.asTable')}</summary>
+        <table className="plain-table">
+          <thead>
+            <tr>
+              <th scope="col">{t('progress.session')}</th>
+              <th scope="col">{measure.label}</th>
+              <th scope="col">{t('progress.between')}</th>
+              <th scope="col">{t('progress.count')}</th>
+              <th scope="col">{t('progress.estimator')}</th>
+            </tr>
+          </thead>
+          <tbody>
+            {points.map((point) => (
+              <tr key={point.session_id}>
+                <th scope="row">{dateTime(point.at)}</th>
+                <td className="number">{quantity(point.value, measure.unit)}</td>
+                <td className="number">
+                  {quantity(point.low, measure.unit)} – {quantity(point.high, measure.unit)}
+                </td>
+                <td className="number">{point.count}</td>
+                <td>{point.orientation}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </details>
+    </figure>
+  );
+}

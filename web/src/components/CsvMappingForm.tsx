@@ -1,0 +1,121 @@
+import { ActionIcon, Button, NumberInput, Select } from '@mantine/core';
+import { IconPlus, IconTrash } from '@tabler/icons-react';
+import type { CsvColumn, CsvMapping, Placement } from '../api/types';
+import { t } from '../i18n';
+import { placementLabel } from '../lib/channels';
+import { mappingProblems, type CsvHead } from '../lib/csv';
+
+const UNITS: Record<CsvColumn['quantity'], CsvColumn['unit'][]> = {
+  gyroscope: ['rad/s', 'deg/s'],
+  accelerometer: ['m/s^2', 'g'],
+  magnetometer: ['uT', 'T', 'mT', 'G'],
+};
+const UNIT_TEXT: Record<string, string> = { 'm/s^2': 'm/s²', uT: 'µT', 'deg/s': '°/s' };
+const AXES = ['x', 'y', 'z'] as const;
+const FIXED = '';
+
+/** Which column is what: a line a sensor and quantity, guessed from the header, corrected by hand. */
+export function CsvMappingForm({ head, placements, value, onChange }: { head: CsvHead; placements: readonly Placement[]; value: CsvMapping; onChange: (mapping: CsvMapping) => void }) {
+  const set = (index: number, change: Partial<CsvColumn>) =>
+    onChange({ ...value, signals: value.signals.map((one, position) => (position === index ? { ...one, ...change } : one)) });
+  const columns = head.columns.map((column) => ({ value: column, label: column }));
+  const problems = mappingProblems(value);
+  return (
+    <fieldset className="fieldset stack">
+      <legend>{t('csv.title')}</legend>
+      <p className="muted small">{t('csv.help', { count: head.columns.length })}</p>
+      <div className="csv-time">
+        <Select
+          label={t('csv.time')}
+          data={[{ value: FIXED, label: t('csv.fixedRate') }, ...columns]}
+          value={value.time_column ?? FIXED}
+          onChange={(column) => onChange({ ...value, time_column: column || null, rate_hz: column ? null : (value.rate_hz ?? 100) })}
+        />
+        {value.time_column ? (
+          <Select
+            label={t('csv.timeUnit')}
+            data={(['s', 'ms', 'us'] as const).map((unit) => ({ value: unit, label: t(`csv.unit.${unit}`) }))}
+            value={value.time_unit ?? 's'}
+            onChange={(unit) => onChange({ ...value, time_unit: unit as CsvMapping['time_unit'] })}
+          />
+        ) : (
+          <NumberInput label={t('csv.rate')} suffix=" Hz" min={1} value={value.rate_hz ?? ''} onChange={(rate) => onChange({ ...value, rate_hz: Number(rate) || null })} />
+        )}
+      </div>
+      <ul className="plain-list csv-signals">
+        {value.signals.map((signal, index) => {
+          const name = t('csv.signalName', { number: index + 1 });
+          return (
+            <li key={index} className="csv-signal">
+              <Select aria-label={`${name}: ${t('csv.placement')}`} searchable data={placements.map((one) => ({ value: one, label: placementLabel(one) }))} value={signal.placement} onChange={(placement) => set(index, { placement: placement as Placement })} />
+              <Select
+                aria-label={`${name}: ${t('csv.quantity')}`}
+                data={(['gyroscope', 'accelerometer', 'magnetometer'] as const).map((one) => ({ value: one, label: t(`csv.${one}`) }))}
+                value={signal.quantity}
+                onChange={(quantity) => set(index, { quantity: quantity as CsvColumn['quantity'], unit: UNITS[quantity as CsvColumn['quantity']][0] ?? 'rad/s' })}
+              />
+              <Select aria-label={`${name}: ${t('csv.unitLabel')}`} data={UNITS[signal.quantity].map((unit) => ({ value: unit, label: UNIT_TEXT[unit] ?? unit }))} value={signal.unit} onChange={(unit) => set(index, { unit: unit as CsvColumn['unit'] })} />
+              {AXES.map((axis, position) => (
+                <Select
+                  key={axis}
+                  aria-label={`${name}: ${t('csv.axis', { axis })}`}
+                  placeholder={axis}
+                  searchable
+                  data={columns}
+                  value={signal.columns[position] || null}
+                  onChange={(column) => set(index, { columns: signal.columns.map((one, other) => (other === position ? (column ?? '') : one)) as CsvColumn['columns'] })}
+                />
+              ))}
+              <ActionIcon size={42} color="gray" aria-label={t('csv.remove', { number: index + 1 })} onClick={() => onChange({ ...value, signals: value.signals.filter((_, other) => other !== index) })}>
+                <IconTrash size={19} aria-hidden />
+              </ActionIcon>
+            </li>
+          );
+        })}
+      </ul>
+      <div>
+        <Button
+          variant="default"
+          size="sm"
+          leftSection={<IconPlus size={17} aria-hidden />}
+          onClick={() => onChange({ ...value, signals: [...value.signals, { placement: placements[0] ?? 'sternum', quantity: 'gyroscope', columns: ['', '', ''], unit: 'rad/s' }] })}
+        >
+          {t('csv.add')}
+        </Button>
+      </div>
+      {problems.map((problem) => (
+        <p key={problem} className="alert-text">
+          {t(problem)}
+        </p>
+      ))}
+      <details className="as-table">
+        <summary>{t('csv.preview')}</summary>
+        {/* eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex -- a scrolling region must be reachable by keyboard */}
+        <div className="table-scroll" role="region" aria-label={t('csv.preview')} tabIndex={0}>
+          <table className="plain-table">
+            <thead>
+              <tr>
+                {head.columns.map((column) => (
+                  <th scope="col" key={column}>
+                    {column}
+                  </th>
+                ))}
+              </tr>
+            </thead>
+            <tbody>
+              {head.rows.map((row, index) => (
+                <tr key={index}>
+                  {row.map((field, column) => (
+                    <td key={column} className="number">
+                      {field}
+                    </td>
+                  ))}
+                </tr>
+              ))}
+            </tbody>
+          </table>
+        </div>
+      </details>
+    </fieldset>
+  );
+}

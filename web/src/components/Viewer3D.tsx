@@ -1,0 +1,129 @@
+// The 3D view: a page of the service in a frame, opened for this person and closed with the page.
+import { ActionIcon, Button, SegmentedControl, Skeleton, useComputedColorScheme } from '@mantine/core';
+import { IconPlugConnectedX, IconRotate, IconRotateClockwise, IconZoomIn, IconZoomOut } from '@tabler/icons-react';
+import { useQuery } from '@tanstack/react-query';
+import { useEffect, useState, useSyncExternalStore } from 'react';
+import { api } from '../api/client';
+import type { CameraCommand, View, ViewIn } from '../api/types';
+import { t } from '../i18n';
+import type { Player } from '../player/types';
+import { ViewLink, type GhostChoice, type ViewSnapshot } from '../player/view';
+import { Problem } from './Feedback';
+
+export interface Viewer3DProps {
+  sessionId: string;
+  request: ViewIn;
+  title: string;
+  /** Steers a replay; a live view steers itself. */
+  player?: Player | null;
+  ghost?: GhostChoice;
+  isReady?: boolean;
+  onShown?: (shown: ViewSnapshot['shown']) => void;
+}
+
+type Preset = NonNullable<CameraCommand['preset']>;
+const PRESETS: readonly Preset[] = ['front', 'side', 'top', 'arm'];
+const TURN_DEG = 20;
+const ZOOM = 1.25;
+const NOTHING: ViewSnapshot = { status: 'connecting', problem: '', shown: null };
+const never = () => () => undefined;
+
+/** Everything that dragging does, as buttons. */
+function CameraBar({ link }: { link: ViewLink | null }) {
+  const [preset, setPreset] = useState<Preset | ''>('');
+  const move = (command: Parameters<ViewLink['camera']>[0]) => {
+    setPreset('');
+    link?.camera(command);
+  };
+  const buttons = [
+    { label: t('camera.left'), Icon: IconRotate, command: { turn_deg: -TURN_DEG } },
+    { label: t('camera.right'), Icon: IconRotateClockwise, command: { turn_deg: TURN_DEG } },
+    { label: t('camera.nearer'), Icon: IconZoomIn, command: { zoom: ZOOM } },
+    { label: t('camera.further'), Icon: IconZoomOut, command: { zoom: 1 / ZOOM } },
+  ];
+  return (
+    <div className="camera-bar" role="group" aria-label={t('camera.title')}>
+      <SegmentedControl
+        size="sm"
+        aria-label={t('camera.from')}
+        value={preset}
+        onChange={(value) => {
+          setPreset(value as Preset);
+          link?.camera({ preset: value as Preset });
+        }}
+        data={PRESETS.map((value) => ({ value, label: t(`camera.${value}`) }))}
+      />
+      <span className="camera-buttons">
+        {buttons.map(({ label, Icon, command }) => (
+          <ActionIcon key={label} size={36} color="gray" aria-label={label} title={label} onClick={() => move(command)}>
+            <Icon size={20} aria-hidden />
+          </ActionIcon>
+        ))}
+      </span>
+    </div>
+  );
+}
+
+export function Viewer3D({ sessionId, request, title, player = null, ghost, isReady = true, onShown }: Viewer3DProps) {
+  const scheme = useComputedColorScheme('light');
+  const view = useQuery({
+    queryKey: ['view', sessionId, request.mode, request.result_id ?? null, request.template_version_id ?? null],
+    queryFn: () => api.post<View>(`/api/sessions/${sessionId}/views`, request),
+    enabled: isReady,
+    staleTime: Infinity,
+    gcTime: 0,
+    retry: false,
+  });
+  const [link, setLink] = useState<ViewLink | null>(null);
+  const controlPath = view.data?.control_path;
+  const needsPlayer = request.mode === 'replay';
+
+  useEffect(() => {
+    if (!controlPath || (needsPlayer && !player)) return;
+    const opened = new ViewLink(controlPath, player);
+    setLink(opened);
+    return () => {
+      opened.close();
+      setLink(null);
+    };
+  }, [player, controlPath, needsPlayer]);
+  useEffect(() => {
+    if (ghost) link?.setGhost(ghost);
+  }, [link, ghost]);
+  useEffect(() => link?.setTheme(scheme), [link, scheme]);
+
+  const { status, problem, shown } = useSyncExternalStore(link?.subscribe ?? never, link?.getSnapshot ?? (() => NOTHING));
+  useEffect(() => onShown?.(shown), [shown, onShown]);
+
+  if (view.error) {
+    return (
+      <div className="viewer viewer-problem">
+        <Problem error={view.error} title={t('viewer.failed')} onRetry={() => void view.refetch()} />
+      </div>
+    );
+  }
+  const isGone = status === 'lost' || status === 'refused';
+  return (
+    <div className="viewer-box">
+      <div className="viewer" data-testid="viewer">
+        {view.data ? (
+          <iframe key={view.data.id} src={view.data.page_path} title={title} allow="fullscreen" />
+        ) : (
+          <Skeleton height="100%" radius={0} animate={false} aria-label={t('state.loading')} />
+        )}
+        {(isGone || problem) && (
+          <div className="viewer-banner" role="alert">
+            <IconPlugConnectedX size={20} aria-hidden />
+            <span>{problem || (status === 'lost' ? t('viewer.lost') : t('viewer.ended'))}</span>
+            {status === 'refused' && (
+              <Button size="compact-md" variant="default" onClick={() => void view.refetch()}>
+                {t('viewer.reopen')}
+              </Button>
+            )}
+          </div>
+        )}
+      </div>
+      <CameraBar link={link} />
+    </div>
+  );
+}

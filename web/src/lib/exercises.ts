@@ -1,0 +1,21 @@
+import type { ExerciseIn } from '../api/types';
+
+/** The joint angles whose range can be the main measure of an exercise. */
+export function primaryAngles(side: 'left' | 'right'): string[] {
+  return [
+    `humerus_forearm_${side}_zxy_flexion`,
+    `humerus_forearm_${side}_zxy_pronation`,
+    `thorax_humerus_${side}_yxy_elevation`,
+    `thorax_humerus_${side}_yxy_plane_of_elevation`,
+    `thorax_humerus_${side}_yxy_axial_rotation`,
+    `forearm_hand_${side}_zxy_flexion`,
+    `forearm_hand_${side}_zxy_deviation`,
+  ];
+}
+
+/** The angle that usually tells most about a movement. */
+export function usualAngle(movement: ExerciseIn['movement'], side: 'left' | 'right'): string {
+  if (movement === 'abduction' || movement === 'flexion') return `thorax_humerus_${side}_yxy_elevation`;
+  if (movement === 'pronation') return `humerus_forearm_${side}_zxy_pronation`;
+  return `humerus_forearm_${side}_zxy_flexion`;
+}

@@ -1,0 +1,24 @@
+import type { Placement, Side } from '../api/types';
+
+/** Sensors of one arm, from the shoulder outwards. */
+export function armPlacements(side: 'left' | 'right'): Placement[] {
+  return [`upper_arm_${side}`, `forearm_${side}`, `hand_${side}`];
+}
+
+/** What to wear for a side: the breastbone for the trunk, then the arm or both arms. */
+export function suggestedPlacements(side: Side | null | undefined): Placement[] {
+  if (side === 'both') return ['sternum', ...armPlacements('left'), ...armPlacements('right')];
+  return ['sternum', ...armPlacements(side === 'left' ? 'left' : 'right')];
+}
+
+/** What is missing for arm angles, as a key of the catalogue; null when the choice makes sense. */
+export function placementProblem(placements: readonly Placement[]): 'placements.needUpperArm' | 'placements.needForearm' | 'placements.needArm' | null {
+  const has = (placement: Placement) => placements.includes(placement);
+  const arms = (['left', 'right'] as const).filter((side) => armPlacements(side).some(has));
+  if (arms.length === 0) return 'placements.needArm';
+  for (const side of arms) {
+    if (!has(`upper_arm_${side}`)) return 'placements.needUpperArm';
+    if (has(`hand_${side}`) && !has(`forearm_${side}`)) return 'placements.needForearm';
+  }
+  return null;
+}

@@ -1,0 +1,22 @@
+import type { Session, SessionState } from '../api/types';
+import { t } from '../i18n';
+import { number } from './format';
+
+const LIVE: readonly SessionState[] = ['created', 'calibrating', 'ready', 'recording', 'link_lost'];
+
+/** Whether packets may still come. */
+export function isLive(state: SessionState): boolean {
+  return LIVE.includes(state);
+}
+
+/** The page that fits the state of a session. */
+export function sessionPath(session: Pick<Session, 'id' | 'state'>): string {
+  return session.state === 'analysed' ? `/sessions/${session.id}` : `/sessions/${session.id}/live`;
+}
+
+/** A word on lost packets, only where it matters (more than one in a hundred). */
+export function lossText(session: Pick<Session, 'packets_stored' | 'packets_missing'>): string {
+  const all = session.packets_stored + session.packets_missing;
+  if (all === 0 || session.packets_missing / all < 0.01) return '';
+  return t('session.loss', { percent: number((100 * session.packets_missing) / all, 1) });
+}

@@ -1,0 +1,91 @@
+import { Button, Select } from '@mantine/core';
+import { IconRouteOff } from '@tabler/icons-react';
+import { useState } from 'react';
+import { Link, useParams, useSearchParams } from 'react-router';
+import { useExercises, useTemplates, useTemplateVersion } from '../api/queries';
+import type { Template } from '../api/types';
+import { PhaseChart, PhaseLegend } from '../charts/PhaseChart';
+import { Answer, Empty, Problem } from '../components/Feedback';
+import { Page } from '../components/Page';
+import { t } from '../i18n';
+import { channelLabel } from '../lib/channels';
+import { pickCurves } from '../lib/comparison';
+import { date, number } from '../lib/format';
+
+function TemplateCard({ template, wanted }: { template: Template; wanted: string | null }) {
+  const [picked, setPicked] = useState<string | null>(null);
+  const versionId = picked ?? template.versions.find((one) => one.id === wanted)?.id ?? template.versions[0]?.id ?? null;
+  const version = useTemplateVersion(versionId);
+  return (
+    <section className="card" aria-label={template.name}>
+      <div className="card-head">
+        <h2>{template.name}</h2>
+        <span className="tag">{template.patient_id ? t('template.onePatient') : t('template.wholeClinic')}</span>
+        {template.versions.length > 1 && (
+          <Select
+            className="end"
+            size="sm"
+            w={230}
+            aria-label={t('template.versionLabel')}
+            data={template.versions.map((one) => ({ value: one.id, label: t('template.versionOf', { number: one.number, date: date(one.created_at) }) }))}
+            value={versionId}
+            onChange={setPicked}
+          />
+        )}
+      </div>
+      <Answer of={version} lines={4} height={40}>
+        {({ content, repetition_count: count, number: versionNumber, created_at: at }) => (
+          <>
+            <p className="muted small">{t('template.made', { number: versionNumber, date: date(at), count, seconds: number(content.duration_s, 1) })}</p>
+            <PhaseLegend withOutside={false} patient={false} />
+            <div className="template-curves">
+              {pickCurves(content.curves, false).map((curve) => (
+                <div key={curve.channel} className="template-curve">
+                  <h3>{curve.label}</h3>
+                  <PhaseChart curve={curve} left={new Set(content.repetitions.flatMap((one, index) => (one.is_kept ? [] : [index])))} height={200} />
+                </div>
+              ))}
+            </div>
+          </>
+        )}
+      </Answer>
+    </section>
+  );
+}
+
+export function ExercisePage() {
+  const { exerciseId = '' } = useParams();
+  const [search] = useSearchParams();
+  const exercises = useExercises();
+  const templates = useTemplates(exerciseId, null);
+  const exercise = exercises.data?.find((one) => one.id === exerciseId);
+  return (
+    <Page
+      title={exercise?.name ?? t('exercise.one')}
+      lead={exercise && (exercise.description || t('exercise.judgedBy', { angle: channelLabel(exercise.primary_angle).text }))}
+      crumbs={[{ to: '/exercises', text: t('nav.exercises') }]}
+      actions={
+        <Button component={Link} to={`/templates/record?exercise=${exerciseId}`}>
+          {t('template.record')}
+        </Button>
+      }
+    >
+      {exercises.error && <Problem error={exercises.error} />}
+      <div className="stack">
+        <Answer of={templates} lines={6} height={44}>
+          {(list) =>
+            list.length === 0 ? (
+              <div className="card">
+                <Empty icon={<IconRouteOff size={44} aria-hidden />} title={t('template.emptyTitle')}>
+                  {t('template.emptyText')}
+                </Empty>
+              </div>
+            ) : (
+              list.map((one) => <TemplateCard key={one.id} template={one} wanted={search.get('version')} />)
+            )
+          }
+        </Answer>
+      </div>
+    </Page>
+  );
+}

@@ -1,0 +1,195 @@
+// A whole recording from a file: which file, whose, in which format; then two bars, for sending and for working it out.
+import { Button, FileButton, Group, NumberInput, Progress, Select, Switch } from '@mantine/core';
+import { IconArrowRight, IconFileUpload } from '@tabler/icons-react';
+import { useMutation } from '@tanstack/react-query';
+import { useState, type DragEvent, type FormEvent } from 'react';
+import { Link, useSearchParams } from 'react-router';
+import { upload } from '../api/client';
+import { useEstimators, useExercises, useJob, usePatients } from '../api/queries';
+import type { CsvMapping, Job, Placement, UploadIn } from '../api/types';
+import { RadioCards } from '../components/Choice';
+import { CsvMappingForm } from '../components/CsvMappingForm';
+import { Problem } from '../components/Feedback';
+import { Page } from '../components/Page';
+import { t } from '../i18n';
+import { guessSignals, guessTime, mappingProblems, readHead, type CsvHead } from '../lib/csv';
+import { bytes, number } from '../lib/format';
+import { JobProgress } from './session/AnalysisWait';
+
+const PLACEMENTS: Placement[] = ['sternum', 'upper_arm_right', 'forearm_right', 'hand_right', 'upper_arm_left', 'forearm_left', 'hand_left', 'pelvis', 'head', 'shoulder_left', 'shoulder_right'];
+const HEAD_BYTES = 64 * 1024;
+type Format = UploadIn['format'];
+
+function formatOf(name: string): Format {
+  if (/\.(csv|tsv|txt)$/i.test(name)) return 'csv';
+  return /\.mat$/i.test(name) ? 'qmt_mat' : 'packet_log';
+}
+
+function FileDrop({ file, onFile }: { file: File | null; onFile: (file: File) => void }) {
+  const [isOver, setOver] = useState(false);
+  const drop = (event: DragEvent) => {
+    event.preventDefault();
+    setOver(false);
+    const dropped = event.dataTransfer.files[0];
+    if (dropped) onFile(dropped);
+  };
+  return (
+    <div
+      className={isOver ? 'drop drop-over' : 'drop'}
+      role="group"
+      aria-label={t('upload.file')}
+      onDragOver={(event) => {
+        event.preventDefault();
+        setOver(true);
+      }}
+      onDragLeave={() => setOver(false)}
+      onDrop={drop}
+    >
+      <IconFileUpload size={40} aria-hidden />
+      {file ? (
+        <p>
+          <span className="strong">{file.name}</span> <span className="muted number">({bytes(file.size)})</span>
+        </p>
+      ) : (
+        <p>{t('upload.drop')}</p>
+      )}
+      <FileButton onChange={(picked) => picked && onFile(picked)} accept=".csv,.tsv,.txt,.mat,.tmlog,application/octet-stream,text/csv">
+        {(props) => (
+          <Button variant={file ? 'default' : 'filled'} {...props}>
+            {file ? t('upload.other') : t('upload.choose')}
+          </Button>
+        )}
+      </FileButton>
+    </div>
+  );
+}
+
+export function UploadPage() {
+  const [search] = useSearchParams();
+  const patients = usePatients();
+  const exercises = useExercises();
+  const estimators = useEstimators();
+  const [file, setFile] = useState<File | null>(null);
+  const [format, setFormat] = useState<Format>('packet_log');
+  const [patientId, setPatientId] = useState<string | null>(search.get('patient'));
+  const [exerciseId, setExerciseId] = useState<string | null>(null);
+  const [orientation, setOrientation] = useState('vqf');
+  const [head, setHead] = useState<CsvHead | null>(null);
+  const [mapping, setMapping] = useState<CsvMapping | null>(null);
+  const [knowsPose, setKnowsPose] = useState(false);
+  const [pose, setPose] = useState<[number, number]>([0, 3]);
+  const [sent, setSent] = useState(0);
+  const send = useMutation({
+    mutationFn: (form: FormData) => upload<Job>('/api/uploads', form, setSent),
+    onMutate: () => setSent(0),
+  });
+  const job = useJob(send.data?.id ?? null);
+
+  const readCsv = async (chosen: File) => {
+    const found = readHead(await chosen.slice(0, HEAD_BYTES).text());
+    const time = guessTime(found.columns);
+    setHead(found);
+    setMapping({ time_column: time, time_unit: 's', rate_hz: time ? null : 100, delimiter: found.delimiter, signals: guessSignals(found.columns, PLACEMENTS, 'forearm_right') });
+  };
+  const take = (chosen: File) => {
+    setFile(chosen);
+    send.reset();
+    const guessed = formatOf(chosen.name);
+    setFormat(guessed);
+    if (guessed === 'csv') void readCsv(chosen);
+  };
+  const chooseFormat = (chosen: Format) => {
+    setFormat(chosen);
+    if (chosen === 'csv' && file) void readCsv(file);
+  };
+  const isReady = file !== null && patientId !== null && (format !== 'csv' || (mapping !== null && mappingProblems(mapping).length === 0));
+  const submit = (event: FormEvent) => {
+    event.preventDefault();
+    if (!isReady || !file || !patientId) return;
+    const declaration: UploadIn = {
+      patient_id: patientId,
+      exercise_id: exerciseId,
+      purpose: 'exercise',
+      format,
+      csv: format === 'csv' ? mapping : null,
+      orientation,
+      calibration_pose_s: knowsPose ? pose : null,
+    };
+    const form = new FormData();
+    form.set('declaration', JSON.stringify(declaration));
+    form.set('file', file);
+    send.mutate(form);
+  };
+  const isDone = job.data?.status === 'complete';
+  return (
+    <Page narrow title={t('upload.heading')} lead={t('upload.lead')}>
+      <form className="stack" onSubmit={submit}>
+        <section className="card stack">
+          <FileDrop file={file} onFile={take} />
+          {file && (
+            <RadioCards
+              legend={t('upload.format')}
+              value={format}
+              onChange={chooseFormat}
+              options={(['packet_log', 'csv', 'qmt_mat'] as const).map((value) => ({ value, title: t(`upload.format.${value}`), text: t(`upload.format.${value}.text`) }))}
+            />
+          )}
+          {format === 'csv' && head && mapping && <CsvMappingForm head={head} placements={PLACEMENTS} value={mapping} onChange={setMapping} />}
+        </section>
+        <section className="card stack">
+          <Select
+            label={t('upload.patient')}
+            searchable
+            maw={480}
+            data={(patients.data ?? []).filter((one) => one.may_treat).map((one) => ({ value: one.id, label: `${one.given_name} ${one.family_name}` }))}
+            value={patientId}
+            onChange={setPatientId}
+          />
+          {patients.error && <Problem error={patients.error} />}
+          <Select label={t('upload.exercise')} searchable clearable maw={480} data={(exercises.data ?? []).map((one) => ({ value: one.id, label: one.name }))} value={exerciseId} onChange={setExerciseId} />
+          <Select
+            label={t('newSession.estimator')}
+            maw={480}
+            data={(estimators.data ?? []).map((one) => ({ value: one.name, label: one.title }))}
+            value={orientation}
+            onChange={(value) => setOrientation(value ?? 'vqf')}
+            description={estimators.data?.find((one) => one.name === orientation)?.description}
+          />
+          <Switch label={t('upload.knowsPose')} description={t('upload.knowsPoseHelp')} checked={knowsPose} onChange={(event) => setKnowsPose(event.currentTarget.checked)} />
+          {knowsPose && (
+            <Group>
+              <NumberInput label={t('upload.poseFrom')} suffix=" s" min={0} w={140} value={pose[0]} onChange={(value) => setPose([Number(value) || 0, pose[1]])} />
+              <NumberInput label={t('upload.poseUntil')} suffix=" s" min={0} w={140} value={pose[1]} onChange={(value) => setPose([pose[0], Number(value) || 0])} />
+            </Group>
+          )}
+        </section>
+        {send.error && <Problem error={send.error} />}
+        {(send.isPending || send.isSuccess) && (
+          <section className="card stack" aria-live="polite">
+            <div>
+              <div className="line-head">
+                <span className="strong">{t('upload.sending')}</span>
+                <span className="muted number">{number(100 * (send.isSuccess ? 1 : sent))} %</span>
+              </div>
+              <Progress size="lg" transitionDuration={0} value={100 * (send.isSuccess ? 1 : sent)} aria-label={t('upload.sending')} />
+            </div>
+            {job.data && <JobProgress job={job.data} />}
+            {job.error && <Problem error={job.error} />}
+            {isDone && job.data && (
+              <div>
+                <Button size="lg" component={Link} to={`/sessions/${job.data.session_id}`} rightSection={<IconArrowRight size={19} aria-hidden />}>
+                  {t('live.toReplay')}
+                </Button>
+              </div>
+            )}
+          </section>
+        )}
+        <Group justify="flex-end">
+          <Button type="submit" size="lg" disabled={!isReady || send.isSuccess} loading={send.isPending}>
+            {t('upload.send')}
+          </Button>
+        </Group>
+      </form>
+    </Page>
+  );
+}

@@ -1,0 +1,123 @@
+// The patient's first page: what to do today, one large button each, plain words.
+import { Button } from '@mantine/core';
+import { IconCircleCheckFilled, IconMoodHappy, IconPlayerPlayFilled } from '@tabler/icons-react';
+import { Link, useNavigate } from 'react-router';
+import { useNewSession, usePatient, usePatientSessions, usePrescriptions, useProgress } from '../../api/queries';
+import type { Me, Prescription } from '../../api/types';
+import { Answer, Empty, Problem } from '../../components/Feedback';
+import { Page } from '../../components/Page';
+import { useSignedIn } from '../../components/useSignedIn';
+import { t } from '../../i18n';
+import { suggestedPlacements } from '../../lib/placements';
+import { mainMeasure, plainProgress } from '../../lib/plain';
+import { isLive } from '../../lib/sessions';
+
+function doseWords({ sets, repetitions }: Prescription): string {
+  return sets > 1 ? t('mine.setsOf', { sets, repetitions }) : t('mine.times', { count: repetitions });
+}
+
+function ExerciseCard({ prescription, patientId }: { prescription: Prescription; patientId: string }) {
+  const navigate = useNavigate();
+  const patient = usePatient(patientId);
+  const create = useNewSession();
+  const isDone = prescription.done_this_week >= prescription.times_per_week;
+  const start = () =>
+    create.mutate(
+      {
+        patient_id: patientId,
+        exercise_id: prescription.exercise_id,
+        prescription_id: prescription.id,
+        placements: suggestedPlacements(patient.data?.affected_side),
+      },
+      { onSuccess: (session) => void navigate(`/sessions/${session.id}/live`) },
+    );
+  return (
+    <li className="card mine-card">
+      <div>
+        <h2>{prescription.exercise_name}</h2>
+        <p>{doseWords(prescription)}</p>
+        <p className="muted">{isDone ? t('mine.doneForWeek') : t('mine.left', { count: prescription.times_per_week - prescription.done_this_week })}</p>
+      </div>
+      <Button
+        size="xl"
+        variant={isDone ? 'default' : 'filled'}
+        leftSection={isDone ? <IconCircleCheckFilled size={26} aria-hidden /> : <IconPlayerPlayFilled size={26} aria-hidden />}
+        loading={create.isPending}
+        disabled={!patient.data}
+        onClick={start}
+        aria-label={`${isDone ? t('mine.again') : t('mine.start')}: ${prescription.exercise_name}`}
+      >
+        {isDone ? t('mine.again') : t('mine.start')}
+      </Button>
+      {create.error && <Problem error={create.error} />}
+    </li>
+  );
+}
+
+function Today({ me, patientId }: { me: Me; patientId: string }) {
+  const prescriptions = usePrescriptions(patientId);
+  const sessions = usePatientSessions(patientId);
+  const progress = useProgress(patientId, null);
+  const running = sessions.data?.find((one) => isLive(one.state));
+  const due = (prescriptions.data ?? []).filter((one) => one.done_this_week < one.times_per_week);
+  const done = (prescriptions.data ?? []).filter((one) => one.done_this_week >= one.times_per_week);
+  return (
+    <Page narrow title={t('mine.hello', { name: me.display_name.split(' ')[0] ?? me.display_name })} lead={prescriptions.data ? t('mine.today', { count: due.length }) : undefined}>
+      <div className="stack">
+        {running && (
+          <section className="card mine-card">
+            <div>
+              <h2>{t('mine.running')}</h2>
+              <p>{running.exercise_name ?? t('session.free')}</p>
+            </div>
+            <Button size="xl" component={Link} to={`/sessions/${running.id}/live`}>
+              {t('mine.goOn')}
+            </Button>
+          </section>
+        )}
+        <Answer of={prescriptions} lines={4} height={60}>
+          {(list) =>
+            list.length === 0 ? (
+              <div className="card">
+                <Empty icon={<IconMoodHappy size={52} aria-hidden />} title={t('mine.nothingTitle')}>
+                  {t('mine.nothingText')}
+                </Empty>
+              </div>
+            ) : (
+              <ul className="plain-list stack">
+                {[...due, ...done].map((one) => (
+                  <ExerciseCard key={one.id} prescription={one} patientId={patientId} />
+                ))}
+              </ul>
+            )
+          }
+        </Answer>
+        <section className="card">
+          <h2>{t('mine.how')}</h2>
+          <Answer of={progress} lines={2}>
+            {(data) => <p className="mine-say">{plainProgress(mainMeasure(data.measures))}</p>}
+          </Answer>
+          <Link to="/my/results" className="mine-link">
+            {t('mine.seeResults')}
+          </Link>
+        </section>
+      </div>
+    </Page>
+  );
+}
+
+export function TodayPage() {
+  const me = useSignedIn();
+  return me.patient_id ? <Today me={me} patientId={me.patient_id} /> : <NoRecord />;
+}
+
+/** An account with the role patient that no record belongs to yet. */
+export function NoRecord() {
+  return (
+    <Page narrow title={t('nav.today')}>
+      <div className="card">
+        <Empty title={t('mine.noRecord')}>{t('mine.noRecordText')}</Empty>
+      </div>
+    </Page>
+  );
+}

@@ -1,0 +1,114 @@
+// One patient: who (left), how it goes (middle), what is to be done and was done (right).
+import { Button, Modal } from '@mantine/core';
+import { useDisclosure } from '@mantine/hooks';
+import { IconPencil, IconPlayerRecord, IconUpload } from '@tabler/icons-react';
+import { Link, useParams } from 'react-router';
+import { useEditPatient, usePatient } from '../../api/queries';
+import type { Patient } from '../../api/types';
+import { Answer } from '../../components/Feedback';
+import { SideMark } from '../../components/Marks';
+import { Page } from '../../components/Page';
+import { PatientForm } from '../../components/PatientForm';
+import { t } from '../../i18n';
+import { age, date, quantity } from '../../lib/format';
+import { AccessPanel } from './AccessPanel';
+import { DevicePanel } from './DevicePanel';
+import { PrescriptionPanel } from './PrescriptionPanel';
+import { ProgressPanel } from './ProgressPanel';
+import { SessionPanel } from './SessionPanel';
+
+function Facts({ patient, onEdit }: { patient: Patient; onEdit: () => void }) {
+  const body = patient.body_dimensions ?? {};
+  const lengths = (['stature_m', 'upper_arm_m', 'forearm_m', 'hand_m', 'shoulder_width_m', 'trunk_m'] as const).filter(
+    (name) => body[name] !== null && body[name] !== undefined,
+  );
+  return (
+    <section className="card" aria-labelledby="facts">
+      <div className="card-head">
+        <h2 id="facts">{t('patient.about')}</h2>
+        {patient.may_treat && (
+          <Button className="end" variant="subtle" size="sm" leftSection={<IconPencil size={17} aria-hidden />} onClick={onEdit}>
+            {t('action.edit')}
+          </Button>
+        )}
+      </div>
+      <dl className="facts">
+        {patient.birth_date && (
+          <>
+            <dt>{t('patient.born')}</dt>
+            <dd>{t('patient.bornAge', { date: date(patient.birth_date), age: age(patient.birth_date) })}</dd>
+          </>
+        )}
+        <dt>{t('patient.sensors')}</dt>
+        <dd>{patient.has_mounting ? t('patient.mountingKnown') : t('patient.mountingUnknown')}</dd>
+        {lengths.map((name) => (
+          <div key={name} className="facts-pair">
+            <dt>{t(`length.${name}`)}</dt>
+            <dd className="number">{quantity(body[name], 'm')}</dd>
+          </div>
+        ))}
+      </dl>
+      {lengths.length === 0 && <p className="muted small">{t('patient.noDimensions')}</p>}
+      {patient.notes && <p className="notes">{patient.notes}</p>}
+    </section>
+  );
+}
+
+function Loaded({ patient }: { patient: Patient }) {
+  const [isEditing, editing] = useDisclosure(false);
+  const edit = useEditPatient(patient.id);
+  return (
+    <>
+      <div className="patient-grid">
+        <div className="stack">
+          <Facts patient={patient} onEdit={editing.open} />
+          <DevicePanel patient={patient} />
+          <AccessPanel patient={patient} />
+        </div>
+        <ProgressPanel patientId={patient.id} mayTreat={patient.may_treat} />
+        <div className="stack">
+          <PrescriptionPanel patient={patient} />
+          <SessionPanel patient={patient} />
+        </div>
+      </div>
+      <Modal opened={isEditing} onClose={editing.close} title={t('patient.editTitle')} closeButtonProps={{ 'aria-label': t('action.close') }}>
+        <PatientForm
+          patient={patient}
+          isSaving={edit.isPending}
+          error={edit.error}
+          onCancel={editing.close}
+          onSave={(input) => edit.mutate(input, { onSuccess: editing.close })}
+        />
+      </Modal>
+    </>
+  );
+}
+
+export function PatientPage() {
+  const { patientId = '' } = useParams();
+  const patient = usePatient(patientId);
+  const title = patient.data ? `${patient.data.given_name} ${patient.data.family_name}` : t('patient.title');
+  return (
+    <Page
+      title={title}
+      lead={patient.data ? <SideMark side={patient.data.affected_side ?? null} /> : undefined}
+      crumbs={[{ to: '/', text: t('nav.caseload') }]}
+      actions={
+        patient.data?.may_treat && (
+          <>
+            <Button component={Link} to={`/upload?patient=${patientId}`} variant="default" leftSection={<IconUpload size={18} aria-hidden />}>
+              {t('upload.title')}
+            </Button>
+            <Button component={Link} to={`/patients/${patientId}/sessions/new`} leftSection={<IconPlayerRecord size={18} aria-hidden />}>
+              {t('session.start')}
+            </Button>
+          </>
+        )
+      }
+    >
+      <Answer of={patient} lines={8} height={40}>
+        {(data) => <Loaded key={data.id} patient={data} />}
+      </Answer>
+    </Page>
+  );
+}

@@ -1,0 +1,96 @@
+import { Button, Select } from '@mantine/core';
+import { IconChartLine } from '@tabler/icons-react';
+import { useState } from 'react';
+import { Link } from 'react-router';
+import { usePrescriptions, useProgress } from '../../api/queries';
+import type { Progress, ProgressMeasure } from '../../api/types';
+import { changeText, ProgressChart } from '../../charts/ProgressChart';
+import { Answer, Empty } from '../../components/Feedback';
+import { t } from '../../i18n';
+import { quantity } from '../../lib/format';
+
+const SHOWN_FIRST = 3;
+
+function Measure({ measure, events }: { measure: ProgressMeasure; events: Progress['events'] }) {
+  const last = measure.points.at(-1);
+  return (
+    <div className="measure">
+      <div className="measure-head">
+        <h3>{measure.label}</h3>
+        {last && (
+          <span className="measure-value number">
+            {quantity(last.value, measure.unit)}
+            <span className="muted small"> {t('progress.lastSession', { count: last.count })}</span>
+          </span>
+        )}
+        <p className={measure.is_real_change ? 'strong' : 'muted'}>{changeText(measure)}</p>
+      </div>
+      <ProgressChart measure={measure} events={events} />
+    </div>
+  );
+}
+
+function Measures({ progress, patientId, mayTreat }: { progress: Progress; patientId: string; mayTreat: boolean }) {
+  const [showsAll, setShowsAll] = useState(false);
+  const measures = progress.measures.filter((measure) => measure.points.length > 0);
+  if (measures.length === 0) {
+    return (
+      <Empty
+        level={3}
+        icon={<IconChartLine size={44} aria-hidden />}
+        title={t('progress.emptyTitle')}
+        action={
+          mayTreat && (
+            <Button component={Link} to={`/patients/${patientId}/sessions/new`}>
+              {t('session.start')}
+            </Button>
+          )
+        }
+      >
+        {t('progress.emptyText')}
+      </Empty>
+    );
+  }
+  const shown = showsAll ? measures : measures.slice(0, SHOWN_FIRST);
+  return (
+    <>
+      {shown.map((measure) => (
+        <Measure key={measure.measure} measure={measure} events={progress.events} />
+      ))}
+      {measures.length > SHOWN_FIRST && (
+        <Button variant="default" onClick={() => setShowsAll(!showsAll)} aria-expanded={showsAll}>
+          {showsAll ? t('progress.fewer') : t('progress.more', { count: measures.length - SHOWN_FIRST })}
+        </Button>
+      )}
+    </>
+  );
+}
+
+export function ProgressPanel({ patientId, mayTreat }: { patientId: string; mayTreat: boolean }) {
+  const [exerciseId, setExerciseId] = useState<string | null>(null);
+  const prescriptions = usePrescriptions(patientId);
+  const progress = useProgress(patientId, exerciseId);
+  const exercises = [...new Map((prescriptions.data ?? []).map((one) => [one.exercise_id, one.exercise_name])).entries()];
+  const chosen = exerciseId ?? progress.data?.exercise_id ?? exercises[0]?.[0] ?? null;
+  return (
+    <section className="card" aria-labelledby="progress">
+      <div className="card-head">
+        <h2 id="progress">{t('progress.title')}</h2>
+        {exercises.length > 1 && (
+          <Select
+            className="end"
+            size="sm"
+            w={260}
+            aria-label={t('progress.exercise')}
+            data={exercises.map(([value, label]) => ({ value, label }))}
+            value={chosen}
+            onChange={setExerciseId}
+          />
+        )}
+      </div>
+      <Answer of={progress} lines={6} height={50}>
+        {(data) => <Measures progress={data} patientId={patientId} mayTreat={mayTreat} />}
+      </Answer>
+    </section>
+  );
+}

@@ -1,0 +1,63 @@
+import { Button } from '@mantine/core';
+import { useState } from 'react';
+import { Link } from 'react-router';
+import { usePatientSessions } from '../../api/queries';
+import type { Patient, Session } from '../../api/types';
+import { Answer } from '../../components/Feedback';
+import { StateMark } from '../../components/Marks';
+import { t } from '../../i18n';
+import { day, duration } from '../../lib/format';
+import { isLive, lossText, sessionPath } from '../../lib/sessions';
+
+const SHOWN_FIRST = 8;
+
+function Line({ session }: { session: Session }) {
+  const loss = lossText(session);
+  return (
+    <li className="session-line">
+      <Link to={sessionPath(session)} className="session-link">
+        <span className="strong">{session.exercise_name ?? t('session.free')}</span>
+        <span className="muted small">
+          {day(session.started_at ?? session.created_at)}
+          {session.duration_s > 0 && ` · ${duration(session.duration_s)}`}
+          {session.purpose === 'template' && ` · ${t('session.forTemplate')}`}
+          {session.source === 'upload' && ` · ${t('session.uploaded')}`}
+        </span>
+        {loss && <span className="small">{loss}</span>}
+      </Link>
+      {(session.state !== 'analysed' || isLive(session.state)) && <StateMark state={session.state} />}
+    </li>
+  );
+}
+
+export function SessionPanel({ patient }: { patient: Patient }) {
+  const sessions = usePatientSessions(patient.id);
+  const [showsAll, setShowsAll] = useState(false);
+  return (
+    <section className="card" aria-labelledby="sessions">
+      <div className="card-head">
+        <h2 id="sessions">{t('session.list')}</h2>
+      </div>
+      <Answer of={sessions} lines={5}>
+        {(list) =>
+          list.length === 0 ? (
+            <p className="muted">{t('session.none')}</p>
+          ) : (
+            <>
+              <ul className="plain-list lines">
+                {(showsAll ? list : list.slice(0, SHOWN_FIRST)).map((one) => (
+                  <Line key={one.id} session={one} />
+                ))}
+              </ul>
+              {list.length > SHOWN_FIRST && (
+                <Button mt={14} variant="default" size="sm" aria-expanded={showsAll} onClick={() => setShowsAll(!showsAll)}>
+                  {showsAll ? t('session.fewer') : t('session.all', { count: list.length })}
+                </Button>
+              )}
+            </>
+          )
+        }
+      </Answer>
+    </section>
+  );
+}

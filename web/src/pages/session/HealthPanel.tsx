@@ -1,0 +1,119 @@
+// How each sensor does: quiet while all is well, plain words when a hand is needed, numbers on request.
+import { IconAlertTriangle, IconCheck, IconMagnet, IconWifiOff } from '@tabler/icons-react';
+import type { HealthMessage, Placement, SensorHealth } from '../../api/types';
+import { t } from '../../i18n';
+import { placementLabel } from '../../lib/channels';
+import { number } from '../../lib/format';
+
+interface Trouble {
+  text: string;
+  isUrgent: boolean;
+  Icon: typeof IconCheck;
+}
+
+const NOTABLE_LOSS_PERCENT = 1;
+const NOTABLE_JITTER_MS = 15;
+const LOW_BATTERY_PERCENT = 15;
+
+/** What is wrong with a sensor, the most pressing first; empty while all is well. */
+export function troubles(sensor: SensorHealth): Trouble[] {
+  const found: Trouble[] = [];
+  if (sensor.status === 'lost') found.push({ text: t('health.lost'), isUrgent: true, Icon: IconWifiOff });
+  if (sensor.status === 'noisy') found.push({ text: t('health.noisy'), isUrgent: false, Icon: IconAlertTriangle });
+  if (sensor.saturated) found.push({ text: t('health.saturated'), isUrgent: false, Icon: IconAlertTriangle });
+  if (sensor.status !== 'lost' && sensor.loss_percent >= NOTABLE_LOSS_PERCENT)
+    found.push({ text: t('health.loss', { percent: number(sensor.loss_percent, 1) }), isUrgent: false, Icon: IconAlertTriangle });
+  if (sensor.jitter_ms >= NOTABLE_JITTER_MS) found.push({ text: t('health.jitter', { ms: number(sensor.jitter_ms) }), isUrgent: false, Icon: IconAlertTriangle });
+  if (sensor.magnetic_disturbance) found.push({ text: t('health.magnet'), isUrgent: false, Icon: IconMagnet });
+  else if (!sensor.heading_trusted && sensor.status !== 'lost') found.push({ text: t('health.heading'), isUrgent: false, Icon: IconAlertTriangle });
+  if (typeof sensor.battery_percent === 'number' && sensor.battery_percent < LOW_BATTERY_PERCENT)
+    found.push({ text: t('health.battery', { percent: number(sensor.battery_percent) }), isUrgent: false, Icon: IconAlertTriangle });
+  return found;
+}
+
+function Sensor({ sensor }: { sensor: SensorHealth }) {
+  const wrong = troubles(sensor);
+  return (
+    <li className={wrong.some((one) => one.isUrgent) ? 'sensor sensor-urgent' : 'sensor'}>
+      <span className="sensor-name">{placementLabel(sensor.placement)}</span>
+      {wrong.length === 0 ? (
+        <span className="sensor-good">
+          <IconCheck size={17} aria-hidden /> {t('health.good')}
+        </span>
+      ) : (
+        <ul className="plain-list sensor-troubles">
+          {wrong.map(({ text, isUrgent, Icon }) => (
+            <li key={text} className={isUrgent ? 'alert-text' : 'strong'}>
+              <Icon size={17} aria-hidden /> {text}
+            </li>
+          ))}
+        </ul>
+      )}
+    </li>
+  );
+}
+
+export function HealthPanel({ health, placements }: { health: HealthMessage | null; placements: readonly Placement[] }) {
+  const lost = health?.sensors.filter((sensor) => sensor.status === 'lost') ?? [];
+  return (
+    <section className="card" aria-labelledby="health">
+      <div className="card-head">
+        <h2 id="health">{t('health.title')}</h2>
+      </div>
+      <p className="visually-hidden" role="status">
+        {lost.length > 0 && t('health.lostList', { places: lost.map((sensor) => placementLabel(sensor.placement)).join(', ') })}
+      </p>
+      {health ? (
+        <>
+          <ul className="plain-list sensors">
+            {health.sensors.map((sensor) => (
+              <Sensor key={sensor.placement} sensor={sensor} />
+            ))}
+          </ul>
+          <details className="as-table">
+            <summary>{t('health.numbers')}</summary>
+            <table className="plain-table">
+              <thead>
+                <tr>
+                  <th scope="col">{t('health.sensor')}</th>
+                  <th scope="col">{t('health.lossColumn')}</th>
+                  <th scope="col">{t('health.jitterColumn')}</th>
+                </tr>
+              </thead>
+              <tbody>
+                {health.sensors.map((sensor) => (
+                  <tr key={sensor.placement}>
+                    <th scope="row">{placementLabel(sensor.placement)}</th>
+                    <td className="number">{number(sensor.loss_percent, 1)} %</td>
+                    <td className="number">{number(sensor.jitter_ms, 1)} ms</td>
+                  </tr>
+                ))}
+              </tbody>
+            </table>
+            <dl className="facts small">
+              <dt>{t('health.stored')}</dt>
+              <dd className="number">{number(health.packets_stored)}</dd>
+              <dt>{t('health.missing')}</dt>
+              <dd className="number">{number(health.packets_missing)}</dd>
+              {typeof health.clock_skew_ppm === 'number' && (
+                <>
+                  <dt>{t('health.skew')}</dt>
+                  <dd className="number">{number(health.clock_skew_ppm, 1)} ppm</dd>
+                </>
+              )}
+            </dl>
+          </details>
+        </>
+      ) : (
+        <ul className="plain-list sensors">
+          {placements.map((placement) => (
+            <li key={placement} className="sensor">
+              <span className="sensor-name">{placementLabel(placement)}</span>
+              <span className="muted">{t('health.waiting')}</span>
+            </li>
+          ))}
+        </ul>
+      )}
+    </section>
+  );
+}

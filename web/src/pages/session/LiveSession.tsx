@@ -1,0 +1,231 @@
+// A session while it happens: the body large, curves beneath, sensors at the side, the delay always in view.
+import { Button, Group, TextInput } from '@mantine/core';
+import { IconArrowRight, IconFlag, IconPlayerRecordFilled, IconPlayerStopFilled, IconPlugConnectedX } from '@tabler/icons-react';
+import { useMutation, useQueryClient } from '@tanstack/react-query';
+import { useEffect, useMemo, useRef, useState, type FormEvent } from 'react';
+import { Link, useParams } from 'react-router';
+import { api } from '../../api/client';
+import { keys, useExercises, usePatient, useSession } from '../../api/queries';
+import type { SessionDetail, SessionEvent, SessionState } from '../../api/types';
+import { ChannelPicker } from '../../components/ChannelPicker';
+import { Confirm } from '../../components/Confirm';
+import { Answer, Problem } from '../../components/Feedback';
+import { Page } from '../../components/Page';
+import { Viewer3D } from '../../components/Viewer3D';
+import { useSignedIn } from '../../components/useSignedIn';
+import { Traces } from '../../charts/Traces';
+import { t } from '../../i18n';
+import { preferredAngles } from '../../lib/channels';
+import { number, position } from '../../lib/format';
+import { useLivePlayer, useSnapshot } from '../../player/hooks';
+import type { LivePlayer, LiveSnapshot } from '../../player/live';
+import { AnalysisWait } from './AnalysisWait';
+import { CalibrationGuide } from './Calibration';
+import { ConnectHelp } from './ConnectHelp';
+import { HealthPanel } from './HealthPanel';
+import { StateSteps, stepOf } from './StateSteps';
+
+type Deed = 'calibrate' | 'record' | 'stop' | 'close';
+
+function Delay({ snapshot }: { snapshot: LiveSnapshot }) {
+  const service = snapshot.health?.latency_ms_median ?? null;
+  const network = snapshot.networkMs;
+  const isKnown = service !== null && network !== null;
+  return (
+    <span className="delay" title={isKnown ? t('live.delayParts', { service: number(service), network: number(network) }) : undefined}>
+      <span className="muted">{t('live.delay')}</span>{' '}
+      <span className="number strong" data-testid="delay">
+        {isKnown ? `${number(service + network)} ms` : '–'}
+      </span>
+    </span>
+  );
+}
+
+function Buttons({ session, state, onDone }: { session: SessionDetail; state: SessionState; onDone: () => void }) {
+  const client = useQueryClient();
+  const deed = useMutation({
+    mutationFn: (what: Deed) => api.post<unknown>(`/api/sessions/${session.id}/${what}`),
+    onSuccess: (_, what) => {
+      void client.invalidateQueries({ queryKey: keys.session(session.id) });
+      if (what === 'close') onDone();
+    },
+  });
+  const [note, setNote] = useState('');
+  const mark = useMutation({
+    mutationFn: (text: string) => api.post<unknown>(`/api/sessions/${session.id}/mark`, { text }),
+    onSuccess: () => setNote(''),
+  });
+  const submitMark = (event: FormEvent) => {
+    event.preventDefault();
+    mark.mutate(note.trim() || t('live.markDefault'));
+  };
+  const canMark = state === 'ready' || state === 'recording' || state === 'link_lost';
+  return (
+    <section className="live-buttons card" aria-label={t('live.controls')}>
+      <Group gap="sm">
+        {state === 'recording' ? (
+          <Button size="lg" color="dark.6" autoContrast leftSection={<IconPlayerStopFilled size={20} aria-hidden />} loading={deed.isPending} onClick={() => deed.mutate('stop')}>
+            {t('live.stop')}
+          </Button>
+        ) : (
+          <Button size="lg" leftSection={<IconPlayerRecordFilled size={20} aria-hidden />} disabled={state !== 'ready'} loading={deed.isPending && deed.variables === 'record'} onClick={() => deed.mutate('record')}>
+            {t('live.record')}
+          </Button>
+        )}
+        <form onSubmit={submitMark} className="mark-form">
+          <TextInput aria-label={t('live.note')} placeholder={t('live.note')} maxLength={200} value={note} onChange={(event) => setNote(event.currentTarget.value)} disabled={!canMark} />
+          <Button type="submit" variant="default" leftSection={<IconFlag size={18} aria-hidden />} disabled={!canMark} loading={mark.isPending}>
+            {t('live.mark')}
+          </Button>
+        </form>
+        <span className="push">
+          <Confirm label={t('live.close')} title={t('live.closeTitle')} text={t('live.closeText')} confirm={t('live.close')} onConfirm={() => deed.mutate('close')} />
+        </span>
+      </Group>
+      {deed.error && <Problem error={deed.error} />}
+      {mark.error && <Problem error={mark.error} />}
+    </section>
+  );
+}
+
+function Happened({ events }: { events: readonly SessionEvent[] }) {
+  const newest = [...events].reverse().slice(0, 8);
+  return (
+    <section className="card" aria-labelledby="happened">
+      <div className="card-head">
+        <h2 id="happened">{t('live.events')}</h2>
+      </div>
+      {newest.length === 0 ? (
+        <p className="muted">{t('live.noEvents')}</p>
+      ) : (
+        <ul className="plain-list lines small">
+          {newest.map((event, index) => (
+            <li key={`${event.time_s}${event.kind}${index}`}>
+              <span className="muted number">{position(event.time_s, 0)}</span> {event.text || t('event.unnamed')}
+            </li>
+          ))}
+        </ul>
+      )}
+    </section>
+  );
+}
+
+function Room({ session, player }: { session: SessionDetail; player: LivePlayer }) {
+  const client = useQueryClient();
+  const me = useSignedIn();
+  const mayRecord = session.may_treat || me.role === 'patient';
+  const snapshot = useSnapshot(player);
+  const exercises = useExercises();
+  const exercise = exercises.data?.find((one) => one.id === session.exercise_id);
+  const message = snapshot.state;
+  const state: SessionState = message?.state ?? session.state;
+  const step = useRef(stepOf(session.state, 0));
+  step.current = stepOf(state, step.current);
+  const angles = snapshot.columns?.layout.angles ?? session.layout.angles;
+  const [chosen, setChosen] = useState<string[] | null>(null);
+  const channels = useMemo(
+    () => (chosen ?? preferredAngles(angles, exercise?.primary_angle, exercise?.side ?? null)).filter((name) => angles.includes(name)),
+    [chosen, angles, exercise],
+  );
+  const calibrate = useMutation({ mutationFn: () => api.post<unknown>(`/api/sessions/${session.id}/calibrate`) });
+  useEffect(() => {
+    if (state === 'closing' || state === 'analysed') void client.invalidateQueries({ queryKey: keys.session(session.id) });
+  }, [state, client, session.id]);
+
+  const isOver = state === 'closing' || state === 'analysed' || state === 'failed';
+  const showsPose = state === 'calibrating' || (message?.calibration_progress ?? null) !== null;
+  return (
+    <>
+      <div className="live-head">
+        <StateSteps step={step.current} />
+        <Delay snapshot={snapshot} />
+      </div>
+      {(snapshot.connection === 'lost' || snapshot.connection === 'refused') && !isOver && (
+        <div className="banner banner-alert" role="alert">
+          <IconPlugConnectedX size={24} aria-hidden />
+          <div>
+            <p className="strong">{snapshot.connection === 'lost' ? t('live.viewLost') : t('live.viewRefused')}</p>
+            <p>{snapshot.problem || t('live.viewLostText')}</p>
+          </div>
+        </div>
+      )}
+      {state === 'link_lost' && (
+        <div className="banner banner-alert" role="alert">
+          <IconPlugConnectedX size={24} aria-hidden />
+          <div>
+            <p className="strong">{t('live.linkLost')}</p>
+            <p>{message?.reason || t('live.linkLostText')}</p>
+          </div>
+        </div>
+      )}
+      {state === 'failed' && <Problem error={new Error(message?.reason || session.state_reason)} title={t('live.failed')} />}
+      {snapshot.error && !snapshot.error.closing && <Problem error={new Error(snapshot.error.message)} />}
+      {isOver && state !== 'failed' && <AnalysisWait session={session} state={state} />}
+      <div className="live-grid">
+        <div className="stack">
+          {state === 'created' && <ConnectHelp session={session} />}
+          {state !== 'created' && !isOver && <Viewer3D sessionId={session.id} request={{ mode: 'live' }} title={t('viewer.liveTitle')} />}
+          {!isOver && state !== 'created' && mayRecord && <Buttons session={session} state={state} onDone={() => undefined} />}
+          {snapshot.columns && !isOver && (
+            <section className="card" aria-labelledby="angles">
+              <div className="card-head">
+                <h2 id="angles">{t('traces.title')}</h2>
+                <span className="end">
+                  <ChannelPicker available={angles} value={channels} onChange={setChosen} />
+                </span>
+              </div>
+              {channels.length > 0 ? <Traces player={player} channels={channels} /> : <p className="muted">{t('traces.none')}</p>}
+            </section>
+          )}
+        </div>
+        <div className="stack">
+          {showsPose && !isOver && <CalibrationGuide message={message} isBusy={calibrate.isPending} mayTreat={mayRecord} onCalibrate={() => calibrate.mutate()} />}
+          {calibrate.error && <Problem error={calibrate.error} />}
+          <HealthPanel health={snapshot.health} placements={session.placements} />
+          {!showsPose && (state === 'ready' || state === 'recording') && message?.calibration && mayRecord && (
+            <section className="card">
+              <p className="muted small">{t('calibration.inForce')}</p>
+              <Button variant="default" disabled={state === 'recording'} loading={calibrate.isPending} onClick={() => calibrate.mutate()}>
+                {t('calibration.again')}
+              </Button>
+            </section>
+          )}
+          <Happened events={snapshot.events.length ? snapshot.events : session.events} />
+        </div>
+      </div>
+    </>
+  );
+}
+
+function Loaded({ session }: { session: SessionDetail }) {
+  const player = useLivePlayer(session.id);
+  return player ? <Room session={session} player={player} /> : null;
+}
+
+export function LiveSessionPage() {
+  const { sessionId = '' } = useParams();
+  const session = useSession(sessionId);
+  const patient = usePatient(session.data?.patient_id ?? '');
+  const name = patient.data ? `${patient.data.given_name} ${patient.data.family_name}` : '';
+  return (
+    <Page
+      title={name || t('live.title')}
+      lead={session.data ? (session.data.exercise_name ?? t('session.free')) : undefined}
+      crumbs={[
+        { to: '/', text: t('nav.caseload') },
+        ...(session.data && name ? [{ to: `/patients/${session.data.patient_id}`, text: name }] : []),
+      ]}
+      actions={
+        session.data?.state === 'analysed' && (
+          <Button component={Link} to={`/sessions/${sessionId}`} rightSection={<IconArrowRight size={18} aria-hidden />}>
+            {t('live.toReplay')}
+          </Button>
+        )
+      }
+    >
+      <Answer of={session} lines={8} height={50}>
+        {(data) => <Loaded key={data.id} session={data} />}
+      </Answer>
+    </Page>
+  );
+}

@@ -1,0 +1,121 @@
+import { Button, Group, Select, Switch } from '@mantine/core';
+import { useState, type FormEvent } from 'react';
+import { useNavigate, useParams, useSearchParams } from 'react-router';
+import { useEstimators, useExercises, useNewSession, usePatient, usePrescriptions } from '../../api/queries';
+import type { Patient, Placement } from '../../api/types';
+import { RadioCards } from '../../components/Choice';
+import { Answer, Problem } from '../../components/Feedback';
+import { Page } from '../../components/Page';
+import { PlacementChoice } from '../../components/PlacementChoice';
+import { t } from '../../i18n';
+import { placementProblem, suggestedPlacements } from '../../lib/placements';
+
+function Form({ patient }: { patient: Patient }) {
+  const navigate = useNavigate();
+  const [search] = useSearchParams();
+  const purpose = search.get('purpose') === 'template' ? 'template' : 'exercise';
+  const exercises = useExercises();
+  const prescriptions = usePrescriptions(patient.id);
+  const estimators = useEstimators();
+  const create = useNewSession();
+  const prescribed = prescriptions.data ?? [];
+  const [picked, setPicked] = useState<string | null>(search.get('exercise'));
+  const exerciseId = picked ?? prescribed[0]?.exercise_id ?? null;
+  const [placements, setPlacements] = useState<Placement[]>(() => suggestedPlacements(patient.affected_side));
+  const [orientation, setOrientation] = useState('vqf');
+  const [useMounting, setUseMounting] = useState(patient.has_mounting);
+  const problem = placementProblem(placements);
+  const names = new Map((exercises.data ?? []).map((one) => [one.id, one.name]));
+  const prescribedIds = new Set(prescribed.map((one) => one.exercise_id));
+  const groups = [
+    { group: t('newSession.prescribed'), items: [...prescribedIds].map((id) => ({ value: id, label: names.get(id) ?? id })) },
+    { group: t('newSession.others'), items: (exercises.data ?? []).filter((one) => !prescribedIds.has(one.id)).map((one) => ({ value: one.id, label: one.name })) },
+  ].filter((group) => group.items.length > 0);
+
+  const submit = (event: FormEvent) => {
+    event.preventDefault();
+    if (problem) return;
+    create.mutate(
+      {
+        patient_id: patient.id,
+        exercise_id: exerciseId,
+        prescription_id: purpose === 'exercise' ? (prescribed.find((one) => one.exercise_id === exerciseId)?.id ?? null) : null,
+        purpose,
+        placements,
+        orientation,
+        use_mounting: useMounting,
+      },
+      { onSuccess: (session) => void navigate(`/sessions/${session.id}/live`) },
+    );
+  };
+  return (
+    <form className="card stack form-card" onSubmit={submit}>
+      {create.error && <Problem error={create.error} />}
+      <Select
+        label={t('newSession.exercise')}
+        searchable
+        data={groups}
+        value={exerciseId}
+        onChange={setPicked}
+        placeholder={t('prescription.chooseExercise')}
+        nothingFoundMessage={t('newSession.noExercise')}
+        maw={480}
+      />
+      <PlacementChoice value={placements} onChange={setPlacements} />
+      {problem && (
+        <p className="alert-text" role="alert">
+          {t(problem)}
+        </p>
+      )}
+      <Answer of={estimators} lines={2}>
+        {(list) => (
+          <RadioCards
+            legend={t('newSession.estimator')}
+            help={t('newSession.estimatorHelp')}
+            value={orientation}
+            onChange={setOrientation}
+            options={list.map((one) => ({ value: one.name, title: one.title, text: one.description }))}
+          />
+        )}
+      </Answer>
+      {patient.has_mounting && (
+        <Switch
+          label={t('newSession.mounting')}
+          description={t('newSession.mountingHelp')}
+          checked={useMounting}
+          onChange={(event) => setUseMounting(event.currentTarget.checked)}
+        />
+      )}
+      <Group justify="flex-end">
+        <Button variant="default" onClick={() => void navigate(`/patients/${patient.id}`)}>
+          {t('action.cancel')}
+        </Button>
+        <Button type="submit" disabled={problem !== null} loading={create.isPending}>
+          {t('newSession.go')}
+        </Button>
+      </Group>
+    </form>
+  );
+}
+
+export function NewSessionPage() {
+  const { patientId = '' } = useParams();
+  const [search] = useSearchParams();
+  const patient = usePatient(patientId);
+  const name = patient.data ? `${patient.data.given_name} ${patient.data.family_name}` : t('patient.title');
+  return (
+    <Page
+      narrow
+      title={search.get('purpose') === 'template' ? t('newSession.titleTemplate') : t('newSession.title')}
+      lead={patient.data ? t('newSession.lead', { name }) : undefined}
+      crumbs={[
+        { to: '/', text: t('nav.caseload') },
+        { to: `/patients/${patientId}`, text: name },
+      ]}
+    >
+      <Answer of={patient} lines={8}>
+        {(data) => <Form patient={data} />}
+      </Answer>
+    </Page>
+  );
+}

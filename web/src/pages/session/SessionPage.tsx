@@ -1,0 +1,229 @@
+// Replay and compare on one page: the 3D and the time line stay, the words and curves beside them say what differs.
+import { Button, Select, Switch, Tabs } from '@mantine/core';
+import { IconArrowRight } from '@tabler/icons-react';
+import { useCallback, useEffect, useMemo, useRef, useState, type KeyboardEvent } from 'react';
+import { Link, Navigate, useParams, useSearchParams } from 'react-router';
+import { useComparison, useComparisons, useExercises, usePatient, useSession, useTemplateVersion } from '../../api/queries';
+import type { ComparisonDetail, Repetition, SessionDetail } from '../../api/types';
+import { Traces } from '../../charts/Traces';
+import { ChannelPicker } from '../../components/ChannelPicker';
+import { Answer, Problem } from '../../components/Feedback';
+import { Page } from '../../components/Page';
+import { Timeline } from '../../components/Timeline';
+import { Viewer3D } from '../../components/Viewer3D';
+import { t } from '../../i18n';
+import { preferredAngles } from '../../lib/channels';
+import { dateTime, duration } from '../../lib/format';
+import { templateOver } from '../../lib/overlay';
+import { isLive } from '../../lib/sessions';
+import { timeAtTemplatePhase } from '../../lib/warp';
+import { useReplayPlayer, useSnapshot } from '../../player/hooks';
+import type { ReplayPlayer } from '../../player/replay';
+import type { PlayerState } from '../../api/types';
+import { ComparisonPanel } from './ComparisonPanel';
+import { DetailsPanel, resultLabel } from './DetailsPanel';
+import { RepetitionTable } from './RepetitionTable';
+
+interface ReplayProps {
+  session: SessionDetail;
+  player: ReplayPlayer;
+  resultId: string;
+  comparison: ComparisonDetail | null;
+  hasComparison: boolean;
+}
+
+function Replay({ session, player, resultId, comparison, hasComparison }: ReplayProps) {
+  const [search, setSearch] = useSearchParams();
+  const snapshot = useSnapshot(player);
+  const exercises = useExercises();
+  const exercise = exercises.data?.find((one) => one.id === session.exercise_id);
+  const template = useTemplateVersion(comparison?.template_version_id ?? null);
+  const [ghost, setGhost] = useState({ ghost: true, warp: true });
+  const [shown, setShown] = useState<PlayerState | null>(null);
+  const [selected, setSelected] = useState<number | null>(null);
+  const [chosen, setChosen] = useState<string[] | null>(null);
+  const stage = useRef<HTMLDivElement>(null);
+  const angles = snapshot.columns?.layout.angles ?? session.layout.angles;
+  const channels = useMemo(
+    () => (chosen ?? preferredAngles(angles, exercise?.primary_angle, exercise?.side ?? null)).filter((name) => angles.includes(name)),
+    [chosen, angles, exercise],
+  );
+  const repetitions = useMemo(() => comparison?.repetitions.map((one) => one.repetition) ?? [], [comparison]);
+  const templateAt = useMemo(
+    () => (comparison && ghost.ghost ? templateOver(comparison, template.data?.content.duration_s ?? null, ghost.warp) : undefined),
+    [comparison, template.data, ghost],
+  );
+  const seek = useCallback((timeS: number) => player.seek(timeS), [player]);
+
+  // An address with a moment in it opens at that moment.
+  const wanted = search.get('t');
+  const isOpen = snapshot.connection === 'open';
+  useEffect(() => {
+    if (wanted !== null && isOpen) player.seek(Number(wanted));
+  }, [wanted, isOpen, player]);
+
+  const jumpTo = (repetition: number, templatePhase: number) => {
+    const found = comparison?.repetitions[repetition];
+    if (!found) return;
+    setSelected(repetition);
+    player.pause();
+    player.seek(timeAtTemplatePhase(found.repetition, found.warp_template_phase, templatePhase));
+    stage.current?.scrollIntoView({ block: 'nearest' });
+  };
+  const choose = (repetition: Repetition) => setSelected(repetitions.indexOf(repetition));
+
+  const shortcuts = (event: KeyboardEvent) => {
+    const target = event.target as HTMLElement;
+    if (event.ctrlKey || event.metaKey || event.altKey || target.matches('input[type=text], textarea, [role=option]')) return;
+    const isButton = target.matches('button, a, summary');
+    if (event.key === 'w') setGhost((now) => ({ ...now, warp: !now.warp }));
+    else if (event.key === 'g') setGhost((now) => ({ ...now, ghost: !now.ghost }));
+    else if (event.key === ' ' && !isButton) {
+      event.preventDefault();
+      if (player.clock().isPlaying) player.pause();
+      else player.play();
+    }
+  };
+  const tab = search.get('show') ?? (hasComparison ? 'compare' : 'angles');
+  return (
+    <>
+      {snapshot.problem && <Problem error={new Error(snapshot.problem)} title={t('replay.failed')} />}
+      {/* Keys work only while the focus is in here, so that they never surprise elsewhere. */}
+      {/* eslint-disable-next-line jsx-a11y/no-noninteractive-element-interactions */}
+      <div className="replay-grid" onKeyDown={shortcuts} role="group" aria-label={t('replay.title')}>
+        <div className="stage" ref={stage}>
+          <Viewer3D
+            sessionId={session.id}
+            request={{ mode: 'replay', result_id: resultId, template_version_id: comparison?.template_version_id ?? null }}
+            title={t('viewer.replayTitle')}
+            player={player}
+            ghost={ghost}
+            onShown={setShown}
+          />
+          <Timeline player={player} repetitions={repetitions} events={session.events} onRepetition={choose} />
+          {comparison && (
+            <div className="ghost-tools">
+              <Switch label={t('replay.ghost')} checked={ghost.ghost} disabled={shown?.has_ghost === false} onChange={(event) => setGhost({ ...ghost, ghost: event.currentTarget.checked })} />
+              <Switch
+                label={t('replay.warp')}
+                checked={ghost.warp}
+                disabled={!ghost.ghost || shown?.has_warp === false}
+                onChange={(event) => setGhost({ ...ghost, warp: event.currentTarget.checked })}
+              />
+              <span className="muted small">{t('replay.keys')}</span>
+            </div>
+          )}
+        </div>
+        <Tabs
+          className="side-tabs"
+          value={tab}
+          onChange={(value) => setSearch((now) => (now.set('show', value ?? 'angles'), now), { replace: true })}
+          keepMounted={false}
+        >
+          <Tabs.List aria-label={t('replay.tabs')}>
+            <Tabs.Tab value="compare">{t('compare.title')}</Tabs.Tab>
+            <Tabs.Tab value="angles">{t('traces.title')}</Tabs.Tab>
+            <Tabs.Tab value="details">{t('details.title')}</Tabs.Tab>
+          </Tabs.List>
+          <Tabs.Panel value="compare">
+            <ComparisonPanel session={session} resultId={resultId} comparison={comparison} hasComparison={hasComparison} selected={selected} onSelect={setSelected} onPhase={jumpTo} />
+          </Tabs.Panel>
+          <Tabs.Panel value="angles">
+            <div className="card-head">
+              <p className="muted small">{comparison ? t('replay.curvesWithTemplate') : t('replay.curves')}</p>
+              <span className="end">
+                <ChannelPicker available={angles} value={channels} onChange={setChosen} />
+              </span>
+            </div>
+            <Traces player={player} channels={channels} templateAt={templateAt} onSeek={seek} />
+          </Tabs.Panel>
+          <Tabs.Panel value="details">
+            <DetailsPanel session={session} resultId={resultId} />
+          </Tabs.Panel>
+        </Tabs>
+      </div>
+      {comparison && comparison.repetitions.length > 0 && <RepetitionTable comparison={comparison} selected={selected} onSelect={(index) => jumpTo(index, 0)} />}
+    </>
+  );
+}
+
+function Loaded({ session }: { session: SessionDetail }) {
+  const [search, setSearch] = useSearchParams();
+  const comparisons = useComparisons(session.id);
+  const complete = session.results.filter((one) => one.status === 'complete');
+  const asked = search.get('result');
+  const resultId = complete.find((one) => one.id === asked)?.id ?? session.main_result_id ?? complete.at(-1)?.id ?? null;
+  const ofResult = (comparisons.data ?? []).filter((one) => one.result_id === resultId);
+  const summary = ofResult.find((one) => one.id === search.get('comparison')) ?? ofResult[0] ?? null;
+  const comparison = useComparison(summary?.id ?? null);
+  const startS = session.recording_start_s ?? 0;
+  const endS = session.recording_end_s ?? session.duration_s;
+  const player = useReplayPlayer(session.id, resultId, startS, endS);
+  const isWaiting = comparisons.isPending || (summary !== null && comparison.isPending);
+  if (!resultId) return <Problem error={new Error(session.state_reason || t('replay.noResult'))} />;
+  if (endS <= startS) return <Problem error={new Error(t('replay.nothingRecorded'))} />;
+  return (
+    <>
+      {complete.length > 1 && (
+        <div className="result-choice">
+          <Select
+            label={t('replay.result')}
+            size="sm"
+            w={360}
+            maw="100%"
+            value={resultId}
+            onChange={(value) => setSearch((now) => (value ? now.set('result', value) : now.delete('result'), now.delete('comparison'), now), { replace: true })}
+            data={complete.map((one) => ({ value: one.id, label: resultLabel(one, one.id === session.main_result_id) }))}
+          />
+          {ofResult.length > 1 && (
+            <Select
+              label={t('replay.template')}
+              size="sm"
+              w={300}
+              value={summary?.id ?? null}
+              onChange={(value) => setSearch((now) => (value && now.set('comparison', value), now), { replace: true })}
+              data={ofResult.map((one) => ({ value: one.id, label: `${one.template_name}, ${dateTime(one.created_at)}` }))}
+            />
+          )}
+        </div>
+      )}
+      {comparison.error && <Problem error={comparison.error} />}
+      {player && !isWaiting && <Replay session={session} player={player} resultId={resultId} comparison={comparison.data ?? null} hasComparison={summary !== null} />}
+    </>
+  );
+}
+
+export function SessionPage() {
+  const { sessionId = '' } = useParams();
+  const session = useSession(sessionId);
+  const patient = usePatient(session.data?.patient_id ?? '');
+  const name = patient.data ? `${patient.data.given_name} ${patient.data.family_name}` : '';
+  if (session.data && (isLive(session.data.state) || session.data.state === 'closing')) return <Navigate to={`/sessions/${sessionId}/live`} replace />;
+  const started = session.data?.started_at ?? session.data?.created_at;
+  return (
+    <Page
+      title={session.data ? (session.data.exercise_name ?? t('session.free')) : t('replay.title')}
+      lead={session.data && started ? `${name} · ${dateTime(started)} · ${duration(session.data.duration_s)}` : undefined}
+      crumbs={[
+        { to: '/', text: t('nav.caseload') },
+        ...(session.data && name ? [{ to: `/patients/${session.data.patient_id}`, text: name }] : []),
+      ]}
+      actions={
+        session.data?.may_treat && session.data.state === 'analysed' ? (
+          <Button
+            component={Link}
+            variant="default"
+            to={`/templates/record?session=${sessionId}&patient=${session.data.patient_id}${session.data.exercise_id ? `&exercise=${session.data.exercise_id}` : ''}`}
+            rightSection={<IconArrowRight size={18} aria-hidden />}
+          >
+            {t('template.makeFromThis')}
+          </Button>
+        ) : undefined
+      }
+    >
+      <Answer of={session} lines={8} height={50}>
+        {(data) => <Loaded key={data.id} session={data} />}
+      </Answer>
+    </Page>
+  );
+}

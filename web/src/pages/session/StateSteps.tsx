@@ -1,0 +1,41 @@
+import { IconCheck } from '@tabler/icons-react';
+import type { SessionState } from '../../api/types';
+import { t } from '../../i18n';
+
+const STEPS = ['connect', 'calibrate', 'ready', 'record', 'analyse'] as const;
+
+/** The step a state belongs to; where the link is lost the last step known stays. */
+const STEP_OF: Record<SessionState, number | null> = {
+  created: 0,
+  calibrating: 1,
+  ready: 2,
+  recording: 3,
+  link_lost: null,
+  closing: 4,
+  analysed: 5,
+  failed: null,
+};
+
+export function stepOf(state: SessionState, before: number): number {
+  return STEP_OF[state] ?? before;
+}
+
+/** Where the session stands, as steps with words. */
+export function StateSteps({ step }: { step: number }) {
+  return (
+    <ol className="steps" aria-label={t('steps.title')}>
+      {STEPS.map((name, index) => {
+        const kind = index < step ? 'done' : index === step ? 'now' : 'later';
+        return (
+          <li key={name} className={`step step-${kind}`} aria-current={kind === 'now' ? 'step' : undefined}>
+            <span className="step-mark" aria-hidden>
+              {kind === 'done' ? <IconCheck size={15} stroke={3} /> : index + 1}
+            </span>
+            {t(`steps.${name}`)}
+            {kind === 'done' && <span className="visually-hidden"> ({t('steps.done')})</span>}
+          </li>
+        );
+      })}
+    </ol>
+  );
+}

@@ -1,0 +1,305 @@
+// A template in three steps: where the movement comes from, which repetitions count and how wide the band is, its name.
+import { Button, Checkbox, Group, Select, Slider, TextInput } from '@mantine/core';
+import { useDebouncedValue } from '@mantine/hooks';
+import { IconPlayerRecord, IconRoute } from '@tabler/icons-react';
+import { useMutation, useQuery } from '@tanstack/react-query';
+import { useMemo, useState } from 'react';
+import { Link, useNavigate, useSearchParams } from 'react-router';
+import { api } from '../../api/client';
+import { useExercises, usePatient, usePatients, usePatientSessions, useSaveTemplate, useSession, useTemplates } from '../../api/queries';
+import type { SessionDetail, TemplateContent, TemplatePreviewIn, TemplateVersionDetail } from '../../api/types';
+import { PhaseChart, PhaseLegend } from '../../charts/PhaseChart';
+import { RadioCards } from '../../components/Choice';
+import { Answer, Empty, Problem, Waiting } from '../../components/Feedback';
+import { Page } from '../../components/Page';
+import { t } from '../../i18n';
+import { day, duration, number, position } from '../../lib/format';
+import { pickCurves } from '../../lib/comparison';
+
+const NARROWEST = 0.5;
+const WIDEST = 3;
+
+/** Step one: a stored recording of this patient, or a new one. */
+function Source({ patientId, exerciseId, onPatient, onSession }: { patientId: string; exerciseId: string | null; onPatient: (id: string) => void; onSession: (id: string) => void }) {
+  const patients = usePatients();
+  const sessions = usePatientSessions(patientId);
+  const analysed = (sessions.data ?? [])
+    .filter((one) => one.state === 'analysed')
+    .sort((a, b) => Number(b.exercise_id === exerciseId) - Number(a.exercise_id === exerciseId) || Number(b.purpose === 'template') - Number(a.purpose === 'template'));
+  const [picked, setPicked] = useState('');
+  const chosen = picked || (analysed[0]?.id ?? '');
+  return (
+    <section className="card stack" aria-labelledby="source">
+      <h2 id="source">{t('template.stepSource')}</h2>
+      <Select
+        label={t('template.ofPatient')}
+        description={t('template.ofPatientHelp')}
+        searchable
+        maw={420}
+        data={(patients.data ?? []).filter((one) => one.may_treat).map((one) => ({ value: one.id, label: `${one.given_name} ${one.family_name}` }))}
+        value={patientId || null}
+        onChange={(value) => value && onPatient(value)}
+      />
+      {patients.error && <Problem error={patients.error} />}
+      {patientId && (
+        <Answer of={sessions} lines={4}>
+          {() =>
+            analysed.length === 0 ? (
+              <Empty level={3} icon={<IconRoute size={44} aria-hidden />} title={t('template.noRecordings')}>
+                {t('template.noRecordingsText')}
+              </Empty>
+            ) : (
+              <RadioCards
+                legend={t('template.stored')}
+                value={chosen}
+                onChange={setPicked}
+                options={analysed.slice(0, 12).map((one) => ({
+                  value: one.id,
+                  title: one.exercise_name ?? t('session.free'),
+                  text: `${day(one.started_at ?? one.created_at)} · ${duration(one.duration_s)}${one.purpose === 'template' ? ` · ${t('session.forTemplate')}` : ''}`,
+                }))}
+              />
+            )
+          }
+        </Answer>
+      )}
+      {patientId && (
+        <Group>
+          <Button disabled={!chosen} onClick={() => onSession(chosen)}>
+            {t('template.useThis')}
+          </Button>
+          <Button
+            component={Link}
+            variant="default"
+            leftSection={<IconPlayerRecord size={18} aria-hidden />}
+            to={`/patients/${patientId}/sessions/new?purpose=template${exerciseId ? `&exercise=${exerciseId}` : ''}`}
+          >
+            {t('template.recordNow')}
+          </Button>
+        </Group>
+      )}
+    </section>
+  );
+}
+
+/** Step two and three: which repetitions, how wide, whose, and its name. */
+function Shape({ session, exerciseId: wantedExercise, content, request, onRequest, isFresh }: { session: SessionDetail; exerciseId: string | null; content: TemplateContent; request: TemplatePreviewIn; onRequest: (request: TemplatePreviewIn) => void; isFresh: boolean }) {
+  const navigate = useNavigate();
+  const exercises = useExercises();
+  const patient = usePatient(session.patient_id);
+  const [exerciseId, setExerciseId] = useState<string | null>(wantedExercise ?? session.exercise_id ?? null);
+  const templates = useTemplates(exerciseId, session.patient_id, exerciseId !== null);
+  const [templateId, setTemplateId] = useState('new');
+  const [forWhom, setForWhom] = useState<'patient' | 'clinic'>('patient');
+  const [name, setName] = useState('');
+  const [showsAll, setShowsAll] = useState(false);
+  const save = useSaveTemplate();
+  const dropped = useMemo(() => new Set(content.repetitions.flatMap((one, index) => (one.is_kept ? [] : [index]))), [content]);
+  const exercise = exercises.data?.find((one) => one.id === exerciseId);
+  const curves = pickCurves(content.curves, showsAll);
+  const kept = content.repetitions.length - dropped.size;
+  const existing = templates.data ?? [];
+  const suggested = `${exercise?.name ?? session.exercise_name ?? t('session.free')}${forWhom === 'patient' && patient.data ? `, ${patient.data.given_name}` : ''}`;
+  const patientName = patient.data ? `${patient.data.given_name} ${patient.data.family_name}` : t('patient.title');
+
+  const toggle = (position_: number) => {
+    const next = new Set(dropped);
+    if (next.has(position_)) next.delete(position_);
+    else next.add(position_);
+    onRequest({ ...request, dropped: [...next].map((index) => content.repetitions[index]?.number ?? 0) });
+  };
+  const scaleOf = (channel: string) => request.tolerance_scale?.[channel] ?? 1;
+  const setScale = (channel: string, value: number) => onRequest({ ...request, tolerance_scale: { ...request.tolerance_scale, [channel]: value } });
+  const submit = () => {
+    if (!exerciseId) return;
+    save.mutate(
+      {
+        ...request,
+        exercise_id: exerciseId,
+        patient_id: forWhom === 'patient' ? session.patient_id : null,
+        template_id: templateId === 'new' ? null : templateId,
+        name: templateId === 'new' ? name.trim() || suggested : (existing.find((one) => one.id === templateId)?.name ?? suggested),
+      },
+      { onSuccess: (version: TemplateVersionDetail) => void navigate(`/exercises/${exerciseId}?version=${version.id}`) },
+    );
+  };
+  return (
+    <>
+      <section className="card" aria-labelledby="cut">
+        <div className="card-head">
+          <h2 id="cut">{t('template.stepCut')}</h2>
+          <span className="muted end">{t('template.found', { kept, all: content.repetitions.length })}</span>
+        </div>
+        <ul className="plain-list repetition-choice">
+          {content.repetitions.map((one, index) => (
+            <li key={one.number} className={one.is_kept ? '' : 'is-dropped'}>
+              <Checkbox
+                label={
+                  <>
+                    <span className="strong">{t('repetition.numbered', { number: one.number })}</span>{' '}
+                    <span className="muted number">
+                      {position(one.start_s)} · {number(one.end_s - one.start_s, 1)} s
+                    </span>
+                  </>
+                }
+                description={one.is_kept ? undefined : one.reason || t('template.droppedByYou')}
+                checked={one.is_kept}
+                onChange={() => toggle(index)}
+              />
+            </li>
+          ))}
+        </ul>
+      </section>
+      <section className="card" aria-labelledby="band" aria-busy={!isFresh}>
+        <div className="card-head">
+          <h2 id="band">{t('template.stepBand')}</h2>
+        </div>
+        <p className="muted">{t('template.bandHelp')}</p>
+        <PhaseLegend withOutside={false} patient={false} />
+        <div className="template-curves">
+          {curves.map((curve) => (
+            <div key={curve.channel} className="template-curve">
+              <h3>{curve.label}</h3>
+              <PhaseChart curve={curve} left={dropped} height={230} bandScale={isFresh ? 1 : scaleOf(curve.channel)} />
+              <div className="band-slider">
+                <span id={`band-${curve.channel}`}>{t('template.bandWidth')}</span>
+                <Slider
+                  min={NARROWEST}
+                  max={WIDEST}
+                  step={0.05}
+                  size="lg"
+                  thumbSize={26}
+                  label={null}
+                  thumbLabel={`${t('template.bandWidth')}: ${curve.label}`}
+                  marks={[{ value: 1 }]}
+                  value={scaleOf(curve.channel)}
+                  onChange={(value) => setScale(curve.channel, value)}
+                />
+                <span className="number strong">{number(scaleOf(curve.channel) * 100)} %</span>
+              </div>
+            </div>
+          ))}
+        </div>
+        <Button mt={16} variant="default" aria-expanded={showsAll} onClick={() => setShowsAll(!showsAll)}>
+          {showsAll ? t('compare.fewerCurves') : t('compare.moreCurves')}
+        </Button>
+      </section>
+      <section className="card stack" aria-labelledby="name">
+        <h2 id="name">{t('template.stepName')}</h2>
+        <Select
+          label={t('newSession.exercise')}
+          maw={480}
+          searchable
+          data={(exercises.data ?? []).map((one) => ({ value: one.id, label: one.name }))}
+          value={exerciseId}
+          onChange={(value) => {
+            setExerciseId(value);
+            setTemplateId('new');
+          }}
+        />
+        {existing.length > 0 && (
+          <Select
+            label={t('template.newOrVersion')}
+            maw={480}
+            data={[{ value: 'new', label: t('template.new') }, ...existing.map((one) => ({ value: one.id, label: t('template.nextVersion', { name: one.name }) }))]}
+            value={templateId}
+            onChange={(value) => setTemplateId(value ?? 'new')}
+          />
+        )}
+        {templateId === 'new' && (
+          <>
+            <RadioCards
+              legend={t('template.forWhom')}
+              value={forWhom}
+              onChange={setForWhom}
+              options={[
+                { value: 'patient', title: t('template.forPatient', { name: patientName }), text: t('template.forPatientText') },
+                { value: 'clinic', title: t('template.forClinic'), text: t('template.forClinicText') },
+              ]}
+            />
+            <TextInput label={t('template.name')} placeholder={suggested} maxLength={200} maw={480} value={name} onChange={(event) => setName(event.currentTarget.value)} />
+          </>
+        )}
+        {save.error && <Problem error={save.error} />}
+        {kept < 2 && (
+          <p className="alert-text" role="alert">
+            {t('template.tooFew')}
+          </p>
+        )}
+        <div>
+          <Button size="lg" disabled={!exerciseId || kept < 2} loading={save.isPending} onClick={submit}>
+            {t('template.save')}
+          </Button>
+        </div>
+      </section>
+    </>
+  );
+}
+
+function Preview({ session, exerciseId }: { session: SessionDetail; exerciseId: string | null }) {
+  const [request, setRequest] = useState<TemplatePreviewIn>({ session_id: session.id, dropped: null, tolerance_scale: {} });
+  const [settled] = useDebouncedValue(request, 350);
+  const preview = useQuery({
+    queryKey: ['template-preview', settled],
+    queryFn: () => api.post<TemplateContent>('/api/templates/preview', settled),
+    placeholderData: (before) => before,
+    staleTime: Infinity,
+    retry: false,
+  });
+  const isFresh = settled === request && !preview.isPlaceholderData;
+  const back = useMutation({ mutationFn: async () => setRequest({ session_id: session.id, dropped: null, tolerance_scale: {} }) });
+  return (
+    <>
+      {preview.error && (
+        <>
+          <Problem error={preview.error} />
+          {request.dropped !== null && (
+            <div>
+              <Button variant="default" onClick={() => back.mutate()}>
+                {t('template.startOver')}
+              </Button>
+            </div>
+          )}
+        </>
+      )}
+      {preview.data ? (
+        <Shape session={session} exerciseId={exerciseId} content={preview.data} request={request} onRequest={setRequest} isFresh={isFresh} />
+      ) : (
+        !preview.error && (
+          <div className="card">
+            <Waiting lines={6} height={44} />
+          </div>
+        )
+      )}
+    </>
+  );
+}
+
+export function RecordTemplatePage() {
+  const [search, setSearch] = useSearchParams();
+  const sessionId = search.get('session') ?? '';
+  const exerciseId = search.get('exercise');
+  const session = useSession(sessionId);
+  const set = (name: string, value: string) => setSearch((now) => (now.set(name, value), now));
+  return (
+    <Page title={t('template.record')} lead={t('template.lead')} crumbs={[{ to: '/exercises', text: t('nav.exercises') }]}>
+      <div className="stack">
+        {sessionId === '' ? (
+          <Source patientId={search.get('patient') ?? ''} exerciseId={exerciseId} onPatient={(id) => set('patient', id)} onSession={(id) => set('session', id)} />
+        ) : (
+          <Answer of={session} lines={5}>
+            {(data) => (
+              <>
+                <p className="muted">
+                  {t('template.from', { what: data.exercise_name ?? t('session.free'), when: day(data.started_at ?? data.created_at) })}{' '}
+                  <Link to={`/templates/record?patient=${data.patient_id}${exerciseId ? `&exercise=${exerciseId}` : ''}`}>{t('template.other')}</Link>
+                </p>
+                <Preview key={data.id} session={data} exerciseId={exerciseId} />
+              </>
+            )}
+          </Answer>
+        )}
+      </div>
+    </Page>
+  );
+}

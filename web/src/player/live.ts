@@ -1,0 +1,163 @@
+// A session while it happens: socket in, ring of frames, state, health and events out.
+import { PROTOCOL_VERSION } from '../api/schema';
+import type { ErrorMessage, HealthMessage, LiveMessage, SessionEvent, StateMessage } from '../api/types';
+import { t } from '../i18n';
+import { createDecoder, type Decoder } from './decoder';
+import { LatencyMeter } from './latency';
+import { FrameRing } from './ring';
+import { ReturningSocket, type ReturningSocketOptions } from './socket';
+import { columnsOf, SnapshotStore, type Clock, type Player, type PlayerSnapshot, type Stretch } from './types';
+
+/** Frames kept for the running curves. */
+export const HELD_S = 60;
+const KEPT_EVENTS = 200;
+const EMPTY: Stretch = { timeS: new Float64Array(0), values: [], isComplete: false };
+
+export interface LiveSnapshot extends PlayerSnapshot {
+  state: StateMessage | null;
+  health: HealthMessage | null;
+  events: readonly SessionEvent[];
+  /** The last error message of the service on this socket. */
+  error: ErrorMessage | null;
+  /** From publication by the service to arrival here, ms. */
+  networkMs: number | null;
+}
+
+export interface LivePlayerOptions {
+  url: string;
+  decoder?: Decoder;
+  create?: ReturningSocketOptions['create'];
+  now?: () => number;
+}
+
+export class LivePlayer implements Player {
+  readonly #store = new SnapshotStore<LiveSnapshot>({
+    connection: 'connecting',
+    problem: null,
+    capabilities: { isLive: true, canSeek: false, canChangeSpeed: false },
+    columns: null,
+    isPlaying: true,
+    speed: 1,
+    epoch: 0,
+    state: null,
+    health: null,
+    events: [],
+    error: null,
+    networkMs: null,
+  });
+  readonly #decoder: Decoder;
+  readonly #socket: ReturningSocket;
+  readonly #latency: LatencyMeter;
+  #ring: FrameRing | null = null;
+  /** Session time at which the picture was paused; frames go on being collected. */
+  #pausedAtS: number | null = null;
+
+  constructor(options: LivePlayerOptions) {
+    this.#decoder = options.decoder ?? createDecoder();
+    this.#latency = new LatencyMeter(options.now);
+    this.#socket = new ReturningSocket({
+      url: options.url,
+      create: options.create,
+      onStatus: (connection, reason) =>
+        this.#store.set({ connection, problem: connection === 'open' ? null : reason || this.#store.get().problem }),
+      onText: (text) => this.#takeText(text),
+      onBinary: (buffer) => void this.#takeFrames(buffer),
+    });
+  }
+
+  getSnapshot = () => this.#store.get();
+  subscribe = this.#store.subscribe;
+
+  clock(): Clock {
+    const ring = this.#ring;
+    const endS = ring && ring.count ? ring.lastS : 0;
+    return {
+      timeS: this.#pausedAtS ?? endS,
+      startS: ring && ring.count ? ring.firstS : 0,
+      endS,
+      isPlaying: this.#pausedAtS === null,
+      speed: 1,
+    };
+  }
+
+  read(startS: number, endS: number, columns: readonly string[]): Stretch {
+    return this.#ring?.read(startS, endS, columns) ?? EMPTY;
+  }
+
+  play(): void {
+    this.#pausedAtS = null;
+    this.#store.set({ isPlaying: true });
+  }
+
+  /** Hold the picture; the session goes on. */
+  pause(): void {
+    this.#pausedAtS = this.clock().endS;
+    this.#store.set({ isPlaying: false });
+  }
+
+  seek(): void {}
+  setSpeed(): void {}
+
+  close(): void {
+    this.#socket.close();
+    this.#decoder.close();
+  }
+
+  #takeText(text: string): void {
+    let message: LiveMessage;
+    try {
+      message = JSON.parse(text) as LiveMessage;
+    } catch {
+      this.#socket.refuse(t('player.notUnderstood'));
+      return;
+    }
+    switch (message.type) {
+      case 'layout':
+        if (message.protocol_version !== PROTOCOL_VERSION) {
+          this.#socket.refuse(t('player.otherVersion', { ours: PROTOCOL_VERSION, theirs: message.protocol_version ?? '?' }));
+          return;
+        }
+        this.#forget(new FrameRing(columnsOf(message), HELD_S));
+        this.#store.set({ columns: columnsOf(message) });
+        break;
+      case 'state':
+        this.#store.set({ state: message });
+        break;
+      case 'health':
+        this.#store.set({ health: message, networkMs: this.#latency.read() });
+        break;
+      case 'event':
+        this.#store.set({ events: [...this.#store.get().events, message.event].slice(-KEPT_EVENTS) });
+        break;
+      case 'error':
+        this.#store.set({ error: message });
+        if (message.closing) this.#socket.refuse(message.message);
+        break;
+    }
+  }
+
+  #forget(ring: FrameRing): void {
+    this.#ring = ring;
+    this.#pausedAtS = null;
+    this.#store.set({ epoch: this.#store.get().epoch + 1, isPlaying: true });
+  }
+
+  async #takeFrames(buffer: ArrayBuffer): Promise<void> {
+    const arrivedAt = this.#latency.now();
+    const ring = this.#ring;
+    if (!ring) return;
+    try {
+      const block = await this.#decoder.decode(buffer);
+      if (ring !== this.#ring) return;
+      this.#latency.add(arrivedAt, block.publishedS);
+      // A session that was restarted begins again at an earlier time: forget what is held.
+      if (ring.count && block.startS + block.ticks * block.stepS < ring.lastS - 2) {
+        ring.clear();
+        this.#store.set({ epoch: this.#store.get().epoch + 1 });
+      }
+      ring.push(block);
+    } catch (error) {
+      if (this.#store.get().connection !== 'closed') this.#socket.refuse(error instanceof Error ? error.message : String(error));
+    }
+  }
+}
