@@ -8,6 +8,7 @@ from pathlib import Path
 from app.errors import InvalidInput, RecordingFormatError
 from app.ingest.readers._broad import read_broad
 from app.ingest.readers._csv import read_csv
+from app.ingest.readers._mat import variables
 from app.ingest.readers._packet_log import LogReader, read_packet_log
 from app.ingest.readers._packets import RecordingPackets, packets_of
 from app.ingest.readers._qmt import PLACEMENT_OF, read_qmt
@@ -68,12 +69,7 @@ def guess(path: Path) -> str:
     if start.startswith(b"\x89HDF"):
         return "broad"
     if path.suffix.lower() == ".mat":
-        import scipy.io
-
-        try:
-            names = {name for name, _, _ in scipy.io.whosmat(path)}
-        except (ValueError, TypeError, OSError, NotImplementedError) as error:
-            raise RecordingFormatError("The .mat file cannot be read; save it as version 5 or 7.") from error
+        names = variables(path)
         return "broad" if "imu_gyr" in names else "qmt_mat"
     if path.suffix.lower() in {".csv", ".txt", ".tsv"}:
         return "csv"

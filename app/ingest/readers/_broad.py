@@ -5,9 +5,9 @@ from typing import Any
 
 import h5py
 import numpy as np
-import scipy.io
 
 from app.errors import RecordingFormatError
+from app.ingest.readers._mat import load_mat
 from app.ingest.readers._units import check_accelerometer, check_gyroscope, check_magnetometer
 from estimators.recording import Float, Recording, SensorSignals
 
@@ -28,7 +28,7 @@ def read_broad(path: Path) -> Recording:
     RecordingFormatError
         Not a trial of this set.
     """
-    content = _hdf5(path) if _is_hdf5(path) else _mat(path)
+    content = _hdf5(path) if _is_hdf5(path) else load_mat(path, _NAMES)
     missing = [name for name in _NAMES if name not in content]
     if missing:
         raise RecordingFormatError(f"The file has no {', '.join(missing)}; it is no trial of BROAD.")
@@ -68,16 +68,6 @@ def _table(values: Any, width: int) -> Float:
 def _is_hdf5(path: Path) -> bool:
     with path.open("rb") as file:
         return file.read(4) == b"\x89HDF"
-
-
-def _mat(path: Path) -> dict[str, Any]:
-    try:
-        content: dict[str, Any] = scipy.io.loadmat(path, variable_names=_NAMES)
-    except NotImplementedError as error:
-        raise RecordingFormatError("The .mat file is of version 7.3; save it as version 5 or 7.") from error
-    except (ValueError, TypeError, KeyError, OSError, MemoryError) as error:
-        raise RecordingFormatError("The file cannot be read as a .mat file of version 5 or 7.") from error
-    return content
 
 
 def _hdf5(path: Path) -> dict[str, Any]:

@@ -4,9 +4,9 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-import scipy.io
 
 from app.errors import RecordingFormatError
+from app.ingest.readers._mat import load_mat
 from app.ingest.readers._time import nominal_rate, seconds_of
 from app.ingest.readers._units import check_accelerometer, check_gyroscope
 from estimators.conventions import Placement
@@ -41,14 +41,7 @@ def read_qmt(path: Path) -> Recording:
     RecordingFormatError
         No `.mat` file, or not with these sensors.
     """
-    try:
-        content = scipy.io.loadmat(
-            path, simplify_cells=True, variable_names=["t", *PLACEMENT_OF, "lower_back"]
-        )
-    except NotImplementedError as error:
-        raise RecordingFormatError("The .mat file is of version 7.3; save it as version 5 or 7.") from error
-    except (ValueError, TypeError, KeyError, OSError, MemoryError) as error:
-        raise RecordingFormatError("The file cannot be read as a .mat file of version 5 or 7.") from error
+    content = load_mat(path, ["t", *PLACEMENT_OF, "lower_back"], simplify=True)
     if "t" not in content:
         raise RecordingFormatError("The .mat file has no time `t`; it is no whole-body recording of qmt.")
     present = [name for name in PLACEMENT_OF if isinstance(content.get(name), dict)]

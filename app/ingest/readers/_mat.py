@@ -1,0 +1,37 @@
+"""MATLAB files of versions 4 to 7, from strangers."""
+
+from pathlib import Path
+from typing import Any
+
+import scipy.io
+
+from app.errors import RecordingFormatError
+
+
+def load_mat(path: Path, names: list[str], *, simplify: bool = False) -> dict[str, Any]:
+    """Return the named variables that the file holds.
+
+    Raises
+    ------
+    RecordingFormatError
+        The file cannot be read.
+    """
+    try:
+        content: dict[str, Any] = scipy.io.loadmat(path, variable_names=names, simplify_cells=simplify)
+    except NotImplementedError as error:
+        raise RecordingFormatError("The .mat file is of version 7.3; save it as version 5 or 7.") from error
+    except Exception as error:
+        # The reader follows whatever the bytes say and fails with whatever error that leads to.
+        raise RecordingFormatError("The file cannot be read as a .mat file of version 5 or 7.") from error
+    return content
+
+
+def variables(path: Path) -> set[str]:
+    """Return the names in a file without reading their values."""
+    try:
+        return {name for name, _, _ in scipy.io.whosmat(path)}
+    except Exception as error:
+        raise RecordingFormatError("The .mat file cannot be read; save it as version 5 or 7.") from error
+
+
+__all__ = ["load_mat", "variables"]

@@ -1,0 +1,385 @@
+"""Readers of whole recordings: what comes out, and what is said when a file is not what it should be."""
+
+import io
+import struct
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.io
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from app.errors import InvalidInput, RecordingFormatError
+from app.ingest import readers
+from app.ingest.readers import packets_of
+from app.recordings.packet_log import log_entry, log_head, packet_message, write_log
+from app.recordings.schemas import CsvColumn, CsvMapping
+from estimators.recording import Recording, SensorSignals
+from estimators.signals import to_common_ticks
+
+BROAD = Path(__file__).parents[2] / "data" / "broad" / "fast_combined_15s.npz"
+SENSORS = ("sternum", "upper_arm_right")
+
+
+def real_recording(samples: int = 400, rate_hz: float = 100.0) -> Recording:
+    """Two sensors with real signals (BROAD excerpt) under other names and at another rate."""
+    with np.load(BROAD) as data:
+        gyroscope, accelerometer = data["gyroscope_radps"], data["accelerometer_mps2"]
+        field = data["magnetometer_ut"] * 1e-6
+    sensors = {
+        name: SensorSignals(
+            np.arange(samples) / rate_hz,
+            np.ascontiguousarray(gyroscope[start : start + samples]),
+            np.ascontiguousarray(accelerometer[start : start + samples]),
+            np.ascontiguousarray(field[start : start + samples]),
+        )
+        for name, start in zip(SENSORS, (1500, 2400), strict=True)
+    }
+    return Recording(sensors, rate_hz, origin="test")
+
+
+def write_csv(
+    path: Path,
+    recording: Recording,
+    *,
+    accelerometer_factor: float = 1.0,
+    delimiter: str = ",",
+    decimal: str = ".",
+    time_factor: float = 1.0,
+) -> Path:
+    columns = {"t": next(iter(recording.sensors.values())).time_s * time_factor}
+    for name, signals in recording.sensors.items():
+        for quantity, values, factor in (
+            ("gyr", signals.gyroscope_radps, 1.0),
+            ("acc", signals.accelerometer_mps2, accelerometer_factor),
+            ("mag", signals.magnetometer_t, 1e6),
+        ):
+            for axis in range(3):
+                columns[f"{name}_{quantity}_{'xyz'[axis]}"] = values[:, axis] * factor
+    lines = [delimiter.join(columns)]
+    for row in zip(*columns.values(), strict=True):
+        lines.append(delimiter.join(repr(float(v)).replace(".", decimal) for v in row))
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def mapping(**changes: Any) -> CsvMapping:
+    units = {"gyr": "rad/s", "acc": "m/s^2", "mag": "uT", **changes.pop("units", {})}
+    quantities = {"gyr": "gyroscope", "acc": "accelerometer", "mag": "magnetometer"}
+    signals = [
+        CsvColumn(
+            placement=name,
+            quantity=quantities[short],
+            columns=[f"{name}_{short}_{axis}" for axis in "xyz"],
+            unit=units[short],
+        )
+        for name in SENSORS
+        for short in changes.pop("quantities", ("gyr", "acc", "mag"))
+    ]
+    return CsvMapping(**{"time_column": "t", "signals": signals, **changes})
+
+
+def test_a_csv_gives_the_values_in_si_units(tmp_path: Path) -> None:
+    recording = real_recording()
+    path = write_csv(tmp_path / "a.csv", recording, accelerometer_factor=1 / 9.80665)
+    read = readers.read(path, csv=mapping(units={"acc": "g"}))
+    assert read.placements == SENSORS
+    assert read.nominal_rate_hz == 100.0
+    for name in SENSORS:
+        a, b = read.sensors[name], recording.sensors[name]
+        np.testing.assert_allclose(a.time_s, b.time_s, atol=1e-12)
+        np.testing.assert_allclose(a.gyroscope_radps, b.gyroscope_radps, rtol=1e-12)
+        np.testing.assert_allclose(a.accelerometer_mps2, b.accelerometer_mps2, rtol=1e-12)
+        np.testing.assert_allclose(a.magnetometer_t, b.magnetometer_t, rtol=1e-12)
+
+
+def test_a_semicolon_file_may_use_decimal_commas(tmp_path: Path) -> None:
+    path = write_csv(tmp_path / "a.csv", real_recording(), delimiter=";", decimal=",")
+    read = readers.read(path, "csv", mapping(delimiter=";"))
+    np.testing.assert_allclose(
+        read.sensors["sternum"].gyroscope_radps,
+        real_recording().sensors["sternum"].gyroscope_radps,
+        rtol=1e-12,
+    )
+
+
+def test_a_csv_without_time_needs_a_rate_and_takes_it(tmp_path: Path) -> None:
+    path = write_csv(tmp_path / "a.csv", real_recording())
+    read = readers.read(path, "csv", mapping(time_column=None, rate_hz=50.0))
+    assert read.duration_s == pytest.approx(399 / 50.0)
+    with pytest.raises(RecordingFormatError, match="neither a time column nor a rate"):
+        readers.read(path, "csv", mapping(time_column=None))
+
+
+def test_wrong_units_are_named(tmp_path: Path) -> None:
+    recording = real_recording()
+    in_g = write_csv(tmp_path / "g.csv", recording, accelerometer_factor=1 / 9.80665)
+    with pytest.raises(RecordingFormatError, match="looks like g"):
+        readers.read(in_g, csv=mapping())
+    path = write_csv(tmp_path / "a.csv", recording)
+    with pytest.raises(RecordingFormatError, match="looks like uT"):
+        readers.read(path, csv=mapping(units={"mag": "mT"}))
+    fast = {
+        name: replace(s, gyroscope_radps=np.degrees(s.gyroscope_radps))
+        for name, s in recording.sensors.items()
+    }
+    degrees = write_csv(tmp_path / "d.csv", replace(recording, sensors=fast))
+    with pytest.raises(RecordingFormatError, match="looks like deg/s"):
+        readers.read(degrees, csv=mapping())
+    milliseconds = write_csv(tmp_path / "ms.csv", recording, time_factor=1000.0)
+    with pytest.raises(RecordingFormatError, match="looks like ms"):
+        readers.read(milliseconds, csv=mapping())
+    with pytest.raises(RecordingFormatError, match="no unit of a gyroscope"):
+        readers.read(path, csv=mapping(units={"gyr": "g"}))
+
+
+def test_a_missing_column_is_named_with_those_present(tmp_path: Path) -> None:
+    path = write_csv(tmp_path / "a.csv", real_recording())
+    path.write_text(path.read_text().replace("sternum_acc_y", "sternum_accel_y"))
+    with pytest.raises(RecordingFormatError, match=r"no column sternum_acc_y\..*sternum_accel_y") as error:
+        readers.read(path, csv=mapping())
+    assert error.value.details["missing"] == ["sternum_acc_y"]
+
+
+@pytest.mark.parametrize(
+    ("damage", "says"),
+    [
+        (lambda text: text.replace("\n0.05,", "\nyesterday,"), "not a number"),
+        (lambda text: text.replace("\n0.05,", "\n0.01,"), "runs backwards in row 7"),
+        (lambda text: text.replace("\n0.05,", "\n0.04,"), "stands still in row 7"),
+        (lambda text: text.replace("\n0.05,", "\n,"), "Row 7 has no time"),
+        (lambda text: text.splitlines()[0] + "\n", "no rows"),
+        (lambda text: text.replace("\n0.05,", "\n0.05,1,2,"), "another number of columns"),
+        (lambda text: "t," + text, "more than once"),
+        (lambda _: "\x00\x01\x02", "no column"),
+    ],
+)
+def test_a_damaged_csv_says_where(tmp_path: Path, damage: Any, says: str) -> None:
+    path = write_csv(tmp_path / "a.csv", real_recording())
+    path.write_text(damage(path.read_text()))
+    with pytest.raises(RecordingFormatError, match=says):
+        readers.read(path, csv=mapping())
+
+
+def test_an_incomplete_mapping_is_refused(tmp_path: Path) -> None:
+    path = write_csv(tmp_path / "a.csv", real_recording())
+    whole = mapping().signals
+    for signals, says in [
+        (whole[:1], "accelerometer of sternum is not mapped"),
+        (whole[:5], "magnetometer of upper_arm_right is not mapped"),
+        ([*whole, whole[0]], "mapped twice"),
+        ([], "names no sensor"),
+    ]:
+        with pytest.raises(RecordingFormatError, match=says):
+            readers.read(path, csv=mapping(signals=signals))
+    with pytest.raises(InvalidInput, match="needs a mapping"):
+        readers.read(path)
+
+
+def test_an_endless_file_is_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("app.ingest.readers._csv.MAX_VALUES", 1000)
+    with pytest.raises(RecordingFormatError, match="more than 52 rows for 19 columns"):
+        readers.read(write_csv(tmp_path / "a.csv", real_recording()), csv=mapping())
+
+
+def test_a_packet_log_gives_the_recording_back(tmp_path: Path) -> None:
+    recording = real_recording(rate_hz=100.0)
+    prepared = packets_of(recording)
+    path = tmp_path / "a.tmlog"
+    path.write_bytes(b"".join(write_log(prepared.declaration.to_dict(), prepared.packets(1))))
+    read = readers.read(path)
+    for name in SENSORS:
+        a, b = read.sensors[name], recording.sensors[name]
+        np.testing.assert_allclose(a.time_s, b.time_s, atol=1e-9)
+        # 32-bit floats on the wire.
+        np.testing.assert_allclose(a.gyroscope_radps, b.gyroscope_radps, rtol=1e-6, atol=1e-7)
+        np.testing.assert_allclose(a.magnetometer_t, b.magnetometer_t, rtol=1e-6)
+
+
+def test_uneven_stamps_and_holes_reach_the_common_tick(tmp_path: Path) -> None:
+    whole = real_recording(samples=600)
+    rng = np.random.default_rng(5)
+    jitter = rng.uniform(-0.003, 0.003, 600)
+    kept = np.ones(600, bool)
+    kept[200:230] = False
+    sensors = {
+        name: SensorSignals(
+            s.time_s[kept] + jitter[kept] - jitter[0],
+            s.gyroscope_radps[kept],
+            s.accelerometer_mps2[kept],
+            s.magnetometer_t[kept],
+        )
+        for name, s in whole.sensors.items()
+    }
+    recording = Recording(sensors, 100.0)
+    prepared = packets_of(recording)
+    path = tmp_path / "a.tmlog"
+    path.write_bytes(b"".join(write_log(prepared.declaration.to_dict(), prepared.packets(0))))
+    read = to_common_ticks(readers.read(path), 100.0)
+    direct = to_common_ticks(recording, 100.0)
+    # The hole of 0.3 s is missing in both ways, and nothing is invented in it.
+    assert ((read.quality & 2) != 0).sum() >= 2 * 25
+    both = ((read.quality | direct.quality[:, : read.tick_count]) & 3 == 0).all(axis=0)
+    # Two stamps more than 1.5 ticks apart are bridged, which a jitter of +-0.3 ticks makes of one in twenty.
+    assert both.sum() > 450
+    np.testing.assert_allclose(
+        read.gyroscope_radps[:, both], direct.gyroscope_radps[:, : read.tick_count][:, both], atol=2e-3
+    )
+
+
+def test_a_log_leaves_out_damaged_and_repeated_packets(tmp_path: Path) -> None:
+    prepared = packets_of(real_recording())
+    packets = list(prepared.packets(0))
+    messages = [packet_message(p) for p in packets]
+    messages[10] = messages[10][:40] + b"\xff" + messages[10][41:]
+    order = [*range(10), 9, 3, *range(10, len(messages))]
+    path = tmp_path / "a.tmlog"
+    path.write_bytes(
+        log_head(prepared.declaration.to_dict()) + b"".join(log_entry(messages[n]) for n in order)
+    )
+    log = readers.LogReader(path)
+    sequences = [raw.sequence for raw, _ in log.packets()]
+    assert sequences == [n for n in range(len(messages)) if n != 10]
+    assert (log.damaged, log.repeated) == (1, 2)
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (b"", "does not start with TML1"),
+        (b"TML1\xff\xff\xff\xff", "claims"),
+        (b"TML1\x05\x00\x00\x00{}", "cut off"),
+        (b"TML1\x02\x00\x00\x00[]", "no JSON object"),
+        (b"TML1\x02\x00\x00\x00{}", "lacks placements"),
+        (log_head({"placements": ["nose"], "rate_hz": 100}), "Unknown placements nose"),
+        (log_head({"placements": ["head"], "rate_hz": 1}), "rate of 1"),
+        (log_head({"placements": ["head"], "rate_hz": 100}), "no sound packet"),
+        (log_head({"placements": ["head"], "rate_hz": 100}) + struct.pack("<QI", 0, 99), "cut off"),
+        (log_head({"placements": ["head"], "rate_hz": 100}) + struct.pack("<QI", 0, 2**31), "damaged"),
+        (log_head({"placements": ["head"], "rate_hz": 100}) + b"\x00\x01", "cut off"),
+    ],
+)
+def test_a_bad_log_is_refused_in_words(tmp_path: Path, content: bytes, says: str) -> None:
+    path = tmp_path / "a.tmlog"
+    path.write_bytes(content)
+    with pytest.raises(RecordingFormatError, match=says):
+        readers.read(path, "packet_log")
+
+
+@given(st.binary(max_size=300))
+@settings(max_examples=150, deadline=None)
+def test_no_bytes_break_the_log_reader(tmp_path_factory: pytest.TempPathFactory, content: bytes) -> None:
+    path = tmp_path_factory.mktemp("fuzz") / "a.tmlog"
+    path.write_bytes(log_head({"placements": ["head"], "rate_hz": 100}) + content)
+    with pytest.raises(RecordingFormatError):
+        readers.read(path, "packet_log")
+
+
+def qmt_file(path: Path, **changes: Any) -> Path:
+    recording = real_recording()
+    signals = list(recording.sensors.values())
+    content: dict[str, Any] = {"t": 40.0 + signals[0].time_s}
+    for name, s in zip(("upper_back", "upper_arm_right", "lower_back"), [*signals, signals[0]], strict=True):
+        content[name] = {"acc": s.accelerometer_mps2, "gyr": s.gyroscope_radps, "quat": np.ones((400, 4))}
+    content.update(changes)
+    scipy.io.savemat(path, {k: v for k, v in content.items() if v is not None})
+    return path
+
+
+def test_a_whole_body_file_gets_our_placements(tmp_path: Path) -> None:
+    read = readers.read(qmt_file(tmp_path / "a.mat"))
+    assert read.placements == ("sternum", "upper_arm_right")
+    assert read.sensors["sternum"].time_s[0] == 0.0
+    assert read.sensors["sternum"].magnetometer_t is None
+    assert read.nominal_rate_hz == 100.0
+    assert packets_of(read).left_out == ("lower_back",)
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"t": None}, "no time"),
+        ({"upper_back": None, "upper_arm_right": None}, "none of the sensors"),
+        ({"upper_back": {"acc": np.ones((400, 3))}}, "no numeric `gyr`"),
+        ({"upper_back": {"acc": np.ones((9, 3)), "gyr": np.ones((400, 3))}}, "has the shape"),
+        ({"upper_back": {"acc": np.ones((400, 3)), "gyr": np.ones((400, 3))}}, "looks like g|Check that"),
+    ],
+)
+def test_a_wrong_whole_body_file_is_refused(tmp_path: Path, changes: dict[str, Any], says: str) -> None:
+    with pytest.raises(RecordingFormatError, match=says):
+        readers.read(qmt_file(tmp_path / "a.mat", **changes), "qmt_mat")
+
+
+@pytest.mark.parametrize("kind", ["mat", "hdf5"])
+def test_broad_trials_carry_their_truth(tmp_path: Path, kind: str) -> None:
+    with np.load(BROAD) as data:
+        content = {
+            "imu_gyr": data["gyroscope_radps"],
+            "imu_acc": data["accelerometer_mps2"],
+            "imu_mag": data["magnetometer_ut"],
+            "opt_quat": data["q_earth_sensor_optical"],
+            "movement": data["movement"].astype(np.uint8),
+            "sampling_rate": float(data["sampling_rate_hz"]),
+        }
+    path = tmp_path / f"trial.{kind}"
+    if kind == "mat":
+        scipy.io.savemat(path, content)
+    else:
+        import h5py
+
+        with h5py.File(path, "w") as file:
+            file.attrs["sampling_rate"] = content.pop("sampling_rate")
+            for name, values in content.items():
+                file[name] = values
+    read = readers.read(path)
+    assert read.placements == ("imu",)
+    assert read.nominal_rate_hz == pytest.approx(285.714, abs=1e-3)
+    np.testing.assert_array_equal(read.reference["q_earth_sensor"], content["opt_quat"])
+    assert read.reference["is_movement"].dtype == bool
+    assert np.median(np.linalg.norm(read.sensors["imu"].magnetometer_t, axis=1)) == pytest.approx(
+        5e-5, rel=0.3
+    )
+
+
+@pytest.mark.parametrize("format", ["packet_log", "qmt_mat", "broad"])
+@pytest.mark.parametrize(
+    "content", [b"", b"MATLAB 5.0 MAT-file nothing follows", b"\x89HDF\r\n\x1a\n" + b"\x00" * 60]
+)
+def test_garbage_is_refused_by_every_reader(tmp_path: Path, format: str, content: bytes) -> None:
+    path = tmp_path / "a.bin"
+    path.write_bytes(content)
+    with pytest.raises(RecordingFormatError):
+        readers.read(path, format)
+
+
+def test_the_format_is_told_from_the_file_or_asked_for(tmp_path: Path) -> None:
+    path = tmp_path / "a.xyz"
+    path.write_bytes(io.BytesIO(b"hello").getvalue())
+    with pytest.raises(RecordingFormatError, match="cannot be told"):
+        readers.read(path)
+    with pytest.raises(InvalidInput, match="unknown"):
+        readers.read(path, "docx")
+
+
+@given(
+    st.lists(st.tuples(st.integers(0, 20_000), st.integers(0, 255)), min_size=1, max_size=20),
+    st.integers(0, 20_000),
+)
+@settings(max_examples=80, deadline=None)
+def test_a_damaged_mat_file_never_breaks_out(
+    tmp_path_factory: pytest.TempPathFactory, changes: list[tuple[int, int]], cut: int
+) -> None:
+    folder = tmp_path_factory.mktemp("fuzz")
+    data = bytearray(qmt_file(folder / "a.mat").read_bytes())
+    for position, value in changes:
+        data[position % len(data)] = value
+    (folder / "b.mat").write_bytes(bytes(data[: len(data) - cut]))
+    try:
+        recording = readers.read(folder / "b.mat", "qmt_mat")
+    except RecordingFormatError:
+        return
+    # Damage inside the numbers cannot be seen, but the shape is whole.
+    assert set(recording.placements) <= {"sternum", "upper_arm_right"}
