@@ -17,6 +17,7 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field
+from importlib import import_module
 from typing import Any, Final
 
 from sqlalchemy import CursorResult, Engine, select, update
@@ -162,6 +163,8 @@ _worker_engines: dict[str, Engine] = {}
 def _start_worker() -> None:
     """Lower the worker's priority and tie its life to its parent's."""
     os.nice(NICENESS)
+    # A fresh process knows only the tables of this room; foreign keys need those of the others.
+    import_module("app.tables")
     parent = multiprocessing.parent_process()
 
     def leave_with_parent() -> None:
