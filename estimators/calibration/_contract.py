@@ -14,7 +14,11 @@ class Calibration:
     q_sensor_segment : dict of placement to (w, x, y, z)
         Orientation of the segment frame in the sensor frame: `q_room_segment = q_room_earth *
         q_earth_sensor * q_sensor_segment`.
+        Empty while only biases are known (method `level`).
     gyroscope_bias_radps : dict of placement to (x, y, z)
+    accelerometer_bias_mps2 : dict of placement to (x, y, z)
+        Subtracted before estimation; empty when nothing is known. From `level` all three axes, from an
+        N-pose only the component along gravity.
     facing_rad : float
         Heading of the patient's forward direction in the earth frame, counter-clockwise from x;
         `q_room_earth` is the rotation about z by `-facing_rad`.
@@ -34,6 +38,7 @@ class Calibration:
     method: str = "n_pose"
     score: float = 1.0
     reasons: tuple[str, ...] = ()
+    accelerometer_bias_mps2: dict[Placement, tuple[float, float, float]] = field(default_factory=dict)
 
 
 __all__ = ["Calibration"]

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators import calibration, orientation, rotation
+from estimators.conventions import GRAVITY_MPS2, Placement
 from estimators.errors import CalibrationError, SetupError, ShapeError
 from estimators.orientation import OrientationFlag, OrientationResult
 from estimators.pipelines._contract import Calibration, SessionSetup
@@ -19,6 +20,9 @@ REMEMBERED_BIAS_SIGMA_RADPS = np.deg2rad(0.1)
 """Trust in a bias from an earlier session: in-run stability of consumer gyroscopes between switch-ons."""
 MEASURED_BIAS_SIGMA_RADPS = np.deg2rad(0.02)
 """Trust in a bias just found while standing still for a few seconds."""
+_LEVEL_LIMIT_MPS2 = 0.1 * GRAVITY_MPS2
+"""Six degrees of tilt: more is not lying level."""
+_LARGEST_BIAS_MPS2 = 0.04 * GRAVITY_MPS2
 _MEMORY_S = 8.0
 _MEMORY_HZ = 5.0
 """Orientation remembered for a calibration pose: a still pose needs no more."""
@@ -57,8 +61,8 @@ class BodyNetwork:
 
     @property
     def is_calibrated(self) -> bool:
-        """Whether segment orientations mean anything yet."""
-        return self.setup.calibration is not None
+        """Whether segment orientations mean anything yet; not when only biases are known."""
+        return self.setup.calibration is not None and bool(self.setup.calibration.q_sensor_segment)
 
     def _new_filter(self) -> orientation.OrientationEstimator:
         return orientation.create(
@@ -77,6 +81,9 @@ class BodyNetwork:
             Turning rate of each segment in room axes, and one-sigma of its orientation (NaN where unknown).
         flags : ndarray of uint8, shape (K, S)
         """
+        if self._has_accelerometer_bias:
+            force = chunk.accelerometer_mps2 - self._accelerometer_bias[:, None]
+            chunk = replace(chunk, accelerometer_mps2=force)
         result = self._filter.update(chunk)
         shape = (chunk.tick_count, self.sensor_count)
         q_room_segment, omega = np.empty((*shape, 4)), np.empty((*shape, 3))
@@ -107,8 +114,12 @@ class BodyNetwork:
         Parameters
         ----------
         pose : ImuChunk
+            As measured; biases known so far are subtracted here.
         method : str
-            `n_pose` finds mounting, facing and bias; `static` only the bias, for sensors that lie still.
+            `n_pose`: standing with hanging arms; finds mounting, facing and gyroscope bias.
+            `level`: every sensor lies level, z up; finds both biases (Marzouk 2009, 3.1.1, A2). Mountings
+            already known are kept. A later `n_pose` keeps the accelerometer bias found.
+            `static`: every sensor lies still in any position, for single sensors; finds the gyroscope bias.
 
         Raises
         ------
@@ -121,39 +132,84 @@ class BodyNetwork:
             raise ShapeError(
                 f"the pose has {pose.sensor_count} sensors; this session has {self.sensor_count}"
             )
-        placements = self.setup.placements
+        if method == "level":
+            found = self._level(pose)
+        elif method == "n_pose":
+            found = self._n_pose(pose)
+        elif method == "static":
+            found = self._rest(pose)
+        else:
+            raise SetupError(f"no calibration method {method!r}; known are n_pose, level and static")
+        self.setup = replace(self.setup, calibration=found)
+        return found
+
+    def _level(self, pose: ImuChunk) -> Calibration:
         rest = calibration.static_bias(
-            pose.gyroscope_radps, pose.accelerometer_mps2, pose.time_step_s, require_still=method == "static"
+            pose.gyroscope_radps,
+            pose.accelerometer_mps2,
+            pose.time_step_s,
+            q_earth_sensor=rotation.identity((self.sensor_count,)),
+        )
+        accelerometer_bias = rest.accelerometer_bias_mps2
+        if accelerometer_bias is None or np.abs(accelerometer_bias).max() > _LEVEL_LIMIT_MPS2:
+            raise CalibrationError(
+                "a sensor does not lie level with its z axis up; put all on a level table and repeat"
+            )
+        known = self.setup.calibration or Calibration({}, {}, method="level")
+        found = replace(
+            known,
+            gyroscope_bias_radps=self._by_placement(rest.gyroscope_bias_radps),
+            accelerometer_bias_mps2=self._by_placement(accelerometer_bias),
+        )
+        self._apply(found)
+        self._set_bias(found, MEASURED_BIAS_SIGMA_RADPS)
+        return found
+
+    def _rest(self, pose: ImuChunk) -> Calibration:
+        rest = calibration.static_bias(pose.gyroscope_radps, pose.accelerometer_mps2, pose.time_step_s)
+        found = Calibration(
+            q_sensor_segment=dict.fromkeys(self.setup.placements, (1.0, 0.0, 0.0, 0.0)),
+            gyroscope_bias_radps=self._by_placement(rest.gyroscope_bias_radps),
+            method="static",
+        )
+        self._apply(found)
+        self._set_bias(found, MEASURED_BIAS_SIGMA_RADPS)
+        return found
+
+    def _n_pose(self, pose: ImuChunk) -> Calibration:
+        was_level = self.setup.calibration is not None and "level" in self.setup.calibration.method
+        bias = self._accelerometer_bias if was_level else _bias_along_gravity(pose.accelerometer_mps2)
+        pose = replace(pose, accelerometer_mps2=pose.accelerometer_mps2 - bias[:, None])
+        rest = calibration.static_bias(
+            pose.gyroscope_radps, pose.accelerometer_mps2, pose.time_step_s, require_still=False
         )
         anew = self._begin_anew(pose, rest.gyroscope_bias_radps)
-        if method == "n_pose":
-            q_earth_sensor, flags = self._during(pose, anew)
-            found = calibration.n_pose(
-                q_earth_sensor,
-                pose.gyroscope_radps,
-                pose.accelerometer_mps2,
-                placements,
-                flags,
-                time_step_s=pose.time_step_s,
-            )
-        elif method == "static":
-            found = Calibration(
-                q_sensor_segment=dict.fromkeys(placements, (1.0, 0.0, 0.0, 0.0)),
-                gyroscope_bias_radps={
-                    name: (float(x), float(y), float(z))
-                    for name, (x, y, z) in zip(placements, rest.gyroscope_bias_radps, strict=True)
-                },
-                method="static",
-            )
-        else:
-            raise SetupError(f"no calibration method {method!r}; known are n_pose and static")
+        q_earth_sensor, flags = self._during(pose, anew)
+        found = calibration.n_pose(
+            q_earth_sensor,
+            pose.gyroscope_radps,
+            pose.accelerometer_mps2,
+            self.setup.placements,
+            flags,
+            time_step_s=pose.time_step_s,
+        )
+        found = replace(
+            found,
+            accelerometer_bias_mps2=self._by_placement(bias),
+            method="level, n_pose" if was_level else "n_pose",
+        )
         self._apply(found)
         if anew is None:
             self._set_bias(found, MEASURED_BIAS_SIGMA_RADPS)
         else:
             self._filter = anew[0]
-        self.setup = replace(self.setup, calibration=found)
         return found
+
+    def _by_placement(self, vectors: Float) -> dict[Placement, tuple[float, float, float]]:
+        return {
+            name: (float(x), float(y), float(z))
+            for name, (x, y, z) in zip(self.setup.placements, vectors, strict=True)
+        }
 
     def _begin_anew(
         self, pose: ImuChunk, bias_radps: Float
@@ -206,7 +262,12 @@ class BodyNetwork:
         """Take over a calibration: rotations per sensor, ready for the kernel."""
         self._q_room_earth = rotation.identity((self.sensor_count,))
         self._q_sensor_segment = rotation.identity((self.sensor_count,))
-        if found is None:
+        self._accelerometer_bias = np.zeros((self.sensor_count, 3))
+        if found is not None:
+            for s, name in enumerate(self.setup.placements):
+                self._accelerometer_bias[s] = found.accelerometer_bias_mps2.get(name, (0.0, 0.0, 0.0))
+        self._has_accelerometer_bias = bool(self._accelerometer_bias.any())
+        if found is None or not found.q_sensor_segment:
             return
         for s, name in enumerate(self.setup.placements):
             if name not in found.q_sensor_segment:
@@ -253,6 +314,23 @@ class BodyNetwork:
         self._memory_tick = state["memory_tick"].astype(np.int64)
         self._memory_q = state["memory_q"].astype(np.float64)
         self._memory_flags = state["memory_flags"].astype(np.uint8)
+
+
+def _bias_along_gravity(accelerometer_mps2: Float) -> Float:
+    """Return what a pose at rest tells of the accelerometers' bias: the excess over gravity, shape (S, 3).
+
+    The other two components cannot be told from tilt and go into the mounting. An excess above what a bias
+    explains is left for the calibration to judge.
+    """
+    bias = np.zeros((accelerometer_mps2.shape[0], 3))
+    for s, force in enumerate(accelerometer_mps2):
+        force = force[np.isfinite(force).all(axis=1)]
+        if len(force):
+            mean = np.median(force, axis=0)
+            norm = float(np.linalg.norm(mean))
+            if abs(norm - GRAVITY_MPS2) < _LARGEST_BIAS_MPS2:
+                bias[s] = (norm - GRAVITY_MPS2) * mean / norm
+    return bias
 
 
 def _check(setup: SessionSetup) -> None:

@@ -66,6 +66,9 @@ class SessionSetup:
             calibration["gyroscope_bias_radps"] = {
                 k: tuple(v) for k, v in calibration["gyroscope_bias_radps"].items()
             }
+            calibration["accelerometer_bias_mps2"] = {
+                k: tuple(v) for k, v in calibration.get("accelerometer_bias_mps2", {}).items()
+            }
             calibration["reasons"] = tuple(calibration["reasons"])
             values["calibration"] = Calibration(**calibration)
         return cls(**values)

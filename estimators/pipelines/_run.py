@@ -126,7 +126,8 @@ def run(
         )
     worn = replace(recording, sensors={name: recording.sensors[name] for name in setup.placements})
     chunk = signals.to_common_ticks(worn, setup.rate_hz)
-    if setup.calibration is None and (setup.pipeline != OrientationPipeline.name or pose_s is not None):
+    is_mounted = setup.calibration is not None and bool(setup.calibration.q_sensor_segment)
+    if not is_mounted and (setup.pipeline != OrientationPipeline.name or pose_s is not None):
         setup = _calibrated(chunk, setup, pose_s)
     return step_through(create(setup), chunk), setup
 
