@@ -26,6 +26,8 @@ _RESTLESS_RADPS = math.radians(25.0)
 _NORM_WARNING = 0.03
 _NORM_FAULT = 0.15
 _DISAGREEMENT_RAD = math.radians(40.0)
+_AGREEMENT = 0.9
+_WITNESSES = 3
 
 
 def n_pose(
@@ -79,7 +81,13 @@ def n_pose(
         flags = np.zeros(q_earth_sensor.shape[:2], dtype=np.uint8)
     if flags.shape != q_earth_sensor.shape[:2]:
         raise ShapeError(f"flags have shape {flags.shape}; they must be {q_earth_sensor.shape[:2]}")
-    bias = static_bias(gyroscope_radps, accelerometer_mps2, time_step_s, require_still=False)
+    bias = static_bias(
+        gyroscope_radps,
+        accelerometer_mps2,
+        time_step_s,
+        require_still=False,
+        names=[f"the {_words(p)} sensor" for p in placements],
+    )
     verdict = _Verdict()
     q_mean = np.stack([_mean(q_earth_sensor[s], flags[s], placements[s], verdict) for s in range(sensors)])
     _judge_samples(bias, accelerometer_mps2, q_mean, placements, verdict)
@@ -276,17 +284,22 @@ def _judge_agreement(
     reference: Placement,
     verdict: _Verdict,
 ) -> None:
-    """Say so when most other sensors that follow the mounting rule contradict the reference."""
-    off = [
-        abs(_wrapped(heading_rad[s] - OUTWARD_HEADING_RAD[p] - facing_rad))
+    """Say so when the other sensors, by their rule, agree on another facing direction than the reference."""
+    implied = [
+        heading_rad[s] - OUTWARD_HEADING_RAD[p]
         for s, p in enumerate(placements)
         if p != reference and not own_heading[s] and steepness_rad[s] <= _SLANTED_RAD
     ]
-    if len(off) >= 2 and np.median(off) > _DISAGREEMENT_RAD:
+    if len(implied) < _WITNESSES:
+        return
+    mean = complex(np.mean(np.exp(1j * np.array(implied))))
+    away_rad = abs(_wrapped(math.atan2(mean.imag, mean.real) - facing_rad))
+    # Sensors mounted any way round do not agree with each other; only a common opinion counts.
+    if abs(mean) > _AGREEMENT and away_rad > _DISAGREEMENT_RAD:
         verdict.lower(
-            0.9,
-            f"the other sensors face {math.degrees(float(np.median(off))):.0f} degrees away from the "
-            f"{_words(reference)} sensor; if they sit with the z axis outward, check that one",
+            0.7,
+            f"the other sensors face {math.degrees(away_rad):.0f} degrees away from the {_words(reference)} "
+            "sensor; if they sit with the z axis outward, check that one",
         )
 
 

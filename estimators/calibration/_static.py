@@ -1,5 +1,6 @@
 """Gyroscope and accelerometer bias from a few seconds of rest."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,6 +60,7 @@ def static_bias(
     gyroscope_limit_radps: float = 2.0 * THESIS_GYROSCOPE_SD_RADPS,
     accelerometer_limit_mps2: float = 2.0 * THESIS_ACCELEROMETER_SD_MPS2,
     require_still: bool = True,
+    names: Sequence[str] | None = None,
 ) -> StaticBias:
     """Find the bias of sensors that lie still.
 
@@ -73,6 +75,8 @@ def static_bias(
         Largest standard deviation per axis (root mean square over the axes) that counts as still.
     require_still : bool
         Refuse if a sensor moved; otherwise only say so in `still`.
+    names : sequence of str, optional
+        What to call the sensors in errors, each with its article; numbers otherwise.
 
     Returns
     -------
@@ -93,6 +97,7 @@ def static_bias(
     if len(shape) != 3 or shape[2] != 3 or accelerometer_mps2.shape != shape:
         raise ShapeError(f"gyroscope {shape} and accelerometer {accelerometer_mps2.shape} must be (S, K, 3)")
     sensors = shape[0]
+    called = names or [f"sensor {s + 1}" for s in range(sensors)]
     bias, spread, error = np.empty((sensors, 3)), np.empty((sensors, 3)), np.empty((sensors, 3))
     force, force_spread = np.empty((sensors, 3)), np.empty((sensors, 3))
     counts = np.zeros(sensors, dtype=np.intp)
@@ -103,7 +108,7 @@ def static_bias(
         needed = max(round(MINIMUM_S / time_step_s), 2 * _BLOCKS)
         if counts[s] < min(needed, MINIMUM_SAMPLES):
             raise CalibrationError(
-                f"sensor {s + 1} gave {counts[s]} usable samples; "
+                f"{called[s]} gave {counts[s]} usable samples; "
                 f"rest for at least {MINIMUM_S:g} s with a sound link"
             )
         rate = gyroscope_radps[s, keep]
@@ -117,11 +122,13 @@ def static_bias(
         (_rms(spread) <= gyroscope_limit_radps) & (_rms(force_spread) <= accelerometer_limit_mps2)
     )
     if require_still and not still.all():
-        raise CalibrationError(f"{_named(~still)} moved; put everything down or stand still and repeat")
+        raise CalibrationError(
+            f"{_named(called, ~still)} moved; put everything down or stand still and repeat"
+        )
     absurd = np.asarray((np.abs(bias) > _BIAS_LIMIT_RADPS).any(axis=1))
     if absurd.any():
         raise CalibrationError(
-            f"{_named(absurd)} turned steadily at more than 10 degrees a second; keep still and repeat"
+            f"{_named(called, absurd)} turned steadily at more than 10 degrees a second; keep still and repeat"
         )
     accelerometer_bias = None
     if q_earth_sensor is not None:
@@ -150,9 +157,8 @@ def _rms(values: Float) -> Float:
     return np.asarray(np.sqrt(np.mean(values**2, axis=-1)))
 
 
-def _named(which: NDArray[np.bool_]) -> str:
-    numbers = ", ".join(str(s + 1) for s in np.flatnonzero(which))
-    return f"sensor {numbers}" if np.count_nonzero(which) == 1 else f"sensors {numbers}"
+def _named(called: Sequence[str], which: NDArray[np.bool_]) -> str:
+    return ", ".join(name for name, bad in zip(called, which, strict=True) if bad)
 
 
 __all__ = ["StaticBias", "static_bias"]
