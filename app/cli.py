@@ -1,0 +1,253 @@
+"""The command line: `telemotion COMMAND --help` explains each one.
+
+Commands are thin: each parses its words here and calls one function of `app.commands`, imported only then, so that
+`--help` is instant and a command loads only what it needs.
+"""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+cli = typer.Typer(
+    name="telemotion",
+    help="Telemotion: body-worn sensors in, motion and comparison with the therapist's template out.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    add_completion=False,
+)
+
+Port = Annotated[int, typer.Option(help="TCP port to listen on.", min=1, max=65535)]
+Server = Annotated[str, typer.Option(help="Address of the service.", envvar="TELEMOTION_SERVER")]
+Email = Annotated[
+    str, typer.Option(help="E-mail of an account that may treat the patient.", envvar="TELEMOTION_EMAIL")
+]
+Password = Annotated[
+    str, typer.Option(help="Its password; better given by TELEMOTION_PASSWORD.", envvar="TELEMOTION_PASSWORD")
+]
+
+
+@cli.command()
+def serve(
+    host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
+    port: Port = 8000,
+) -> None:
+    """Start the service. Settings come from TELEMOTION_* variables; unsafe ones refuse to start.
+
+    The database is brought to the newest schema first.
+    """
+    from app.commands import serve as command
+
+    command.serve(host, port)
+
+
+@cli.command()
+def migrate() -> None:
+    """Bring the database of TELEMOTION_DATABASE_URL to the newest schema."""
+    from app.commands import store as command
+
+    command.migrate()
+
+
+@cli.command()
+def demo(
+    port: Port = 8000,
+    folder: Annotated[Path, typer.Option(help="Where the demonstration keeps its database.")] = Path(
+        "var/demo"
+    ),
+    fresh: Annotated[bool, typer.Option(help="Throw an earlier demonstration away first.")] = False,
+    stream: Annotated[bool, typer.Option(help="Start the simulated patient who streams live.")] = True,
+) -> None:
+    """Start a demonstration clinic with invented patients and one who streams live.
+
+    Prints the address and how to sign in. Its secrets are known to everybody: never with real patients.
+    """
+    from app.commands import demo as command
+
+    command.demo(port, folder, fresh, stream)
+
+
+@cli.command()
+def simulate(
+    server: Server = "http://127.0.0.1:8000",
+    email: Email = "",
+    password: Password = "",
+    patient: Annotated[
+        str, typer.Option(help="Patient identifier, as in the address of the patient's page.")
+    ] = "",
+    exercise: Annotated[str, typer.Option(help="Exercise identifier; empty for a free session.")] = "",
+    movement: Annotated[
+        str, typer.Option(help="reaching, drinking, abduction, flexion or pronation.")
+    ] = "reaching",
+    arms: Annotated[str, typer.Option(help="left, right or both.")] = "right",
+    repetitions: Annotated[int, typer.Option(help="Repetitions of the movement.", min=1, max=500)] = 10,
+    patient_kind: Annotated[
+        str, typer.Option(help="therapist_template, mild_stroke or moderate_stroke.")
+    ] = "mild_stroke",
+    orientation: Annotated[str, typer.Option(help="Orientation estimator of the session.")] = "vqf",
+    errors: Annotated[str, typer.Option(help="Sensor errors: nominal, marzouk_2009 or ideal.")] = "nominal",
+    speed: Annotated[
+        float, typer.Option(help="1 is real time, 10 ten times faster.", min=0.1, max=1000)
+    ] = 1.0,
+    loss_percent: Annotated[
+        float, typer.Option(help="Packets lost in bursts, never sent.", min=0, max=50)
+    ] = 0.0,
+    duplicates_percent: Annotated[float, typer.Option(help="Packets sent twice.", min=0, max=50)] = 0.0,
+    reordered_percent: Annotated[float, typer.Option(help="Packets sent out of order.", min=0, max=50)] = 0.0,
+    breaks: Annotated[int, typer.Option(help="Times the connection is cut.", min=0, max=20)] = 0,
+    seed: Annotated[int, typer.Option(help="Same seed, same signals.")] = 1,
+    purpose: Annotated[str, typer.Option(help="exercise or template.")] = "exercise",
+    forever: Annotated[bool, typer.Option(help="Begin again with a new session when one ends.")] = False,
+) -> None:
+    """Stream a simulated patient to a service over the real socket, in real time or faster.
+
+    Holds the N-pose, is calibrated, moves, and closes the session, as a gateway and a therapist would. Example:
+
+    telemotion simulate --email therapist@demo.example --password ... --patient ID --movement drinking --loss-percent 5
+    """
+    from app.commands import simulate as command
+
+    command.simulate(
+        command.Options(
+            server=server,
+            email=email,
+            password=password,
+            patient_id=patient,
+            exercise_id=exercise or None,
+            movement=movement,
+            arms=arms,
+            repetitions=repetitions,
+            patient_kind=patient_kind,
+            orientation=orientation,
+            errors=errors,
+            speed=speed,
+            loss_percent=loss_percent,
+            duplicates_percent=duplicates_percent,
+            reordered_percent=reordered_percent,
+            breaks=breaks,
+            seed=seed,
+            purpose=purpose,
+            forever=forever,
+        )
+    )
+
+
+@cli.command()
+def upload(
+    recording: Annotated[Path, typer.Argument(help="The file to upload.", exists=True, dir_okay=False)],
+    patient: Annotated[str, typer.Option(help="Patient identifier.")],
+    format: Annotated[str, typer.Option(help="packet_log, csv or qmt_mat.")] = "packet_log",
+    mapping: Annotated[
+        Path | None,
+        typer.Option(help="JSON file that says which CSV columns hold what."),
+    ] = None,
+    exercise: Annotated[str, typer.Option(help="Exercise identifier; empty for a free session.")] = "",
+    server: Server = "http://127.0.0.1:8000",
+    email: Email = "",
+    password: Password = "",
+) -> None:
+    """Upload a whole recording and wait until it is analysed; prints where to see it."""
+    from app.commands import upload as command
+
+    command.upload(recording, patient, format, mapping, exercise or None, server, email, password)
+
+
+@cli.command()
+def process(
+    recording: Annotated[Path, typer.Argument(help="A recording file.", exists=True, dir_okay=False)],
+    out: Annotated[Path, typer.Option(help="Folder for the results; made when absent.")],
+    pipeline: Annotated[
+        str, typer.Option(help="arm (joint angles) or orientation (single sensors).")
+    ] = "arm",
+    orientation: Annotated[str, typer.Option(help="Orientation estimator, e.g. vqf.")] = "vqf",
+    format: Annotated[
+        str, typer.Option(help="auto, packet_log, csv, qmt_mat, broad (.mat or .hdf5).")
+    ] = "auto",
+    mapping: Annotated[
+        Path | None, typer.Option(help="JSON file that says which CSV columns hold what.")
+    ] = None,
+    rate: Annotated[
+        float | None, typer.Option(help="Common tick rate in Hz; default: the recording's.")
+    ] = None,
+    pose: Annotated[
+        tuple[float, float] | None,
+        typer.Option(help="Start and end (s) of the N-pose; default: first stillness."),
+    ] = None,
+    parameters: Annotated[str, typer.Option(help="Estimator parameters as JSON.")] = "{}",
+) -> None:
+    """Estimate a recording without a server; writes frames.parquet, frames.csv and setup.json.
+
+    Example: telemotion process walk.mat --pipeline orientation --orientation vqf --out results
+    """
+    from app.commands import process as command
+
+    command.process(recording, out, pipeline, orientation, format, mapping, rate, pose, parameters)
+
+
+@cli.command()
+def reprocess(
+    session: Annotated[str, typer.Argument(help="Session identifier, or `all`.")],
+    orientation: Annotated[str, typer.Option(help="Orientation estimator, e.g. marzouk_quaternion_ekf.")],
+    parameters: Annotated[str, typer.Option(help="Estimator parameters as JSON.")] = "{}",
+) -> None:
+    """Estimate a stored session again; the earlier results stay beside the new one."""
+    from app.commands import store as command
+
+    command.reprocess(session, orientation, parameters)
+
+
+@cli.command()
+def backup(
+    archive: Annotated[Path, typer.Argument(help="File to write; must not exist.")],
+) -> None:
+    """Write the whole database to one file while the service runs."""
+    from app.commands import store as command
+
+    command.backup(archive)
+
+
+@cli.command()
+def restore(
+    archive: Annotated[Path, typer.Argument(help="File that backup wrote.", exists=True, dir_okay=False)],
+) -> None:
+    """Fill the empty database of TELEMOTION_DATABASE_URL from a backup; refuses a database with data."""
+    from app.commands import store as command
+
+    command.restore(archive)
+
+
+@cli.command()
+def validate(
+    names: Annotated[
+        list[str] | None, typer.Argument(help="Protocols to run; all when none is named.")
+    ] = None,
+    seeds: Annotated[int, typer.Option(help="Simulated repetitions of each protocol.", min=1, max=200)] = 8,
+    data: Annotated[
+        Path | None,
+        typer.Option(help="Folder of BROAD recordings; without, protocols that need it are left out."),
+    ] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
+    list_only: Annotated[bool, typer.Option("--list", help="Only name the protocols.")] = False,
+) -> None:
+    """Run the published experiments: published figure, required figure, ours. Exit code 1 when one falls short."""
+    from app.commands import validate as command
+
+    command.validate(names or None, seeds, data, json, list_only)
+
+
+def main() -> None:
+    """Run the command line; expected failures are one line on standard error and exit code 2."""
+    import sys
+
+    from app.errors import TelemotionError
+    from estimators.errors import EstimationError
+
+    try:
+        cli()
+    except (TelemotionError, EstimationError) as error:
+        print(f"telemotion: {error}", file=sys.stderr)
+        sys.exit(2)
+
+
+if __name__ == "__main__":
+    main()

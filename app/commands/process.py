@@ -1,0 +1,122 @@
+"""`telemotion process`: a recording file in, columns out, without a server."""
+
+import json
+from pathlib import Path
+from typing import cast
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.csv
+import pyarrow.parquet
+import typer
+
+from app.errors import InvalidInput
+from app.ingest import readers
+from app.recordings.schemas import CsvMapping
+from estimators import orientation as orientations
+from estimators import pipelines
+from estimators.conventions import Placement
+from estimators.pipelines import Frames, SessionSetup
+
+
+def process(
+    recording: Path,
+    out: Path,
+    pipeline: str,
+    orientation: str,
+    format: str,
+    mapping: Path | None,
+    rate: float | None,
+    pose: tuple[float, float] | None,
+    parameters: str,
+) -> None:
+    """Estimate a recording and write `frames.parquet`, `frames.csv` and `setup.json`.
+
+    Parameters
+    ----------
+    recording : Path
+    out : Path
+        Folder, made when absent.
+    pipeline, orientation : str
+        Keys of the registries.
+    format : str
+        `auto` goes by the file's ending and content.
+    mapping : Path or None
+        JSON with the fields of `CsvMapping`.
+    rate : float or None
+        Common tick rate; None keeps that of the recording.
+    pose : (float, float) or None
+        Interval of the N-pose in recording time; None looks for the first stillness.
+    parameters : str
+        Estimator parameters as JSON.
+
+    Raises
+    ------
+    InvalidInput
+        When a word is unknown or the file cannot be read as declared.
+    """
+    if orientation not in orientations.available():
+        raise InvalidInput(
+            f"no estimator {orientation!r}; choose one of {', '.join(orientations.available())}"
+        )
+    columns = CsvMapping.model_validate_json(mapping.read_text()) if mapping else None
+    measured = readers.read(recording, format, columns)
+    setup = SessionSetup(
+        pipeline=pipeline,
+        placements=cast(tuple[Placement, ...], measured.placements),
+        rate_hz=rate or measured.nominal_rate_hz,
+        orientation=orientation,
+        orientation_parameters=json.loads(parameters),
+    )
+    frames, used = pipelines.run(measured, setup, pose)
+    out.mkdir(parents=True, exist_ok=True)
+    table = frames_table(frames)
+    pa.parquet.write_table(table, out / "frames.parquet")
+    pa.csv.write_csv(table, out / "frames.csv")
+    (out / "setup.json").write_text(json.dumps(used.to_dict(), indent=2) + "\n")
+    _say(frames, used, out)
+
+
+def frames_table(frames: Frames) -> pa.Table:
+    """Return frames as one table: a row a tick, a column a number, units in the names.
+
+    Parameters
+    ----------
+    frames : Frames
+
+    Returns
+    -------
+    pyarrow.Table
+        `time_s`; `<angle>_rad`, `<angle>_sigma_rad`, `<angle>_flags`; scalars; `<point>_x_m` ...; `<segment>_q_w` ...
+        and `<segment>_flags`. NaN where there is no estimate.
+    """
+    columns: dict[str, np.ndarray] = {"time_s": frames.time_s}
+    layout = frames.layout
+    for index, name in enumerate(layout.angles):
+        columns[f"{name}_rad"] = frames.angle_rad[:, index]
+        columns[f"{name}_sigma_rad"] = frames.angle_sigma_rad[:, index]
+        columns[f"{name}_flags"] = frames.angle_flags[:, index]
+    for index, name in enumerate(layout.scalars):
+        columns[name] = frames.scalar[:, index]
+    for index, name in enumerate(layout.points):
+        for axis, letter in enumerate("xyz"):
+            columns[f"{name}_{letter}_m"] = frames.point_room_m[:, index, axis]
+    for index, name in enumerate(layout.segments):
+        for part, letter in enumerate("wxyz"):
+            columns[f"{name}_q_{letter}"] = frames.q_room_segment[:, index, part]
+        columns[f"{name}_flags"] = frames.segment_flags[:, index]
+    return pa.table(columns)
+
+
+def _say(frames: Frames, setup: SessionSetup, out: Path) -> None:
+    duration_s = frames.tick_count * frames.time_step_s
+    typer.echo(f"{frames.tick_count} ticks, {duration_s:.1f} s at {setup.rate_hz:g} Hz -> {out}")
+    if setup.calibration is not None:
+        typer.echo(f"calibration: {setup.calibration.method}, score {setup.calibration.score:.2f}")
+        for reason in setup.calibration.reasons:
+            typer.echo(f"  {reason}")
+    for index, name in enumerate(frames.layout.angles):
+        angle = np.degrees(frames.angle_rad[:, index])
+        if np.isfinite(angle).any():
+            low, high = np.nanmin(angle), np.nanmax(angle)
+            typer.echo(f"  {name:<52} {low:8.1f} to {high:8.1f} deg")

@@ -1,0 +1,206 @@
+"""`telemotion simulate`: a simulated patient over the real socket, and the therapist who steers the session."""
+
+import asyncio
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import cast, get_args
+
+import typer
+
+from app.errors import InvalidInput, TelemotionError
+from app.gateway import GatewayClient, GatewayReport, Milestone, ServiceClient, stream_of
+from app.recordings.schemas import SessionIn
+from estimators.simulation import (
+    SENSOR_PRESETS,
+    ArmScenario,
+    ExerciseName,
+    PatientName,
+    demonstration_scenario,
+    simulate_arm,
+)
+from estimators.simulation.faults import LinkFaults
+
+CALIBRATE_AT_S = 1.0
+ANALYSIS_TIMEOUT_S = 300.0
+
+
+@dataclass(frozen=True)
+class Options:
+    """Words of the command line; see `telemotion simulate --help`."""
+
+    server: str
+    email: str
+    password: str
+    patient_id: str
+    exercise_id: str | None = None
+    prescription_id: str | None = None
+    movement: str = "reaching"
+    arms: str = "right"
+    repetitions: int = 10
+    patient_kind: str = "mild_stroke"
+    progress: float = 0.0
+    orientation: str = "vqf"
+    errors: str = "nominal"
+    speed: float | None = 1.0
+    loss_percent: float = 0.0
+    duplicates_percent: float = 0.0
+    reordered_percent: float = 0.0
+    breaks: int = 0
+    seed: int = 1
+    purpose: str = "exercise"
+    forever: bool = False
+
+
+def scenario_of(options: Options) -> ArmScenario:
+    """Return what the simulated person does.
+
+    Parameters
+    ----------
+    options : Options
+
+    Raises
+    ------
+    InvalidInput
+        A word that the simulator does not know, with the ones it knows.
+    """
+    _one_of("--movement", options.movement, get_args(ExerciseName))
+    _one_of("--patient-kind", options.patient_kind, get_args(PatientName))
+    _one_of("--arms", options.arms, ("left", "right", "both"))
+    _one_of("--errors", options.errors, tuple(SENSOR_PRESETS))
+    scenario = demonstration_scenario(
+        cast(PatientName, options.patient_kind),
+        cast(ExerciseName, options.movement),
+        side="left" if options.arms == "left" else "right",
+        progress=options.progress,
+        repetitions=options.repetitions,
+        seed=options.seed,
+    )
+    return replace(
+        scenario, both_arms=options.arms == "both", errors=options.errors, orientation=options.orientation
+    )
+
+
+async def stream(
+    service: ServiceClient, options: Options, say: Callable[[str], None]
+) -> tuple[str, GatewayReport]:
+    """Create a session, stream it, steer it, and wait until it is analysed.
+
+    Parameters
+    ----------
+    service : ServiceClient
+        Signed in as somebody who may treat the patient.
+    options : Options
+        `speed` None sends as fast as the server takes it.
+    say : callable(text)
+        Told what happens; no patient data.
+
+    Returns
+    -------
+    (str, GatewayReport)
+        Identifier of the session and what happened on the way.
+    """
+    scenario = scenario_of(options)
+    simulated = await asyncio.to_thread(simulate_arm, scenario)
+    device = stream_of(simulated.recording)
+    created = await service.create_session(
+        SessionIn(
+            patient_id=options.patient_id,
+            exercise_id=options.exercise_id,
+            prescription_id=options.prescription_id,
+            purpose="template" if options.purpose == "template" else "exercise",
+            placements=list(simulated.setup.placements),
+            rate_hz=scenario.rate_hz,
+            orientation=options.orientation,
+            use_mounting=False,
+        )
+    )
+    faults = LinkFaults(
+        loss_fraction=options.loss_percent / 100.0,
+        duplicate_fraction=options.duplicates_percent / 100.0,
+        reorder_fraction=options.reordered_percent / 100.0,
+        break_count=options.breaks,
+    )
+    plan = device.plan(faults, options.seed)
+
+    async def calibrate() -> None:
+        say("holding the N-pose")
+        await service.steer(created.id, "calibrate")
+
+    async def record() -> None:
+        await service.wait_for_state(created.id, "ready")
+        await service.steer(created.id, "record")
+        say("moving")
+
+    async def stop() -> None:
+        await service.steer(created.id, "stop")
+
+    gateway = GatewayClient(
+        service.ingest_url, lambda: service.ticket(created.id), device.hello, pace=options.speed
+    )
+    end_s = float(device.packet_count * device.packet_s)
+    report = await gateway.run(
+        device.deliveries(plan),
+        breaks_s=[(float(start), float(end)) for start, end in plan.breaks_s],
+        milestones=[
+            Milestone(CALIBRATE_AT_S, calibrate),
+            Milestone(scenario.schedule.n_pose_s, record),
+            Milestone(end_s + 1.0, stop),
+        ],
+    )
+    await service.wait_for_state(created.id, "analysed", timeout_s=ANALYSIS_TIMEOUT_S)
+    return created.id, report
+
+
+def simulate(options: Options) -> None:
+    """Run the command.
+
+    Parameters
+    ----------
+    options : Options
+
+    Raises
+    ------
+    InvalidInput
+        Something that is needed was not given.
+    """
+    missing = [
+        name
+        for name, value in (
+            ("--email", options.email),
+            ("--password", options.password),
+            ("--patient", options.patient_id),
+        )
+        if not value
+    ]
+    if missing:
+        raise InvalidInput(f"{', '.join(missing)} must be given; see `telemotion simulate --help`")
+    scenario_of(options)
+    asyncio.run(_simulate(options))
+
+
+async def _simulate(options: Options) -> None:
+    async with ServiceClient(options.server) as service:
+        await service.sign_in(options.email, options.password)
+        round_ = 0
+        while True:
+            try:
+                session_id, report = await stream(
+                    service, replace(options, seed=options.seed + round_), typer.echo
+                )
+            except TelemotionError:
+                if not options.forever:
+                    raise
+                await asyncio.sleep(5.0)
+                continue
+            typer.echo(
+                f"session {session_id}: {report.sent} packets sent, {report.resent} sent again, "
+                f"{report.connections} connections, {report.unacknowledged} not acknowledged"
+            )
+            round_ += 1
+            if not options.forever:
+                return
+
+
+def _one_of(option: str, value: str, known: tuple[str, ...]) -> None:
+    if value not in known:
+        raise InvalidInput(f"{option} is {value!r}; choose one of {', '.join(known)}")

@@ -1,0 +1,92 @@
+"""Commands on the database: migrate, backup, restore, reprocess."""
+
+import json
+from pathlib import Path
+
+import typer
+from sqlalchemy import select
+
+from app import tables as tables
+from app.accounts.subject import Subject
+from app.database import backup as archives
+from app.database import engine as engines
+from app.database import migrate as migrations
+from app.database.unit_of_work import read_only, unit_of_work
+from app.errors import Conflict, InvalidInput, NotFound
+from app.recordings import service
+from app.recordings.jobs import run_job
+from app.recordings.models import MotionSession
+from app.recordings.reprocess import reprocess as reprocess_task
+from app.recordings.schemas import ReprocessIn
+from app.settings import Settings
+
+
+def migrate() -> None:
+    """Bring the database to the newest schema and say which that is."""
+    settings = Settings()
+    migrations.upgrade(settings.database_url)
+    typer.echo(f"database is at revision {migrations.newest_revision()}")
+
+
+def backup(archive: Path) -> None:
+    """Write the whole database to a new file and read it back.
+
+    Raises
+    ------
+    Conflict
+        The file exists.
+    """
+    if archive.exists():
+        raise Conflict(f"{archive} exists; name a new file")
+    engine = engines.create(Settings())
+    try:
+        archives.backup(engine, archive)
+    finally:
+        engine.dispose()
+    manifest = archives.verify(archive)
+    typer.echo(
+        f"{archive}: {archive.stat().st_size / 1e6:.1f} MB, {sum(manifest.rows.values())} rows, verified"
+    )
+
+
+def restore(archive: Path) -> None:
+    """Fill an empty database from a backup."""
+    manifest = archives.restore(archive, Settings().database_url)
+    typer.echo(f"{sum(manifest.rows.values())} rows restored")
+
+
+def reprocess(session_id: str, orientation: str, parameters: str) -> None:
+    """Estimate one stored session, or all, again in this process.
+
+    Raises
+    ------
+    InvalidInput
+        The parameters are no JSON object.
+    NotFound
+        No such session.
+    """
+    try:
+        values = json.loads(parameters)
+    except ValueError as error:
+        raise InvalidInput("--parameters must be a JSON object, for instance '{}'") from error
+    wanted = ReprocessIn(orientation=orientation, orientation_parameters=values)
+    settings = Settings()
+    engine = engines.create(settings)
+    try:
+        with read_only(engine) as session:
+            query = select(MotionSession.id, MotionSession.clinic_id)
+            if session_id != "all":
+                query = query.where(MotionSession.id == session_id)
+            else:
+                query = query.where(MotionSession.state == "analysed")
+            found = session.execute(query.order_by(MotionSession.created_at)).all()
+        if not found:
+            raise NotFound("There is no such session.")
+        for identifier, clinic_id in found:
+            with unit_of_work(engine) as session:
+                job = service.queue_reprocess(session, Subject.system(clinic_id), identifier, wanted)
+            done = run_job(engine, settings, job.id, reprocess_task)
+            said = f"{done.status} {done.message}" if done else "taken by the running service"
+            typer.echo(f"{identifier}: {said}")
+    finally:
+        engine.dispose()

@@ -1,0 +1,113 @@
+"""`telemotion upload`: a whole recording to a service, with its progress."""
+
+import asyncio
+import json
+from pathlib import Path
+
+import typer
+
+from app.errors import InvalidInput, TelemotionError
+from app.gateway import ServiceClient
+from app.recordings.schemas import CsvMapping, JobOut, UploadIn
+
+POLL_S = 0.5
+
+
+async def send(service: ServiceClient, path: Path, declaration: UploadIn) -> JobOut:
+    """Upload one file; returns the queued task.
+
+    Parameters
+    ----------
+    service : ServiceClient
+        Signed in.
+    path : Path
+    declaration : UploadIn
+
+    Raises
+    ------
+    TelemotionError
+        The service refused the file; the message says why.
+    """
+    # The declaration must come before the file, so that a wrong one is refused before anything is received.
+    with path.open("rb") as file:
+        response = await service.http.post(
+            "/api/uploads",
+            files=[
+                ("declaration", (None, declaration.model_dump_json(), "application/json")),
+                ("file", (path.name, file, "application/octet-stream")),
+            ],
+            timeout=600.0,
+        )
+    if not response.is_success:
+        try:
+            raise InvalidInput(str(response.json()["message"]))
+        except (ValueError, KeyError, TypeError):
+            raise InvalidInput(f"The service answered {response.status_code}.") from None
+    return JobOut.model_validate(response.json())
+
+
+async def finished(service: ServiceClient, session_id: str, show: bool = False) -> None:
+    """Wait until an uploaded session is analysed.
+
+    Parameters
+    ----------
+    service : ServiceClient
+    session_id : str
+    show : bool
+        Print progress lines.
+
+    Raises
+    ------
+    TelemotionError
+        The task failed; the message says why.
+    """
+    told = ""
+    while True:
+        jobs = await service.jobs(session_id)
+        for job in jobs:
+            if job.status == "failed":
+                raise TelemotionError(job.message or "The task failed.")
+            line = f"{job.kind} {round(100 * job.progress)} %"
+            if show and job.status == "running" and line != told:
+                typer.echo(line)
+                told = line
+        if jobs and all(job.status == "complete" for job in jobs):
+            state = await service.state(session_id)
+            if state.state in {"analysed", "failed"}:
+                return
+        await asyncio.sleep(POLL_S)
+
+
+def upload(
+    recording: Path,
+    patient: str,
+    format: str,
+    mapping: Path | None,
+    exercise: str | None,
+    server: str,
+    email: str,
+    password: str,
+) -> None:
+    """Run the command; see `telemotion upload --help`.
+
+    Raises
+    ------
+    InvalidInput
+        Something that is needed was not given, or is not understood.
+    """
+    if not email or not password:
+        raise InvalidInput("--email and --password must be given; see `telemotion upload --help`")
+    columns = CsvMapping.model_validate(json.loads(mapping.read_text())) if mapping else None
+    declaration = UploadIn.model_validate(
+        {"patient_id": patient, "exercise_id": exercise, "format": format, "csv": columns}
+    )
+    asyncio.run(_upload(recording, declaration, server, email, password))
+
+
+async def _upload(path: Path, declaration: UploadIn, server: str, email: str, password: str) -> None:
+    async with ServiceClient(server) as service:
+        await service.sign_in(email, password)
+        job = await send(service, path, declaration)
+        typer.echo("received")
+        await finished(service, job.session_id, show=True)
+        typer.echo(f"analysed: {service.server}/sessions/{job.session_id}/replay")
