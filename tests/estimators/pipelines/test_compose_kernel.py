@@ -1,0 +1,62 @@
+"""The compiled composition against its numpy twin, and what it means."""
+
+import numpy as np
+
+from estimators import rotation
+from estimators.pipelines._kernel import compose, compose_numpy, compose_python
+
+
+def draw(sensors=5, ticks=11, seed=1):
+    generator = np.random.default_rng(seed)
+    q = rotation.normalize(generator.normal(size=(sensors, ticks, 4)))
+    sigma = generator.random((sensors, ticks, 3)) * 0.1
+    gyroscope, bias = generator.normal(size=(2, sensors, ticks, 3))
+    flags = (generator.random((sensors, ticks)) < 0.2).astype(np.uint8) | np.uint8(8)
+    turn = rotation.about_z(generator.uniform(-3, 3, sensors))
+    mounting = rotation.normalize(generator.normal(size=(sensors, 4)))
+    return q, sigma, gyroscope, bias, flags, turn, mounting
+
+
+def filled(function, arguments):
+    sensors, ticks = arguments[4].shape
+    out = (
+        np.empty((ticks, sensors, 4)),
+        np.empty((ticks, sensors, 3)),
+        np.empty((ticks, sensors, 3)),
+        np.empty((ticks, sensors), dtype=np.uint8),
+    )
+    function(*arguments, *out)
+    return out
+
+
+def test_kernel_equals_its_twin():
+    q, sigma, gyroscope, bias, flags, turn, mounting = arguments = draw()
+    expected = compose_numpy(q, sigma, gyroscope - bias, flags, turn, mounting)
+    for function in (compose, compose_python):
+        found = filled(function, arguments)
+        for one, two in zip(found[:3], expected, strict=True):
+            assert np.allclose(one, two, atol=1e-13, equal_nan=True)
+        assert np.array_equal(found[3], flags.T)
+
+
+def test_rate_is_that_of_the_orientation():
+    """Orientation differentiated numerically turns at the rate that comes out, in room axes."""
+    rate, step_s = np.array([0.3, -0.7, 0.5]), 1e-4
+    start = rotation.normalize([0.3, 0.5, -0.2, 0.7])
+    q = np.stack([rotation.multiply(start, rotation.exp(rate * step_s * k)) for k in range(3)])[None]
+    zeros, gyroscope = np.zeros((1, 3, 3)), np.broadcast_to(rate, (1, 3, 3)).copy()
+    turn, mounting = rotation.about_z([0.8]), rotation.normalize([[0.1, 0.9, 0.2, 0.4]])
+    segment, omega, _, _ = filled(
+        compose, (q, zeros, gyroscope, zeros, np.zeros((1, 3), np.uint8), turn, mounting)
+    )
+    turned = rotation.log(rotation.multiply(segment[2, 0], rotation.conjugate(segment[0, 0]))) / (2 * step_s)
+    assert np.allclose(turned, omega[1, 0], atol=1e-7)
+
+
+def test_sigma_turns_with_the_room():
+    q, _, gyroscope, bias, flags, _, mounting = draw(1, 1)
+    sigma = np.array([[[0.1, 0.02, 0.3]]])
+    quarter = rotation.about_z([np.pi / 2])
+    assert np.allclose(
+        filled(compose, (q, sigma, gyroscope, bias, flags, quarter, mounting))[2][0, 0], [0.02, 0.1, 0.3]
+    )
