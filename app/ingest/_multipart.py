@@ -128,6 +128,8 @@ class UploadReceiver:
     def _headers_end(self) -> None:
         if self._part not in {"declaration", "file"} or self._part in self._seen:
             raise InvalidInput("Send exactly the parts `declaration` and `file`, in this order.")
+        if self._part == "file" and "declaration" not in self._seen:
+            raise InvalidInput("Send the part `declaration` (JSON) before the part `file`.")
         self._seen.append(self._part)
 
     def _data(self, data: bytes, start: int, end: int) -> None:

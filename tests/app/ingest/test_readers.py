@@ -225,8 +225,12 @@ def test_uneven_stamps_and_holes_reach_the_common_tick(tmp_path: Path) -> None:
     both = ((read.quality | direct.quality[:, : read.tick_count]) & 3 == 0).all(axis=0)
     # Two stamps more than 1.5 ticks apart are bridged, which a jitter of +-0.3 ticks makes of one in twenty.
     assert both.sum() > 450
+    # Alignment takes samples within 0.05 tick of the tick as they are: that much of the steepest step.
+    steepest = max(np.abs(np.diff(s.gyroscope_radps, axis=0)).max() for s in whole.sensors.values())
     np.testing.assert_allclose(
-        read.gyroscope_radps[:, both], direct.gyroscope_radps[:, : read.tick_count][:, both], atol=2e-3
+        read.gyroscope_radps[:, both],
+        direct.gyroscope_radps[:, : read.tick_count][:, both],
+        atol=0.05 * steepest,
     )
 
 
