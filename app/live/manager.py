@@ -300,7 +300,8 @@ class LiveManager:
             silence_s = now - session.last_arrival_s
             if silence_s > REORDER_PATIENCE_S:
                 session.silent()
-            if silence_s > LINK_LOST_AFTER_S and session.state in STREAMING:
+            said_goodbye = session.ledger.last_sequence is not None
+            if silence_s > LINK_LOST_AFTER_S and session.state in STREAMING and not said_goodbye:
                 session.link_lost(f"No packet for {LINK_LOST_AFTER_S:.0f} s.")
             if publish:
                 session.publish_health()

@@ -1,12 +1,16 @@
 """Collecting the seconds during which the patient holds the calibration pose."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.ingest.alignment import joined_chunks
-from estimators.recording import ImuChunk, SampleQuality
+from estimators.recording import Float, ImuChunk, SampleQuality
 
 HOLD_S = 3.0
+SETTLE_S = 3.0
+"""The orientation filters need so long after their start, or after a gap, before a pose is worth holding."""
 TIMEOUT_S = 60.0
+BEGIN = "Stand upright, arms hanging, palms to the thighs, and hold still."
 _TURNING_LIMIT_RADPS = 0.25
 """Root mean square over one chunk; a resting tremor stays below."""
 _TILT_LIMIT_MPS2 = 0.8
@@ -14,7 +18,7 @@ _TILT_LIMIT_MPS2 = 0.8
 
 
 class PoseCollector:
-    """Watches aligned chunks until all sensors were still for long enough.
+    """Sees every aligned chunk; once begun, waits until all sensors were still for long enough.
 
     Parameters
     ----------
@@ -26,49 +30,70 @@ class PoseCollector:
     def __init__(self, placements: tuple[str, ...], time_step_s: float) -> None:
         self._placements = placements
         self._step_s = time_step_s
+        self._settled_tick = round(SETTLE_S / time_step_s)
         self._held: list[ImuChunk] = []
         self._held_ticks = 0
         self._seen_ticks = 0
-        self.hint = "Stand upright, arms hanging, palms to the thighs, and hold still."
+        self.is_active = False
+        self.hint = ""
 
     @property
-    def progress(self) -> float:
-        """From 0 to 1."""
-        return min(1.0, self._held_ticks * self._step_s / HOLD_S)
+    def progress(self) -> float | None:
+        """From 0 to 1; None when no pose is awaited."""
+        return min(1.0, self._held_ticks * self._step_s / HOLD_S) if self.is_active else None
 
-    @property
-    def is_timed_out(self) -> bool:
-        """Whether the patient was not still for a whole minute."""
-        return self._seen_ticks * self._step_s > TIMEOUT_S
+    def begin(self) -> None:
+        """Begin to look for the pose, or begin again."""
+        self._held, self._held_ticks, self._seen_ticks = [], 0, 0
+        self.is_active = True
+        self.hint = BEGIN
+
+    def end(self, hint: str = "") -> None:
+        """Look no more."""
+        self._held, self._held_ticks = [], 0
+        self.is_active = False
+        self.hint = hint
 
     def add(self, chunk: ImuChunk) -> ImuChunk | None:
-        """Take the next ticks; return the pose once it was held long enough."""
+        """Take the next ticks; return the pose once it was held long enough, and end."""
+        missing = (chunk.quality & SampleQuality.MISSING) != 0
+        if missing.any():
+            self._settled_tick = chunk.first_tick + chunk.tick_count + round(SETTLE_S / self._step_s)
+        if not self.is_active:
+            return None
         self._seen_ticks += chunk.tick_count
-        fault = self._fault(chunk)
+        fault = self._fault(chunk, missing)
         if fault:
             self.hint = fault
             self._held, self._held_ticks = [], 0
+            if self._seen_ticks * self._step_s > TIMEOUT_S:
+                self.end(f"The patient was never still for {HOLD_S:.0f} s; begin again when ready.")
             return None
         self._held.append(chunk)
         self._held_ticks += chunk.tick_count
         self.hint = "Good, keep still."
-        if self.progress < 1.0:
+        if self._held_ticks * self._step_s < HOLD_S:
             return None
-        return joined_chunks(self._held)
+        pose = joined_chunks(self._held)
+        self.end()
+        return pose
 
-    def _fault(self, chunk: ImuChunk) -> str:
-        missing = ((chunk.quality & SampleQuality.MISSING) != 0).any(axis=1)
+    def _fault(self, chunk: ImuChunk, missing: NDArray[np.bool_]) -> str:
+        if missing.all():
+            return "The link had a gap; hold on."
         if missing.any():
-            return f"The sensor {self._names(missing)} sends nothing; check it."
+            return f"The sensor {self._names(missing.any(axis=1))} sends nothing; check it."
         turning = np.sqrt((chunk.gyroscope_radps**2).sum(axis=2).mean(axis=1))
         if (turning > _TURNING_LIMIT_RADPS).any():
             return f"Hold still: {self._names(turning > _TURNING_LIMIT_RADPS)} moved."
+        if chunk.first_tick < self._settled_tick:
+            return "Hold still; the sensors are settling."
         if self._held:
             start = self._held[0].accelerometer_mps2.mean(axis=1)
-            drift = np.linalg.norm(chunk.accelerometer_mps2.mean(axis=1) - start, axis=1)
+            drift: Float = np.linalg.norm(chunk.accelerometer_mps2.mean(axis=1) - start, axis=1)
             if (drift > _TILT_LIMIT_MPS2).any():
-                return f"Hold still: {self._names(drift > _TILT_LIMIT_MPS2)} moved."
+                return f"Hold still: {self._names(np.asarray(drift > _TILT_LIMIT_MPS2))} moved."
         return ""
 
-    def _names(self, which: np.ndarray) -> str:
+    def _names(self, which: NDArray[np.bool_]) -> str:
         return ", ".join(self._placements[i].replace("_", " ") for i in np.flatnonzero(which)[:3])

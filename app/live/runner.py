@@ -93,8 +93,7 @@ class LiveSession:
         self._unstored_tick = first_unstored_tick
         self._epochs_saved = len(declaration.clock_epochs)
         self._saver = Saver(self.id)
-        self._pose: PoseCollector | None = None
-        self._hint = ""
+        self._pose = PoseCollector(declaration.placements, declaration.time_step_s)
         self.line = EstimationLine(pipeline, self._after, self._fail)
         self._loop = asyncio.get_running_loop()
 
@@ -175,8 +174,7 @@ class LiveSession:
         self.store_frames(frames)
         self.health.set_flags(frames.layout.segments, frames.segment_flags[-1])
         self._tell_changes(chunk)
-        if self._pose is not None:
-            self._watch_pose(self._pose, chunk)
+        self._watch_pose(chunk)
 
     def store_frames(self, frames: Frames) -> None:
         """Store frames unless that was done before a restart."""
@@ -221,22 +219,15 @@ class LiveSession:
                 " connect first.",
                 state=self.machine.state,
             )
-        self._pose = PoseCollector(self.declaration.placements, self.declaration.time_step_s)
-        self._hint = self._pose.hint
+        self._pose.begin()
         self._change("calibrating", "Hold the pose.")
 
-    def _watch_pose(self, collector: PoseCollector, chunk: ImuChunk) -> None:
-        before = (round(collector.progress, 1), collector.hint)
-        pose = collector.add(chunk)
-        self._hint = collector.hint
+    def _watch_pose(self, chunk: ImuChunk) -> None:
+        before = self._pose.hint, round(self._pose.progress or 0.0, 1)
+        pose = self._pose.add(chunk)
         if pose is not None:
-            self._pose = None
             self.line.call(partial(self._calibrate, pose))
-        elif collector.is_timed_out:
-            self._pose = None
-            self._hint = "The patient was never still for 3 s; begin again when ready."
-            self._publish_state()
-        elif (round(collector.progress, 1), collector.hint) != before:
+        elif (self._pose.hint, round(self._pose.progress or 0.0, 1)) != before:
             self._publish_state()
 
     def _calibrate(self, pose: ImuChunk) -> None:
@@ -249,14 +240,13 @@ class LiveSession:
             self._loop.call_soon_threadsafe(self._calibrated, found, pose)
 
     def _calibration_failed(self, message: str, pose: ImuChunk) -> None:
-        self._hint = message
+        self._pose.end(message)
         self.add_event("error", pose.first_tick * pose.time_step_s, text=CalibrationFailed(message).message)
         self.machine.reason = message[:500]
         self._publish_state()
 
     def _calibrated(self, found: Calibration, pose: ImuChunk) -> None:
         setup = self.pipeline.setup
-        self._hint = ""
         self.stored = replace(self.stored, setup=setup.to_dict())
         self._saver.save(partial(repository.save_calibration, self._engine, self.id, self.result_id, setup))
         self.add_event(
@@ -312,7 +302,7 @@ class LiveSession:
     def link_lost(self, reason: str) -> None:
         """Note that packets have stopped coming."""
         if self.machine.state in STREAMING:
-            self._pose = None
+            self._pose.end()
             self._change("link_lost", reason)
 
     def _link_back(self) -> None:
@@ -326,7 +316,7 @@ class LiveSession:
 
     def _fail(self, error: Exception) -> None:
         """Tell that the estimation has stopped; storing goes on."""
-        self._pose = None
+        self._pose.end()
         logger.error("the estimation of session %s failed", self.id, exc_info=error)
         reason = "The live estimation failed; what the sensors send is stored and can be analysed afterwards."
         if isinstance(error, TelemotionError):
@@ -361,8 +351,8 @@ class LiveSession:
             else CalibrationOut(
                 method=calibration.method, score=calibration.score, reasons=list(calibration.reasons)
             ),
-            calibration_progress=None if self._pose is None else self._pose.progress,
-            calibration_hint=self._hint,
+            calibration_progress=self._pose.progress,
+            calibration_hint=self._pose.hint,
         )
 
     def health_message(self) -> HealthMessage:
@@ -442,7 +432,7 @@ class LiveSession:
 
     async def finish(self) -> None:
         """Estimate what still waits, then store everything; the state is `closing` before."""
-        self._pose = None
+        self._pose.end()
         self.silent()
         await self.line.drained()
         await asyncio.wrap_future(self._writer.flush(self.id))

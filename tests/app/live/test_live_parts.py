@@ -125,32 +125,55 @@ def chunk(
     )
 
 
-def test_the_pose_is_three_still_seconds_in_a_row() -> None:
+def test_the_pose_is_three_still_seconds_in_a_row_once_the_filters_have_settled() -> None:
     collector = PoseCollector(("sternum", "forearm_left"), 0.01)
-    for i in range(40):
+    assert collector.add(chunk(0)) is None
+    assert collector.progress is None
+    collector.begin()
+    for i in range(1, 60):
+        assert collector.add(chunk(5 * i)) is None
+    assert collector.progress == 0.0
+    assert "settling" in collector.hint
+    for i in range(60, 100):
         assert collector.add(chunk(5 * i)) is None
     assert collector.progress == pytest.approx(2.0 / 3.0)
-    assert collector.add(chunk(200, turning=0.5)) is None
+    assert collector.add(chunk(500, turning=0.5)) is None
     assert collector.progress == 0.0
     assert "sternum, forearm left moved" in collector.hint
-    found = [collector.add(chunk(205 + 5 * i)) for i in range(60)]
+    found = [collector.add(chunk(505 + 5 * i)) for i in range(60)]
     assert found[:-1] == [None] * 59
     pose = found[-1]
     assert pose is not None
-    assert (pose.first_tick, pose.tick_count) == (205, 300)
+    assert (pose.first_tick, pose.tick_count) == (505, 300)
+    assert collector.progress is None
+
+
+def test_a_gap_makes_the_filters_settle_again() -> None:
+    collector = PoseCollector(("sternum", "forearm_left"), 0.01)
+    collector.add(chunk(1000, quality=SampleQuality.MISSING))
+    collector.begin()
+    found = [collector.add(chunk(1005 + 5 * i)) for i in range(120)]
+    assert found[:-1] == [None] * 119
+    assert found[-1] is not None
+    assert found[-1].first_tick == 1305
 
 
 def test_the_pose_ends_with_a_slow_tilt_or_a_silent_sensor() -> None:
     collector = PoseCollector(("sternum", "forearm_left"), 0.01)
+    collector.begin()
     for i in range(50):
-        collector.add(chunk(5 * i, tilt=0.0025 * i))
+        collector.add(chunk(300 + 5 * i, tilt=0.0025 * i))
     # 0.8 m/s^2 of 9.81 are 4.7 degrees, reached after 33 chunks.
-    assert collector.progress < 0.5
-    collector.add(chunk(250, quality=SampleQuality.MISSING))
-    assert "sends nothing" in collector.hint
-    for i in range(1300):
-        collector.add(chunk(255 + 5 * i, turning=1.0))
-    assert collector.is_timed_out
+    assert collector.progress is not None
+    assert 0.0 < collector.progress < 0.5
+    silent = chunk(550)
+    silent.quality[1] = SampleQuality.MISSING
+    collector.add(silent)
+    assert "forearm left sends nothing" in collector.hint
+    for i in range(1200):
+        collector.add(chunk(555 + 5 * i, turning=1.0))
+    assert not collector.is_active
+    assert "never still" in collector.hint
 
 
 def test_a_sensor_is_told_lost_once_and_back_once() -> None:
