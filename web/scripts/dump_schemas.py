@@ -1,7 +1,7 @@
 """Write the service's wire types as one OpenAPI document, from which the browser's types are made.
 
-Run from the root of the tree: `python web/scripts/dump_schemas.py > web/src/api/openapi.json`. The REST types come from the
-application's own OpenAPI; the messages of the sockets, which OpenAPI does not cover, are added to its components.
+Run from the root of the tree: `python web/scripts/dump_schemas.py > web/src/api/openapi.json`. The REST part is the application's
+own OpenAPI; the messages of the sockets, which OpenAPI does not cover, are added to its components.
 """
 
 import json
@@ -14,45 +14,40 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
-from app import schemas as base
-from app.accounts import schemas as accounts
-from app.assessment import schemas as assessment
-from app.exercises import schemas as exercises
 from app.live import messages
-from app.patients import schemas as patients
+from app.main import create_app
 from app.recordings import schemas as recordings
+from app.settings import Settings
 
-ROOMS = (accounts, assessment, exercises, patients, recordings, messages)
-SENT_BY_CLIENTS = ("In", "Request", "Patch", "Command", "Mapping", "Column")
+SENT_BY_BROWSERS = ("PlayerCommand", "CameraCommand")
+FORM_PARTS = ("UploadIn",)
+"""JSON parts of multipart forms, which OpenAPI shows as plain text."""
+SENT_TO_BROWSERS = (
+    "LayoutMessage", "StateMessage", "HealthMessage", "EventMessage", "ErrorMessage", "PlayerState"
+)
 
 
-def models() -> list[type[BaseModel]]:
-    """Return every wire type, in a fixed order."""
-    found: dict[str, type[BaseModel]] = {}
-    for room in ROOMS:
-        for name, value in vars(room).items():
-            if isinstance(value, type) and issubclass(value, base.Schema) and value is not base.Schema:
-                found[name] = value
-    return [found[name] for name in sorted(found)]
+def socket_schemas() -> dict[str, Any]:
+    """Return the schemas of the messages; what browsers send has its optional fields optional."""
+    models: list[tuple[type[BaseModel], Any]] = [
+        *((getattr(messages, name), "validation") for name in SENT_BY_BROWSERS),
+        *((getattr(recordings, name), "validation") for name in FORM_PARTS),
+        *((getattr(messages, name), "serialization") for name in SENT_TO_BROWSERS),
+    ]
+    _, schema = models_json_schema(models, ref_template="#/components/schemas/{model}")
+    return dict(schema["$defs"])
 
 
 def document() -> dict[str, Any]:
-    """Return the OpenAPI document; what clients send has its optional fields optional."""
-    both = [
-        (model, "validation" if model.__name__.endswith(SENT_BY_CLIENTS) else "serialization")
-        for model in models()
-    ]
-    _, schema = models_json_schema(both, ref_template="#/components/schemas/{model}")
-    return {
-        "openapi": "3.1.0",
-        "info": {
-            "title": "Telemotion wire types",
-            "version": str(messages.PROTOCOL_VERSION),
-            "x-protocol-version": messages.PROTOCOL_VERSION,
-        },
-        "paths": {},
-        "components": {"schemas": schema["$defs"]},
+    """Return the OpenAPI document with the messages among its components."""
+    openapi = create_app(Settings(demo=True, _env_file=None)).openapi()
+    info = {
+        "title": openapi["info"]["title"],
+        "version": str(messages.PROTOCOL_VERSION),
+        "x-protocol-version": messages.PROTOCOL_VERSION,
     }
+    schemas = {**socket_schemas(), **openapi["components"]["schemas"]}
+    return {"openapi": openapi["openapi"], "info": info, "paths": openapi["paths"], "components": {"schemas": schemas}}
 
 
 if __name__ == "__main__":

@@ -159,7 +159,7 @@ export function PhaseChart({ curve, left = new Set(), selected = null, outside =
 
   const data = useMemo<uPlot.AlignedData>(() => {
     const show = (values: readonly (number | null)[]) => values.map((value) => (value === null || !Number.isFinite(value) ? null : value * scaled));
-    const band = (edge: readonly number[]) =>
+    const band = (edge: readonly (number | null)[]) =>
       show(edge.map((value, phase) => (curve.mean[phase] ?? NaN) + ((value ?? NaN) - (curve.mean[phase] ?? NaN)) * bandScale));
     return [PHASES, band(curve.low), band(curve.high), show(curve.mean), ...curve.repetitions.map(show)] as uPlot.AlignedData;
   }, [curve, bandScale, scaled]);

@@ -28,7 +28,7 @@ export function runs(count: number, test: (index: number) => boolean): [number, 
 }
 
 /** Smallest and largest finite value of several arrays; null when there is none. */
-export function extent(...arrays: readonly ArrayLike<number>[]): [number, number] | null {
+export function extent(...arrays: readonly ArrayLike<number | null>[]): [number, number] | null {
   let low = Infinity;
   let high = -Infinity;
   for (const array of arrays) {

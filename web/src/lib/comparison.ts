@@ -24,7 +24,7 @@ const FIRST = 3;
 
 /** The curves to show: first the service's own order of joint angles and trunk; positions of points come last. */
 export function pickCurves(curves: readonly PhaseCurve[], all: boolean): PhaseCurve[] {
-  const drawable = curves.filter((curve) => curve.mean.some((value) => Number.isFinite(value)));
+  const drawable = curves.filter((curve) => curve.mean.some((value) => value !== null && Number.isFinite(value)));
   const angles = drawable.filter((curve) => !curve.channel.includes('.'));
   const points = drawable.filter((curve) => curve.channel.includes('.'));
   const ordered = [...angles, ...points];

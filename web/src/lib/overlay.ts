@@ -11,7 +11,7 @@ export function templateOver(comparison: ComparisonDetail, templateDurationS: nu
     const repetition = curve && repetitionAt(repetitions, timeS);
     if (!curve || !repetition) return null;
     const durationS = templateDurationS ?? repetition.end_s - repetition.start_s;
-    const at = (values: readonly number[]) => templateValueAt(values, repetition, repetition.warp, durationS, timeS, isWarped);
+    const at = (values: readonly (number | null)[]) => templateValueAt(values, repetition, repetition.warp, durationS, timeS, isWarped);
     return { mean: at(curve.mean), low: at(curve.low), high: at(curve.high) };
   };
 }

@@ -1,7 +1,7 @@
 // Between the patient's timing and the template's: which moment of a repetition belongs to which phase.
 
 /** Value of a curve over phases 0..100 at any phase, linear between its points. */
-export function atPhase(curve: readonly number[], phase: number): number {
+export function atPhase(curve: readonly (number | null)[], phase: number): number {
   const last = curve.length - 1;
   const place = (Math.min(100, Math.max(0, phase)) / 100) * last;
   const lower = Math.min(last, Math.floor(place));
@@ -50,7 +50,7 @@ export function repetitionAt<R extends { start_s: number; end_s: number }>(repet
 
 /** The template's value at the patient's moment: followed in the patient's timing, or at the therapist's own pace. */
 export function templateValueAt(
-  mean: readonly number[],
+  mean: readonly (number | null)[],
   repetition: { start_s: number; end_s: number },
   warpTemplatePhase: readonly number[],
   templateDurationS: number,

@@ -30,13 +30,8 @@ export const common = {
   'action.cancel': 'Cancel',
   'action.close': 'Close',
   'action.edit': 'Edit',
-  'action.add': 'Add',
-  'action.remove': 'Remove',
-  'action.back': 'Back',
   'action.copy': 'Copy',
   'action.copied': 'Copied',
-  'action.open': 'Open',
-  'action.continue': 'Continue',
 
   'state.loading': 'Loading',
 

@@ -1,0 +1,54 @@
+import { describe, expect, it } from 'vitest';
+import { age, bytes, day, duration, number, position, quantity, uncertain } from '../../src/lib/format';
+
+describe('numbers', () => {
+  it('shows degrees only at the edge of the screen', () => {
+    expect(quantity(Math.PI / 2, 'rad')).toBe('90°');
+    expect(quantity(0.123, 'm')).toBe('12.3 cm');
+    expect(quantity(1.234, 's')).toBe('1.2 s');
+  });
+  it('has a true minus sign and no negative zero', () => {
+    expect(number(-5)).toBe('−5');
+    expect(number(-0.04, 1)).toBe('0.0');
+  });
+  it('says nothing where there is nothing', () => {
+    expect(quantity(null, 'rad')).toBe('–');
+    expect(quantity(NaN, 'rad')).toBe('–');
+    expect(uncertain(null, 1, 'rad')).toBe('–');
+  });
+  it('puts the uncertainty in the same unit', () => {
+    expect(uncertain(Math.PI / 2, Math.PI / 60, 'rad')).toBe('90° ± 3');
+    expect(uncertain(1.5, null, 's')).toBe('1.5 s');
+  });
+  it('keeps a unit it does not know', () => {
+    expect(quantity(3, 'N')).toBe('3.00 N');
+  });
+  it('writes sizes', () => {
+    expect(bytes(2_500_000)).toBe('2.5 MB');
+    expect(bytes(1_500_000_000)).toBe('1.50 GB');
+  });
+});
+
+describe('times', () => {
+  const now = new Date(2025, 4, 20, 15, 0);
+  it('speaks as a person does', () => {
+    expect(day(new Date(2025, 4, 20, 9, 5), now)).toBe('Today, 09:05');
+    expect(day(new Date(2025, 4, 19, 23, 50), now)).toBe('Yesterday, 23:50');
+    expect(day(new Date(2025, 4, 15, 9, 0), now)).toBe('5 days ago');
+    expect(day(new Date(2024, 0, 3), now)).toBe('3 Jan 2024');
+    expect(day(null, now)).toBe('Never');
+  });
+  it('counts years of age from the birthday', () => {
+    expect(age('1960-05-20', now)).toBe(65);
+    expect(age('1960-05-21', now)).toBe(64);
+  });
+  it('writes positions so that they carry over', () => {
+    expect(position(65.25)).toBe('1:05.3');
+    expect(position(59.97)).toBe('1:00.0');
+    expect(position(5, 0)).toBe('0:05');
+  });
+  it('writes lengths in words', () => {
+    expect(duration(45.2)).toBe('45 s');
+    expect(duration(250)).toBe('4 min 10 s');
+  });
+});

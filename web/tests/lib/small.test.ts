@@ -1,0 +1,73 @@
+import { describe, expect, it } from 'vitest';
+import type { AuditEntry, CaseloadRow, ProgressMeasure } from '../../src/api/types';
+import { runs, steadyRange } from '../../src/charts/scales';
+import { groupAudit } from '../../src/lib/audit';
+import { byReason, matches } from '../../src/lib/caseload';
+import { placementProblem } from '../../src/lib/placements';
+import { plainProgress } from '../../src/lib/plain';
+
+const row = (given_name: string, family_name: string, reason: CaseloadRow['reason'], live_session_id: string | null = null) =>
+  ({ given_name, family_name, reason, live_session_id }) as CaseloadRow;
+
+describe('caseload', () => {
+  const rows = [row('Ana', 'Zuber', ''), row('José', 'Núñez', 'declining'), row('Bo', 'Abt', ''), row('Li', 'Mo', 'live', 's')];
+  it('puts who needs a look first', () => {
+    expect(byReason(rows).map((one) => one.family_name)).toEqual(['Mo', 'Núñez', 'Abt', 'Zuber']);
+  });
+  it('finds names without accents, in any order', () => {
+    expect(rows.filter((one) => matches(one, 'all', 'nunez jos')).map((one) => one.given_name)).toEqual(['José']);
+    expect(rows.filter((one) => matches(one, 'look', ''))).toHaveLength(1);
+    expect(rows.filter((one) => matches(one, 'live', ''))).toHaveLength(1);
+  });
+});
+
+describe('audit', () => {
+  const entry = (at: string, who: string, action: string): AuditEntry => ({ at, who, action, role: 'therapist', resource_id: null, details: {} });
+  it('counts the same deed within an hour in one line and loses none', () => {
+    const entries = [entry('2025-01-01T10:00:00Z', 'A', 'patient.read'), entry('2025-01-01T10:10:00Z', 'A', 'patient.read'), entry('2025-01-01T08:00:00Z', 'A', 'patient.read'), entry('2025-01-01T10:05:00Z', 'B', 'patient.read')];
+    const groups = groupAudit(entries);
+    expect(groups.map((group) => [group.who, group.count])).toEqual([['A', 2], ['B', 1], ['A', 1]]);
+    expect(groups.reduce((sum, group) => sum + group.count, 0)).toBe(entries.length);
+  });
+});
+
+describe('placements', () => {
+  it('wants a chain without holes', () => {
+    expect(placementProblem(['sternum'])).toBe('placements.needArm');
+    expect(placementProblem(['forearm_left'])).toBe('placements.needUpperArm');
+    expect(placementProblem(['upper_arm_left', 'hand_left'])).toBe('placements.needForearm');
+    expect(placementProblem(['upper_arm_left', 'forearm_left', 'hand_left'])).toBeNull();
+  });
+});
+
+describe('plain words', () => {
+  const measure = (change: number | null, is_real_change: boolean | null, points = 3): ProgressMeasure => ({
+    measure: 'range:elbow',
+    label: 'Elbow',
+    unit: 'rad',
+    points: Array.from({ length: points }, () => ({ session_id: 's', at: '2025-01-01T00:00:00Z', value: 1, low: 1, high: 1, count: 5, orientation: 'vqf', template_version_id: null })),
+    change,
+    minimal_detectable_change: 0.1,
+    is_real_change,
+  });
+  it('tells a change only when it is larger than chance', () => {
+    expect(plainProgress(measure(0.14, true))).toMatch(/8 degrees further/);
+    expect(plainProgress(measure(0.05, false))).toMatch(/steady/);
+    expect(plainProgress(measure(null, null, 1))).toMatch(/first exercise/);
+    expect(plainProgress(null)).toMatch(/After your first/);
+  });
+});
+
+describe('scales', () => {
+  it('holds the values in whole steps and is never too narrow', () => {
+    expect(steadyRange(12, 87, 20, 40)).toEqual([0, 100]);
+    const [low, high] = steadyRange(41, 42, 20, 40);
+    expect(high - low).toBeGreaterThanOrEqual(40);
+    expect(low).toBeLessThanOrEqual(41);
+    expect(high).toBeGreaterThanOrEqual(42);
+  });
+  it('finds half-open runs', () => {
+    const marks = [0, 1, 1, 0, 1];
+    expect(runs(marks.length, (index) => marks[index] === 1)).toEqual([[1, 3], [4, 5]]);
+  });
+});

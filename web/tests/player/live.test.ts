@@ -1,0 +1,125 @@
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { InlineDecoder } from '../../src/player/decoder';
+import { LivePlayer } from '../../src/player/live';
+import { backOffMs } from '../../src/player/socket';
+import { FakeSocket, layoutMessage, packBlock, settle } from './fixtures';
+
+let player: LivePlayer;
+let nowS = 1000;
+
+beforeEach(() => {
+  vi.useFakeTimers();
+  vi.stubGlobal('WebSocket', { OPEN: 1 });
+  FakeSocket.made.length = 0;
+  nowS = 1000;
+  player = new LivePlayer({ url: 'ws://test/ws/live/s', decoder: new InlineDecoder(), create: FakeSocket.create, now: () => nowS });
+});
+afterEach(() => {
+  player.close();
+  vi.useRealTimers();
+  vi.unstubAllGlobals();
+});
+
+const send = async (firstTick: number, ticks: number, publishedS = 1000) => {
+  FakeSocket.last.say(packBlock({ ticks, columns: 3, firstTick, publishedS }));
+  await settle();
+};
+
+describe('LivePlayer', () => {
+  it('follows the newest frame', async () => {
+    FakeSocket.last.accept();
+    FakeSocket.last.say(layoutMessage());
+    await send(0, 50);
+    expect(player.getSnapshot().connection).toBe('open');
+    expect(player.clock().timeS).toBeCloseTo(0.49);
+    expect(player.read(0, 1, ['elbow']).timeS).toHaveLength(50);
+  });
+
+  it('holds the picture while paused and collects on', async () => {
+    FakeSocket.last.accept();
+    FakeSocket.last.say(layoutMessage());
+    await send(0, 50);
+    player.pause();
+    await send(50, 50);
+    expect(player.clock()).toMatchObject({ isPlaying: false });
+    expect(player.clock().timeS).toBeCloseTo(0.49);
+    expect(player.clock().endS).toBeCloseTo(0.99);
+    player.play();
+    expect(player.clock().timeS).toBeCloseTo(0.99);
+  });
+
+  it('forgets what it holds when the layout comes again', async () => {
+    FakeSocket.last.accept();
+    FakeSocket.last.say(layoutMessage());
+    await send(0, 50);
+    const { epoch } = player.getSnapshot();
+    FakeSocket.last.say(layoutMessage());
+    expect(player.getSnapshot().epoch).toBeGreaterThan(epoch);
+    expect(player.read(0, 10, ['elbow']).timeS).toHaveLength(0);
+  });
+
+  it('refuses another protocol version in words and does not try again', () => {
+    FakeSocket.last.accept();
+    FakeSocket.last.say(layoutMessage({ protocol_version: 99 }));
+    expect(player.getSnapshot().connection).toBe('refused');
+    expect(player.getSnapshot().problem).toMatch(/version 1 .*99/);
+    vi.advanceTimersByTime(60_000);
+    expect(FakeSocket.made).toHaveLength(1);
+  });
+
+  it('comes back after a loss, waiting longer each time', () => {
+    FakeSocket.last.accept();
+    FakeSocket.last.drop();
+    expect(player.getSnapshot().connection).toBe('lost');
+    vi.advanceTimersByTime(500);
+    expect(FakeSocket.made).toHaveLength(2);
+    FakeSocket.last.drop();
+    vi.advanceTimersByTime(500);
+    expect(FakeSocket.made).toHaveLength(2);
+    vi.advanceTimersByTime(500);
+    expect(FakeSocket.made).toHaveLength(3);
+    FakeSocket.last.accept();
+    expect(player.getSnapshot().connection).toBe('open');
+  });
+
+  it('keeps the reason of a refusal', () => {
+    FakeSocket.last.accept();
+    FakeSocket.last.drop(1008, 'Your right to this patient has ended.');
+    expect(player.getSnapshot()).toMatchObject({ connection: 'refused', problem: 'Your right to this patient has ended.' });
+  });
+
+  it('shows what the service says about state, health and events', () => {
+    FakeSocket.last.accept();
+    FakeSocket.last.say({ type: 'state', state: 'ready', reason: '', session_time_s: 3, recording_start_s: null, calibration: null, calibration_progress: null });
+    FakeSocket.last.say({ type: 'event', event: { kind: 'mark', time_s: 2, duration_s: 0, placement: null, text: 'pain' } });
+    expect(player.getSnapshot().state?.state).toBe('ready');
+    expect(player.getSnapshot().events.map((event) => event.text)).toEqual(['pain']);
+  });
+
+  it('tells the delay since publication, and never a negative one', async () => {
+    FakeSocket.last.accept();
+    FakeSocket.last.say(layoutMessage());
+    const health = { type: 'health', sensors: [], packets_stored: 1, packets_missing: 0, latency_ms_median: 5, latency_ms_p99: 9, clock_skew_ppm: null };
+    nowS = 1000.04;
+    await send(0, 5, 1000);
+    FakeSocket.last.say(health);
+    expect(player.getSnapshot().networkMs).toBeCloseTo(40, 3);
+    // This machine's clock stands ten seconds behind the service's.
+    for (let tick = 5; tick < 500; tick += 5) {
+      nowS = 990 + tick / 100 + (tick % 10 ? 0.02 : 0.01);
+      await send(tick, 5, 1000 + tick / 100);
+    }
+    FakeSocket.last.say({ ...health });
+    expect(player.getSnapshot().networkMs).toBeGreaterThanOrEqual(0);
+    expect(player.getSnapshot().networkMs).toBeLessThan(20);
+  });
+});
+
+describe('backOffMs', () => {
+  it('doubles up to a limit and spreads by chance', () => {
+    expect(backOffMs(0, () => 1)).toBe(500);
+    expect(backOffMs(3, () => 1)).toBe(4000);
+    expect(backOffMs(20, () => 1)).toBe(15_000);
+    expect(backOffMs(3, () => 0)).toBe(3000);
+  });
+});
