@@ -22,6 +22,9 @@ from estimators.simulation.faults import LinkFaults
 
 CALIBRATE_AT_S = 1.0
 ANALYSIS_TIMEOUT_S = 300.0
+CATCH_UP_SLACK_S = 0.3
+CATCH_UP_POLL_S = 0.1
+CATCH_UP_POLLS = 20
 
 
 @dataclass(frozen=True)
@@ -132,6 +135,8 @@ async def stream(
         say("moving")
 
     async def stop() -> None:
+        # Faster than real time the server is behind what was sent; stopping counts from where it stands.
+        await _reached(service, created.id, end_s - CATCH_UP_SLACK_S)
         await service.steer(created.id, "stop")
 
     gateway = GatewayClient(
@@ -149,6 +154,18 @@ async def stream(
     )
     await service.wait_for_state(created.id, "analysed", timeout_s=ANALYSIS_TIMEOUT_S)
     return created.id, report
+
+
+async def _reached(service: ServiceClient, session_id: str, time_s: float) -> None:
+    """Wait until the live session stands at a session time, or stands still before it (lost at the end)."""
+    last_s, unchanged = -1.0, 0
+    while unchanged < CATCH_UP_POLLS:
+        now_s = (await service.state(session_id)).session_time_s
+        if now_s >= time_s:
+            return
+        unchanged = unchanged + 1 if now_s <= last_s else 0
+        last_s = now_s
+        await asyncio.sleep(CATCH_UP_POLL_S)
 
 
 def simulate(options: Options) -> None:

@@ -15,6 +15,7 @@ from app.database.base import utc_now
 from app.database.unit_of_work import unit_of_work
 from app.demo.people import EXERCISES, PATIENTS, DemoPatient
 from app.exercises.models import Prescription, Template, TemplateVersion
+from app.errors import TelemotionError
 from app.gateway import ServiceClient
 from app.recordings.models import MotionSession, Result
 from app.recordings.schemas import UploadIn
@@ -198,7 +199,8 @@ async def _get(service: ServiceClient, path: str) -> Any:
 
 async def _post(service: ServiceClient, path: str, body: dict[str, Any]) -> Any:
     response = await service.http.post(path, json=body)
-    response.raise_for_status()
+    if not response.is_success:
+        raise TelemotionError(f"{path} answered {response.status_code}: {response.text[:300]}")
     return response.json()
 
 
