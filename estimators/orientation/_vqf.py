@@ -1,28 +1,34 @@
-"""VQF (Laidig and Seel, 2023) by its own package, one filter a sensor."""
+"""VQF (Laidig and Seel, 2023) behind the contract; its own package is the oracle in the tests."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from vqf import VQF
 
 from estimators import rotation
-from estimators.conventions import GRAVITY_MPS2
-from estimators.errors import SetupError, ShapeError
+from estimators.errors import SetupError
+from estimators.orientation import _vqf_steps as steps
 from estimators.orientation._contract import OrientationEstimator, OrientationResult
 from estimators.orientation._parameters import read_parameters
 from estimators.orientation._streaming import ChunkGuard, bias_array, copied, usable_samples
+from estimators.orientation._vqf_kernel import run
 from estimators.orientation._vqf_quality import COUNTERS, annotate
 from estimators.recording import Float, ImuChunk
 
-_MICROTESLA_PER_TESLA = 1e6
+_ABOVE_ZERO = (
+    "accelerometer_time_constant_s",
+    "rest_time_constant_s",
+    "bias_forgetting_time_s",
+    "magnetic_rejection_factor",
+)
 
 
 @dataclass(frozen=True)
 class VqfParameters:
-    """The parameters of the package under names with units, at its defaults, and five of ours.
+    """The parameters of the authors' package under names with units, at its defaults, and five of ours.
 
     `restart_*_weight_s`: after a gap the inclination and heading held through it count as much as that
     many seconds of new measurements. `magnetometer_latency_s`: the magnetometer's delay against the
@@ -61,41 +67,8 @@ class VqfParameters:
     acceleration_tolerance_mps2: float = 2.0
 
 
-_PACKAGE_NAMES = {
-    "accelerometer_time_constant_s": "tauAcc",
-    "magnetometer_time_constant_s": "tauMag",
-    "motion_bias_estimation": "motionBiasEstEnabled",
-    "rest_bias_estimation": "restBiasEstEnabled",
-    "magnetic_disturbance_rejection": "magDistRejectionEnabled",
-    "bias_sigma_initial_degps": "biasSigmaInit",
-    "bias_forgetting_time_s": "biasForgettingTime",
-    "bias_clip_degps": "biasClip",
-    "bias_sigma_motion_degps": "biasSigmaMotion",
-    "bias_vertical_forgetting_factor": "biasVerticalForgettingFactor",
-    "bias_sigma_rest_degps": "biasSigmaRest",
-    "rest_minimum_s": "restMinT",
-    "rest_time_constant_s": "restFilterTau",
-    "rest_gyroscope_threshold_degps": "restThGyr",
-    "rest_accelerometer_threshold_mps2": "restThAcc",
-    "magnetic_current_time_constant_s": "magCurrentTau",
-    "magnetic_reference_time_constant_s": "magRefTau",
-    "magnetic_norm_tolerance": "magNormTh",
-    "magnetic_dip_tolerance_deg": "magDipTh",
-    "magnetic_new_field_s": "magNewTime",
-    "magnetic_first_field_s": "magNewFirstTime",
-    "magnetic_new_field_minimum_degps": "magNewMinGyr",
-    "magnetic_minimum_undisturbed_s": "magMinUndisturbedTime",
-    "magnetic_maximum_rejection_s": "magMaxRejectionTime",
-    "magnetic_rejection_factor": "magRejectionFactor",
-}
-_STALE_AVERAGES = (
-    "restGyrLpState",
-    "restAccLpState",
-    "motionBiasEstRLpState",
-    "motionBiasEstBiasLpState",
-    "magNormDipLpState",
-)
-_OWN_STATE = ("q_earth_sensor", "bias_radps", "counters", "started", "in_gap")
+_OWN_STATE = ("states", "q_earth_sensor", "counters")
+_NO_FIELD = np.empty((0, 0, 3))
 
 
 class VqfEstimator(OrientationEstimator):
@@ -120,62 +93,54 @@ class VqfEstimator(OrientationEstimator):
     ) -> None:
         self._guard = ChunkGuard(sensor_count, time_step_s)
         self._parameters = read_parameters(VqfParameters, parameters)
-        values = asdict(self._parameters)
-        for name in ("accelerometer_time_constant_s", "rest_time_constant_s", "bias_forgetting_time_s"):
-            if values[name] <= 0.0:
-                raise SetupError(f"{name} must be above zero, not {values[name]}")
-        package = {_PACKAGE_NAMES[name]: value for name, value in values.items() if name in _PACKAGE_NAMES}
-        self._filters = [VQF(self._guard.time_step_s, **package) for _ in range(sensor_count)]
+        for name, value in asdict(self._parameters).items():
+            if name in _ABOVE_ZERO and value <= 0.0:
+                raise SetupError(f"{name} must be above zero, not {value}")
+        self._settings = _settings(self._parameters, self._guard.time_step_s)
+        self._states = np.zeros((sensor_count, steps.STATE))
+        self._states[:, [steps.GYROSCOPE_Q, steps.ACCELEROMETER_Q, steps.START_GAIN]] = 1.0
+        self._states[:, steps.FIELD_REJECTED] = 1.0
+        self._states[:, steps.REJECTED_S] = self._parameters.magnetic_maximum_rejection_s
+        self._states[:, steps.CANDIDATE_NORM] = -1.0
+        self._set_bias_variance(self._settings[steps.BIAS_START_VARIANCE])
         self._q_earth_sensor = rotation.identity((sensor_count,))
-        self._bias_radps = np.zeros((sensor_count, 3))
-        self._counters = np.full((sensor_count, COUNTERS), -1, dtype=np.int64)
-        self._counters[:, 1:] = 0
-        self._started = np.zeros(sensor_count, dtype=np.bool_)
-        self._in_gap = np.zeros(sensor_count, dtype=np.bool_)
+        self._counters = np.zeros((sensor_count, COUNTERS), dtype=np.int64)
+        self._counters[:, 0] = -1
+
+    def _set_bias_variance(self, variance: float) -> None:
+        first = steps.BIAS_COVARIANCE
+        self._states[:, first : first + 9] = 0.0
+        self._states[:, first : first + 9 : 4] = variance
 
     def update(self, chunk: ImuChunk) -> OrientationResult:
         """Take the next ticks; see the contract."""
         self._guard.accept(chunk)
-        sensors, ticks = chunk.sensor_count, chunk.tick_count
-        gyroscope = np.ascontiguousarray(chunk.gyroscope_radps, dtype=np.float64)
+        shape = (chunk.sensor_count, chunk.tick_count)
         accelerometer = np.ascontiguousarray(chunk.accelerometer_mps2, dtype=np.float64)
+        field = _NO_FIELD if chunk.magnetometer_t is None else chunk.magnetometer_t
         usable = usable_samples(chunk)
-        magnetometer_ut, field_measured = self._field(chunk, gyroscope)
-        q = np.empty((sensors, ticks, 4))
-        bias = np.empty((sensors, ticks, 3))
-        bias_sigma = np.zeros((sensors, ticks))
-        rejected = np.zeros((sensors, ticks), dtype=np.bool_)
-        whole: NDArray[np.bool_] = np.all(usable, axis=1)
-        for s in range(sensors):
-            runs = [(0, ticks)] if whole[s] else _runs(usable[s])
-            begun = bool(self._started[s])
-            held = runs[0][0] if runs else ticks
-            q[s, :held], bias[s, :held] = self._q_earth_sensor[s], self._bias_radps[s]
-            for start, stop in runs:
-                if begun and (start > 0 or self._in_gap[s]):
-                    self._restart(s)
-                begun = True
-                span = slice(start, stop)
-                field = None if magnetometer_ut is None else magnetometer_ut[s, span]
-                batch = self._filters[s].updateBatch(gyroscope[s, span], accelerometer[s, span], field)
-                q[s, span] = batch["quat6D" if field is None else "quat9D"]
-                bias[s, span] = batch["bias"]
-                bias_sigma[s, span] = batch["biasSigma"]
-                if field is not None:
-                    rejected[s, span] = batch["magDistDetected"]
-                if stop < ticks:
-                    q[s, stop:], bias[s, stop:] = q[s, stop - 1], bias[s, stop - 1]
-        if ticks:
-            self._q_earth_sensor[:], self._bias_radps[:] = q[:, -1], bias[:, -1]
-            self._started |= usable.any(axis=1)
-            self._in_gap = self._started & ~usable[:, -1]
-        flags = np.empty((sensors, ticks), dtype=np.uint8)
-        sigma = np.empty((sensors, ticks, 3))
+        q, bias, sigma = np.empty((*shape, 4)), np.empty((*shape, 3)), np.empty((*shape, 3))
+        bias_sigma, flags = np.empty(shape), np.empty(shape, dtype=np.uint8)
+        measured, rejected = np.empty(shape, dtype=np.bool_), np.empty(shape, dtype=np.bool_)
+        run(
+            np.ascontiguousarray(chunk.gyroscope_radps, dtype=np.float64),
+            accelerometer,
+            np.ascontiguousarray(field, dtype=np.float64),
+            usable,
+            self._settings,
+            self._states,
+            self._q_earth_sensor,
+            q,
+            bias,
+            bias_sigma,
+            measured,
+            rejected,
+        )
         annotate(
             accelerometer,
-            np.ascontiguousarray(chunk.quality),
+            np.ascontiguousarray(chunk.quality, dtype=np.uint8),
             usable,
-            field_measured,
+            measured,
             rejected,
             bias_sigma,
             self._counters,
@@ -188,69 +153,24 @@ class VqfEstimator(OrientationEstimator):
         )
         return OrientationResult(q, bias, sigma, flags)
 
-    def _field(self, chunk: ImuChunk, gyroscope: Float) -> tuple[Float | None, NDArray[np.bool_]]:
-        """Return the field in the unit of the package, zero (which it skips) where there is none."""
-        if chunk.magnetometer_t is None:
-            return None, np.zeros(chunk.quality.shape, dtype=np.bool_)
-        field = chunk.magnetometer_t * _MICROTESLA_PER_TESLA
-        latency = self._parameters.magnetometer_latency_s
-        if latency:
-            field = field - latency * np.cross(gyroscope, field)
-        with np.errstate(over="ignore", invalid="ignore"):
-            measured = np.isfinite(field.sum(axis=-1))
-        if not measured.all():
-            field[~measured] = 0.0
-        return np.ascontiguousarray(field), measured
-
-    def _restart(self, s: int) -> None:
-        """Forget what a gap made stale, keep what it left valid; see the class."""
-        vqf = self._filters[s]
-        state = vqf.state
-        for name in _STALE_AVERAGES:
-            state[name] = [np.nan] * len(state[name])
-        state["restT"], state["restDetected"] = 0.0, False
-        step_s, parameters = self._guard.time_step_s, self._parameters
-        # The package averages its first samples as [NaN, count, sum x, sum y, sum z, NaN]: the held
-        # inclination enters as so many samples of gravity in the gyroscope's frame.
-        count = parameters.restart_inclination_weight_s / step_s
-        up = rotation.rotate(rotation.conjugate(state["accQuat"]), [0.0, 0.0, GRAVITY_MPS2])
-        averaging = [np.nan, count, *(count * up).tolist(), np.nan]
-        state["accLpState"] = averaging if count > 0.0 else [np.nan] * 6
-        if not (state["magDistDetected"] and state["magRefNorm"] > 0.0):
-            gain = 1.0 / (1.0 + parameters.restart_heading_weight_s / step_s)
-            state["kMagInit"] = max(state["kMagInit"], gain)
-        vqf.state = state
-
     def state(self) -> dict[str, NDArray[Any]]:
-        """Return the state of every filter, field by field with the sensors leading, and the counts."""
-        each = [vqf.state for vqf in self._filters]
-        stored = {
-            f"vqf_{name}": np.array([state[name] for state in each], dtype=np.float64) for name in each[0]
-        }
-        return stored | {
-            "next_tick": np.array(self._guard.next_tick, dtype=np.int64),
-            **{name: getattr(self, f"_{name}").copy() for name in _OWN_STATE},
-        }
+        """Return the filters' states, one row a sensor (see `_vqf_steps`), the held attitudes and counts."""
+        arrays = {name: getattr(self, f"_{name}").copy() for name in _OWN_STATE}
+        return arrays | {"next_tick": np.array(self._guard.next_tick, dtype=np.int64)}
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Continue from `state` of an estimator built alike."""
-        for s, vqf in enumerate(self._filters):
-            fields = vqf.state
-            for name, current in fields.items():
-                stored = state.get(f"vqf_{name}")
-                if stored is None or stored.shape != (self._guard.sensor_count, *np.shape(current)):
-                    raise ShapeError(f"stored vqf_{name} does not fit {self._guard.sensor_count} sensors")
-                fields[name] = bool(stored[s]) if isinstance(current, bool) else stored[s].tolist()
-            vqf.state = fields
-        for name in _OWN_STATE:
-            setattr(self, f"_{name}", copied(state, name, getattr(self, f"_{name}")))
-        self._guard.next_tick = int(state["next_tick"])
+        restored = {name: copied(state, name, getattr(self, f"_{name}")) for name in _OWN_STATE}
+        next_tick = copied(state, "next_tick", np.array(0, dtype=np.int64))
+        for name, values in restored.items():
+            setattr(self, f"_{name}", values)
+        self._guard.next_tick = int(next_tick)
 
     def set_gyroscope_bias(self, bias_radps: Float, sigma_radps: float) -> None:
         """Take a static calibration, shape (S, 3), with its standard error."""
         bias = bias_array(bias_radps, sigma_radps, self._guard.sensor_count)
-        for vqf, one in zip(self._filters, bias, strict=True):
-            vqf.setBiasEstimate(one, sigma_radps)
+        self._states[:, steps.BIAS : steps.BIAS + 3] = bias
+        self._set_bias_variance(_in_bias_units(math.degrees(sigma_radps)) ** 2)
 
     @property
     def parameters(self) -> dict[str, Any]:
@@ -258,10 +178,87 @@ class VqfEstimator(OrientationEstimator):
         return asdict(self._parameters)
 
 
-def _runs(usable: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Return the half-open stretches of usable samples."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], usable, [False])).astype(np.int8)))
-    return [(int(start), int(stop)) for start, stop in edges.reshape(-1, 2)]
+def _in_bias_units(degps: float) -> float:
+    """Convert degrees a second to the 0.01 degrees a second of the bias covariance."""
+    return 100.0 * degps
+
+
+def _butterworth(time_constant_s: float, step_s: float) -> list[float]:
+    """Return b0 b1 b2 a1 a2 of the second-order low-pass with this time constant, and the constant.
+
+    The time constant is that of the damped step response. Shorter than half a step, nothing is filtered.
+    """
+    if time_constant_s < 0.5 * step_s:
+        return [1.0, 0.0, 0.0, 0.0, 0.0, time_constant_s]
+    c = math.tan(math.sqrt(2.0) / 2.0 / time_constant_s * step_s)
+    d = c * c + math.sqrt(2.0) * c + 1.0
+    b0 = c * c / d
+    return [
+        b0,
+        2.0 * b0,
+        b0,
+        2.0 * (c * c - 1.0) / d,
+        (1.0 - math.sqrt(2.0) * c + c * c) / d,
+        time_constant_s,
+    ]
+
+
+def _gain(time_constant_s: float, step_s: float) -> float:
+    """Return the gain of a first-order low-pass: none below zero, all at zero."""
+    if time_constant_s < 0.0:
+        return 0.0
+    return 1.0 if time_constant_s == 0.0 else -math.expm1(-step_s / time_constant_s)
+
+
+def _settings(p: VqfParameters, step_s: float) -> Float:
+    """Return the derived constants in the order of `_vqf_steps`."""
+    # The drift brings the bias from known to 0.1 degrees a second of doubt in the forgetting time.
+    drift = _in_bias_units(0.1) ** 2 * step_s / p.bias_forgetting_time_s
+
+    def weight(sigma_degps: float) -> float:
+        """Measurement variance that makes this sigma the steady state."""
+        variance = _in_bias_units(sigma_degps) ** 2
+        return variance**2 / drift + variance
+
+    motion_weight = weight(p.bias_sigma_motion_degps)
+    settings = np.zeros(steps.SETTINGS)
+    settings[steps.STEP_S] = step_s
+    for first, time_constant_s in (
+        (steps.FORCE_COEFFICIENTS, p.accelerometer_time_constant_s),
+        (steps.REST_COEFFICIENTS, p.rest_time_constant_s),
+        (steps.FIELD_COEFFICIENTS, p.magnetic_current_time_constant_s),
+    ):
+        settings[first : first + 6] = _butterworth(time_constant_s, step_s)
+    for position, value in (
+        (steps.HEADING_GAIN, _gain(p.magnetometer_time_constant_s, step_s)),
+        (steps.REFERENCE_GAIN, _gain(p.magnetic_reference_time_constant_s, step_s)),
+        (steps.MOTION_BIAS, float(p.motion_bias_estimation)),
+        (steps.REST_BIAS, float(p.rest_bias_estimation)),
+        (steps.REJECTION, float(p.magnetic_disturbance_rejection)),
+        (steps.BIAS_START_VARIANCE, _in_bias_units(p.bias_sigma_initial_degps) ** 2),
+        (steps.BIAS_DRIFT, drift),
+        (steps.BIAS_LIMIT, math.radians(p.bias_clip_degps)),
+        (steps.MOTION_WEIGHT, motion_weight),
+        (steps.VERTICAL_WEIGHT, motion_weight / max(p.bias_vertical_forgetting_factor, 1e-10)),
+        (steps.REST_WEIGHT, weight(p.bias_sigma_rest_degps)),
+        (steps.REST_MINIMUM_S, p.rest_minimum_s),
+        (steps.REST_RATE_LIMIT, math.radians(p.rest_gyroscope_threshold_degps)),
+        (steps.REST_FORCE_LIMIT, p.rest_accelerometer_threshold_mps2),
+        (steps.NORM_TOLERANCE, p.magnetic_norm_tolerance),
+        (steps.DIP_TOLERANCE, math.radians(p.magnetic_dip_tolerance_deg)),
+        (steps.NEW_FIELD_S, p.magnetic_new_field_s),
+        (steps.FIRST_FIELD_S, p.magnetic_first_field_s),
+        (steps.NEW_FIELD_RATE, math.radians(p.magnetic_new_field_minimum_degps)),
+        (steps.UNDISTURBED_MINIMUM_S, p.magnetic_minimum_undisturbed_s),
+        (steps.REJECTED_MAXIMUM_S, p.magnetic_maximum_rejection_s),
+        (steps.REJECTION_FACTOR, p.magnetic_rejection_factor),
+        (steps.HEADING_TIME_S, p.magnetometer_time_constant_s),
+        (steps.LATENCY_S, p.magnetometer_latency_s),
+        (steps.RESTART_TILT_SAMPLES, p.restart_inclination_weight_s / step_s),
+        (steps.RESTART_GAIN, 1.0 / (1.0 + p.restart_heading_weight_s / step_s)),
+    ):
+        settings[position] = value
+    return settings
 
 
 __all__ = ["VqfEstimator", "VqfParameters"]

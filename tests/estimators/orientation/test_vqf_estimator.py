@@ -18,6 +18,33 @@ from tests.estimators.orientation.orientation_contract import (
 
 EXCERPT = Path(__file__).parents[2] / "data" / "broad" / "fast_combined_15s.npz"
 DISTURBED = int(OrientationFlag.MAGNETIC_DISTURBANCE)
+PACKAGE_NAMES = {
+    "tauAcc": "accelerometer_time_constant_s",
+    "tauMag": "magnetometer_time_constant_s",
+    "motionBiasEstEnabled": "motion_bias_estimation",
+    "restBiasEstEnabled": "rest_bias_estimation",
+    "magDistRejectionEnabled": "magnetic_disturbance_rejection",
+    "biasSigmaInit": "bias_sigma_initial_degps",
+    "biasForgettingTime": "bias_forgetting_time_s",
+    "biasClip": "bias_clip_degps",
+    "biasSigmaMotion": "bias_sigma_motion_degps",
+    "biasVerticalForgettingFactor": "bias_vertical_forgetting_factor",
+    "biasSigmaRest": "bias_sigma_rest_degps",
+    "restMinT": "rest_minimum_s",
+    "restFilterTau": "rest_time_constant_s",
+    "restThGyr": "rest_gyroscope_threshold_degps",
+    "restThAcc": "rest_accelerometer_threshold_mps2",
+    "magCurrentTau": "magnetic_current_time_constant_s",
+    "magRefTau": "magnetic_reference_time_constant_s",
+    "magNormTh": "magnetic_norm_tolerance",
+    "magDipTh": "magnetic_dip_tolerance_deg",
+    "magNewTime": "magnetic_new_field_s",
+    "magNewFirstTime": "magnetic_first_field_s",
+    "magNewMinGyr": "magnetic_new_field_minimum_degps",
+    "magMinUndisturbedTime": "magnetic_minimum_undisturbed_s",
+    "magMaxRejectionTime": "magnetic_maximum_rejection_s",
+    "magRejectionFactor": "magnetic_rejection_factor",
+}
 
 
 @pytest.fixture(scope="module")
@@ -58,20 +85,73 @@ class TestVqf(OrientationContract):
         step_s = 1.0 / float(broad["sampling_rate_hz"])
         batch = VQF(step_s).updateBatch(broad["gyroscope_radps"], broad["accelerometer_mps2"])
         result = orientation.create("vqf", 1, step_s).update(as_chunk(broad, field=False))
-        np.testing.assert_array_equal(result.q_earth_sensor[0], batch["quat6D"])
+        np.testing.assert_allclose(result.q_earth_sensor[0], batch["quat6D"], atol=1e-9, rtol=0)
 
-    def test_parameters_reach_the_package(self, broad):
+    @pytest.mark.parametrize(
+        "changed",
+        [
+            {"tauAcc": 1.0, "tauMag": 2.0, "magDistRejectionEnabled": False},
+            {"motionBiasEstEnabled": False},
+            {"restBiasEstEnabled": False, "biasSigmaInit": 1.0, "biasSigmaMotion": 0.3},
+            {"motionBiasEstEnabled": False, "restBiasEstEnabled": False},
+            {"restBiasEstEnabled": False, "magDistRejectionEnabled": False},
+            {
+                "magNormTh": 0.02,
+                "magDipTh": 1.0,
+                "magNewTime": 1.0,
+                "magNewFirstTime": 0.5,
+                "magMaxRejectionTime": 2.0,
+            },
+            {"magCurrentTau": 0.0, "magRefTau": 0.0, "tauMag": 0.0},
+            {"tauMag": -1.0, "biasClip": 0.1, "restThGyr": 0.3, "restThAcc": 0.1, "restMinT": 0.5},
+            {"tauAcc": 0.001, "restFilterTau": 0.1, "biasForgettingTime": 10.0, "biasSigmaRest": 0.1},
+            {"biasVerticalForgettingFactor": 0.01, "magRejectionFactor": 5.0, "magNewMinGyr": 5.0},
+        ],
+        ids=lambda changed: " ".join(changed),
+    )
+    def test_every_parameter_does_what_it_does_in_the_package(self, broad, changed):
         step_s = 1.0 / float(broad["sampling_rate_hz"])
-        changed = {"accelerometer_time_constant_s": 1.0, "magnetic_disturbance_rejection": False}
-        batch = VQF(step_s, tauAcc=1.0, magDistRejectionEnabled=False).updateBatch(
-            broad["gyroscope_radps"], broad["accelerometer_mps2"], broad["magnetometer_ut"]
+        field = broad["magnetometer_ut"].copy()
+        field[1500:2200] += [30.0, -10.0, 0.0]  # something to reject
+        batch = VQF(step_s, **changed).updateBatch(
+            broad["gyroscope_radps"], broad["accelerometer_mps2"], field
         )
-        result = orientation.create("vqf", 1, step_s, changed).update(as_chunk(broad))
+        estimator = orientation.create("vqf", 1, step_s, {PACKAGE_NAMES[k]: v for k, v in changed.items()})
+        result = estimator.update(as_chunk(broad | {"magnetometer_ut": field}))
+        np.testing.assert_allclose(result.q_earth_sensor[0], batch["quat9D"], atol=1e-9, rtol=0)
+        np.testing.assert_allclose(result.gyroscope_bias_radps[0], batch["bias"], atol=1e-9, rtol=0)
+
+    def test_edge_samples_are_taken_as_in_the_package(self):
+        """Zero vectors (skipped), free turning by nothing, upside down at the start, field straight down."""
+        gyroscope, accelerometer, field = np.zeros((3, 400, 3))
+        accelerometer[:] = [0.0, 0.0, -9.81]
+        field[:] = [0.0, 0.0, 40.0]
+        field[100:200] = [5.0, 20.0, -30.0]
+        gyroscope[150:] = [1.0, -0.5, 2.0]
+        accelerometer[120:130] = 0.0
+        field[140:150] = 0.0
+        batch = VQF(STEP_S).updateBatch(gyroscope, accelerometer, field)
+        chunk = ImuChunk(
+            0, STEP_S, gyroscope[None], accelerometer[None], field[None] * 1e-6, np.zeros((1, 400), np.uint8)
+        )
+        result = orientation.create("vqf", 1, STEP_S).update(chunk)
         np.testing.assert_allclose(result.q_earth_sensor[0], batch["quat9D"], atol=1e-9, rtol=0)
 
+    def test_bias_calibration_is_taken_as_in_the_package(self, broad):
+        step_s = 1.0 / float(broad["sampling_rate_hz"])
+        package = VQF(step_s)
+        package.setBiasEstimate(np.array([0.01, -0.02, 0.005]), 0.002)
+        batch = package.updateBatch(
+            broad["gyroscope_radps"], broad["accelerometer_mps2"], broad["magnetometer_ut"]
+        )
+        estimator = orientation.create("vqf", 1, step_s)
+        estimator.set_gyroscope_bias(np.array([[0.01, -0.02, 0.005]]), 0.002)
+        result = estimator.update(as_chunk(broad))
+        np.testing.assert_allclose(result.gyroscope_bias_radps[0], batch["bias"], atol=1e-9, rtol=0)
+
     def test_defaults_are_those_of_the_package(self):
-        ours = orientation.create("vqf", 1, 0.01)
-        assert ours._filters[0].params == VQF(0.01).params
+        ours, package = orientation.create("vqf", 1, 0.01).parameters, VQF(0.01).params
+        assert {theirs: ours[name] for theirs, name in PACKAGE_NAMES.items()} == package
 
     def test_accuracy_on_broad(self, broad):
         """Snapshot of 15 s from rest into fast motion; the whole trial scores 4.1 / 3.7 / 1.7 degrees."""
