@@ -202,6 +202,11 @@ def clinic_factory(engine: Engine) -> Callable[[str], Clinic]:
 
 @pytest.fixture
 def world(engine: Engine, cheap_passwords: Passwords) -> World:
+    return build_world(engine, cheap_passwords)
+
+
+def build_world(engine: Engine, cheap_passwords: Passwords) -> World:
+    """Fill an empty database with the small hospital."""
     password_hash = cheap_passwords.hash(PASSWORD)
     with unit_of_work(engine) as session:
         clinic, foreign = Clinic(id=new_id(), name="Clinic A"), Clinic(id=new_id(), name="Clinic B")

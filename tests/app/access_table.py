@@ -1,0 +1,339 @@
+"""Every route of the service and who may use it. A route without a line here fails `test_access_matrix`.
+
+`{name}` in paths and bodies stands for Ada's thing of that name in the seed (`patient_id`, `session_id`,
+...); `{foreign:name}` for Carl's.
+"""
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+READ = frozenset({"therapist", "reader", "patient", "administrator"})
+STATUS = READ | {"device"}
+RECORD = frozenset({"therapist", "patient", "device"})
+TREAT = frozenset({"therapist"})
+MANAGE = frozenset({"therapist", "administrator"})
+OWN_OR_MANAGE = MANAGE | {"patient"}
+
+INSIDERS = ("therapist", "reader", "patient", "administrator", "device")
+"""Everybody who has some right to Ada's data."""
+
+OUTSIDERS = (
+    "nobody",
+    "other_patient",
+    "foreign_therapist",
+    "foreign_administrator",
+    "colleague",
+    "former",
+    "expired",
+    "integrator",
+    "other_device",
+    "foreign_device",
+    "revoked_device",
+    "forged_cookie",
+)
+"""Everybody who has none."""
+
+WITHOUT_SIGN_IN = frozenset({"nobody", "revoked_device", "forged_cookie"})
+DEVICES = frozenset({"device", "other_device", "foreign_device"})
+
+Kind = Literal["public", "signed_in", "clinic", "list", "patient", "role", "socket"]
+
+
+@dataclass(frozen=True)
+class Line:
+    """One request and who may make it.
+
+    Attributes
+    ----------
+    kind : str
+        `patient`: Ada's data; outsiders get 404 as if it did not exist, insiders without the level 403.
+        `clinic`: data of clinic A; other clinics get 404. `list`: answers everybody who is signed in, with
+        what is theirs. `signed_in`: the same for everybody who is signed in. `role`: decided by the role
+        alone. `socket`: see the test of sockets. `public`: anybody.
+    allowed : frozenset of str
+        Who of the insiders may, for `patient` and `role`.
+    status : int
+        What an allowed subject gets: below 300, or a refusal that comes after the access check.
+    """
+
+    method: str
+    path: str
+    kind: Kind
+    allowed: frozenset[str] = frozenset()
+    body: Any = None
+    query: dict[str, str] = field(default_factory=dict)
+    status: int = 200
+    files: bool = False
+    prepare: str | None = None
+    note: str = ""
+
+    @property
+    def name(self) -> str:
+        """A readable identifier."""
+        return f"{self.method} {self.path}{' ' + self.note if self.note else ''}"
+
+
+def patient(method: str, path: str, allowed: frozenset[str], **more: Any) -> Line:
+    """Return a line of the kind `patient`."""
+    return Line(method, path, "patient", allowed, **more)
+
+
+PATIENT = {"given_name": "New", "family_name": "Person"}
+ACCOUNT = {"email": "n@e.example", "display_name": "N", "role": "therapist", "password": "long enough one"}
+EXERCISE = {
+    "name": "New",
+    "movement": "flexion",
+    "primary_angle": "humerus_forearm_right_zxy_flexion",
+}
+SESSION = {"patient_id": "{patient_id}", "placements": ["upper_arm_right", "forearm_right"]}
+UPLOAD = {"patient_id": "{patient_id}", "format": "packet_log"}
+
+LINES: tuple[Line, ...] = (
+    # --- service ---
+    Line("GET", "/api/health", "public"),
+    Line("GET", "/{path:path}", "public"),
+    Line("GET", "/api/openapi.json", "signed_in"),
+    Line("GET", "/api/docs", "signed_in"),
+    # --- accounts ---
+    Line("POST", "/api/sign-in", "public", body={"email": "a@b.example", "password": "x"}),
+    Line("POST", "/api/sign-out", "signed_in", status=204, note="(cookies only)"),
+    Line("GET", "/api/me", "signed_in", note="(cookies only)"),
+    Line("GET", "/api/accounts", "list"),
+    Line("POST", "/api/accounts", "role", frozenset({"administrator"}), body=ACCOUNT, status=201),
+    patient(
+        "POST",
+        "/api/accounts",
+        frozenset({"administrator"}),
+        body=ACCOUNT | {"role": "patient", "patient_id": "{patient_id}"},
+        status=201,
+        note="for a patient",
+    ),
+    # --- patients ---
+    Line("GET", "/api/caseload", "list"),
+    Line("GET", "/api/patients", "list"),
+    Line("POST", "/api/patients", "role", MANAGE | {"reader"}, body=PATIENT, status=201),
+    patient("GET", "/api/patients/{patient_id}", READ),
+    patient("PATCH", "/api/patients/{patient_id}", MANAGE, body={"notes": "changed"}),
+    patient("GET", "/api/patients/{patient_id}/progress", READ),
+    patient("GET", "/api/patients/{patient_id}/grants", READ),
+    patient(
+        "POST",
+        "/api/patients/{patient_id}/grants",
+        MANAGE,
+        body={"account_id": "{account:colleague}"},
+        status=201,
+    ),
+    patient("DELETE", "/api/grants/{grant_id}", MANAGE, status=204),
+    patient("GET", "/api/patients/{patient_id}/audit", READ),
+    patient("GET", "/api/patients/{patient_id}/device-tokens", OWN_OR_MANAGE),
+    patient(
+        "POST",
+        "/api/patients/{patient_id}/device-tokens",
+        OWN_OR_MANAGE,
+        body={"label": "phone"},
+        status=201,
+    ),
+    patient("DELETE", "/api/device-tokens/{token_id}", OWN_OR_MANAGE, status=204),
+    patient("GET", "/api/patients/{patient_id}/consents", READ),
+    patient(
+        "PUT",
+        "/api/patients/{patient_id}/consents",
+        OWN_OR_MANAGE,
+        body={"purpose": "research", "granted": True},
+    ),
+    # --- exercises ---
+    Line("GET", "/api/exercises", "list"),
+    Line("POST", "/api/exercises", "role", MANAGE | {"reader"}, body=EXERCISE, status=201),
+    Line("GET", "/api/exercises/{exercise_id}", "clinic"),
+    patient("GET", "/api/patients/{patient_id}/prescriptions", READ),
+    patient(
+        "POST",
+        "/api/patients/{patient_id}/prescriptions",
+        TREAT,
+        body={"exercise_id": "{exercise_id}", "template_id": "{template_id}"},
+        status=201,
+    ),
+    patient("DELETE", "/api/prescriptions/{prescription_id}", TREAT, status=204),
+    # --- sessions ---
+    patient("POST", "/api/sessions", RECORD, body=SESSION, status=201),
+    patient(
+        "POST", "/api/sessions", TREAT, body=SESSION | {"purpose": "template"}, status=201, note="template"
+    ),
+    patient("GET", "/api/patients/{patient_id}/sessions", READ),
+    patient("GET", "/api/sessions/{session_id}", READ),
+    patient("DELETE", "/api/sessions/{session_id}", TREAT, status=204),
+    patient("GET", "/api/sessions/{session_id}/raw", READ),
+    patient("POST", "/api/sessions/{session_id}/reprocess", TREAT, body={"orientation": "vqf"}, status=202),
+    patient("GET", "/api/sessions/{session_id}/jobs", STATUS),
+    patient("GET", "/api/jobs/{job_id}", STATUS),
+    patient("GET", "/api/sessions/{session_id}/frames", READ),
+    patient("GET", "/api/sessions/{session_id}/layout", READ),
+    patient("POST", "/api/uploads", RECORD, body=UPLOAD, files=True, status=202),
+    Line("GET", "/api/estimators", "signed_in"),
+    # --- live ---
+    patient("POST", "/api/sessions/{session_id}/ticket", READ, body={"purpose": "live"}),
+    patient("POST", "/api/sessions/{session_id}/ticket", RECORD, body={"purpose": "ingest"}, note="ingest"),
+    patient("POST", "/api/sessions/{session_id}/calibrate", RECORD, status=409),
+    patient("POST", "/api/sessions/{session_id}/record", RECORD, status=409),
+    patient("POST", "/api/sessions/{session_id}/stop", RECORD, status=409),
+    patient("POST", "/api/sessions/{session_id}/mark", RECORD, body={"text": "here"}, status=409),
+    patient("POST", "/api/sessions/{session_id}/close", RECORD),
+    patient("GET", "/api/sessions/{session_id}/state", STATUS),
+    Line("WS", "/ws/live/{session_id}", "socket", READ),
+    Line("WS", "/ws/ingest", "socket"),
+    # --- templates and comparisons ---
+    Line("GET", "/api/templates", "list"),
+    patient("GET", "/api/templates", READ, query={"patient_id": "{patient_id}"}, note="of a patient"),
+    patient("POST", "/api/templates/preview", TREAT, body={"session_id": "{session_id}"}),
+    patient(
+        "POST",
+        "/api/templates",
+        TREAT,
+        body={
+            "session_id": "{session_id}",
+            "exercise_id": "{exercise_id}",
+            "patient_id": "{patient_id}",
+            "name": "New",
+        },
+        status=201,
+    ),
+    patient("GET", "/api/template-versions/{version_id}", READ),
+    patient("GET", "/api/sessions/{session_id}/comparisons", READ),
+    patient(
+        "POST",
+        "/api/sessions/{session_id}/comparisons",
+        TREAT,
+        body={"template_version_id": "{version_id}"},
+        status=201,
+    ),
+    patient("GET", "/api/comparisons/{comparison_id}", READ),
+    # --- views ---
+    patient("POST", "/api/sessions/{session_id}/views", READ, body={"mode": "replay"}, status=201),
+    patient(
+        "GET",
+        "/viewer/{view_id}/",
+        frozenset({"therapist"}),
+        prepare="view",
+        note="(of the account that opened it)",
+    ),
+    Line("WS", "/viewer/{view_id}", "socket", frozenset({"therapist"}), prepare="view"),
+    Line("WS", "/ws/views/{view_id}", "socket", frozenset({"therapist"}), prepare="view"),
+)
+
+CROSS: tuple[Line, ...] = (
+    # Carl's therapist, with every right to Carl, puts Ada's things into requests about Carl.
+    Line(
+        "POST",
+        "/api/patients/{foreign:patient_id}/prescriptions",
+        "patient",
+        body={"exercise_id": "{exercise_id}"},
+    ),
+    Line(
+        "POST",
+        "/api/patients/{foreign:patient_id}/prescriptions",
+        "patient",
+        body={"exercise_id": "{foreign:exercise_id}", "template_id": "{template_id}"},
+        note="template",
+    ),
+    Line(
+        "POST",
+        "/api/patients/{foreign:patient_id}/grants",
+        "patient",
+        body={"account_id": "{account:therapist}"},
+    ),
+    Line(
+        "POST",
+        "/api/sessions",
+        "patient",
+        body=SESSION | {"patient_id": "{foreign:patient_id}", "exercise_id": "{exercise_id}"},
+        note="exercise",
+    ),
+    Line(
+        "POST",
+        "/api/sessions",
+        "patient",
+        body=SESSION | {"patient_id": "{foreign:patient_id}", "prescription_id": "{prescription_id}"},
+        note="prescription",
+    ),
+    Line(
+        "POST",
+        "/api/uploads",
+        "patient",
+        body=UPLOAD | {"patient_id": "{foreign:patient_id}", "prescription_id": "{prescription_id}"},
+        files=True,
+    ),
+    Line("GET", "/api/sessions/{foreign:session_id}/frames", "patient", query={"result_id": "{result_id}"}),
+    Line("GET", "/api/sessions/{foreign:session_id}/layout", "patient", query={"result_id": "{result_id}"}),
+    Line(
+        "GET",
+        "/api/patients/{foreign:patient_id}/progress",
+        "patient",
+        query={"exercise_id": "{exercise_id}"},
+    ),
+    Line("GET", "/api/templates", "patient", query={"patient_id": "{patient_id}"}),
+    Line(
+        "POST",
+        "/api/templates/preview",
+        "patient",
+        body={"session_id": "{foreign:session_id}", "result_id": "{result_id}"},
+    ),
+    Line(
+        "POST",
+        "/api/templates",
+        "patient",
+        body={
+            "session_id": "{foreign:session_id}",
+            "exercise_id": "{foreign:exercise_id}",
+            "template_id": "{template_id}",
+            "name": "x",
+        },
+        note="version of another's template",
+    ),
+    Line(
+        "POST",
+        "/api/templates",
+        "patient",
+        body={
+            "session_id": "{foreign:session_id}",
+            "exercise_id": "{foreign:exercise_id}",
+            "patient_id": "{patient_id}",
+            "name": "x",
+        },
+        note="for another's patient",
+    ),
+    Line(
+        "POST",
+        "/api/templates",
+        "patient",
+        body={"session_id": "{foreign:session_id}", "exercise_id": "{exercise_id}", "name": "x"},
+        note="of another's exercise",
+    ),
+    Line(
+        "POST",
+        "/api/sessions/{foreign:session_id}/comparisons",
+        "patient",
+        body={"template_version_id": "{version_id}"},
+    ),
+    Line(
+        "POST",
+        "/api/sessions/{foreign:session_id}/comparisons",
+        "patient",
+        body={"template_version_id": "{foreign:version_id}", "result_id": "{result_id}"},
+        note="result",
+    ),
+    Line(
+        "POST",
+        "/api/sessions/{foreign:session_id}/views",
+        "patient",
+        body={"mode": "replay", "template_version_id": "{version_id}"},
+        note="template",
+    ),
+    Line(
+        "POST",
+        "/api/sessions/{foreign:session_id}/views",
+        "patient",
+        body={"mode": "replay", "result_id": "{result_id}"},
+        note="result",
+    ),
+)
+"""Requests whose path is in reach and whose content points at another's data."""
