@@ -49,6 +49,21 @@ def migrate() -> None:
     command.migrate()
 
 
+@cli.command("create-clinic")
+def create_clinic(
+    clinic: Annotated[str, typer.Argument(help="Name of the clinic.")],
+    email: Annotated[str, typer.Option(help="E-mail of its first administrator.")],
+    name: Annotated[str, typer.Option(help="Name of that person.")],
+    password: Annotated[
+        str, typer.Option(help="Their password; asked for when absent.", prompt=True, hide_input=True)
+    ],
+) -> None:
+    """Create a clinic and its first administrator, on the server's own machine."""
+    from app.commands import store as command
+
+    command.create_clinic(clinic, email, name, password)
+
+
 @cli.command()
 def demo(
     port: Port = 8000,

@@ -7,10 +7,15 @@ import typer
 from sqlalchemy import select
 
 from app import tables as tables
+from app.accounts import audit
+from app.accounts.models import Account, Clinic
+from app.accounts.passwords import Passwords
+from app.accounts.sign_in import normalise_email
 from app.accounts.subject import Subject
 from app.database import backup as archives
 from app.database import engine as engines
 from app.database import migrate as migrations
+from app.database.base import new_id
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import Conflict, InvalidInput, NotFound
 from app.recordings import service
@@ -19,6 +24,8 @@ from app.recordings.models import MotionSession
 from app.recordings.reprocess import reprocess as reprocess_task
 from app.recordings.schemas import ReprocessIn
 from app.settings import Settings
+
+MINIMUM_PASSWORD_LENGTH = 10
 
 
 def migrate() -> None:
@@ -53,6 +60,55 @@ def restore(archive: Path) -> None:
     """Fill an empty database from a backup."""
     manifest = archives.restore(archive, Settings().database_url)
     typer.echo(f"{sum(manifest.rows.values())} rows restored")
+
+
+def create_clinic(name: str, email: str, person: str, password: str) -> None:
+    """Create a clinic and its first administrator in the database of the settings.
+
+    Parameters
+    ----------
+    name : str
+        Of the clinic.
+    email, person, password : str
+        Of the administrator.
+
+    Raises
+    ------
+    InvalidInput
+        The password is too short or the address is none.
+    Conflict
+        The address is taken.
+    """
+    if len(password) < MINIMUM_PASSWORD_LENGTH:
+        raise InvalidInput(f"the password needs at least {MINIMUM_PASSWORD_LENGTH} characters")
+    address = normalise_email(email)
+    if address.count("@") != 1 or address.startswith("@") or address.endswith("@"):
+        raise InvalidInput("the e-mail address needs a name, an @ and a host")
+    settings = Settings()
+    migrations.upgrade(settings.database_url)
+    engine = engines.create(settings)
+    try:
+        with unit_of_work(engine) as session:
+            if session.scalar(select(Account.id).where(Account.email == address)) is not None:
+                raise Conflict("there is an account with this e-mail address already")
+            clinic = Clinic(id=new_id(), name=name)
+            session.add(clinic)
+            session.flush()
+            session.add(
+                Account(
+                    id=new_id(),
+                    clinic_id=clinic.id,
+                    role="administrator",
+                    email=address,
+                    display_name=person,
+                    password_hash=Passwords().hash(password),
+                )
+            )
+            session.flush()
+            audit.record(session, Subject.system(clinic.id), "clinic.create", None, clinic.id, {})
+    finally:
+        engine.dispose()
+    typer.echo(f"{name} is ready; {address} can sign in")
 
 
 def reprocess(session_id: str, orientation: str, parameters: str) -> None:
