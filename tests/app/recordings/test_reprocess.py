@@ -88,7 +88,9 @@ def test_the_result_does_not_depend_on_the_order_of_arrival(
         done = run_job(
             engine,
             settings,
-            queue(engine, session_id, close=True, orientation_parameters={"accelerometer_time_constant_s": 2.5}),
+            queue(
+                engine, session_id, close=True, orientation_parameters={"accelerometer_time_constant_s": 2.5}
+            ),
             reprocess,
         )
         assert done.status == "complete", done.message
