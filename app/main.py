@@ -24,7 +24,7 @@ from app.database.unit_of_work import read_only, unit_of_work
 from app.edge import error_answers
 from app.edge.client import client_router
 from app.edge.documentation import router as documentation_router
-from app.edge.middleware import AccessLog, BodyLimit, SecurityHeaders
+from app.edge.middleware import AccessLog, BodyLimit, SecurityHeaders, UnexpectedErrors
 from app.exercises.endpoints import router as exercises_router
 from app.ingest.upload import MULTIPART_SLACK_BYTES, remove_orphans
 from app.ingest.upload import router as upload_router
@@ -92,6 +92,7 @@ def create_app(settings: Settings | None = None, *, passwords: Passwords | None 
         default_bytes=settings.request_limit_bytes,
         by_path={"/api/uploads": settings.upload_limit_bytes + MULTIPART_SLACK_BYTES},
     )
+    app.add_middleware(UnexpectedErrors)
     app.add_middleware(SecurityHeaders, settings=settings)
     app.add_middleware(AccessLog)
     for router in all_routers():

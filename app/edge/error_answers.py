@@ -11,8 +11,10 @@ from typing import Any, cast
 from fastapi import FastAPI
 from fastapi.exceptions import RequestValidationError, WebSocketRequestValidationError
 from fastapi.responses import JSONResponse
+from sqlalchemy.exc import OperationalError
+from sqlalchemy.exc import TimeoutError as PoolTimeout
 from starlette.exceptions import HTTPException
-from starlette.requests import Request
+from starlette.requests import HTTPConnection, Request
 from starlette.responses import Response
 from starlette.types import ExceptionHandler
 from starlette.websockets import WebSocket
@@ -50,7 +52,8 @@ def register(app: FastAPI) -> None:
         HTTPException: _http,
         RequestValidationError: _invalid,
         WebSocketRequestValidationError: _invalid,
-        Exception: _unexpected,
+        OperationalError: _database_busy,
+        PoolTimeout: _database_busy,
     }
     for kind, handler in handlers.items():
         # One function serves requests and sockets, which Starlette's type cannot say.
@@ -106,10 +109,22 @@ async def _invalid(connection: Request | WebSocket, error: Exception) -> Respons
     return await _send(connection, 422, "invalid_input", message, {"fields": fields})
 
 
-async def _unexpected(connection: Request | WebSocket, error: Exception) -> Response | None:
+async def _database_busy(connection: Request | WebSocket, error: Exception) -> Response | None:
+    logger.error("the database did not answer in %s", _where(connection), exc_info=error)
+    message = "The database is busy or not reachable; try again in a moment."
+    return await _send(connection, 503, "unavailable", message, {"retry_after_s": 5})
+
+
+def unexpected(connection: HTTPConnection, error: Exception) -> JSONResponse:
+    """Log an error that nobody expected and return an answer that says nothing of it.
+
+    Parameters
+    ----------
+    connection : Request
+    error : Exception
+    """
     logger.error("unexpected %s in %s", type(error).__name__, _where(connection), exc_info=error)
-    message = "Something went wrong on our side; it has been noted."
-    return await _send(connection, 500, "internal", message, {})
+    return answer(500, "internal", "Something went wrong on our side; it has been noted.", {})
 
 
 async def _send(
@@ -123,6 +138,6 @@ async def _send(
     return None
 
 
-def _where(connection: Request | WebSocket) -> str:
+def _where(connection: HTTPConnection) -> str:
     route = connection.scope.get("route")
     return getattr(route, "path", "an unknown route")

@@ -10,9 +10,10 @@ from collections.abc import Mapping
 from urllib.parse import urlsplit
 
 from starlette.datastructures import MutableHeaders
+from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from app.edge.error_answers import BodyTooLarge, answer
+from app.edge.error_answers import BodyTooLarge, answer, unexpected
 from app.settings import Settings
 
 access_log = logging.getLogger("telemotion.access")
@@ -135,6 +136,37 @@ class BodyLimit:
             return message
 
         await self.app(scope, receive_counted, send)
+
+
+class UnexpectedErrors:
+    """Answers what no handler expected, inside the security headers and the access log.
+
+    Parameters
+    ----------
+    app : ASGIApp
+    """
+
+    def __init__(self, app: ASGIApp) -> None:
+        self.app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on; an error after the answer has begun ends the connection."""
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
+            return
+        has_begun = False
+
+        async def send_noting(message: Message) -> None:
+            nonlocal has_begun
+            has_begun = has_begun or message["type"] == "http.response.start"
+            await send(message)
+
+        try:
+            await self.app(scope, receive, send_noting)
+        except Exception as error:
+            if has_begun:
+                raise
+            await unexpected(HTTPConnection(scope), error)(scope, receive, send)
 
 
 class AccessLog:

