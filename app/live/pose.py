@@ -82,8 +82,8 @@ class PoseCollector:
         if missing.all():
             return "The link had a gap; hold on."
         if missing.any():
-            return f"The sensor {self._names(missing.any(axis=1))} sends nothing; check it."
-        turning = np.sqrt((chunk.gyroscope_radps**2).sum(axis=2).mean(axis=1))
+            return f"The sensor {self._names(np.asarray(missing.any(axis=1)))} sends nothing; check it."
+        turning: Float = np.sqrt((chunk.gyroscope_radps**2).sum(axis=2).mean(axis=1))
         if (turning > _TURNING_LIMIT_RADPS).any():
             return f"Hold still: {self._names(turning > _TURNING_LIMIT_RADPS)} moved."
         if chunk.first_tick < self._settled_tick:
@@ -92,7 +92,7 @@ class PoseCollector:
             start = self._held[0].accelerometer_mps2.mean(axis=1)
             drift: Float = np.linalg.norm(chunk.accelerometer_mps2.mean(axis=1) - start, axis=1)
             if (drift > _TILT_LIMIT_MPS2).any():
-                return f"Hold still: {self._names(np.asarray(drift > _TILT_LIMIT_MPS2))} moved."
+                return f"Hold still: {self._names(drift > _TILT_LIMIT_MPS2)} moved."
         return ""
 
     def _names(self, which: NDArray[np.bool_]) -> str:
