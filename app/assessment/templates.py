@@ -142,6 +142,8 @@ def prepare(
     session: Session, subject: Subject, wanted: TemplateIn
 ) -> tuple[TemplateVersion, TemplateContent]:
     """Build a template from a session, ready to be stored by `store`; reads only."""
+    # First of all the right to the recording: a stranger learns nothing about anything else.
+    recordings.get_session(session, subject, wanted.session_id, "treat", action="")
     exercise = repository.exercise_of(session, subject, wanted.exercise_id)
     found, result, built = _build_from(session, subject, wanted, exercise)
     version = TemplateVersion(

@@ -1,0 +1,410 @@
+"""From a therapist's recording to a template, and from a patient's session to its comparison."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from sqlalchemy import Engine, select
+
+from app.accounts.models import AuditEvent
+from app.assessment.comparisons import compare_task
+from app.assessment.models import Comparison, RepetitionMeasure
+from app.database.unit_of_work import read_only, unit_of_work
+from app.exercises.models import Exercise, TemplateVersion
+from app.ingest import readers
+from app.ingest.upload import register, upload_folder
+from app.ingest.upload_task import upload
+from app.recordings.jobs import run_job
+from app.recordings.models import Job, MotionSession
+from app.recordings.packet_log import write_log
+from app.recordings.reprocess import reprocess
+from app.recordings.schemas import UploadIn
+from app.settings import Settings
+from estimators.simulation import ArmScenario, MovementStyle, Schedule, SimulatedSession, simulate_arm
+
+ARM = ("sternum", "upper_arm_right", "forearm_right", "hand_right")
+HANDLERS = {"upload": upload, "reprocess": reprocess, "compare": compare_task}
+MAIN = "range:thorax_humerus_right_yxy_elevation"
+
+
+def perform(style: MovementStyle, repetitions: int, seed: int) -> SimulatedSession:
+    return simulate_arm(
+        ArmScenario(
+            exercise="reaching",
+            placements=ARM,
+            style=style,
+            schedule=Schedule(n_pose_s=7.0, repetitions=repetitions, pause_s=1.5),
+            seed=seed,
+        )
+    )
+
+
+@pytest.fixture(scope="module")
+def therapists() -> SimulatedSession:
+    return perform(MovementStyle(), 5, 21)
+
+
+@pytest.fixture(scope="module")
+def patients() -> SimulatedSession:
+    """Slower, smaller, and with the trunk: what a comparison must find."""
+    style = replace(MovementStyle(), speed=0.6, amplitude=0.7, trunk_lean_rad=np.radians(12))
+    return perform(style, 4, 22)
+
+
+@pytest.fixture
+def run_queue(engine: Engine, settings: Settings) -> Callable[[], list[str]]:
+    """Do every queued task in this process, in order; returns how each ended."""
+
+    def run() -> list[str]:
+        ended = []
+        while True:
+            with read_only(engine) as session:
+                job = session.scalars(
+                    select(Job).where(Job.status == "queued").order_by(Job.created_at).limit(1)
+                ).first()
+            if job is None:
+                return ended
+            done = run_job(engine, settings, job.id, HANDLERS[job.kind])
+            ended.append(f"{job.kind} {done.status}: {done.message}")
+
+    return run
+
+
+@pytest.fixture
+def store(
+    engine: Engine, settings: Settings, world: Any, run_queue: Callable[[], list[str]]
+) -> Callable[..., str]:
+    """Upload a simulated session and analyse it; returns its id."""
+
+    def make(simulated: SimulatedSession, name: str = "therapist", **declared: Any) -> str:
+        prepared = readers.packets_of(simulated.recording)
+        path: Path = upload_folder(settings) / f"{name}-{len(declared)}.upload"
+        path.write_bytes(b"".join(write_log(prepared.declaration.to_dict(), prepared.packets(1))))
+        declaration = UploadIn(
+            **{
+                "patient_id": world.patient_id,
+                "format": "packet_log",
+                "exercise_id": world.exercise_id,
+                **declared,
+            }
+        )
+        job = register(engine, settings, world.subjects[name], declaration, path)
+        ended = run_queue()
+        assert all(" complete" in line for line in ended), ended
+        return job.session_id
+
+    return make
+
+
+@pytest.fixture
+def template_version(therapist: Any, store: Any, world: Any, therapists: SimulatedSession) -> dict[str, Any]:
+    source = store(therapists, purpose="template")
+    answer = therapist.post(
+        "/api/templates",
+        json={"session_id": source, "exercise_id": world.exercise_id, "name": "Reach, my way"},
+    )
+    assert answer.status_code == 201, answer.text
+    return answer.json()
+
+
+@pytest.fixture(autouse=True)
+def quiet_queue(services: Any) -> None:
+    """The tests do the tasks themselves."""
+    services.jobs.stop()
+
+
+def test_a_preview_shows_repetitions_on_top_of_each_other(
+    therapist: Any, store: Any, therapists: SimulatedSession, engine: Engine
+) -> None:
+    session_id = store(therapists, purpose="template")
+    content = therapist.post("/api/templates/preview", json={"session_id": session_id}).json()
+    found = content["repetitions"]
+    assert [r["number"] for r in found] == [1, 2, 3, 4, 5]
+    assert all(r["is_kept"] for r in found)
+    for repetition, (start_s, end_s) in zip(found, therapists.truth.repetitions_s, strict=True):
+        assert repetition["start_s"] == pytest.approx(start_s, abs=0.35)
+        assert repetition["end_s"] == pytest.approx(end_s, abs=0.35)
+    main = next(c for c in content["curves"] if c["channel"] == MAIN.removeprefix("range:"))
+    assert (main["unit"], main["label"]) == ("deg", "Shoulder elevation")
+    assert len(main["mean"]) == 101
+    assert len(main["repetitions"]) == 5
+    known = [p for p in range(101) if main["mean"][p] is not None]
+    assert len(known) > 90
+    assert all(main["low"][p] < main["mean"][p] < main["high"][p] for p in known)
+    # In degrees: the true elevation of the simulated movement, at its highest.
+    truth = np.degrees(therapists.truth.angle_rad("thorax_humerus_right_yxy_elevation"))
+    assert max(v for v in main["mean"] if v is not None) == pytest.approx(truth.max(), abs=4.0)
+    with read_only(engine) as session:
+        assert session.scalars(select(TemplateVersion)).all() == []
+
+
+def test_a_repetition_left_out_by_hand_does_not_count(
+    therapist: Any, store: Any, therapists: SimulatedSession
+) -> None:
+    session_id = store(therapists, purpose="template")
+    body = {"session_id": session_id, "dropped": [2], "tolerance_scale": {}}
+    content = therapist.post("/api/templates/preview", json=body).json()
+    assert [r["number"] for r in content["repetitions"] if not r["is_kept"]] == [2]
+    assert content["repetitions"][1]["reason"] == "Left out by hand."
+    channel = MAIN.removeprefix("range:")
+
+    def width(tolerance_scale: dict[str, float]) -> float:
+        body["tolerance_scale"] = tolerance_scale
+        curves = therapist.post("/api/templates/preview", json=body).json()["curves"]
+        curve = next(c for c in curves if c["channel"] == channel)
+        return float(curve["high"][50] - curve["mean"][50])
+
+    assert width({channel: 2.0}) == pytest.approx(2 * width({}), rel=1e-3)
+    for wrong, says in [({"dropped": [9]}, "no repetition 9"), ({"dropped": [1, 2, 3, 4]}, "at least two")]:
+        answer = therapist.post("/api/templates/preview", json={**body, **wrong})
+        assert answer.status_code == 422
+        assert says in answer.json()["message"]
+    answer = therapist.post("/api/templates/preview", json={**body, "tolerance_scale": {channel: -1.0}})
+    assert answer.status_code == 422
+
+
+def test_versions_of_a_template_are_kept_beside_each_other(
+    therapist: Any, world: Any, template_version: dict[str, Any]
+) -> None:
+    assert template_version["number"] == 1
+    assert template_version["repetition_count"] == 5
+    answer = therapist.post(
+        "/api/templates",
+        json={
+            "session_id": template_version["source_session_id"],
+            "exercise_id": world.exercise_id,
+            "template_id": template_version["template_id"],
+            "name": "Reach, wider",
+            "dropped": [1],
+        },
+    )
+    assert answer.status_code == 201, answer.text
+    second = answer.json()
+    assert (second["number"], second["repetition_count"]) == (2, 4)
+    first = therapist.get(f"/api/template-versions/{template_version['id']}").json()
+    assert first["content"] == template_version["content"]
+    listed = therapist.get("/api/templates", params={"exercise_id": world.exercise_id}).json()
+    assert [t["name"] for t in listed] == ["Reach, wider"]
+    assert [v["number"] for v in listed[0]["versions"]] == [2, 1]
+
+
+def prescribe(therapist: Any, world: Any, template_id: str) -> str:
+    answer = therapist.post(
+        f"/api/patients/{world.patient_id}/prescriptions",
+        json={"exercise_id": world.exercise_id, "template_id": template_id},
+    )
+    assert answer.status_code in {200, 201}, answer.text
+    return str(answer.json()["id"])
+
+
+def test_a_closed_session_is_compared_with_what_was_prescribed(
+    therapist: Any,
+    patient: Any,
+    world: Any,
+    store: Any,
+    patients: SimulatedSession,
+    template_version: dict[str, Any],
+    engine: Engine,
+) -> None:
+    prescription = prescribe(therapist, world, template_version["template_id"])
+    session_id = store(patients, "patient", prescription_id=prescription)
+    shown = patient.get(f"/api/sessions/{session_id}").json()
+    assert shown["state"] == "analysed"
+    (listed,) = patient.get(f"/api/sessions/{session_id}/comparisons").json()
+    assert listed["template_name"] == "Reach, my way"
+    assert listed["repetition_count"] == 4
+    detail = patient.get(f"/api/comparisons/{listed['id']}").json()
+    summary = {m["measure"]: m for m in detail["summary"]}
+    assert detail["summary"] == listed["summary"]
+
+    # The truth of both simulations, in the units that people read.
+    def true_range(simulated: SimulatedSession, name: str) -> float:
+        values = np.degrees(simulated.truth.angle_rad(name))
+        step = 100
+        spans = [np.ptp(values[round(a * step) : round(b * step)]) for a, b in simulated.truth.repetitions_s]
+        return float(np.mean(spans))
+
+    main = summary[MAIN]
+    assert (main["unit"], main["count"], main["group"]) == ("deg", 4, "range")
+    assert main["label"] == "Shoulder elevation, range of motion"
+    assert main["value"] == pytest.approx(true_range(patients, MAIN.removeprefix("range:")), abs=4.0)
+    assert main["uncertainty"] is not None
+    duration = summary["duration"]
+    assert duration["unit"] == "s"
+    lengths = np.diff(patients.truth.repetitions_s, axis=1)
+    assert duration["value"] == pytest.approx(float(lengths.mean()), abs=0.4)
+    assert duration["value"] > duration["template_value"] * 1.2
+    lean = summary["compensation:trunk_lean_forward_rad"]
+    assert (lean["unit"], lean["group"]) == ("deg", "compensation")
+    assert lean["value"] == pytest.approx(true_range(patients, "trunk_lean_forward_rad"), abs=3.0)
+    assert lean["value"] > lean["template_value"] + 5.0
+    assert 1 <= len(detail["findings"]) <= 3
+    for one in detail["repetitions"]:
+        warp = one["warp_template_phase"]
+        assert len(warp) == 101
+        assert all(a <= b for a, b in pairwise(warp))
+        assert all(0 <= a < b <= 101 for spans in one["outside_band"].values() for a, b in spans)
+    assert len(detail["curves"][0]["repetitions"]) == 4
+    with read_only(engine) as session:
+        rows = session.scalars(select(RepetitionMeasure).where(RepetitionMeasure.measure == MAIN)).all()
+    assert len(rows) == 4
+    assert {row.unit for row in rows} == {"deg"}
+    assert np.mean([row.value for row in rows]) == pytest.approx(main["value"])
+
+
+def test_progress_takes_up_the_comparison(
+    therapist: Any, world: Any, store: Any, patients: SimulatedSession, template_version: dict[str, Any]
+) -> None:
+    prescription = prescribe(therapist, world, template_version["template_id"])
+    store(patients, prescription_id=prescription)
+    progress = therapist.get(f"/api/patients/{world.patient_id}/progress").json()
+    main = progress["measures"][0]
+    assert (main["measure"], main["unit"]) == (MAIN, "deg")
+    assert main["points"][0]["count"] == 4
+
+
+def test_a_session_can_be_compared_on_demand(
+    therapist: Any, store: Any, patients: SimulatedSession, template_version: dict[str, Any], engine: Engine
+) -> None:
+    session_id = store(patients)
+    # Nothing was prescribed: the session is analysed without a comparison.
+    assert therapist.get(f"/api/sessions/{session_id}").json()["state"] == "analysed"
+    assert therapist.get(f"/api/sessions/{session_id}/comparisons").json() == []
+    answer = therapist.post(
+        f"/api/sessions/{session_id}/comparisons", json={"template_version_id": template_version["id"]}
+    )
+    assert answer.status_code == 201, answer.text
+    assert therapist.get(f"/api/sessions/{session_id}/comparisons").json() == [answer.json()]
+    with read_only(engine) as session:
+        actions = set(session.scalars(select(AuditEvent.action)))
+    assert {"comparison.create", "comparison.list", "template.publish", "template.preview"} <= actions
+
+
+def test_a_template_compared_with_its_own_recording_lies_inside_its_band(
+    therapist: Any, template_version: dict[str, Any]
+) -> None:
+    answer = therapist.post(
+        f"/api/sessions/{template_version['source_session_id']}/comparisons",
+        json={"template_version_id": template_version["id"]},
+    )
+    summary = {m["measure"]: m for m in answer.json()["summary"]}
+    assert summary["inside_band"]["value"] > 90.0
+    assert summary["duration_ratio"]["value"] == pytest.approx(1.0, abs=0.02)
+
+
+def test_the_other_arm_is_compared_with_the_mirrored_template(
+    therapist: Any, world: Any, store: Any, template_version: dict[str, Any], engine: Engine
+) -> None:
+    left = simulate_arm(
+        ArmScenario(
+            exercise="reaching",
+            side="left",
+            placements=tuple(name.replace("right", "left") for name in ARM),
+            schedule=Schedule(n_pose_s=7.0, repetitions=3),
+            seed=5,
+        )
+    )
+    with unit_of_work(engine) as session:
+        exercise = Exercise(
+            clinic_id=world.clinic_id,
+            name="Reach left",
+            movement="reaching",
+            side="left",
+            primary_angle="thorax_humerus_left_yxy_elevation",
+        )
+        session.add(exercise)
+    session_id = store(left, exercise_id=exercise.id)
+    answer = therapist.post(
+        f"/api/sessions/{session_id}/comparisons", json={"template_version_id": template_version["id"]}
+    )
+    assert answer.status_code == 201, answer.text
+    detail = therapist.get(f"/api/comparisons/{answer.json()['id']}").json()
+    assert detail["repetition_count"] == 3
+    assert all("_right_" not in curve["channel"] for curve in detail["curves"])
+    measured = {m["measure"]: m for m in detail["summary"]}
+    assert measured["range_ratio:thorax_humerus_left_yxy_elevation"]["value"] == pytest.approx(1.0, abs=0.12)
+
+
+def test_a_session_that_cannot_be_compared_is_still_analysed(
+    therapist: Any,
+    world: Any,
+    store: Any,
+    run_queue: Any,
+    patients: SimulatedSession,
+    template_version: dict[str, Any],
+    engine: Engine,
+) -> None:
+    prescription = prescribe(therapist, world, template_version["template_id"])
+    session_id = store(patients, prescription_id=prescription)
+    with unit_of_work(engine) as session:
+        found = session.get_one(MotionSession, session_id)
+        session.delete(session.scalars(select(Comparison)).one())
+        # Nothing moved in the stretch that counts.
+        found.state, found.recording_start_s, found.recording_end_s = "closing", 1.0, 1.05
+        session.add(Job(session_id=session_id, kind="compare", arguments={"close": True}, created_by="x"))
+    (ended,) = run_queue()
+    assert ended.startswith("compare complete")
+    assert therapist.get(f"/api/sessions/{session_id}").json()["state"] == "analysed"
+
+
+def test_who_sees_templates_and_comparisons(
+    sign_in: Any,
+    nobody: Any,
+    therapist: Any,
+    world: Any,
+    store: Any,
+    patients: SimulatedSession,
+    template_version: dict[str, Any],
+) -> None:
+    path = f"/api/template-versions/{template_version['id']}"
+    session_id = store(patients)
+    compared = therapist.post(
+        f"/api/sessions/{session_id}/comparisons", json={"template_version_id": template_version["id"]}
+    ).json()
+    # A template of the clinic: colleagues may use it, without the single repetitions of a patient that is
+    # not theirs; nobody outside.
+    colleague = sign_in("colleague").get(path)
+    assert colleague.status_code == 200
+    assert all(curve["repetitions"] == [] for curve in colleague.json()["content"]["curves"])
+    for name in ("other_patient", "foreign_therapist", "foreign_administrator"):
+        assert sign_in(name).get(path).status_code == 404, name
+        assert sign_in(name).get("/api/templates").json() == [], name
+    # Compared with it, so the patient may see it.
+    assert sign_in("patient").get(path).status_code == 200
+    for name in ("colleague", "former", "other_patient", "foreign_therapist"):
+        stranger = sign_in(name)
+        assert stranger.get(f"/api/comparisons/{compared['id']}").status_code == 404, name
+        assert stranger.get(f"/api/sessions/{session_id}/comparisons").status_code == 404, name
+        body = {"template_version_id": template_version["id"]}
+        assert stranger.post(f"/api/sessions/{session_id}/comparisons", json=body).status_code == 404, name
+        body = {"session_id": session_id, "exercise_id": world.exercise_id, "name": "stolen"}
+        assert stranger.post("/api/templates", json=body).status_code == 404, name
+        assert stranger.post("/api/templates/preview", json={"session_id": session_id}).status_code == 404
+    body = {"session_id": session_id, "exercise_id": world.exercise_id, "name": "mine"}
+    assert sign_in("patient").post("/api/templates", json=body).status_code == 403
+    assert nobody.get(path).status_code == 401
+
+
+def test_a_template_for_one_patient_is_that_patients_data(
+    sign_in: Any, therapist: Any, world: Any, store: Any, therapists: SimulatedSession
+) -> None:
+    source = store(therapists, purpose="template")
+    body = {
+        "session_id": source,
+        "exercise_id": world.exercise_id,
+        "patient_id": world.patient_id,
+        "name": "For Ada",
+    }
+    made = therapist.post("/api/templates", json=body).json()
+    assert therapist.get("/api/templates").json() == []
+    listed = therapist.get("/api/templates", params={"patient_id": world.patient_id}).json()
+    assert [t["name"] for t in listed] == ["For Ada"]
+    assert sign_in("reader").get(f"/api/template-versions/{made['id']}").status_code == 200
+    for name in ("colleague", "other_patient", "foreign_therapist"):
+        assert sign_in(name).get(f"/api/template-versions/{made['id']}").status_code == 404, name
+    body = {**body, "patient_id": world.other_patient_id, "template_id": made["template_id"]}
+    assert therapist.post("/api/templates", json=body).status_code == 422
