@@ -16,10 +16,11 @@ from estimators.pipelines._contract import Calibration, SessionSetup
 from estimators.pipelines._kernel import compose
 from estimators.recording import Float, ImuChunk
 
-REMEMBERED_BIAS_SIGMA_RADPS = np.deg2rad(0.1)
-"""Trust in a bias from an earlier session: in-run stability of consumer gyroscopes between switch-ons."""
-MEASURED_BIAS_SIGMA_RADPS = np.deg2rad(0.02)
-"""Trust in a bias just found while standing still for a few seconds."""
+LYING_BIAS_SIGMA_RADPS = float(np.deg2rad(0.05))
+STANDING_BIAS_SIGMA_RADPS = float(np.deg2rad(0.2))
+"""Trust in a bias found earlier: by sensors that lay still, or on a person, who sways by half a degree
+within the seconds of a pose; both with what gyroscopes change between switch-ons."""
+_LEAST_BIAS_SIGMA_RADPS = float(np.deg2rad(0.02))
 _LEVEL_LIMIT_MPS2 = 0.1 * GRAVITY_MPS2
 """Six degrees of tilt: more is not lying level."""
 _LARGEST_BIAS_MPS2 = 0.04 * GRAVITY_MPS2
@@ -57,7 +58,8 @@ class BodyNetwork:
         self._memory_flags = np.zeros((slots, self.sensor_count), dtype=np.uint8)
         self._apply(setup.calibration)
         if setup.calibration is not None:
-            self._set_bias(setup.calibration, REMEMBERED_BIAS_SIGMA_RADPS)
+            lay = setup.calibration.method != "n_pose"
+            self._set_bias(setup.calibration, LYING_BIAS_SIGMA_RADPS if lay else STANDING_BIAS_SIGMA_RADPS)
 
     @property
     def is_calibrated(self) -> bool:
@@ -162,7 +164,7 @@ class BodyNetwork:
             accelerometer_bias_mps2=self._by_placement(accelerometer_bias),
         )
         self._apply(found)
-        self._set_bias(found, MEASURED_BIAS_SIGMA_RADPS)
+        self._set_bias(found, _bias_sigma(rest))
         return found
 
     def _rest(self, pose: ImuChunk) -> Calibration:
@@ -173,17 +175,24 @@ class BodyNetwork:
             method="static",
         )
         self._apply(found)
-        self._set_bias(found, MEASURED_BIAS_SIGMA_RADPS)
+        self._set_bias(found, _bias_sigma(rest))
         return found
 
     def _n_pose(self, pose: ImuChunk) -> Calibration:
         was_level = self.setup.calibration is not None and "level" in self.setup.calibration.method
         bias = self._accelerometer_bias if was_level else _bias_along_gravity(pose.accelerometer_mps2)
         pose = replace(pose, accelerometer_mps2=pose.accelerometer_mps2 - bias[:, None])
-        rest = calibration.static_bias(
-            pose.gyroscope_radps, pose.accelerometer_mps2, pose.time_step_s, require_still=False
-        )
-        anew = self._begin_anew(pose, rest.gyroscope_bias_radps)
+        if was_level and self.setup.calibration is not None:
+            # Found lying, without the sway of a standing person.
+            known = self.setup.calibration.gyroscope_bias_radps
+            gyroscope_bias = np.array([known[name] for name in self.setup.placements])
+            sigma_radps = LYING_BIAS_SIGMA_RADPS
+        else:
+            rest = calibration.static_bias(
+                pose.gyroscope_radps, pose.accelerometer_mps2, pose.time_step_s, require_still=False
+            )
+            gyroscope_bias, sigma_radps = rest.gyroscope_bias_radps, _bias_sigma(rest)
+        anew = self._begin_anew(pose, gyroscope_bias, sigma_radps)
         q_earth_sensor, flags = self._during(pose, anew)
         found = calibration.n_pose(
             q_earth_sensor,
@@ -195,12 +204,13 @@ class BodyNetwork:
         )
         found = replace(
             found,
+            gyroscope_bias_radps=self._by_placement(gyroscope_bias),
             accelerometer_bias_mps2=self._by_placement(bias),
             method="level, n_pose" if was_level else "n_pose",
         )
         self._apply(found)
         if anew is None:
-            self._set_bias(found, MEASURED_BIAS_SIGMA_RADPS)
+            self._set_bias(found, sigma_radps)
         else:
             self._filter = anew[0]
         return found
@@ -212,7 +222,7 @@ class BodyNetwork:
         }
 
     def _begin_anew(
-        self, pose: ImuChunk, bias_radps: Float
+        self, pose: ImuChunk, bias_radps: Float, sigma_radps: float
     ) -> tuple[orientation.OrientationEstimator, Float] | None:
         """Run a fresh filter over the pose with the bias known; None if ticks have followed the pose.
 
@@ -222,7 +232,7 @@ class BodyNetwork:
         if pose.first_tick + pose.tick_count != self._next_tick:
             return None
         fresh = self._new_filter()
-        fresh.set_gyroscope_bias(bias_radps, MEASURED_BIAS_SIGMA_RADPS)
+        fresh.set_gyroscope_bias(bias_radps, sigma_radps)
         return fresh, fresh.update(pose).q_earth_sensor
 
     def _during(
@@ -314,6 +324,11 @@ class BodyNetwork:
         self._memory_tick = state["memory_tick"].astype(np.int64)
         self._memory_q = state["memory_q"].astype(np.float64)
         self._memory_flags = state["memory_flags"].astype(np.uint8)
+
+
+def _bias_sigma(rest: calibration.StaticBias) -> float:
+    """One number for the network: the typical standard error, sway included."""
+    return max(float(np.median(rest.gyroscope_standard_error_radps)), _LEAST_BIAS_SIGMA_RADPS)
 
 
 def _bias_along_gravity(accelerometer_mps2: Float) -> Float:

@@ -1,0 +1,105 @@
+"""Published experiments repeated: protocol, published figure, what we require, what we measure.
+
+::
+
+    results = run(["arm_orientation"], seeds=8)
+    print(to_table(results))
+
+No files are read here: recordings for protocols with `needs_data` are handed in by the caller.
+"""
+
+from collections.abc import Iterable
+
+from estimators.errors import SetupError
+from estimators.validation._broad import BROAD
+from estimators.validation._hand_motion import BIAS_STATES, HAND_MOTION, SINGULARITY
+from estimators.validation._kinematics import CONVERSIONS, ELBOW_POSITION, KINEMATIC_IDENTITY
+from estimators.validation._protocol import (
+    Data,
+    Figure,
+    FigureResult,
+    Protocol,
+    ProtocolResult,
+    run_protocol,
+)
+from estimators.validation._render import to_json, to_table
+from estimators.validation._sessions import ARM_SESSION, REPETITIONS, TEMPLATE_COMPARISON
+from estimators.validation._static import GYROSCOPE_DRIFT, HEADING_SHIFT, STATIC_ANGLES
+
+_PROTOCOLS = (
+    STATIC_ANGLES,
+    GYROSCOPE_DRIFT,
+    CONVERSIONS,
+    HAND_MOTION,
+    BIAS_STATES,
+    SINGULARITY,
+    HEADING_SHIFT,
+    KINEMATIC_IDENTITY,
+    ELBOW_POSITION,
+    TEMPLATE_COMPARISON,
+    REPETITIONS,
+    ARM_SESSION,
+    BROAD,
+)
+MOST_SEEDS = 1000
+
+
+def protocols() -> tuple[Protocol, ...]:
+    """Return every protocol, simulations first."""
+    return _PROTOCOLS
+
+
+def run(names: Iterable[str] | None = None, seeds: int = 8, data: Data | None = None) -> list[ProtocolResult]:
+    """Repeat published experiments.
+
+    Parameters
+    ----------
+    names : iterable of str, optional
+        Which; all by default. Without data, those that need recordings are left out unless named.
+    seeds : int
+        Simulated repetitions of each.
+    data : mapping of str to Recording, optional
+        Trials of BROAD, each with its `reference`.
+
+    Returns
+    -------
+    list of ProtocolResult
+        In the order of `protocols()`.
+
+    Raises
+    ------
+    SetupError
+        For an unknown name, no seeds, or a protocol named without the recordings it needs.
+    """
+    if not 1 <= seeds <= MOST_SEEDS:
+        raise SetupError(f"{seeds} seeds; use 1 to {MOST_SEEDS}")
+    known = {protocol.name: protocol for protocol in _PROTOCOLS}
+    wanted = None if names is None else set(names)
+    if wanted is not None and (unknown := sorted(wanted - set(known))):
+        raise SetupError(f"no protocol {', '.join(unknown)}; known are {', '.join(known)}")
+    recordings = data or {}
+    chosen = []
+    for protocol in _PROTOCOLS:
+        if wanted is not None and protocol.name not in wanted:
+            continue
+        if protocol.needs_data and not recordings:
+            if wanted is not None:
+                raise SetupError(
+                    f"{protocol.name} needs recordings of {protocol.needs_data}; give them as data"
+                )
+            continue
+        chosen.append(protocol)
+    return [run_protocol(protocol, seeds, recordings) for protocol in chosen]
+
+
+__all__ = [
+    "Data",
+    "Figure",
+    "FigureResult",
+    "Protocol",
+    "ProtocolResult",
+    "protocols",
+    "run",
+    "to_json",
+    "to_table",
+]
