@@ -17,7 +17,7 @@ from app.live.messages import CameraCommand, ErrorMessage, PlayerCommand
 from app.recordings.schemas import ViewIn, ViewOut
 from app.services import Services, services_of
 from app.viewer.page import build_page
-from app.viewer.proxy import keep_checking, relay
+from app.viewer.proxy import keep_checking, relay, until_one_ends
 from app.viewer.service import View, Viewer
 
 router = APIRouter(tags=["views"])
@@ -69,22 +69,11 @@ async def control(websocket: WebSocket, view_id: str) -> None:
     subject = await websocket_subject(websocket)
     view = await viewer.check(subject, view_id)
     await websocket.accept()
-    tasks = [
-        asyncio.create_task(_commands(websocket, viewer, view), name="view commands"),
-        asyncio.create_task(keep_checking(websocket, viewer, view_id), name="view right"),
-    ]
     try:
-        done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
-        for task in done:
-            with contextlib.suppress(WebSocketDisconnect):
-                task.result()
+        await until_one_ends(_commands(websocket, viewer, view), keep_checking(websocket, viewer, view_id))
     except TelemotionError as error:
         await _say_why(websocket, error)
         raise
-    finally:
-        for task in tasks:
-            task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
 
 
 async def _commands(websocket: WebSocket, viewer: Viewer, view: View) -> None:

@@ -1,6 +1,7 @@
 """What stands in the scene, as viser nodes: room, pieces of the body, ghost, trail, halo, labels."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 from viser import _messages as wire
 
 from app.viewer.body_mesh import Piece
-from app.viewer.palette import ACCENT, HALO, MATERIAL_COLOURS, TRAIL, UNMEASURED_SKIN, Palette, Rgb
+from app.viewer.palette import ACCENT, HALO, MATERIAL_COLOURS, PALETTES, TRAIL, UNMEASURED_SKIN, Rgb, Theme
 from app.viewer.proportions import hip_half_width_m, leg_lengths_m, neck_height_m
 from estimators.body import BodyDimensions
 
@@ -17,6 +18,30 @@ GHOST: Final = "/template"
 FLOOR: Final = "/room/floor"
 _LIGHTS: Final = ("/room/sky", "/room/key", "/room/fill")
 _HALF_FLOOR_M: Final = 2.0
+_GLYPH_M: Final = 0.060
+_ABOVE_FLOOR_M: Final = 0.002
+# Strokes in units of the height, and the width, of what the scale on the floor needs.
+_GLYPHS: Final[dict[str, tuple[list[list[tuple[float, float]]], float]]] = {
+    "0": (
+        [[(0.15, 0), (0, 0.2), (0, 0.8), (0.15, 1), (0.4, 1), (0.55, 0.8), (0.55, 0.2), (0.4, 0), (0.15, 0)]],
+        0.55,
+    ),
+    "1": ([[(0.0, 0.78), (0.22, 1), (0.22, 0)]], 0.28),
+    "5": (
+        [[(0.52, 1), (0.06, 1), (0.03, 0.56), (0.3, 0.62), (0.52, 0.45), (0.52, 0.18), (0.36, 0), (0, 0.04)]],
+        0.52,
+    ),
+    ".": ([[(0.04, 0), (0.04, 0.09)]], 0.08),
+    "m": (
+        [
+            [(0, 0), (0, 0.62)],
+            [(0, 0.48), (0.2, 0.62), (0.38, 0.5), (0.38, 0)],
+            [(0.38, 0.48), (0.6, 0.62), (0.76, 0.5), (0.76, 0)],
+        ],
+        0.76,
+    ),
+    " ": ([], 0.2),
+}
 _TRAIL_OLD_SHARE: Final = 0.55
 
 
@@ -36,7 +61,7 @@ def joint_offsets_m(body: BodyDimensions) -> dict[str, tuple[float, float, float
     return offsets
 
 
-def add_room(server: viser.ViserServer, light: Palette) -> None:
+def add_room(server: viser.ViserServer) -> None:
     """Add floor with scale, and lights; take viser's own lights and reflections away."""
     scene = server.scene
     scene.configure_default_lights(enabled=False)
@@ -54,24 +79,55 @@ def add_room(server: viser.ViserServer, light: Palette) -> None:
         fade_strength=1.0,
         fade_from="origin",
     )
-    for message in theme_updates(light):
-        server._websock_server.queue_message(message)
-    for metres in (0.5, 1.0, 1.5):
-        scene.add_label(
-            f"/room/scale/{metres:.1f}",
-            f"{metres:g} m",
-            position=(metres, 0.0, 0.0),
-            font_size_mode="scene",
-            font_scene_height=0.055,
-            depth_test=True,
-            anchor="center-center",
+    for theme, palette in PALETTES.items():
+        scene.add_line_segments(
+            _scale(theme),
+            floor_scale_m(),
+            colors=palette.floor_text,
+            thickness=2.0,
+            thickness_units="screen",
+            visible=False,
         )
+    for message in theme_updates("light"):
+        server._websock_server.queue_message(message)
 
 
-def theme_updates(theme: Palette) -> list[Any]:
+def floor_scale_m() -> NDArray[np.float32]:
+    """Return the numbers painted on the floor as line segments, shape (N, 2, 3).
+
+    Metres forward and to both sides, readable for somebody who looks at the patient from the front.
+    """
+    segments: list[tuple[tuple[float, float, float], tuple[float, float, float]]] = []
+    for text, x, y in (
+        ("0.5 m", 0.5, 0.0),
+        ("1 m", 1.0, 0.0),
+        ("0.5 m", 0.0, 0.5),
+        ("0.5 m", 0.0, -0.5),
+        ("1 m", 0.0, 1.0),
+        ("1 m", 0.0, -1.0),
+    ):
+        place = y + 0.02
+        for character in text:
+            strokes, width = _GLYPHS[character]
+            for stroke in strokes:
+                for (u0, v0), (u1, v1) in pairwise(stroke):
+                    start = (x - 0.02 - _GLYPH_M * v0, place + _GLYPH_M * u0, _ABOVE_FLOOR_M)
+                    end = (x - 0.02 - _GLYPH_M * v1, place + _GLYPH_M * u1, _ABOVE_FLOOR_M)
+                    segments.append((start, end))
+            place += _GLYPH_M * (width + 0.22)
+    return np.array(segments, dtype=np.float32)
+
+
+def _scale(theme: Theme) -> str:
+    return f"/room/scale/{theme}"
+
+
+def theme_updates(name: Theme) -> list[Any]:
     """Return the viser messages that give floor and lights the colours of a theme."""
     sky, key, fill = _LIGHTS
+    theme = PALETTES[name]
     return [
+        *(wire.SetSceneNodeVisibilityMessage(_scale(each), each == name) for each in PALETTES),
         wire.SceneNodeUpdateMessage(
             FLOOR,
             {
@@ -130,7 +186,7 @@ def add_ghost_piece(server: viser.ViserServer, path: str, piece: Piece) -> None:
         piece.mesh.vertices_m,
         piece.mesh.faces,
         color=ACCENT,
-        opacity=0.42,
+        opacity=0.48,
         cast_shadow=False,
         receive_shadow=False,
     )
@@ -143,7 +199,9 @@ def add_ghost_path(server: viser.ViserServer, hand_m: NDArray[np.float32]) -> No
         return
     pairs = np.stack([known[:-1], known[1:]], axis=1)
     dashes = pairs[np.arange(len(pairs)) % 3 != 2]
-    server.scene.add_line_segments(f"{GHOST}/path", dashes, colors=ACCENT, line_width=2.5)
+    server.scene.add_line_segments(
+        f"{GHOST}/path", dashes, colors=ACCENT, thickness=2.5, thickness_units="screen"
+    )
 
 
 def add_lost_label(server: viser.ViserServer, path: str, segment: str) -> Any:
@@ -160,10 +218,10 @@ class Trail:
     def __init__(self, server: viser.ViserServer, name: str) -> None:
         nothing = np.zeros((1, 2, 3), dtype=np.float32)
         self._new = server.scene.add_line_segments(
-            f"{name}/new", nothing, colors=TRAIL, line_width=5.0, visible=False
+            f"{name}/new", nothing, colors=TRAIL, thickness=5.0, thickness_units="screen", visible=False
         )
         self._old = server.scene.add_line_segments(
-            f"{name}/old", nothing, colors=TRAIL, line_width=2.0, visible=False
+            f"{name}/old", nothing, colors=TRAIL, thickness=2.0, thickness_units="screen", visible=False
         )
 
     def show(self, points_m: NDArray[np.float32]) -> None:

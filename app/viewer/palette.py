@@ -24,7 +24,7 @@ UNMEASURED_SKIN: Final[Rgb] = (204, 191, 181)
 """Skin of segments that carry no sensor: paler, so that the eye goes to what was measured."""
 LOST: Final[Rgb] = (150, 150, 150)
 """A segment whose sensor gives nothing at the moment; drawn translucent as well."""
-ACCENT: Final[Rgb] = (14, 148, 164)
+ACCENT: Final[Rgb] = (30, 168, 182)
 """The template: its ghost and its path, nothing else."""
 TRAIL: Final[Rgb] = (176, 112, 74)
 """Where the patient's hand has just been."""
@@ -40,8 +40,8 @@ class Palette:
     ----------
     background_top, background_bottom : str
         CSS colours of the page behind the transparent canvas.
-    floor_line, floor_section : Rgb
-        Grid every 0.5 m and every 1 m.
+    floor_line, floor_section, floor_text : Rgb
+        Grid every 0.5 m and every 1 m, and its numbers.
     floor_shadow : float
         Darkness of the shadow on the floor, 0 to 1.
     sky, ground, key : Rgb
@@ -54,6 +54,7 @@ class Palette:
     background_bottom: str
     floor_line: Rgb
     floor_section: Rgb
+    floor_text: Rgb
     floor_shadow: float
     sky: Rgb
     ground: Rgb
@@ -65,10 +66,11 @@ class Palette:
 
 PALETTES: Final[dict[Theme, Palette]] = {
     "light": Palette(
-        background_top="#fbfaf8",
-        background_bottom="#e6e3de",
+        background_top="#fafafa",
+        background_bottom="#e5e6e6",
         floor_line=(214, 209, 202),
-        floor_section=(180, 174, 166),
+        floor_section=(180, 176, 170),
+        floor_text=(120, 116, 110),
         floor_shadow=0.20,
         sky=(255, 253, 250),
         ground=(176, 164, 154),
@@ -78,16 +80,17 @@ PALETTES: Final[dict[Theme, Palette]] = {
         fill_intensity=0.55,
     ),
     "dark": Palette(
-        background_top="#2a2c30",
-        background_bottom="#141517",
+        background_top="#272d31",
+        background_bottom="#101416",
         floor_line=(64, 65, 69),
-        floor_section=(98, 99, 103),
+        floor_section=(98, 102, 108),
+        floor_text=(150, 156, 162),
         floor_shadow=0.50,
         sky=(226, 232, 244),
-        ground=(64, 60, 60),
+        ground=(96, 94, 96),
         key=(255, 244, 230),
-        sky_intensity=1.0,
-        key_intensity=2.1,
-        fill_intensity=0.45,
+        sky_intensity=1.45,
+        key_intensity=2.3,
+        fill_intensity=1.0,
     ),
 }

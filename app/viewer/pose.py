@@ -106,11 +106,16 @@ def track_from_frames(frames: Frames, body: BodyDimensions) -> PoseTrack:
     layout, ticks = frames.layout, frames.tick_count
     given = {name: _sound(frames.q_room_segment[:, column]) for column, name in enumerate(layout.segments)}
     room = _complete(given, ticks)
+    points = {name: frames.point_room_m[:, column] for column, name in enumerate(layout.points)}
+    # Before the calibration sensors do not know how they sit: there is nothing yet to show but the person.
+    known = np.isfinite(points["pelvis"][:, :1]) if "pelvis" in points else np.ones((ticks, 1), dtype=bool)
+    if not known.all():
+        waiting = _complete({}, ticks)
+        room = {name: np.where(known, room[name], waiting[name]) for name in room}
     lost = np.zeros((ticks, len(SEGMENTS)), dtype=bool)
     for column, name in enumerate(layout.segments):
         if name in PARENT:
             lost[:, SEGMENTS.index(name)] = (frames.segment_flags[:, column] & _LOST) != 0
-    points = {name: frames.point_room_m[:, column] for column, name in enumerate(layout.points)}
     return PoseTrack(
         time_s=frames.time_s,
         wxyz=relative_rotations(room),

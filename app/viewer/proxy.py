@@ -6,9 +6,9 @@ the person is signed in and has the right to the patient.
 
 import asyncio
 import contextlib
-import logging
 from collections import deque
-from typing import Final
+from collections.abc import Coroutine
+from typing import Any, Final
 
 from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketState
 from websockets.asyncio.client import ClientConnection, connect
@@ -21,8 +21,6 @@ from app.viewer import wire
 from app.viewer.camera import Camera
 from app.viewer.service import View, Viewer
 from app.viewer.stage import Stage
-
-logger = logging.getLogger(__name__)
 
 _INJECTED_KEPT: Final = 32
 _BATCHES_TO_GREETING: Final = 400
@@ -81,6 +79,26 @@ async def keep_checking(websocket: WebSocket, viewer: Viewer, view_id: str) -> N
         await viewer.check(await websocket_subject(websocket), view_id)
 
 
+async def until_one_ends(*parts: Coroutine[Any, Any, None]) -> None:
+    """Run the parts of a socket side by side; when one ends or fails, end the others and raise its error.
+
+    That a socket was closed, on either side, is an end and no error.
+    """
+    tasks = [asyncio.create_task(part, name="viewer socket") for part in parts]
+    try:
+        done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        for task in done:
+            with contextlib.suppress(WebSocketDisconnect, ConnectionClosed):
+                task.result()
+    finally:
+        for task in tasks:
+            task.cancel()
+        ended, _ = await asyncio.wait(tasks)
+        for task in ended:
+            if not task.cancelled():
+                task.exception()
+
+
 class _Connection:
     """One page's connection."""
 
@@ -100,25 +118,15 @@ class _Connection:
 
     async def serve(self) -> None:
         """Relay in both directions; the first part to end ends all."""
-        tasks = [
-            asyncio.create_task(part, name=f"viewer {name}")
-            for name, part in (
-                ("down", self._down()),
-                ("up", self._up()),
-                ("own", self._send_injected()),
-                ("right", keep_checking(self._websocket, self._viewer, self._view.id)),
-            )
-        ]
         try:
-            done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
-            for task in done:
-                with contextlib.suppress(WebSocketDisconnect, ConnectionClosed):
-                    task.result()
+            await until_one_ends(
+                self._down(),
+                self._up(),
+                self._send_injected(),
+                keep_checking(self._websocket, self._viewer, self._view.id),
+            )
         finally:
             self._view.pages.discard(self._inject)
-            for task in tasks:
-                task.cancel()
-            await asyncio.gather(*tasks, return_exceptions=True)
         await _close(self._websocket, 1001, "view closed")
 
     async def _down(self) -> None:

@@ -60,7 +60,7 @@ class BodyScene:
             affected_side or "", set()
         )
         with server.atomic():
-            nodes.add_room(server, palette.PALETTES["light"])
+            nodes.add_room(server)
             self._solid = _Figure(server, "/patient", body, PARENT)
             self._parts: dict[str, list[nodes.Part]] = {}
             for piece in build_figure(body):

@@ -12,7 +12,6 @@ from viser import _messages as viser_messages
 from app.live.bus import Bus
 from app.viewer.camera import FIELD_OF_VIEW_RAD, preset
 from app.viewer.nodes import theme_updates
-from app.viewer.palette import PALETTES
 from app.viewer.player import LivePlayer, Player, ReplayPlayer
 from app.viewer.repository import Contents, ViewTarget
 from app.viewer.scene import BodyScene
@@ -57,14 +56,18 @@ class Stage:
         self.side = contents.side
         self._server = LoopbackServer()
         ghost = contents.ghost
-        self.scene = BodyScene(
-            self._server,
-            contents.body,
-            contents.measured,
-            contents.affected_side,
-            ghost.track if ghost is not None else None,
-            contents.side,
-        )
+        try:
+            self.scene = BodyScene(
+                self._server,
+                contents.body,
+                contents.measured,
+                contents.affected_side,
+                ghost.track if ghost is not None else None,
+                contents.side,
+            )
+        except BaseException:
+            self._server.stop()
+            raise
         camera = preset("front", contents.body, contents.side, aspect=1.4)
         self._server.initial_camera.position = camera.position_m
         self._server.initial_camera.look_at = camera.look_at_m
@@ -133,5 +136,5 @@ def theme_messages(dark: bool) -> list[Any]:
             dark_mode=dark,
             colors=None,
         ),
-        *theme_updates(PALETTES["dark" if dark else "light"]),
+        *theme_updates("dark" if dark else "light"),
     ]

@@ -9,8 +9,8 @@ def torso(body: BodyDimensions, wide: float) -> Mesh:
     """Shirt from the hem over waist and chest to the neckline and the tops of the shoulders."""
     up, half_shoulder = body.trunk_m / 0.50, body.shoulder_width_m / 2
     heights = [-0.105, -0.04, 0.03, 0.10, 0.18, 0.27, 0.36, 0.43, 0.48, 0.53]
-    depths = [0.116, 0.116, 0.111, 0.104, 0.100, 0.106, 0.112, 0.104, 0.084, 0.055]
-    widths = [0.171, 0.172, 0.166, 0.154, 0.145, 0.149, 0.157, 0.156, 0.130, 0.075]
+    depths = [0.130, 0.126, 0.115, 0.104, 0.100, 0.106, 0.112, 0.104, 0.084, 0.055]
+    widths = [0.178, 0.176, 0.168, 0.154, 0.145, 0.149, 0.157, 0.156, 0.130, 0.075]
     middle = [0.000, 0.000, 0.001, 0.005, 0.006, 0.004, 0.001, -0.006, -0.012, -0.016]
     trunk = lofted(
         [h * up for h in heights],
@@ -39,7 +39,7 @@ def torso(body: BodyDimensions, wide: float) -> Mesh:
 def pelvis(body: BodyDimensions, wide: float) -> Mesh:
     """Trousers around the hips, hidden above the hem of the shirt."""
     heights = [-0.13, -0.08, -0.03, 0.03, 0.08]
-    depths, widths = [0.084, 0.100, 0.103, 0.094, 0.080], [0.140, 0.156, 0.156, 0.140, 0.120]
+    depths, widths = [0.086, 0.098, 0.096, 0.082, 0.060], [0.144, 0.156, 0.150, 0.125, 0.090]
     girdle = lofted(
         [h * wide for h in heights], [d * wide for d in depths], [w * wide for w in widths], roundness=2.4
     )
