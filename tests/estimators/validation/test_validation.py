@@ -1,0 +1,140 @@
+"""The framework judges rightly, every protocol passes, and BROAD's excerpt equals the package."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from estimators import validation
+from estimators.errors import SetupError
+from estimators.recording import Recording, SensorSignals
+from estimators.validation import Figure, FigureResult, Protocol
+from estimators.validation._protocol import run_protocol
+
+BROAD_FILE = Path(__file__).parents[2] / "data" / "broad" / "fast_combined_15s.npz"
+SLOW = {"arm_repetitions", "arm_session", "arm_template_comparison"}
+SIMULATED = [p.name for p in validation.protocols() if not p.needs_data]
+
+
+def judged(values, **figure):
+    return FigureResult(Figure("x", "1", **figure), np.array(values, dtype=float))
+
+
+def test_every_seed_must_keep_the_limit():
+    assert judged([1.0, 2.0], required=2.0).passed
+    assert not judged([1.0, 2.1], required=2.0).passed
+    assert judged([1.0, 1.5, 2.1], required=2.0, judged_by="median").passed
+    assert not judged([1.0, 3.0], required=2.0, at_most=False).passed
+    assert judged([2.0, 3.0], required=2.0, at_most=False).passed
+    assert judged([99.0]).passed
+
+
+def test_what_could_not_be_measured_does_not_pass():
+    assert not judged([1.0, np.nan], required=2.0).passed
+    assert not judged([], required=2.0).passed
+    assert not judged([np.nan], required=2.0, judged_by="median").passed
+
+
+def test_median_worst_and_spread():
+    found = judged([1.0, 2.0, 6.0], required=3.0)
+    assert (found.median, found.worst) == (2.0, 6.0)
+    assert found.spread == pytest.approx(np.std([1, 2, 6], ddof=1))
+    assert judged([1.0, 2.0, 6.0], at_most=False).worst == 1.0
+    assert np.isnan(judged([1.0]).spread)
+
+
+def made_up(required, value):
+    return Protocol(
+        "made_up",
+        "Made up",
+        "nowhere",
+        "Nothing.",
+        (Figure("x", "m", required, 0.5),),
+        lambda seeds, data: value,
+    )
+
+
+def test_table_and_json_tell_failures():
+    good = run_protocol(made_up(2.0, {"x": np.array([1.0, 1.5])}), 2, {})
+    bad = run_protocol(made_up(1.0, {"x": np.array([1.5, np.nan])}), 2, {})
+    table = validation.to_table([good, bad])
+    assert "Made up [made_up]: pass" in table
+    assert "FAIL" in table
+    assert "1 of 2 protocols pass" in table
+    content = json.loads(validation.to_json([good, bad]))
+    assert [entry["passed"] for entry in content] == [True, False]
+    assert content[0]["figures"][0]["published"] == 0.5
+    assert content[1]["figures"][0]["values"] == [1.5, None]
+    assert content[1]["figures"][0]["worst"] is None
+
+
+def test_a_protocol_must_measure_its_figures():
+    with pytest.raises(KeyError, match="amiss"):
+        run_protocol(made_up(1.0, {"y": np.array([1.0])}), 1, {})
+
+
+def test_protocols_are_well_described():
+    names = [protocol.name for protocol in validation.protocols()]
+    assert len(set(names)) == len(names)
+    for protocol in validation.protocols():
+        figures = [figure.name for figure in protocol.figures]
+        assert len(set(figures)) == len(figures)
+        assert protocol.title
+        assert protocol.source
+        assert protocol.what.endswith(".")
+        assert any(figure.required is not None for figure in protocol.figures)
+
+
+def test_wrong_requests():
+    with pytest.raises(SetupError, match="no protocol arm_wings"):
+        validation.run(["arm_wings"])
+    with pytest.raises(SetupError, match="seeds"):
+        validation.run(seeds=0)
+    with pytest.raises(SetupError, match="needs recordings of broad"):
+        validation.run(["broad_orientation"])
+
+
+@pytest.mark.parametrize("name", [name for name in SIMULATED if name not in SLOW])
+def test_protocol_passes(name):
+    (result,) = validation.run([name], seeds=2)
+    assert result.passed, validation.to_table([result])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted(SLOW))
+def test_session_protocol_passes(name):
+    (result,) = validation.run([name], seeds=2)
+    assert result.passed, validation.to_table([result])
+
+
+@pytest.fixture(scope="module")
+def trial() -> Recording:
+    content = np.load(BROAD_FILE)
+    rate_hz = float(content["sampling_rate_hz"])
+    gyroscope = content["gyroscope_radps"]
+    imu = SensorSignals(
+        np.arange(len(gyroscope)) / rate_hz,
+        gyroscope,
+        content["accelerometer_mps2"],
+        content["magnetometer_ut"] * 1e-6,
+    )
+    reference = {"q_earth_sensor": content["q_earth_sensor_optical"], "is_movement": content["movement"]}
+    return Recording({"imu": imu}, rate_hz, reference=reference)
+
+
+def test_broad_excerpt_equals_the_package(trial):
+    (result,) = validation.run(["broad_orientation"], data={"excerpt": trial})
+    assert result.passed, validation.to_table([result])
+    assert result.figure("VQF, largest difference from its package").worst < 1e-6
+    # From a standing start in 15 s; over the whole trial VQF reaches 2.4 degrees on average.
+    assert result.figure("VQF, inclination, mean of the trials").median < 2.0
+    assert result.figure("VQF, total, mean of the trials").median < 10.0
+    with pytest.raises(KeyError):
+        result.figure("no such figure")
+
+
+def test_broad_needs_its_reference(trial):
+    with pytest.raises(SetupError, match="reference"):
+        validation.run(["broad_orientation"], data={"excerpt": replace(trial, reference={})})
