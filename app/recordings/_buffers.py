@@ -1,5 +1,6 @@
 """What waits to be written for one session, and how it becomes chunks."""
 
+import logging
 from collections.abc import Callable, Iterable
 from concurrent.futures import Future
 from dataclasses import dataclass, field
@@ -18,6 +19,8 @@ from app.recordings.chunks import (
 )
 from app.recordings.ranges import SequenceRanges
 from estimators.pipelines._contract import Frames
+
+logger = logging.getLogger(__name__)
 
 DurableCallback = Callable[[SequenceRanges], None]
 FailureCallback = Callable[[TelemotionError], None]
@@ -185,3 +188,11 @@ def _frame_groups(parts: list[tuple[str, Frames]]) -> Iterable[tuple[str, Frames
         group_result = result_id
     if group:
         yield group_result, merge_frames(group, group[0].layout, group[0].time_step_s)
+
+
+def tell(callback: Callable[[Any], None], argument: Any) -> None:
+    """Run a session's callback; its failure must not stop the writer of all sessions."""
+    try:
+        callback(argument)
+    except Exception:
+        logger.exception("a callback of the group commit failed")

@@ -23,9 +23,7 @@ session by session, the failing one is reported to its `on_failure` and takes no
 import logging
 import threading
 import time
-from collections.abc import Callable
 from concurrent.futures import Future
-from dataclasses import dataclass
 from typing import Any, Final
 
 from sqlalchemy import Engine, func, select
@@ -33,7 +31,8 @@ from sqlalchemy.exc import DBAPIError, IntegrityError, SQLAlchemyError
 
 from app.database.base import new_id, utc_now
 from app.errors import Conflict, TelemotionError, Unavailable
-from app.recordings._buffers import Batch, DurableCallback, FailureCallback, OpenSession
+from app.recordings._buffers import Batch, DurableCallback, FailureCallback, OpenSession, tell
+from app.recordings._metrics import WriterMetrics
 from app.recordings._rows import write_batch
 from app.recordings.chunks import RAW_STREAM, RawPacket, check_packet
 from app.recordings.models import SignalChunk
@@ -49,27 +48,6 @@ COMMIT_BYTES: Final = 8 * 1024 * 1024
 QUEUE_BYTES: Final = 256 * 1024 * 1024
 SESSION_BYTES: Final = 32 * 1024 * 1024
 _LONGEST_PAUSE_S: Final = 5.0
-
-
-@dataclass
-class WriterMetrics:
-    """Counters since the start; read without a lock, for `/api/health` and the bench."""
-
-    packets_stored: int = 0
-    packets_duplicate: int = 0
-    packets_refused: int = 0
-    frame_ticks_stored: int = 0
-    frame_ticks_refused: int = 0
-    chunks_written: int = 0
-    bytes_written: int = 0
-    commits: int = 0
-    commit_failures: int = 0
-    sessions_failed: int = 0
-    queued_bytes: int = 0
-    queued_bytes_highest: int = 0
-    last_commit_s: float = 0.0
-    """How long the last commit took, encoding included."""
-    longest_commit_s: float = 0.0
 
 
 class GroupCommitWriter:
@@ -396,7 +374,7 @@ class GroupCommitWriter:
             if session.is_closing and session.is_empty:
                 self._sessions.pop(session.session_id, None)
         if session.on_durable is not None and batch.raw:
-            _call(session.on_durable, durable)
+            tell(session.on_durable, durable)
         for future in batch.waiting:
             if future.set_running_or_notify_cancel():
                 future.set_result(durable)
@@ -408,18 +386,10 @@ class GroupCommitWriter:
             self.metrics.sessions_failed += 1
         logger.error("a session can no longer be stored: %s", error.message)
         if session.on_failure is not None:
-            _call(session.on_failure, error)
+            tell(session.on_failure, error)
         for future in waiting:
             if future.set_running_or_notify_cancel():
                 future.set_exception(error)
-
-
-def _call(callback: Callable[[Any], None], argument: Any) -> None:
-    """Run a session's callback; its failure must not stop the writer of all sessions."""
-    try:
-        callback(argument)
-    except Exception:
-        logger.exception("a callback of the group commit failed")
 
 
 __all__ = ["GroupCommitWriter", "WriterMetrics"]

@@ -201,7 +201,9 @@ def analyse(
     return Analysis(result_id, ticks, setup, pose_s if setup.calibration is not None else None, message)
 
 
-def calibrated(context: JobContext, setup: SessionSetup, pose_s: tuple[float, float] | None) -> tuple[SessionSetup, tuple[float, float]]:
+def calibrated(
+    context: JobContext, setup: SessionSetup, pose_s: tuple[float, float] | None
+) -> tuple[SessionSetup, tuple[float, float]]:
     """Run up to the end of the pose and evaluate it there; return the calibrated setup and the pose.
 
     Raises
