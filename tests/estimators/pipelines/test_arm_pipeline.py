@@ -257,7 +257,7 @@ def test_level_calibration_finds_the_accelerometer_bias(session, ticks):
     noise = np.random.default_rng(5).normal(0, 0.02, (count, length, 3))
     level = replace(
         ticks.ticks(0, length),
-        gyroscope_radps=0.01 + 0.001 * noise,
+        gyroscope_radps=session.truth.gyroscope_bias_radps[:, :1] + 0.001 * noise,
         accelerometer_mps2=[0, 0, 9.80665] + bias[:, None] + noise,
         magnetometer_t=None,
     )
@@ -282,7 +282,9 @@ def test_level_calibration_finds_the_accelerometer_bias(session, ticks):
     assert mounted.method == "level, n_pose"
     _, plain, _, _ = calibrated(session.setup, ticks)
     corrected = known.step(shifted.ticks(600, 1200))
-    assert np.degrees(np.abs(corrected.angle_rad - plain.angle_rad[:600]).max()) < 1.5
+    # The sensors' own bias of 0.05 m/s^2 (0.3 degrees of tilt, 0.7 of heading, on each of two sensors) is
+    # unknown to both; the plain one corrects its part along gravity.
+    assert np.degrees(np.abs(corrected.angle_rad - plain.angle_rad[:600]).max()) < 3.0
 
 
 def test_concatenate_refuses_holes(session, ticks):
