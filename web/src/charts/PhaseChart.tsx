@@ -84,7 +84,7 @@ function nearest(plot: uPlot, phase: number, top: number, drawn: Drawn): number 
   const index = Math.max(0, Math.min(100, Math.round(phase)));
   let best: number | null = null;
   let bestDistance = Infinity;
-  for (let series = drawn.offset; series < plot.data.length; series += 1) {
+  for (let series = drawn.offset; series < plot.data.length - 1; series += 1) {
     const value = plot.data[series]?.[index];
     if (value === null || value === undefined) continue;
     const distance = Math.abs(plot.valToPos(value, 'y') - top);
@@ -97,7 +97,7 @@ function nearest(plot: uPlot, phase: number, top: number, drawn: Drawn): number 
 }
 
 const PHASES = Array.from({ length: 101 }, (_, phase) => phase);
-const OFFSET = 4;
+const OFFSET = 3;
 
 export function PhaseChart({ curve, left = new Set(), selected = null, outside = [], bandScale = 1, onPhase, height = 240 }: PhaseChartProps) {
   const unit = displayUnit(curve.unit);
@@ -113,7 +113,7 @@ export function PhaseChart({ curve, left = new Set(), selected = null, outside =
     return {
       cursor: { show: isClickable, x: true, y: false, points: { show: false }, drag: { x: false, y: false } },
       legend: { show: false },
-      padding: [10, 14, 0, 0],
+      padding: [10, 24, 0, 0],
       scales: {
         x: { time: false, range: [0, 100] },
         y: {
@@ -131,13 +131,14 @@ export function PhaseChart({ curve, left = new Set(), selected = null, outside =
         {},
         { stroke: 'transparent', points: { show: false } },
         { stroke: 'transparent', points: { show: false } },
-        { stroke: () => themeColour('--tm-ink'), width: 2.5, dash: [9, 6], points: { show: false } },
         ...Array.from({ length: count }, (_, repetition) => ({
           stroke: () => strokeFor(drawn, repetition),
-          width: drawn.current.selected === repetition ? 4 : 2.2,
+          width: drawn.current.selected === repetition ? 4 : 2,
           dash: drawn.current.left.has(repetition) ? [3, 5] : undefined,
           points: { show: false },
         })),
+        // Last, so that it lies over the repetitions.
+        { stroke: () => themeColour('--tm-ink'), width: 2.5, dash: [9, 6], points: { show: false } },
       ],
       bands: [{ series: [2, 1], fill: () => themeColour('--tm-neutral-band') }],
       hooks: {
@@ -161,7 +162,7 @@ export function PhaseChart({ curve, left = new Set(), selected = null, outside =
     const show = (values: readonly (number | null)[]) => values.map((value) => (value === null || !Number.isFinite(value) ? null : value * scaled));
     const band = (edge: readonly (number | null)[]) =>
       show(edge.map((value, phase) => (curve.mean[phase] ?? NaN) + ((value ?? NaN) - (curve.mean[phase] ?? NaN)) * bandScale));
-    return [PHASES, band(curve.low), band(curve.high), show(curve.mean), ...curve.repetitions.map(show)] as uPlot.AlignedData;
+    return [PHASES, band(curve.low), band(curve.high), ...curve.repetitions.map(show), show(curve.mean)] as uPlot.AlignedData;
   }, [curve, bandScale, scaled]);
 
   const range = extent(curve.mean);

@@ -51,10 +51,12 @@ export function ProgressChart({ measure, events, height = 260 }: { measure: Prog
       legend: { show: false },
       padding: [22, 18, 0, 0],
       scales: {
-        x: { time: true, range: (_, low, high) => [low - 43_200, high + 43_200] },
+        x: { time: true, range: [firstS - 43_200, lastS + 43_200] },
         y: {
           range: (_, low, high) => {
-            const pad = Math.max((high - low) * 0.18, 1e-3);
+            // A spread of little meaning must not fill the picture.
+            const least = unit.suffix === '°' ? 10 : 0;
+            const pad = Math.max((high - low) * 0.18, (least - (high - low)) / 2, 1e-3);
             return [low - pad, high + pad];
           },
         },
@@ -89,7 +91,7 @@ export function ProgressChart({ measure, events, height = 260 }: { measure: Prog
       bands: [{ series: [2, 1], fill: () => themeColour('--tm-accent-band') }],
       hooks: { drawClear: [(plot) => pins(plot, within)] },
     }),
-    [unit.suffix, within],
+    [unit.suffix, within, firstS, lastS],
   );
   const data = useMemo<uPlot.AlignedData>(
     () => [

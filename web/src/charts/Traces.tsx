@@ -5,7 +5,7 @@ import { useEffect, useMemo, useRef, useState } from 'react';
 import type uPlot from 'uplot';
 import { t } from '../i18n';
 import { channelLabel } from '../lib/channels';
-import { displayUnit, quantity } from '../lib/format';
+import { displayUnit, number, quantity } from '../lib/format';
 import { useSnapshot } from '../player/hooks';
 import type { Player } from '../player/types';
 import { hatch } from './hatch';
@@ -16,7 +16,7 @@ const INVALID = 1;
 const SINGULAR = 128;
 const HEIGHT = 132;
 
-/** A template's value at a time, in the channel's own unit; NaN where it says nothing. */
+/** A template's value at a time, in the unit it is shown in; NaN where it says nothing. */
 export type TemplateAt = (channel: string, timeS: number) => { mean: number; low: number; high: number } | null;
 
 export interface TracesProps {
@@ -42,19 +42,19 @@ interface Chart {
   reading: Reading | null;
 }
 
-function traceOptions(chart: Chart, unit: string, onSeek: TracesProps['onSeek']): PlotOptions {
+function traceOptions(chart: Chart, unit: string, isLive: boolean, onSeek: TracesProps['onSeek']): PlotOptions {
   const shown = displayUnit(unit);
   const step = unit === 'rad' ? 20 : shown.suffix.trim() === 'cm' ? 10 : 0.5;
   return {
     cursor: { show: false },
     legend: { show: false },
-    padding: [10, 8, 0, 0],
+    padding: [10, 22, 0, 0],
     scales: {
       x: { time: false, range: (_, low, high) => [low, high] },
       y: { range: (_, low, high) => steadyRange(low, high, step, 2 * step) },
     },
     axes: [
-      axis({ show: true, size: 22, space: 90, values: (_, ticks) => ticks.map((tick) => `${tick.toFixed(0)} s`) }),
+      axis({ show: true, size: 22, space: 90, values: (_, ticks) => ticks.map((tick) => (isLive && tick === 0 ? t('traces.now') : `${number(tick)} s`)) }),
       axis({ size: 52, space: 34, values: (_, ticks) => ticks.map((tick) => `${tick}${shown.suffix.trim() === '°' ? '°' : ''}`) }),
     ],
     series: [
@@ -94,7 +94,7 @@ function traceOptions(chart: Chart, unit: string, onSeek: TracesProps['onSeek'])
 const EMPTY_DATA: uPlot.AlignedData = [[], [], [], [], [], [], []];
 
 /** Read the window and draw it; returns what a person would read from the curve. */
-function draw(chart: Chart, player: Player, unit: string, fromS: number, untilS: number, cursorS: number, templateAt?: TemplateAt): void {
+function draw(chart: Chart, player: Player, unit: string, fromS: number, untilS: number, cursorS: number, zeroS: number, templateAt?: TemplateAt): void {
   const { plot } = chart;
   if (!plot) return;
   const { channel } = chart;
@@ -120,9 +120,9 @@ function draw(chart: Chart, player: Player, unit: string, fromS: number, untilS:
     if (at <= cursorS) now = here;
     const template = templateAt?.(channel, at);
     if (template) {
-      mean[index] = template.mean * factor;
-      bandLow[index] = template.low * factor;
-      bandHigh[index] = template.high * factor;
+      mean[index] = template.mean;
+      bandLow[index] = template.low;
+      bandHigh[index] = template.high;
     }
   }
   chart.flags = flags ?? new Float32Array(0);
@@ -132,10 +132,10 @@ function draw(chart: Chart, player: Player, unit: string, fromS: number, untilS:
   const breaks = (array: Float64Array): (number | null)[] => Array.from(array, (one) => (Number.isNaN(one) ? null : one));
   plot.batch(() => {
     plot.setData(
-      [Array.from(read.timeS), breaks(bandLow), breaks(bandHigh), breaks(mean), breaks(low), breaks(high), breaks(value)],
+      [Array.from(read.timeS, (at) => at - zeroS), breaks(bandLow), breaks(bandHigh), breaks(mean), breaks(low), breaks(high), breaks(value)],
       false,
     );
-    plot.setScale('x', { min: fromS, max: untilS });
+    plot.setScale('x', { min: fromS - zeroS, max: untilS - zeroS });
   });
   if (chart.value) {
     const suffix = displayUnit(unit).suffix;
@@ -154,9 +154,9 @@ export function Traces({ player, channels, windowS = 10, templateAt, onSeek }: T
         const chart: Chart = { channel, plot: null, value: null, flags: new Float32Array(0), reading: null };
         charts.current.set(channel, chart);
         const label = channelLabel(channel);
-        return { channel, chart, label, options: traceOptions(chart, label.unit, onSeek) };
+        return { channel, chart, label, options: traceOptions(chart, label.unit, isLive, onSeek) };
       }),
-    [channels, onSeek],
+    [channels, isLive, onSeek],
   );
 
   useEffect(() => {
@@ -175,9 +175,11 @@ export function Traces({ player, channels, windowS = 10, templateAt, onSeek }: T
       drawn = sign;
       lastMs = ms;
       for (const { chart, label, channel } of described) {
-        draw(chart, player, label.unit, fromS, isLive ? untilS + 1e-9 : untilS, clock.timeS, templateAt);
+        // Live time counts back from now, so that the axis stands still.
+        const zeroS = isLive ? clock.timeS : clock.startS;
+        draw(chart, player, label.unit, fromS, isLive ? untilS + 1e-9 : untilS, clock.timeS, zeroS, templateAt);
         const cursor = cursors.current.get(channel);
-        if (cursor && chart.plot) cursor.style.left = `${chart.plot.valToPos(clock.timeS, 'x') + chart.plot.over.offsetLeft}px`;
+        if (cursor && chart.plot) cursor.style.left = `${chart.plot.valToPos(clock.timeS - zeroS, 'x') + chart.plot.over.offsetLeft}px`;
       }
     };
     frame = requestAnimationFrame(step);
@@ -185,7 +187,7 @@ export function Traces({ player, channels, windowS = 10, templateAt, onSeek }: T
   }, [player, described, windowS, isLive, templateAt]);
 
   return (
-    <section className="traces" aria-label={t('traces.title')}>
+    <div className="traces">
       {isLive && (
         <div className="traces-tools">
           <Button
@@ -221,7 +223,7 @@ export function Traces({ player, channels, windowS = 10, templateAt, onSeek }: T
         </div>
       ))}
       <TraceTable readings={() => described.map(({ chart, label }) => ({ label, reading: chart.reading }))} />
-    </section>
+    </div>
   );
 }
 

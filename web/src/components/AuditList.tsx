@@ -1,21 +1,33 @@
 import type { AuditEntry } from '../api/types';
 import { t, tOr } from '../i18n';
-import { dateTime } from '../lib/format';
-import { groupAudit } from '../lib/audit';
+import { groupAudit, type AuditDeed } from '../lib/audit';
+import { clockTime, date } from '../lib/format';
 
-/** Who did what with a patient's data, newest first; the same deed in a row is one line with its count. */
+function deedText({ action, count }: AuditDeed): string {
+  const words = tOr(`audit.${action}`, action.replaceAll('.', ' ').replaceAll('_', ' '));
+  return count > 1 ? `${words} ${t('audit.times', { count })}` : words;
+}
+
+/** Who did what with a patient's data: a line a person and day, with when, and every deed counted. */
 export function AuditList({ entries }: { entries: readonly AuditEntry[] }) {
   if (entries.length === 0) return <p className="muted">{t('audit.none')}</p>;
   return (
-    <ul className="plain-list lines audit">
-      {groupAudit(entries).map((group) => (
-        <li key={`${group.at}${group.action}${group.who}`}>
-          <span>
-            <span className="strong">{group.who}</span> <span className="muted">({tOr(`role.${group.role}`, group.role)})</span>{' '}
-            {tOr(`audit.${group.action}`, group.action.replaceAll('.', ' ').replaceAll('_', ' '))}
-            {group.count > 1 && <span className="muted"> {t('audit.times', { count: group.count })}</span>}
-          </span>
-          <span className="muted small nowrap">{dateTime(group.at)}</span>
+    <ul className="plain-list lines">
+      {groupAudit(entries).map(({ day, who, role, first, last, deeds }) => (
+        <li key={`${day}${who}`}>
+          <div className="audit-head">
+            <span>
+              <span className="strong">{who}</span> <span className="muted">({tOr(`role.${role}`, role)})</span>
+            </span>
+            <span className="muted number">
+              {date(day)}, {clockTime(first) === clockTime(last) ? clockTime(last) : `${clockTime(first)}–${clockTime(last)}`}
+            </span>
+          </div>
+          <ul className="audit-deeds">
+            {deeds.map((deed) => (
+              <li key={deed.action}>{deedText(deed)}</li>
+            ))}
+          </ul>
         </li>
       ))}
     </ul>

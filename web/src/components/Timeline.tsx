@@ -4,6 +4,7 @@ import { IconPlayerPauseFilled, IconPlayerPlayFilled, IconPlayerSkipBackFilled, 
 import type { KeyboardEvent } from 'react';
 import type { Repetition, SessionEvent } from '../api/types';
 import { t } from '../i18n';
+import { eventText } from '../lib/events';
 import { position } from '../lib/format';
 import { repetitionAt } from '../lib/warp';
 import { useClockText, useSnapshot } from '../player/hooks';
@@ -125,7 +126,7 @@ export function Timeline({ player, repetitions, events, onRepetition }: Timeline
                 <Button variant="subtle" size="compact-md" onClick={() => player.seek(event.time_s)}>
                   {position(event.time_s - startS)}
                 </Button>{' '}
-                {event.text || t('event.unnamed')}
+                {eventText(event)}
               </li>
             ))}
           </ul>

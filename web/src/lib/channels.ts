@@ -35,7 +35,7 @@ export function channelLabel(name: string): ChannelLabel {
       text: sided(tOr(`angle.${joint}.${movement}`, readable(`${joint} ${movement}`)), side),
       convention: t('channel.convention', {
         joint: tOr(`joint.${joint}`, readable(joint)),
-        sequence: sequence.toUpperCase().split('').join('-'),
+        sequence: sequence.toUpperCase().split('').join('\u2011'),
       }),
       unit: 'rad',
       side: side as 'left' | 'right',

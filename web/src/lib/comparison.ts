@@ -22,11 +22,19 @@ export function outsideOf(comparison: ComparisonDetail, channel: string): Outsid
 
 const FIRST = 3;
 
-/** The curves to show: first the service's own order of joint angles and trunk; positions of points come last. */
-export function pickCurves(curves: readonly PhaseCurve[], all: boolean): PhaseCurve[] {
-  const drawable = curves.filter((curve) => curve.mean.some((value) => value !== null && Number.isFinite(value)));
-  const angles = drawable.filter((curve) => !curve.channel.includes('.'));
-  const points = drawable.filter((curve) => curve.channel.includes('.'));
-  const ordered = [...angles, ...points];
+/** The channel whose range is the main measure: the one that the summary relates to the template. */
+export function primaryChannel(summary: readonly { measure: string }[]): string | null {
+  return summary.find((one) => one.measure.startsWith('range_ratio:'))?.measure.slice('range_ratio:'.length) ?? null;
+}
+
+/**
+ * The curves to show: the main one, then those that leave the band most, positions of points last.
+ * `outsideLength` says how long a channel is outside, over all repetitions.
+ */
+export function pickCurves(curves: readonly PhaseCurve[], all: boolean, primary: string | null = null, outsideLength: (channel: string) => number = () => 0): PhaseCurve[] {
+  const rank = (curve: PhaseCurve) => (curve.channel === primary ? 0 : curve.channel.includes('.') ? 2 : 1);
+  const ordered = curves
+    .filter((curve) => curve.mean.some((value) => value !== null && Number.isFinite(value)))
+    .sort((a, b) => rank(a) - rank(b) || outsideLength(b.channel) - outsideLength(a.channel));
   return all ? ordered : ordered.slice(0, FIRST);
 }

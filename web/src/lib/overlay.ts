@@ -1,6 +1,7 @@
 // The template laid over the patient's running curves, in the patient's timing or at the therapist's own pace.
 import type { ComparisonDetail } from '../api/types';
 import type { TemplateAt } from '../charts/Traces';
+import { displayUnit } from './format';
 import { repetitionAt, templateValueAt } from './warp';
 
 export function templateOver(comparison: ComparisonDetail, templateDurationS: number | null, isWarped: boolean): TemplateAt {
@@ -11,7 +12,8 @@ export function templateOver(comparison: ComparisonDetail, templateDurationS: nu
     const repetition = curve && repetitionAt(repetitions, timeS);
     if (!curve || !repetition) return null;
     const durationS = templateDurationS ?? repetition.end_s - repetition.start_s;
-    const at = (values: readonly (number | null)[]) => templateValueAt(values, repetition, repetition.warp, durationS, timeS, isWarped);
+    const { factor } = displayUnit(curve.unit);
+    const at = (values: readonly (number | null)[]) => factor * templateValueAt(values, repetition, repetition.warp, durationS, timeS, isWarped);
     return { mean: at(curve.mean), low: at(curve.low), high: at(curve.high) };
   };
 }

@@ -153,7 +153,7 @@ export function CaseloadPage() {
   return (
     <Page
       title={t('caseload.title')}
-      lead={waiting === undefined ? me.clinic_name : t('caseload.lead', { count: waiting })}
+      lead={waiting === undefined ? me.clinic_name : waiting === 0 ? t('caseload.leadNobody') : t('caseload.lead', { count: waiting })}
       actions={
         <Button component={Link} to="/patients/new" variant="default" leftSection={<IconUserPlus size={19} aria-hidden />}>
           {t('patient.add')}

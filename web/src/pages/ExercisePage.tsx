@@ -2,7 +2,7 @@ import { Button, Select } from '@mantine/core';
 import { IconRouteOff } from '@tabler/icons-react';
 import { useState } from 'react';
 import { Link, useParams, useSearchParams } from 'react-router';
-import { useExercises, useTemplates, useTemplateVersion } from '../api/queries';
+import { useExercises, usePatient, useTemplates, useTemplateVersion } from '../api/queries';
 import type { Template } from '../api/types';
 import { PhaseChart, PhaseLegend } from '../charts/PhaseChart';
 import { Answer, Empty, Problem } from '../components/Feedback';
@@ -12,7 +12,7 @@ import { channelLabel } from '../lib/channels';
 import { pickCurves } from '../lib/comparison';
 import { date, number } from '../lib/format';
 
-function TemplateCard({ template, wanted }: { template: Template; wanted: string | null }) {
+function TemplateCard({ template, wanted, primary }: { template: Template; wanted: string | null; primary: string | null }) {
   const [picked, setPicked] = useState<string | null>(null);
   const versionId = picked ?? template.versions.find((one) => one.id === wanted)?.id ?? template.versions[0]?.id ?? null;
   const version = useTemplateVersion(versionId);
@@ -39,7 +39,7 @@ function TemplateCard({ template, wanted }: { template: Template; wanted: string
             <p className="muted small">{t('template.made', { number: versionNumber, date: date(at), count, seconds: number(content.duration_s, 1) })}</p>
             <PhaseLegend withOutside={false} patient={false} />
             <div className="template-curves">
-              {pickCurves(content.curves, false).map((curve) => (
+              {pickCurves(content.curves, false, primary).map((curve) => (
                 <div key={curve.channel} className="template-curve">
                   <h3>{curve.label}</h3>
                   <PhaseChart curve={curve} left={new Set(content.repetitions.flatMap((one, index) => (one.is_kept ? [] : [index])))} height={200} />
@@ -57,15 +57,20 @@ export function ExercisePage() {
   const { exerciseId = '' } = useParams();
   const [search] = useSearchParams();
   const exercises = useExercises();
-  const templates = useTemplates(exerciseId, null);
+  const patientId = search.get('patient');
+  const templates = useTemplates(exerciseId, patientId);
+  const patient = usePatient(patientId ?? '');
   const exercise = exercises.data?.find((one) => one.id === exerciseId);
   return (
     <Page
       title={exercise?.name ?? t('exercise.one')}
       lead={exercise && (exercise.description || t('exercise.judgedBy', { angle: channelLabel(exercise.primary_angle).text }))}
-      crumbs={[{ to: '/exercises', text: t('nav.exercises') }]}
+      crumbs={[
+        { to: '/exercises', text: t('nav.exercises') },
+        ...(patient.data ? [{ to: `/patients/${patient.data.id}`, text: `${patient.data.given_name} ${patient.data.family_name}` }] : []),
+      ]}
       actions={
-        <Button component={Link} to={`/templates/record?exercise=${exerciseId}`}>
+        <Button component={Link} to={`/templates/record?exercise=${exerciseId}${patientId ? `&patient=${patientId}` : ''}`}>
           {t('template.record')}
         </Button>
       }
@@ -76,12 +81,12 @@ export function ExercisePage() {
           {(list) =>
             list.length === 0 ? (
               <div className="card">
-                <Empty icon={<IconRouteOff size={44} aria-hidden />} title={t('template.emptyTitle')}>
-                  {t('template.emptyText')}
+                <Empty icon={<IconRouteOff size={44} aria-hidden />} title={patientId ? t('template.emptyTitle') : t('template.emptyClinicTitle')}>
+                  {patientId ? t('template.emptyText') : t('template.emptyClinicText')}
                 </Empty>
               </div>
             ) : (
-              list.map((one) => <TemplateCard key={one.id} template={one} wanted={search.get('version')} />)
+              list.map((one) => <TemplateCard key={one.id} template={one} wanted={search.get('version')} primary={exercise?.primary_angle ?? null} />)
             )
           }
         </Answer>

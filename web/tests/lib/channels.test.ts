@@ -5,7 +5,7 @@ describe('channelLabel', () => {
   it('names an angle in plain words with its sequence beside it', () => {
     expect(channelLabel('humerus_forearm_right_zxy_flexion')).toEqual({
       text: 'Elbow flexion, right',
-      convention: 'forearm to upper arm, Z-X-Y',
+      convention: 'forearm to upper arm, Z\u2011X\u2011Y',
       unit: 'rad',
       side: 'right',
     });

@@ -23,11 +23,22 @@ describe('caseload', () => {
 
 describe('audit', () => {
   const entry = (at: string, who: string, action: string): AuditEntry => ({ at, who, action, role: 'therapist', resource_id: null, details: {} });
-  it('counts the same deed within an hour in one line and loses none', () => {
-    const entries = [entry('2025-01-01T10:00:00Z', 'A', 'patient.read'), entry('2025-01-01T10:10:00Z', 'A', 'patient.read'), entry('2025-01-01T08:00:00Z', 'A', 'patient.read'), entry('2025-01-01T10:05:00Z', 'B', 'patient.read')];
+  it('makes one line of a person and a day and loses no deed', () => {
+    const entries = [
+      entry('2025-01-01T10:00:00', 'A', 'patient.read'),
+      entry('2025-01-01T10:10:00', 'A', 'patient.read'),
+      entry('2025-01-01T08:00:00', 'A', 'session.read'),
+      entry('2025-01-01T10:05:00', 'B', 'patient.read'),
+      entry('2025-01-02T10:05:00', 'A', 'patient.read'),
+    ];
     const groups = groupAudit(entries);
-    expect(groups.map((group) => [group.who, group.count])).toEqual([['A', 2], ['B', 1], ['A', 1]]);
-    expect(groups.reduce((sum, group) => sum + group.count, 0)).toBe(entries.length);
+    expect(groups.map((group) => [group.who, group.deeds])).toEqual([
+      ['A', [{ action: 'patient.read', count: 1 }]],
+      ['A', [{ action: 'patient.read', count: 2 }, { action: 'session.read', count: 1 }]],
+      ['B', [{ action: 'patient.read', count: 1 }]],
+    ]);
+    expect(groups[1]).toMatchObject({ first: '2025-01-01T08:00:00', last: '2025-01-01T10:10:00' });
+    expect(groups.flatMap((group) => group.deeds).reduce((sum, deed) => sum + deed.count, 0)).toBe(entries.length);
   });
 });
 

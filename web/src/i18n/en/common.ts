@@ -81,6 +81,7 @@ export const common = {
     one: '{count} patient needs a look today',
     other: '{count} patients need a look today',
   },
+  'caseload.leadNobody': 'Nobody needs a look right now',
   'caseload.patient': 'Patient',
   'caseload.reason': 'Reason to look',
   'caseload.trend': 'Main measure',

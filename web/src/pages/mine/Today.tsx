@@ -62,7 +62,7 @@ function Today({ me, patientId }: { me: Me; patientId: string }) {
   const due = (prescriptions.data ?? []).filter((one) => one.done_this_week < one.times_per_week);
   const done = (prescriptions.data ?? []).filter((one) => one.done_this_week >= one.times_per_week);
   return (
-    <Page narrow title={t('mine.hello', { name: me.display_name.split(' ')[0] ?? me.display_name })} lead={prescriptions.data ? t('mine.today', { count: due.length }) : undefined}>
+    <Page narrow title={t('mine.hello', { name: me.display_name.split(' ')[0] ?? me.display_name })} lead={prescriptions.data && prescriptions.data.length > 0 ? (due.length > 0 ? t('mine.today', { count: due.length }) : t('mine.allDone')) : undefined}>
       <div className="stack">
         {running && (
           <section className="card mine-card">

@@ -112,7 +112,9 @@ function Line({ prescription, patient }: { prescription: Prescription; patient: 
         {t('prescription.doneThisWeek', { done: prescription.done_this_week, of: prescription.times_per_week })}
       </div>
       {prescription.template_name ? (
-        <div className="muted small">{t('prescription.withTemplate', { name: prescription.template_name })}</div>
+        <div className="small">
+          <Link to={`/exercises/${prescription.exercise_id}?patient=${patient.id}`}>{t('prescription.withTemplate', { name: prescription.template_name })}</Link>
+        </div>
       ) : (
         <div className="small missing">
           <IconRouteOff size={16} aria-hidden /> {t('prescription.noTemplate')}{' '}

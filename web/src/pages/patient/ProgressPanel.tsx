@@ -25,7 +25,7 @@ function Measure({ measure, events }: { measure: ProgressMeasure; events: Progre
         )}
         <p className={measure.is_real_change ? 'strong' : 'muted'}>{changeText(measure)}</p>
       </div>
-      <ProgressChart measure={measure} events={events} />
+      {measure.points.length > 1 && <ProgressChart measure={measure} events={events} />}
     </div>
   );
 }

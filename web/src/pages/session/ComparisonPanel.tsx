@@ -9,7 +9,7 @@ import { PhaseChart, PhaseLegend } from '../../charts/PhaseChart';
 import { Empty, Problem } from '../../components/Feedback';
 import { t, tOr } from '../../i18n';
 import { quantity, uncertain } from '../../lib/format';
-import { outsideOf, pickCurves } from '../../lib/comparison';
+import { outsideOf, pickCurves, primaryChannel } from '../../lib/comparison';
 
 export interface ComparisonPanelProps {
   session: SessionDetail;
@@ -21,6 +21,7 @@ export interface ComparisonPanelProps {
   onPhase: (repetition: number, templatePhase: number) => void;
 }
 
+const SHOWN_FIRST = 3;
 const GROUPS = ['range', 'timing', 'shape', 'smoothness', 'path', 'compensation'] as const;
 
 function Start({ session, resultId }: { session: SessionDetail; resultId: string }) {
@@ -152,7 +153,9 @@ export function ComparisonPanel({ session, resultId, comparison, hasComparison, 
       </Empty>
     );
   }
-  const curves = pickCurves(comparison.curves, showsAll);
+  const length = (channel: string) => outsideOf(comparison, channel).reduce((sum, one) => sum + one.until - one.from, 0);
+  const ordered = pickCurves(comparison.curves, true, primaryChannel(comparison.summary), length);
+  const curves = showsAll ? ordered : ordered.slice(0, SHOWN_FIRST);
   return (
     <div className="stack">
       <div>
@@ -181,7 +184,7 @@ export function ComparisonPanel({ session, resultId, comparison, hasComparison, 
       {curves.map((curve) => (
         <Curve key={curve.channel} curve={curve} comparison={comparison} selected={selected} onPhase={onPhase} />
       ))}
-      {pickCurves(comparison.curves, true).length > pickCurves(comparison.curves, false).length && (
+      {ordered.length > SHOWN_FIRST && (
         <div>
           <Button variant="default" aria-expanded={showsAll} onClick={() => setShowsAll(!showsAll)}>
             {showsAll ? t('compare.fewerCurves') : t('compare.moreCurves')}

@@ -3,7 +3,7 @@ import { IconDownload } from '@tabler/icons-react';
 import { useState } from 'react';
 import { useNavigate } from 'react-router';
 import { useDeleteSession, useEstimators, useJob, useReprocess } from '../../api/queries';
-import type { Result, SessionDetail } from '../../api/types';
+import type { Estimator, Result, SessionDetail } from '../../api/types';
 import { Confirm } from '../../components/Confirm';
 import { Problem } from '../../components/Feedback';
 import { t } from '../../i18n';
@@ -13,10 +13,11 @@ import { scoreText } from './Calibration';
 import { JobProgress } from './AnalysisWait';
 
 /** What made a result, so that two of them are never mixed up. */
-export function resultLabel(result: Result, isMain: boolean): string {
+export function resultLabel(result: Result, isMain: boolean, estimators: readonly Estimator[]): string {
+  const title = estimators.find((one) => one.name === result.orientation)?.title ?? result.orientation;
   const kind = result.kind === 'live' ? t('result.live') : t('result.offline');
-  const name = t('result.label', { kind, estimator: result.orientation, version: result.orientation_version });
-  return isMain ? `${name} (${t('result.main')})` : name;
+  const name = t('result.label', { kind, estimator: title, version: result.orientation_version });
+  return isMain ? `${name}, ${t('result.main')}` : name;
 }
 
 /** How the session was made and with what, and how to estimate it again. */
@@ -62,7 +63,7 @@ export function DetailsPanel({ session, resultId }: { session: SessionDetail; re
           <ul className="plain-list">
             {session.results.map((one) => (
               <li key={one.id}>
-                {resultLabel(one, one.id === session.main_result_id)} <span className="muted small">{dateTime(one.created_at)}</span>
+                {resultLabel(one, one.id === session.main_result_id, choices)} <span className="muted small">{dateTime(one.created_at)}</span>
                 {one.status === 'failed' && <span className="alert-text small"> {one.message || t('job.failed')}</span>}
               </li>
             ))}

@@ -55,6 +55,7 @@ function Sensor({ sensor }: { sensor: SensorHealth }) {
 
 export function HealthPanel({ health, placements }: { health: HealthMessage | null; placements: readonly Placement[] }) {
   const lost = health?.sensors.filter((sensor) => sensor.status === 'lost') ?? [];
+  const isAllLost = health !== null && health.sensors.length > 1 && lost.length === health.sensors.length;
   return (
     <section className="card" aria-labelledby="health">
       <div className="card-head">
@@ -65,8 +66,18 @@ export function HealthPanel({ health, placements }: { health: HealthMessage | nu
       </p>
       {health ? (
         <>
+          {isAllLost && (
+            <p className="alert-text sensor-all">
+              <IconWifiOff size={19} aria-hidden /> {t('health.allLost')}
+            </p>
+          )}
           <ul className="plain-list sensors">
-            {health.sensors.map((sensor) => (
+            {health.sensors.map((sensor) => isAllLost ? (
+              <li key={sensor.placement} className="sensor">
+                <span className="sensor-name">{placementLabel(sensor.placement)}</span>
+                <span className="muted small">{t('health.lost')}</span>
+              </li>
+            ) : (
               <Sensor key={sensor.placement} sensor={sensor} />
             ))}
           </ul>

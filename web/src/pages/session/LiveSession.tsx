@@ -16,6 +16,7 @@ import { useSignedIn } from '../../components/useSignedIn';
 import { Traces } from '../../charts/Traces';
 import { t } from '../../i18n';
 import { preferredAngles } from '../../lib/channels';
+import { eventText } from '../../lib/events';
 import { number, position } from '../../lib/format';
 import { useLivePlayer, useSnapshot } from '../../player/hooks';
 import type { LivePlayer, LiveSnapshot } from '../../player/live';
@@ -25,6 +26,7 @@ import { ConnectHelp } from './ConnectHelp';
 import { HealthPanel } from './HealthPanel';
 import { StateSteps, stepOf } from './StateSteps';
 
+const LIVE = { mode: 'live' } as const;
 type Deed = 'calibrate' | 'record' | 'stop' | 'close';
 
 function Delay({ snapshot }: { snapshot: LiveSnapshot }) {
@@ -41,14 +43,11 @@ function Delay({ snapshot }: { snapshot: LiveSnapshot }) {
   );
 }
 
-function Buttons({ session, state, onDone }: { session: SessionDetail; state: SessionState; onDone: () => void }) {
+function Buttons({ session, state }: { session: SessionDetail; state: SessionState }) {
   const client = useQueryClient();
   const deed = useMutation({
     mutationFn: (what: Deed) => api.post<unknown>(`/api/sessions/${session.id}/${what}`),
-    onSuccess: (_, what) => {
-      void client.invalidateQueries({ queryKey: keys.session(session.id) });
-      if (what === 'close') onDone();
-    },
+    onSuccess: () => client.invalidateQueries({ queryKey: keys.session(session.id) }),
   });
   const [note, setNote] = useState('');
   const mark = useMutation({
@@ -101,7 +100,7 @@ function Happened({ events }: { events: readonly SessionEvent[] }) {
         <ul className="plain-list lines small">
           {newest.map((event, index) => (
             <li key={`${event.time_s}${event.kind}${index}`}>
-              <span className="muted number">{position(event.time_s, 0)}</span> {event.text || t('event.unnamed')}
+              <span className="muted number">{position(event.time_s, 0)}</span> {eventText(event)}
             </li>
           ))}
         </ul>
@@ -119,8 +118,11 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
   const exercise = exercises.data?.find((one) => one.id === session.exercise_id);
   const message = snapshot.state;
   const state: SessionState = message?.state ?? session.state;
-  const step = useRef(stepOf(session.state, 0));
-  step.current = stepOf(state, step.current);
+  const step = useRef(0);
+  step.current = stepOf(state, step.current, {
+    isCalibrated: (message?.calibration ?? session.calibration) !== null,
+    isRecording: (message?.recording_start_s ?? session.recording_start_s) !== null,
+  });
   const angles = snapshot.columns?.layout.angles ?? session.layout.angles;
   const [chosen, setChosen] = useState<string[] | null>(null);
   const channels = useMemo(
@@ -164,8 +166,8 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
       <div className="live-grid">
         <div className="stack">
           {state === 'created' && <ConnectHelp session={session} />}
-          {state !== 'created' && !isOver && <Viewer3D sessionId={session.id} request={{ mode: 'live' }} title={t('viewer.liveTitle')} />}
-          {!isOver && state !== 'created' && mayRecord && <Buttons session={session} state={state} onDone={() => undefined} />}
+          {state !== 'created' && !isOver && mayRecord && <Buttons session={session} state={state} />}
+          {state !== 'created' && !isOver && <Viewer3D sessionId={session.id} request={LIVE} title={t('viewer.liveTitle')} />}
           {snapshot.columns && !isOver && (
             <section className="card" aria-labelledby="angles">
               <div className="card-head">

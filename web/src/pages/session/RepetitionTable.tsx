@@ -1,13 +1,19 @@
 import { Button } from '@mantine/core';
 import type { ComparisonDetail, MeasureValue } from '../../api/types';
 import { t } from '../../i18n';
+import { primaryChannel } from '../../lib/comparison';
 import { quantity, uncertain } from '../../lib/format';
 
 /** The measures of most use in a table by repetition, by the beginning of their names; each group gives at most two. */
 const WANTED = ['range:', 'duration', 'timing_deviation', 'shape_deviation', 'inside_band', 'spectral_arc_length', 'hand_path_ratio', 'compensation:'];
 
 function columnsOf(summary: readonly MeasureValue[]): MeasureValue[] {
-  return WANTED.flatMap((start) => summary.filter((one) => (start.endsWith(':') ? one.measure.startsWith(start) : one.measure === start)).slice(0, start === 'compensation:' ? 2 : 1));
+  const primary = primaryChannel(summary);
+  return WANTED.flatMap((start) => {
+    const found = summary.filter((one) => (start.endsWith(':') ? one.measure.startsWith(start) : one.measure === start));
+    if (start === 'range:') return found.filter((one) => primary === null || one.measure === `range:${primary}`).slice(0, 1);
+    return found.slice(0, start === 'compensation:' ? 2 : 1);
+  });
 }
 
 /** One line a repetition: each number with its unit and uncertainty, and last the summary with its count. */
@@ -19,7 +25,7 @@ export function RepetitionTable({ comparison, selected, onSelect }: { comparison
         <h2 id="by-repetition">{t('repetition.table')}</h2>
       </div>
       {/* eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex -- a scrolling region must be reachable by keyboard */}
-      <div className="table-scroll" role="region" aria-labelledby="by-repetition" tabIndex={0}>
+      <div className="table-scroll" role="group" aria-labelledby="by-repetition" tabIndex={0}>
         <table className="plain-table wide-table">
           <thead>
             <tr>

@@ -3,7 +3,7 @@ import { Button, Select, Switch, Tabs } from '@mantine/core';
 import { IconArrowRight } from '@tabler/icons-react';
 import { useCallback, useEffect, useMemo, useRef, useState, type KeyboardEvent } from 'react';
 import { Link, Navigate, useParams, useSearchParams } from 'react-router';
-import { useComparison, useComparisons, useExercises, usePatient, useSession, useTemplateVersion } from '../../api/queries';
+import { useComparison, useComparisons, useEstimators, useExercises, usePatient, useSession, useTemplateVersion } from '../../api/queries';
 import type { ComparisonDetail, Repetition, SessionDetail } from '../../api/types';
 import { Traces } from '../../charts/Traces';
 import { ChannelPicker } from '../../components/ChannelPicker';
@@ -53,7 +53,7 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
     () => (comparison && ghost.ghost ? templateOver(comparison, template.data?.content.duration_s ?? null, ghost.warp) : undefined),
     [comparison, template.data, ghost],
   );
-  const seek = useCallback((timeS: number) => player.seek(timeS), [player]);
+  const seek = useCallback((sinceStartS: number) => player.seek(player.clock().startS + sinceStartS), [player]);
 
   // An address with a moment in it opens at that moment.
   const wanted = search.get('t');
@@ -126,9 +126,11 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
             <Tabs.Tab value="details">{t('details.title')}</Tabs.Tab>
           </Tabs.List>
           <Tabs.Panel value="compare">
+            <h2 className="visually-hidden">{t('compare.title')}</h2>
             <ComparisonPanel session={session} resultId={resultId} comparison={comparison} hasComparison={hasComparison} selected={selected} onSelect={setSelected} onPhase={jumpTo} />
           </Tabs.Panel>
           <Tabs.Panel value="angles">
+            <h2 className="visually-hidden">{t('traces.title')}</h2>
             <div className="card-head">
               <p className="muted small">{comparison ? t('replay.curvesWithTemplate') : t('replay.curves')}</p>
               <span className="end">
@@ -138,6 +140,7 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
             <Traces player={player} channels={channels} templateAt={templateAt} onSeek={seek} />
           </Tabs.Panel>
           <Tabs.Panel value="details">
+            <h2 className="visually-hidden">{t('details.title')}</h2>
             <DetailsPanel session={session} resultId={resultId} />
           </Tabs.Panel>
         </Tabs>
@@ -150,6 +153,7 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
 function Loaded({ session }: { session: SessionDetail }) {
   const [search, setSearch] = useSearchParams();
   const comparisons = useComparisons(session.id);
+  const estimators = useEstimators();
   const complete = session.results.filter((one) => one.status === 'complete');
   const asked = search.get('result');
   const resultId = complete.find((one) => one.id === asked)?.id ?? session.main_result_id ?? complete.at(-1)?.id ?? null;
@@ -173,7 +177,7 @@ function Loaded({ session }: { session: SessionDetail }) {
             maw="100%"
             value={resultId}
             onChange={(value) => setSearch((now) => (value ? now.set('result', value) : now.delete('result'), now.delete('comparison'), now), { replace: true })}
-            data={complete.map((one) => ({ value: one.id, label: resultLabel(one, one.id === session.main_result_id) }))}
+            data={complete.map((one) => ({ value: one.id, label: resultLabel(one, one.id === session.main_result_id, estimators.data ?? []) }))}
           />
           {ofResult.length > 1 && (
             <Select

@@ -4,20 +4,19 @@ import { t } from '../../i18n';
 
 const STEPS = ['connect', 'calibrate', 'ready', 'record', 'analyse'] as const;
 
-/** The step a state belongs to; where the link is lost the last step known stays. */
-const STEP_OF: Record<SessionState, number | null> = {
+const STEP_OF: Record<Exclude<SessionState, 'link_lost' | 'failed'>, number> = {
   created: 0,
   calibrating: 1,
   ready: 2,
   recording: 3,
-  link_lost: null,
   closing: 4,
   analysed: 5,
-  failed: null,
 };
 
-export function stepOf(state: SessionState, before: number): number {
-  return STEP_OF[state] ?? before;
+/** The step a state belongs to; a lost link stays at the step that was reached. */
+export function stepOf(state: SessionState, before: number, reached: { isCalibrated: boolean; isRecording: boolean }): number {
+  if (state !== 'link_lost' && state !== 'failed') return STEP_OF[state];
+  return Math.max(before, reached.isRecording ? 3 : reached.isCalibrated ? 2 : 1);
 }
 
 /** Where the session stands, as steps with words. */

@@ -25,7 +25,7 @@ function Source({ patientId, exerciseId, onPatient, onSession }: { patientId: st
   const sessions = usePatientSessions(patientId);
   const analysed = (sessions.data ?? [])
     .filter((one) => one.state === 'analysed')
-    .sort((a, b) => Number(b.exercise_id === exerciseId) - Number(a.exercise_id === exerciseId) || Number(b.purpose === 'template') - Number(a.purpose === 'template'));
+    .sort((a, b) => (exerciseId ? Number(b.exercise_id === exerciseId) - Number(a.exercise_id === exerciseId) : 0) || Number(b.purpose === 'template') - Number(a.purpose === 'template'));
   const [picked, setPicked] = useState('');
   const chosen = picked || (analysed[0]?.id ?? '');
   return (
@@ -96,7 +96,7 @@ function Shape({ session, exerciseId: wantedExercise, content, request, onReques
   const save = useSaveTemplate();
   const dropped = useMemo(() => new Set(content.repetitions.flatMap((one, index) => (one.is_kept ? [] : [index]))), [content]);
   const exercise = exercises.data?.find((one) => one.id === exerciseId);
-  const curves = pickCurves(content.curves, showsAll);
+  const curves = pickCurves(content.curves, showsAll, exercise?.primary_angle ?? null);
   const kept = content.repetitions.length - dropped.size;
   const existing = templates.data ?? [];
   const suggested = `${exercise?.name ?? session.exercise_name ?? t('session.free')}${forWhom === 'patient' && patient.data ? `, ${patient.data.given_name}` : ''}`;
@@ -120,7 +120,7 @@ function Shape({ session, exerciseId: wantedExercise, content, request, onReques
         template_id: templateId === 'new' ? null : templateId,
         name: templateId === 'new' ? name.trim() || suggested : (existing.find((one) => one.id === templateId)?.name ?? suggested),
       },
-      { onSuccess: (version: TemplateVersionDetail) => void navigate(`/exercises/${exerciseId}?version=${version.id}`) },
+      { onSuccess: (version: TemplateVersionDetail) => void navigate(`/exercises/${exerciseId}?version=${version.id}${forWhom === 'patient' ? `&patient=${session.patient_id}` : ''}`) },
     );
   };
   return (
