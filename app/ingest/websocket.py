@@ -14,7 +14,7 @@ from typing import Annotated, Protocol
 
 from fastapi import APIRouter, WebSocket
 from pydantic import Field, TypeAdapter, ValidationError
-from starlette.websockets import WebSocketDisconnect, WebSocketState
+from starlette.websockets import WebSocketDisconnect, WebSocketDisconnected, WebSocketState
 
 from app.errors import InvalidInput, PacketError, TelemotionError, Unavailable
 from app.ingest.declaration import Declaration, check_hello
@@ -104,7 +104,7 @@ async def ingest(websocket: WebSocket) -> None:
     """Serve one gateway."""
     await websocket.accept()
     connection = IngestConnection(websocket, services_of(websocket).live)
-    with contextlib.suppress(WebSocketDisconnect):
+    with contextlib.suppress(WebSocketDisconnect, WebSocketDisconnected):
         await connection.serve()
 
 
@@ -171,7 +171,7 @@ class IngestConnection:
                 task.cancel()
             await asyncio.gather(receiving, acknowledging, return_exceptions=True)
         if self._websocket.application_state is WebSocketState.CONNECTED:
-            with contextlib.suppress(WebSocketDisconnect, RuntimeError):
+            with contextlib.suppress(WebSocketDisconnect, WebSocketDisconnected):
                 await self._websocket.close()
 
     async def _receive_all(self, intake: Intake) -> None:
@@ -270,7 +270,7 @@ class IngestConnection:
             await self._send(as_message(error))
 
     async def _end(self, error: TelemotionError) -> None:
-        with contextlib.suppress(WebSocketDisconnect, RuntimeError):
+        with contextlib.suppress(WebSocketDisconnect, WebSocketDisconnected):
             await self._send(as_message(error, closing=True))
             await self._websocket.close(code=1008 if error.status < 500 else 1013, reason=error.code)
 

@@ -20,7 +20,7 @@ from app.live.messages import LayoutMessage, StateMessage
 from app.live.rebuild import rebuild
 from app.live.runner import LiveSession
 from app.live.states import OPEN, STREAMING
-from app.live.warmup import warm_up
+from app.live.warmup import calm_collector, warm_up
 from app.recordings import GroupCommitWriter
 from app.recordings.schemas import CalibrationOut
 from estimators import pipelines
@@ -79,6 +79,7 @@ class LiveManager:
         """Compile what estimation needs, take note of interrupted sessions, begin to watch."""
         self._loop = asyncio.get_running_loop()
         await asyncio.to_thread(warm_up)
+        calm_collector()
         for stored in await asyncio.to_thread(repository.interrupted, self.engine):
             if stored.state == "closing":
                 await asyncio.to_thread(self._on_closed, stored.id)

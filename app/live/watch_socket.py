@@ -13,7 +13,7 @@ from functools import partial
 
 from fastapi import APIRouter, WebSocket
 from pydantic import ValidationError
-from starlette.websockets import WebSocketDisconnect, WebSocketState
+from starlette.websockets import WebSocketDisconnect, WebSocketDisconnected, WebSocketState
 
 from app.accounts.dependencies import websocket_subject
 from app.accounts.sign_in import COOKIE
@@ -46,7 +46,7 @@ async def watch(websocket: WebSocket, session_id: str) -> None:
     """Serve one dashboard."""
     await websocket.accept()
     services = services_of(websocket)
-    with contextlib.suppress(WebSocketDisconnect):
+    with contextlib.suppress(WebSocketDisconnect, WebSocketDisconnected):
         try:
             check = await _who(websocket, services, session_id)
             stored = await asyncio.to_thread(check)
@@ -151,6 +151,6 @@ async def _end(websocket: WebSocket, error: TelemotionError) -> None:
     if websocket.application_state is not WebSocketState.CONNECTED:
         return
     message = ErrorMessage(code=error.code, message=error.message, details=error.details, closing=True)
-    with contextlib.suppress(WebSocketDisconnect, RuntimeError):
+    with contextlib.suppress(WebSocketDisconnect, WebSocketDisconnected):
         await websocket.send_text(message.model_dump_json())
         await websocket.close(code=1008 if error.status < 500 else 1011, reason=error.code)
