@@ -1,5 +1,6 @@
 """Sensor-to-segment orientation from standing still with hanging arms."""
 
+import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -26,6 +27,7 @@ _RESTLESS_RADPS = math.radians(25.0)
 _NORM_WARNING = 0.03
 _NORM_FAULT = 0.15
 _DISAGREEMENT_RAD = math.radians(40.0)
+_CONCURRING_RAD = math.radians(15.0)
 _AGREEMENT = 0.9
 _WITNESSES = 3
 
@@ -71,7 +73,9 @@ def n_pose(
     `OUTWARD_HEADING_RAD` for *one* sensor, the first of `FACING_ORDER` that is worn, shares the common
     heading and whose z axis is not nearly vertical: the sternum's z axis points forward; without it, the
     upper arm's points sideways (of both arms the mean). Other sensors that share the magnetic heading may
-    be mounted any way round. Those whose heading is not trusted (no magnetometer) each need the rule:
+    be mounted any way round; those that by the rule say nearly the same (within 15 degrees, fading to 30)
+    are averaged with it, because a degree of facing error is about a degree of cross-talk between flexion
+    and abduction. Those whose heading is not trusted (no magnetometer) each need the rule:
     `heading_offset_rad` turns their z axis to its expected direction.
     """
     sensors = len(placements)
@@ -266,12 +270,20 @@ def _facing(
         )
     if steepness_rad[placements.index(chosen)] > _SLANTED_RAD:
         verdict.lower(0.6, f"the {_words(chosen)} sensor lies nearly flat; mount it upright")
-    group = [chosen]
-    other = chosen.replace("right", "left") if chosen.endswith("right") else chosen.replace("left", "right")
-    if other != chosen and other in usable and shared:
-        group += [p for p in usable if p == other]
-    each = [heading_rad[placements.index(p)] - OUTWARD_HEADING_RAD[p] for p in group]
-    facing = math.atan2(sum(math.sin(a) for a in each), sum(math.cos(a) for a in each))
+    rows = {p: placements.index(p) for p in usable}
+    implied = {p: float(heading_rad[row]) - OUTWARD_HEADING_RAD[p] for p, row in rows.items()}
+    # A sensor that was put on by the rule tells the direction again, with an error of its own; one that was
+    # put on any other way round is far off. The weight fades between the two, without a step.
+    pair = {chosen, chosen.replace("right", "left"), chosen.replace("left", "right")} if shared else {chosen}
+    asked = cmath.phase(sum(cmath.exp(1j * angle) for p, angle in implied.items() if p in pair))
+    total = complex(0.0)
+    for p, angle in implied.items():
+        weight = 1.0 if p in pair else 0.0
+        if shared and p not in pair and steepness_rad[rows[p]] <= _SLANTED_RAD:
+            away_rad = abs(_wrapped(angle - asked))
+            weight = float(np.interp(away_rad, (_CONCURRING_RAD, 2.0 * _CONCURRING_RAD), (1.0, 0.0)))
+        total += weight * cmath.exp(1j * angle)
+    facing = cmath.phase(total)
     return facing, chosen
 
 

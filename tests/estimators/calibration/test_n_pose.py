@@ -115,6 +115,23 @@ def test_both_upper_arms_share_the_facing():
     assert pose.calibrate().facing_rad == pytest.approx(pose.facing_rad, abs=1e-9)
 
 
+def test_sensors_put_on_by_the_rule_average_the_facing_and_others_have_no_say():
+    """Sternum 4 degrees off: the mean is a seventh of it; one sensor put on backwards changes nothing."""
+    pose = Pose(ARMS, noise=0.0, arbitrary=False)
+
+    def turned(row, off_rad):
+        pose.q_room_sensor[row] = rotation.multiply(rotation.about_z(off_rad), pose.q_room_sensor[row])
+        pose.q[row] = rotation.multiply(rotation.about_z(pose.facing_rad), pose.q_room_sensor[row])
+
+    sternum = ARMS.index("sternum")
+    turned(sternum, math.radians(4.0))
+    away = math.degrees(pose.calibrate().facing_rad - pose.facing_rad)
+    assert 0.0 < away < 1.0
+    turned((sternum + 1) % len(ARMS), math.pi)
+    away = math.degrees(pose.calibrate().facing_rad - pose.facing_rad)
+    assert 0.0 < away < 1.0
+
+
 def test_sensors_without_compass_are_turned_by_their_rule():
     headings = np.linspace(-3, 3, len(ARMS))
     pose = Pose(noise=0.0, arbitrary=False, own_heading_rad=headings)
