@@ -1,6 +1,7 @@
 """Uploads: received to disk or refused without a trace, then stored and analysed as a task."""
 
 import json
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -449,3 +450,20 @@ def test_a_csv_with_a_missing_column_fails_in_words(
     assert done.status == "failed"
     assert "no column not there" in done.message
     assert session_of(engine, job_id).state == "failed"
+
+
+@pytest.mark.slow
+def test_the_running_service_takes_an_upload_to_its_end(therapist: Any, world: Any, log: Path) -> None:
+    """The whole way through the real worker process."""
+    job = post(therapist, declare(world).model_dump(mode="json"), log.read_bytes()).json()
+    deadline = time.monotonic() + 120
+    while therapist.get(f"/api/sessions/{job['session_id']}").json()["state"] == "closing":
+        assert time.monotonic() < deadline
+        time.sleep(0.2)
+    shown = therapist.get(f"/api/sessions/{job['session_id']}").json()
+    assert (shown["state"], shown["results"][0]["status"]) == ("analysed", "complete")
+    jobs = therapist.get(f"/api/sessions/{job['session_id']}/jobs").json()
+    assert {(j["kind"], j["status"], j["progress"]) for j in jobs} == {
+        ("upload", "complete", 1.0),
+        ("compare", "complete", 1.0),
+    }
