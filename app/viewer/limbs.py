@@ -15,7 +15,8 @@ from app.viewer.surface import (
 from estimators.body import BodyDimensions
 
 
-def _upper_arm_shape(body: BodyDimensions, wide: float) -> Shape:
+def upper_arm_shape(body: BodyDimensions, wide: float) -> Shape:
+    """Bare upper arm with deltoid and biceps, rounded at both joints."""
     long = body.upper_arm_m
     stations = [-1.0, -0.90, -0.70, -0.50, -0.30, -0.10, 0.0]
     depths, widths = (
@@ -36,10 +37,10 @@ def _upper_arm_shape(body: BodyDimensions, wide: float) -> Shape:
 
 
 def upper_arm(body: BodyDimensions, wide: float) -> Mesh:
-    """Bare upper arm with deltoid and biceps."""
+    """Bare upper arm."""
     side, long = 0.08 * wide, body.upper_arm_m
     return polygonise(
-        _upper_arm_shape(body, wide),
+        upper_arm_shape(body, wide),
         (-side, -side, -long - 0.06 * wide),
         (side, side, 0.08 * wide),
         0.0125 * wide,
@@ -54,7 +55,7 @@ def sleeve(body: BodyDimensions, wide: float) -> Mesh:
         [0.060 * wide, 0.050 * wide, 0.045 * wide],
         [0.057 * wide, 0.052 * wide, 0.047 * wide],
     )
-    shape = smooth_union([inflated(_upper_arm_shape(body, wide), 0.006 * wide), flare], 0.02 * wide)
+    shape = smooth_union([inflated(upper_arm_shape(body, wide), 0.006 * wide), flare], 0.02 * wide)
     shape = cut(shape, (0, 0, -length), (0, 0.12, -1), 0.006 * wide)
     return polygonise(shape, (-side, -side, -length - 0.05), (side, side, 0.09 * wide), 0.0125 * wide)
 
@@ -62,15 +63,15 @@ def sleeve(body: BodyDimensions, wide: float) -> Mesh:
 def arm_band(body: BodyDimensions, wide: float) -> Mesh:
     """Ring around the upper arm below the sleeve: marks the affected side by shape."""
     side, long = 0.09 * wide, body.upper_arm_m
-    ring = inflated(_upper_arm_shape(body, wide), 0.0085 * wide)
+    ring = inflated(upper_arm_shape(body, wide), 0.0085 * wide)
     ring = cut(ring, (0, 0, -0.655 * long), (0, 0, 1), 0.008 * wide)
     ring = cut(ring, (0, 0, -0.775 * long), (0, 0, -1), 0.008 * wide)
     return polygonise(ring, (-side, -side, -0.86 * long), (side, side, -0.56 * long), 0.0100 * wide)
 
 
-def forearm(body: BodyDimensions, wide: float) -> Mesh:
+def forearm_shape(body: BodyDimensions, wide: float) -> Shape:
     """Round below the elbow, flat at the wrist, so that turning it can be seen."""
-    long, side = body.forearm_m, 0.08 * wide
+    long = body.forearm_m
     stations = [-1.0, -0.85, -0.60, -0.35, -0.15, 0.0]
     depths, widths = (
         [0.0205, 0.0225, 0.030, 0.038, 0.0405, 0.0385],
@@ -79,11 +80,17 @@ def forearm(body: BodyDimensions, wide: float) -> Mesh:
     arm = lofted([s * long for s in stations], [d * wide for d in depths], [w * wide for w in widths])
     elbow = ellipsoid((0, 0, 0), (0.0395 * wide, 0.0410 * wide, 0.0400 * wide))
     wrist = ellipsoid((0, 0, -long), (0.0210 * wide, 0.0290 * wide, 0.0240 * wide))
-    shape = smooth_union([arm, elbow, wrist], 0.012 * wide)
+    return smooth_union([arm, elbow, wrist], 0.012 * wide)
+
+
+def forearm(body: BodyDimensions, wide: float) -> Mesh:
+    """Bare forearm."""
+    long, side = body.forearm_m, 0.08 * wide
+    shape = forearm_shape(body, wide)
     return polygonise(shape, (-side, -side, -long - 0.05 * wide), (side, side, 0.06 * wide), 0.0110 * wide)
 
 
-def hand(body: BodyDimensions, wide: float) -> Mesh:
+def hand_shape(body: BodyDimensions) -> Shape:
     """Left hand, palm forward (+x), thumb outward (+y), fingers slightly curled."""
     long = body.hand_m / 0.18  # everything below is for a hand of 18 cm
     wrist = ellipsoid((0, 0, 0), (0.0205, 0.0285, 0.0230))
@@ -119,9 +126,14 @@ def hand(body: BodyDimensions, wide: float) -> Mesh:
         0.008,
     )
     shape = smooth_union([smooth_union(shapes, 0.007), thumb], 0.014)
-    scaled: Shape = lambda points: shape(points / long) * long  # noqa: E731
+    return lambda points: shape(points / long) * long
+
+
+def hand(body: BodyDimensions, _wide: float) -> Mesh:
+    """Bare left hand."""
+    long = body.hand_m / 0.18
     return polygonise(
-        scaled,
+        hand_shape(body),
         (-0.05 * long, -0.07 * long, -0.20 * long),
         (0.07 * long, 0.10 * long, 0.05 * long),
         0.0056 * long,

@@ -10,16 +10,17 @@ from numpy.typing import NDArray
 from viser import _messages as wire
 
 from app.viewer.body_mesh import Piece
-from app.viewer.palette import ACCENT, HALO, MATERIAL_COLOURS, PALETTES, TRAIL, UNMEASURED_SKIN, Rgb, Theme
+from app.viewer.palette import HALO, MATERIAL_COLOURS, PALETTES, TRAIL, UNMEASURED_SKIN, Rgb, Theme
 from app.viewer.proportions import hip_half_width_m, leg_lengths_m, neck_height_m
 from estimators.body import BodyDimensions
 
-GHOST: Final = "/template"
 FLOOR: Final = "/room/floor"
 _LIGHTS: Final = ("/room/sky", "/room/key", "/room/fill")
 _HALF_FLOOR_M: Final = 2.0
 _GLYPH_M: Final = 0.060
 _ABOVE_FLOOR_M: Final = 0.002
+_HALO_SHELLS: Final = 5
+_HALO_OPACITY: Final = 0.05
 # Strokes in units of the height, and the width, of what the scale on the floor needs.
 _GLYPHS: Final[dict[str, tuple[list[list[tuple[float, float]]], float]]] = {
     "0": (
@@ -144,11 +145,6 @@ def theme_updates(name: Theme) -> list[Any]:
     ]
 
 
-def ghost_visibility(on: bool) -> Any:
-    """Return the viser message that shows or hides ghost and path in one page."""
-    return wire.SetSceneNodeVisibilityMessage(GHOST, on)
-
-
 @dataclass
 class Part:
     """One piece of the patient in the scene."""
@@ -177,31 +173,6 @@ def add_piece(server: viser.ViserServer, path: str, piece: Piece, measured: froz
         receive_shadow=False,
     )
     return Part(piece, handle, colour)
-
-
-def add_ghost_piece(server: viser.ViserServer, path: str, piece: Piece) -> None:
-    """Add one piece of the template's ghost: accent, translucent, without a shadow."""
-    server.scene.add_mesh_simple(
-        f"{path}/{piece.material}",
-        piece.mesh.vertices_m,
-        piece.mesh.faces,
-        color=ACCENT,
-        opacity=0.48,
-        cast_shadow=False,
-        receive_shadow=False,
-    )
-
-
-def add_ghost_path(server: viser.ViserServer, hand_m: NDArray[np.float32]) -> None:
-    """Add the way of the template's hand as a dashed line; the patient's own trail is a whole one."""
-    known = hand_m[np.isfinite(hand_m).all(axis=1)]
-    if len(known) < 4:
-        return
-    pairs = np.stack([known[:-1], known[1:]], axis=1)
-    dashes = pairs[np.arange(len(pairs)) % 3 != 2]
-    server.scene.add_line_segments(
-        f"{GHOST}/path", dashes, colors=ACCENT, thickness=2.5, thickness_units="screen"
-    )
 
 
 def add_lost_label(server: viser.ViserServer, path: str, segment: str) -> Any:
@@ -253,13 +224,13 @@ class Halo:
                 radius=1.0,
                 color=HALO,
                 subdivisions=3,
-                opacity=0.09,
+                opacity=_HALO_OPACITY,
                 cast_shadow=False,
                 receive_shadow=False,
                 position=(0.0, 0.0, middle),
                 visible=False,
             )
-            for number in range(3)
+            for number in range(_HALO_SHELLS)
         ]
         self._shown_m = 0.0
 

@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from app.viewer import nodes, palette
 from app.viewer.body_mesh import build_figure
+from app.viewer.ghost_node import GhostNode
 from app.viewer.pose import PARENT, SEGMENTS, PoseTrack
 from app.viewer.proportions import hip_height_m
 from estimators.body import BodyDimensions
-from estimators.conventions import SIDES
+from estimators.conventions import SIDES, Side
 
 _WEARABLE: Final = tuple(
     name for name in SEGMENTS if not name.startswith(("pelvis", "thigh", "shank", "foot"))
@@ -39,7 +40,7 @@ class BodyScene:
         `left`, `right`, `both` or None: wears a band on the upper arm.
     ghost : PoseTrack or None
         The template over its phases 0 to 100, drawn on this body.
-    ghost_side : str
+    ghost_side : {"left", "right"}
         The arm that the template is about.
     """
 
@@ -50,11 +51,9 @@ class BodyScene:
         measured: frozenset[str],
         affected_side: str | None = None,
         ghost: PoseTrack | None = None,
-        ghost_side: str = "right",
+        ghost_side: Side = "right",
     ) -> None:
         self._server = server
-        self._ghost = ghost
-        self._ghost_side = SIDES.index("left" if ghost_side == "left" else "right")
         self._measured = measured
         bands = {"left": {"left"}, "right": {"right"}, "both": {"left", "right"}}.get(
             affected_side or "", set()
@@ -77,15 +76,13 @@ class BodyScene:
                 for joint, segment in enumerate(("forearm", "hand"))
             }
             self._trails = [nodes.Trail(server, f"/trail/{side}") for side in SIDES]
-            self._ghost_figure: _Figure | None = None
-            if ghost is not None:
-                self._add_ghost(body, ghost)
+            self._ghost = GhostNode(server, ghost, body, ghost_side) if ghost is not None else None
         self._lost = np.zeros(len(SEGMENTS), dtype=bool)
 
     @property
     def has_ghost(self) -> bool:
         """Whether a template was given."""
-        return self._ghost_figure is not None
+        return self._ghost is not None
 
     @property
     def measured_mask(self) -> NDArray[np.bool_]:
@@ -131,41 +128,15 @@ class BodyScene:
         ----------
         phase : float or None
         """
-        if self._ghost_figure is None or self._ghost is None:
-            return
-        if phase is None:
-            self._ghost_figure.visible(False)
-            return
-        place = float(np.clip(phase, 0.0, 100.0)) / 100.0 * (len(self._ghost) - 1)
-        before = min(int(place), len(self._ghost) - 2)
-        share = np.float32(place - before)
-        # Neighbouring phases differ by a few degrees at most: the chord is as good as the arc.
-        wxyz = _blend(self._ghost.wxyz[before], self._ghost.wxyz[before + 1], share)
-        shoulder = self._ghost.shoulder_m[before] * (1 - share) + self._ghost.shoulder_m[before + 1] * share
-        with self._server.atomic():
-            self._ghost_figure.visible(True)
-            self._ghost_figure.show(wxyz, shoulder)
+        if self._ghost is not None:
+            with self._server.atomic():
+                self._ghost.show(phase)
 
     def clear_trails(self) -> None:
         """Forget the trails, after a jump in time."""
         nothing = np.full((0, 3), np.nan, dtype=np.float32)
         for line in self._trails:
             line.show(nothing)
-
-    def _add_ghost(self, body: BodyDimensions, ghost: PoseTrack) -> None:
-        side = SIDES[self._ghost_side]
-        segments = {
-            name: parent
-            for name, parent in PARENT.items()
-            if name == "sternum"
-            or (name.endswith(f"_{side}") and name.partition("_")[0] in {"upper", "forearm", "hand"})
-        }
-        self._server.scene.add_frame(nodes.GHOST, show_axes=False)
-        self._ghost_figure = _Figure(self._server, f"{nodes.GHOST}/figure", body, segments)
-        for piece in build_figure(body):
-            if piece.segment in segments and piece.material == "skin":
-                nodes.add_ghost_piece(self._server, self._ghost_figure.path[piece.segment], piece)
-        nodes.add_ghost_path(self._server, ghost.hand_m[:, self._ghost_side])
 
     def _show_lost(self, lost: NDArray[np.bool_]) -> None:
         for number in np.flatnonzero(lost != self._lost):
@@ -219,10 +190,3 @@ class _Figure:
         """Show or hide the whole figure."""
         if on != self._visible:
             self._root.visible = self._visible = on
-
-
-def _blend(first: NDArray[np.float32], second: NDArray[np.float32], share: np.float32) -> NDArray[np.float32]:
-    near = np.where((first * second).sum(axis=-1, keepdims=True) < 0, -second, second)
-    mixed = first * (1 - share) + near * share
-    blended: NDArray[np.float32] = (mixed / np.linalg.norm(mixed, axis=-1, keepdims=True)).astype(np.float32)
-    return blended

@@ -23,7 +23,7 @@ from app.live.messages import CameraCommand, PlayerCommand, PlayerState
 from app.recordings.schemas import ViewIn, ViewOut
 from app.viewer import repository, wire
 from app.viewer.camera import Camera, preset
-from app.viewer.nodes import ghost_visibility
+from app.viewer.ghost_node import ghost_visibility
 from app.viewer.repository import ViewTarget
 from app.viewer.stage import Stage, theme_messages
 
