@@ -12,6 +12,7 @@ import typer
 
 from app.errors import InvalidInput
 from app.ingest import readers
+from app.ingest.upload import estimated
 from app.recordings.schemas import CsvMapping
 from estimators import orientation as orientations
 from estimators import pipelines
@@ -61,9 +62,11 @@ def process(
         )
     columns = CsvMapping.model_validate_json(mapping.read_text()) if mapping else None
     measured = readers.read(recording, format, columns)
+    worn = cast(tuple[Placement, ...], measured.placements)
     setup = SessionSetup(
         pipeline=pipeline,
-        placements=cast(tuple[Placement, ...], measured.placements),
+        # The arm pipeline leaves the legs out: they need not be still in the pose.
+        placements=estimated(worn) if pipeline == "arm" else worn,
         rate_hz=rate or measured.nominal_rate_hz,
         orientation=orientation,
         orientation_parameters=json.loads(parameters),

@@ -29,8 +29,13 @@ PLACEMENT_OF: Final[dict[str, Placement]] = {
     "foot_left": "foot_left",
     "foot_right": "foot_right",
 }
-"""`upper_back` moves with the thorax, which is what our `sternum` measures; calibration takes care of how the
-sensor sits. `lower_back` lies between pelvis and thorax, has no segment of ours and is left out."""
+"""`upper_back` moves with the thorax, which is what our `sternum` measures. `lower_back` lies between pelvis and
+thorax, has no segment of ours and is left out."""
+
+WORN_BEHIND: Final = ("upper_back", "hip")
+"""Sensors on the back: their z axis points behind the person, where the mounting rule expects it in front. They are
+given half a turn about their x axis, which points up: without a magnetometer the rule alone tells the heading."""
+_HALF_TURN_ABOUT_X: Final = np.array([1.0, -1.0, -1.0])
 
 
 def read_qmt(path: Path) -> Recording:
@@ -57,6 +62,8 @@ def read_qmt(path: Path) -> Recording:
         accelerometer = _signal(content[name], name, "acc", time_s.size)
         check_gyroscope(gyroscope, "rad/s", name)
         check_accelerometer(accelerometer, "m/s^2", name)
+        if name in WORN_BEHIND:
+            gyroscope, accelerometer = gyroscope * _HALF_TURN_ABOUT_X, accelerometer * _HALF_TURN_ABOUT_X
         sensors[PLACEMENT_OF[name]] = SensorSignals(time_s, gyroscope, accelerometer)
     metadata = {"format": "qmt_mat"}
     if "lower_back" in content:
