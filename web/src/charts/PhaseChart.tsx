@@ -44,6 +44,7 @@ function paintOutside(plot: uPlot, drawn: Drawn): void {
   const phases = plot.data[0];
   ctx.save();
   ctx.strokeStyle = themeColour('--tm-alert');
+  ctx.setLineDash([]);
   ctx.lineJoin = 'round';
   ctx.lineCap = 'round';
   drawn.outside.forEach((intervals, repetition) => {

@@ -1,7 +1,7 @@
 // Running joint-angle curves of a player, one above the other, each with its uncertainty band.
 import { Button } from '@mantine/core';
 import { IconPlayerPause, IconPlayerPlay } from '@tabler/icons-react';
-import { useEffect, useMemo, useRef, useState } from 'react';
+import { useEffect, useMemo, useRef, useState, type ReactNode } from 'react';
 import type uPlot from 'uplot';
 import { t } from '../i18n';
 import { channelLabel } from '../lib/channels';
@@ -26,6 +26,8 @@ export interface TracesProps {
   /** Drawn dashed behind the patient's curve, with its tolerance band. */
   templateAt?: TemplateAt;
   onSeek?: (timeS: number) => void;
+  /** Beside the pause button of a live view. */
+  tools?: ReactNode;
 }
 
 interface Reading {
@@ -40,6 +42,8 @@ interface Chart {
   value: HTMLElement | null;
   flags: Float32Array;
   reading: Reading | null;
+  low: number;
+  high: number;
 }
 
 function traceOptions(chart: Chart, unit: string, isLive: boolean, onSeek: TracesProps['onSeek']): PlotOptions {
@@ -51,10 +55,11 @@ function traceOptions(chart: Chart, unit: string, isLive: boolean, onSeek: Trace
     padding: [10, 22, 0, 0],
     scales: {
       x: { time: false, range: (_, low, high) => [low, high] },
-      y: { range: (_, low, high) => steadyRange(low, high, step, 2 * step) },
+      // The curve decides the scale: where the uncertainty is huge its band may leave the picture.
+      y: { range: () => steadyRange(chart.low, chart.high, step, 2 * step) },
     },
     axes: [
-      axis({ show: true, size: 22, space: 90, values: (_, ticks) => ticks.map((tick) => (isLive && tick === 0 ? t('traces.now') : `${number(tick)} s`)) }),
+      axis({ show: true, size: 22, space: 70, incrs: [1, 2, 5, 10, 15, 30, 60], values: (_, ticks) => ticks.map((tick) => (isLive && tick === 0 ? t('traces.now') : `${number(tick)} s`)) }),
       axis({ size: 52, space: 34, values: (_, ticks) => ticks.map((tick) => `${tick}${shown.suffix.trim() === '°' ? '°' : ''}`) }),
     ],
     series: [
@@ -127,6 +132,7 @@ function draw(chart: Chart, player: Player, unit: string, fromS: number, untilS:
   }
   chart.flags = flags ?? new Float32Array(0);
   const range = extent(value);
+  [chart.low, chart.high] = extent(value, mean) ?? [NaN, NaN];
   chart.reading = range ? { now, low: range[0], high: range[1] } : null;
   // uPlot draws a break at null, not at NaN.
   const breaks = (array: Float64Array): (number | null)[] => Array.from(array, (one) => (Number.isNaN(one) ? null : one));
@@ -143,7 +149,7 @@ function draw(chart: Chart, player: Player, unit: string, fromS: number, untilS:
   }
 }
 
-export function Traces({ player, channels, windowS = 10, templateAt, onSeek }: TracesProps) {
+export function Traces({ player, channels, windowS = 10, templateAt, onSeek, tools }: TracesProps) {
   const snapshot = useSnapshot(player);
   const { isLive } = snapshot.capabilities;
   const charts = useRef(new Map<string, Chart>());
@@ -151,7 +157,7 @@ export function Traces({ player, channels, windowS = 10, templateAt, onSeek }: T
   const described = useMemo(
     () =>
       channels.map((channel) => {
-        const chart: Chart = { channel, plot: null, value: null, flags: new Float32Array(0), reading: null };
+        const chart: Chart = { channel, plot: null, value: null, flags: new Float32Array(0), reading: null, low: NaN, high: NaN };
         charts.current.set(channel, chart);
         const label = channelLabel(channel);
         return { channel, chart, label, options: traceOptions(chart, label.unit, isLive, onSeek) };
@@ -168,9 +174,11 @@ export function Traces({ player, channels, windowS = 10, templateAt, onSeek }: T
       frame = requestAnimationFrame(step);
       if (calm && ms - lastMs < 250) return;
       const clock = player.clock();
-      const fromS = isLive ? clock.timeS - windowS : clock.timeS - windowS / 2;
+      // In a replay the window goes with the cursor, and stays inside the recording.
+      const latestS = Math.max(clock.startS, clock.endS - windowS);
+      const fromS = isLive ? clock.timeS - windowS : Math.min(latestS, Math.max(clock.startS, clock.timeS - windowS / 2));
       const untilS = fromS + windowS;
-      const sign = `${fromS}/${player.getSnapshot().epoch}/${described.map((one) => Number(one.chart.plot !== null)).join('')}`;
+      const sign = `${clock.timeS}/${fromS}/${player.getSnapshot().epoch}/${described.map((one) => Number(one.chart.plot !== null)).join('')}`;
       if (sign === drawn) return;
       drawn = sign;
       lastMs = ms;
@@ -187,7 +195,7 @@ export function Traces({ player, channels, windowS = 10, templateAt, onSeek }: T
   }, [player, described, windowS, isLive, templateAt]);
 
   return (
-    <div className="traces">
+    <div className={isLive ? 'traces traces-live' : 'traces'}>
       {isLive && (
         <div className="traces-tools">
           <Button
@@ -199,8 +207,10 @@ export function Traces({ player, channels, windowS = 10, templateAt, onSeek }: T
             {snapshot.isPlaying ? t('traces.pause') : t('traces.resume')}
           </Button>
           <span className="muted small">{snapshot.isPlaying ? t('traces.band') : t('traces.paused')}</span>
+          {tools && <span className="push">{tools}</span>}
         </div>
       )}
+      <div className="trace-list">
       {described.map(({ channel, chart, label, options }) => (
         <div className="trace" key={channel}>
           <div className="trace-name">
@@ -222,6 +232,7 @@ export function Traces({ player, channels, windowS = 10, templateAt, onSeek }: T
           </div>
         </div>
       ))}
+      </div>
       <TraceTable readings={() => described.map(({ chart, label }) => ({ label, reading: chart.reading }))} />
     </div>
   );

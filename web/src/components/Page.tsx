@@ -8,12 +8,24 @@ export interface Crumb {
   text: string;
 }
 
-export function Page({ title, lead, crumbs, actions, narrow, children }: { title: string; lead?: ReactNode; crumbs?: Crumb[]; actions?: ReactNode; narrow?: boolean; children: ReactNode }) {
+export interface PageProps {
+  title: string;
+  lead?: ReactNode;
+  crumbs?: Crumb[];
+  actions?: ReactNode;
+  /** One column for reading and forms. */
+  narrow?: boolean;
+  /** A low head, where the content needs the height. */
+  compact?: boolean;
+  children: ReactNode;
+}
+
+export function Page({ title, lead, crumbs, actions, narrow, compact, children }: PageProps) {
   useEffect(() => {
     document.title = `${title} · ${t('product.name')}`;
   }, [title]);
   return (
-    <div className={narrow ? 'page page-narrow' : 'page'}>
+    <div className={`page ${narrow ? 'page-narrow' : ''} ${compact ? 'page-compact' : ''}`}>
       <header className="page-head">
         <div>
           {crumbs && crumbs.length > 0 && (

@@ -85,7 +85,7 @@ export const session = {
   'health.magnet': 'Metal or magnet nearby',
   'health.heading': 'Direction not trusted',
   'health.battery': 'Battery {percent} %',
-  'health.allLost': 'No sensor is sending',
+  'health.all': 'All sensors',
   'health.lostList': 'Signal lost: {places}',
   'health.numbers': 'Show the numbers',
   'health.sensor': 'Sensor',

@@ -12,7 +12,8 @@ interface Trouble {
 }
 
 const NOTABLE_LOSS_PERCENT = 1;
-const NOTABLE_JITTER_MS = 15;
+/** Less is evened out by the reorder window without harm. */
+const NOTABLE_JITTER_MS = 40;
 const LOW_BATTERY_PERCENT = 15;
 
 /** What is wrong with a sensor, the most pressing first; empty while all is well. */
@@ -31,23 +32,36 @@ export function troubles(sensor: SensorHealth): Trouble[] {
   return found;
 }
 
-function Sensor({ sensor }: { sensor: SensorHealth }) {
-  const wrong = troubles(sensor);
+/** Troubles that every sensor has in the same words: they are the gateway's, and said once. */
+export function sharedTroubles(sensors: readonly SensorHealth[]): Trouble[] {
+  const [first, ...others] = sensors.map(troubles);
+  if (!first || others.length === 0) return [];
+  return first.filter((one) => others.every((list) => list.some((other) => other.text === one.text)));
+}
+
+function TroubleLines({ list }: { list: readonly Trouble[] }) {
+  return (
+    <ul className="plain-list sensor-troubles">
+      {list.map(({ text, isUrgent, Icon }) => (
+        <li key={text} className={isUrgent ? 'alert-text' : 'strong'}>
+          <Icon size={17} aria-hidden /> {text}
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+function Sensor({ sensor, shared }: { sensor: SensorHealth; shared: readonly Trouble[] }) {
+  const wrong = troubles(sensor).filter((one) => !shared.some((other) => other.text === one.text));
   return (
     <li className={wrong.some((one) => one.isUrgent) ? 'sensor sensor-urgent' : 'sensor'}>
       <span className="sensor-name">{placementLabel(sensor.placement)}</span>
-      {wrong.length === 0 ? (
+      {wrong.length === 0 && shared.length > 0 ? null : wrong.length === 0 ? (
         <span className="sensor-good">
           <IconCheck size={17} aria-hidden /> {t('health.good')}
         </span>
       ) : (
-        <ul className="plain-list sensor-troubles">
-          {wrong.map(({ text, isUrgent, Icon }) => (
-            <li key={text} className={isUrgent ? 'alert-text' : 'strong'}>
-              <Icon size={17} aria-hidden /> {text}
-            </li>
-          ))}
-        </ul>
+        <TroubleLines list={wrong} />
       )}
     </li>
   );
@@ -55,7 +69,7 @@ function Sensor({ sensor }: { sensor: SensorHealth }) {
 
 export function HealthPanel({ health, placements }: { health: HealthMessage | null; placements: readonly Placement[] }) {
   const lost = health?.sensors.filter((sensor) => sensor.status === 'lost') ?? [];
-  const isAllLost = health !== null && health.sensors.length > 1 && lost.length === health.sensors.length;
+  const shared = health ? sharedTroubles(health.sensors) : [];
   return (
     <section className="card" aria-labelledby="health">
       <div className="card-head">
@@ -66,19 +80,15 @@ export function HealthPanel({ health, placements }: { health: HealthMessage | nu
       </p>
       {health ? (
         <>
-          {isAllLost && (
-            <p className="alert-text sensor-all">
-              <IconWifiOff size={19} aria-hidden /> {t('health.allLost')}
-            </p>
+          {shared.length > 0 && (
+            <div className="shared-troubles">
+              <span>{t('health.all')}</span>
+              <TroubleLines list={shared} />
+            </div>
           )}
           <ul className="plain-list sensors">
-            {health.sensors.map((sensor) => isAllLost ? (
-              <li key={sensor.placement} className="sensor">
-                <span className="sensor-name">{placementLabel(sensor.placement)}</span>
-                <span className="muted small">{t('health.lost')}</span>
-              </li>
-            ) : (
-              <Sensor key={sensor.placement} sensor={sensor} />
+            {health.sensors.map((sensor) => (
+              <Sensor key={sensor.placement} sensor={sensor} shared={shared} />
             ))}
           </ul>
           <details className="as-table">

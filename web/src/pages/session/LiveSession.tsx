@@ -170,13 +170,10 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
           {state !== 'created' && !isOver && <Viewer3D sessionId={session.id} request={LIVE} title={t('viewer.liveTitle')} />}
           {snapshot.columns && !isOver && (
             <section className="card" aria-labelledby="angles">
-              <div className="card-head">
-                <h2 id="angles">{t('traces.title')}</h2>
-                <span className="end">
-                  <ChannelPicker available={angles} value={channels} onChange={setChosen} />
-                </span>
-              </div>
-              {channels.length > 0 ? <Traces player={player} channels={channels} /> : <p className="muted">{t('traces.none')}</p>}
+              <h2 id="angles" className="visually-hidden">
+                {t('traces.title')}
+              </h2>
+              {channels.length > 0 ? <Traces player={player} channels={channels} tools={<ChannelPicker available={angles} value={channels} onChange={setChosen} />} /> : <p className="muted">{t('traces.none')}</p>}
             </section>
           )}
         </div>
@@ -184,10 +181,10 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
           {showsPose && !isOver && <CalibrationGuide message={message} isBusy={calibrate.isPending} mayTreat={mayRecord} onCalibrate={() => calibrate.mutate()} />}
           {calibrate.error && <Problem error={calibrate.error} />}
           <HealthPanel health={snapshot.health} placements={session.placements} />
-          {!showsPose && (state === 'ready' || state === 'recording') && message?.calibration && mayRecord && (
+          {!showsPose && state === 'ready' && message?.calibration && mayRecord && (
             <section className="card">
               <p className="muted small">{t('calibration.inForce')}</p>
-              <Button variant="default" disabled={state === 'recording'} loading={calibrate.isPending} onClick={() => calibrate.mutate()}>
+              <Button variant="default" loading={calibrate.isPending} onClick={() => calibrate.mutate()}>
                 {t('calibration.again')}
               </Button>
             </section>
@@ -211,6 +208,7 @@ export function LiveSessionPage() {
   const name = patient.data ? `${patient.data.given_name} ${patient.data.family_name}` : '';
   return (
     <Page
+      compact
       title={name || t('live.title')}
       lead={session.data ? (session.data.exercise_name ?? t('session.free')) : undefined}
       crumbs={[

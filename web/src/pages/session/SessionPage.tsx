@@ -173,7 +173,7 @@ function Loaded({ session }: { session: SessionDetail }) {
           <Select
             label={t('replay.result')}
             size="sm"
-            w={360}
+            w={560}
             maw="100%"
             value={resultId}
             onChange={(value) => setSearch((now) => (value ? now.set('result', value) : now.delete('result'), now.delete('comparison'), now), { replace: true })}
@@ -206,6 +206,7 @@ export function SessionPage() {
   const started = session.data?.started_at ?? session.data?.created_at;
   return (
     <Page
+      compact
       title={session.data ? (session.data.exercise_name ?? t('session.free')) : t('replay.title')}
       lead={session.data && started ? `${name} · ${dateTime(started)} · ${duration(session.data.duration_s)}` : undefined}
       crumbs={[
