@@ -40,6 +40,7 @@ class MarzoukErrorStateEstimator(MarzoukEstimator):
     )
     _parameter_kind = ErrorStateParameters
     _covariance_size = 6
+    _bias_first = 3
     _parameters: ErrorStateParameters
 
     def _own_settings(self) -> Float:

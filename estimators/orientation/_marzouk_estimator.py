@@ -1,30 +1,24 @@
-"""What the two quaternion filters of the arm-monitoring thesis share behind the contract."""
+"""What the filters of the arm-monitoring thesis share behind the contract."""
 
 import math
 from abc import abstractmethod
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from estimators.conventions import GRAVITY_MPS2
-from estimators.errors import SetupError
 from estimators.orientation import _marzouk_steps as steps
-from estimators.orientation._contract import OrientationEstimator, OrientationResult
-from estimators.orientation._parameters import read_parameters
-from estimators.orientation._streaming import ChunkGuard, bias_array, copied
-from estimators.recording import Float, ImuChunk
+from estimators.orientation._kernel_estimator import KernelEstimator
+from estimators.recording import Float
 
-_STATE = ("q", "bias", "covariance", "memory", "counters")
-_NO_FIELD = np.empty((0, 0, 3))
 HEADING_LOST_RAD = math.radians(15.0)
 
 
 @dataclass(frozen=True)
 class SharedParameters:
-    """Start, gaps and flags of both filters.
+    """Start, gaps and flags of these filters.
 
     `reference_rate_hz`: the rate at which the noise sigmas are those of single samples (the thesis
     measured at 17 Hz). At another rate they are scaled so that a second of samples weighs the same:
@@ -48,8 +42,8 @@ class SharedParameters:
     magnetic_trust_s: float = 10.0
 
 
-class MarzoukEstimator(OrientationEstimator):
-    """State, checks and settings; subclasses name the kernel, its covariance and its own settings.
+class MarzoukEstimator(KernelEstimator):
+    """Start, gaps and shared settings; subclasses name the kernel, its covariance and its own settings.
 
     A MISSING tick is coasted at the last rate with growing covariance, flagged BRIDGED, for at most
     `coast_s`; then the estimate holds, INVALID, and the filter starts again with the next samples,
@@ -58,28 +52,21 @@ class MarzoukEstimator(OrientationEstimator):
     """
 
     _parameter_kind: ClassVar[type[SharedParameters]]
-    _covariance_size: ClassVar[int]
+    _positive = ("reference_rate_hz", "start_samples", "magnetic_reference_time_constant_s")
+    _memory_columns = steps.MEMORY
+    _counter_columns = steps.COUNTERS
+    # The kernels work in north-east-down.
+    _q_start = (0.0, -math.sqrt(0.5), -math.sqrt(0.5), 0.0)
+    _parameters: SharedParameters
 
     def __init__(
         self, sensor_count: int, time_step_s: float, parameters: Mapping[str, Any] | None = None
     ) -> None:
-        self._guard = ChunkGuard(sensor_count, time_step_s)
-        self._parameters = read_parameters(self._parameter_kind, parameters)
-        for name, value in asdict(self._parameters).items():
-            if not isinstance(value, bool) and value < 0.0:
-                raise SetupError(f"{name} must not be negative, not {value}")
-        for name in ("reference_rate_hz", "start_samples", "magnetic_reference_time_constant_s"):
-            if getattr(self._parameters, name) <= 0.0:
-                raise SetupError(f"{name} must be above zero")
-        self._settings = np.concatenate((self._shared_settings(), self._own_settings()))
-        size = self._covariance_size
-        # Identity in the product's earth frame, seen from north-east-down.
-        self._q = np.tile(np.array([0.0, -math.sqrt(0.5), -math.sqrt(0.5), 0.0]), (sensor_count, 1))
-        self._bias = np.zeros((sensor_count, 3))
-        self._covariance = np.zeros((sensor_count, size, size))
+        super().__init__(sensor_count, time_step_s, parameters)
         self._set_bias_covariance(math.radians(self._parameters.initial_bias_sigma_degps))
-        self._memory = np.zeros((sensor_count, steps.MEMORY))
-        self._counters = np.zeros((sensor_count, steps.COUNTERS), dtype=np.int64)
+
+    def _make_settings(self) -> Float:
+        return np.concatenate((self._shared_settings(), self._own_settings()))
 
     @property
     def _noise_scale(self) -> float:
@@ -106,70 +93,6 @@ class MarzoukEstimator(OrientationEstimator):
     @abstractmethod
     def _own_settings(self) -> Float:
         """Return the settings of the subclass's kernel, in its order."""
-
-    @abstractmethod
-    def _run(self, *arrays: NDArray[Any]) -> None:
-        """Call the subclass's kernel."""
-
-    def _set_bias_covariance(self, sigma_radps: float) -> None:
-        first = self._covariance_size - 3
-        self._covariance[:, first:, :] = 0.0
-        self._covariance[:, :, first:] = 0.0
-        for axis in range(first, self._covariance_size):
-            self._covariance[:, axis, axis] = sigma_radps**2
-
-    def update(self, chunk: ImuChunk) -> OrientationResult:
-        """Take the next ticks; see the contract."""
-        self._guard.accept(chunk)
-        shape = (chunk.sensor_count, chunk.tick_count)
-        q, bias, sigma = np.empty((*shape, 4)), np.empty((*shape, 3)), np.empty((*shape, 3))
-        flags = np.empty(shape, dtype=np.uint8)
-        field = _NO_FIELD if chunk.magnetometer_t is None else chunk.magnetometer_t
-        self._run(
-            np.ascontiguousarray(chunk.gyroscope_radps, dtype=np.float64),
-            np.ascontiguousarray(chunk.accelerometer_mps2, dtype=np.float64),
-            np.ascontiguousarray(field, dtype=np.float64),
-            np.ascontiguousarray(chunk.quality, dtype=np.uint8),
-            self._settings,
-            self._q,
-            self._bias,
-            self._covariance,
-            self._memory,
-            self._counters,
-            q,
-            bias,
-            sigma,
-            flags,
-        )
-        return OrientationResult(q, bias, sigma, flags)
-
-    def state(self) -> dict[str, NDArray[Any]]:
-        """Return quaternions (north-east-down), biases, covariances and counts of all sensors."""
-        arrays = {name: getattr(self, f"_{name}").copy() for name in _STATE}
-        return arrays | {"next_tick": np.array(self._guard.next_tick, dtype=np.int64)}
-
-    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
-        """Continue from `state` of an estimator built alike."""
-        restored = {name: copied(state, name, getattr(self, f"_{name}")) for name in _STATE}
-        next_tick = copied(state, "next_tick", np.array(0, dtype=np.int64))
-        for name, values in restored.items():
-            setattr(self, f"_{name}", values)
-        self._guard.next_tick = int(next_tick)
-
-    def set_gyroscope_bias(self, bias_radps: Float, sigma_radps: float) -> None:
-        """Take a static calibration, shape (S, 3), with its standard error."""
-        self._bias[:] = bias_array(bias_radps, sigma_radps, self._guard.sensor_count)
-        self._set_bias_covariance(sigma_radps)
-
-    @property
-    def parameters(self) -> dict[str, Any]:
-        """Every parameter with its value."""
-        return asdict(self._parameters)
-
-    @property
-    def covariance(self) -> Float:
-        """Covariance of the filter's state now, shape (S, n, n); the bias (rad/s) is in the last three."""
-        return self._covariance.copy()
 
 
 __all__ = ["MarzoukEstimator", "SharedParameters"]

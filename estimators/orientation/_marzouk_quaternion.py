@@ -65,6 +65,7 @@ class MarzoukQuaternionEstimator(MarzoukEstimator):
     )
     _parameter_kind = QuaternionParameters
     _covariance_size = 7
+    _bias_first = 4
     _parameters: QuaternionParameters
 
     def _own_settings(self) -> Float:
