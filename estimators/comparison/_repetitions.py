@@ -41,6 +41,8 @@ _EXPLAINED = 0.45
 _COUNT_POWER = 0.6
 """More repetitions speak for a posture of rest, but less than in proportion: the stops inside a composed
 movement, such as a cup on its way to the mouth, are visited more often than rest."""
+_RIVAL = 0.85
+"""Explanations with this share of the best score are rivals."""
 _ONSET_SHARE = 0.05
 """A repetition begins where speed exceeds this share of its own peak."""
 
@@ -88,16 +90,28 @@ def find_repetitions(
     extent = float(np.percentile(np.linalg.norm(features - np.median(features, axis=0), axis=1), 95))
     if extent < _SMALLEST_MOVEMENT / 2:
         return []
-    best = _Excursions([], np.zeros(0), 0.0)
-    for posture in _rest_postures(features, speed, extent):
-        candidate = _explain(features, speed, posture)
-        if candidate.score > best.score:
-            best = candidate
-    bounds = _sharpen(best, speed)
+    found = [_explain(features, speed, posture) for posture in _rest_postures(features, speed, extent)]
+    bounds = _sharpen(_most_likely(found), speed)
     return [
         Repetition(number=number, start_s=float(time_s[start]), end_s=float(time_s[end]))
         for number, (start, end) in enumerate(bounds, start=1)
     ]
+
+
+def _most_likely(found: list[_Excursions]) -> _Excursions:
+    """Return the best explanation; of nearly equal ones the one that begins first.
+
+    Where the arm turns round explains a long session nearly as well as where it rests: the same movements, cut half
+    a repetition later. People begin from rest.
+    """
+    best = max(found, key=lambda one: one.score, default=_Excursions([], np.zeros(0), 0.0))
+    count = len(best.bounds)
+    rivals = [
+        one
+        for one in found
+        if one.score >= _RIVAL * best.score and one.bounds and abs(len(one.bounds) - count) <= 1 + count // 10
+    ]
+    return min(rivals, key=lambda one: (one.bounds[0][0], -one.score), default=best)
 
 
 def _window(source: Trajectory, start_s: float | None, end_s: float | None) -> Trajectory | None:
