@@ -146,6 +146,11 @@ def cut(shape: Shape, point_m: Sequence[float], outward: Sequence[float], blend_
     return distance
 
 
+def hollowed(shape: Shape, tool: Shape, blend_m: float) -> Shape:
+    """Press a tool into a shape, with an edge rounded by `blend_m`."""
+    return lambda points: -_soft_minimum(-shape(points), tool(points), blend_m)
+
+
 def inflated(shape: Shape, by_m: float) -> Shape:
     """Move the surface outward."""
     return lambda points: shape(points) - by_m

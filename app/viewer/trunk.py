@@ -1,7 +1,17 @@
 """Pieces of the trunk: shirt, trousers around the hips, head and hair."""
 
 from app.viewer.proportions import hip_half_width_m, hip_height_m, neck_height_m
-from app.viewer.surface import Mesh, Shape, cut, ellipsoid, lofted, polygonise, smooth_union, tapered
+from app.viewer.surface import (
+    Mesh,
+    Shape,
+    cut,
+    ellipsoid,
+    hollowed,
+    lofted,
+    polygonise,
+    smooth_union,
+    tapered,
+)
 from estimators.body import BodyDimensions
 
 
@@ -58,59 +68,64 @@ def pelvis(body: BodyDimensions, wide: float) -> Mesh:
 
 
 def _head_shape(body: BodyDimensions, wide: float) -> tuple[Shape, float, float]:
-    """Return the bare head without the neck, and the heights of chin and crown above the head's origin."""
+    """Return the bare head without the neck, and the heights of chin and crown above the head's origin.
+
+    A face of nobody: brow, nose and chin catch the light and say where it looks, no more.
+    """
     crown = max(body.stature_m - hip_height_m(body) - neck_height_m(body), 0.2 * wide)
     chin = crown - 0.222 * wide
-    skull = ellipsoid((-0.010 * wide, 0, crown - 0.098 * wide), (0.096 * wide, 0.076 * wide, 0.098 * wide))
-    face = ellipsoid((0.026 * wide, 0, chin + 0.078 * wide), (0.060 * wide, 0.058 * wide, 0.082 * wide))
-    jaw = tapered(
-        (0.058 * wide, 0, chin + 0.020 * wide),
-        (-0.005 * wide, 0, chin + 0.050 * wide),
-        0.021 * wide,
-        0.046 * wide,
+
+    def at(x: float, y: float, z: float) -> tuple[float, float, float]:
+        return (x * wide, y * wide, chin + z * wide)
+
+    def size(*radii: float) -> tuple[float, ...]:
+        return tuple(radius * wide for radius in radii)
+
+    skull = ellipsoid(at(-0.010, 0, 0.124), size(0.096, 0.076, 0.098))
+    face = ellipsoid(at(0.022, 0, 0.082), size(0.063, 0.060, 0.084))
+    jaw = tapered(at(0.052, 0, 0.026), at(-0.006, 0, 0.052), *size(0.027, 0.052))
+    shape = smooth_union([skull, face, jaw], 0.050 * wide)
+    for side in (1, -1):
+        socket = ellipsoid(at(0.0965, side * 0.030, 0.112), size(0.017, 0.021, 0.012))
+        shape = hollowed(shape, socket, 0.020 * wide)
+        ear = ellipsoid(at(-0.006, side * 0.0815, 0.098), size(0.018, 0.0095, 0.031))
+        shape = smooth_union([shape, ear], 0.010 * wide)
+    nose = smooth_union(
+        [
+            tapered(at(0.080, 0, 0.118), at(0.0975, 0, 0.082), *size(0.0070, 0.0095)),
+            ellipsoid(at(0.0925, 0, 0.078), size(0.0120, 0.0130, 0.0080)),
+        ],
+        0.010 * wide,
     )
-    head = smooth_union([skull, face, jaw], 0.045 * wide)
-    nose = tapered(
-        (0.083 * wide, 0, chin + 0.108 * wide),
-        (0.097 * wide, 0, chin + 0.076 * wide),
-        0.007 * wide,
-        0.0125 * wide,
-    )
-    ears = [
-        ellipsoid(
-            (-0.008 * wide, s * 0.076 * wide, chin + 0.098 * wide), (0.017 * wide, 0.009 * wide, 0.030 * wide)
-        )
-        for s in (1, -1)
-    ]
-    return smooth_union([head, nose, *ears], 0.014 * wide), chin, crown
+    return smooth_union([shape, nose], 0.016 * wide), chin, crown
 
 
 def head(body: BodyDimensions, wide: float) -> Mesh:
     """Head with nose and ears, so that the way the person faces is plain, and the neck into the shirt."""
     head, chin, crown = _head_shape(body, wide)
     neck = tapered(
-        (-0.022 * wide, 0, -0.03 * wide), (-0.014 * wide, 0, chin + 0.055 * wide), 0.062 * wide, 0.052 * wide
+        (-0.022 * wide, 0, -0.03 * wide), (-0.014 * wide, 0, chin + 0.055 * wide), 0.060 * wide, 0.049 * wide
     )
     return polygonise(
-        smooth_union([head, neck], 0.030 * wide),
+        smooth_union([head, neck], 0.016 * wide),
         (-0.13 * wide, -0.11 * wide, -0.10 * wide),
         (0.13 * wide, 0.11 * wide, crown + 0.01),
-        0.0105 * wide,
+        0.0078 * wide,
     )
 
 
 def hair(body: BodyDimensions, wide: float) -> Mesh:
     """Short hair: the back and top of the head, a little larger."""
     _, chin, crown = _head_shape(body, wide)
-    skull = ellipsoid((-0.014 * wide, 0, crown - 0.096 * wide), (0.099 * wide, 0.081 * wide, 0.102 * wide))
-    nape = ellipsoid((-0.036 * wide, 0, chin + 0.085 * wide), (0.066 * wide, 0.066 * wide, 0.060 * wide))
+    skull = ellipsoid((-0.013 * wide, 0, crown - 0.096 * wide), (0.1035 * wide, 0.0855 * wide, 0.1065 * wide))
+    nape = ellipsoid((-0.036 * wide, 0, chin + 0.088 * wide), (0.070 * wide, 0.072 * wide, 0.066 * wide))
     shape = smooth_union([skull, nape], 0.04 * wide)
     # The hairline runs from the forehead back over the ears and then down to the nape.
-    shape = cut(shape, (0.062 * wide, 0, crown - 0.060 * wide), (1.0, 0, -0.50), 0.012 * wide)
-    shape = cut(shape, (-0.012 * wide, 0, chin + 0.120 * wide), (0.72, 0, -0.70), 0.012 * wide)
+    shape = cut(shape, (0.066 * wide, 0, crown - 0.050 * wide), (1.0, 0, -0.62), 0.008 * wide)
+    shape = cut(shape, (-0.004 * wide, 0, chin + 0.126 * wide), (0.62, 0, -0.78), 0.008 * wide)
     return polygonise(
         shape,
         (-0.14 * wide, -0.11 * wide, chin - 0.01),
         (0.12 * wide, 0.11 * wide, crown + 0.02),
-        0.0120 * wide,
+        0.0085 * wide,
     )
