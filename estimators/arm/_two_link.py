@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from estimators import rotation
-from estimators.arm._homogeneous import transform
+from estimators.arm._chain_kernel import walk_two_links
+from estimators.arm._kernel import SINGULAR_MARGIN_RAD
 
 Float = NDArray[np.float64]
 
@@ -24,17 +25,19 @@ class TwoLinkPose(NamedTuple):
 
 
 def two_link_pose(q1: ArrayLike, q2: ArrayLike, upper_arm_m: float, forearm_m: float) -> TwoLinkPose:
-    """Return elbow and wrist pose from the module orientations in U, shape (..., 4).
+    """Return elbow and wrist pose from the module orientations in U, shape (..., 4); compiled.
 
     Notes
     -----
-    Marzouk section 4.2, (4.4)-(4.8), with erratum E-18: the forearm vector must be turned by R_rel.
+    Marzouk section 4.2, (4.4)-(4.8), with erratum E-18: the forearm vector must be turned by R_rel. Written
+    out, T_U,w = T_U,1 T_1,2 has the orientation R2 and the origin R1 e_x L_u + R2 e_x L_F.
     """
-    q1, q2 = np.asarray(q1, dtype=np.float64), np.asarray(q2, dtype=np.float64)
-    q_relative = rotation.multiply(rotation.conjugate(q1), q2)
-    elbow = transform(q1, rotation.rotate(q1, (upper_arm_m, 0.0, 0.0)))
-    step = transform(q_relative, rotation.rotate(q_relative, (forearm_m, 0.0, 0.0)))
-    return TwoLinkPose(elbow, elbow @ step)
+    q1, q2 = np.broadcast_arrays(np.asarray(q1, dtype=np.float64), np.asarray(q2, dtype=np.float64))
+    out = np.empty((q1.size // 4, 2, 4, 4))
+    flat1, flat2 = (np.ascontiguousarray(q.reshape(-1, 4)) for q in (q1, q2))
+    walk_two_links(flat1, flat2, float(upper_arm_m), float(forearm_m), out)
+    both = out.reshape(*q1.shape[:-1], 2, 4, 4)
+    return TwoLinkPose(both[..., 0, :, :], both[..., 1, :, :])
 
 
 def two_link_joint_angles(q1: ArrayLike, q2: ArrayLike) -> tuple[Float, Float]:
@@ -51,14 +54,19 @@ def two_link_joint_angles(q1: ArrayLike, q2: ArrayLike) -> tuple[Float, Float]:
     Notes
     -----
     A13 with errata E-19 and E-20: intrinsic Z-X-Y angles (psi, phi, theta) of R1 give
-    Theta = (psi - pi/2, phi + pi/2, pi/2 - theta).
+    Theta = (psi - pi/2, phi + pi/2, pi/2 - theta). At phi = +-90 degrees psi is arbitrary; theta is found
+    from what psi leaves, so that the three together are right there too.
     """
     q1, q2 = np.asarray(q1, dtype=np.float64), np.asarray(q2, dtype=np.float64)
     m = rotation.to_matrix(q1)
-    # R1 = Rz(psi) Rx(phi) Ry(theta)
-    psi = np.arctan2(-m[..., 0, 1], m[..., 1, 1])
+    return _joints(m, np.arctan2(-m[..., 0, 1], m[..., 1, 1]), q1, q2)
+
+
+def _joints(m: Float, psi: Float, q1: Float, q2: Float) -> tuple[Float, Float]:
+    """Return joints and residual for a psi: R1 = Rz(psi) Rx(phi) Ry(theta)."""
     phi = np.arctan2(m[..., 2, 1], np.hypot(m[..., 0, 1], m[..., 1, 1]))
-    theta = np.arctan2(-m[..., 2, 0], m[..., 2, 2])
+    c, s = np.cos(psi), np.sin(psi)
+    theta = np.arctan2(c * m[..., 0, 2] + s * m[..., 1, 2], c * m[..., 0, 0] + s * m[..., 1, 0])
     r = rotation.to_matrix(rotation.multiply(rotation.conjugate(q1), q2))
     residual = np.arctan2(-r[..., 2, 0], np.hypot(r[..., 0, 0], r[..., 1, 0]))
     quarter = 0.5 * np.pi
@@ -70,6 +78,32 @@ def two_link_joint_angles(q1: ArrayLike, q2: ArrayLike) -> tuple[Float, Float]:
         np.arctan2(r[..., 2, 1], r[..., 2, 2]) - quarter,
     )
     return np.stack(angles, axis=-1), np.asarray(residual)
+
+
+def continuous_two_link_joint_angles(
+    q1: ArrayLike, q2: ArrayLike, previous_rad: ArrayLike | None = None
+) -> tuple[Float, Float]:
+    """Return the five angles of consecutive ticks, shape (K, 5), without jumps, and the residual, shape (K,).
+
+    Near the singularity (S1 y axis vertical) the first angle keeps its value and the third is solved for it, as
+    A13 asks; the rest is unwrapped. `previous_rad`, shape (5,), is the tick before: any chunking gives the same.
+    """
+    q1, q2 = np.asarray(q1, dtype=np.float64), np.asarray(q2, dtype=np.float64)
+    angles, residual = two_link_joint_angles(q1, q2)
+    m = rotation.to_matrix(q1)
+    known = previous_rad is not None
+    memory = np.asarray(previous_rad, dtype=np.float64) if known else np.full(5, np.nan)
+    turn = 2.0 * np.pi
+    for k in range(angles.shape[0]):
+        if np.isnan(angles[k]).any():
+            continue
+        is_singular = np.hypot(m[k, 0, 1], m[k, 1, 1]) < np.sin(SINGULAR_MARGIN_RAD)
+        if is_singular and np.isfinite(memory[0]):
+            angles[k] = _joints(m[k], np.asarray(memory[0] + 0.5 * np.pi), q1[k], q2[k])[0]
+        if np.isfinite(memory[0]):
+            angles[k] += turn * np.floor((memory - angles[k]) / turn + 0.5)
+        memory = angles[k]
+    return angles, residual
 
 
 def two_link_velocity(
