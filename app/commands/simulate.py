@@ -22,6 +22,10 @@ from estimators.simulation.faults import LinkFaults
 
 CALIBRATE_AT_S = 1.0
 ANALYSIS_TIMEOUT_S = 300.0
+RETRY_S = 5.0
+CALIBRATION_SLACK_S = 3.0
+LOSSY_POSE_S = 18.0
+"""Over a bad link a gap starts the pose anew, so the simulated patient holds it longer."""
 CATCH_UP_SLACK_S = 0.3
 CATCH_UP_POLL_S = 0.1
 CATCH_UP_POLLS = 20
@@ -78,6 +82,8 @@ def scenario_of(options: Options) -> ArmScenario:
         repetitions=options.repetitions,
         seed=options.seed,
     )
+    if options.loss_percent or options.breaks:
+        scenario = replace(scenario, schedule=replace(scenario.schedule, n_pose_s=LOSSY_POSE_S))
     return replace(
         scenario, both_arms=options.arms == "both", errors=options.errors, orientation=options.orientation
     )
@@ -130,7 +136,9 @@ async def stream(
         await service.steer(created.id, "calibrate")
 
     async def record() -> None:
-        await service.wait_for_state(created.id, "ready")
+        # Nothing is sent while this waits, so it waits only for what was sent already.
+        await _reached(service, created.id, scenario.schedule.n_pose_s - CATCH_UP_SLACK_S)
+        await service.wait_for_state(created.id, "ready", timeout_s=CALIBRATION_SLACK_S)
         await service.steer(created.id, "record")
         say("moving")
 
@@ -204,10 +212,12 @@ async def _simulate(options: Options) -> None:
                 session_id, report = await stream(
                     service, replace(options, seed=options.seed + round_), typer.echo
                 )
-            except TelemotionError:
+            except TelemotionError as error:
                 if not options.forever:
                     raise
-                await asyncio.sleep(5.0)
+                typer.echo(f"{error.message} Trying again.")
+                round_ += 1
+                await asyncio.sleep(RETRY_S)
                 continue
             typer.echo(
                 f"session {session_id}: {report.sent} packets sent, {report.resent} sent again, "

@@ -85,7 +85,7 @@ async def _stream_forever(service: ServiceClient, patient_ids: dict[str, str]) -
         patient_kind="moderate_stroke",
         progress=1.0,
         speed=1.0,
-        loss_percent=1.0,
+        loss_percent=0.5,
     )
     number = 0
     while True:
