@@ -18,6 +18,7 @@ from app.accounts.passwords import Passwords
 from app.accounts.rate_limit import SignInLimits
 from app.assessment.comparisons import compare_task
 from app.assessment.endpoints import router as assessment_router
+from app.assessment.patient_endpoints import router as follow_up_router
 from app.database import engine as database_engine
 from app.database.migrate import require_newest
 from app.database.unit_of_work import read_only, unit_of_work
@@ -171,6 +172,7 @@ def all_routers() -> list[APIRouter]:
         ingest_router,
         upload_router,
         assessment_router,
+        follow_up_router,
         viewer_router,
     ]
 

@@ -3,7 +3,7 @@
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import JSON, Boolean, ForeignKey, Index, Integer, String, UniqueConstraint
+from sqlalchemy import JSON, Boolean, ForeignKey, Index, Integer, String, UniqueConstraint, column, table
 from sqlalchemy.orm import Mapped, mapped_column
 
 from app.database.base import Base, Identified, UtcDateTime, utc_now
@@ -32,6 +32,11 @@ class Account(Identified, Base):
     """The patient record of an account with the role patient."""
     is_active: Mapped[bool] = mapped_column(Boolean, default=True)
     locale: Mapped[str] = mapped_column(String(10), default="en")
+
+
+PATIENT = table("patient", column("id", String(32)), column("clinic_id", String(32)))
+"""What accounts need of the table that `Account.patient_id` refers to; patients are built on accounts, so their
+classes are not known here."""
 
 
 class SignIn(Identified, Base):

@@ -5,7 +5,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from app.accounts import audit
-from app.accounts.models import Account
+from app.accounts.models import PATIENT, Account
 from app.accounts.schemas import AccountIn, AccountOut, Me
 from app.accounts.sign_in import (
     create_sign_in,
@@ -19,7 +19,6 @@ from app.accounts.tickets import account_subject
 from app.database.base import new_id
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import Conflict, InvalidInput, NotAllowed, NotFound, SignInRequired
-from app.patients.models import Patient
 from app.services import Services
 
 WRONG = "E-mail address or password is wrong."
@@ -162,8 +161,8 @@ def _store_account(
 ) -> AccountOut:
     with unit_of_work(services.engine) as session:
         if body.patient_id is not None:
-            patient = session.get(Patient, body.patient_id)
-            if patient is None or patient.clinic_id != subject.clinic_id:
+            clinic_id = session.scalar(select(PATIENT.c.clinic_id).where(PATIENT.c.id == body.patient_id))
+            if clinic_id != subject.clinic_id:
                 raise NotFound("There is no such patient in this clinic.")
         if session.scalar(select(Account.id).where(Account.email == email)) is not None:
             raise Conflict("There is an account with this e-mail address already.", field="email")

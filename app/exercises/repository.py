@@ -1,8 +1,8 @@
 """Exercises and prescriptions: every query, who may, and the audit event it leaves."""
 
-from datetime import datetime, timedelta
+from datetime import datetime
 
-from sqlalchemy import func, or_, select
+from sqlalchemy import or_, select
 from sqlalchemy.orm import Session
 
 from app.accounts import audit
@@ -12,7 +12,6 @@ from app.errors import InvalidInput, NotAllowed, NotFound
 from app.exercises.models import Exercise, Prescription, Template
 from app.exercises.schemas import ExerciseIn, PrescriptionIn
 from app.patients.access import require_patient
-from app.recordings.models import MotionSession
 from estimators.arm import MODEL_ANGLES
 
 NO_SUCH_PRESCRIPTION = "There is no such prescription, or you have no right to know."
@@ -95,9 +94,8 @@ def joint_angles(side: str) -> list[str]:
 
 def list_prescriptions(
     session: Session, subject: Subject, patient_id: str
-) -> list[tuple[Prescription, str, str | None, int]]:
-    """Return a patient's present and coming prescriptions, with exercise, template and sessions done this
-    week.
+) -> list[tuple[Prescription, str, str | None]]:
+    """Return a patient's present and coming prescriptions, with the names of exercise and template.
 
     Parameters
     ----------
@@ -119,17 +117,13 @@ def list_prescriptions(
         )
         .order_by(Prescription.starts_at, Prescription.id)
     ).all()
-    done = _done_since(session, patient_id, week_start(now))
-    return [
-        (prescription, exercise, template, done.get(prescription.exercise_id, 0))
-        for prescription, exercise, template in rows
-    ]
+    return [(prescription, exercise, template) for prescription, exercise, template in rows]
 
 
 def create_prescription(
     session: Session, subject: Subject, patient_id: str, body: PrescriptionIn
-) -> tuple[Prescription, str, str | None, int]:
-    """Prescribe an exercise.
+) -> tuple[Prescription, str, str | None]:
+    """Prescribe an exercise; returned with the names of exercise and template.
 
     Parameters
     ----------
@@ -179,8 +173,7 @@ def create_prescription(
     session.add(prescription)
     session.flush()
     audit.record(session, subject, "prescription.create", patient_id, prescription.id)
-    done = _done_since(session, patient_id, week_start(utc_now())).get(exercise.id, 0)
-    return prescription, exercise.name, template.name if template else None, done
+    return prescription, exercise.name, template.name if template else None
 
 
 def end_prescription(session: Session, subject: Subject, prescription_id: str) -> None:
@@ -210,32 +203,6 @@ def end_prescription(session: Session, subject: Subject, prescription_id: str) -
         prescription.starts_at = min(prescription.starts_at, now)
         prescription.ends_at = now
     audit.record(session, subject, "prescription.end", prescription.patient_id, prescription.id)
-
-
-def week_start(now: datetime) -> datetime:
-    """Return the last Monday, 00:00 UTC.
-
-    Parameters
-    ----------
-    now : datetime
-    """
-    return (now - timedelta(days=now.weekday())).replace(hour=0, minute=0, second=0, microsecond=0)
-
-
-def _done_since(session: Session, patient_id: str, start: datetime) -> dict[str, int]:
-    at = func.coalesce(MotionSession.started_at, MotionSession.created_at)
-    rows = session.execute(
-        select(MotionSession.exercise_id, func.count())
-        .where(
-            MotionSession.patient_id == patient_id,
-            MotionSession.purpose == "exercise",
-            MotionSession.exercise_id.is_not(None),
-            MotionSession.state.in_(("closing", "analysed")),
-            at >= start,
-        )
-        .group_by(MotionSession.exercise_id)
-    )
-    return {exercise_id: count for exercise_id, count in rows if exercise_id is not None}
 
 
 def _with_zone(value: datetime | None, field: str) -> datetime | None:

@@ -1,4 +1,4 @@
-"""Patients, the caseload, progress, grants, device tokens, consents and the audit trail.
+"""Patients, grants, device tokens, consents and the audit trail.
 
 Errors of every route: `not_found` for a patient out of reach (existing or not), `not_allowed` when the right
 does not cover the request, `invalid_input` with the fields.
@@ -20,19 +20,11 @@ from app.accounts.schemas import (
 )
 from app.database.dependencies import ReadSession, WriteSession
 from app.patients import service
-from app.patients.caseload import caseload
-from app.patients.progress import progress
 from app.patients.repository import revoke_grant
-from app.patients.schemas import CaseloadRow, PatientIn, PatientOut, PatientPatch, Progress
+from app.patients.schemas import PatientIn, PatientOut, PatientPatch
 from app.services import services_of
 
 router = APIRouter(prefix="/api", tags=["patients"])
-
-
-@router.get("/caseload")
-def read_caseload(subject: CurrentAccount, session: ReadSession) -> list[CaseloadRow]:
-    """Return one line per patient in reach, those with a reason to look first."""
-    return caseload(session, subject)
 
 
 @router.get("/patients")
@@ -59,14 +51,6 @@ def update_patient(
 ) -> PatientOut:
     """Change the fields that the body names."""
     return service.update_patient(session, subject, patient_id, body)
-
-
-@router.get("/patients/{patient_id}/progress")
-def read_progress(
-    patient_id: str, subject: CurrentAccount, session: ReadSession, exercise_id: str | None = None
-) -> Progress:
-    """Return progress in one exercise; without `exercise_id` in the one practised last."""
-    return progress(session, subject, patient_id, exercise_id)
 
 
 @router.get("/patients/{patient_id}/grants")

@@ -1,4 +1,4 @@
-"""Wire types of patients, the caseload and progress."""
+"""Wire types of patients."""
 
 from datetime import date, datetime
 from typing import Literal
@@ -52,69 +52,3 @@ class PatientOut(PatientIn):
     has_mounting: bool
     may_treat: bool
     """The caller may record and prescribe, not only read."""
-
-
-class CaseloadRow(Schema):
-    """One line of the caseload."""
-
-    patient_id: str
-    given_name: str
-    family_name: str
-    affected_side: Side | None
-    due: str
-    """What is prescribed, in a few words; empty when nothing is."""
-    last_session_at: datetime | None
-    live_session_id: str | None
-    main_measure: str | None
-    main_unit: str | None
-    trend: list[float]
-    """The last ten values of the main measure, oldest first."""
-    trend_low: list[float]
-    trend_high: list[float]
-    adherence_percent: float | None
-    reason: Literal["live", "declining", "not_practising", "bad_data", "no_template", ""]
-    reason_text: str
-
-
-class ProgressPoint(Schema):
-    """One session's value of one measure."""
-
-    session_id: str
-    at: datetime
-    value: float
-    low: float
-    high: float
-    count: int
-    """Repetitions behind the value."""
-    orientation: str
-    template_version_id: str | None
-
-
-class ProgressMeasure(Schema):
-    """One measure over the sessions."""
-
-    measure: str
-    label: str
-    unit: str
-    points: list[ProgressPoint]
-    change: float | None
-    """Last three against first three sessions; None with fewer than two points."""
-    minimal_detectable_change: float | None
-    """1.96 * sqrt(2) * standard error of measurement, from the spread between repetitions."""
-    is_real_change: bool | None
-
-
-class ProgressEvent(Schema):
-    """Something pinned to the time axis."""
-
-    at: datetime
-    kind: Literal["template", "estimator", "prescription"]
-    text: str
-
-
-class Progress(Schema):
-    """A patient's progress in one exercise."""
-
-    exercise_id: str | None
-    measures: list[ProgressMeasure]
-    events: list[ProgressEvent]

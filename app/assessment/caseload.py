@@ -14,14 +14,15 @@ from sqlalchemy import func, or_, select
 from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
+from app.assessment.measures import SessionValue, by_patient, change, pooled_spread, session_values
+from app.assessment.practice import ADHERENCE_WINDOW, adherence
+from app.assessment.progress import band, dose, main_measure
+from app.assessment.schemas import CaseloadRow
 from app.database.base import utc_now
 from app.exercises.models import Exercise, Prescription, TemplateVersion
 from app.patients.access import visible_patients
-from app.patients.measures import SessionValue, by_patient, change, pooled_spread, session_values
 from app.patients.models import Patient
-from app.patients.progress import band, dose, main_measure
 from app.patients.repository import note_once_an_hour
-from app.patients.schemas import CaseloadRow
 from app.recordings.models import MotionSession
 from estimators.comparison import measure_label
 
@@ -29,7 +30,6 @@ Reason = Literal["live", "declining", "not_practising", "bad_data", "no_template
 ORDER: tuple[Reason, ...] = ("live", "declining", "not_practising", "bad_data", "no_template", "")
 
 LIVE_STATES = ("calibrating", "ready", "recording", "link_lost")
-ADHERENCE_WINDOW = timedelta(days=28)
 QUIET = timedelta(days=7)
 """Without a session for this long, somebody with a prescription is not practising; rarer prescriptions get
 longer."""
@@ -80,35 +80,6 @@ def caseload(session: Session, subject: Subject) -> list[CaseloadRow]:
             _row(patient, prescriptions[patient.id], sessions[patient.id], own, exercise, with_version, now)
         )
     return sorted(rows, key=lambda row: (ORDER.index(row.reason), row.family_name, row.given_name))
-
-
-def adherence(
-    prescriptions: list[Prescription], practised: list[tuple[datetime, str | None]], now: datetime
-) -> float | None:
-    """Return sessions done in percent of sessions prescribed, over the last four weeks; None before the first
-    is due.
-
-    Parameters
-    ----------
-    prescriptions : list of Prescription
-    practised : list of (time, exercise)
-    now : datetime
-
-    Notes
-    -----
-    More than prescribed in one exercise does not make up for none in another: each counts at most in full.
-    """
-    expected_total, done_total = 0.0, 0.0
-    for prescription in prescriptions:
-        start = max(prescription.starts_at, now - ADHERENCE_WINDOW)
-        end = min(prescription.ends_at or now, now)
-        expected = prescription.times_per_week * max(0.0, (end - start) / timedelta(weeks=1))
-        done = sum(
-            1 for at, exercise in practised if exercise == prescription.exercise_id and start <= at <= end
-        )
-        expected_total += expected
-        done_total += min(float(done), expected)
-    return round(100.0 * done_total / expected_total, 1) if expected_total >= 1.0 else None
 
 
 def _row(

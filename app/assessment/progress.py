@@ -9,11 +9,11 @@ from sqlalchemy.orm import Session
 
 from app.accounts import audit
 from app.accounts.subject import Subject
+from app.assessment.measures import SessionValue, change, pooled_spread, session_values
+from app.assessment.schemas import Progress, ProgressEvent, ProgressMeasure, ProgressPoint
 from app.errors import NotFound
 from app.exercises.models import Exercise, Prescription, Template, TemplateVersion
 from app.patients.access import require_patient
-from app.patients.measures import SessionValue, change, pooled_spread, session_values
-from app.patients.schemas import Progress, ProgressEvent, ProgressMeasure, ProgressPoint
 from estimators.comparison import measure_label
 
 

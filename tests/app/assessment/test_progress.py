@@ -6,12 +6,12 @@ from datetime import timedelta
 import numpy as np
 import pytest
 
+from app.assessment.measures import change, minimal_detectable_change, session_values
 from app.assessment.models import Comparison, RepetitionMeasure
+from app.assessment.practice import adherence
 from app.database.base import new_id, utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 from app.exercises.models import Prescription, Template, TemplateVersion
-from app.patients.caseload import adherence
-from app.patients.measures import change, minimal_detectable_change, session_values
 from app.recordings.models import MotionSession, Result
 
 MEASURE = "range:thorax_humerus_right_yxy_elevation"
@@ -190,7 +190,7 @@ def test_the_main_result_counts_not_every_comparison(history):
 
 
 def test_templates_and_other_exercises_stay_apart(history, engine, world):
-    from .conftest import make_exercise
+    from ..conftest import make_exercise
 
     with unit_of_work(engine) as session:
         other = make_exercise(session, world.clinic_id, "Drink").id
