@@ -23,6 +23,7 @@ from app.errors import (
     InvalidInput,
     NotAllowed,
     NotFound,
+    PacketError,
     SignInRequired,
     TelemotionError,
     Unavailable,
@@ -40,8 +41,13 @@ KEPT_PACKETS = 200_000
 
 _answer: TypeAdapter[AcknowledgeMessage | ErrorMessage] = TypeAdapter(AcknowledgeMessage | ErrorMessage)
 _FATAL: dict[str, type[TelemotionError]] = {
-    error.code: error for error in (SignInRequired, NotAllowed, NotFound, Conflict, InvalidInput)
-} | {"packet": InvalidInput}
+    SignInRequired.code: SignInRequired,
+    NotAllowed.code: NotAllowed,
+    NotFound.code: NotFound,
+    Conflict.code: Conflict,
+    InvalidInput.code: InvalidInput,
+    PacketError.code: PacketError,
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,7 +197,7 @@ class GatewayClient:
             self.report.dropped += 1
 
     async def _send(self, sequence: int, data: bytes) -> None:
-        """Send one packet; when the link is broken, reconnecting sends all that is kept, this one included."""
+        """Send one packet; when the link is broken, reconnecting sends all that is kept, also this one."""
         if self._fatal is not None:
             raise self._fatal
         connection = self._connection
@@ -323,7 +329,7 @@ class GatewayClient:
         self._changed.set()
 
     async def _send_missing(self, connection: ClientConnection, answer: AcknowledgeMessage) -> None:
-        """Send again what the server misses and this gateway still has, not faster than once a second each."""
+        """Send again what the server misses and this gateway still has, each at most once a second."""
         now = time.monotonic()
         for sequence in self._wanted(answer.missing):
             if now - self._sent_s.get(sequence, 0.0) > SEND_AGAIN_AFTER_S:

@@ -21,7 +21,7 @@ EPOCH_US = 1_000_000_000
 
 @dataclass(frozen=True)
 class CountScales:
-    """Full scale of the device's 16-bit counts: 2000 deg/s, 16 g and 4.9 mT by default, usual for wearables."""
+    """Full scale of the device's 16-bit counts; by default 2000 deg/s, 16 g and 4.9 mT."""
 
     gyroscope_radps: float = float(np.deg2rad(2000.0))
     accelerometer_mps2: float = 16.0 * GRAVITY_MPS2
@@ -52,7 +52,7 @@ class DeviceStream:
     @property
     def packet_count(self) -> int:
         """Number of packets; the last one may be shorter."""
-        return -(-self.counts.shape[0] // self.ticks_per_packet)
+        return -(-int(self.counts.shape[0]) // self.ticks_per_packet)
 
     @property
     def packet_s(self) -> float:

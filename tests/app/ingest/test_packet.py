@@ -1,6 +1,8 @@
+import re
 import struct
 import warnings
 import zlib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -254,3 +256,42 @@ def test_a_hundred_thousand_spoiled_packets_give_typed_errors_only() -> None:
     print(f"seed {seed}: {refused} refused, {accepted} valid by chance")
     assert refused > 50_000
     assert accepted > 1_000, "flips in the payload with a right CRC are valid packets"
+
+
+def page_vectors() -> list[bytes]:
+    """The hex blocks of docs/packet.md, as an integrator would copy them."""
+    page = (Path(__file__).parents[3] / "docs" / "packet.md").read_text()
+    blocks = re.findall(r"(?:^    [0-9a-f]{2,64}\n)+", page, re.MULTILINE)
+    return [bytes.fromhex(block.replace(" ", "").replace("\n", "")) for block in blocks]
+
+
+def test_the_vectors_on_the_page_are_right() -> None:
+    counts, floats = (decode_packet(data) for data in page_vectors())
+    assert (counts.sequence, counts.device_time_us, counts.tick_interval_us) == (7, 10**9, 10_000)
+    assert counts.values.tolist() == [[[100, -200, 300, 4, 5, 1000], [1, 2, 3, -4, -5, -1000]]]
+    assert (floats.sequence, floats.device_time_us) == (4_294_967_295, 18_446_744_073_709_551_000)
+    assert floats.tick_interval_us == 16_667
+    assert floats.flags == PacketFlag.BACKFILLED
+    expected = [0.5, -0.25, 0.125, 0, 0, 9.75, 2e-5, 0, -4.5e-5]
+    assert np.allclose(floats.values[0, 0], expected, rtol=1e-7)
+    assert np.array_equal(floats.values[0], floats.values[1])
+    for spoiled, reason in ((counts.data[:-1] + b"\xfd", "crc"), (counts.data[:40], "truncated")):
+        with pytest.raises(PacketError) as caught:
+            decode_packet(spoiled)
+        assert caught.value.details["reason"] == reason
+
+
+def test_every_reason_is_on_the_page() -> None:
+    root = Path(__file__).parents[3]
+    page = (root / "docs" / "packet.md").read_text()
+    sources = [*(root / "app" / "ingest").glob("*.py"), *(root / "app" / "live").glob("*.py")]
+    raised = {
+        reason
+        for path in sources
+        for call in re.findall(r"PacketError\((.*?)\n\s*\)|_time_error\((.*)\)", path.read_text(), re.DOTALL)
+        for reason in re.findall(r'reason="(\w+)"|"(time_\w+)"', "".join(call))
+        for reason in reason
+        if reason
+    }
+    assert {"crc", "placements", "network_changed", "time_backwards"} <= raised
+    assert not {reason for reason in raised if f"`{reason}`" not in page}

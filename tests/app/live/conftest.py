@@ -1,6 +1,7 @@
 """A real server process on a real socket, and the therapist's hands on it."""
 
 import os
+import shutil
 import signal
 import socket
 import subprocess
@@ -12,7 +13,9 @@ from typing import Any
 
 import httpx
 import pytest
+from sqlalchemy import Engine
 
+from app.database.engine import create_from_url
 from app.gateway import ServiceClient
 from app.settings import Settings
 
@@ -78,9 +81,30 @@ class ServerProcess:
         return self._log.read_text()
 
 
-@pytest.fixture
-def server(settings: Settings, world: Any, tmp_path: Path) -> Iterator[ServerProcess]:
-    process = ServerProcess(settings, tmp_path / "server.log")
+@pytest.fixture(scope="module")
+def settings(tmp_path_factory: pytest.TempPathFactory, migrated_file: Path) -> Settings:
+    """One database a module, because starting the real server takes seconds; every test has its own clinics."""
+    folder = tmp_path_factory.mktemp("server")
+    shutil.copy(migrated_file, folder / "telemotion.db")
+    return Settings(
+        _env_file=None,
+        base_url="http://127.0.0.1:8000",
+        secret_key="0123456789abcdefghijklmnopqrstuvwxyz-tests",
+        database_url=f"sqlite:///{folder / 'telemotion.db'}",
+        data_dir=folder / "var",
+    )
+
+
+@pytest.fixture(scope="module")
+def engine(settings: Settings) -> Iterator[Engine]:
+    engine = create_from_url(settings.database_url)
+    yield engine
+    engine.dispose()
+
+
+@pytest.fixture(scope="module")
+def server(settings: Settings) -> Iterator[ServerProcess]:
+    process = ServerProcess(settings, settings.data_dir.parent / "server.log")
     process.start()
     yield process
     process.kill()
