@@ -55,6 +55,9 @@ export function CsvMappingForm({ head, placements, value, onChange }: { head: Cs
                 onChange={(quantity) => set(index, { quantity: quantity as CsvColumn['quantity'], unit: UNITS[quantity as CsvColumn['quantity']][0] ?? 'rad/s' })}
               />
               <Select aria-label={`${name}: ${t('csv.unitLabel')}`} data={UNITS[signal.quantity].map((unit) => ({ value: unit, label: UNIT_TEXT[unit] ?? unit }))} value={signal.unit} onChange={(unit) => set(index, { unit: unit as CsvColumn['unit'] })} />
+              <ActionIcon size={42} color="gray" aria-label={t('csv.remove', { number: index + 1 })} onClick={() => onChange({ ...value, signals: value.signals.filter((_, other) => other !== index) })}>
+                <IconTrash size={19} aria-hidden />
+              </ActionIcon>
               {AXES.map((axis, position) => (
                 <Select
                   key={axis}
@@ -66,9 +69,6 @@ export function CsvMappingForm({ head, placements, value, onChange }: { head: Cs
                   onChange={(column) => set(index, { columns: signal.columns.map((one, other) => (other === position ? (column ?? '') : one)) as CsvColumn['columns'] })}
                 />
               ))}
-              <ActionIcon size={42} color="gray" aria-label={t('csv.remove', { number: index + 1 })} onClick={() => onChange({ ...value, signals: value.signals.filter((_, other) => other !== index) })}>
-                <IconTrash size={19} aria-hidden />
-              </ActionIcon>
             </li>
           );
         })}

@@ -168,7 +168,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
           {state === 'created' && <ConnectHelp session={session} />}
           {state !== 'created' && !isOver && mayRecord && <Buttons session={session} state={state} />}
           {state !== 'created' && !isOver && <Viewer3D sessionId={session.id} request={LIVE} title={t('viewer.liveTitle')} />}
-          {snapshot.columns && !isOver && (
+          {snapshot.columns && !isOver && state !== 'created' && (
             <section className="card" aria-labelledby="angles">
               <h2 id="angles" className="visually-hidden">
                 {t('traces.title')}

@@ -94,7 +94,12 @@ function Shape({ session, exerciseId: wantedExercise, content, request, onReques
   const [name, setName] = useState('');
   const [showsAll, setShowsAll] = useState(false);
   const save = useSaveTemplate();
-  const dropped = useMemo(() => new Set(content.repetitions.flatMap((one, index) => (one.is_kept ? [] : [index]))), [content]);
+  // The person's own choice shows at once; the curves follow when the service has averaged anew.
+  const chosen = request.dropped;
+  const dropped = useMemo(
+    () => new Set(content.repetitions.flatMap((one, index) => ((chosen ? chosen.includes(one.number) : !one.is_kept) ? [index] : []))),
+    [content, chosen],
+  );
   const exercise = exercises.data?.find((one) => one.id === exerciseId);
   const curves = pickCurves(content.curves, showsAll, exercise?.primary_angle ?? null);
   const kept = content.repetitions.length - dropped.size;
@@ -132,7 +137,7 @@ function Shape({ session, exerciseId: wantedExercise, content, request, onReques
         </div>
         <ul className="plain-list repetition-choice">
           {content.repetitions.map((one, index) => (
-            <li key={one.number} className={one.is_kept ? '' : 'is-dropped'}>
+            <li key={one.number}>
               <Checkbox
                 label={
                   <>
@@ -142,8 +147,8 @@ function Shape({ session, exerciseId: wantedExercise, content, request, onReques
                     </span>
                   </>
                 }
-                description={one.is_kept ? undefined : one.reason || t('template.droppedByYou')}
-                checked={one.is_kept}
+                description={dropped.has(index) ? one.reason || t('template.droppedByYou') : undefined}
+                checked={!dropped.has(index)}
                 onChange={() => toggle(index)}
               />
             </li>
