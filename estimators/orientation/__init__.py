@@ -6,12 +6,19 @@ from typing import Any
 from estimators.errors import SetupError
 from estimators.orientation._contract import OrientationEstimator, OrientationFlag, OrientationResult
 from estimators.orientation._marzouk_error_state import MarzoukErrorStateEstimator
+from estimators.orientation._marzouk_euler import MarzoukEulerEstimator
 from estimators.orientation._marzouk_quaternion import MarzoukQuaternionEstimator
 from estimators.orientation._scoring import OrientationErrors, orientation_errors
 from estimators.orientation._vqf import VqfEstimator
 
 _REGISTRY: dict[str, type[OrientationEstimator]] = {
-    kind.name: kind for kind in (VqfEstimator, MarzoukQuaternionEstimator, MarzoukErrorStateEstimator)
+    kind.name: kind
+    for kind in (
+        VqfEstimator,
+        MarzoukQuaternionEstimator,
+        MarzoukErrorStateEstimator,
+        MarzoukEulerEstimator,
+    )
 }
 
 

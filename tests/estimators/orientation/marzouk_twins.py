@@ -203,3 +203,56 @@ def error_state_filter(
                 p = keep @ p @ keep.T + gain @ r @ gain.T
         out_q.append(q), out_b.append(b), out_p.append(p)
     return np.array(out_q), np.array(out_b), np.array(out_p)
+
+
+def euler_rates(e):
+    """W of A8.1: rates of roll, pitch, yaw = W u."""
+    (sr, sp), (cr, cp) = np.sin(e[:2]), np.cos(e[:2])
+    return np.array([[1, sr * sp / cp, cr * sp / cp], [0, cr, -sr], [0, sr / cp, cr / cp]])
+
+
+def euler_jacobian(e, u):
+    """A of A8.3, shape (6, 6)."""
+    (sr, sp), (cr, cp) = np.sin(e[:2]), np.cos(e[:2])
+    across, along, a = u[1] * sr + u[2] * cr, u[1] * cr - u[2] * sr, np.zeros((6, 6))
+    a[0, 0], a[0, 1] = sp / cp * along, across / cp**2
+    a[1, 0] = -across
+    a[2, 0], a[2, 1] = along / cp, across * sp / cp**2
+    a[:3, 3:] = -euler_rates(e)
+    return a
+
+
+def euler_filter(
+    rate,
+    gravity,
+    field,
+    step_s,
+    *,
+    published=False,
+    bias_sigma=0.05 * DEG,
+    samples=10,
+    attitude_sigma=2 * DEG,
+):
+    """A8 over one record; returns angles (K, 3), bias (K, 3), covariance (K, 6, 6) and NIS (K,)."""
+    e, b = measured_angles(gravity[:samples].mean(axis=0), field[:samples].mean(axis=0)), np.zeros(3)
+    p = np.diag(np.concatenate((np.full(3, attitude_sigma**2), np.full(3, bias_sigma**2))))
+    continuous = np.diag(np.concatenate((SIGMA_E, SIGMA_B)))
+    if not published:
+        continuous = np.diag(np.concatenate((step_s * SIGMA_B, np.full(3, (1e-3 * DEG) ** 2))))
+    h, r = np.eye(3, 6), np.diag(SIGMA_E)
+    out = []
+    for k in range(len(rate)):
+        nis = np.nan
+        if k >= samples:
+            u = (rate[k] if published else 0.5 * (rate[k - 1] + rate[k])) - b
+            f = np.eye(6) + step_s * euler_jacobian(e, u)
+            p = f @ p @ f.T + step_s * continuous
+            e = e + step_s * euler_rates(e) @ u
+            innovation = wrap(measured_angles(gravity[k], field[k]) - e)
+            gain = p @ h.T @ np.linalg.inv(h @ p @ h.T + r)
+            nis = innovation @ np.linalg.solve(h @ p @ h.T + r, innovation)
+            e, b = e + gain[:3] @ innovation, b + gain[3:] @ innovation
+            keep = np.eye(6) - gain @ h
+            p = keep @ p @ keep.T + gain @ r @ gain.T
+        out.append((e, b, p, nis))
+    return tuple(np.array(values) for values in zip(*out, strict=True))
