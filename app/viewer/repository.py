@@ -96,10 +96,18 @@ def find_target(engine: Engine, subject: Subject, session_id: str, wanted: ViewI
         return ViewTarget(wanted.mode, found.id, found.patient_id, result_id, version_id)
 
 
-def check_right(engine: Engine, subject: Subject, patient_id: str) -> None:
-    """Raise when the right to the patient has been lost; for sockets that stay open."""
+def check_right(engine: Engine, subject: Subject, target: ViewTarget) -> None:
+    """Check an open view again; no audit event, the opening left one.
+
+    Raises
+    ------
+    NotFound, NotAllowed
+        The right to the patient has been lost, or the session erased.
+    """
     with read_only(engine) as session:
-        require_patient(session, subject, patient_id, "read")
+        require_patient(session, subject, target.patient_id, "read")
+        if session.get(MotionSession, target.session_id) is None:
+            raise NotFound(recordings.NO_SUCH_SESSION)
 
 
 def load_contents(engine: Engine, target: ViewTarget) -> Contents:

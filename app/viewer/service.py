@@ -180,7 +180,7 @@ class Viewer:
         NotFound, NotAllowed
         """
         view = self.find(subject, view_id)
-        await asyncio.to_thread(repository.check_right, self._engine, subject, view.target.patient_id)
+        await asyncio.to_thread(repository.check_right, self._engine, subject, view.target)
         return view
 
     async def stage_of(self, view: View) -> Stage:

@@ -116,12 +116,9 @@ class Stage:
     async def _run(self) -> None:
         try:
             await self.player.run()
-        except asyncio.CancelledError:
-            raise
         except Exception:
-            # The scene stands still, which the page cannot see by itself; the sweep rebuilds it when left.
+            # The picture stands still; the next page that enters sets the clock going again.
             logger.exception("a 3D view has stopped drawing")
-            raise
 
 
 def theme_messages(dark: bool) -> list[Any]:

@@ -79,7 +79,7 @@ def admit(data: bytes) -> Admitted | None:
         return None
     try:
         camera = _decoder.decode(data)
-    except (msgspec.DecodeError, msgspec.ValidationError):
+    except (msgspec.DecodeError, msgspec.ValidationError, UnicodeDecodeError):
         return None
     numbers = (
         *camera.wxyz,
@@ -130,5 +130,5 @@ def types_in(batch: bytes) -> list[str]:
             return []
         packed = zstandard.ZstdDecompressor().decompress(batch[16 : 16 + compressed], max_output_size=size)
         return [message["type"] for message in msgspec.msgpack.decode(packed)["messages"]]
-    except (struct.error, zstandard.ZstdError, msgspec.DecodeError, KeyError, TypeError):
+    except (struct.error, zstandard.ZstdError, msgspec.DecodeError, UnicodeDecodeError, KeyError, TypeError):
         return []

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+import anyio
 import msgspec
 import numpy as np
 import pytest
@@ -42,6 +43,16 @@ def messages_in(batch: bytes) -> list[dict[str, Any]]:
     return found
 
 
+def received(socket) -> dict[str, Any]:
+    """Receive one message, but do not wait for ever when it does not come."""
+
+    async def wait() -> dict[str, Any]:
+        with anyio.fail_after(30.0):
+            return await socket._send_rx.receive()
+
+    return socket.portal.call(wait)
+
+
 def until(socket, wanted: Callable[[dict[str, Any]], bool], batches: int = 400) -> dict[str, Any]:
     """Read on until a message fits; what came after it in its batch is kept for the next call."""
     waiting: list[dict[str, Any]] = socket.__dict__.setdefault("waiting_messages", [])
@@ -50,7 +61,7 @@ def until(socket, wanted: Callable[[dict[str, Any]], bool], batches: int = 400) 
             message = waiting.pop(0)
             if wanted(message):
                 return message
-        waiting.extend(messages_in(socket.receive_bytes()))
+        waiting.extend(messages_in(received(socket)["bytes"]))
     raise AssertionError("the message did not come")
 
 
@@ -59,15 +70,17 @@ def of_type(name: str) -> Callable[[dict[str, Any]], bool]:
 
 
 def raised_arm(message: dict[str, Any]) -> bool:
-    """The right upper arm turned by more than 30 degrees."""
-    if message["type"] != "SetOrientationMessage" or not message["name"].endswith("/upper_arm_right"):
-        return False
-    return bool(2 * np.degrees(np.arccos(min(abs(message["wxyz"][0]), 1.0))) > 30)
+    """The right upper arm, of the patient or of the ghost, turned by more than 30 degrees."""
+    is_patient = message["type"] == "SetOrientationMessage" and message["name"].endswith("/upper_arm_right")
+    is_ghost = message["type"] == "SetBoneOrientationMessage" and message["bone_index"] == 0
+    return (is_patient or is_ghost) and bool(
+        2 * np.degrees(np.arccos(min(abs(message["wxyz"][0]), 1.0))) > 30
+    )
 
 
 def read_until_closed(socket) -> None:
     while True:
-        socket._raise_on_close(socket.receive())
+        socket._raise_on_close(received(socket))
 
 
 def page_socket(client, view):
@@ -210,7 +223,7 @@ def test_seeking_moves_the_figure_and_the_ghost(therapist, open_view, recorded) 
         time_s = 0.5 * (repetition.start_s + repetition.end_s)
         steer.send_json({"type": "player", "time_s": time_s, "playing": False})
         until(page, lambda m: raised_arm(m) and m["name"].startswith("/patient"))
-        until(page, lambda m: raised_arm(m) and m["name"].startswith("/template/figure"))
+        until(page, lambda m: raised_arm(m) and m["name"].startswith("/template"))
 
 
 def test_the_ghost_can_be_hidden_in_one_view(therapist, open_view, recorded) -> None:

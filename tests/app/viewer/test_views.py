@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+from app.accounts.models import AuditEvent
 from app.database.unit_of_work import unit_of_work
 from app.patients.models import Grant
 from app.viewer.page import build_page
@@ -71,6 +72,19 @@ def test_a_revoked_right_closes_the_page(therapist, open_view, engine, world) ->
     with unit_of_work(engine) as session:
         session.query(Grant).filter_by(account_id=world.accounts["therapist"]).delete()
     assert therapist.get(opened["page_path"]).status_code == 404
+
+
+def test_an_erased_session_closes_the_page(therapist, open_view, recorded) -> None:
+    opened = open_view(therapist)
+    assert therapist.delete(f"/api/sessions/{recorded.session_id}").status_code in (200, 204)
+    assert therapist.get(opened["page_path"]).status_code == 404
+
+
+def test_opening_a_view_leaves_an_audit_event(therapist, open_view, engine, recorded) -> None:
+    open_view(therapist)
+    with unit_of_work(engine) as session:
+        event = session.query(AuditEvent).filter_by(action="session.view").one()
+        assert (event.resource_id, event.details) == (recorded.session_id, {"mode": "replay"})
 
 
 def test_a_template_of_another_clinic_is_not_found(sign_in, therapist, recorded) -> None:
