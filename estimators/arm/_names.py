@@ -1,8 +1,10 @@
 """Names and fixed order of everything the arm model knows; the kernels and their twin share the order."""
 
-from typing import Final
+from typing import Final, Literal
 
 from estimators.conventions import SIDES, Placement
+
+Joint = Literal["thorax_humerus", "humerus_forearm", "forearm_hand"]
 
 MODEL_SEGMENTS: Final[tuple[Placement, ...]] = (
     "sternum",

@@ -15,8 +15,8 @@ from estimators.arm._joint_angles import (
 )
 from estimators.arm._kernel import SINGULAR_MARGIN_RAD
 from estimators.arm._model import ArmModel, ArmResult
-from estimators.arm._names import MODEL_ANGLES, MODEL_SCALARS, angle_name
-from estimators.arm._uncertainty import Joint, joint_angle_sigma
+from estimators.arm._names import MODEL_ANGLES, MODEL_SCALARS, Joint, angle_name
+from estimators.arm._uncertainty import joint_angle_sigma
 from estimators.conventions import SIDES, Side
 
 Float = NDArray[np.float64]

@@ -12,18 +12,16 @@ bent field) cancels in truth, so the figure is on the safe side. The sigma of an
 assumed is not in it.
 """
 
-from typing import Literal
-
 import numpy as np
 from numpy.typing import NDArray
 
 from estimators import rotation
 from estimators.arm._joint_angles import elbow_angles, mirrored, shoulder_angles, wrist_angles
 from estimators.arm._kernel import SIGMA_CEILING_RAD
+from estimators.arm._names import Joint
 from estimators.conventions import Side
 
 Float = NDArray[np.float64]
-Joint = Literal["thorax_humerus", "humerus_forearm", "forearm_hand"]
 
 _X, _Y, _Z = np.eye(3)
 
