@@ -1,8 +1,24 @@
 """Constants of a session: static bias, how sensors sit on their segments, and how good that is."""
 
 from estimators.calibration._contract import Calibration
+from estimators.calibration._device import DeviceCalibration, TriadCalibration, correct
+from estimators.calibration._ferraris import FerrarisResult, FullTurn, Rest, ferraris, find_positions
 from estimators.calibration._mounting import OUTWARD_HEADING_RAD
 from estimators.calibration._n_pose import n_pose
 from estimators.calibration._static import StaticBias, static_bias
 
-__all__ = ["OUTWARD_HEADING_RAD", "Calibration", "StaticBias", "n_pose", "static_bias"]
+__all__ = [
+    "OUTWARD_HEADING_RAD",
+    "Calibration",
+    "DeviceCalibration",
+    "FerrarisResult",
+    "FullTurn",
+    "Rest",
+    "StaticBias",
+    "TriadCalibration",
+    "correct",
+    "ferraris",
+    "find_positions",
+    "n_pose",
+    "static_bias",
+]

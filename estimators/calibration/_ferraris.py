@@ -1,0 +1,301 @@
+"""Six-position calibration: a sensor laid on each of its sides and turned about each of its axes."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+
+from estimators import signals
+from estimators.calibration._device import DeviceCalibration, TriadCalibration, matrix, vector
+from estimators.conventions import GRAVITY_MPS2
+from estimators.errors import CalibrationError, ShapeError
+from estimators.recording import Float
+
+FACES: Final = ("+x", "-x", "+y", "-y", "+z", "-z")
+"""Which axis points up."""
+_AXES: Final = "xyz"
+_SHORTEST_REST_S = 1.0
+_MARGIN_S = 0.4
+_SLANT = math.cos(math.radians(25.0))
+_TURNING_RADPS = math.radians(12.0)
+_PURE_TURN = 0.95
+_TURN_TOLERANCE = 0.15
+_SQUARE_RAD = math.radians(2.0)
+_RESIDUAL_MPS2 = 0.05
+_GAIN_LIMIT = 0.25
+
+
+@dataclass(frozen=True)
+class Rest:
+    """One stretch `[start, stop)` of samples in which the sensor lay still with `face` up."""
+
+    start: int
+    stop: int
+    face: str
+
+
+@dataclass(frozen=True)
+class FullTurn:
+    """One stretch `[start, stop)` of samples with whole turns about `axis`; `turns` is signed."""
+
+    start: int
+    stop: int
+    axis: str
+    turns: int
+
+
+@dataclass(frozen=True)
+class FerrarisResult:
+    """What a six-position calibration found.
+
+    Attributes
+    ----------
+    device : DeviceCalibration
+        Accelerometer and gyroscope; no magnetometer.
+    rests, turns : tuple
+        The stretches that were used.
+    residual_mps2 : float
+        Root mean square of what bias, scale and cross-axis leave of the positions: 18 readings, 12 unknowns.
+    square_error_rad : float
+        Largest deviation from a right angle between two accelerometer axes, as seen from the sides it lay on:
+        the sensor's own, plus a table that is not level or a case that is not square.
+    score : float
+    reasons : tuple of str
+    """
+
+    device: DeviceCalibration
+    rests: tuple[Rest, ...]
+    turns: tuple[FullTurn, ...]
+    residual_mps2: float
+    square_error_rad: float
+    score: float
+    reasons: tuple[str, ...]
+
+
+def find_positions(
+    gyroscope_radps: Float, accelerometer_mps2: Float, rate_hz: float
+) -> tuple[tuple[Rest, ...], tuple[FullTurn, ...]]:
+    """Find the positions and the turns of a calibration recorded in one go, in any order.
+
+    Parameters
+    ----------
+    gyroscope_radps, accelerometer_mps2 : ndarray, shape (N, 3)
+        Right to some 10 percent: counts must have been scaled by the data sheet.
+    rate_hz : float
+
+    Returns
+    -------
+    rests : tuple of Rest
+        Still for a second at least, with one axis within 25 degrees of the vertical.
+    turns : tuple of FullTurn
+        Between two rests on the same side, about one axis, within 15 percent of whole turns.
+    """
+    _check(gyroscope_radps, accelerometer_mps2)
+    still = signals.stillness(gyroscope_radps, accelerometer_mps2, rate_hz)
+    if not still.any():
+        return (), ()
+    # A steady turn has no spread: it shows in how far the rate is from what it reads at rest.
+    bias = np.median(gyroscope_radps[still], axis=0)
+    half = max(1, round(0.1 * rate_hz))
+    still &= np.linalg.norm(_moving_mean(gyroscope_radps - bias, half), axis=1) < _TURNING_RADPS
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], still, [False])).astype(np.int8)))
+    stretches = [
+        (int(a), int(b))
+        for a, b in zip(edges[::2], edges[1::2], strict=True)
+        if b - a >= _SHORTEST_REST_S * rate_hz
+    ]
+    # A hand that begins to turn slowly still counts as still for a moment: that goes to the turn.
+    margins = [min(round(_MARGIN_S * rate_hz), (b - a) // 4) for a, b in stretches]
+    rests = [
+        Rest(a + margin, b - margin, face)
+        for (a, b), margin in zip(stretches, margins, strict=True)
+        if (face := _face_up(accelerometer_mps2[a:b])) is not None
+    ]
+    if not rests:
+        return (), ()
+    bias = np.mean([gyroscope_radps[r.start : r.stop].mean(axis=0) for r in rests], axis=0)
+    turns = []
+    for before, after in pairwise(rests):
+        if before.face != after.face:
+            continue
+        a, b = before.stop, after.start
+        angle = (gyroscope_radps[a:b] - bias).sum(axis=0) / rate_hz
+        axis = int(np.argmax(np.abs(angle)))
+        count = round(float(angle[axis]) / (2.0 * np.pi))
+        total = float(np.linalg.norm(angle))
+        if count and abs(angle[axis]) > _PURE_TURN * total:
+            error = abs(float(angle[axis]) / (2.0 * np.pi * count) - 1.0) * abs(count)
+            if error < _TURN_TOLERANCE:
+                turns.append(FullTurn(a, b, _AXES[axis], count))
+    return tuple(rests), tuple(turns)
+
+
+def ferraris(
+    gyroscope_radps: Float,
+    accelerometer_mps2: Float,
+    rate_hz: float,
+    *,
+    rests: Sequence[Rest] | None = None,
+    turns: Sequence[FullTurn] | None = None,
+    gravity_mps2: float = GRAVITY_MPS2,
+) -> FerrarisResult:
+    """Calibrate accelerometer and gyroscope from six positions and three turns.
+
+    Parameters
+    ----------
+    gyroscope_radps, accelerometer_mps2 : ndarray, shape (N, 3)
+        Of one sensor, right to some 10 percent.
+    rate_hz : float
+    rests, turns : sequence, optional
+        Where they are; found automatically by default.
+    gravity_mps2 : float
+        At the place.
+
+    Returns
+    -------
+    FerrarisResult
+
+    Raises
+    ------
+    CalibrationError
+        If a side or a turn is missing or the result is absurd; says which to repeat.
+
+    Notes
+    -----
+    Ferraris, Grimaldi and Parvis (1995), Procedure for effortless in-field calibration of three-axial rate
+    gyro and accelerometers, Sensors and Materials 7:311. Accelerometer: measured = M g + b, M from the
+    differences and b from the sums of opposite positions. Gyroscope: b and its dependence on acceleration from
+    the positions, then M from the integral of each turn, which is 2 pi along the axis. The integral is exact
+    when the sensor turns about an axis fixed to it, as on a table. The direction of a turn is taken from the
+    reading: a gyroscope whose sign is wrong is not found here but by `check_plausibility`.
+    """
+    _check(gyroscope_radps, accelerometer_mps2)
+    if rests is None or turns is None:
+        found_rests, found_turns = find_positions(gyroscope_radps, accelerometer_mps2, rate_hz)
+        rests = found_rests if rests is None else rests
+        turns = found_turns if turns is None else turns
+    _require(rests, turns)
+    force, rate = (
+        np.stack([_mean_on(face, rests, values) for face in FACES])
+        for values in (accelerometer_mps2, gyroscope_radps)
+    )
+    # FACES pairs opposite sides: half the difference is the scale, half the sum the bias. A table that is not
+    # level shows in the two axes across, so the bias of an axis comes from the pair along it alone.
+    scale = (force[0::2] - force[1::2]).T / (2.0 * gravity_mps2)
+    bias = np.diag(0.5 * (force[0::2] + force[1::2]))
+    up = np.stack([_direction(face) for face in FACES])
+    residual = float(np.sqrt(np.mean((force - gravity_mps2 * up @ scale.T - bias) ** 2)))
+    accelerometer = TriadCalibration(matrix(_inverse(scale, "accelerometer")), vector(bias))
+    per_force = (rate[0::2] - rate[1::2]).T / (2.0 * gravity_mps2)
+    rate_bias = rate.mean(axis=0)
+    angles, measured = [], []
+    for turn in turns:
+        part = slice(turn.start, turn.stop)
+        rest_rate = rate_bias + accelerometer.apply(accelerometer_mps2[part]) @ per_force.T
+        measured.append((gyroscope_radps[part] - rest_rate).sum(axis=0) / rate_hz)
+        angles.append(2.0 * np.pi * turn.turns * _direction(f"+{turn.axis}"))
+    rate_scale = np.linalg.lstsq(np.stack(angles), np.stack(measured), rcond=None)[0].T
+    gyroscope = TriadCalibration(
+        matrix(_inverse(rate_scale, "gyroscope")), vector(rate_bias), matrix(per_force)
+    )
+    columns = scale / np.linalg.norm(scale, axis=0)
+    cosines = columns.T @ columns - np.eye(3)
+    square_error = float(np.arcsin(np.clip(np.abs(cosines).max(), 0.0, 1.0)))
+    score, reasons = _judge(residual, square_error)
+    return FerrarisResult(
+        DeviceCalibration(accelerometer, gyroscope),
+        tuple(rests),
+        tuple(turns),
+        residual,
+        square_error,
+        score,
+        reasons,
+    )
+
+
+def _check(gyroscope_radps: Float, accelerometer_mps2: Float) -> None:
+    shape = gyroscope_radps.shape
+    if len(shape) != 2 or shape[1] != 3 or accelerometer_mps2.shape != shape:
+        raise ShapeError(f"gyroscope {shape} and accelerometer {accelerometer_mps2.shape} must be (N, 3)")
+
+
+def _moving_mean(values: Float, half: int) -> Float:
+    total = np.concatenate((np.zeros((1, 3)), np.cumsum(np.nan_to_num(values), axis=0)))
+    index = np.arange(len(values))
+    start, stop = np.maximum(index - half, 0), np.minimum(index + half + 1, len(values))
+    return np.asarray((total[stop] - total[start]) / (stop - start)[:, None])
+
+
+def _face_up(force: Float) -> str | None:
+    mean = force.mean(axis=0)
+    axis = int(np.argmax(np.abs(mean)))
+    if abs(mean[axis]) < _SLANT * np.linalg.norm(mean):
+        return None
+    return ("+" if mean[axis] > 0 else "-") + _AXES[axis]
+
+
+def _direction(face: str) -> Float:
+    if len(face) != 2 or face not in FACES:
+        raise CalibrationError(f"no side is called {face!r}; known are {', '.join(FACES)}")
+    up = np.zeros(3)
+    up[_AXES.index(face[1])] = 1.0 if face[0] == "+" else -1.0
+    return up
+
+
+def _require(rests: Sequence[Rest], turns: Sequence[FullTurn]) -> None:
+    """Name what is missing in words that say what to do."""
+    held = {rest.face for rest in rests}
+    missing = [face for face in FACES if face not in held]
+    turned = {turn.axis for turn in turns}
+    unturned = [axis for axis in _AXES if axis not in turned]
+    wanted = []
+    if missing:
+        wanted.append(
+            f"lay the sensor still for 2 s with {', '.join(missing)} pointing up (within 25 degrees)"
+        )
+    if unturned:
+        wanted.append(
+            f"turn it by exactly one full turn about {', '.join(unturned)}, lying still for 1 s before and "
+            "after on the same side"
+        )
+    if wanted:
+        raise CalibrationError("the six-position calibration is not complete: " + "; ".join(wanted))
+
+
+def _mean_on(face: str, rests: Sequence[Rest], values: Float) -> Float:
+    """Return what was read, shape (3,), with this side up: the mean over its rests."""
+    return np.asarray(
+        np.mean([values[r.start : r.stop].mean(axis=0) for r in rests if r.face == face], axis=0)
+    )
+
+
+def _inverse(scale: Float, name: str) -> Float:
+    if np.abs(scale - np.eye(3)).max() > _GAIN_LIMIT:
+        raise CalibrationError(
+            f"the {name} would need a correction of {100 * np.abs(scale - np.eye(3)).max():.0f} %; check its unit, "
+            "range and axes, and that every turn was a full one, then repeat"
+        )
+    return np.asarray(np.linalg.inv(scale))
+
+
+def _judge(residual: float, square_error: float) -> tuple[float, tuple[str, ...]]:
+    score, reasons = 1.0, []
+    if residual > _RESIDUAL_MPS2:
+        score *= _RESIDUAL_MPS2 / residual
+        reasons.append(
+            f"the positions contradict each other by {residual:.2f} m/s^2; "
+            "use a level table and lay the sensor flat on each side"
+        )
+    if square_error > _SQUARE_RAD:
+        score *= _SQUARE_RAD / square_error
+        reasons.append(
+            f"the sides are {math.degrees(square_error):.1f} degrees off a right angle; "
+            "hold the sensor against something square and repeat"
+        )
+    return score, tuple(reasons)
+
+
+__all__ = ["FACES", "FerrarisResult", "FullTurn", "Rest", "ferraris", "find_positions"]
