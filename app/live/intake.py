@@ -2,16 +2,12 @@
 
 import asyncio
 import time
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 
-from sqlalchemy import Engine
-
-from app.accounts.subject import Subject
 from app.errors import Conflict, TelemotionError, Unavailable
 from app.ingest.declaration import Declaration
 from app.ingest.messages import AcknowledgeMessage
 from app.ingest.packet import Packet
-from app.live import repository
 from app.live.runner import LiveSession
 from app.live.states import OPEN
 
@@ -23,12 +19,14 @@ class Intake:
     """
 
     def __init__(
-        self, session: LiveSession, subject: Subject, engine: Engine, detached: Callable[["Intake"], None]
+        self,
+        session: LiveSession,
+        check_right: Callable[[], Awaitable[None]],
+        detached: Callable[["Intake"], None],
     ) -> None:
         self._session = session
-        self._engine = engine
+        self._check_right = check_right
         self._detached = detached
-        self.subject = subject
         self.ended = asyncio.Event()
         self.end_error: TelemotionError = Unavailable(
             "The service is stopping; connect again.", reason="stopping"
@@ -79,9 +77,7 @@ class Intake:
 
     async def check_right(self) -> None:
         """Raise when the gateway has lost its right since it connected."""
-        await asyncio.to_thread(
-            repository.still_allowed, self._engine, self.subject, self._session.id, "record"
-        )
+        await self._check_right()
 
     def detach(self) -> None:
         """Note that the connection has ended."""

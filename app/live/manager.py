@@ -4,8 +4,10 @@ import asyncio
 import logging
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from typing import Any
+from functools import partial
+from typing import Any, TypeVar
 
 from sqlalchemy import Engine
 
@@ -20,7 +22,7 @@ from app.live.messages import LayoutMessage, StateMessage
 from app.live.rebuild import rebuild
 from app.live.runner import LiveSession
 from app.live.states import OPEN, STREAMING
-from app.live.warmup import calm_collector, warm_up
+from app.live.warmup import prepare_process, warm_up
 from app.recordings import GroupCommitWriter
 from app.recordings.schemas import CalibrationOut
 from estimators import pipelines
@@ -35,6 +37,7 @@ LINK_LOST_AFTER_S = 2.0
 IDLE_CLOSE_S = 600.0
 """A session without packets for so long is closed and analysed."""
 REORDER_PATIENCE_S = 0.3
+Answer = TypeVar("Answer")
 _IDLE = "Closed by itself: nothing came for ten minutes."
 
 
@@ -72,6 +75,8 @@ class LiveManager:
         self._housekeeper: asyncio.Task[None] | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         self._is_stopping = False
+        # One thread: the checks of many sockets at once must not outnumber the event loop for the interpreter.
+        self._checks = ThreadPoolExecutor(1, thread_name_prefix="live-checks")
         self._abandoned_s: dict[str, float] = {}
         self._tasks: set[asyncio.Task[Any]] = set()
 
@@ -79,7 +84,7 @@ class LiveManager:
         """Compile what estimation needs, take note of interrupted sessions, begin to watch."""
         self._loop = asyncio.get_running_loop()
         await asyncio.to_thread(warm_up)
-        calm_collector()
+        prepare_process()
         for stored in await asyncio.to_thread(repository.interrupted, self.engine):
             if stored.state == "closing":
                 await asyncio.to_thread(self._on_closed, stored.id)
@@ -103,6 +108,7 @@ class LiveManager:
         for session in list(self._sessions.values()):
             session.link_lost("The service was stopped.")
             await session.saved()
+        self._checks.shutdown(cancel_futures=True)
 
     def find(self, session_id: str) -> LiveSession | None:
         """Return a session that is live here, or None."""
@@ -138,7 +144,8 @@ class LiveManager:
                 _check_network(session.declaration, declaration)
             if session.state not in OPEN:
                 raise Conflict("This session is closed; create another one.", state=session.state)
-            intake = Intake(session, subject, self.engine, self._detach)
+            may_stream = partial(repository.still_allowed, self.engine, subject, stored.id, "record")
+            intake = Intake(session, partial(self.check, may_stream), self._detach)
             before = self._intakes.get(stored.id)
             if before is not None:
                 before.end(Conflict("A newer connection has taken over this session.", reason="superseded"))
@@ -284,6 +291,10 @@ class LiveManager:
         setup = SessionSetup.from_dict(stored.setup)
         return layout_message(stored.id, pipelines.create(setup).layout, setup.rate_hz)
 
+    async def check(self, work: Callable[[], Answer]) -> Answer:
+        """Run a small database read in the thread kept for checks of open sockets."""
+        return await asyncio.get_running_loop().run_in_executor(self._checks, work)
+
     # --- watching ---------------------------------------------------------------------------------------
 
     async def _watch(self) -> None:
@@ -292,24 +303,31 @@ class LiveManager:
             await asyncio.sleep(HOUSEKEEPING_S)
             turn += 1
             try:
-                self._look_after(time.monotonic(), publish=turn % HEALTH_EVERY_TURNS == 0)
+                for number, session in enumerate(list(self._sessions.values())):
+                    self._look_after(session, publish=(turn + number) % HEALTH_EVERY_TURNS == 0)
+                    # Packets come first: all sessions together would hold them up for tens of milliseconds.
+                    await asyncio.sleep(0)
+                self._close_abandoned()
             except Exception:
                 logger.exception("looking after the live sessions failed")
 
-    def _look_after(self, now: float, *, publish: bool) -> None:
-        for session in list(self._sessions.values()):
-            silence_s = now - session.last_arrival_s
-            if silence_s > REORDER_PATIENCE_S:
-                session.silent()
-            said_goodbye = session.ledger.last_sequence is not None
-            if silence_s > LINK_LOST_AFTER_S and session.state in STREAMING and not said_goodbye:
-                session.link_lost(f"No packet for {LINK_LOST_AFTER_S:.0f} s.")
-            if publish:
-                session.publish_health()
-            if session.state in OPEN and session.ledger.is_settled:
-                self._close_soon(session.id, "The gateway has sent everything.")
-            elif session.state in OPEN and silence_s > self._idle_close_s:
-                self._close_soon(session.id, _IDLE)
+    def _look_after(self, session: LiveSession, *, publish: bool) -> None:
+        silence_s = time.monotonic() - session.last_arrival_s
+        if silence_s > REORDER_PATIENCE_S:
+            session.silent()
+        said_goodbye = session.ledger.last_sequence is not None
+        if silence_s > LINK_LOST_AFTER_S and session.state in STREAMING and not said_goodbye:
+            session.link_lost(f"No packet for {LINK_LOST_AFTER_S:.0f} s.")
+        if publish:
+            session.publish_health()
+        if session.state in OPEN and session.ledger.is_settled:
+            self._close_soon(session.id, "The gateway has sent everything.")
+        elif session.state in OPEN and silence_s > self._idle_close_s:
+            self._close_soon(session.id, _IDLE)
+
+    def _close_abandoned(self) -> None:
+        """Close sessions that were open when the service stopped and to which no gateway came back."""
+        now = time.monotonic()
         for session_id, since in list(self._abandoned_s.items()):
             if now - since > self._idle_close_s:
                 del self._abandoned_s[session_id]

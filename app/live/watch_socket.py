@@ -15,7 +15,7 @@ from fastapi import APIRouter, WebSocket
 from pydantic import ValidationError
 from starlette.websockets import WebSocketDisconnect, WebSocketDisconnected, WebSocketState
 
-from app.accounts.dependencies import websocket_subject
+from app.accounts.dependencies import current_subject, websocket_subject
 from app.accounts.sign_in import COOKIE
 from app.accounts.subject import Subject
 from app.errors import InvalidInput, SignInRequired, TelemotionError
@@ -110,7 +110,7 @@ async def _serve(
             asyncio.create_task(_send_frames(websocket, frames), name="watch frames"),
             asyncio.create_task(_send_messages(websocket, messages), name="watch messages"),
             asyncio.create_task(_receive(websocket), name="watch receive"),
-            asyncio.create_task(_keep_checking(websocket, check), name="watch right"),
+            asyncio.create_task(_keep_checking(websocket, live, check), name="watch right"),
         ]
         try:
             done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
@@ -139,12 +139,15 @@ async def _receive(websocket: WebSocket) -> None:
         pass
 
 
-async def _keep_checking(websocket: WebSocket, check: Check) -> None:
+async def _keep_checking(websocket: WebSocket, live: LiveManager, check: Check) -> None:
+    def check_all() -> None:
+        if websocket.cookies.get(COOKIE):
+            current_subject(websocket)
+        check()
+
     while True:
         await asyncio.sleep(CHECK_RIGHT_EVERY_S)
-        if websocket.cookies.get(COOKIE):
-            await websocket_subject(websocket)
-        await asyncio.to_thread(check)
+        await live.check(check_all)
 
 
 async def _end(websocket: WebSocket, error: TelemotionError) -> None:
