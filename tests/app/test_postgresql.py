@@ -15,8 +15,8 @@ from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import SignInRequired
 from app.settings import Settings
 
+from .assessment.history import History, reason_declining
 from .conftest import BASE_URL
-from .test_progress import History, reason_declining
 
 pytestmark = pytest.mark.postgres
 

@@ -7,123 +7,12 @@ import numpy as np
 import pytest
 
 from app.assessment.measures import change, minimal_detectable_change, session_values
-from app.assessment.models import Comparison, RepetitionMeasure
 from app.assessment.practice import adherence
-from app.database.base import new_id, utc_now
+from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
-from app.exercises.models import Prescription, Template, TemplateVersion
-from app.recordings.models import MotionSession, Result
+from app.exercises.models import Prescription
 
-MEASURE = "range:thorax_humerus_right_yxy_elevation"
-
-
-class History:
-    """Makes sessions with compared repetitions."""
-
-    def __init__(self, engine, world):
-        self.engine, self.world = engine, world
-        with unit_of_work(engine) as session:
-            template = Template(
-                id=new_id(),
-                clinic_id=world.clinic_id,
-                exercise_id=world.exercise_id,
-                patient_id=world.patient_id,
-                name="Template",
-                created_by=world.accounts["therapist"],
-            )
-            session.add(template)
-            session.flush()
-            version = TemplateVersion(
-                id=new_id(),
-                template_id=template.id,
-                number=1,
-                source_session_id="0" * 32,
-                source_result_id="0" * 32,
-                repetitions=[],
-                tolerance_scale={},
-                content=b"",
-                is_published=True,
-                created_by=world.accounts["therapist"],
-            )
-            session.add(version)
-        self.template_id, self.version_id = template.id, version.id
-
-    def prescribe(self, days_ago, times_per_week=5, template=True, patient_id=None):
-        with unit_of_work(self.engine) as session:
-            row = Prescription(
-                id=new_id(),
-                patient_id=patient_id or self.world.patient_id,
-                exercise_id=self.world.exercise_id,
-                template_id=self.template_id if template else None,
-                times_per_week=times_per_week,
-                prescribed_by=self.world.accounts["therapist"],
-                starts_at=utc_now() - timedelta(days=days_ago),
-                ends_at=None,
-            )
-            session.add(row)
-        return row
-
-    def session(self, days_ago, values=(), orientation="vqf", measure=MEASURE, **fields):
-        at = utc_now() - timedelta(days=days_ago)
-        with unit_of_work(self.engine) as session:
-            motion = MotionSession(
-                id=new_id(),
-                created_at=at,
-                started_at=at,
-                clinic_id=self.world.clinic_id,
-                patient_id=fields.pop("patient_id", self.world.patient_id),
-                exercise_id=fields.pop("exercise_id", self.world.exercise_id),
-                state=fields.pop("state", "analysed"),
-                setup={},
-                created_by=self.world.accounts["patient"],
-                **fields,
-            )
-            session.add(motion)
-            session.flush()
-            if len(values):
-                motion.main_result_id = self.compare(session, motion.id, values, orientation, at, measure)
-        return motion.id
-
-    def compare(self, session, motion_id, values, orientation, at, measure=MEASURE):
-        result = Result(
-            id=new_id(),
-            session_id=motion_id,
-            kind="offline",
-            pipeline="arm",
-            pipeline_version="1",
-            orientation=orientation,
-            orientation_version="2",
-            setup={},
-            layout={},
-            status="complete",
-        )
-        session.add(result)
-        session.flush()
-        comparison = Comparison(
-            id=new_id(),
-            created_at=at,
-            session_id=motion_id,
-            result_id=result.id,
-            template_version_id=self.version_id,
-            version="1",
-            repetition_count=len(values),
-            summary={},
-            content=b"",
-        )
-        session.add(comparison)
-        session.flush()
-        for number, value in enumerate(values):
-            session.add(
-                RepetitionMeasure(
-                    comparison_id=comparison.id,
-                    repetition=number,
-                    measure=measure,
-                    value=value,
-                    uncertainty=0.01,
-                    unit="rad",
-                )
-            )
-        return result.id
+from .history import MEASURE, History, reason_declining
 
 
 @pytest.fixture
@@ -249,11 +138,6 @@ def test_a_line_shows_dose_trend_and_adherence(history, therapist, world):
 
 def reason_live(history):
     history.session(0, state="recording")
-
-
-def reason_declining(history):
-    for age, mean in zip(range(6, 0, -1), [1.5, 1.5, 1.5, 1.0, 1.0, 1.0], strict=True):
-        history.session(age, [mean - 0.02, mean + 0.02])
 
 
 def reason_not_practising(history):
