@@ -8,6 +8,7 @@ turned away. What a live session is, this module does not know: it talks to a `P
 
 import asyncio
 import contextlib
+import random
 import time
 from dataclasses import dataclass
 from typing import Annotated, Protocol
@@ -236,7 +237,9 @@ class IngestConnection:
     async def _acknowledge(self, intake: Intake) -> None:
         """Acknowledge and watch the right; returns when the session has closed and all is stored."""
         last = ""
-        sent_s = checked_s = time.monotonic()
+        sent_s = time.monotonic()
+        # Connections that came together after a restart must not all be checked at the same moment.
+        checked_s = sent_s - random.uniform(0.0, CHECK_RIGHT_EVERY_S)  # noqa: S311
         while True:
             with contextlib.suppress(TimeoutError):
                 await asyncio.wait_for(intake.ended.wait(), ACKNOWLEDGE_EVERY_S)

@@ -8,6 +8,7 @@ few seconds, and the socket ends when it is lost.
 
 import asyncio
 import contextlib
+import random
 from collections.abc import Callable
 from functools import partial
 
@@ -145,9 +146,11 @@ async def _keep_checking(websocket: WebSocket, live: LiveManager, check: Check) 
             current_subject(websocket)
         check()
 
+    # Sockets that were opened together must not all be checked at the same moment.
+    await asyncio.sleep(random.uniform(0.0, CHECK_RIGHT_EVERY_S))  # noqa: S311
     while True:
-        await asyncio.sleep(CHECK_RIGHT_EVERY_S)
         await live.check(check_all)
+        await asyncio.sleep(CHECK_RIGHT_EVERY_S)
 
 
 async def _end(websocket: WebSocket, error: TelemotionError) -> None:

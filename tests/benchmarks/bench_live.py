@@ -200,6 +200,7 @@ class Outcome:
     published_ms: list[float] = field(default_factory=list)
     received_ms: list[float] = field(default_factory=list)
     late_ms: list[float] = field(default_factory=list)
+    sent_s: list[float] = field(default_factory=list)
     health: dict[int, HealthMessage] = field(default_factory=dict)
     states: set[str] = field(default_factory=set)
     sent: int = 0
@@ -244,6 +245,7 @@ def run_load(
                 if number >= warm_packets:
                     outcome.published_ms.append(1e3 * (published - sent))
                     outcome.received_ms.append(1e3 * (now - sent))
+                    outcome.sent_s.append(sent - start - to_epoch)
             elif opcode == 1:
                 one.texts.append(payload)
                 if one.is_live and payload.startswith(b'{"type":"health"'):
@@ -344,6 +346,7 @@ def main() -> int:
     parser.add_argument("--sessions", type=int, default=50)
     parser.add_argument("--seconds", type=float, default=30.0, help="measured time, after 5 s of warming up")
     parser.add_argument("--together", action="store_true", help="all sessions send at the same moment")
+    parser.add_argument("--slow", action="store_true", help="list the moments with latencies above 25 ms")
     parser.add_argument("--server-pid-file", type=Path, help="where to write the service's process id")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="telemotion-bench-") as name:
@@ -380,10 +383,24 @@ def main() -> int:
             print(f"running for {arguments.seconds + WARM_UP_S:.0f} s ...", flush=True)
             outcome = run_load(sockets, frames, phases, moving.packet_s, psutil.Process(process.pid))
             is_met = report(outcome, folder, arguments.sessions, arguments.seconds + WARM_UP_S, packet_count)
+            if arguments.slow:
+                list_slow(outcome)
         finally:
             process.terminate()
             process.wait(30)
     return 0 if is_met else 1
+
+
+def list_slow(outcome: Outcome) -> None:
+    """Print stretches of slow packets: from, for how long, how many, the worst."""
+    latency, sent = np.array(outcome.published_ms), np.array(outcome.sent_s)
+    slow = np.sort(sent[latency > 25.0])
+    for group in np.split(slow, np.flatnonzero(np.diff(slow) > 0.2) + 1):
+        if group.size:
+            worst = latency[(sent >= group[0]) & (sent <= group[-1])].max()
+            print(
+                f"slow at {group[0]:7.2f} s for {group[-1] - group[0]:5.2f} s: {group.size:4d} packets, {worst:6.1f} ms"
+            )
 
 
 if __name__ == "__main__":
