@@ -162,13 +162,20 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
       )}
       {state === 'failed' && <Problem error={new Error(message?.reason || session.state_reason)} title={t('live.failed')} />}
       {snapshot.error && !snapshot.error.closing && <Problem error={new Error(snapshot.error.message)} />}
-      {isOver && state !== 'failed' && <AnalysisWait session={session} state={state} />}
+      {isOver && state !== 'failed' && (
+        <div className="spaced">
+          <AnalysisWait session={session} state={state} />
+        </div>
+      )}
+      {isOver ? (
+        <Happened events={snapshot.events.length ? snapshot.events : session.events} />
+      ) : (
       <div className="live-grid">
         <div className="stack">
           {state === 'created' && <ConnectHelp session={session} />}
-          {state !== 'created' && !isOver && mayRecord && <Buttons session={session} state={state} />}
-          {state !== 'created' && !isOver && <Viewer3D sessionId={session.id} request={LIVE} title={t('viewer.liveTitle')} />}
-          {snapshot.columns && !isOver && state !== 'created' && (
+          {state !== 'created' && mayRecord && <Buttons session={session} state={state} />}
+          {state !== 'created' && <Viewer3D sessionId={session.id} request={LIVE} title={t('viewer.liveTitle')} />}
+          {snapshot.columns && state !== 'created' && (
             <section className="card" aria-labelledby="angles">
               <h2 id="angles" className="visually-hidden">
                 {t('traces.title')}
@@ -178,7 +185,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
           )}
         </div>
         <div className="stack">
-          {showsPose && !isOver && <CalibrationGuide message={message} isBusy={calibrate.isPending} mayTreat={mayRecord} onCalibrate={() => calibrate.mutate()} />}
+          {showsPose && <CalibrationGuide message={message} isBusy={calibrate.isPending} mayTreat={mayRecord} onCalibrate={() => calibrate.mutate()} />}
           {calibrate.error && <Problem error={calibrate.error} />}
           <HealthPanel health={snapshot.health} placements={session.placements} />
           {!showsPose && state === 'ready' && message?.calibration && mayRecord && (
@@ -192,6 +199,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
           <Happened events={snapshot.events.length ? snapshot.events : session.events} />
         </div>
       </div>
+      )}
     </>
   );
 }
