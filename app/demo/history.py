@@ -14,8 +14,8 @@ from app.commands.upload import finished, send
 from app.database.base import utc_now
 from app.database.unit_of_work import unit_of_work
 from app.demo.people import EXERCISES, PATIENTS, DemoPatient
-from app.exercises.models import Prescription, Template, TemplateVersion
 from app.errors import TelemotionError
+from app.exercises.models import Prescription, Template, TemplateVersion
 from app.gateway import ServiceClient
 from app.recordings.models import MotionSession, Result
 from app.recordings.schemas import UploadIn
@@ -76,7 +76,7 @@ async def make_history(
     for person in PATIENTS:
         patient_id = patient_ids[person.email]
         exercise_id = exercise_ids[person.movement]
-        prescription_id = await _template(service, engine, person, patient_id, exercise_id)
+        prescription_id = await record_template(service, engine, person, patient_id, exercise_id)
         done += 1
         say(f"preparing past sessions: {done} of {total}")
         for number, past in enumerate(PAST[person.email]):
@@ -104,10 +104,20 @@ async def make_history(
     say(f"preparing past sessions: {total} of {total}")
 
 
-async def _template(
+async def record_template(
     service: ServiceClient, engine: Engine, person: DemoPatient, patient_id: str, exercise_id: str
 ) -> str:
-    """Record and publish the therapist's template and prescribe it; returns the prescription."""
+    """Record and publish the therapist's template and prescribe it; returns the prescription.
+
+    Parameters
+    ----------
+    service : ServiceClient
+        Signed in as the therapist.
+    engine : Engine
+        To date it back.
+    person : DemoPatient
+    patient_id, exercise_id : str
+    """
     options = replace(
         _options(person, patient_id, exercise_id, seed=7),
         patient_kind="therapist_template",

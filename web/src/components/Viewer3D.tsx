@@ -109,7 +109,7 @@ export function Viewer3D({ sessionId, request, title, player = null, ghost, isRe
         {view.data ? (
           <iframe key={view.data.id} src={view.data.page_path} title={title} allow="fullscreen" />
         ) : (
-          <Skeleton height="100%" radius={0} animate={false} aria-label={t('state.loading')} />
+          <Skeleton height="100%" radius={0} animate={false} role="status" aria-label={t('state.loading')} />
         )}
         {(isGone || problem) && (
           <div className="viewer-banner" role="alert">

@@ -1,0 +1,126 @@
+"""Every page, at both widths: no serious accessibility violation, no error, all of it reachable by keyboard."""
+
+from typing import Any
+
+import pytest
+
+from app.demo.people import PATIENTS, THERAPIST
+from tests.e2e.conftest import ROOT, House, Visitor
+
+pytestmark = [pytest.mark.e2e, pytest.mark.slow]
+
+PATIENT = PATIENTS[0].email
+AXE = ROOT / "web" / "node_modules" / "axe-core" / "axe.min.js"
+
+THERAPIST_PAGES = {
+    "caseload": "/",
+    "patient": "/patients/{patient_id}",
+    "patient-new": "/patients/new",
+    "session-new": "/patients/{patient_id}/sessions/new",
+    "session": "/sessions/{session_id}",
+    "template-record": "/templates/record?patient={patient_id}",
+    "exercises": "/exercises",
+    "exercise": "/exercises/{exercise_id}",
+    "upload": "/upload",
+    "not-found": "/nothing-here",
+}
+PATIENT_PAGES = {"my-today": "/", "my-results": "/my/results", "my-data": "/my/data"}
+
+CASES = [
+    pytest.param((email, width), name, path, id=f"{name}-{width}")
+    for email, pages in ((THERAPIST, THERAPIST_PAGES), (PATIENT, PATIENT_PAGES))
+    for name, path in pages.items()
+    for width in (1440, 390)
+]
+
+
+def serious(visitor: Visitor) -> list[str]:
+    """Serious and critical violations of WCAG 2.2 A and AA on what is shown now."""
+    visitor.page.evaluate(AXE.read_text())
+    result: dict[str, Any] = visitor.page.evaluate(
+        """() => axe.run(document, {
+            runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa'], iframes: false })"""
+    )
+    return [
+        f"{violation['id']}: {violation['nodes'][0]['html'][:160]}"
+        for violation in result["violations"]
+        if violation["impact"] in ("serious", "critical")
+    ]
+
+
+def settle(visitor: Visitor) -> None:
+    """Wait until the page has its heading and no placeholder is left."""
+    visitor.page.get_by_role("heading", level=1).first.wait_for()
+    visitor.page.wait_for_function("() => !document.querySelector('.mantine-Skeleton-root')")
+    visitor.page.wait_for_timeout(300)
+
+
+@pytest.mark.parametrize(("visitor", "name", "path"), CASES, indirect=["visitor"])
+def test_page(visitor: Visitor, house: House, name: str, path: str) -> None:
+    visitor.page.goto(house.address + path.format(**vars(house)))
+    settle(visitor)
+    assert "sign-in" not in visitor.page.url
+    width = visitor.page.viewport_size["width"]  # type: ignore[index]
+    visitor.picture(f"{name}-{width}")
+    assert visitor.faults_outside_the_view() == []
+    assert serious(visitor) == []
+    overflow = visitor.page.evaluate("() => document.documentElement.scrollWidth - window.innerWidth")
+    assert overflow <= 0, "the page scrolls sideways"
+
+
+@pytest.mark.parametrize("visitor", [(THERAPIST, 390)], indirect=True)
+def test_sign_in_page(visitor: Visitor, house: House) -> None:
+    visitor.page.context.clear_cookies()
+    visitor.page.goto(house.address + "/sign-in")
+    settle(visitor)
+    visitor.picture("sign-in-390")
+    assert serious(visitor) == []
+
+
+KEYBOARD = {
+    **{name: (THERAPIST, path) for name, path in THERAPIST_PAGES.items() if name != "not-found"},
+    **{name: (PATIENT, path) for name, path in PATIENT_PAGES.items()},
+}
+
+REACHED = """() => {
+  const wanted = 'a[href], button, input, select, textarea, summary, [tabindex="0"]';
+  const shown = (e) => !e.disabled && e.checkVisibility({ visibilityProperty: true }) && !e.closest('[inert]')
+    && e.tabIndex >= 0 && !(e.type === 'radio' && !e.checked);
+  return [...document.querySelectorAll(wanted)].filter(shown).filter((e) => !e.dataset.reached)
+    .map((e) => e.outerHTML.slice(0, 140));
+}"""
+
+
+@pytest.mark.parametrize(
+    ("visitor", "path"),
+    [pytest.param((email, 1440), path, id=name) for name, (email, path) in KEYBOARD.items()],
+    indirect=["visitor"],
+)
+def test_everything_is_reached_by_the_tab_key(visitor: Visitor, house: House, path: str) -> None:
+    page = visitor.page
+    page.goto(house.address + path.format(**vars(house)))
+    settle(visitor)
+    page.evaluate(
+        """() => document.addEventListener('focusin', (event) => {
+            event.target.dataset.reached = '1';
+            const group = event.target.type === 'radio' && event.target.name;
+            if (group) document.getElementsByName(group).forEach((one) => { one.dataset.reached = '1'; });
+        })"""
+    )
+    for _ in range(220):
+        page.keyboard.press("Tab")
+    unreached = page.evaluate(REACHED)
+    assert unreached == []
+
+
+def test_focus_is_visible(visitor: Visitor, house: House) -> None:
+    page = visitor.page
+    page.goto(house.address + "/")
+    settle(visitor)
+    for _ in range(6):
+        page.keyboard.press("Tab")
+        outlined = page.evaluate(
+            """() => { const s = getComputedStyle(document.activeElement);
+                return s.outlineStyle !== 'none' && parseFloat(s.outlineWidth) >= 2 || s.boxShadow !== 'none'; }"""
+        )
+        assert outlined, page.evaluate("document.activeElement.outerHTML.slice(0, 200)")

@@ -1,0 +1,149 @@
+"""What the product is for, as a person does it: connect, calibrate, record, compare, replay, make a template."""
+
+import asyncio
+import re
+import threading
+from dataclasses import replace
+
+import pytest
+from playwright.sync_api import expect
+
+from app.demo.people import PASSWORD, THERAPIST
+from app.gateway import GatewayClient, Milestone, ServiceClient, stream_of
+from estimators.simulation import demonstration_scenario, simulate_arm
+from tests.e2e.conftest import House, Visitor, apart
+from tests.e2e.test_pages import serious, settle
+
+pytestmark = [pytest.mark.e2e, pytest.mark.slow]
+
+PACE = 2.0
+"""Times real time."""
+
+
+class Gateway(threading.Thread):
+    """A patient with sensors on: streams a session that the therapist steers in the browser."""
+
+    def __init__(self, address: str, session_id: str, placements: list[str]) -> None:
+        super().__init__(daemon=True)
+        self.address, self.session_id = address, session_id
+        scenario = demonstration_scenario("moderate_stroke", "reaching", progress=0.9, repetitions=3, seed=5)
+        self.session = simulate_arm(replace(scenario, placements=tuple(placements)))  # type: ignore[arg-type]
+        self.pose_s = scenario.schedule.n_pose_s
+        self.moving_s = self.session.recording.duration_s - self.pose_s
+        self.error: BaseException | None = None
+
+    def run(self) -> None:
+        try:
+            asyncio.run(self._stream())
+        except BaseException as error:
+            self.error = error
+
+    async def _stream(self) -> None:
+        async with ServiceClient(self.address) as service:
+            await service.sign_in(THERAPIST, PASSWORD)
+
+            async def moving() -> None:
+                # The patient stands in the pose until the therapist has calibrated and pressed record.
+                await service.wait_for_state(self.session_id, "recording", timeout_s=90.0)
+
+            async def stopped() -> None:
+                await service.wait_for_state(self.session_id, "ready", "closing", "analysed", timeout_s=60.0)
+
+            device = stream_of(self.session.recording)
+            end_s = device.packet_count * device.packet_s
+            client = GatewayClient(
+                service.ingest_url, lambda: service.ticket(self.session_id), device.hello, pace=PACE
+            )
+            await client.run(
+                device.deliveries(device.plan()),
+                milestones=[Milestone(self.pose_s, moving), Milestone(end_s + 1.0, stopped)],
+                goodbye=False,
+            )
+
+
+def test_a_session_from_the_sensors_to_the_comparison(visitor: Visitor, house: House) -> None:
+    page = visitor.page
+    page.get_by_role("link", name=re.compile("Amara")).first.click()
+    page.get_by_role("heading", level=1, name="Amara Okafor").wait_for()
+    page.get_by_role("link", name="New session").or_(
+        page.get_by_role("button", name="New session")
+    ).first.click()
+    page.get_by_role("button", name="Continue to the sensors").wait_for()
+    settle(visitor)
+    remembered = page.get_by_role("switch", name=re.compile("remembered mounting"))
+    if remembered.count():
+        remembered.set_checked(False, force=True)
+    page.get_by_role("button", name="Continue to the sensors").click()
+    page.wait_for_url("**/live")
+    session_id = page.url.split("/")[-2]
+    page.get_by_text("Waiting for the sensors").wait_for()
+    visitor.picture("live-waiting-1440")
+
+    placements = placements_of(house, session_id)
+    gateway = Gateway(house.address, session_id, placements)
+    gateway.start()
+    page.get_by_role("button", name="Calibrate", exact=True).click()
+    expect(page.get_by_role("button", name="Start recording")).to_be_enabled(timeout=60_000)
+    visitor.picture("live-ready-1440")
+    page.get_by_role("button", name="Start recording").click()
+    page.get_by_role("button", name="Stop recording").wait_for()
+    page.get_by_label("Note for the time line").fill("first reach")
+    page.get_by_role("button", name="Mark", exact=True).click()
+    expect(page.get_by_text("first reach").first).to_be_visible()
+    expect(page.get_by_test_id("delay")).to_contain_text("ms")
+    page.wait_for_timeout(4000)
+    visitor.picture("live-1440")
+    assert serious(visitor) == []
+    page.wait_for_timeout(1000 * gateway.moving_s / PACE)
+    page.get_by_role("button", name="Stop recording").click()
+    gateway.join(timeout=60)
+    assert gateway.error is None
+    page.get_by_role("button", name="End session").click()
+    page.get_by_role("dialog").get_by_role("button", name="End session").click()
+    page.get_by_role("link", name="Replay and compare").first.click(timeout=90_000)
+
+    page.wait_for_url(f"**/sessions/{session_id}")
+    settle(visitor)
+    expect(page.get_by_text("3 repetitions compared with")).to_be_visible(timeout=30_000)
+    position = page.get_by_role("slider").first
+    page.get_by_role("button", name="Show repetition 2").first.click()
+    page.wait_for_timeout(500)
+    moved_to = float(position.get_attribute("aria-valuenow") or position.input_value())
+    assert moved_to > 1.0
+    page.get_by_role("button", name="Play", exact=True).click()
+    page.wait_for_timeout(1500)
+    page.get_by_role("button", name="Pause", exact=True).click()
+    assert float(position.get_attribute("aria-valuenow") or position.input_value()) > moved_to
+    page.wait_for_timeout(6000)
+    visitor.picture("replay-compared-1440")
+    assert visitor.faults_outside_the_view() == []
+
+
+def placements_of(house: House, session_id: str) -> list[str]:
+    async def ask() -> list[str]:
+        async with ServiceClient(house.address) as service:
+            await service.sign_in(THERAPIST, PASSWORD)
+            return [str(name) for name in (await service.session(session_id)).placements]
+
+    return apart(ask())  # type: ignore[no-any-return]
+
+
+def test_a_template_from_a_stored_recording(visitor: Visitor, house: House) -> None:
+    page = visitor.page
+    page.goto(f"{house.address}/sessions/{house.template_session_id}")
+    settle(visitor)
+    page.get_by_role("link", name="Make a template from this").click()
+    page.get_by_role("heading", name="2. Keep the good repetitions").wait_for()
+    expect(page.get_by_text(re.compile(r"\d of \d kept"))).to_be_visible()
+    width = page.get_by_role("slider", name=re.compile("Band width")).first
+    before = width.get_attribute("aria-valuenow")
+    width.focus()
+    page.keyboard.press("ArrowRight")
+    assert width.get_attribute("aria-valuenow") != before
+    page.wait_for_timeout(1500)
+    visitor.picture("template-1440")
+    assert serious(visitor) == []
+    page.get_by_label("Name", exact=True).fill("Reach, second take")
+    page.get_by_role("button", name="Save template").click()
+    expect(page.get_by_text("Reach, second take").first).to_be_visible(timeout=20_000)
+    assert visitor.faults_outside_the_view() == []
