@@ -100,7 +100,8 @@ def build(
     Parameters
     ----------
     dropped : sequence of int, optional
-        Numbers that a person left out; odd ones are left out in any case, with their reason.
+        Numbers that a person left out: all others are kept, odd ones too. When absent the service decides,
+        and says why.
 
     Raises
     ------
@@ -112,17 +113,28 @@ def build(
         unknown = set(dropped or ()) - {repetition.number for repetition in found}
         if unknown:
             raise InvalidInput(f"There is no repetition {min(unknown)} in this recording.", field="dropped")
-        by_hand = [
-            replace(r, is_kept=False, reason=BY_HAND) if r.number in (dropped or ()) else r for r in found
-        ]
-        judged = judge_repetitions(source.moved, by_hand, side)
+        judged = judge_repetitions(source.moved, found, side)
+        if dropped is not None:
+            judged = [_decided(r, is_kept=r.number not in dropped) for r in judged]
         template = build_template(
-            source.moved, judged, side, source.reach_m, primary_channel, tolerance_scale
+            source.moved,
+            judged,
+            side,
+            source.reach_m,
+            primary_channel,
+            tolerance_scale,
+            judge=dropped is None,
         )
     except EstimationError as error:
         raise InvalidInput(str(error)) from error
     arm = arm_channels(source.moved, side)
     return Built(template, judged, [_curve(arm, repetition, template) for repetition in judged])
+
+
+def _decided(repetition: Repetition, *, is_kept: bool) -> Repetition:
+    """Apply a person's choice to a judged repetition; what was odd about one left out stays its reason."""
+    reason = "" if is_kept else repetition.reason or BY_HAND
+    return replace(repetition, is_kept=is_kept, reason=reason)
 
 
 def _curve(arm: ArmChannels, repetition: Repetition, template: Template) -> Float:

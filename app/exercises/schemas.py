@@ -64,7 +64,8 @@ class TemplatePreviewIn(Schema):
     session_id: str
     result_id: str | None = None
     dropped: list[int] | None = None
-    """Numbers of the repetitions to leave out; None lets the service decide."""
+    """Numbers of the repetitions to leave out: all others are kept, odd ones too, so [] keeps everything. None lets the
+    service decide."""
     tolerance_scale: dict[str, float] = Field(default_factory=dict)
     """Factor on the band per channel, 1 when absent."""
 

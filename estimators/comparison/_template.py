@@ -31,6 +31,8 @@ def build_template(
     reach_m: float,
     primary_channel: str,
     tolerance_scale: Mapping[str, float] | None = None,
+    *,
+    judge: bool = True,
 ) -> Template:
     """Average repetitions into a template.
 
@@ -39,7 +41,7 @@ def build_template(
     source : Trajectory
         The therapist's recording.
     repetitions : list of Repetition
-        Those marked as dropped are left out; `judge_repetitions` drops further odd ones.
+        Those marked as dropped are left out.
     side : {"left", "right"}
     reach_m : float
         Upper arm plus forearm of the person recorded.
@@ -47,6 +49,8 @@ def build_template(
         The channel whose range is the main measure, for instance `humerus_forearm_right_zxy_flexion`.
     tolerance_scale : mapping of channel to float, optional
         Factor on the band; 1 when absent.
+    judge : bool
+        Leave out what `judge_repetitions` finds odd as well; False when a person has looked and decided.
 
     Returns
     -------
@@ -71,7 +75,8 @@ def build_template(
     factors = dict(tolerance_scale or {})
     if any(not factor > 0 for factor in factors.values()):
         raise SetupError("every tolerance factor must be positive; 1 leaves the band as recorded")
-    kept = [r for r in judge_repetitions(source, repetitions, side) if r.is_kept]
+    judged = judge_repetitions(source, repetitions, side) if judge else repetitions
+    kept = [r for r in judged if r.is_kept]
     if len(kept) < 2:
         raise ComparisonError(
             f"{len(kept)} usable repetition(s) found; record at least two, better five, "

@@ -78,12 +78,23 @@ def run_queue(engine: Engine, settings: Settings) -> Callable[[], list[str]]:
 def store(
     engine: Engine, settings: Settings, world: Any, run_queue: Callable[[], list[str]]
 ) -> Callable[..., str]:
-    """Upload a simulated session and analyse it; returns its id."""
+    """Upload a simulated session, without the packets of an interval, and analyse it; returns its id."""
 
-    def make(simulated: SimulatedSession, name: str = "therapist", **declared: Any) -> str:
+    def make(
+        simulated: SimulatedSession,
+        name: str = "therapist",
+        lost_s: tuple[float, float] = (0.0, 0.0),
+        **declared: Any,
+    ) -> str:
         prepared = readers.packets_of(simulated.recording)
+        first_us = next(iter(prepared.packets(1))).device_time_us
+        kept = (
+            packet
+            for packet in prepared.packets(1)
+            if not lost_s[0] <= (packet.device_time_us - first_us) * 1e-6 < lost_s[1]
+        )
         path: Path = upload_folder(settings) / f"{name}-{len(declared)}.upload"
-        path.write_bytes(b"".join(write_log(prepared.declaration.to_dict(), prepared.packets(1))))
+        path.write_bytes(b"".join(write_log(prepared.declaration.to_dict(), kept)))
         declaration = UploadIn(
             **{
                 "patient_id": world.patient_id,
@@ -165,6 +176,34 @@ def test_a_repetition_left_out_by_hand_does_not_count(
         assert says in answer.json()["message"]
     answer = therapist.post("/api/templates/preview", json={**body, "tolerance_scale": {channel: -1.0}})
     assert answer.status_code == 422
+
+
+def test_a_person_may_keep_what_the_service_would_leave_out(
+    therapist: Any, store: Any, therapists: SimulatedSession, world: Any
+) -> None:
+    start_s, end_s = therapists.truth.repetitions_s[2]
+    middle_s = 0.5 * (start_s + end_s)
+    session_id = store(therapists, purpose="template", lost_s=(middle_s - 0.4, middle_s + 0.4))
+    body: dict[str, Any] = {"session_id": session_id}
+
+    def left_out(dropped: list[int] | None) -> dict[int, str]:
+        answer = therapist.post("/api/templates/preview", json={**body, "dropped": dropped})
+        assert answer.status_code == 200, answer.text
+        return {r["number"]: r["reason"] for r in answer.json()["repetitions"] if not r["is_kept"]}
+
+    automatic = left_out(None)
+    assert list(automatic) == [3]
+    assert "lost track" in automatic[3]
+    assert left_out([]) == {}
+    assert left_out([1]) == {1: "Left out by hand."}
+    assert left_out([3]) == automatic, "the reason stays visible"
+    body |= {"exercise_id": world.exercise_id, "name": "All of them", "dropped": []}
+    stored = therapist.post("/api/templates", json=body).json()
+    assert stored["repetition_count"] == 5
+    again = therapist.get(f"/api/template-versions/{stored['id']}").json()
+    assert all(r["is_kept"] and not r["reason"] for r in again["content"]["repetitions"])
+    main = next(c for c in again["content"]["curves"] if c["channel"] == MAIN.removeprefix("range:"))
+    assert sum(value is not None for value in main["mean"]) > 90
 
 
 def test_versions_of_a_template_are_kept_beside_each_other(
