@@ -3,9 +3,17 @@
 from estimators.calibration._contract import Calibration
 from estimators.calibration._device import DeviceCalibration, TriadCalibration, correct
 from estimators.calibration._ferraris import FerrarisResult, FullTurn, Rest, ferraris, find_positions
+from estimators.calibration._field import LocalField, local_field
+from estimators.calibration._magnetometer import (
+    MagnetometerCollector,
+    MagnetometerProgress,
+    MagnetometerResult,
+)
 from estimators.calibration._mounting import OUTWARD_HEADING_RAD
 from estimators.calibration._n_pose import n_pose
+from estimators.calibration._online_iron import OnlineHardIron
 from estimators.calibration._static import StaticBias, static_bias
+from estimators.calibration._turns import circle_fit
 
 __all__ = [
     "OUTWARD_HEADING_RAD",
@@ -13,12 +21,19 @@ __all__ = [
     "DeviceCalibration",
     "FerrarisResult",
     "FullTurn",
+    "LocalField",
+    "MagnetometerCollector",
+    "MagnetometerProgress",
+    "MagnetometerResult",
+    "OnlineHardIron",
     "Rest",
     "StaticBias",
     "TriadCalibration",
+    "circle_fit",
     "correct",
     "ferraris",
     "find_positions",
+    "local_field",
     "n_pose",
     "static_bias",
 ]
