@@ -195,7 +195,9 @@ class LiveManager:
         )
         session.ledger.received = session.ledger.durable.copy()
         if len(session.ledger.durable):
-            await asyncio.to_thread(rebuild, session, self.engine)
+            trouble = await asyncio.to_thread(rebuild, session, self.engine)
+            if trouble is not None:
+                session.line.stop(trouble)
         self._sessions[session_id] = session
         self._abandoned_s.pop(session_id, None)
         return session

@@ -114,8 +114,8 @@ class CameraCommand(Schema):
     """Browser to `/ws/views/{view}`: turn the view by key or button; say whether the page is dark."""
 
     type: Literal["camera"] = "camera"
-    preset: Literal["front", "side", "top", "arm"] | None = None
-    """`side` is the side of the arm that the exercise is about; `arm` is close to it."""
+    preset: Literal["start", "front", "side", "top", "arm"] | None = None
+    """`start`: half from the side, as when opened. `side`: of the arm that the exercise is about; `arm`: close to it."""
     turn_deg: float = Field(default=0.0, ge=-180.0, le=180.0)
     """Walk around the patient, counter-clockwise seen from above."""
     tilt_deg: float = Field(default=0.0, ge=-90.0, le=90.0)

@@ -19,7 +19,7 @@ from app.recordings.store import read_packets_in_order
 TAIL_S = 60.0
 
 
-def rebuild(session: LiveSession, engine: Engine) -> None:
+def rebuild(session: LiveSession, engine: Engine) -> Exception | None:
     """Bring clock, alignment and pipeline to where the stored packets end; blocks, so call it in a thread.
 
     Parameters
@@ -27,28 +27,52 @@ def rebuild(session: LiveSession, engine: Engine) -> None:
     session : LiveSession
         Not yet given to anybody; open at the writer.
     engine : Engine
+
+    Returns
+    -------
+    Exception or None
+        Why the estimation cannot go on, for `EstimationLine.stop` on the event loop; storing can.
     """
     tail: deque[tuple[Packet, Admitted]] = deque()
     is_whole = False
-    for raw in read_packets_in_order(engine, session.id):
-        packet = decoded(raw)
-        try:
-            tail.append((packet, session.clock.admit(packet)))
-        except PacketError:
-            continue
-        is_whole = is_whole or not packet.channels & Channel.MAGNETOMETER
-        if is_whole:
-            while tail:
-                _feed(session, *tail.popleft())
-        elif tail[-1][1].time_us - tail[0][1].time_us > 1e6 * TAIL_S:
-            tail.popleft()
-    if tail:
-        # Alignment begins at the tail instead of filling up from tick 0.
-        first_tick = max(0, round(tail[0][1].time_us * 1e-6 * session.declaration.rate_hz))
-        session.aligner = Aligner(session.declaration, first_tick=first_tick)
-    while tail:
-        _feed(session, *tail.popleft())
+    try:
+        for raw in read_packets_in_order(engine, session.id):
+            packet = decoded(raw)
+            place = _admitted(session, packet)
+            if place is None:
+                continue
+            tail.append((packet, place))
+            is_whole = is_whole or not packet.channels & Channel.MAGNETOMETER
+            if is_whole:
+                while tail:
+                    _feed(session, *tail.popleft())
+            elif tail[-1][1].time_us - tail[0][1].time_us > 1e6 * TAIL_S:
+                tail.popleft()
+        if tail:
+            # Alignment begins at the tail instead of filling up from tick 0.
+            first_tick = max(0, round(tail[0][1].time_us * 1e-6 * session.declaration.rate_hz))
+            session.aligner = Aligner(session.declaration, first_tick=first_tick)
+        while tail:
+            _feed(session, *tail.popleft())
+    except StoppedError as failure:
+        return failure.error
     session.aligner.gaps.clear()
+    return None
+
+
+class StoppedError(Exception):
+    """The pipeline raised; carries the error out of the loop over the packets."""
+
+    def __init__(self, error: Exception) -> None:
+        super().__init__(str(error))
+        self.error = error
+
+
+def _admitted(session: LiveSession, packet: Packet) -> Admitted | None:
+    try:
+        return session.clock.admit(packet)
+    except PacketError:
+        return None
 
 
 def _feed(session: LiveSession, packet: Packet, place: Admitted) -> None:
@@ -56,5 +80,10 @@ def _feed(session: LiveSession, packet: Packet, place: Admitted) -> None:
         chunk = session.aligner.push(packet, place.sequence, place.time_us)
     except PacketError:
         return
-    if chunk is not None:
-        session.store_frames(session.pipeline.step(chunk))
+    if chunk is None:
+        return
+    try:
+        frames = session.pipeline.step(chunk)
+    except Exception as error:
+        raise StoppedError(error) from error
+    session.store_frames(frames)

@@ -5,6 +5,7 @@ this session's live view only: packets are stored all the same.
 """
 
 import asyncio
+import contextlib
 import logging
 import time
 from dataclasses import fields, replace
@@ -12,24 +13,24 @@ from functools import partial
 
 from sqlalchemy import Engine
 
-from app.errors import CalibrationFailed, Conflict, TelemotionError, Unavailable
+from app.errors import Conflict, TelemotionError, Unavailable
 from app.ingest.alignment import Aligner
 from app.ingest.clock import PacketClock, SkewEstimator
 from app.ingest.declaration import Declaration
 from app.ingest.packet import Packet, PacketFlag
 from app.live import repository
 from app.live.blocks import PublishedFrames, layout_message
-from app.live.bus import Bus, topic
+from app.live.book import SessionBook
+from app.live.bus import Bus
+from app.live.calibrating import CalibrationDesk
 from app.live.estimation import EstimationLine
 from app.live.health import LinkHealth
 from app.live.ledger import SequenceLedger
-from app.live.messages import AcknowledgeMessage, EventMessage, HealthMessage, LayoutMessage, StateMessage
+from app.live.messages import AcknowledgeMessage, HealthMessage, LayoutMessage, StateMessage
 from app.live.pose import PoseCollector
-from app.live.saver import Saver
-from app.live.states import OPEN, STREAMING, StateMachine, streaming_state
+from app.live.states import OPEN, STREAMING, streaming_state
 from app.recordings import GroupCommitWriter, RawPacket, SequenceRanges
-from app.recordings.schemas import CalibrationOut, SessionEventOut, SessionState
-from estimators.errors import CalibrationError
+from app.recordings.schemas import CalibrationOut, SessionState
 from estimators.pipelines import Calibration, Frames, Pipeline
 from estimators.recording import ImuChunk
 
@@ -40,7 +41,7 @@ BACKLOG_S = 120.0
 _FRAME_FIELDS = tuple(field.name for field in fields(Frames))
 
 
-class LiveSession:
+class LiveSession(SessionBook):
     """The live side of one session.
 
     Parameters
@@ -70,42 +71,35 @@ class LiveSession:
         first_unstored_tick: int = 0,
         first_tick: int = 0,
     ) -> None:
-        self.id = stored.id
+        super().__init__(stored, engine, writer, bus)
         self.stored = stored
         self.pipeline = pipeline
         self.result_id = result_id
-        self.machine = StateMachine(stored.state, stored.state_reason)
         self.clock = PacketClock(declaration)
         self.aligner = Aligner(declaration, first_tick=first_tick)
         self.ledger = SequenceLedger()
         self.skew = SkewEstimator()
         self.health = LinkHealth(declaration.placements, declaration.time_step_s)
-        self.recording_start_s = stored.recording_start_s
-        self.recording_end_s = stored.recording_end_s
         self.last_arrival_s = time.monotonic()
         self.duplicates = 0
         self.is_finished = False
         """Closed, and everything that came is stored."""
-        self._engine, self._writer, self._bus = engine, writer, bus
-        self._topics = {
-            name: topic(self.id, name) for name in ("frames", "state", "health", "event", "layout")
-        }
         self._unstored_tick = first_unstored_tick
         self._epochs_saved = len(declaration.clock_epochs)
-        self._saver = Saver(self.id)
-        self._pose = PoseCollector(declaration.placements, declaration.time_step_s)
         self.line = EstimationLine(pipeline, self._after, self._fail)
+        self._calibration = CalibrationDesk(
+            PoseCollector(declaration.placements, declaration.time_step_s),
+            self.line,
+            self._publish_state,
+            self._calibrated,
+            self._calibration_failed,
+        )
         self._loop = asyncio.get_running_loop()
 
     @property
     def declaration(self) -> Declaration:
         """The network, with every clock epoch met."""
         return self.clock.declaration
-
-    @property
-    def state(self) -> SessionState:
-        """The present state."""
-        return self.machine.state
 
     @property
     def session_time_s(self) -> float:
@@ -174,12 +168,14 @@ class LiveSession:
         self.store_frames(frames)
         self.health.set_flags(frames.layout.segments, frames.segment_flags[-1])
         self._tell_changes(chunk)
-        self._watch_pose(chunk)
+        self._calibration.add(chunk)
 
     def store_frames(self, frames: Frames) -> None:
         """Store frames unless that was done before a restart."""
         if frames.first_tick >= self._unstored_tick:
-            self._writer.append_frames(self.id, self.result_id, frames)
+            with contextlib.suppress(Conflict, Unavailable):
+                # A session that cannot be stored is told so once, by `on_store_failure`.
+                self._writer.append_frames(self.id, self.result_id, frames)
 
     def _tell_changes(self, chunk: ImuChunk) -> None:
         changes = self.health.add_chunk(chunk)
@@ -219,31 +215,17 @@ class LiveSession:
                 " connect first.",
                 state=self.machine.state,
             )
-        self._pose.begin()
+        self._calibration.begin()
         self._change("calibrating", "Hold the pose.")
 
-    def _watch_pose(self, chunk: ImuChunk) -> None:
-        before = self._pose.hint, round(self._pose.progress or 0.0, 1)
-        pose = self._pose.add(chunk)
-        if pose is not None:
-            self.line.call(partial(self._calibrate, pose))
-        elif (self._pose.hint, round(self._pose.progress or 0.0, 1)) != before:
-            self._publish_state()
-
-    def _calibrate(self, pose: ImuChunk) -> None:
-        """Run the pipeline's calibration; called in the worker's thread, between two steps."""
-        try:
-            found = self.pipeline.calibrate(pose)
-        except CalibrationError as error:
-            self._loop.call_soon_threadsafe(self._calibration_failed, str(error), pose)
+    def _calibration_failed(self, message: str, pose: ImuChunk | None) -> None:
+        start_s = self.session_time_s if pose is None else pose.first_tick * pose.time_step_s
+        self.add_event("error", start_s, text=message)
+        if self.pipeline.setup.calibration is not None and self.machine.state == "calibrating":
+            self._change("ready", f"The earlier calibration stays in force. {message}")
         else:
-            self._loop.call_soon_threadsafe(self._calibrated, found, pose)
-
-    def _calibration_failed(self, message: str, pose: ImuChunk) -> None:
-        self._pose.end(message)
-        self.add_event("error", pose.first_tick * pose.time_step_s, text=CalibrationFailed(message).message)
-        self.machine.reason = message[:500]
-        self._publish_state()
+            self.machine.reason = message[:500]
+            self._publish_state()
 
     def _calibrated(self, found: Calibration, pose: ImuChunk) -> None:
         setup = self.pipeline.setup
@@ -288,10 +270,6 @@ class LiveSession:
         """Put a note on the time line at the present session time."""
         self.add_event("mark", self.session_time_s, text=text)
 
-    @property
-    def _is_recording(self) -> bool:
-        return self.recording_start_s is not None and self.recording_end_s is None
-
     def connected(self) -> None:
         """Enter the streaming state: a gateway said hello."""
         self.clock.begin_connection()
@@ -302,7 +280,7 @@ class LiveSession:
     def link_lost(self, reason: str) -> None:
         """Note that packets have stopped coming."""
         if self.machine.state in STREAMING:
-            self._pose.end()
+            self._calibration.end()
             self._change("link_lost", reason)
 
     def _link_back(self) -> None:
@@ -316,7 +294,7 @@ class LiveSession:
 
     def _fail(self, error: Exception) -> None:
         """Tell that the estimation has stopped; storing goes on."""
-        self._pose.end()
+        self._calibration.end()
         logger.error("the estimation of session %s failed", self.id, exc_info=error)
         reason = "The live estimation failed; what the sensors send is stored and can be analysed afterwards."
         if isinstance(error, TelemotionError):
@@ -326,17 +304,6 @@ class LiveSession:
             self._change("failed", reason)
 
     # --- telling ----------------------------------------------------------------------------------------
-
-    def _change(self, state: SessionState, reason: str) -> None:
-        changed = self.machine.to(state, reason)
-        self._saver.save(partial(repository.save_state, self._engine, self.id, state, reason))
-        if changed:
-            logger.info("session %s is %s", self.id, state)
-            self.add_event("state", self.session_time_s, text=state)
-        self._publish_state()
-
-    def _publish_state(self) -> None:
-        self._bus.publish(self._topics["state"], self.state_message())
 
     def state_message(self) -> StateMessage:
         """Return the state for people."""
@@ -351,8 +318,8 @@ class LiveSession:
             else CalibrationOut(
                 method=calibration.method, score=calibration.score, reasons=list(calibration.reasons)
             ),
-            calibration_progress=self._pose.progress,
-            calibration_hint=self._pose.hint,
+            calibration_progress=self._calibration.progress,
+            calibration_hint=self._calibration.hint,
         )
 
     def health_message(self) -> HealthMessage:
@@ -367,30 +334,9 @@ class LiveSession:
             clock_skew_ppm=self.skew.skew_ppm,
         )
 
-    def publish_health(self) -> None:
-        """Publish link health when somebody listens."""
-        if self._bus.has_listeners(self._topics["health"]):
-            self._bus.publish(self._topics["health"], self.health_message())
-
     def layout(self) -> LayoutMessage:
         """Return the columns of the frames."""
         return layout_message(self.id, self.pipeline.layout, self.declaration.rate_hz)
-
-    def add_event(
-        self,
-        kind: str,
-        time_s: float,
-        duration_s: float = 0.0,
-        *,
-        placement: str | None = None,
-        text: str = "",
-    ) -> None:
-        """Store and publish something on the time line."""
-        self._writer.add_event(self.id, kind, time_s, duration_s=duration_s, placement=placement, text=text)
-        event = SessionEventOut(
-            kind=kind, time_s=time_s, duration_s=duration_s, placement=placement, text=text[:500]
-        )
-        self._bus.publish(self._topics["event"], EventMessage(event=event))
 
     def acknowledge(self, missing: list[tuple[int, int]]) -> AcknowledgeMessage:
         """Return what the gateway may forget."""
@@ -419,20 +365,9 @@ class LiveSession:
 
     # --- saving and ending ------------------------------------------------------------------------------
 
-    def _save_recording(self) -> None:
-        self._saver.save(
-            partial(
-                repository.save_recording, self._engine, self.id, self.recording_start_s, self.recording_end_s
-            )
-        )
-
-    async def saved(self) -> None:
-        """Wait until every change so far is in the database."""
-        await self._saver.saved()
-
     async def finish(self) -> None:
         """Estimate what still waits, then store everything; the state is `closing` before."""
-        self._pose.end()
+        self._calibration.end()
         self.silent()
         await self.line.drained()
         await asyncio.wrap_future(self._writer.flush(self.id))
