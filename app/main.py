@@ -16,6 +16,7 @@ from app import tables as tables
 from app.accounts.endpoints import router as accounts_router
 from app.accounts.passwords import Passwords
 from app.accounts.rate_limit import SignInLimits
+from app.accounts.refusals import RefusedSignIns
 from app.assessment.comparisons import compare_task
 from app.assessment.endpoints import router as assessment_router
 from app.assessment.patient_endpoints import router as follow_up_router
@@ -125,6 +126,8 @@ async def open_services(
     services = Services(settings=settings, engine=engine)
     services.passwords = passwords or await to_thread.run_sync(Passwords)
     services.sign_in_limits = SignInLimits()
+    services.refused_sign_ins = RefusedSignIns(engine, settings)
+    stack.push_async_callback(partial(to_thread.run_sync, services.refused_sign_ins.close))
 
     services.bus = MemoryBus()
     writer = GroupCommitWriter(engine)
@@ -147,6 +150,7 @@ async def open_services(
     await live.start()
     stack.push_async_callback(live.stop)
     services.live = live
+    jobs.subscribe(lambda done: live.task_done(done.session_id))
 
     await open_viewer(services, stack)
     return services

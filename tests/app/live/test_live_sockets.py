@@ -443,6 +443,11 @@ def test_the_same_as_json_for_people_with_curl(signed_in: SignedIn, world: Any, 
                 await until(socket, has_acknowledged(3))
                 await socket.send('{"type": "goodbye", "last_sequence": 3}')
                 await until(socket, lambda message: message.get("state") == "closing")
+            url = client.server.replace("http", "ws", 1) + f"/ws/live/{session_id}"
+            async with connect(url, proxy=None) as dashboard:
+                await dashboard.send(json.dumps({"ticket": await client.ticket(session_id, "live")}))
+                # Whoever watches is told of the end of the analysis too.
+                await until(dashboard, lambda message: message.get("state") == "analysed", timeout_s=60)
             await client.wait_for_state(session_id, "analysed", timeout_s=60)
 
     asyncio.run(run())
