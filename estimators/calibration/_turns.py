@@ -28,7 +28,8 @@ def circle_fit(field: Float, accelerometer_mps2: Float | None = None) -> Magneto
     field : ndarray, shape (N, 3)
         Raw readings, before any normalisation, while the sensor was turned level, best two full turns.
     accelerometer_mps2 : ndarray, shape (N, 3), optional
-        Tells the vertical in sensor axes. Without it the sensor's z axis is taken.
+        Tells the vertical in sensor axes; its bias must have been taken out: a degree of tilt leaves a degree
+        times the tangent of the dip in the heading. Without it the sensor's z axis is taken.
 
     Returns
     -------

@@ -14,6 +14,7 @@ from estimators.errors import SetupError
 from estimators.validation._broad import BROAD
 from estimators.validation._hand_motion import BIAS_STATES, HAND_MOTION, SINGULARITY
 from estimators.validation._kinematics import CONVERSIONS, ELBOW_POSITION, KINEMATIC_IDENTITY
+from estimators.validation._magnetic import MAGNETIC_CALIBRATION
 from estimators.validation._protocol import (
     Data,
     Figure,
@@ -34,6 +35,7 @@ _PROTOCOLS = (
     BIAS_STATES,
     SINGULARITY,
     HEADING_SHIFT,
+    MAGNETIC_CALIBRATION,
     KINEMATIC_IDENTITY,
     ELBOW_POSITION,
     TEMPLATE_COMPARISON,

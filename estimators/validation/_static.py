@@ -133,7 +133,7 @@ HEADING_SHIFT = Protocol(
     title="V7 Heading shift by iron",
     source="Marzouk 2009, 5.3 (P7): 12 degrees by a cast-iron handle, 15 by a wrist watch",
     what="Level and facing north with iron on the module: the heading must read exactly the shift, so that a later "
-    "magnetic calibration can take it out (that calibration is not part of this protocol).",
+    "magnetic calibration can take it out; see arm_magnetic_calibration.",
     figures=tuple(
         figure
         for shift in _SHIFTS_DEG
