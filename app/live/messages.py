@@ -115,7 +115,7 @@ class CameraCommand(Schema):
 
     type: Literal["camera"] = "camera"
     preset: Literal["start", "front", "side", "top", "arm"] | None = None
-    """`start`: half from the side, as when opened. `side`: of the arm that the exercise is about; `arm`: close to it."""
+    """`start`: half from the side, as when opened; `side`: that of the exercise's arm; `arm`: close to it."""
     turn_deg: float = Field(default=0.0, ge=-180.0, le=180.0)
     """Walk around the patient, counter-clockwise seen from above."""
     tilt_deg: float = Field(default=0.0, ge=-90.0, le=90.0)

@@ -8,7 +8,7 @@ from viser import _messages as viser_messages
 
 from estimators.body import BodyDimensions
 
-Preset = Literal["front", "side", "top", "arm"]
+Preset = Literal["start", "front", "side", "top", "arm"]
 Point = tuple[float, float, float]
 
 FIELD_OF_VIEW_RAD: Final = math.radians(32.0)
@@ -18,8 +18,9 @@ _NEAREST_M, _FARTHEST_M = 0.6, 12.0
 # Direction from which one looks (degrees from straight ahead of the patient toward the arm, degrees up), then
 # what must fit in: middle, height and width as shares of stature.
 _PRESETS: Final[dict[Preset, tuple[float, float, float, float, float]]] = {
-    "front": (16.0, 8.0, 0.575, 1.20, 1.05),
-    "side": (90.0, 5.0, 0.575, 1.20, 1.05),
+    "start": (44.0, 9.0, 0.545, 1.16, 1.05),
+    "front": (6.0, 6.0, 0.545, 1.16, 1.05),
+    "side": (90.0, 5.0, 0.545, 1.16, 1.05),
     "top": (180.0, 86.0, 0.60, 1.05, 1.05),
     "arm": (38.0, 14.0, 0.74, 0.62, 0.70),
 }
@@ -70,7 +71,8 @@ def preset(name: Preset, body: BodyDimensions, side: str, aspect: float) -> Came
 
     Parameters
     ----------
-    name : {"front", "side", "top", "arm"}
+    name : {"start", "front", "side", "top", "arm"}
+        `start` is half from the side: it shows reaching forward as well as raising sideways.
     body : BodyDimensions
     side : str
         `left` or `right`: the arm that matters; it is turned toward the camera.

@@ -44,6 +44,7 @@ _GLYPHS: Final[dict[str, tuple[list[list[tuple[float, float]]], float]]] = {
     " ": ([], 0.2),
 }
 _TRAIL_OLD_SHARE: Final = 0.55
+_TRAIL_STEP_M: Final = 0.003
 
 
 def joint_offsets_m(body: BodyDimensions) -> dict[str, tuple[float, float, float]]:
@@ -188,6 +189,7 @@ class Trail:
 
     def __init__(self, server: viser.ViserServer, name: str) -> None:
         nothing = np.zeros((1, 2, 3), dtype=np.float32)
+        self._ends = np.zeros((2, 3), dtype=np.float32)
         self._new = server.scene.add_line_segments(
             f"{name}/new", nothing, colors=TRAIL, thickness=5.0, thickness_units="screen", visible=False
         )
@@ -196,7 +198,11 @@ class Trail:
         )
 
     def show(self, points_m: NDArray[np.float32]) -> None:
-        """Draw a path, shape (N, 3), oldest first; NaN breaks it."""
+        """Draw a path, shape (N, 3), oldest first; NaN breaks it. A hand that rests is not drawn again."""
+        ends = points_m[[0, -1]] if len(points_m) > 1 else np.zeros((2, 3), np.float32)
+        if np.abs(ends - self._ends).max() < _TRAIL_STEP_M:
+            return
+        self._ends = ends
         pairs = (
             np.stack([points_m[:-1], points_m[1:]], axis=1)
             if len(points_m) > 1

@@ -24,7 +24,9 @@ logger = logging.getLogger(__name__)
 PICTURE_S: Final = 1.0 / 60.0
 TRAIL_S: Final = 2.0
 TRAIL_RATE_HZ: Final = 30.0
-_PICTURES_A_TRAIL: Final = 4
+LIVE_TRAIL_RATE_HZ: Final = 20.0
+"""Frames come in chunks of about 50 ms; the trail takes the last tick of each."""
+_PICTURES_A_TRAIL: Final = 5
 _TOGETHER_S: Final = 0.12
 """A command whose time differs by less is not a jump; the two clocks are just not the same."""
 SILENCE_S: Final = 1.0
@@ -133,8 +135,9 @@ class LivePlayer:
         self._session_id = session_id
         self._body = body
         self._ghost_clock = GhostClock(ghost_duration_s) if ghost_duration_s is not None else None
-        self._trail: deque[np.ndarray] = deque(maxlen=int(TRAIL_S * TRAIL_RATE_HZ))
+        self._trail: deque[np.ndarray] = deque(maxlen=int(TRAIL_S * LIVE_TRAIL_RATE_HZ))
         self._last: PoseTrack | None = None
+        self._chunks = 0
 
     def command(self, command: PlayerCommand) -> None:
         """Live views have nothing to steer; the ghost is switched by the view itself."""
@@ -188,9 +191,12 @@ class LivePlayer:
                 await asyncio.sleep(max(pause_s - (time.monotonic() - started), 0.0))
 
     def _draw(self, track: PoseTrack, tick: int, is_last: bool) -> None:
-        if not self._trail or is_last:
+        trail = None
+        if is_last:
             self._trail.append(track.hand_m[tick])
-        self._scene.draw(track, tick, np.stack(self._trail) if is_last else None)
+            self._chunks += 1
+            trail = np.stack(self._trail) if self._chunks % 2 == 0 else None
+        self._scene.draw(track, tick, trail)
         if self._ghost_clock is not None:
             self._scene.draw_ghost(self._ghost_clock.phase(float(track.time_s[tick]), warp=False))
 

@@ -42,6 +42,10 @@ PARENT: Final[dict[str, str | None]] = {
 
 SEGMENTS: Final = tuple(PARENT)
 
+_PARENT_COLUMN: Final = [
+    len(SEGMENTS) if parent is None else SEGMENTS.index(parent) for parent in PARENT.values()
+]
+
 # In the N-pose the palms face the thighs; arms without sensors also hang a little away from the body.
 _TURNED_IN = {"left": rotation.about_z(-np.pi / 2), "right": rotation.about_z(np.pi / 2)}
 _HANGING = {"left": rotation.about_x(0.10), "right": rotation.about_x(-0.10)}
@@ -172,11 +176,10 @@ def track_from_room(
 
 def relative_rotations(room: dict[str, NDArray[np.float64]]) -> Float32:
     """Turn orientations in the room into rotations in the parent, shape (K, S, 4), free of sign jumps."""
-    relative = [
-        room[name] if parent is None else rotation.multiply(rotation.conjugate(room[parent]), room[name])
-        for name, parent in PARENT.items()
-    ]
-    return rotation.positive(np.stack(relative, axis=1)).astype(np.float32)
+    stacked = np.stack([room[name] for name in SEGMENTS], axis=1)
+    upright = np.broadcast_to(rotation.identity(), (len(stacked), 1, 4))
+    parents = np.concatenate([stacked, upright], axis=1)[:, _PARENT_COLUMN]
+    return rotation.positive(rotation.multiply(rotation.conjugate(parents), stacked)).astype(np.float32)
 
 
 def _sound(q: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -214,17 +217,16 @@ def _shoulders(
     points: dict[str, NDArray[np.float64]], thorax: NDArray[np.float64], body: BodyDimensions, ticks: int
 ) -> Float32:
     """Shoulders in the thorax; measured ones (hiked, pulled forward) where there are any."""
-    half, hip = 0.5 * body.shoulder_width_m, np.array([0.0, 0.0, hip_height_m(body)])
-    shoulders = np.empty((ticks, 2, 3))
-    for number, side in enumerate(SIDES):
-        neutral = np.array([0.0, half if side == "left" else -half, body.trunk_m])
-        shoulders[:, number] = neutral
-        measured = points.get(f"shoulder_{side}")
-        if measured is not None:
-            inside = rotation.rotate(rotation.conjugate(thorax), measured - hip)
-            known = np.isfinite(inside).all(axis=-1) & (np.linalg.norm(inside - neutral, axis=-1) < 0.25)
-            shoulders[known, number] = inside[known]
-    return shoulders.astype(np.float32)
+    half = 0.5 * body.shoulder_width_m
+    neutral = np.array([[0.0, half, body.trunk_m], [0.0, -half, body.trunk_m]])
+    measured = [points.get(f"shoulder_{side}") for side in SIDES]
+    if measured[0] is None or measured[1] is None:
+        return np.broadcast_to(neutral, (ticks, 2, 3)).astype(np.float32)
+    above_hip = np.stack([measured[0], measured[1]], axis=1) - np.array([0.0, 0.0, hip_height_m(body)])
+    inside = rotation.rotate(rotation.conjugate(thorax)[:, None], above_hip)
+    # Comparing with NaN is false: an unknown place, or one outside the body, becomes the neutral one.
+    near = (np.abs(inside - neutral) < 0.25).all(axis=-1, keepdims=True)
+    return np.where(near, inside, neutral).astype(np.float32)
 
 
 def _hands(points: dict[str, NDArray[np.float64]], ticks: int) -> Float32:
@@ -234,21 +236,18 @@ def _hands(points: dict[str, NDArray[np.float64]], ticks: int) -> Float32:
 
 def _halo(frames: Frames, body: BodyDimensions) -> Float32:
     """Two sigmas of elbow and hand: sigmas of shoulder elevation and elbow flexion times the levers."""
-    layout = frames.layout
-    halo = np.zeros((frames.tick_count, 2, 2))
-
-    def sigma(name: str) -> NDArray[np.float64]:
-        if name not in layout.angles:
-            return np.zeros(frames.tick_count)
-        return np.nan_to_num(frames.angle_sigma_rad[:, layout.angles.index(name)])
-
-    for number, side in enumerate(SIDES):
-        shoulder = sigma(f"thorax_humerus_{side}_yxy_elevation")
-        elbow = sigma(f"humerus_forearm_{side}_zxy_flexion")
-        beyond = body.forearm_m + body.hand_m
-        halo[:, number, 0] = 2.0 * shoulder * body.upper_arm_m
-        halo[:, number, 1] = 2.0 * np.hypot(shoulder * (body.upper_arm_m + beyond), elbow * beyond)
-    return np.clip(halo, 0.0, 0.25).astype(np.float32)
+    angles = frames.layout.angles
+    names = [f"thorax_humerus_{side}_yxy_elevation" for side in SIDES]
+    names += [f"humerus_forearm_{side}_zxy_flexion" for side in SIDES]
+    sigma = np.zeros((frames.tick_count, 4))
+    for column, name in enumerate(names):
+        if name in angles:
+            sigma[:, column] = frames.angle_sigma_rad[:, angles.index(name)]
+    sigma[~np.isfinite(sigma)] = 0.0
+    shoulder, elbow, beyond = sigma[:, :2], sigma[:, 2:], body.forearm_m + body.hand_m
+    at_hand = np.hypot(shoulder * (body.upper_arm_m + beyond), elbow * beyond)
+    halo = 2.0 * np.stack([shoulder * body.upper_arm_m, at_hand], axis=-1)
+    return np.minimum(halo, 0.25).astype(np.float32)
 
 
 def _side(name: str) -> Side:

@@ -132,12 +132,6 @@ class BodyScene:
             with self._server.atomic():
                 self._ghost.show(phase)
 
-    def clear_trails(self) -> None:
-        """Forget the trails, after a jump in time."""
-        nothing = np.full((0, 3), np.nan, dtype=np.float32)
-        for line in self._trails:
-            line.show(nothing)
-
     def _show_lost(self, lost: NDArray[np.bool_]) -> None:
         for number in np.flatnonzero(lost != self._lost):
             name = SEGMENTS[number]

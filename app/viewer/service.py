@@ -226,7 +226,7 @@ class Viewer:
 
     def greeting(self, view: View, stage: Stage) -> list[Any]:
         """Return the messages that give a page that has just connected this view's own look."""
-        camera = view.camera or preset("front", stage.body, stage.side, view.aspect)
+        camera = view.camera or preset("start", stage.body, stage.side, view.aspect)
         messages = camera.messages()
         if view.is_dark:
             messages += theme_messages(dark=True)
@@ -236,7 +236,7 @@ class Viewer:
 
     def _look(self, view: View, stage: Stage, command: CameraCommand) -> None:
         messages: list[Any] = []
-        camera = view.camera or preset("front", stage.body, stage.side, view.aspect)
+        camera = view.camera or preset("start", stage.body, stage.side, view.aspect)
         if command.preset is not None:
             camera = preset(command.preset, stage.body, stage.side, view.aspect)
         if command.turn_deg or command.tilt_deg or command.zoom != 1.0:

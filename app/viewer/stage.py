@@ -68,7 +68,7 @@ class Stage:
         except BaseException:
             self._server.stop()
             raise
-        camera = preset("front", contents.body, contents.side, aspect=1.4)
+        camera = preset("start", contents.body, contents.side, aspect=1.4)
         self._server.initial_camera.position = camera.position_m
         self._server.initial_camera.look_at = camera.look_at_m
         self._server.initial_camera.fov = FIELD_OF_VIEW_RAD

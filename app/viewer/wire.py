@@ -20,9 +20,6 @@ PROTOCOL: Final = f"viser-v{viser.__version__}"
 """Subprotocol that page and server must agree on."""
 
 LARGEST_FROM_BROWSER: Final = 4096
-ALLOWED_FROM_BROWSER: Final = frozenset({"ViewerCameraMessage"})
-"""The scene defines no controls of its own, so there are no others."""
-
 _LARGEST_BATCH: Final = 64 * 2**20
 _FARTHEST_M: Final = 1e4
 
@@ -37,6 +34,10 @@ class _CameraMessage(msgspec.Struct, tag="ViewerCameraMessage", tag_field="type"
     image_width: int
     look_at: tuple[float, float, float]
     up_direction: tuple[float, float, float]
+
+
+ALLOWED_FROM_BROWSER: Final = frozenset({_CameraMessage.__struct_config__.tag})
+"""The scene defines no controls of its own, so there are no others."""
 
 
 @dataclass(frozen=True)

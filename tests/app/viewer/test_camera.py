@@ -22,7 +22,7 @@ def in_picture(camera: Camera, point: tuple[float, float, float], aspect: float)
 
 
 @pytest.mark.parametrize("aspect", [0.5, 1.0, 1.6, 2.4])
-@pytest.mark.parametrize("name", ["front", "side"])
+@pytest.mark.parametrize("name", ["start", "front", "side"])
 @pytest.mark.parametrize("body", [BodyDimensions(), body_from_stature(1.2), body_from_stature(2.0)])
 def test_crown_feet_and_outstretched_hand_are_in_the_picture(name, body, aspect: float) -> None:
     camera = preset(name, body, "right", aspect)
@@ -38,7 +38,7 @@ def test_crown_feet_and_outstretched_hand_are_in_the_picture(name, body, aspect:
 
 def test_the_arm_that_matters_is_on_the_near_side() -> None:
     for side, sign in (("left", 1), ("right", -1)):
-        for name in ("front", "side", "arm"):
+        for name in ("start", "front", "side", "arm"):
             assert sign * preset(name, BodyDimensions(), side, 1.4).position_m[1] > 0
 
 
