@@ -3,6 +3,7 @@
 import asyncio
 import re
 import threading
+import time
 from dataclasses import replace
 
 import pytest
@@ -27,9 +28,11 @@ class Gateway(threading.Thread):
         super().__init__(daemon=True)
         self.address, self.session_id = address, session_id
         scenario = demonstration_scenario("moderate_stroke", "reaching", progress=0.9, repetitions=3, seed=5)
-        self.session = simulate_arm(replace(scenario, placements=tuple(placements)))  # type: ignore[arg-type]
+        # Resting long after the last repetition, so that the link is still up when recording is stopped.
+        schedule = replace(scenario.schedule, settle_s=20.0)
+        self.session = simulate_arm(replace(scenario, placements=tuple(placements), schedule=schedule))  # type: ignore[arg-type]
         self.pose_s = scenario.schedule.n_pose_s
-        self.moving_s = self.session.recording.duration_s - self.pose_s
+        self.moving_s = float(self.session.truth.repetitions_s[-1, 1]) - self.pose_s
         self.error: BaseException | None = None
 
     def run(self) -> None:
@@ -86,6 +89,7 @@ def test_a_session_from_the_sensors_to_the_comparison(visitor: Visitor, house: H
     expect(page.get_by_role("button", name="Start recording")).to_be_enabled(timeout=60_000)
     visitor.picture("live-ready-1440")
     page.get_by_role("button", name="Start recording").click()
+    started = time.monotonic()
     page.get_by_role("button", name="Stop recording").wait_for()
     page.get_by_label("Note for the time line").fill("first reach")
     page.get_by_role("button", name="Mark", exact=True).click()
@@ -94,7 +98,7 @@ def test_a_session_from_the_sensors_to_the_comparison(visitor: Visitor, house: H
     page.wait_for_timeout(4000)
     visitor.picture("live-1440")
     assert serious(visitor) == []
-    page.wait_for_timeout(1000 * gateway.moving_s / PACE)
+    page.wait_for_timeout(max(0.0, 1000 * (started + gateway.moving_s / PACE + 2.0 - time.monotonic())))
     page.get_by_role("button", name="Stop recording").click()
     gateway.join(timeout=60)
     assert gateway.error is None
