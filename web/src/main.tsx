@@ -2,7 +2,11 @@ import '@mantine/core/styles.css';
 import '@mantine/notifications/styles.css';
 import '@fontsource-variable/atkinson-hyperlegible-next';
 import 'uplot/dist/uPlot.min.css';
-import './styles.css';
+// In this order: what comes later refines what came before.
+import './styles/base.css';
+import './styles/content.css';
+import './styles/motion.css';
+import './styles/adapt.css';
 import { MantineProvider } from '@mantine/core';
 import { Notifications } from '@mantine/notifications';
 import { QueryClient, QueryClientProvider } from '@tanstack/react-query';
