@@ -24,7 +24,7 @@ class SessionIn(Schema):
     placements: list[Placement] = Field(min_length=1, max_length=17)
     rate_hz: float = Field(default=100.0, ge=10, le=1000)
     orientation: str = "vqf"
-    orientation_parameters: dict[str, Any] = {}
+    orientation_parameters: dict[str, Any] = Field(default_factory=dict)
     use_mounting: bool = True
     """Start with the remembered calibration of this patient, if there is one for these placements."""
 
@@ -112,7 +112,7 @@ class ReprocessIn(Schema):
     """Estimate a stored session again; the earlier results stay."""
 
     orientation: str
-    orientation_parameters: dict[str, Any] = {}
+    orientation_parameters: dict[str, Any] = Field(default_factory=dict)
 
 
 class MarkIn(Schema):
@@ -162,7 +162,7 @@ class UploadIn(Schema):
     csv: CsvMapping | None = None
     orientation: str = "vqf"
     calibration_pose_s: tuple[float, float] | None = None
-    """Half-open interval in which the patient stands in N-pose; None lets the service look for stillness at the start."""
+    """Half-open interval in which the patient stands in N-pose; None looks for stillness at the start."""
 
 
 class EstimatorOut(Schema):
