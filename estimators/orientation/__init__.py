@@ -9,12 +9,14 @@ from estimators.orientation._marzouk_error_state import MarzoukErrorStateEstimat
 from estimators.orientation._marzouk_euler import MarzoukEulerEstimator
 from estimators.orientation._marzouk_quaternion import MarzoukQuaternionEstimator
 from estimators.orientation._scoring import OrientationErrors, orientation_errors
+from estimators.orientation._telemotion import DeviceConstants, TelemotionEstimator
 from estimators.orientation._vqf import VqfEstimator
 
 _REGISTRY: dict[str, type[OrientationEstimator]] = {
     kind.name: kind
     for kind in (
         VqfEstimator,
+        TelemotionEstimator,
         MarzoukQuaternionEstimator,
         MarzoukErrorStateEstimator,
         MarzoukEulerEstimator,
@@ -52,10 +54,12 @@ def create(
 
 
 __all__ = [
+    "DeviceConstants",
     "OrientationErrors",
     "OrientationEstimator",
     "OrientationFlag",
     "OrientationResult",
+    "TelemotionEstimator",
     "available",
     "create",
     "orientation_errors",

@@ -1,0 +1,294 @@
+"""How far our own filter trusts the magnetic field, and where north is under several hypotheses."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators._kernels import kernel, multiply, wrapped
+from estimators.orientation._telemotion_block import absorb
+from estimators.orientation._telemotion_layout import (
+    CORRECTION,
+    COUNT,
+    DISTURBANCE,
+    EARTH_MEAN,
+    EARTH_SPREAD,
+    FIELD,
+    FIELD_COUNT,
+    FIELD_LEVEL_S,
+    FIELD_NOISE_MOVING,
+    FIELD_NOISE_REST,
+    FIELD_NOISE_START,
+    FIELD_SCALE,
+    HEADING_SCALE,
+    HEADING_VARIANCE,
+    IRON,
+    IRON_KNOWN,
+    IRON_KNOWN_VARIANCE,
+    IRON_MIDDLE,
+    IRON_MIDDLE_ODDS,
+    IRON_NARROW,
+    IRON_NARROW_ODDS,
+    IRON_RATIO,
+    IRON_S,
+    IRON_WIDE,
+    IRON_WINDOW_S,
+    MISFIT,
+    OPENED,
+    SENSOR_MEAN,
+    SENSOR_SPREAD,
+    START,
+    START_LEAVING_S,
+    START_MIDDLE,
+    START_MIDDLE_ODDS,
+    START_NARROW,
+    START_NARROW_ODDS,
+    START_SHARE,
+    START_WIDE,
+    SUM_FIELD,
+    SUM_ROTATION,
+    TURN,
+)
+from estimators.recording import Float
+
+_OWN_UNCERTAINTY = 0.5
+"""Share of the predicted variance that a residual may have for free: all of it would let a disturbance in
+whenever the filter is unsure, none would shut out the field that could make it sure."""
+_LARGEST_MISFIT = 100.0
+_IRON_SMALLEST = 25.0
+"""Squared microtesla: smaller residuals are left to the robust weight."""
+_IRON_SPREAD = 0.15
+_UNLIKELY = 0.1
+"""A hypothesis below this adds its distance, but not its own variance, to the variance of the heading."""
+_LARGEST_VARIANCE = 1.0
+HYPOTHESES = 9
+_SUB = 11
+"""States that a hypothesis moves: turn, horizontal field, hard iron, field at the start."""
+WORK = HYPOTHESES * 5 + _SUB * (_SUB + 2)
+
+
+@kernel("float64(float64[:, ::1], float64[::1], int64[::1], float64[::1], float64, boolean)")
+def field_variance(
+    p: Float, memory: Float, counts: NDArray[np.int64], settings: Float, time_s: float, rest: bool
+) -> float:
+    """Weigh the block's field by its residual, now and of late; return the variance of each component.
+
+    The residual is held against `FIELD_SCALE` and a share of what the filter itself does not know.
+    """
+    per_field, per_sample = 1.0 / counts[FIELD_COUNT], 1.0 / counts[COUNT]
+    if not rest:
+        memory[START_SHARE] *= math.exp(-time_s / settings[START_LEAVING_S])
+        if memory[START_SHARE] < 1e-6:
+            memory[START_SHARE] = 0.0
+    share = memory[START_SHARE]
+    squares = predicted = 0.0
+    for a in range(3):
+        squares += (memory[SUM_FIELD + a] * per_field - memory[FIELD + a] - share * memory[START + a]) ** 2
+        predicted += (
+            p[FIELD + a, FIELD + a]
+            + share * (share * p[START + a, START + a] + 2.0 * p[FIELD + a, START + a])
+            + p[IRON + a, IRON + a]
+        )
+        for b in range(3):
+            turned = memory[SUM_ROTATION + 3 * a + b] * per_sample
+            predicted += 2.0 * turned * (p[FIELD + a, IRON + b] + share * p[START + a, IRON + b])
+    misfit = squares / (3.0 * settings[FIELD_SCALE] + _OWN_UNCERTAINTY * max(predicted, 0.0))
+    gain = -math.expm1(-time_s / settings[FIELD_LEVEL_S])
+    memory[DISTURBANCE] += gain * (min(misfit, _LARGEST_MISFIT) - memory[DISTURBANCE])
+    memory[MISFIT] = misfit
+    noise = settings[FIELD_NOISE_REST] if rest else settings[FIELD_NOISE_MOVING]
+    noise += share * (settings[FIELD_NOISE_START] - noise)
+    return float(noise * noise / time_s * (1.0 + max(misfit, memory[DISTURBANCE])))
+
+
+@kernel("boolean(float64[::1], int64[::1], float64[::1], float64)")
+def iron_changed(memory: Float, counts: NDArray[np.int64], settings: Float, time_s: float) -> bool:
+    """Say whether the residual has become a magnet's on the sensor: still in it while turning in the room."""
+    gain = -math.expm1(-time_s / settings[IRON_WINDOW_S])
+    per_field, per_sample = 1.0 / counts[FIELD_COUNT], 1.0 / counts[COUNT]
+    sensor_step = earth_step = size = 0.0
+    share = memory[START_SHARE]
+    for a in range(3):
+        inside = 0.0
+        for b in range(3):
+            residual = memory[SUM_FIELD + b] * per_field - memory[FIELD + b] - share * memory[START + b]
+            inside += memory[SUM_ROTATION + 3 * b + a] * per_sample * residual
+        residual = memory[SUM_FIELD + a] * per_field - memory[FIELD + a] - share * memory[START + a]
+        d = inside - memory[SENSOR_MEAN + a]
+        memory[SENSOR_MEAN + a] += gain * d
+        sensor_step += d * d
+        size += memory[SENSOR_MEAN + a] ** 2
+        d = residual - memory[EARTH_MEAN + a]
+        memory[EARTH_MEAN + a] += gain * d
+        earth_step += d * d
+    memory[SENSOR_SPREAD] = (1.0 - gain) * (memory[SENSOR_SPREAD] + gain * sensor_step)
+    memory[EARTH_SPREAD] = (1.0 - gain) * (memory[EARTH_SPREAD] + gain * earth_step)
+    carried = (
+        size > _IRON_SMALLEST
+        and memory[SENSOR_SPREAD] < _IRON_SPREAD * size
+        and memory[EARTH_SPREAD] > settings[IRON_RATIO] * memory[SENSOR_SPREAD]
+    )
+    memory[IRON_S] = memory[IRON_S] + time_s if carried else 0.0
+    if memory[IRON_S] <= 0.5 * settings[IRON_WINDOW_S]:
+        return False
+    memory[IRON_S] = 0.0
+    memory[SENSOR_SPREAD] += size  # the window starts afresh
+    return True
+
+
+@kernel(
+    "void(float64[:, ::1], float64[::1], float64[::1], float64[::1], int64[::1], float64[::1], int64[::1],"
+    "float64[::1], float64[::1])"
+)
+def open_iron(
+    p: Float,
+    error: Float,
+    gain: Float,
+    memory: Float,
+    index: NDArray[np.int64],
+    value: Float,
+    counts: NDArray[np.int64],
+    settings: Float,
+    odds: Float,
+) -> None:
+    """Make the hard iron unknown again, having settled what it was before: its likeliest hypothesis."""
+    narrow = odds[0] + odds[1] + odds[2]
+    middle = odds[3] + odds[4] + odds[5]
+    if counts[OPENED] == 0 and max(narrow, middle) >= 1.0 - narrow - middle:
+        variance = settings[IRON_NARROW] if narrow >= middle else settings[IRON_MIDDLE]
+        value[0] = 1.0
+        for a in range(3):
+            index[0] = IRON + a
+            innovation = memory[IRON_KNOWN + a] - memory[IRON + a]
+            absorb(p, error, gain, index, value, 1, innovation, variance + memory[IRON_KNOWN_VARIANCE])
+    for a in range(3):
+        p[IRON + a, IRON + a] += settings[IRON_WIDE]
+    counts[OPENED] += 1
+
+
+@kernel("int64(int64)")
+def _moved_state(i: int) -> int:
+    """Return the error state in place `i` of those that a hypothesis moves."""
+    if i < 3:
+        return TURN + i
+    if i < 5:
+        return FIELD + i - 3
+    if i < 8:
+        return IRON + i - 5
+    return START + i - 8
+
+
+@kernel("void(float64[:, ::1], float64[::1], int64[::1], float64[::1], float64[::1], float64[::1])")
+def find_north(
+    p: Float, memory: Float, counts: NDArray[np.int64], settings: Float, odds: Float, work: Float
+) -> None:
+    """Weigh nine hypotheses on hard iron and start place; set CORRECTION and HEADING_VARIANCE.
+
+    The filter itself runs with both wide. That hard iron was N(known, s^2) all along is then one more
+    measurement, and its likelihood ratio against the wide prior follows from the same numbers: for a
+    Gaussian with prior variance W, the prior s^2 equals W and a measurement of variance
+    t^2 = 1 / (1 / s^2 - 1 / W). So one filter holds every hypothesis exactly, and a wrong first belief
+    (a magnet on the sensor, iron under the table) costs nothing once turning has shown it.
+    """
+    cov = work[0 : _SUB * _SUB].reshape(_SUB, _SUB)
+    shift = work[_SUB * _SUB : _SUB * (_SUB + 1)]
+    gain = work[_SUB * (_SUB + 1) : _SUB * (_SUB + 2)]
+    found = work[_SUB * (_SUB + 2) :].reshape(5, HYPOTHESES)
+    best = -np.inf
+    for h in range(HYPOTHESES):
+        iron, start = h // 3, h % 3
+        logarithm = 0.0
+        if iron == 0:
+            logarithm += settings[IRON_NARROW_ODDS]
+        elif iron == 1:
+            logarithm += settings[IRON_MIDDLE_ODDS]
+        else:
+            logarithm += math.log(
+                1.0 - math.exp(settings[IRON_NARROW_ODDS]) - math.exp(settings[IRON_MIDDLE_ODDS])
+            )
+        if start == 0:
+            logarithm += settings[START_NARROW_ODDS]
+        elif start == 1:
+            logarithm += settings[START_MIDDLE_ODDS]
+        else:
+            logarithm += math.log(
+                1.0 - math.exp(settings[START_NARROW_ODDS]) - math.exp(settings[START_MIDDLE_ODDS])
+            )
+        found[0, h] = -np.inf
+        if counts[OPENED] > 0 and iron > 0:
+            continue  # the iron has changed: what it was once says nothing any more
+        for i in range(_SUB):
+            shift[i] = 0.0
+            source = _moved_state(i)
+            for j in range(_SUB):
+                cov[i, j] = p[source, _moved_state(j)]
+        for c in range(6):
+            if c < 3:
+                if iron == 2 or counts[OPENED] > 0:
+                    continue
+                own = settings[IRON_NARROW] if iron == 0 else settings[IRON_MIDDLE]
+                own += memory[IRON_KNOWN_VARIANCE]
+                wide = settings[IRON_WIDE] + memory[IRON_KNOWN_VARIANCE]
+                target = memory[IRON_KNOWN + c] - memory[IRON + c]
+            else:
+                if start == 2:
+                    continue
+                own = settings[START_NARROW] if start == 0 else settings[START_MIDDLE]
+                wide = settings[START_WIDE]
+                target = -memory[START + c - 3]
+            row = 5 + c
+            variance = 1.0 / (1.0 / own - 1.0 / wide)
+            total = cov[row, row] + variance
+            innovation = target - shift[row]
+            logarithm += 0.5 * (math.log(wide / own * variance / total) - innovation * innovation / total)
+            for i in range(_SUB):
+                gain[i] = cov[i, row]
+            for i in range(_SUB):
+                shift[i] += gain[i] / total * innovation
+                for j in range(_SUB):
+                    cov[i, j] -= gain[i] * gain[j] / total
+        east, north = memory[FIELD] + shift[3], memory[FIELD + 1] + shift[4]
+        level = east * east + north * north + 1e-9
+        by_east, by_north = north / level, -east / level
+        found[0, h] = logarithm
+        found[1, h] = math.atan2(east, north) + shift[2]
+        found[2, h] = (
+            cov[2, 2]
+            + 2.0 * (by_east * cov[2, 3] + by_north * cov[2, 4])
+            + by_east * (by_east * cov[3, 3] + 2.0 * by_north * cov[3, 4])
+            + by_north * by_north * cov[4, 4]
+        )
+        found[3, h], found[4, h] = shift[0], shift[1]
+        best = max(best, logarithm)
+    total = 0.0
+    for h in range(HYPOTHESES):
+        odds[h] = math.exp(found[0, h] - best)
+        total += odds[h]
+    cosine = sine = tilt_x = tilt_y = own_variance = counted = 0.0
+    for h in range(HYPOTHESES):
+        odds[h] /= total
+        if odds[h] == 0.0:
+            continue
+        cosine += odds[h] * math.cos(found[1, h])
+        sine += odds[h] * math.sin(found[1, h])
+        tilt_x += odds[h] * found[3, h]
+        tilt_y += odds[h] * found[4, h]
+        if odds[h] > _UNLIKELY:
+            own_variance += odds[h] * min(found[2, h], _LARGEST_VARIANCE)
+            counted += odds[h]
+    heading = math.atan2(sine, cosine)
+    variance = settings[HEADING_SCALE] * own_variance / counted
+    for h in range(HYPOTHESES):
+        if odds[h] > 0.0:
+            variance += odds[h] * wrapped(found[1, h] - heading) ** 2
+    memory[HEADING_VARIANCE] = variance
+    # The small tilt of the hypotheses first, then the turn to north.
+    w, x, y, z = multiply(
+        math.cos(0.5 * heading), 0.0, 0.0, math.sin(0.5 * heading), 1.0, 0.5 * tilt_x, 0.5 * tilt_y, 0.0
+    )
+    norm = math.sqrt(w * w + x * x + y * y + z * z)
+    memory[CORRECTION], memory[CORRECTION + 1] = w / norm, x / norm
+    memory[CORRECTION + 2], memory[CORRECTION + 3] = y / norm, z / norm
+
+
+__all__ = ["HYPOTHESES", "WORK", "field_variance", "find_north", "iron_changed", "open_iron"]

@@ -1,0 +1,436 @@
+"""Our own online filter over sensors and ticks: start, gaps, blocks and output."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators._kernels import exponential, kernel, multiply, normalized
+from estimators.orientation._contract import OrientationFlag
+from estimators.orientation._telemotion_block import hold_place, inject, move, predict, see_field
+from estimators.orientation._telemotion_field import (
+    WORK,
+    field_variance,
+    find_north,
+    iron_changed,
+    open_iron,
+)
+from estimators.orientation._telemotion_gaps import (
+    after_gap,
+    coast,
+    doubt_filling,
+    filled,
+    gap_variance,
+    remember,
+    set_aside,
+)
+from estimators.orientation._telemotion_layout import (
+    BLOCK_TICKS,
+    COAST,
+    COAST_TICKS,
+    CONVERGENCE_TICKS,
+    CORRECTION,
+    COUNT,
+    DISTURBANCE,
+    FIELD_COUNT,
+    FIELD_KNOWN,
+    FORCE,
+    FORCE_TOLERANCE,
+    GAP,
+    GAP_SHARE,
+    GRAVITY,
+    HAS_FIELD,
+    HEADING_FLOOR,
+    HEADING_LOST,
+    HEADING_VARIANCE,
+    HYPOTHESIS_BLOCKS,
+    IDLE,
+    LAST_SAMPLE,
+    LEAD_S,
+    MAGNETIC,
+    MISFIT,
+    ODDS,
+    OFFSET,
+    PENDING,
+    PHASE,
+    RATE,
+    REST_MINIMUM_S,
+    REST_S,
+    RETURN_GAIN,
+    RETURN_STEP,
+    RUNNING,
+    SAMPLE,
+    SATURATED,
+    SHOWN,
+    SINCE_START,
+    SLOPE,
+    STATES,
+    STEP_S,
+    TICK,
+    TILT_FLOOR,
+    TILT_SCALE,
+    TILT_VARIANCE,
+    TURN,
+)
+from estimators.orientation._telemotion_samples import clear_sums, integrate, watch_rest
+from estimators.orientation._telemotion_start import begin, collect, meet_field
+from estimators.recording import Float, SampleQuality
+
+_INVALID = int(OrientationFlag.INVALID)
+_BRIDGED = int(OrientationFlag.BRIDGED)
+_CONVERGING = int(OrientationFlag.CONVERGING)
+_ACCELERATION = int(OrientationFlag.ACCELERATION_NOT_TRUSTED)
+_DISTURBANCE = int(OrientationFlag.MAGNETIC_DISTURBANCE)
+_NO_HEADING = int(OrientationFlag.HEADING_NOT_TRUSTED)
+_SATURATED = int(OrientationFlag.SATURATED)
+_SAMPLE_BRIDGED = int(SampleQuality.BRIDGED)
+_SAMPLE_MISSING = int(SampleQuality.MISSING)
+_SAMPLE_SATURATED = int(SampleQuality.SATURATED)
+_MICROTESLA = 1e6
+_DISTURBED = 8.0
+"""Misfit of a block, in squared scales: a residual of 5 uT from a field that is well known."""
+_WORST_LEVEL = 10.0
+
+
+@kernel("void(float64[::1], float64[::1], float64[::1])")
+def shown(memory: Float, q: Float, out: Float) -> None:
+    """Set `out` to Exp(OFFSET) CORRECTION q."""
+    w, x, y, z = multiply(
+        memory[CORRECTION],
+        memory[CORRECTION + 1],
+        memory[CORRECTION + 2],
+        memory[CORRECTION + 3],
+        q[0],
+        q[1],
+        q[2],
+        q[3],
+    )
+    if memory[OFFSET] != 0.0 or memory[OFFSET + 1] != 0.0 or memory[OFFSET + 2] != 0.0:
+        tw, tx, ty, tz = exponential(memory[OFFSET], memory[OFFSET + 1], memory[OFFSET + 2])
+        w, x, y, z = multiply(tw, tx, ty, tz, w, x, y, z)
+    out[0], out[1], out[2], out[3] = normalized(w, x, y, z)
+
+
+@kernel("void(float64[::1], float64[::1], float64[::1])")
+def keep_shown(memory: Float, q: Float, before: Float) -> None:
+    """Choose OFFSET so that the output stays at `before` although the estimate has been corrected."""
+    c = memory[CORRECTION : CORRECTION + 4]
+    w, x, y, z = multiply(c[0], c[1], c[2], c[3], q[0], q[1], q[2], q[3])
+    w, x, y, z = multiply(before[0], before[1], before[2], before[3], w, -x, -y, -z)
+    if w < 0.0:
+        w, x, y, z = -w, -x, -y, -z
+    sine = math.sqrt(x * x + y * y + z * z)
+    scale = 2.0 * math.atan2(sine, w) / sine if sine > 1e-12 else 2.0
+    memory[OFFSET], memory[OFFSET + 1], memory[OFFSET + 2] = scale * x, scale * y, scale * z
+
+
+@kernel("void(float64[::1], float64[::1])")
+def take_back(memory: Float, settings: Float) -> None:
+    """Let the output approach the estimate for one tick."""
+    size = math.sqrt(memory[OFFSET] ** 2 + memory[OFFSET + 1] ** 2 + memory[OFFSET + 2] ** 2)
+    if size == 0.0:
+        return
+    keep = 1.0 - min(settings[RETURN_GAIN] * size, settings[RETURN_STEP]) / size
+    if size < 1e-7:
+        keep = 0.0
+    for a in range(3):
+        memory[OFFSET + a] *= keep
+
+
+@kernel(
+    "void(float64[::1], float64[::1], float64[:, ::1], float64[::1], int64[::1], int64, float64[::1],"
+    "float64[:, ::1], int64[::1], float64[::1])"
+)
+def end_block(
+    q: Float,
+    bias: Float,
+    p: Float,
+    memory: Float,
+    counts: NDArray[np.int64],
+    tick: int,
+    settings: Float,
+    vectors: Float,
+    index: NDArray[np.int64],
+    work: Float,
+) -> None:
+    """Run the filter over the sums of a block and move its error into the estimate."""
+    error, gain, value, before = vectors[0], vectors[1], vectors[2], vectors[3]
+    shown(memory, q, before)
+    ticks = float(counts[COUNT])
+    time_s = ticks * settings[STEP_S]
+    rest = memory[REST_S] > settings[REST_MINIMUM_S]
+    met = False
+    move(memory, settings, ticks)
+    predict(p, memory, settings, ticks)
+    hold_place(p, error, gain, bias, memory, settings, index, value, ticks, rest)
+    odds = memory[ODDS : ODDS + 9]
+    if 2 * counts[FIELD_COUNT] >= counts[COUNT]:
+        if counts[FIELD_KNOWN] == 0:
+            meet_field(memory, counts, p, settings)
+            met = True
+        elif iron_changed(memory, counts, settings, time_s):
+            open_iron(p, error, gain, memory, index, value, counts, settings, odds)
+        variance = field_variance(p, memory, counts, settings, time_s, rest)
+        see_field(p, error, gain, memory, index, value, counts, variance)
+    inject(q, bias, memory, error)
+    blocks = (tick + 1) // int(settings[BLOCK_TICKS])
+    if counts[FIELD_KNOWN] and (blocks % int(settings[HYPOTHESIS_BLOCKS]) == 0 or met):
+        find_north(p, memory, counts, settings, odds, work)
+    if counts[FIELD_KNOWN] == 0:
+        memory[HEADING_VARIANCE] = p[TURN + 2, TURN + 2]
+    cosine = memory[CORRECTION] ** 2 - memory[CORRECTION + 3] ** 2
+    sine = 2.0 * memory[CORRECTION] * memory[CORRECTION + 3]
+    mixed = 2.0 * sine * cosine * p[TURN, TURN + 1]
+    across, along = p[TURN, TURN], p[TURN + 1, TURN + 1]
+    memory[TILT_VARIANCE] = settings[TILT_SCALE] * (cosine**2 * across + sine**2 * along - mixed)
+    memory[TILT_VARIANCE + 1] = settings[TILT_SCALE] * (sine**2 * across + cosine**2 * along + mixed)
+    clear_sums(memory, counts)
+    if met:
+        for a in range(3):
+            memory[OFFSET + a] = 0.0
+        counts[SINCE_START] = 0
+    else:
+        keep_shown(memory, q, before)
+
+
+@kernel(
+    "void(float64[::1], float64[::1], float64[:, ::1], float64[::1], int64[::1], int64, float64[::1],"
+    "float64[::1], float64[:, ::1], int64[::1], float64[::1])"
+)
+def advance(
+    q: Float,
+    bias: Float,
+    p: Float,
+    memory: Float,
+    counts: NDArray[np.int64],
+    tick: int,
+    sample: Float,
+    settings: Float,
+    vectors: Float,
+    index: NDArray[np.int64],
+    work: Float,
+) -> None:
+    """Take the sample of one tick; blocks end at multiples of their length in ticks of the session."""
+    watch_rest(memory, counts, sample, settings)
+    integrate(q, bias, memory, counts, sample, settings)
+    if (tick + 1) % int(settings[BLOCK_TICKS]) == 0:
+        end_block(q, bias, p, memory, counts, tick, settings, vectors, index, work)
+
+
+@kernel(
+    "void(float64[::1], float64[::1], float64[:, ::1], float64[::1], int64[::1], int64, float64[::1], boolean,"
+    "float64[::1], float64[:, ::1], int64[::1], float64[::1])"
+)
+def fill_gap(
+    q: Float,
+    bias: Float,
+    p: Float,
+    memory: Float,
+    counts: NDArray[np.int64],
+    tick: int,
+    now: Float,
+    sloped: bool,
+    settings: Float,
+    vectors: Float,
+    index: NDArray[np.int64],
+    work: Float,
+) -> None:
+    """Catch up: the samples of the gap, and the one set aside, whose tick is `tick`."""
+    sample = vectors[5][:SAMPLE]
+    gap = counts[GAP]
+    for place in range(1, gap + 1):
+        filled(memory, now, place, float(gap), sloped, sample)
+        advance(q, bias, p, memory, counts, tick - 1 - gap + place, sample, settings, vectors, index, work)
+    doubt_filling(memory, now, sloped, settings, float(gap))
+    after_gap(memory, sample)
+    advance(q, bias, p, memory, counts, tick, sample, settings, vectors, index, work)
+    for i in range(6):
+        first, second = memory[LAST_SAMPLE + i], sample[i]
+        memory[SLOPE + i] = now[i] - second if sloped else (second - first) / (gap + 1.0)
+        memory[LAST_SAMPLE + i] = second
+    for i in range(6, 9):
+        memory[LAST_SAMPLE + i] = sample[i] if sample[HAS_FIELD] > 0.0 else np.nan
+    counts[GAP] = counts[PENDING] = 0
+
+
+@kernel(
+    "boolean(int64, int64, float64[:, :, ::1], float64[:, :, ::1], float64[:, :, ::1], int64, float64[::1])"
+)
+def read(
+    s: int,
+    k: int,
+    gyroscope_radps: Float,
+    accelerometer_mps2: Float,
+    magnetometer_t: Float,
+    quality: int,
+    sample: Float,
+) -> bool:
+    """Put one tick into `sample`; say whether gyroscope and accelerometer can be used."""
+    usable = (quality & _SAMPLE_MISSING) == 0
+    squares = 0.0
+    for a in range(3):
+        sample[RATE + a] = gyroscope_radps[s, k, a]
+        sample[FORCE + a] = accelerometer_mps2[s, k, a]
+        squares += sample[FORCE + a] ** 2
+        usable &= math.isfinite(sample[RATE + a]) and math.isfinite(sample[FORCE + a])
+    sample[HAS_FIELD] = 0.0
+    if magnetometer_t.shape[0] > 0:
+        total = 0.0
+        for a in range(3):
+            sample[MAGNETIC + a] = _MICROTESLA * magnetometer_t[s, k, a]
+            total += sample[MAGNETIC + a] ** 2
+        if math.isfinite(total) and total > 0.0:
+            sample[HAS_FIELD] = 1.0
+    sample[SATURATED] = 1.0 if quality & _SAMPLE_SATURATED else 0.0
+    return bool(usable and squares > 0.0)
+
+
+@kernel(
+    "void(float64[:, :, ::1], float64[:, :, ::1], float64[:, :, ::1], uint8[:, ::1], float64[::1],"
+    "float64[:, ::1], float64[:, ::1], float64[:, :, ::1], float64[:, ::1], int64[:, ::1],"
+    "float64[:, :, ::1], float64[:, :, ::1], float64[:, :, ::1], uint8[:, ::1])"
+)
+def run(
+    gyroscope_radps: Float,
+    accelerometer_mps2: Float,
+    magnetometer_t: Float,
+    quality: NDArray[np.uint8],
+    settings: Float,
+    q_all: Float,
+    bias_all: Float,
+    covariance: Float,
+    memory_all: Float,
+    counters: NDArray[np.int64],
+    q_earth_sensor: Float,
+    bias_out: Float,
+    sigma_rad: Float,
+    flags: NDArray[np.uint8],
+) -> None:
+    """Filter K ticks of S sensors; the states are carried on."""
+    vectors = np.zeros((6, STATES))
+    index = np.zeros(8, dtype=np.int64)
+    work = np.zeros(WORK)
+    sample, out = np.zeros(SAMPLE), np.zeros(4)
+    step_s = settings[STEP_S]
+    for s in range(quality.shape[0]):
+        q, bias, p = q_all[s], bias_all[s], covariance[s]
+        memory, counts = memory_all[s], counters[s]
+        for k in range(quality.shape[1]):
+            tick = counts[TICK]
+            counts[TICK] += 1
+            grade = quality[s, k]
+            usable = read(s, k, gyroscope_radps, accelerometer_mps2, magnetometer_t, grade, sample)
+            bridged = (grade & _SAMPLE_BRIDGED) != 0
+            measured = usable and not bridged
+            take_back(memory, settings)
+            coasting = False
+            if counts[PHASE] == RUNNING:
+                counts[SINCE_START] += 1
+                if measured and counts[GAP] == 0:
+                    remember(memory, sample)
+                    advance(q, bias, p, memory, counts, tick, sample, settings, vectors, index, work)
+                elif measured and counts[PENDING]:
+                    fill_gap(
+                        q, bias, p, memory, counts, tick - 1, sample, True, settings, vectors, index, work
+                    )
+                    remember(memory, sample)
+                    advance(q, bias, p, memory, counts, tick, sample, settings, vectors, index, work)
+                elif measured:
+                    set_aside(memory, sample)
+                    counts[PENDING] = 1
+                    coast(memory, bias, sample, True, 1.0, step_s)
+                    coasting = True
+                else:
+                    if counts[PENDING]:
+                        fill_gap(
+                            q,
+                            bias,
+                            p,
+                            memory,
+                            counts,
+                            tick - 1,
+                            sample,
+                            False,
+                            settings,
+                            vectors,
+                            index,
+                            work,
+                        )
+                    if counts[GAP] == 0:
+                        for i in range(4):
+                            memory[COAST + i] = q[i]
+                    counts[GAP] += 1
+                    if counts[GAP] > settings[COAST_TICKS]:
+                        for i in range(4):
+                            q[i] = memory[COAST + i]
+                        counts[PHASE] = IDLE
+                    else:
+                        coast(memory, bias, sample, usable, float(counts[GAP]), step_s)
+                        coasting = True
+            elif usable:
+                if counts[PHASE] == IDLE:
+                    begin(memory, counts, sample)
+                    remember(memory, sample)
+                    for i in range(6):
+                        memory[SLOPE + i] = 0.0
+                else:
+                    counts[SINCE_START] += 1
+                    remember(memory, sample)
+                collect(q, bias, p, memory, counts, sample, settings)
+            else:
+                counts[PHASE] = IDLE
+                counts[GAP] += 1
+            flag = _BRIDGED if bridged else 0
+            if grade & _SAMPLE_SATURATED:
+                flag |= _SATURATED
+            for a in range(3):
+                bias_out[s, k, a] = bias[a]
+            if counts[PHASE] == IDLE:
+                flags[s, k] = flag | _INVALID | _NO_HEADING
+                for i in range(4):
+                    q_earth_sensor[s, k, i] = memory[SHOWN + i]
+                for a in range(3):
+                    sigma_rad[s, k, a] = math.pi
+                continue
+            if coasting:
+                shown(memory, memory[COAST : COAST + 4], out)
+            else:
+                shown(memory, q, out)
+            if settings[LEAD_S] != 0.0:
+                tw, tx, ty, tz = exponential(
+                    settings[LEAD_S] * (memory[LAST_SAMPLE] - bias[0]),
+                    settings[LEAD_S] * (memory[LAST_SAMPLE + 1] - bias[1]),
+                    settings[LEAD_S] * (memory[LAST_SAMPLE + 2] - bias[2]),
+                )
+                out[0], out[1], out[2], out[3] = multiply(out[0], out[1], out[2], out[3], tw, tx, ty, tz)
+            for i in range(4):
+                q_earth_sensor[s, k, i] = memory[SHOWN + i] = out[i]
+            added = 0.0
+            if coasting:
+                added = gap_variance(
+                    memory, float(counts[GAP] + counts[PENDING]), settings[GAP_SHARE], step_s
+                )
+                if not measured:
+                    flag |= _BRIDGED
+            level = 1.0 + min(memory[DISTURBANCE], _WORST_LEVEL)
+            for a in range(3):
+                variance = added + memory[OFFSET + a] ** 2
+                if a < 2:
+                    variance += memory[TILT_VARIANCE + a] + settings[TILT_FLOOR]
+                else:
+                    variance += memory[HEADING_VARIANCE] + settings[HEADING_FLOOR] * level
+                sigma_rad[s, k, a] = min(math.sqrt(max(variance, 1e-12)), math.pi)
+            if usable:
+                norm = math.sqrt(sample[FORCE] ** 2 + sample[FORCE + 1] ** 2 + sample[FORCE + 2] ** 2)
+                if abs(norm - memory[GRAVITY]) > settings[FORCE_TOLERANCE]:
+                    flag |= _ACCELERATION
+            if counts[SINCE_START] < settings[CONVERGENCE_TICKS]:
+                flag |= _CONVERGING
+            if sample[HAS_FIELD] > 0.0 and memory[MISFIT] > _DISTURBED:
+                flag |= _DISTURBANCE
+            if counts[FIELD_KNOWN] == 0 or sigma_rad[s, k, 2] > settings[HEADING_LOST]:
+                flag |= _NO_HEADING
+            flags[s, k] = flag
+
+
+__all__ = ["run"]

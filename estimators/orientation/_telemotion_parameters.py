@@ -1,0 +1,194 @@
+"""The tuning of our own filter: one set for all sensors, places and movements, and why each value is what it is."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimators.orientation import _telemotion_layout as at
+from estimators.recording import Float
+
+
+@dataclass(frozen=True)
+class TelemotionParameters:
+    """Parameters of the filter; noise densities are per root second, so that no value depends on the rate.
+
+    Gyroscope: `rate_noise_*` is what integrates without being seen, the second part grows with the rate of turn
+    (errors of scale that change); `gain_sigma` is the spread of scale and axis errors of devices.
+    Specific force: the integral of what is left beside gravity must stay near one place:
+    `position_prior_m_sqrt_s`, with `speed_noise_mps_per_sqrt_s` for all that bends this.
+    Magnetic field (microtesla): `field_noise_*_ut_sqrt_s` stand for errors that last for seconds, hence their
+    size; at rest they last as long as the rest. A block whose residual is `field_scale_ut` or more, alone or on
+    average over `field_level_s`, loses weight. Hard iron and the field at the first resting place are each
+    one of three: small (calibrated device, clean place), middle, or wide (a magnet attached, iron next to it),
+    with the odds given; wide has what is left.
+    `iron_*`: a residual that stays in the sensor for `iron_window_s` while it turns in the room is a new iron.
+    Gaps of up to `coast_s` are filled, with the error `gap_share` times the change of rate.
+    `return_*`: how corrections enter the output, as an exponential approach never faster than the rate.
+    `output_lead_s`: the output is extrapolated by this much (0: not at all), for devices whose gyroscope is late.
+    `*_sigma_scale` and `*_sigma_floor_deg` turn the covariance into the reported sigma: the noise values above
+    stand for correlated errors and overstate the white part by the first; the second is what no sensor shows:
+    errors of the accelerometer, and how far the field of a room points from that of its surroundings.
+    """
+
+    block_s: float = 0.15
+    hypothesis_s: float = 0.5
+    start_s: float = 0.05
+    coast_s: float = 0.25
+    convergence_s: float = 3.0
+    tilt_start_sigma_deg: float = 2.0
+    tilt_restart_sigma_deg: float = 3.0
+    heading_restart_sigma_deg: float = 10.0
+    speed_start_sigma_mps: float = 0.5
+    bias_start_sigma_degps: float = 1.0
+    bias_drift_degps_per_sqrt_s: float = 0.01
+    gain_sigma: float = 0.01
+    rate_noise_deg_per_sqrt_s: float = 0.02
+    rate_noise_per_rate_sqrt_s: float = 0.002
+    speed_noise_mps_per_sqrt_s: float = 0.1
+    position_noise_m_per_sqrt_s: float = 0.01
+    position_prior_m_sqrt_s: float = 0.6
+    rest_gyroscope_threshold_degps: float = 2.0
+    rest_accelerometer_threshold_mps2: float = 0.4
+    rest_minimum_s: float = 0.75
+    rest_time_constant_s: float = 0.5
+    rest_speed_sigma_mps_sqrt_s: float = 0.0045
+    rest_bias_sigma_degps_sqrt_s: float = 0.1
+    delay_sigma_s: float = 0.02
+    field_start_sigma_ut: float = 60.0
+    field_noise_moving_ut_sqrt_s: float = 5.0
+    field_noise_rest_ut_sqrt_s: float = 8.0
+    field_noise_start_ut_sqrt_s: float = 2.0
+    field_scale_ut: float = 1.0
+    field_level_s: float = 10.0
+    start_leaving_s: float = 1.0
+    iron_window_s: float = 2.0
+    iron_ratio: float = 4.0
+    iron_narrow_ut: float = 0.3
+    iron_middle_ut: float = 3.0
+    iron_wide_ut: float = 30.0
+    iron_narrow_odds: float = 0.8
+    iron_middle_odds: float = 0.15
+    start_narrow_ut: float = 1.0
+    start_middle_ut: float = 5.0
+    start_wide_ut: float = 30.0
+    start_narrow_odds: float = 0.8
+    start_middle_odds: float = 0.15
+    gap_share: float = 0.2
+    clip_rate_sigma_degps: float = 57.3
+    clip_force_sigma_mps2: float = 5.0
+    return_time_constant_s: float = 0.1
+    return_rate_degps: float = 30.0
+    output_lead_s: float = 0.0
+    acceleration_tolerance_mps2: float = 2.0
+    tilt_sigma_scale: float = 0.4
+    heading_sigma_scale: float = 0.35
+    tilt_sigma_floor_deg: float = 0.3
+    heading_sigma_floor_deg: float = 1.0
+    heading_lost_sigma_deg: float = 15.0
+
+
+POSITIVE = (
+    "block_s",
+    "hypothesis_s",
+    "rest_time_constant_s",
+    "field_scale_ut",
+    "field_level_s",
+    "start_leaving_s",
+    "iron_window_s",
+    "iron_narrow_ut",
+    "iron_middle_ut",
+    "start_narrow_ut",
+    "start_middle_ut",
+    "return_time_constant_s",
+    "return_rate_degps",
+    "position_prior_m_sqrt_s",
+    "rest_speed_sigma_mps_sqrt_s",
+    "rest_bias_sigma_degps_sqrt_s",
+    "field_noise_moving_ut_sqrt_s",
+    "field_noise_rest_ut_sqrt_s",
+    "field_noise_start_ut_sqrt_s",
+)
+"""Parameters that must be above zero."""
+
+
+def ordered(parameters: TelemotionParameters) -> str:
+    """Say which of the hypotheses cannot be told apart, or nothing."""
+    p = parameters
+    for kind in ("iron", "start"):
+        narrow, middle, wide = (getattr(p, f"{kind}_{name}_ut") for name in ("narrow", "middle", "wide"))
+        if not narrow < middle < wide:
+            return f"{kind}_narrow_ut, {kind}_middle_ut and {kind}_wide_ut must increase"
+        odds = getattr(p, f"{kind}_narrow_odds"), getattr(p, f"{kind}_middle_odds")
+        if min(odds) <= 0.0 or sum(odds) >= 1.0:
+            return f"{kind}_narrow_odds and {kind}_middle_odds must be above zero and add up to less than one"
+    return ""
+
+
+def settings_of(parameters: TelemotionParameters, step_s: float) -> Float:
+    """Return the constants of the kernels, in the order of `_telemotion_layout`."""
+    p = parameters
+    block_ticks = max(1.0, round(p.block_s / step_s))
+    block_s = block_ticks * step_s
+    values = {
+        at.STEP_S: step_s,
+        at.BLOCK_TICKS: block_ticks,
+        at.HYPOTHESIS_BLOCKS: max(1.0, round(p.hypothesis_s / block_s)),
+        at.START_TICKS: max(1.0, round(p.start_s / step_s)),
+        at.COAST_TICKS: math.floor(p.coast_s / step_s + 1e-6),
+        at.CONVERGENCE_TICKS: p.convergence_s / step_s,
+        at.TILT_START: math.radians(p.tilt_start_sigma_deg) ** 2,
+        at.TILT_RESTART: math.radians(p.tilt_restart_sigma_deg) ** 2,
+        at.HEADING_RESTART: math.radians(p.heading_restart_sigma_deg) ** 2,
+        at.SPEED_START: p.speed_start_sigma_mps**2,
+        at.FIELD_START: p.field_start_sigma_ut**2,
+        at.BIAS_DRIFT: math.radians(p.bias_drift_degps_per_sqrt_s) ** 2,
+        at.RATE_NOISE: math.radians(p.rate_noise_deg_per_sqrt_s) ** 2,
+        at.RATE_NOISE_PER_RATE: p.rate_noise_per_rate_sqrt_s**2,
+        at.SPEED_NOISE: p.speed_noise_mps_per_sqrt_s**2,
+        at.POSITION_NOISE: p.position_noise_m_per_sqrt_s**2,
+        at.POSITION_PRIOR: p.position_prior_m_sqrt_s**2,
+        at.REST_RATE: math.radians(p.rest_gyroscope_threshold_degps) ** 2,
+        at.REST_FORCE: p.rest_accelerometer_threshold_mps2**2,
+        at.REST_MINIMUM_S: p.rest_minimum_s,
+        at.REST_SPEED: p.rest_speed_sigma_mps_sqrt_s**2,
+        at.REST_BIAS: math.radians(p.rest_bias_sigma_degps_sqrt_s) ** 2,
+        at.REST_GAIN: -math.expm1(-step_s / p.rest_time_constant_s),
+        at.FIELD_NOISE_MOVING: p.field_noise_moving_ut_sqrt_s,
+        at.FIELD_NOISE_REST: p.field_noise_rest_ut_sqrt_s,
+        at.FIELD_NOISE_START: p.field_noise_start_ut_sqrt_s,
+        at.FIELD_SCALE: p.field_scale_ut**2,
+        at.FIELD_LEVEL_S: p.field_level_s,
+        at.START_LEAVING_S: p.start_leaving_s,
+        at.IRON_WINDOW_S: p.iron_window_s,
+        at.IRON_RATIO: p.iron_ratio,
+        at.IRON_WIDE: p.iron_wide_ut**2,
+        at.IRON_NARROW: p.iron_narrow_ut**2,
+        at.IRON_MIDDLE: p.iron_middle_ut**2,
+        at.IRON_NARROW_ODDS: math.log(p.iron_narrow_odds),
+        at.IRON_MIDDLE_ODDS: math.log(p.iron_middle_odds),
+        at.START_WIDE: p.start_wide_ut**2,
+        at.START_NARROW: p.start_narrow_ut**2,
+        at.START_MIDDLE: p.start_middle_ut**2,
+        at.START_NARROW_ODDS: math.log(p.start_narrow_odds),
+        at.START_MIDDLE_ODDS: math.log(p.start_middle_odds),
+        at.GAP_SHARE: p.gap_share**2,
+        at.CLIP_RATE: math.radians(p.clip_rate_sigma_degps) ** 2,
+        at.CLIP_FORCE: p.clip_force_sigma_mps2**2,
+        at.RETURN_GAIN: -math.expm1(-step_s / p.return_time_constant_s),
+        at.RETURN_STEP: math.radians(p.return_rate_degps) * step_s,
+        at.LEAD_S: p.output_lead_s,
+        at.FORCE_TOLERANCE: p.acceleration_tolerance_mps2,
+        at.TILT_SCALE: p.tilt_sigma_scale**2,
+        at.HEADING_SCALE: p.heading_sigma_scale**2,
+        at.TILT_FLOOR: math.radians(p.tilt_sigma_floor_deg) ** 2,
+        at.HEADING_FLOOR: math.radians(p.heading_sigma_floor_deg) ** 2,
+        at.HEADING_LOST: math.radians(p.heading_lost_sigma_deg),
+    }
+    settings = np.zeros(at.SETTINGS)
+    for position, value in values.items():
+        settings[position] = value
+    return settings
+
+
+__all__ = ["POSITIVE", "TelemotionParameters", "ordered", "settings_of"]
