@@ -166,7 +166,7 @@ class LiveManager:
 
     async def _open_session(self, session_id: str, declaration: Declaration) -> LiveSession:
         stored = await asyncio.to_thread(repository.load, self.engine, session_id)
-        if stored.state not in OPEN:
+        if stored.state not in OPEN or stored.is_ended:
             raise Conflict("This session is closed; create another one.", state=stored.state)
         known = None if stored.hello is None else Declaration.from_dict(stored.hello)
         if known is not None:
@@ -229,7 +229,7 @@ class LiveManager:
             session = self._sessions.get(session_id)
             if session is None:
                 stored = await asyncio.to_thread(repository.load, self.engine, session_id)
-                if stored.state not in OPEN:
+                if stored.state not in OPEN or stored.is_ended:
                     return self.stored_state(stored)
                 await asyncio.to_thread(repository.save_state, self.engine, session_id, "closing", reason)
             else:
@@ -243,6 +243,8 @@ class LiveManager:
         try:
             if session is not None:
                 await session.finish()
+            else:
+                await asyncio.to_thread(repository.end_abandoned, self.engine, session_id)
             await asyncio.to_thread(self._on_closed, session_id)
         except TelemotionError as error:
             logger.error("session %s could not be closed: %s", session_id, error.message)

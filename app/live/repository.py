@@ -22,7 +22,7 @@ from app.live.states import OPEN
 from app.patients.access import Level, require_patient
 from app.patients.models import Mounting
 from app.recordings.chunks import frames_stream
-from app.recordings.models import Job, MotionSession, Result, SignalChunk
+from app.recordings.models import MotionSession, Result, SignalChunk
 from app.recordings.schemas import SessionState
 from estimators import orientation
 from estimators.pipelines import Calibration, FrameLayout, Pipeline, SessionSetup
@@ -43,7 +43,8 @@ class StoredSession:
     hello: dict[str, Any] | None
     recording_start_s: float | None
     recording_end_s: float | None
-    created_by: str
+    is_ended: bool
+    """Closed once: it takes no more packets, whatever became of its analysis."""
 
 
 def authorise(
@@ -235,6 +236,19 @@ def finish_stream(
             result.status, result.progress, result.completed_at = "complete", 1.0, utc_now()
 
 
+def end_abandoned(engine: Engine, session_id: str) -> None:
+    """Note the end of a session that is not live here: no gateway came, or none came back."""
+    with unit_of_work(engine) as session:
+        row = _row(session, session_id)
+        row.ended_at = row.ended_at or utc_now()
+        for result in session.scalars(
+            select(Result).where(
+                Result.session_id == session_id, Result.kind == "live", Result.status == "running"
+            )
+        ):
+            result.status, result.progress, result.completed_at = "complete", 1.0, utc_now()
+
+
 def interrupted(engine: Engine) -> list[StoredSession]:
     """Return streamed sessions that were open or closing when the service last stopped."""
     states = [state for state in OPEN if state not in {"created", "failed"}] + ["closing"]
@@ -243,24 +257,6 @@ def interrupted(engine: Engine) -> list[StoredSession]:
             select(MotionSession).where(MotionSession.state.in_(states), MotionSession.source == "stream")
         )
         return [_stored(row) for row in rows]
-
-
-def queue_analysis(engine: Engine, session_id: str) -> None:
-    """Queue the off-line analysis of a closed session, unless it waits or runs already."""
-    with unit_of_work(engine) as session:
-        row = _row(session, session_id)
-        waiting = session.scalars(
-            select(Job).where(Job.session_id == session_id, Job.status.in_(["queued", "running"]))
-        ).all()
-        if not any(job.arguments.get("close") for job in waiting):
-            session.add(
-                Job(
-                    session_id=session_id,
-                    kind="reprocess",
-                    arguments={"close": True},
-                    created_by=row.created_by,
-                )
-            )
 
 
 def layout_dict(layout: FrameLayout) -> dict[str, list[str]]:
@@ -296,5 +292,5 @@ def _stored(row: MotionSession) -> StoredSession:
         hello=None if row.hello is None else dict(row.hello),
         recording_start_s=row.recording_start_s,
         recording_end_s=row.recording_end_s,
-        created_by=row.created_by,
+        is_ended=row.ended_at is not None,
     )
