@@ -16,20 +16,23 @@ import numba
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-def kernel(signature: str) -> Callable[[F], F]:
+def kernel(signature: str, *, inlined: bool = False) -> Callable[[F], F]:
     """Compile a loop for one signature: no GIL, cached, IEEE arithmetic (so chunking cannot change bits).
 
     Parameters
     ----------
     signature : str
         Numba type string, for instance `"void(float64[:, ::1], float64)"`.
+    inlined : bool
+        Always put the code into its caller, for steps of a loop that the compiler finds too large for it.
 
     Returns
     -------
     callable
         Decorator; the plain Python function stays reachable as `.py_func` for tests.
     """
-    return cast(Callable[[F], F], numba.njit(signature, cache=True, nogil=True, error_model="numpy"))
+    compiled = numba.njit(signature, cache=True, nogil=True, error_model="numpy", forceinline=inlined)
+    return cast(Callable[[F], F], compiled)
 
 
 Scalars3 = tuple[float, float, float]

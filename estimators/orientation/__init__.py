@@ -5,6 +5,7 @@ from typing import Any
 
 from estimators.errors import SetupError
 from estimators.orientation._contract import OrientationEstimator, OrientationFlag, OrientationResult
+from estimators.orientation._luinge import LuingeEstimator
 from estimators.orientation._marzouk_error_state import MarzoukErrorStateEstimator
 from estimators.orientation._marzouk_euler import MarzoukEulerEstimator
 from estimators.orientation._marzouk_quaternion import MarzoukQuaternionEstimator
@@ -20,6 +21,7 @@ _REGISTRY: dict[str, type[OrientationEstimator]] = {
         MarzoukQuaternionEstimator,
         MarzoukErrorStateEstimator,
         MarzoukEulerEstimator,
+        LuingeEstimator,
     )
 }
 
