@@ -34,6 +34,14 @@ def test_samples_without_truth_or_outside_the_mask_do_not_count():
 
 
 def test_registry_names_and_refuses():
-    assert list(available()) == ["vqf", "marzouk_quaternion_ekf", "marzouk_error_state_ekf"]
-    with pytest.raises(SetupError, match="known are vqf"):
+    assert set(available()) >= {
+        "vqf",
+        "marzouk_quaternion_ekf",
+        "marzouk_error_state_ekf",
+        "marzouk_euler_ekf",
+        "luinge_inclination",
+    }
+    titles = [kind.title for kind in available().values()]
+    assert len(set(titles)) == len(titles)
+    with pytest.raises(SetupError, match=r"known are .*\bvqf\b"):
         create("madgwick", 1, 0.01)
