@@ -231,6 +231,21 @@ def restore(
     command.restore(archive)
 
 
+@cli.command("audit-verify")
+def audit_verify(
+    against: Annotated[
+        Path | None,
+        typer.Option(
+            help="A backup; finds events that were cut off since it was made.", exists=True, dir_okay=False
+        ),
+    ] = None,
+) -> None:
+    """Check that no event of the audit trail was changed, removed or inserted. Exit code 1 when one was."""
+    from app.commands import store as command
+
+    command.audit_verify(against)
+
+
 @cli.command()
 def validate(
     names: Annotated[

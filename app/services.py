@@ -31,6 +31,7 @@ class Services:
     viewer : app.viewer
         3D views.
     sign_in_limits : app.accounts.rate_limit.SignInLimits
+    refused_sign_ins : app.accounts.refusals.RefusedSignIns
     passwords : app.accounts.passwords.Passwords
     """
 
@@ -42,6 +43,7 @@ class Services:
     jobs: Any = None
     viewer: Any = None
     sign_in_limits: Any = None
+    refused_sign_ins: Any = None
     passwords: Any = None
     extras: dict[str, Any] = field(default_factory=dict)
 

@@ -3,14 +3,14 @@
 from anyio import to_thread
 from fastapi import APIRouter, Depends, Request, Response
 
-from app.accounts import service
+from app.accounts import administration, service
 from app.accounts.dependencies import (
     CurrentAccount,
     CurrentSignIn,
     is_own_origin,
     require_own_origin,
 )
-from app.accounts.schemas import AccountIn, AccountOut, Me, SignInRequest
+from app.accounts.schemas import AccountIn, AccountOut, AccountPatch, Me, PasswordIn, SignInRequest
 from app.accounts.sign_in import COOKIE, end_sign_in, me
 from app.database.dependencies import ReadSession, WriteSession
 from app.services import services_of
@@ -32,7 +32,7 @@ async def sign_in(body: SignInRequest, request: Request, response: Response) -> 
     Errors: `sign_in_required` for any wrong pair, `too_many_attempts` with Retry-After, `unavailable`.
     """
     services = services_of(request)
-    address = request.client.host if request.client else "unknown"
+    address = _address(request)
     agent = request.headers.get("user-agent", "")
     account_id = await service.check_password(services, body.email, body.password, address)
     token, found = await to_thread.run_sync(
@@ -56,10 +56,20 @@ def who_am_i(current: CurrentSignIn, session: ReadSession) -> Me:
     return me(session, current.subject.id, current.csrf_token)
 
 
+@router.post("/me/password", status_code=204)
+async def change_password(body: PasswordIn, current: CurrentSignIn, request: Request) -> None:
+    """Change the own password; every other browser is signed out.
+
+    Errors: `invalid_input` with the field when the present password is wrong or the new one is too short or the same,
+    `too_many_attempts` with Retry-After.
+    """
+    await service.change_password(services_of(request), current, body, _address(request))
+
+
 @router.get("/accounts")
 def list_accounts(subject: CurrentAccount, session: ReadSession) -> list[AccountOut]:
     """Return the clinic's accounts: all for administrators, colleagues only for therapists."""
-    return service.list_accounts(session, subject)
+    return administration.list_accounts(session, subject)
 
 
 @router.post("/accounts", status_code=201)
@@ -69,7 +79,22 @@ async def create_account(body: AccountIn, subject: CurrentAccount, request: Requ
     Errors: `not_allowed`, `conflict` when the e-mail address is taken, `not_found` for another clinic's
     patient.
     """
-    return await service.create_account(services_of(request), subject, body)
+    return await administration.create_account(services_of(request), subject, body)
+
+
+@router.patch("/accounts/{account_id}")
+async def update_account(
+    account_id: str, body: AccountPatch, subject: CurrentAccount, request: Request
+) -> AccountOut:
+    """Rename an account, switch it off or on, or give a new password to who forgot it; administrators only.
+
+    Errors: `not_allowed`, `not_found` for another clinic's account, `conflict` for the own one.
+    """
+    return await administration.update_account(services_of(request), subject, account_id, body)
+
+
+def _address(request: Request) -> str:
+    return request.client.host if request.client else "unknown"
 
 
 def _set_cookie(response: Response, settings: Settings, token: str) -> None:

@@ -51,6 +51,23 @@ class AccountIn(Schema):
     patient_id: str | None = None
 
 
+class AccountPatch(Schema):
+    """Only the fields to change; administrators only."""
+
+    display_name: str | None = Field(default=None, min_length=1, max_length=200)
+    is_active: bool | None = None
+    """False switches the account off: it is signed out everywhere and cannot sign in."""
+    password: str | None = Field(default=None, min_length=10, max_length=200)
+    """For somebody who forgot theirs; they should change it at once."""
+
+
+class PasswordIn(Schema):
+    """Change the own password."""
+
+    old_password: str = Field(max_length=200)
+    new_password: str = Field(min_length=10, max_length=200)
+
+
 class GrantIn(Schema):
     """Give a colleague a right to one patient."""
 

@@ -1,24 +1,22 @@
-"""What sign-in and account administration decide."""
+"""What signing in and changing the own password decide."""
 
 from anyio import to_thread
-from sqlalchemy import select
-from sqlalchemy.orm import Session
 
 from app.accounts import audit
-from app.accounts.models import PATIENT, Account
-from app.accounts.schemas import AccountIn, AccountOut, Me
+from app.accounts.models import Account
+from app.accounts.schemas import Me, PasswordIn
 from app.accounts.sign_in import (
+    FoundSignIn,
     create_sign_in,
+    end_all_sign_ins,
     end_sign_in,
     me,
     normalise_email,
     password_hash_of,
 )
-from app.accounts.subject import Subject
 from app.accounts.tickets import account_subject
-from app.database.base import new_id
 from app.database.unit_of_work import read_only, unit_of_work
-from app.errors import Conflict, InvalidInput, NotAllowed, NotFound, SignInRequired
+from app.errors import Conflict, InvalidInput, SignInRequired
 from app.services import Services
 
 WRONG = "E-mail address or password is wrong."
@@ -49,6 +47,7 @@ async def check_password(services: Services, email: str, password: str, address:
     account_id, password_hash = await to_thread.run_sync(_look_up, services, email)
     fits = await services.passwords.verify_in_turn(password_hash, password)
     if not fits or account_id is None:
+        services.refused_sign_ins.note(email)
         raise SignInRequired(WRONG)
     services.sign_in_limits.succeeded(email, address)
     if password_hash is not None and services.passwords.needs_rehash(password_hash):
@@ -78,72 +77,37 @@ def open_sign_in(services: Services, account_id: str, agent: str, old_token: str
         return token, me(session, account_id, row.csrf_token)
 
 
-def list_accounts(session: Session, subject: Subject) -> list[AccountOut]:
-    """Return the accounts that the subject may know of.
-
-    Parameters
-    ----------
-    session : Session
-    subject : Subject
-        Administrators see all of their clinic, therapists their colleagues (to give grants to), others
-        nobody.
-    """
-    query = select(Account).where(Account.clinic_id == subject.clinic_id).order_by(Account.display_name)
-    if subject.role == "therapist":
-        query = query.where(Account.role.in_(["administrator", "therapist", "integrator"]), Account.is_active)
-    elif subject.role != "administrator":
-        raise NotAllowed("Only the clinic's staff can list its accounts.")
-    return [account_out(row) for row in session.scalars(query)]
-
-
-async def create_account(services: Services, subject: Subject, body: AccountIn) -> AccountOut:
-    """Create an account in the subject's clinic.
+async def change_password(services: Services, current: FoundSignIn, body: PasswordIn, address: str) -> None:
+    """Replace the own password; the account is signed out everywhere but here.
 
     Parameters
     ----------
     services : Services
-    subject : Subject
-        An administrator.
-    body : AccountIn
+    current : FoundSignIn
+        Whose password, and the one browser session that stays.
+    body : PasswordIn
+    address : str
+        Of the client: guesses at the present password count as failed sign-ins.
 
     Raises
     ------
-    NotAllowed
-        Not an administrator.
-    Conflict
-        The e-mail address is taken.
     InvalidInput
-        A patient's account without a patient, or another one with.
-    NotFound
-        No such patient in this clinic.
+        The present password is wrong, or the new one is the same.
+    TooManyAttempts
+        After too many wrong ones.
+    Conflict
+        The password was changed elsewhere at the same moment.
     """
-    if subject.role != "administrator":
-        raise NotAllowed("Only an administrator of the clinic can create accounts.")
-    if (body.role == "patient") != (body.patient_id is not None):
-        raise InvalidInput(
-            "An account with the role patient, and no other, needs patient_id.", field="patient_id"
-        )
-    email = normalise_email(body.email)
-    if email.count("@") != 1 or email.startswith("@") or email.endswith("@"):
-        raise InvalidInput("The e-mail address needs a name, an @ and a host.", field="email")
-    password_hash = await services.passwords.hash_in_turn(body.password)
-    return await to_thread.run_sync(_store_account, services, subject, body, email, password_hash)
-
-
-def account_out(row: Account) -> AccountOut:
-    """Return an account as a colleague sees it.
-
-    Parameters
-    ----------
-    row : Account
-    """
-    return AccountOut(
-        id=row.id,
-        display_name=row.display_name,
-        email=row.email,
-        role=row.role,
-        is_active=row.is_active,
-    )
+    email, password_hash = await to_thread.run_sync(_own_hash, services, current.subject.id)
+    services.sign_in_limits.attempt(email, address)
+    if not await services.passwords.verify_in_turn(password_hash, body.old_password):
+        services.refused_sign_ins.note(email)
+        raise InvalidInput("The present password is wrong.", field="old_password")
+    services.sign_in_limits.succeeded(email, address)
+    if body.new_password == body.old_password:
+        raise InvalidInput("The new password is the present one; choose another.", field="new_password")
+    renewed = await services.passwords.hash_in_turn(body.new_password)
+    await to_thread.run_sync(_replace_hash, services, current, password_hash, renewed)
 
 
 def _look_up(services: Services, email: str) -> tuple[str | None, str | None]:
@@ -156,27 +120,24 @@ def _store_hash(services: Services, account_id: str, password_hash: str) -> None
         session.get_one(Account, account_id).password_hash = password_hash
 
 
-def _store_account(
-    services: Services, subject: Subject, body: AccountIn, email: str, password_hash: str
-) -> AccountOut:
+def _own_hash(services: Services, account_id: str) -> tuple[str, str | None]:
+    with read_only(services.engine) as session:
+        row = session.get_one(Account, account_id)
+        return row.email, row.password_hash
+
+
+def _replace_hash(services: Services, current: FoundSignIn, present: str | None, renewed: str) -> None:
     with unit_of_work(services.engine) as session:
-        if body.patient_id is not None:
-            clinic_id = session.scalar(select(PATIENT.c.clinic_id).where(PATIENT.c.id == body.patient_id))
-            if clinic_id != subject.clinic_id:
-                raise NotFound("There is no such patient in this clinic.")
-        if session.scalar(select(Account.id).where(Account.email == email)) is not None:
-            raise Conflict("There is an account with this e-mail address already.", field="email")
-        row = Account(
-            id=new_id(),
-            clinic_id=subject.clinic_id,
-            role=body.role,
-            email=email,
-            display_name=body.display_name,
-            password_hash=password_hash,
-            patient_id=body.patient_id,
-            is_active=True,
+        row = session.get_one(Account, current.subject.id)
+        if row.password_hash != present:
+            raise Conflict("The password was changed elsewhere a moment ago; sign in again.")
+        row.password_hash = renewed
+        ended = end_all_sign_ins(session, row.id, but=current.id)
+        audit.record(
+            session,
+            current.subject,
+            "account.password_change",
+            row.patient_id,
+            row.id,
+            {"sign_ins_ended": ended},
         )
-        session.add(row)
-        session.flush()
-        audit.record(session, subject, "account.create", body.patient_id, row.id, {"role": body.role})
-        return account_out(row)

@@ -6,7 +6,7 @@ from datetime import timedelta
 from sqlalchemy import delete, select, update
 from sqlalchemy.orm import Session
 
-from app.accounts.models import Account, Clinic, SignIn
+from app.accounts.models import Account, Clinic, SignIn, Ticket
 from app.accounts.schemas import Me
 from app.accounts.subject import Subject
 from app.accounts.tickets import account_subject
@@ -152,6 +152,29 @@ def end_sign_in(session: Session, token: str) -> None:
     token : str
     """
     session.execute(delete(SignIn).where(SignIn.token_hash == hash_token(token)))
+
+
+def end_all_sign_ins(session: Session, account_id: str, but: str | None = None) -> int:
+    """Forget every browser session of an account, and its tickets that are still good.
+
+    Parameters
+    ----------
+    session : Session
+        Writing.
+    account_id : str
+    but : str, optional
+        Identifier of the one browser session that stays.
+
+    Returns
+    -------
+    int
+        Browser sessions that ended.
+    """
+    ended = session.scalars(
+        delete(SignIn).where(SignIn.account_id == account_id, SignIn.id != (but or "")).returning(SignIn.id)
+    ).all()
+    session.execute(delete(Ticket).where(Ticket.account_id == account_id, Ticket.used_at.is_(None)))
+    return len(ended)
 
 
 def me(session: Session, account_id: str, csrf_token: str) -> Me:

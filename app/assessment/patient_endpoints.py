@@ -1,18 +1,22 @@
-"""HTTP of what is drawn together about a patient: the caseload, progress, and prescriptions with what was done.
+"""HTTP of what is drawn together about a patient: the caseload, progress, prescriptions with what was done, and
+erasing it all.
 
 The paths are those of patients; the code is here because it reads recordings and comparisons, which the room
 `patients` does not know.
 """
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Request
 
 from app.accounts.dependencies import CurrentAccount
 from app.assessment import practice
 from app.assessment.caseload import caseload
+from app.assessment.erasure import erase
 from app.assessment.progress import progress
 from app.assessment.schemas import CaseloadRow, Progress
 from app.database.dependencies import ReadSession, WriteSession
 from app.exercises.schemas import PrescriptionIn, PrescriptionOut
+from app.patients.schemas import ErasureIn
+from app.services import services_of
 
 router = APIRouter(prefix="/api")
 
@@ -45,6 +49,17 @@ def create_prescription(
 ) -> PrescriptionOut:
     """Prescribe an exercise."""
     return practice.prescribe(session, subject, patient_id, body)
+
+
+@router.delete("/patients/{patient_id}", status_code=204, tags=["patients"])
+def erase_patient(patient_id: str, body: ErasureIn, subject: CurrentAccount, request: Request) -> None:
+    """Erase an archived patient for good, with signals, results, comparisons and accounts; administrators only.
+
+    The audit trail keeps that it happened. Errors: `conflict` when the patient is not archived, streams, or a
+    recording is being analysed.
+    """
+    services = services_of(request)
+    erase(services.engine, services.settings, subject, patient_id)
 
 
 __all__ = ["router"]

@@ -1,4 +1,4 @@
-"""Commands on the database: migrate, backup, restore, reprocess."""
+"""Commands on the database: migrate, backup, restore, reprocess, check the audit trail."""
 
 import json
 from pathlib import Path
@@ -60,6 +60,39 @@ def restore(archive: Path) -> None:
     """Fill an empty database from a backup."""
     manifest = archives.restore(archive, Settings().database_url)
     typer.echo(f"{sum(manifest.rows.values())} rows restored")
+
+
+def audit_verify(archive: Path | None) -> None:
+    """Check the audit chain of every clinic and print how far it is whole.
+
+    Parameters
+    ----------
+    archive : Path or None
+        A backup: each chain must still contain the last event that it had then, so a cut end is found too.
+
+    Raises
+    ------
+    typer.Exit
+        With code 1 when a chain is broken.
+    """
+    heads = archives.verify(archive).audit_heads if archive is not None else {}
+    engine = engines.create(Settings())
+    try:
+        with read_only(engine) as session:
+            known = set(session.scalars(select(Clinic.id)))
+            reports = {
+                clinic_id: audit.verify(session, clinic_id, heads.get(clinic_id))
+                for clinic_id in sorted(known | set(heads))
+            }
+    finally:
+        engine.dispose()
+    for clinic_id, report in reports.items():
+        if report.is_intact:
+            typer.echo(f"clinic {clinic_id}: {report.events} events, intact, head {report.head}")
+        else:
+            typer.echo(f"clinic {clinic_id}: broken at event {report.broken_at}: {report.reason}")
+    if not all(report.is_intact for report in reports.values()):
+        raise typer.Exit(1)
 
 
 def create_clinic(name: str, email: str, person: str, password: str) -> None:

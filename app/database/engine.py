@@ -24,6 +24,8 @@ from app.settings import Settings
 BUSY_TIMEOUT_MS = 15_000
 """How long a writer waits for SQLite's write lock before it fails."""
 
+CHECKPOINT_PATIENCE_MS = 500
+
 POOL_SIZE = 16
 MAX_OVERFLOW = 48
 """Together above the 40 threads of the request pool plus recorder, jobs and live runners."""
@@ -103,6 +105,8 @@ def _prepare_sqlite(engine: Engine, *, synchronous: str) -> None:
             "foreign_keys = ON",
             "temp_store = MEMORY",
             "cache_size = -16000",
+            # What is erased is overwritten, not only unlinked.
+            "secure_delete = ON",
         ):
             cursor.execute(f"PRAGMA {pragma}")
         cursor.close()
@@ -115,3 +119,34 @@ def _prepare_sqlite(engine: Engine, *, synchronous: str) -> None:
         else:
             connection.exec_driver_sql("PRAGMA query_only = OFF")
             connection.exec_driver_sql("BEGIN IMMEDIATE")
+
+
+def forget_deleted(engine: Engine) -> bool:
+    """Empty SQLite's write-ahead log, which still holds pages as they were before something was erased.
+
+    Parameters
+    ----------
+    engine : Engine
+        Of a database from which something was erased and committed.
+
+    Returns
+    -------
+    bool
+        False when others read or wrote too long at that moment; the log is then reused from its beginning later.
+        True on PostgreSQL, which cleans up by itself.
+    """
+    if engine.dialect.name != "sqlite":
+        return True
+    raw = engine.raw_connection()
+    try:
+        cursor = raw.cursor()
+        # While the log waits for a long reader, writers wait too: not longer than they can bear.
+        cursor.execute(f"PRAGMA busy_timeout = {CHECKPOINT_PATIENCE_MS}")
+        try:
+            (is_busy, _, _) = cursor.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone()
+        finally:
+            cursor.execute(f"PRAGMA busy_timeout = {BUSY_TIMEOUT_MS}")
+            cursor.close()
+    finally:
+        raw.close()
+    return not is_busy

@@ -2,20 +2,23 @@
 
 Recordings, exercises, assessment, viewer and live all call `require_patient`; no other code decides.
 
-========= ============================================
-========================================================= level     covers
-  who has it
-========= ============================================
-========================================================= `status`  state and progress of sessions and jobs
-  everybody below, and the patient's device tokens `read`    all data of the patient                      the
-  patient; grants `read` and `treat`; administrators
-`record`  start, stream, steer and upload exercise     the patient and its device tokens (with the consent
-          sessions                                     `home_streaming`); grant `treat`
-`treat`   record templates, prescribe, compare,        grant `treat`
-          reprocess, delete
-`manage`  grants, consents, device tokens, master data grant `treat`; administrators of the clinic
-========= ============================================
-=========================================================
+=========  ==============================================  ==================================================
+level      covers                                          who has it
+=========  ==============================================  ==================================================
+`status`   state and progress of sessions and jobs         everybody below, and the patient's device tokens
+`read`     all data of the patient                         the patient; grants `read` and `treat`;
+                                                           administrators
+`record`   start, stream, steer and upload exercise        the patient and its device tokens (with the
+           sessions                                        consent `home_streaming`); grant `treat`
+`treat`    record templates, prescribe, compare,           grant `treat`
+           reprocess, delete sessions
+`manage`   grants, consents, device tokens, master data,   grant `treat`; administrators of the clinic
+           archive
+`erase`    erase the patient for good                      administrators of the clinic
+=========  ==============================================  ==================================================
+
+Of an archived patient everything can still be read; `record` and `treat` are refused until the patient is taken
+out of the archive.
 
 The service itself (`Subject.system`) has every level inside its clinic. Who has no level at all gets
 `NotFound`, so the patient's existence does not leak; who has another level gets `NotAllowed`.
@@ -33,14 +36,14 @@ from app.database.base import utc_now
 from app.errors import NotAllowed, NotFound
 from app.patients.models import Grant, Patient
 
-Level = Literal["status", "read", "record", "treat", "manage"]
+Level = Literal["status", "read", "record", "treat", "manage", "erase"]
 
 _GRANT_LEVELS: dict[str, frozenset[Level]] = {
     "read": frozenset({"status", "read"}),
     "treat": frozenset({"status", "read", "record", "treat", "manage"}),
 }
-_ALL: frozenset[Level] = frozenset({"status", "read", "record", "treat", "manage"})
-_ADMINISTRATOR: frozenset[Level] = frozenset({"status", "read", "manage"})
+_ALL: frozenset[Level] = frozenset({"status", "read", "record", "treat", "manage", "erase"})
+_ADMINISTRATOR: frozenset[Level] = frozenset({"status", "read", "manage", "erase"})
 _OWN: frozenset[Level] = frozenset({"status", "read", "record"})
 _DEVICE: frozenset[Level] = frozenset({"status", "record"})
 
@@ -57,7 +60,7 @@ def require_patient(session: Session, subject: Subject, patient_id: str, level: 
         Who asks.
     patient_id : str
         Whose data.
-    level : {"status", "read", "record", "treat", "manage"}
+    level : {"status", "read", "record", "treat", "manage", "erase"}
         What is to be done; see the module text.
 
     Returns
@@ -69,7 +72,7 @@ def require_patient(session: Session, subject: Subject, patient_id: str, level: 
     NotFound
         The patient does not exist, or the subject has no right at all.
     NotAllowed
-        The subject may see the patient but not do this, or the patient has not consented to it.
+        The subject may see the patient but not do this, the patient has not consented to it, or is archived.
     """
     patient = session.get(Patient, patient_id)
     held = levels(session, subject, patient) if patient is not None else frozenset()
@@ -77,7 +80,11 @@ def require_patient(session: Session, subject: Subject, patient_id: str, level: 
         raise NotFound(NO_SUCH_PATIENT)
     if level not in held:
         raise NotAllowed(f"Your right to this patient does not cover this (it needs: {level}).", level=level)
-    if level in {"record", "treat"}:
+    if level in {"record", "treat"} and subject.role != "system":
+        if patient.archived_at is not None:
+            raise NotAllowed(
+                "This patient is archived: what exists can be read, nothing can be added.", archived=True
+            )
         _require_consent(session, subject, patient_id, level)
     return patient
 
@@ -152,8 +159,6 @@ def _granted(session: Session, subject: Subject, patient_id: str) -> frozenset[L
 
 
 def _require_consent(session: Session, subject: Subject, patient_id: str, level: Level) -> None:
-    if subject.role == "system":
-        return
     if consent(session, patient_id, "treatment") is False:
         raise NotAllowed(
             "The patient has withdrawn the consent to treatment: what exists can be read, "

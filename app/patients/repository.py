@@ -3,7 +3,7 @@
 from datetime import datetime, timedelta
 from typing import Any
 
-from sqlalchemy import select
+from sqlalchemy import delete, select, update
 from sqlalchemy.orm import Session
 
 from app.accounts import audit
@@ -121,9 +121,52 @@ def update_patient(session: Session, subject: Subject, patient_id: str, fields: 
     patient = require_patient(session, subject, patient_id, "manage")
     for name, value in fields.items():
         setattr(patient, name, value)
-    audit.record(session, subject, "patient.update", patient_id, patient_id, {"fields": sorted(fields)})
+    if fields:
+        audit.record(session, subject, "patient.update", patient_id, patient_id, {"fields": sorted(fields)})
     session.flush()
     return patient
+
+
+def set_archived(session: Session, subject: Subject, patient: Patient, is_archived: bool) -> None:
+    """Put a patient into the archive or take it out again.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+    patient : Patient
+        For which the subject has the level `manage`.
+    is_archived : bool
+    """
+    if (patient.archived_at is not None) == is_archived:
+        return
+    patient.archived_at = utc_now() if is_archived else None
+    action = "patient.archive" if is_archived else "patient.unarchive"
+    audit.record(session, subject, action, patient.id, patient.id)
+    session.flush()
+
+
+def erase_patient(session: Session, subject: Subject, patient: Patient, details: dict[str, int]) -> None:
+    """Delete a patient with everything that hangs on it, and the accounts with which it signed in.
+
+    The audit trail stays whole: it holds identifiers that now lead nowhere, and the event of the erasure.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+    patient : Patient
+        For which the subject has the level `erase`; archived, and nothing is at work on its recordings.
+    details : dict
+        Counts for the audit trail.
+    """
+    accounts = list(session.scalars(select(Account.id).where(Account.patient_id == patient.id)))
+    session.execute(update(Account).where(Account.id.in_(accounts)).values(patient_id=None, is_active=False))
+    # Grants, consents, tokens, prescriptions, the patient's own templates and all recordings go by their foreign keys.
+    session.execute(delete(Patient).where(Patient.id == patient.id))
+    session.execute(delete(Account).where(Account.id.in_(accounts)))
+    details = details | {"accounts": len(accounts)}
+    audit.record(session, subject, "patient.erase", patient.id, patient.id, details)
 
 
 def may_treat(session: Session, subject: Subject, patient: Patient) -> bool:

@@ -41,6 +41,14 @@ class PatientPatch(Schema):
     affected_side: Side | None = None
     notes: str | None = Field(default=None, max_length=4000)
     body_dimensions: BodyDimensionsIn | None = None
+    is_archived: bool | None = None
+    """True takes the patient off the caseload and lets nothing be added; everything can still be read."""
+
+
+class ErasureIn(Schema):
+    """Erase a patient for good; the word shows that this is meant."""
+
+    confirmation: Literal["ERASE"]
 
 
 class PatientOut(PatientIn):

@@ -82,7 +82,7 @@ def update_patient(session: Session, subject: Subject, patient_id: str, body: Pa
     InvalidInput
         A field that cannot be empty is null.
     """
-    fields = body.model_dump(exclude_unset=True, exclude={"body_dimensions"})
+    fields = body.model_dump(exclude_unset=True, exclude={"body_dimensions", "is_archived"})
     empty = [
         name for name in ("given_name", "family_name", "notes") if name in fields and fields[name] is None
     ]
@@ -90,7 +90,10 @@ def update_patient(session: Session, subject: Subject, patient_id: str, body: Pa
         raise InvalidInput(f"{empty[0]} cannot be null; leave it out to keep it.", field=empty[0])
     if body.body_dimensions is not None:
         fields["body_dimensions"] = body.body_dimensions.model_dump(exclude_none=True)
-    return patient_out(session, subject, repository.update_patient(session, subject, patient_id, fields))
+    patient = repository.update_patient(session, subject, patient_id, fields)
+    if body.is_archived is not None:
+        repository.set_archived(session, subject, patient, body.is_archived)
+    return patient_out(session, subject, patient)
 
 
 def patient_out(session: Session, subject: Subject, patient: Patient) -> PatientOut:

@@ -71,6 +71,8 @@ def build_seed(settings: Settings, passwords: Passwords, folder: Path) -> Seed:
     seed.own = _everything(
         engine, settings, log, world, "therapist", world.patient_id, world.exercise_id, MARK
     )
+    # Somebody of the same clinic who has no right to Ada any more.
+    seed.own["account_id"] = world.accounts["former"]
     seed.foreign = _everything(
         engine,
         settings,

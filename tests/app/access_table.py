@@ -7,6 +7,8 @@
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from .conftest import PASSWORD
+
 READ = frozenset({"therapist", "reader", "patient", "administrator"})
 STATUS = READ | {"device"}
 RECORD = frozenset({"therapist", "patient", "device"})
@@ -108,12 +110,35 @@ LINES: tuple[Line, ...] = (
         status=201,
         note="for a patient",
     ),
+    Line(
+        "POST",
+        "/api/me/password",
+        "signed_in",
+        body={"old_password": PASSWORD, "new_password": "quite another password"},
+        status=204,
+        note="(cookies only)",
+    ),
+    patient(
+        "PATCH",
+        "/api/accounts/{account_id}",
+        frozenset({"administrator"}),
+        body={"is_active": False},
+    ),
     # --- patients ---
     Line("GET", "/api/caseload", "list"),
     Line("GET", "/api/patients", "list"),
     Line("POST", "/api/patients", "role", MANAGE | {"reader"}, body=PATIENT, status=201),
     patient("GET", "/api/patients/{patient_id}", READ),
     patient("PATCH", "/api/patients/{patient_id}", MANAGE, body={"notes": "changed"}),
+    patient("PATCH", "/api/patients/{patient_id}", MANAGE, body={"is_archived": True}, note="archive"),
+    patient(
+        "DELETE",
+        "/api/patients/{patient_id}",
+        frozenset({"administrator"}),
+        body={"confirmation": "ERASE"},
+        status=204,
+        prepare="archive",
+    ),
     patient("GET", "/api/patients/{patient_id}/progress", READ),
     patient("GET", "/api/patients/{patient_id}/grants", READ),
     patient(

@@ -4,9 +4,12 @@ import threading
 
 import pytest
 from sqlalchemy import select, text, update
+from typer.testing import CliRunner
 
 from app.accounts import audit
 from app.accounts.models import AuditEvent
+from app.cli import cli
+from app.database import backup
 from app.database.unit_of_work import read_only, unit_of_work
 
 
@@ -164,3 +167,32 @@ def test_every_read_and_write_of_a_patient_is_noted(therapist, world, engine):
     with read_only(engine) as session:
         for event in session.scalars(select(AuditEvent)):
             assert "secret remark" not in str(event.details), "the trail holds no patient data"
+
+
+def run_command(settings, monkeypatch, *arguments):
+    monkeypatch.setenv("TELEMOTION_DATABASE_URL", settings.database_url)
+    monkeypatch.setenv("TELEMOTION_SECRET_KEY", settings.secret_key.get_secret_value())
+    return CliRunner().invoke(cli, ["audit-verify", *arguments])
+
+
+def test_the_command_tells_whole_and_broken_chains(engine, subject, world, settings, monkeypatch, tmp_path):
+    record_some(engine, subject)
+    whole = run_command(settings, monkeypatch)
+    assert whole.exit_code == 0, whole.output
+    assert f"clinic {world.clinic_id}: 5 events, intact" in whole.output
+    assert f"clinic {world.foreign_clinic_id}: 0 events, intact" in whole.output
+    archive = tmp_path / "kept.backup"
+    backup.backup(engine, archive)
+    assert run_command(settings, monkeypatch, "--against", str(archive)).exit_code == 0
+    with engine.begin() as connection:
+        connection.execute(text("DROP TRIGGER audit_event_no_delete"))
+        connection.execute(text("DELETE FROM audit_event WHERE number = 5"))
+    assert run_command(settings, monkeypatch).exit_code == 0, "a cut chain is whole in itself"
+    cut = run_command(settings, monkeypatch, "--against", str(archive))
+    assert cut.exit_code == 1
+    assert f"clinic {world.clinic_id}: broken at event 5: events at the end are missing" in cut.output
+    with engine.begin() as connection:
+        connection.execute(text("DELETE FROM audit_event WHERE number = 2"))
+    broken = run_command(settings, monkeypatch)
+    assert broken.exit_code == 1
+    assert f"clinic {world.clinic_id}: broken at event 3" in broken.output

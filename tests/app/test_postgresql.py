@@ -13,6 +13,7 @@ from app.database import migrate
 from app.database.engine import create_from_url
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import SignInRequired
+from app.recordings.models import MotionSession
 from app.settings import Settings
 
 from .assessment.history import History, reason_declining
@@ -98,7 +99,7 @@ def test_of_many_at_once_one_uses_a_ticket(engine, world):
     assert sorted(results) == [""] * 5 + ["5" * 32]
 
 
-def test_the_pages_of_a_therapist(engine, world, therapist, patient):
+def test_the_pages_of_a_therapist(engine, world, therapist, patient, sign_in):
     history = History(engine, world)
     history.prescribe(10)
     reason_declining(history)
@@ -116,3 +117,11 @@ def test_the_pages_of_a_therapist(engine, world, therapist, patient):
     assert answer.status_code == 201, answer.text
     assert therapist.get(f"{base}/audit").status_code == 200
     assert therapist.delete(f"/api/sessions/{answer.json()['id']}").status_code == 204
+    assert therapist.patch(base, json={"is_archived": True}).status_code == 200
+    administrator = sign_in("administrator")
+    erased = administrator.request("DELETE", base, json={"confirmation": "ERASE"})
+    assert erased.status_code == 204, erased.text
+    assert patient.get("/api/me").status_code == 401
+    with read_only(engine) as session:
+        assert session.scalars(select(MotionSession)).all() == []
+        assert audit.verify(session, world.clinic_id).is_intact

@@ -23,7 +23,7 @@ ALLOWED = {
     "recordings": FOUNDATION | {"accounts", "patients", "exercises", "ingest"},
     "ingest": FOUNDATION | {"accounts", "recordings"},
     "live": FOUNDATION | {"accounts", "patients", "exercises", "recordings", "ingest"},
-    "assessment": FOUNDATION | {"accounts", "patients", "exercises", "recordings"},
+    "assessment": FOUNDATION | {"accounts", "patients", "exercises", "recordings", "ingest"},
     "viewer": FOUNDATION | {"accounts", "patients", "exercises", "recordings", "live", "assessment"},
     "gateway": FOUNDATION | {"accounts", "recordings", "ingest", "live"},
 }

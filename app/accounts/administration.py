@@ -1,0 +1,177 @@
+"""The clinic's accounts: listed for colleagues; made, changed and switched off by administrators."""
+
+from anyio import to_thread
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from app.accounts import audit
+from app.accounts.models import PATIENT, Account
+from app.accounts.schemas import AccountIn, AccountOut, AccountPatch
+from app.accounts.sign_in import end_all_sign_ins, normalise_email
+from app.accounts.subject import Subject
+from app.database.base import new_id
+from app.database.unit_of_work import unit_of_work
+from app.errors import Conflict, InvalidInput, NotAllowed, NotFound
+from app.services import Services
+
+NO_SUCH_ACCOUNT = "There is no such account in your clinic."
+
+
+def list_accounts(session: Session, subject: Subject) -> list[AccountOut]:
+    """Return the accounts that the subject may know of.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+        Administrators see all of their clinic, therapists their colleagues (to give grants to), others
+        nobody.
+    """
+    query = select(Account).where(Account.clinic_id == subject.clinic_id).order_by(Account.display_name)
+    if subject.role == "therapist":
+        query = query.where(Account.role.in_(["administrator", "therapist", "integrator"]), Account.is_active)
+    elif subject.role != "administrator":
+        raise NotAllowed("Only the clinic's staff can list its accounts.")
+    return [account_out(row) for row in session.scalars(query)]
+
+
+async def create_account(services: Services, subject: Subject, body: AccountIn) -> AccountOut:
+    """Create an account in the subject's clinic.
+
+    Parameters
+    ----------
+    services : Services
+    subject : Subject
+        An administrator.
+    body : AccountIn
+
+    Raises
+    ------
+    NotAllowed
+        Not an administrator.
+    Conflict
+        The e-mail address is taken.
+    InvalidInput
+        A patient's account without a patient, or another one with.
+    NotFound
+        No such patient in this clinic.
+    """
+    if subject.role != "administrator":
+        raise NotAllowed("Only an administrator of the clinic can create accounts.")
+    if (body.role == "patient") != (body.patient_id is not None):
+        raise InvalidInput(
+            "An account with the role patient, and no other, needs patient_id.", field="patient_id"
+        )
+    email = normalise_email(body.email)
+    if email.count("@") != 1 or email.startswith("@") or email.endswith("@"):
+        raise InvalidInput("The e-mail address needs a name, an @ and a host.", field="email")
+    password_hash = await services.passwords.hash_in_turn(body.password)
+    return await to_thread.run_sync(_store_account, services, subject, body, email, password_hash)
+
+
+async def update_account(
+    services: Services, subject: Subject, account_id: str, body: AccountPatch
+) -> AccountOut:
+    """Change an account of the subject's clinic: its name, whether it may sign in, or a forgotten password.
+
+    Parameters
+    ----------
+    services : Services
+    subject : Subject
+        An administrator.
+    account_id : str
+    body : AccountPatch
+
+    Raises
+    ------
+    NotAllowed
+        Not an administrator.
+    NotFound
+        No such account in this clinic.
+    Conflict
+        The administrator's own account: switching it off could leave the clinic without one, and the own password
+        is changed by who knows the present one.
+
+    Notes
+    -----
+    Switched off or with a new password, an account is signed out everywhere. Device tokens that it made stay: they
+    belong to the patients, and each can be revoked there.
+    """
+    if subject.role != "administrator":
+        raise NotAllowed("Only an administrator of the clinic can change accounts.")
+    password_hash = None
+    if body.password is not None:
+        password_hash = await services.passwords.hash_in_turn(body.password)
+    return await to_thread.run_sync(_change_account, services, subject, account_id, body, password_hash)
+
+
+def account_out(row: Account) -> AccountOut:
+    """Return an account as a colleague sees it.
+
+    Parameters
+    ----------
+    row : Account
+    """
+    return AccountOut(
+        id=row.id,
+        display_name=row.display_name,
+        email=row.email,
+        role=row.role,
+        is_active=row.is_active,
+    )
+
+
+def _store_account(
+    services: Services, subject: Subject, body: AccountIn, email: str, password_hash: str
+) -> AccountOut:
+    with unit_of_work(services.engine) as session:
+        if body.patient_id is not None:
+            clinic_id = session.scalar(select(PATIENT.c.clinic_id).where(PATIENT.c.id == body.patient_id))
+            if clinic_id != subject.clinic_id:
+                raise NotFound("There is no such patient in this clinic.")
+        if session.scalar(select(Account.id).where(Account.email == email)) is not None:
+            raise Conflict("There is an account with this e-mail address already.", field="email")
+        row = Account(
+            id=new_id(),
+            clinic_id=subject.clinic_id,
+            role=body.role,
+            email=email,
+            display_name=body.display_name,
+            password_hash=password_hash,
+            patient_id=body.patient_id,
+            is_active=True,
+        )
+        session.add(row)
+        session.flush()
+        audit.record(session, subject, "account.create", body.patient_id, row.id, {"role": body.role})
+        return account_out(row)
+
+
+def _change_account(
+    services: Services, subject: Subject, account_id: str, body: AccountPatch, password_hash: str | None
+) -> AccountOut:
+    with unit_of_work(services.engine) as session:
+        row = session.get(Account, account_id)
+        if row is None or row.clinic_id != subject.clinic_id:
+            raise NotFound(NO_SUCH_ACCOUNT)
+        if row.id == subject.account_id and (body.is_active is False or password_hash is not None):
+            raise Conflict(
+                "This is your own account: another administrator can switch it off; change your password with the"
+                " present one."
+            )
+        actions = []
+        if body.display_name is not None and body.display_name != row.display_name:
+            row.display_name = body.display_name
+            actions.append("account.rename")
+        if password_hash is not None:
+            row.password_hash = password_hash
+            actions.append("account.password_reset")
+        if body.is_active is not None and body.is_active != row.is_active:
+            row.is_active = body.is_active
+            actions.append("account.switch_on" if body.is_active else "account.switch_off")
+        if password_hash is not None or not row.is_active:
+            end_all_sign_ins(session, row.id)
+        for action in actions:
+            audit.record(session, subject, action, row.patient_id, row.id)
+        session.flush()
+        return account_out(row)
