@@ -12,6 +12,7 @@ from estimators.calibration._magnetometer import (
 from estimators.calibration._mounting import OUTWARD_HEADING_RAD
 from estimators.calibration._n_pose import n_pose
 from estimators.calibration._online_iron import OnlineHardIron
+from estimators.calibration._plausibility import Finding, check_plausibility
 from estimators.calibration._static import StaticBias, static_bias
 from estimators.calibration._turns import circle_fit
 
@@ -20,6 +21,7 @@ __all__ = [
     "Calibration",
     "DeviceCalibration",
     "FerrarisResult",
+    "Finding",
     "FullTurn",
     "LocalField",
     "MagnetometerCollector",
@@ -29,6 +31,7 @@ __all__ = [
     "Rest",
     "StaticBias",
     "TriadCalibration",
+    "check_plausibility",
     "circle_fit",
     "correct",
     "ferraris",

@@ -1,0 +1,46 @@
+"""Channels that stop at the end of their range."""
+
+from typing import Final
+
+import numpy as np
+
+from estimators.recording import Float
+
+_RUN: Final = 3
+_JUST_BELOW: Final = 0.03
+
+
+def find_plateau(values: Float, least: float) -> float | None:
+    """Return the level at which a three-axis sensor is clipped, or None.
+
+    Parameters
+    ----------
+    values : ndarray, shape (N, 3)
+        NaN is skipped.
+    least : float
+        No device of this kind has a smaller range: peaks below it are peaks.
+
+    Returns
+    -------
+    float or None
+        The largest magnitude of an axis, if it is held for three samples or more and more often than all values
+        up to 3 percent below it together: at a clip level samples pile up, near a soft peak they thin out.
+    """
+    for k in range(values.shape[1]):
+        for sign in (1.0, -1.0):
+            channel = sign * values[:, k]
+            channel = channel[np.isfinite(channel)]
+            top = float(channel.max(initial=0.0))
+            if top < least:
+                continue
+            at_top = channel >= top * (1.0 - 1e-9)
+            below = np.count_nonzero((channel >= (1.0 - _JUST_BELOW) * top) & ~at_top)
+            edges = np.flatnonzero(np.diff(np.concatenate(([False], at_top, [False])).astype(np.int8)))
+            longest = int((edges[1::2] - edges[::2]).max(initial=0))
+            # A channel that never leaves the top is dead, not clipped.
+            if longest >= _RUN and np.count_nonzero(at_top) >= below and not at_top.all():
+                return top
+    return None
+
+
+__all__ = ["find_plateau"]

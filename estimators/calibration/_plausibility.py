@@ -1,0 +1,384 @@
+"""The first seconds of a session: units, axes, signs, dead and clipped channels, named to the person."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.calibration._axes import Agreement, agreement
+from estimators.calibration._clipping import find_plateau
+from estimators.conventions import GRAVITY_MPS2
+from estimators.errors import ShapeError
+from estimators.recording import Float, ImuChunk, SampleQuality
+
+FindingCode = Literal[
+    "accelerometer_axes",
+    "accelerometer_clipped",
+    "accelerometer_dead",
+    "accelerometer_unit",
+    "gravity_reversed",
+    "gyroscope_axes",
+    "gyroscope_clipped",
+    "gyroscope_dead",
+    "gyroscope_or_accelerometer_axes",
+    "gyroscope_unit",
+    "magnetic_disturbance",
+    "magnetometer_axes",
+    "magnetometer_dead",
+    "magnetometer_unit",
+    "no_data",
+]
+
+_STILL_WINDOW_S: Final = 0.5
+_STILL_SPREAD: Final = 0.02
+_GRAVITY_RANGE: Final = (0.9 * GRAVITY_MPS2, 1.1 * GRAVITY_MPS2)
+_FORCE_UNITS: Final = (
+    (0.0, 0.6, "no gravity at rest: the device removes it", "switch the device to raw acceleration"),
+    (0.9, 1.1, "g", "multiply by 9.80665"),
+    (29.0, 35.0, "ft/s^2", "multiply by 0.3048"),
+    (900.0, 1100.0, "mg or cm/s^2", "multiply by 0.00980665 or 0.01"),
+    (1850.0, 40000.0, "raw counts", "scale them as the data sheet says"),
+)
+_REST_RATE_RADPS: Final = math.radians(15.0)
+_FASTEST_RADPS: Final = 70.0
+_SMALLEST_RATE_RANGE_RADPS: Final = math.radians(60.0)
+_SMALLEST_FORCE_RANGE_MPS2: Final = 1.5 * GRAVITY_MPS2
+_FIELD_RANGE_T: Final = (20e-6, 75e-6)
+_FIELD_UNITS: Final = (
+    (20.0, 75.0, "microtesla", "divide by a million"),
+    (0.2, 0.75, "gauss", "divide by 10,000"),
+    (0.85, 1.15, "a normalised field", "send the raw readings"),
+    (200.0, 750.0, "milligauss", "divide by ten million"),
+    (20_000.0, 75_000.0, "nanotesla", "divide by a thousand million"),
+)
+_DISTURBED: Final = 0.15
+_LEAST_DIP_SINE: Final = 0.3
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something about the readings of one sensor that must not be estimated silently.
+
+    Attributes
+    ----------
+    sensor : str
+        Its name.
+    code : str
+        One of `FindingCode`, for programs.
+    severity : {"refuse", "warning"}
+        `refuse`: the estimate would be wrong; `warning`: it will be worse.
+    message : str
+        What is wrong and what to do, for people.
+    value : float
+        What was measured, in the unit that the message names.
+    """
+
+    sensor: str
+    code: FindingCode
+    severity: Literal["refuse", "warning"]
+    message: str
+    value: float
+
+
+def check_plausibility(
+    chunk: ImuChunk,
+    names: Sequence[str],
+    *,
+    hemisphere: Literal["north", "south", "unknown"] = "north",
+) -> tuple[Finding, ...]:
+    """Look for wrong units, axes, signs, dead and clipped channels in the first seconds.
+
+    Parameters
+    ----------
+    chunk : ImuChunk
+        A few seconds, as declared (rad/s, m/s^2, T); stillness tells units, movement (ten seconds at most are
+        used) tells axes and the unit of the gyroscope.
+    names : sequence of str, length S
+        What to call the sensors.
+    hemisphere : {"north", "south", "unknown"}
+        Of the place: the field points down in the north and up in the south.
+
+    Returns
+    -------
+    tuple of Finding
+        Empty if nothing was found; what the movement does not tell is not claimed.
+
+    Raises
+    ------
+    ShapeError
+        If there are not as many names as sensors.
+    """
+    if len(names) != chunk.sensor_count:
+        raise ShapeError(f"{len(names)} names for {chunk.sensor_count} sensors")
+    found: list[Finding] = []
+    for s, name in enumerate(names):
+        found += _Sensor(chunk, s, name).findings(hemisphere)
+    return tuple(found)
+
+
+class _Sensor:
+    """One sensor's readings and what was found about them."""
+
+    def __init__(self, chunk: ImuChunk, sensor: int, name: str) -> None:
+        self.name = name
+        self.step_s = chunk.time_step_s
+        self.rate = chunk.gyroscope_radps[sensor]
+        self.force = chunk.accelerometer_mps2[sensor]
+        field = None if chunk.magnetometer_t is None else chunk.magnetometer_t[sensor]
+        self.field = None if field is None or not np.isfinite(field).any() else field
+        self.is_marked_clipped = bool(((chunk.quality[sensor] & SampleQuality.SATURATED) != 0).any())
+        self.found: list[Finding] = []
+
+    def tell(
+        self, code: FindingCode, message: str, value: float, severity: Literal["refuse", "warning"] = "refuse"
+    ) -> None:
+        self.found.append(Finding(self.name, code, severity, f"{self.name}: {message}", float(value)))
+
+    def findings(self, hemisphere: str) -> list[Finding]:
+        finite = np.isfinite(self.rate).all(axis=1) & np.isfinite(self.force).all(axis=1)
+        if finite.mean() < 0.2 or finite.sum() * self.step_s < 0.3:
+            self.tell("no_data", "hardly any samples; check that it is on and near", float(finite.mean()))
+            return self.found
+        still = _still(self.force, self.step_s)
+        is_force_alive = self._force(still)
+        is_rate_alive = self._rate(still)
+        is_field_alive = self._field()
+        bias = np.zeros(3)
+        if still.sum() * self.step_s >= _STILL_WINDOW_S:
+            bias = np.nanmean(self.rate[still], axis=0)
+        rate = self.rate - bias
+        by_force = agreement(rate, self.force, self.step_s) if is_force_alive else None
+        by_field = None
+        if is_field_alive and self.field is not None:
+            by_field = agreement(rate, self.field, self.step_s)
+        if is_rate_alive:
+            self._unit_of_rate(by_force, by_field)
+            self._axes(by_force, by_field)
+        if is_force_alive and is_field_alive and hemisphere != "unknown":
+            self._sign(still, hemisphere)
+        return self.found
+
+    def _force(self, still: NDArray[np.bool_]) -> bool:
+        if _is_constant(self.force):
+            self.tell(
+                "accelerometer_dead", "the accelerometer never changes; replace it or check its wiring", 0.0
+            )
+            return False
+        used = self.force[still] if still.any() else self.force
+        size = float(np.nanmedian(np.linalg.norm(used, axis=1)))
+        clip = find_plateau(self.force, _SMALLEST_FORCE_RANGE_MPS2)
+        if clip is not None:
+            self.tell(
+                "accelerometer_clipped",
+                f"the accelerometer stops at {clip:.1f} m/s^2; choose a larger range",
+                clip,
+                "warning",
+            )
+        if _GRAVITY_RANGE[0] <= size <= _GRAVITY_RANGE[1] or (
+            not still.any() and 0.5 < size / GRAVITY_MPS2 < 2.0
+        ):
+            return True
+        for low, high, unit, remedy in _FORCE_UNITS:
+            if low <= size <= high:
+                self.tell(
+                    "accelerometer_unit",
+                    f"the accelerometer reads {size:.4g} at rest where 9.81 m/s^2 is due; "
+                    f"this looks like {unit}: {remedy}",
+                    size,
+                )
+                return size > 0.6
+        self.tell(
+            "accelerometer_unit",
+            f"the accelerometer reads {size:.4g} at rest where 9.81 m/s^2 is due; check unit, range and calibration",
+            size,
+        )
+        return True
+
+    def _rate(self, still: NDArray[np.bool_]) -> bool:
+        dead = [axis for k, axis in enumerate("xyz") if _is_constant(self.rate[:, k : k + 1])]
+        if dead:
+            self.tell(
+                "gyroscope_dead",
+                f"the gyroscope's {', '.join(dead)} axis never changes; replace the sensor or check its wiring",
+                float(len(dead)),
+            )
+        clip = find_plateau(self.rate, _SMALLEST_RATE_RANGE_RADPS)
+        if clip is not None or self.is_marked_clipped:
+            level = float(np.nanmax(np.abs(self.rate))) if clip is None else clip
+            self.tell(
+                "gyroscope_clipped",
+                f"the gyroscope stops at {math.degrees(level):.0f} degrees/s, faster movement is lost; "
+                "choose a larger range or move more slowly",
+                level,
+            )
+        return not dead
+
+    def _unit_of_rate(self, by_force: Agreement | None, by_field: Agreement | None) -> None:
+        told = [a for a in (by_field, by_force) if a is not None and a.mapping is not None]
+        fastest = float(np.nanmax(np.abs(self.rate)))
+        scale = told[0].scale if told else float("nan")
+        if scale == 0.0:
+            self.tell("gyroscope_dead", "the sensor turns but the gyroscope reads nothing; replace it", 0.0)
+        elif scale < 0.5 or (math.isnan(scale) and fastest > _FASTEST_RADPS):
+            self.tell(
+                "gyroscope_unit",
+                "the gyroscope reads 57 times what the sensor turns: degrees/s are given as rad/s; "
+                "divide by 57.296 or declare degrees/s",
+                fastest,
+            )
+        elif scale > 2.0:
+            self.tell(
+                "gyroscope_unit",
+                "the gyroscope reads a 57th of what the sensor turns: rad/s were converted twice; "
+                "declare rad/s",
+                fastest,
+            )
+        elif math.isnan(scale):
+            still = _still(self.force, self.step_s)
+            if still.sum() * self.step_s >= _STILL_WINDOW_S:
+                rest = float(np.linalg.norm(np.nanmedian(self.rate[still], axis=0)))
+                spread = float(np.linalg.norm(np.nanstd(self.rate[still], axis=0)))
+                if max(rest, spread) > _REST_RATE_RADPS:
+                    self.tell(
+                        "gyroscope_unit",
+                        f"the gyroscope reads {max(rest, spread):.2g} rad/s while the sensor lies still; "
+                        "if these are degrees/s declare them so, else have it calibrated",
+                        max(rest, spread),
+                    )
+
+    def _axes(self, by_force: Agreement | None, by_field: Agreement | None) -> None:
+        force = None if by_force is None else by_force.mapping
+        field = None if by_field is None else by_field.mapping
+        wrong_force = force is not None and not _is_identity(force)
+        wrong_field = field is not None and not _is_identity(field)
+        if wrong_force and wrong_field and force is not None and field is not None and (force == field).all():
+            self._tell_axes("gyroscope_axes", "the gyroscope's axes do not fit the other sensors", force)
+        elif wrong_force and force is not None:
+            if field is not None and not wrong_field:
+                self._tell_axes(
+                    "accelerometer_axes", "the accelerometer's axes do not fit the other sensors", force.T
+                )
+            elif np.linalg.det(force) < 0.0:
+                # Whatever is done to an accelerometer's axes looks like a proper turn from the gyroscope.
+                self._tell_axes(
+                    "gyroscope_axes", "the gyroscope's axes do not fit the accelerometer's", force
+                )
+            else:
+                self._tell_axes(
+                    "gyroscope_or_accelerometer_axes",
+                    "gyroscope and accelerometer do not have the same axes",
+                    force,
+                )
+        elif wrong_field and field is not None:
+            if force is None and np.linalg.det(field) < 0.0:
+                self._tell_axes("gyroscope_axes", "the gyroscope's axes do not fit the magnetometer's", field)
+            else:
+                self._tell_axes(
+                    "magnetometer_axes", "the magnetometer's axes do not fit the gyroscope's", field.T
+                )
+
+    def _tell_axes(self, code: FindingCode, what: str, mapping: Float) -> None:
+        words = ", ".join(
+            f"{axis} should be {'-' if mapping[k].sum() < 0 else ''}{'xyz'[int(np.argmax(np.abs(mapping[k])))]}"
+            for k, axis in enumerate("xyz")
+            if mapping[k, k] != 1.0
+        )
+        self.tell(code, f"{what}: {words}; correct the column mapping or the axes", 0.0)
+
+    def _field(self) -> bool:
+        if self.field is None:
+            return False
+        size = np.linalg.norm(self.field[np.isfinite(self.field).all(axis=1)], axis=1)
+        if not size.any() or _is_constant(self.field):
+            self.tell(
+                "magnetometer_dead",
+                "the magnetometer reads "
+                + ("zero throughout" if not size.any() else "the same value throughout")
+                + "; declare that there is none, or switch it on",
+                float(size.mean()),
+                "refuse",
+            )
+            return False
+        middle = float(np.median(size))
+        if not _FIELD_RANGE_T[0] <= middle <= _FIELD_RANGE_T[1]:
+            for low, high, unit, remedy in _FIELD_UNITS:
+                if low <= middle <= high:
+                    self.tell(
+                        "magnetometer_unit",
+                        f"the magnetometer reads {middle:.3g} where 0.000025 to 0.000065 tesla are due; "
+                        f"this looks like {unit}: {remedy}",
+                        middle,
+                    )
+                    return True
+            severity: Literal["refuse", "warning"] = "warning" if 5e-6 < middle < 1e-3 else "refuse"
+            self.tell(
+                "magnetometer_unit" if severity == "refuse" else "magnetic_disturbance",
+                f"the magnetometer reads {1e6 * middle:.3g} microtesla where 25 to 65 are due; "
+                "check the unit, go away from iron and magnets, and calibrate it",
+                middle,
+                severity,
+            )
+        elif float(np.std(size)) > _DISTURBED * middle:
+            self.tell(
+                "magnetic_disturbance",
+                f"the magnetic field varies by {100 * float(np.std(size)) / middle:.0f} %; go away from iron "
+                "and magnets, or calibrate the magnetometer",
+                float(np.std(size)) / middle,
+                "warning",
+            )
+        return True
+
+    def _sign(self, still: NDArray[np.bool_], hemisphere: str) -> None:
+        if self.field is None:
+            return
+        used = still & np.isfinite(self.field).all(axis=1)
+        if used.sum() < 10 or any(f.code in ("accelerometer_axes", "magnetometer_axes") for f in self.found):
+            return
+        force, field = self.force[used].mean(axis=0), self.field[used].mean(axis=0)
+        down = -float(force @ field) / float(np.linalg.norm(force) * np.linalg.norm(field))
+        if hemisphere == "south":
+            down = -down
+        if down < -_LEAST_DIP_SINE:
+            self.tell(
+                "gravity_reversed",
+                f"the magnetic field points {'up' if hemisphere == 'north' else 'down'} by "
+                f"{abs(math.degrees(math.asin(max(down, -1.0)))):.0f} degrees: the accelerometer gives gravity instead "
+                "of specific force (as north-east-down devices do) or the magnetometer is reversed; change the sign",
+                down,
+            )
+
+
+def _is_identity(mapping: Float) -> bool:
+    return bool((mapping == np.eye(3)).all())
+
+
+def _is_constant(values: Float) -> bool:
+    finite = values[np.asarray(np.isfinite(values)).all(axis=1)]
+    return len(finite) >= 20 and bool((finite == finite[0]).all())
+
+
+def _still(force: Float, step_s: float) -> NDArray[np.bool_]:
+    """Return where specific force hardly varies, whatever its unit, shape (N,)."""
+    half = max(1, round(0.5 * _STILL_WINDOW_S / step_s))
+    finite: NDArray[np.bool_] = np.asarray(np.isfinite(force).all(axis=1))
+    held = np.where(finite[:, None], force, 0.0)
+    index = np.arange(len(force))
+    start, stop = np.maximum(index - half, 0), np.minimum(index + half + 1, len(force))
+    width = (stop - start)[:, None]
+
+    def mean(table: Float) -> Float:
+        total = np.concatenate((np.zeros((1, table.shape[1])), np.cumsum(table, axis=0)))
+        return np.asarray((total[stop] - total[start]) / width)
+
+    centre = held - held.mean(axis=0)
+    variance = np.maximum(mean(centre**2) - mean(centre) ** 2, 0.0).sum(axis=1)
+    size = np.linalg.norm(mean(held), axis=1)
+    whole = mean(np.asarray(finite[:, None], dtype=np.float64))[:, 0] > 0.999
+    # Devices that remove gravity rest at their noise; there the absolute limit counts.
+    return np.asarray(whole & (np.sqrt(variance) < np.maximum(_STILL_SPREAD * size, 0.0)))
+
+
+__all__ = ["Finding", "FindingCode", "check_plausibility"]

@@ -1,0 +1,202 @@
+"""Every fault in the list is named from the first seconds; sound recordings, simulated and real, name none."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from estimators import signals
+from estimators.calibration import check_plausibility
+from estimators.errors import ShapeError
+from estimators.recording import ImuChunk, Recording, SampleQuality, SensorSignals
+from estimators.simulation import ArmScenario, Schedule, simulate_arm
+
+DATA = Path(__file__).parents[2] / "data"
+ARM = ("upper_arm_right", "forearm_right")
+EXERCISES = ("reaching", "drinking", "abduction", "flexion", "pronation")
+
+
+def simulated(exercise="drinking", seed=2, **changes) -> ImuChunk:
+    """Two seconds of rest and a first repetition: ten seconds."""
+    made = simulate_arm(
+        ArmScenario(
+            exercise=exercise,
+            placements=ARM,
+            schedule=Schedule(n_pose_s=2.0, settle_s=0.2, pause_s=0.3, repetitions=1),
+            seed=seed,
+            **changes,
+        )
+    )
+    return signals.to_common_ticks(made.recording, 100.0).ticks(0, 1000)
+
+
+@pytest.fixture(scope="module")
+def sound() -> ImuChunk:
+    return simulated()
+
+
+def only(chunk: ImuChunk, **changes) -> ImuChunk:
+    """Change the forearm's readings only: `name=function`."""
+    fields = {}
+    for name, function in changes.items():
+        values = getattr(chunk, name).copy()
+        values[1] = function(values[1])
+        fields[name] = values
+    return replace(chunk, **fields)
+
+
+def codes(chunk: ImuChunk, **how) -> list[str]:
+    found = check_plausibility(chunk, ARM, **how)
+    assert all(finding.sensor == "forearm_right" for finding in found), found
+    assert all("forearm_right" in finding.message for finding in found)
+    return [finding.code for finding in found]
+
+
+def swap_xy(values):
+    return values[:, [1, 0, 2]]
+
+
+def quarter_turn(values):
+    return np.column_stack((-values[:, 1], values[:, 0], values[:, 2]))
+
+
+def z_down(values):
+    return values * np.array([1.0, -1.0, -1.0])
+
+
+FAULTS = {
+    "degrees a second as rad/s": ({"gyroscope_radps": np.degrees}, ["gyroscope_unit"]),
+    "converted to rad/s twice": ({"gyroscope_radps": np.radians}, ["gyroscope_unit"]),
+    "g as m/s^2": ({"accelerometer_mps2": lambda v: v / 9.80665}, ["accelerometer_unit"]),
+    "milli-g as m/s^2": ({"accelerometer_mps2": lambda v: v / 9.80665e-3}, ["accelerometer_unit"]),
+    "counts as m/s^2": ({"accelerometer_mps2": lambda v: v / 9.80665 * 4096}, ["accelerometer_unit"]),
+    "microtesla as tesla": ({"magnetometer_t": lambda v: v * 1e6}, ["magnetometer_unit"]),
+    "gauss as tesla": ({"magnetometer_t": lambda v: v * 1e4}, ["magnetometer_unit"]),
+    "normalised field": ({"magnetometer_t": lambda v: v / 49e-6}, ["magnetometer_unit"]),
+    "magnetometer of zeros": ({"magnetometer_t": np.zeros_like}, ["magnetometer_dead"]),
+    "stuck magnetometer": ({"magnetometer_t": lambda v: np.ones_like(v) * 3e-5}, ["magnetometer_dead"]),
+    "gravity as north-east-down devices give it": ({"accelerometer_mps2": lambda v: -v}, ["gravity_reversed"]),
+    "north-east-down accelerometer": ({"accelerometer_mps2": z_down}, ["accelerometer_axes"]),
+    "north-east-down magnetometer": ({"magnetometer_t": z_down}, ["magnetometer_axes"]),
+    "swapped magnetometer axes": ({"magnetometer_t": swap_xy}, ["magnetometer_axes"]),
+    "swapped gyroscope axes": ({"gyroscope_radps": swap_xy}, ["gyroscope_axes"]),
+    "gyroscope turned a quarter": ({"gyroscope_radps": quarter_turn}, ["gyroscope_axes"]),
+    "left-handed gyroscope": ({"gyroscope_radps": lambda v: -v}, ["gyroscope_axes"]),
+    "swapped accelerometer axes": ({"accelerometer_mps2": swap_xy}, ["accelerometer_axes"]),
+    "clipped gyroscope": ({"gyroscope_radps": lambda v: np.clip(v, -1.2, 1.2)}, ["gyroscope_clipped"]),
+    "silent gyroscope": ({"gyroscope_radps": lambda v: 1e-3 * np.sin(v)}, ["gyroscope_dead"]),
+    "dead gyroscope axis": ({"gyroscope_radps": lambda v: v * np.array([1.0, 0.0, 1.0])}, ["gyroscope_dead"]),
+    "dead accelerometer": ({"accelerometer_mps2": lambda v: v[:1].repeat(len(v), axis=0)}, ["accelerometer_dead"]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize("seed", [2, 5])
+def test_every_fault_is_named_on_its_sensor_and_no_other(fault, seed):
+    changes, expected = FAULTS[fault]
+    assert codes(only(simulated(seed=seed), **changes)) == expected
+
+
+def test_messages_say_what_to_do(sound):
+    (finding,) = check_plausibility(only(sound, gyroscope_radps=np.degrees), ARM)
+    assert "degrees/s" in finding.message
+    assert finding.severity == "refuse"
+    (finding,) = check_plausibility(only(sound, gyroscope_radps=swap_xy), ARM)
+    assert "x should be y, y should be x" in finding.message
+    (finding,) = check_plausibility(only(sound, magnetometer_t=z_down), ARM)
+    assert "y should be -y, z should be -z" in finding.message
+    (finding,) = check_plausibility(only(sound, gyroscope_radps=lambda v: np.clip(v, -1.2, 1.2)), ARM)
+    assert "69 degrees/s" in finding.message
+
+
+def test_without_a_magnetometer_units_and_improper_axes_are_still_named(sound):
+    six = replace(sound, magnetometer_t=None)
+    assert codes(six) == []
+    assert codes(only(six, gyroscope_radps=np.degrees)) == ["gyroscope_unit"]
+    assert codes(only(six, gyroscope_radps=swap_xy)) == ["gyroscope_axes"]
+    assert codes(only(six, gyroscope_radps=quarter_turn)) == ["gyroscope_or_accelerometer_axes"]
+    assert codes(only(six, accelerometer_mps2=lambda v: v / 9.80665)) == ["accelerometer_unit"]
+
+
+def test_two_faults_at_once(sound):
+    both = only(sound, gyroscope_radps=np.degrees, accelerometer_mps2=lambda v: v / 9.80665)
+    assert sorted(codes(both)) == ["accelerometer_unit", "gyroscope_unit"]
+
+
+def test_rest_alone_tells_units_but_claims_no_axes(sound):
+    rest = sound.ticks(0, 190)
+    assert codes(rest) == []
+    assert codes(only(rest, accelerometer_mps2=lambda v: v / 9.80665)) == ["accelerometer_unit"]
+    assert codes(only(rest, gyroscope_radps=swap_xy)) == []
+    # Half a radian a second of bias is no bias.
+    assert codes(only(rest, gyroscope_radps=lambda v: v + 0.5)) == ["gyroscope_unit"]
+
+
+def test_dip_is_reversed_in_the_south(sound):
+    southern = replace(sound, magnetometer_t=-sound.magnetometer_t)
+    assert check_plausibility(southern, ARM, hemisphere="south") == ()
+    assert check_plausibility(southern, ARM, hemisphere="unknown") == ()
+    assert [f.code for f in check_plausibility(southern, ARM)] == ["gravity_reversed"] * 2
+
+
+def test_marked_clipping_and_missing_data(sound):
+    quality = sound.quality.copy()
+    quality[1, 500] |= SampleQuality.SATURATED
+    assert codes(replace(sound, quality=quality)) == ["gyroscope_clipped"]
+    assert codes(only(sound, gyroscope_radps=lambda v: np.full_like(v, np.nan))) == ["no_data"]
+    # A sensor without a magnetometer has NaN there, which is no fault.
+    assert codes(only(sound, magnetometer_t=lambda v: np.full_like(v, np.nan))) == []
+    with pytest.raises(ShapeError):
+        check_plausibility(sound, ("one",))
+
+
+@pytest.mark.parametrize("exercise", EXERCISES)
+@pytest.mark.parametrize("errors", ["nominal", "marzouk_2009"])
+def test_sound_simulations_name_nothing(exercise, errors):
+    for seed in range(3):
+        assert check_plausibility(simulated(exercise, seed, errors=errors), ARM) == ()
+
+
+def test_sound_real_recordings_name_nothing():
+    content = np.load(DATA / "qmt" / "arms_25s.npz")
+    names = [k.removesuffix("_gyroscope_radps") for k in content.files if k.endswith("_gyroscope_radps")]
+    sensors = {
+        name: SensorSignals(
+            content["time_s"],
+            content[f"{name}_gyroscope_radps"].astype(float),
+            content[f"{name}_accelerometer_mps2"].astype(float),
+        )
+        for name in names
+    }
+    chunk = signals.to_common_ticks(Recording(sensors, 100.0), 100.0)
+    for start in range(0, 2500, 500):
+        assert check_plausibility(chunk.ticks(start, start + 1000), names) == ()
+    content = np.load(DATA / "broad" / "fast_combined_15s.npz")
+    rate = float(content["sampling_rate_hz"])
+    time_s = np.arange(len(content["movement"])) / rate
+    field_t = content["magnetometer_ut"] * 1e-6
+    single = SensorSignals(time_s, content["gyroscope_radps"], content["accelerometer_mps2"], field_t)
+    chunk = signals.to_common_ticks(Recording({"box": single}, rate), rate)
+    assert check_plausibility(chunk, ["box"]) == ()
+    assert check_plausibility(chunk.ticks(1400, 4286), ["box"]) == ()
+
+
+@pytest.mark.parametrize(
+    ("fault", "expected"),
+    [
+        (lambda c: replace(c, gyroscope_radps=np.degrees(c.gyroscope_radps)), "gyroscope_unit"),
+        (lambda c: replace(c, gyroscope_radps=c.gyroscope_radps[..., [0, 2, 1]]), "gyroscope_axes"),
+        (lambda c: replace(c, magnetometer_t=c.magnetometer_t * np.array([1, -1, -1])), "magnetometer_axes"),
+        (lambda c: replace(c, accelerometer_mps2=-c.accelerometer_mps2), "gravity_reversed"),
+        (lambda c: replace(c, accelerometer_mps2=c.accelerometer_mps2 / 9.80665), "accelerometer_unit"),
+    ],
+)
+def test_faults_in_a_real_recording_are_named(fault, expected):
+    content = np.load(DATA / "broad" / "fast_combined_15s.npz")
+    rate = float(content["sampling_rate_hz"])
+    time_s = np.arange(len(content["movement"])) / rate
+    field_t = content["magnetometer_ut"] * 1e-6
+    single = SensorSignals(time_s, content["gyroscope_radps"], content["accelerometer_mps2"], field_t)
+    chunk = signals.to_common_ticks(Recording({"box": single}, rate), rate)
+    assert [f.code for f in check_plausibility(fault(chunk), ["box"])] == [expected]
