@@ -178,9 +178,15 @@ def add_piece(server: viser.ViserServer, path: str, piece: Piece, measured: froz
 
 def add_lost_label(server: viser.ViserServer, path: str, segment: str) -> Any:
     """Add the hidden words that say which sensor gives nothing."""
-    words = "chest" if segment == "sternum" else segment.replace("_", " ")
+    part, _, side = segment.rpartition("_")
+    words = {"sternum": "Chest", "head": "Head"}.get(segment, f"{side} {part}".replace("_", " ").capitalize())
     return server.scene.add_label(
-        f"{path}/lost", f"{words}: no signal", position=(0.0, 0.0, -0.1), visible=False, anchor="center-left"
+        f"{path}/lost",
+        f"{words}: no signal",
+        position=(0.0, 0.0, -0.1),
+        visible=False,
+        font_screen_scale=1.4,
+        anchor="center-left",
     )
 
 

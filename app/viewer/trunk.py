@@ -86,7 +86,7 @@ def _head_shape(body: BodyDimensions, wide: float) -> tuple[Shape, float, float]
     jaw = tapered(at(0.052, 0, 0.026), at(-0.006, 0, 0.052), *size(0.027, 0.052))
     shape = smooth_union([skull, face, jaw], 0.050 * wide)
     for side in (1, -1):
-        socket = ellipsoid(at(0.0965, side * 0.030, 0.112), size(0.017, 0.021, 0.012))
+        socket = ellipsoid(at(0.0985, side * 0.030, 0.112), size(0.017, 0.022, 0.013))
         shape = hollowed(shape, socket, 0.020 * wide)
         ear = ellipsoid(at(-0.006, side * 0.0815, 0.098), size(0.018, 0.0095, 0.031))
         shape = smooth_union([shape, ear], 0.010 * wide)
