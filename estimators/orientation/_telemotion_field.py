@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators._kernels import kernel, multiply, wrapped
+from estimators._kernels import kernel, multiply, normalized, wrapped
 from estimators.orientation._telemotion_block import absorb
 from estimators.orientation._telemotion_layout import (
     CORRECTION,
@@ -45,6 +45,7 @@ from estimators.orientation._telemotion_layout import (
     START_NARROW_ODDS,
     START_SHARE,
     START_WIDE,
+    STATES,
     SUM_FIELD,
     SUM_ROTATION,
     TURN,
@@ -64,10 +65,12 @@ _LARGEST_VARIANCE = 1.0
 HYPOTHESES = 9
 _SUB = 11
 """States that a hypothesis moves: turn, horizontal field, hard iron, field at the start."""
-WORK = HYPOTHESES * 5 + _SUB * (_SUB + 2)
+_TABLE = _SUB * (_SUB + 1)
+_FOUND = 3 * _TABLE
+WORK = _FOUND + 5 * HYPOTHESES
 
 
-@kernel("float64(float64[:, ::1], float64[::1], int64[::1], float64[::1], float64, boolean)")
+@kernel("float64(float64[::1], float64[::1], int64[::1], float64[::1], float64, boolean)")
 def field_variance(
     p: Float, memory: Float, counts: NDArray[np.int64], settings: Float, time_s: float, rest: bool
 ) -> float:
@@ -84,14 +87,12 @@ def field_variance(
     squares = predicted = 0.0
     for a in range(3):
         squares += (memory[SUM_FIELD + a] * per_field - memory[FIELD + a] - share * memory[START + a]) ** 2
-        predicted += (
-            p[FIELD + a, FIELD + a]
-            + share * (share * p[START + a, START + a] + 2.0 * p[FIELD + a, START + a])
-            + p[IRON + a, IRON + a]
-        )
+        field, iron, start = STATES * (FIELD + a), STATES * (IRON + a), STATES * (START + a)
+        predicted += p[field + FIELD + a] + p[iron + IRON + a]
+        predicted += share * (share * p[start + START + a] + 2.0 * p[field + START + a])
         for b in range(3):
             turned = memory[SUM_ROTATION + 3 * a + b] * per_sample
-            predicted += 2.0 * turned * (p[FIELD + a, IRON + b] + share * p[START + a, IRON + b])
+            predicted += 2.0 * turned * (p[field + IRON + b] + share * p[start + IRON + b])
     misfit = squares / (3.0 * settings[FIELD_SCALE] + _OWN_UNCERTAINTY * max(predicted, 0.0))
     gain = -math.expm1(-time_s / settings[FIELD_LEVEL_S])
     memory[DISTURBANCE] += gain * (min(misfit, _LARGEST_MISFIT) - memory[DISTURBANCE])
@@ -137,13 +138,13 @@ def iron_changed(memory: Float, counts: NDArray[np.int64], settings: Float, time
 
 
 @kernel(
-    "void(float64[:, ::1], float64[::1], float64[::1], float64[::1], int64[::1], float64[::1], int64[::1],"
+    "void(float64[::1], float64[::1], float64[:, ::1], float64[::1], int64[:, ::1], float64[:, ::1], int64[::1],"
     "float64[::1], float64[::1])"
 )
 def open_iron(
     p: Float,
     error: Float,
-    gain: Float,
+    rows: Float,
     memory: Float,
     index: NDArray[np.int64],
     value: Float,
@@ -156,13 +157,13 @@ def open_iron(
     middle = odds[3] + odds[4] + odds[5]
     if counts[OPENED] == 0 and max(narrow, middle) >= 1.0 - narrow - middle:
         variance = settings[IRON_NARROW] if narrow >= middle else settings[IRON_MIDDLE]
-        value[0] = 1.0
         for a in range(3):
-            index[0] = IRON + a
-            innovation = memory[IRON_KNOWN + a] - memory[IRON + a]
-            absorb(p, error, gain, index, value, 1, innovation, variance + memory[IRON_KNOWN_VARIANCE])
+            index[a, 0], value[a, 0] = IRON + a, 1.0
+            rows[3, a] = memory[IRON_KNOWN + a] - memory[IRON + a]
+            rows[4, a] = variance + memory[IRON_KNOWN_VARIANCE]
+        absorb(p, error, rows, index, value, 1)
     for a in range(3):
-        p[IRON + a, IRON + a] += settings[IRON_WIDE]
+        p[(STATES + 1) * (IRON + a)] += settings[IRON_WIDE]
     counts[OPENED] += 1
 
 
@@ -178,97 +179,108 @@ def _moved_state(i: int) -> int:
     return START + i - 8
 
 
-@kernel("void(float64[:, ::1], float64[::1], int64[::1], float64[::1], float64[::1], float64[::1])")
+@kernel("float64(float64[::1], int64, int64, float64, float64, float64)")
+def _suppose(table: Float, first: int, row: int, target: float, own: float, wide: float) -> float:
+    """Replace the prior variance `wide` of one state by `own`; return the change of the log likelihood.
+
+    `table` holds, from `first` on, the covariance of the states and their shift, as one matrix of _SUB + 1
+    rows. Given prior variance W, the prior s^2 equals W and a measurement of variance
+    1 / (1 / s^2 - 1 / W).
+    """
+    variance = 1.0 / (1.0 / own - 1.0 / wide)
+    at_row, at_shift = first + _SUB * row, first + _SUB * _SUB
+    total = table[at_row + row] + variance
+    innovation = target - table[at_shift + row]
+    inverse = 1.0 / total
+    for i in range(_SUB):
+        table[at_shift + i] += table[at_row + i] * inverse * innovation
+    for i in range(_SUB):
+        if i != row:
+            factor = table[at_row + i] * inverse
+            for j in range(_SUB):
+                table[first + _SUB * i + j] -= factor * table[at_row + j]
+    # Last, for the others need it as it was.
+    factor = 1.0 - table[at_row + row] * inverse
+    for j in range(_SUB):
+        table[at_row + j] *= factor
+    return float(0.5 * (math.log(wide / own * variance / total) - innovation * innovation * inverse))
+
+
+@kernel("void(float64[::1], float64[::1], int64[::1], float64[::1], float64[::1], float64[::1])")
 def find_north(
     p: Float, memory: Float, counts: NDArray[np.int64], settings: Float, odds: Float, work: Float
 ) -> None:
     """Weigh nine hypotheses on hard iron and start place; set CORRECTION and HEADING_VARIANCE.
 
     The filter itself runs with both wide. That hard iron was N(known, s^2) all along is then one more
-    measurement, and its likelihood ratio against the wide prior follows from the same numbers: for a
-    Gaussian with prior variance W, the prior s^2 equals W and a measurement of variance
-    t^2 = 1 / (1 / s^2 - 1 / W). So one filter holds every hypothesis exactly, and a wrong first belief
-    (a magnet on the sensor, iron under the table) costs nothing once turning has shown it.
+    measurement (`_suppose`), and its likelihood against the wide prior follows from the same numbers. So
+    one filter holds every hypothesis exactly, and a wrong first belief (a magnet on the sensor, iron under
+    the table) costs nothing once turning has shown it.
     """
-    cov = work[0 : _SUB * _SUB].reshape(_SUB, _SUB)
-    shift = work[_SUB * _SUB : _SUB * (_SUB + 1)]
-    gain = work[_SUB * (_SUB + 1) : _SUB * (_SUB + 2)]
-    found = work[_SUB * (_SUB + 2) :].reshape(5, HYPOTHESES)
+    found = work[_FOUND:].reshape(5, HYPOTHESES)
+    for i in range(_SUB):
+        source = STATES * _moved_state(i)
+        for j in range(_SUB):
+            work[_SUB * i + j] = p[source + _moved_state(j)]
+        work[_SUB * _SUB + i] = 0.0
     best = -np.inf
+    kinds = 1 if counts[OPENED] > 0 else 3  # once the iron has changed, what it was says nothing any more
     for h in range(HYPOTHESES):
-        iron, start = h // 3, h % 3
-        logarithm = 0.0
-        if iron == 0:
-            logarithm += settings[IRON_NARROW_ODDS]
-        elif iron == 1:
-            logarithm += settings[IRON_MIDDLE_ODDS]
-        else:
-            logarithm += math.log(
-                1.0 - math.exp(settings[IRON_NARROW_ODDS]) - math.exp(settings[IRON_MIDDLE_ODDS])
-            )
-        if start == 0:
-            logarithm += settings[START_NARROW_ODDS]
-        elif start == 1:
-            logarithm += settings[START_MIDDLE_ODDS]
-        else:
-            logarithm += math.log(
-                1.0 - math.exp(settings[START_NARROW_ODDS]) - math.exp(settings[START_MIDDLE_ODDS])
-            )
+        odds[h] = 0.0
         found[0, h] = -np.inf
-        if counts[OPENED] > 0 and iron > 0:
-            continue  # the iron has changed: what it was once says nothing any more
-        for i in range(_SUB):
-            shift[i] = 0.0
-            source = _moved_state(i)
-            for j in range(_SUB):
-                cov[i, j] = p[source, _moved_state(j)]
-        for c in range(6):
-            if c < 3:
-                if iron == 2 or counts[OPENED] > 0:
-                    continue
-                own = settings[IRON_NARROW] if iron == 0 else settings[IRON_MIDDLE]
-                own += memory[IRON_KNOWN_VARIANCE]
-                wide = settings[IRON_WIDE] + memory[IRON_KNOWN_VARIANCE]
-                target = memory[IRON_KNOWN + c] - memory[IRON + c]
-            else:
-                if start == 2:
-                    continue
-                own = settings[START_NARROW] if start == 0 else settings[START_MIDDLE]
-                wide = settings[START_WIDE]
-                target = -memory[START + c - 3]
-            row = 5 + c
-            variance = 1.0 / (1.0 / own - 1.0 / wide)
-            total = cov[row, row] + variance
-            innovation = target - shift[row]
-            logarithm += 0.5 * (math.log(wide / own * variance / total) - innovation * innovation / total)
-            for i in range(_SUB):
-                gain[i] = cov[i, row]
-            for i in range(_SUB):
-                shift[i] += gain[i] / total * innovation
-                for j in range(_SUB):
-                    cov[i, j] -= gain[i] * gain[j] / total
-        east, north = memory[FIELD] + shift[3], memory[FIELD + 1] + shift[4]
-        level = east * east + north * north + 1e-9
-        by_east, by_north = north / level, -east / level
-        found[0, h] = logarithm
-        found[1, h] = math.atan2(east, north) + shift[2]
-        found[2, h] = (
-            cov[2, 2]
-            + 2.0 * (by_east * cov[2, 3] + by_north * cov[2, 4])
-            + by_east * (by_east * cov[3, 3] + 2.0 * by_north * cov[3, 4])
-            + by_north * by_north * cov[4, 4]
-        )
-        found[3, h], found[4, h] = shift[0], shift[1]
-        best = max(best, logarithm)
+    for iron in range(kinds):
+        own = settings[IRON_NARROW] if iron == 0 else settings[IRON_MIDDLE]
+        own += memory[IRON_KNOWN_VARIANCE]
+        wide = settings[IRON_WIDE] + memory[IRON_KNOWN_VARIANCE]
+        iron_odds = settings[IRON_NARROW_ODDS] if iron == 0 else settings[IRON_MIDDLE_ODDS]
+        if iron == 2:
+            iron_odds = math.log1p(
+                -math.exp(settings[IRON_NARROW_ODDS]) - math.exp(settings[IRON_MIDDLE_ODDS])
+            )
+        for i in range(_TABLE):
+            work[_TABLE + i] = work[i]
+        if kinds > 1 and iron < 2:
+            for a in range(3):
+                target = memory[IRON_KNOWN + a] - memory[IRON + a]
+                iron_odds += _suppose(work, _TABLE, 5 + a, target, own, wide)
+        for start in range(3):
+            h = 3 * iron + start
+            logarithm = iron_odds + (
+                settings[START_NARROW_ODDS] if start == 0 else settings[START_MIDDLE_ODDS]
+            )
+            if start == 2:
+                logarithm = iron_odds + math.log1p(
+                    -math.exp(settings[START_NARROW_ODDS]) - math.exp(settings[START_MIDDLE_ODDS])
+                )
+            for i in range(_TABLE):
+                work[2 * _TABLE + i] = work[_TABLE + i]
+            if start < 2:
+                own_start = settings[START_NARROW] if start == 0 else settings[START_MIDDLE]
+                for a in range(3):
+                    target = -memory[START + a]
+                    logarithm += _suppose(work, 2 * _TABLE, 8 + a, target, own_start, settings[START_WIDE])
+            cov = work[2 * _TABLE : 3 * _TABLE].reshape(_SUB + 1, _SUB)
+            shift = cov[_SUB]
+            east, north = memory[FIELD] + shift[3], memory[FIELD + 1] + shift[4]
+            level = east * east + north * north + 1e-9
+            by_east, by_north = north / level, -east / level
+            found[0, h] = logarithm
+            found[1, h] = math.atan2(east, north) + shift[2]
+            found[2, h] = (
+                cov[2, 2]
+                + 2.0 * (by_east * cov[2, 3] + by_north * cov[2, 4])
+                + by_east * (by_east * cov[3, 3] + 2.0 * by_north * cov[3, 4])
+                + by_north * by_north * cov[4, 4]
+            )
+            found[3, h], found[4, h] = shift[0], shift[1]
+            best = max(best, logarithm)
     total = 0.0
-    for h in range(HYPOTHESES):
+    for h in range(3 * kinds):
         odds[h] = math.exp(found[0, h] - best)
         total += odds[h]
     cosine = sine = tilt_x = tilt_y = own_variance = counted = 0.0
-    for h in range(HYPOTHESES):
+    for h in range(3 * kinds):
         odds[h] /= total
-        if odds[h] == 0.0:
-            continue
         cosine += odds[h] * math.cos(found[1, h])
         sine += odds[h] * math.sin(found[1, h])
         tilt_x += odds[h] * found[3, h]
@@ -278,17 +290,16 @@ def find_north(
             counted += odds[h]
     heading = math.atan2(sine, cosine)
     variance = settings[HEADING_SCALE] * own_variance / counted
-    for h in range(HYPOTHESES):
-        if odds[h] > 0.0:
-            variance += odds[h] * wrapped(found[1, h] - heading) ** 2
+    for h in range(3 * kinds):
+        variance += odds[h] * wrapped(found[1, h] - heading) ** 2
     memory[HEADING_VARIANCE] = variance
     # The small tilt of the hypotheses first, then the turn to north.
     w, x, y, z = multiply(
         math.cos(0.5 * heading), 0.0, 0.0, math.sin(0.5 * heading), 1.0, 0.5 * tilt_x, 0.5 * tilt_y, 0.0
     )
-    norm = math.sqrt(w * w + x * x + y * y + z * z)
-    memory[CORRECTION], memory[CORRECTION + 1] = w / norm, x / norm
-    memory[CORRECTION + 2], memory[CORRECTION + 3] = y / norm, z / norm
+    w, x, y, z = normalized(w, x, y, z)
+    memory[CORRECTION], memory[CORRECTION + 1] = w, x
+    memory[CORRECTION + 2], memory[CORRECTION + 3] = y, z
 
 
 __all__ = ["HYPOTHESES", "WORK", "field_variance", "find_north", "iron_changed", "open_iron"]

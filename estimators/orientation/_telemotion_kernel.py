@@ -70,7 +70,6 @@ from estimators.orientation._telemotion_layout import (
     TILT_FLOOR,
     TILT_SCALE,
     TILT_VARIANCE,
-    TURN,
 )
 from estimators.orientation._telemotion_samples import clear_sums, integrate, watch_rest
 from estimators.orientation._telemotion_start import begin, collect, meet_field
@@ -90,6 +89,8 @@ _MICROTESLA = 1e6
 _DISTURBED = 8.0
 """Misfit of a block, in squared scales: a residual of 5 uT from a field that is well known."""
 _WORST_LEVEL = 10.0
+_SMALL_OFFSET = 1e-8
+"""Squared angle below which half of it is its sine, to 1e-13."""
 
 
 @kernel("void(float64[::1], float64[::1], float64[::1])")
@@ -105,8 +106,13 @@ def shown(memory: Float, q: Float, out: Float) -> None:
         q[2],
         q[3],
     )
-    if memory[OFFSET] != 0.0 or memory[OFFSET + 1] != 0.0 or memory[OFFSET + 2] != 0.0:
-        tw, tx, ty, tz = exponential(memory[OFFSET], memory[OFFSET + 1], memory[OFFSET + 2])
+    ox, oy, oz = memory[OFFSET], memory[OFFSET + 1], memory[OFFSET + 2]
+    size = ox * ox + oy * oy + oz * oz
+    if size > 0.0:
+        if size < _SMALL_OFFSET:
+            tw, tx, ty, tz = 1.0, 0.5 * ox, 0.5 * oy, 0.5 * oz
+        else:
+            tw, tx, ty, tz = exponential(ox, oy, oz)
         w, x, y, z = multiply(tw, tx, ty, tz, w, x, y, z)
     out[0], out[1], out[2], out[3] = normalized(w, x, y, z)
 
@@ -138,8 +144,8 @@ def take_back(memory: Float, settings: Float) -> None:
 
 
 @kernel(
-    "void(float64[::1], float64[::1], float64[:, ::1], float64[::1], int64[::1], int64, float64[::1],"
-    "float64[:, ::1], int64[::1], float64[::1])"
+    "void(float64[::1], float64[::1], float64[::1], float64[::1], int64[::1], int64, float64[::1],"
+    "float64[:, ::1], int64[:, ::1], float64[:, ::1], float64[::1])"
 )
 def end_block(
     q: Float,
@@ -149,12 +155,13 @@ def end_block(
     counts: NDArray[np.int64],
     tick: int,
     settings: Float,
-    vectors: Float,
+    rows: Float,
     index: NDArray[np.int64],
+    value: Float,
     work: Float,
 ) -> None:
     """Run the filter over the sums of a block and move its error into the estimate."""
-    error, gain, value, before = vectors[0], vectors[1], vectors[2], vectors[3]
+    error, before = rows[5], rows[6]
     shown(memory, q, before)
     ticks = float(counts[COUNT])
     time_s = ticks * settings[STEP_S]
@@ -162,26 +169,26 @@ def end_block(
     met = False
     move(memory, settings, ticks)
     predict(p, memory, settings, ticks)
-    hold_place(p, error, gain, bias, memory, settings, index, value, ticks, rest)
+    hold_place(p, error, rows, bias, memory, settings, index, value, ticks, rest)
     odds = memory[ODDS : ODDS + 9]
     if 2 * counts[FIELD_COUNT] >= counts[COUNT]:
         if counts[FIELD_KNOWN] == 0:
             meet_field(memory, counts, p, settings)
             met = True
         elif iron_changed(memory, counts, settings, time_s):
-            open_iron(p, error, gain, memory, index, value, counts, settings, odds)
+            open_iron(p, error, rows, memory, index, value, counts, settings, odds)
         variance = field_variance(p, memory, counts, settings, time_s, rest)
-        see_field(p, error, gain, memory, index, value, counts, variance)
+        see_field(p, error, rows, memory, index, value, counts, variance)
     inject(q, bias, memory, error)
     blocks = (tick + 1) // int(settings[BLOCK_TICKS])
     if counts[FIELD_KNOWN] and (blocks % int(settings[HYPOTHESIS_BLOCKS]) == 0 or met):
         find_north(p, memory, counts, settings, odds, work)
     if counts[FIELD_KNOWN] == 0:
-        memory[HEADING_VARIANCE] = p[TURN + 2, TURN + 2]
+        memory[HEADING_VARIANCE] = p[2 * (STATES + 1)]
     cosine = memory[CORRECTION] ** 2 - memory[CORRECTION + 3] ** 2
     sine = 2.0 * memory[CORRECTION] * memory[CORRECTION + 3]
-    mixed = 2.0 * sine * cosine * p[TURN, TURN + 1]
-    across, along = p[TURN, TURN], p[TURN + 1, TURN + 1]
+    mixed = 2.0 * sine * cosine * p[1]
+    across, along = p[0], p[STATES + 1]
     memory[TILT_VARIANCE] = settings[TILT_SCALE] * (cosine**2 * across + sine**2 * along - mixed)
     memory[TILT_VARIANCE + 1] = settings[TILT_SCALE] * (sine**2 * across + cosine**2 * along + mixed)
     clear_sums(memory, counts)
@@ -194,8 +201,8 @@ def end_block(
 
 
 @kernel(
-    "void(float64[::1], float64[::1], float64[:, ::1], float64[::1], int64[::1], int64, float64[::1],"
-    "float64[::1], float64[:, ::1], int64[::1], float64[::1])"
+    "void(float64[::1], float64[::1], float64[::1], float64[::1], int64[::1], int64, float64[::1],"
+    "float64[::1], float64[:, ::1], int64[:, ::1], float64[:, ::1], float64[::1])"
 )
 def advance(
     q: Float,
@@ -206,20 +213,21 @@ def advance(
     tick: int,
     sample: Float,
     settings: Float,
-    vectors: Float,
+    rows: Float,
     index: NDArray[np.int64],
+    value: Float,
     work: Float,
 ) -> None:
     """Take the sample of one tick; blocks end at multiples of their length in ticks of the session."""
     watch_rest(memory, counts, sample, settings)
     integrate(q, bias, memory, counts, sample, settings)
     if (tick + 1) % int(settings[BLOCK_TICKS]) == 0:
-        end_block(q, bias, p, memory, counts, tick, settings, vectors, index, work)
+        end_block(q, bias, p, memory, counts, tick, settings, rows, index, value, work)
 
 
 @kernel(
-    "void(float64[::1], float64[::1], float64[:, ::1], float64[::1], int64[::1], int64, float64[::1], boolean,"
-    "float64[::1], float64[:, ::1], int64[::1], float64[::1])"
+    "void(float64[::1], float64[::1], float64[::1], float64[::1], int64[::1], int64, float64[::1], boolean,"
+    "float64[::1], float64[:, ::1], int64[:, ::1], float64[:, ::1], float64[::1])"
 )
 def fill_gap(
     q: Float,
@@ -231,19 +239,22 @@ def fill_gap(
     now: Float,
     sloped: bool,
     settings: Float,
-    vectors: Float,
+    rows: Float,
     index: NDArray[np.int64],
+    value: Float,
     work: Float,
 ) -> None:
     """Catch up: the samples of the gap, and the one set aside, whose tick is `tick`."""
-    sample = vectors[5][:SAMPLE]
+    sample = rows[7][:SAMPLE]
     gap = counts[GAP]
     for place in range(1, gap + 1):
         filled(memory, now, place, float(gap), sloped, sample)
-        advance(q, bias, p, memory, counts, tick - 1 - gap + place, sample, settings, vectors, index, work)
+        advance(
+            q, bias, p, memory, counts, tick - 1 - gap + place, sample, settings, rows, index, value, work
+        )
     doubt_filling(memory, now, sloped, settings, float(gap))
     after_gap(memory, sample)
-    advance(q, bias, p, memory, counts, tick, sample, settings, vectors, index, work)
+    advance(q, bias, p, memory, counts, tick, sample, settings, rows, index, value, work)
     for i in range(6):
         first, second = memory[LAST_SAMPLE + i], sample[i]
         memory[SLOPE + i] = now[i] - second if sloped else (second - first) / (gap + 1.0)
@@ -307,13 +318,14 @@ def run(
     flags: NDArray[np.uint8],
 ) -> None:
     """Filter K ticks of S sensors; the states are carried on."""
-    vectors = np.zeros((6, STATES))
-    index = np.zeros(8, dtype=np.int64)
+    rows = np.zeros((8, STATES))
+    index, value = np.zeros((3, 8), dtype=np.int64), np.zeros((3, 8))
     work = np.zeros(WORK)
     sample, out = np.zeros(SAMPLE), np.zeros(4)
-    step_s = settings[STEP_S]
+    step_s, block_ticks = settings[STEP_S], int(settings[BLOCK_TICKS])
+    flat = covariance.reshape(covariance.shape[0], STATES * STATES)
     for s in range(quality.shape[0]):
-        q, bias, p = q_all[s], bias_all[s], covariance[s]
+        q, bias, p = q_all[s], bias_all[s], flat[s]
         memory, counts = memory_all[s], counters[s]
         for k in range(quality.shape[1]):
             tick = counts[TICK]
@@ -328,13 +340,16 @@ def run(
                 counts[SINCE_START] += 1
                 if measured and counts[GAP] == 0:
                     remember(memory, sample)
-                    advance(q, bias, p, memory, counts, tick, sample, settings, vectors, index, work)
+                    watch_rest(memory, counts, sample, settings)
+                    integrate(q, bias, memory, counts, sample, settings)
+                    if (tick + 1) % block_ticks == 0:
+                        end_block(q, bias, p, memory, counts, tick, settings, rows, index, value, work)
                 elif measured and counts[PENDING]:
                     fill_gap(
-                        q, bias, p, memory, counts, tick - 1, sample, True, settings, vectors, index, work
+                        q, bias, p, memory, counts, tick - 1, sample, True, settings, rows, index, value, work
                     )
                     remember(memory, sample)
-                    advance(q, bias, p, memory, counts, tick, sample, settings, vectors, index, work)
+                    advance(q, bias, p, memory, counts, tick, sample, settings, rows, index, value, work)
                 elif measured:
                     set_aside(memory, sample)
                     counts[PENDING] = 1
@@ -352,8 +367,9 @@ def run(
                             sample,
                             False,
                             settings,
-                            vectors,
+                            rows,
                             index,
+                            value,
                             work,
                         )
                     if counts[GAP] == 0:

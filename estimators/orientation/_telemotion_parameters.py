@@ -31,8 +31,8 @@ class TelemotionParameters:
     errors of the accelerometer, and how far the field of a room points from that of its surroundings.
     """
 
-    block_s: float = 0.15
-    hypothesis_s: float = 0.5
+    block_s: float = 0.2
+    hypothesis_s: float = 0.6
     start_s: float = 0.05
     coast_s: float = 0.25
     convergence_s: float = 3.0
@@ -82,7 +82,7 @@ class TelemotionParameters:
     output_lead_s: float = 0.0
     acceleration_tolerance_mps2: float = 2.0
     tilt_sigma_scale: float = 0.4
-    heading_sigma_scale: float = 0.35
+    heading_sigma_scale: float = 0.25
     tilt_sigma_floor_deg: float = 0.3
     heading_sigma_floor_deg: float = 1.0
     heading_lost_sigma_deg: float = 15.0

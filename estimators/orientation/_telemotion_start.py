@@ -77,12 +77,12 @@ def face_north(memory: Float) -> None:
     memory[CORRECTION + 1] = memory[CORRECTION + 2] = 0.0
 
 
-@kernel("void(float64[::1], int64[::1], float64[:, ::1], float64[::1])")
+@kernel("void(float64[::1], int64[::1], float64[::1], float64[::1])")
 def meet_field(memory: Float, counts: NDArray[np.int64], p: Float, settings: Float) -> None:
     """Take the block's mean field as the first there is; its uncertainty is the prior's."""
     for a in range(3):
         memory[FIELD + a] = memory[SUM_FIELD + a] / counts[FIELD_COUNT]
-        p[FIELD + a, FIELD + a] = settings[FIELD_START]
+        p[(STATES + 1) * (FIELD + a)] = settings[FIELD_START]
     memory[START_SHARE] = 1.0
     counts[FIELD_KNOWN] = 1
     face_north(memory)
@@ -112,7 +112,7 @@ def _turn_to_field(
 
 
 @kernel(
-    "boolean(float64[::1], float64[::1], float64[:, ::1], float64[::1], int64[::1], float64[::1], float64[::1])"
+    "boolean(float64[::1], float64[::1], float64[::1], float64[::1], int64[::1], float64[::1], float64[::1])"
 )
 def collect(
     q: Float,
@@ -146,11 +146,11 @@ def collect(
         heading = _turn_to_field(q, memory, counts, settings, gap_s)
     for i in range(BIAS):
         for j in range(STATES):
-            p[i, j] = p[j, i] = 0.0
+            p[STATES * i + j] = p[STATES * j + i] = 0.0
     for a in range(3):
-        p[TURN + a, TURN + a] = tilt if a < 2 else heading
-        p[VELOCITY + a, VELOCITY + a] = settings[SPEED_START]
-        p[POSITION + a, POSITION + a] = _PLACE_VARIANCE
+        p[(STATES + 1) * (TURN + a)] = tilt if a < 2 else heading
+        p[(STATES + 1) * (VELOCITY + a)] = settings[SPEED_START]
+        p[(STATES + 1) * (POSITION + a)] = _PLACE_VARIANCE
     clear_sums(memory, counts)
     counts[PHASE] = RUNNING
     counts[FILTERED] = 1
