@@ -5,6 +5,7 @@ A process of its own, so that simulating a patient takes no time from the servic
 
 import argparse
 import asyncio
+import os
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -36,6 +37,7 @@ async def run(server: str, database_url: str, history_mark: Path | None, with_st
         Make the history and write this file when it is complete; None when it is there.
     with_stream : bool
     """
+    leaving = asyncio.create_task(_leave_with_parent(os.getppid()))
     async with asyncio.timeout(READY_TIMEOUT_S):
         await _until_it_answers(server)
     async with ServiceClient(server) as service:
@@ -53,6 +55,14 @@ async def run(server: str, database_url: str, history_mark: Path | None, with_st
         _say(_welcome(server, with_stream))
         if with_stream:
             await _stream_forever(service, patient_ids)
+    leaving.cancel()
+
+
+async def _leave_with_parent(parent: int) -> None:
+    """End when the server's process is gone, however it ended."""
+    while os.getppid() == parent:
+        await asyncio.sleep(1.0)
+    os._exit(0)
 
 
 async def _until_it_answers(server: str) -> None:
