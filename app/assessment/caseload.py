@@ -202,7 +202,9 @@ def _sessions(session: Session, ids: list[str], now: datetime) -> dict[str, _Ses
     live = select(MotionSession.patient_id, MotionSession.id).where(
         MotionSession.patient_id.in_(ids), MotionSession.state.in_(LIVE_STATES)
     )
-    for patient_id, session_id in session.execute(live.order_by(MotionSession.created_at)):
+    # The last one wins: a session that streams before one whose link is lost, then the newest.
+    streaming_last = (MotionSession.state != "link_lost", MotionSession.created_at)
+    for patient_id, session_id in session.execute(live.order_by(*streaming_last)):
         found[patient_id].live_id = session_id
     practised = select(
         MotionSession.patient_id,

@@ -60,7 +60,7 @@ async def run(server: str, database_url: str, history_mark: Path | None, with_st
 
 async def _leave_with_parent(parent: int) -> None:
     """End when the server's process is gone, however it ended."""
-    while os.getppid() == parent:
+    while os.getppid() == parent:  # noqa: ASYNC110 - the end of another process sets no event
         await asyncio.sleep(1.0)
     os._exit(0)
 
