@@ -258,7 +258,8 @@ def _moving_spread(values: Float, half: int) -> tuple[Float, Float]:
     width = (stop - start)[:, None]
     finite = np.isfinite(values).all(axis=-1, keepdims=True)
     held: Float = np.where(finite, values, 0.0)
-    centre = np.asarray(held.mean(axis=-2, keepdims=True))  # keeps the difference of sums below well conditioned
+    # Taken from the mean, the difference of sums below stays well conditioned.
+    centre = np.asarray(held.mean(axis=-2, keepdims=True))
 
     def window_sum(table: Float) -> Float:
         total = np.concatenate((np.zeros_like(table[..., :1, :]), np.cumsum(table, axis=-2)), axis=-2)
