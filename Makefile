@@ -53,8 +53,8 @@ lint: $(VENV)/installed
 types: $(VENV)/installed
 	@$(BIN)/mypy
 
-web-test: web/node_modules/installed
-	@cd web && npm run --silent check && npm test --silent
+web-test: $(VENV)/installed web/node_modules/installed
+	@cd web && npm run --silent check && npm run --silent api:check && npm test --silent
 
 test: lint types web-test web/dist/index.html browser ## Everything: lint, types, browser client, unit, service, database and browser tests
 	@$(BIN)/python -m pytest --cov --cov-report=term:skip-covered --durations=15

@@ -29,6 +29,28 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/accounts/{account_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        /**
+         * Update Account
+         * @description Rename an account, switch it off or on, or give a new password to who forgot it; administrators only.
+         *
+         *     Errors: `not_allowed`, `not_found` for another clinic's account, `conflict` for the own one.
+         */
+        patch: operations["update_account_api_accounts__account_id__patch"];
+        trace?: never;
+    };
     "/api/caseload": {
         parameters: {
             query?: never;
@@ -233,6 +255,29 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/me/password": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Change Password
+         * @description Change the own password; every other browser is signed out.
+         *
+         *     Errors: `invalid_input` with the field when the present password is wrong or the new one is too short or the same,
+         *     `too_many_attempts` with Retry-After.
+         */
+        post: operations["change_password_api_me_password_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/patients": {
         parameters: {
             query?: never;
@@ -271,7 +316,14 @@ export interface paths {
         get: operations["read_patient_api_patients__patient_id__get"];
         put?: never;
         post?: never;
-        delete?: never;
+        /**
+         * Erase Patient
+         * @description Erase an archived patient for good, with signals, results, comparisons and accounts; administrators only.
+         *
+         *     The audit trail keeps that it happened. Errors: `conflict` when the patient is not archived, streams, or a
+         *     recording is being analysed.
+         */
+        delete: operations["erase_patient_api_patients__patient_id__delete"];
         options?: never;
         head?: never;
         /**
@@ -962,6 +1014,18 @@ export interface components {
             role: "administrator" | "therapist" | "patient" | "integrator";
         };
         /**
+         * AccountPatch
+         * @description Only the fields to change; administrators only.
+         */
+        AccountPatch: {
+            /** Display Name */
+            display_name?: string | null;
+            /** Is Active */
+            is_active?: boolean | null;
+            /** Password */
+            password?: string | null;
+        };
+        /**
          * AuditOut
          * @description Who did what with a patient's data.
          */
@@ -1023,7 +1087,7 @@ export interface components {
              * Preset
              * @default null
              */
-            preset?: ("front" | "side" | "top" | "arm") | null;
+            preset?: ("start" | "front" | "side" | "top" | "arm") | null;
             /**
              * Theme
              * @default null
@@ -1276,6 +1340,17 @@ export interface components {
             revoked_at: string | null;
             /** Token */
             token?: string | null;
+        };
+        /**
+         * ErasureIn
+         * @description Erase a patient for good; the word shows that this is meant.
+         */
+        ErasureIn: {
+            /**
+             * Confirmation
+             * @constant
+             */
+            confirmation: "ERASE";
         };
         /**
          * ErrorMessage
@@ -1576,6 +1651,16 @@ export interface components {
             value: number | null;
         };
         /**
+         * PasswordIn
+         * @description Change the own password.
+         */
+        PasswordIn: {
+            /** New Password */
+            new_password: string;
+            /** Old Password */
+            old_password: string;
+        };
+        /**
          * PatientIn
          * @description A new patient or a change.
          */
@@ -1644,6 +1729,8 @@ export interface components {
             family_name?: string | null;
             /** Given Name */
             given_name?: string | null;
+            /** Is Archived */
+            is_archived?: boolean | null;
             /** Notes */
             notes?: string | null;
         };
@@ -1905,10 +1992,7 @@ export interface components {
         ReprocessIn: {
             /** Orientation */
             orientation: string;
-            /**
-             * Orientation Parameters
-             * @default {}
-             */
+            /** Orientation Parameters */
             orientation_parameters?: {
                 [key: string]: unknown;
             };
@@ -2076,10 +2160,7 @@ export interface components {
              * @default vqf
              */
             orientation?: string;
-            /**
-             * Orientation Parameters
-             * @default {}
-             */
+            /** Orientation Parameters */
             orientation_parameters?: {
                 [key: string]: unknown;
             };
@@ -2498,6 +2579,41 @@ export interface operations {
             };
         };
     };
+    update_account_api_accounts__account_id__patch: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                account_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["AccountPatch"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["AccountOut"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+        };
+    };
     read_caseload_api_caseload_get: {
         parameters: {
             query?: never;
@@ -2784,6 +2900,37 @@ export interface operations {
             };
         };
     };
+    change_password_api_me_password_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["PasswordIn"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+        };
+    };
     list_patients_api_patients_get: {
         parameters: {
             query?: never;
@@ -2856,6 +3003,39 @@ export interface operations {
                 content: {
                     "application/json": components["schemas"]["PatientOut"];
                 };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+        };
+    };
+    erase_patient_api_patients__patient_id__delete: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                patient_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ErasureIn"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
             };
             /** @description Validation Error */
             422: {

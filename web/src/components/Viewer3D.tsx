@@ -22,7 +22,7 @@ export interface Viewer3DProps {
 }
 
 type Preset = NonNullable<CameraCommand['preset']>;
-const PRESETS: readonly Preset[] = ['front', 'side', 'top', 'arm'];
+const PRESETS: readonly Preset[] = ['start', 'front', 'side', 'top', 'arm'];
 const TURN_DEG = 20;
 const ZOOM = 1.25;
 const NOTHING: ViewSnapshot = { status: 'connecting', problem: '', shown: null };

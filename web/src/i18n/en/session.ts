@@ -156,6 +156,7 @@ export const session = {
   'viewer.reopen': 'Open again',
   'camera.title': 'Point of view',
   'camera.from': 'Seen from',
+  'camera.start': 'Start',
   'camera.front': 'Front',
   'camera.side': 'Side',
   'camera.top': 'Above',
