@@ -1,6 +1,7 @@
 """`telemotion demo`: the service with an invented clinic, and a patient who streams live."""
 
 import shutil
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -11,9 +12,25 @@ from app.commands.serve import serve
 from app.database import engine as engines
 from app.database import migrate
 from app.demo.people import is_seeded, seed_people
+from app.errors import Conflict, InvalidInput
 from app.settings import Settings
 
 HISTORY_MARK = "history-complete"
+
+
+def _require_free(port: int) -> None:
+    """Refuse a port that somebody listens on, before anything is prepared for it.
+
+    Raises
+    ------
+    Conflict
+        The port is taken, perhaps by another demonstration.
+    """
+    with socket.socket() as probe:
+        if probe.connect_ex(("127.0.0.1", port)) == 0:
+            raise Conflict(
+                f"port {port} is taken; stop what runs there, or choose another (make run PORT=...)"
+            )
 
 
 def demo(port: int, folder: Path, fresh: bool, stream: bool) -> None:
@@ -30,15 +47,19 @@ def demo(port: int, folder: Path, fresh: bool, stream: bool) -> None:
         Start the simulated patient.
     """
     mark = folder / HISTORY_MARK
-    if fresh or (folder.exists() and not mark.exists()):
+    _require_free(port)
+    database = folder / "telemotion.db"
+    if folder.exists() and any(folder.iterdir()) and not database.exists():
+        raise InvalidInput(f"{folder} holds something else; name a new or empty folder")
+    if database.exists() and (fresh or not mark.exists()):
         # A first start that was interrupted left half a history: begin again rather than show it.
-        shutil.rmtree(folder, ignore_errors=True)
+        shutil.rmtree(folder)
     folder.mkdir(parents=True, exist_ok=True)
     server = f"http://127.0.0.1:{port}"
     settings = Settings(
         demo=True,
         base_url=server,
-        database_url=f"sqlite:///{(folder / 'telemotion.db').resolve()}",
+        database_url=f"sqlite:///{database.resolve()}",
         data_dir=folder,
         log_level="warning",
     )

@@ -17,7 +17,7 @@ from app.database import engine as engines
 from app.database import migrate as migrations
 from app.database.base import new_id
 from app.database.unit_of_work import read_only, unit_of_work
-from app.errors import Conflict, InvalidInput, NotFound
+from app.errors import Conflict, InvalidInput, NotFound, TelemotionError
 from app.recordings import service
 from app.recordings.jobs import run_job
 from app.recordings.models import MotionSession
@@ -172,8 +172,14 @@ def reprocess(session_id: str, orientation: str, parameters: str) -> None:
         if not found:
             raise NotFound("There is no such session.")
         for identifier, clinic_id in found:
-            with unit_of_work(engine) as session:
-                job = service.queue_reprocess(session, Subject.system(clinic_id), identifier, wanted)
+            try:
+                with unit_of_work(engine) as session:
+                    job = service.queue_reprocess(session, Subject.system(clinic_id), identifier, wanted)
+            except TelemotionError as error:
+                if session_id != "all":
+                    raise
+                typer.echo(f"{identifier}: left out, {error.message}")
+                continue
             done = run_job(engine, settings, job.id, reprocess_task)
             said = f"{done.status} {done.message}" if done else "taken by the running service"
             typer.echo(f"{identifier}: {said}")

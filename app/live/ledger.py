@@ -66,7 +66,10 @@ class SequenceLedger:
         list of (start, stop)
             What to ask the gateway for: half-open, lowest first, at most `REPORTED_HOLES`.
         """
-        asked = {hole: self._asked_s.get(hole, -elapsed_s) + elapsed_s for hole in self.holes()}
+        # Only what is asked for grows old: nothing is given up that the gateway was never asked for.
+        asked = {
+            hole: self._asked_s.get(hole, -elapsed_s) + elapsed_s for hole in self.holes()[:REPORTED_HOLES]
+        }
         for hole in [hole for hole, age_s in asked.items() if age_s >= GIVE_UP_AFTER_S]:
             self.given_up.add_range(*hole)
             del asked[hole]
