@@ -256,7 +256,8 @@ def run_until(engine: Engine, settings: Settings, handler: Any, session_id: str,
     runner = JobRunner(engine, settings, {"reprocess": handler})
     runner.subscribe(done.append)
     runner.start()
-    deadline = time.monotonic() + 60
+    # A worker imports for seconds, four times here, and more on a busy machine.
+    deadline = time.monotonic() + 240
     while len(done) < count and time.monotonic() < deadline:
         time.sleep(0.02)
     runner.stop()
