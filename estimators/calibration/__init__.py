@@ -4,6 +4,8 @@ from estimators.calibration._contract import Calibration
 from estimators.calibration._device import DeviceCalibration, TriadCalibration, correct
 from estimators.calibration._ferraris import FerrarisResult, FullTurn, Rest, ferraris, find_positions
 from estimators.calibration._field import LocalField, local_field
+from estimators.calibration._functional import KINDS, FunctionalResult, functional
+from estimators.calibration._joint_axes import AxisEstimate
 from estimators.calibration._magnetometer import (
     MagnetometerCollector,
     MagnetometerProgress,
@@ -17,12 +19,15 @@ from estimators.calibration._static import StaticBias, static_bias
 from estimators.calibration._turns import circle_fit
 
 __all__ = [
+    "KINDS",
     "OUTWARD_HEADING_RAD",
+    "AxisEstimate",
     "Calibration",
     "DeviceCalibration",
     "FerrarisResult",
     "Finding",
     "FullTurn",
+    "FunctionalResult",
     "LocalField",
     "MagnetometerCollector",
     "MagnetometerProgress",
@@ -36,6 +41,7 @@ __all__ = [
     "correct",
     "ferraris",
     "find_positions",
+    "functional",
     "local_field",
     "n_pose",
     "static_bias",

@@ -3,7 +3,6 @@
 import cmath
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +10,14 @@ from numpy.typing import NDArray
 from estimators import rotation
 from estimators.calibration._contract import Calibration
 from estimators.calibration._mounting import FACING_ORDER, N_POSE_TURN_RAD, OUTWARD_HEADING_RAD
+from estimators.calibration._rest import (
+    SWAY_RAD,
+    Verdict,
+    mean_orientation,
+    mostly,
+    words,
+    wrapped,
+)
 from estimators.calibration._static import StaticBias, static_bias
 from estimators.conventions import GRAVITY_MPS2, Placement
 from estimators.errors import CalibrationError, ShapeError
@@ -20,8 +27,6 @@ from estimators.recording import Float
 UNUSABLE_SCORE = 0.25
 _STEEP_RAD = math.radians(75.0)
 _SLANTED_RAD = math.radians(55.0)
-_SWAY_RAD = math.radians(3.0)
-_MOVED_RAD = math.radians(12.0)
 _QUIET_RADPS = math.radians(4.0)
 _RESTLESS_RADPS = math.radians(25.0)
 _NORM_WARNING = 0.03
@@ -40,6 +45,7 @@ def n_pose(
     flags: NDArray[np.uint8] | None = None,
     *,
     time_step_s: float = 0.01,
+    facing_rad: float | None = None,
 ) -> Calibration:
     """Find how every sensor sits on its segment from one N-pose.
 
@@ -55,6 +61,9 @@ def n_pose(
         `OrientationFlag` bits of the orientations; absent means sound and with a shared heading.
     time_step_s : float
         Of the samples.
+    facing_rad : float, optional
+        Where the patient faces in the earth frame, when movements have told it; otherwise the mounting rule
+        below does.
 
     Returns
     -------
@@ -90,37 +99,42 @@ def n_pose(
         accelerometer_mps2,
         time_step_s,
         require_still=False,
-        names=[f"the {_words(p)} sensor" for p in placements],
+        names=[f"the {words(p)} sensor" for p in placements],
     )
-    verdict = _Verdict()
-    q_mean = np.stack([_mean(q_earth_sensor[s], flags[s], placements[s], verdict) for s in range(sensors)])
+    verdict = Verdict()
+    q_mean = np.stack(
+        [mean_orientation(q_earth_sensor[s], flags[s], placements[s], verdict) for s in range(sensors)]
+    )
     _judge_samples(bias, accelerometer_mps2, q_mean, placements, verdict)
     _judge_flags(flags, placements, verdict)
     outward = rotation.rotate(q_mean, [0.0, 0.0, 1.0])
     heading_rad = np.arctan2(outward[:, 1], outward[:, 0])
     steepness_rad = np.abs(np.arcsin(np.clip(outward[:, 2], -1.0, 1.0)))
-    own_heading = _mostly(flags, OrientationFlag.HEADING_NOT_TRUSTED)
-    facing_rad, reference = _facing(placements, heading_rad, steepness_rad, own_heading, verdict)
+    own_heading = mostly(flags, OrientationFlag.HEADING_NOT_TRUSTED)
+    reference: Placement | None = None
+    if facing_rad is None:
+        facing_rad, reference = _facing(placements, heading_rad, steepness_rad, own_heading, verdict)
     offsets: dict[Placement, float] = {}
     q_sensor_segment: dict[Placement, tuple[float, float, float, float]] = {}
     for s, placement in enumerate(placements):
         if own_heading[s]:
             if steepness_rad[s] > _STEEP_RAD:
                 raise CalibrationError(
-                    f"the z axis of the {_words(placement)} sensor points up or down and it has no compass, "
+                    f"the z axis of the {words(placement)} sensor points up or down and it has no compass, "
                     "so its direction cannot be found; mount it with the z axis away from the body and repeat"
                 )
             if steepness_rad[s] > _SLANTED_RAD:
                 verdict.lower(
-                    0.7, f"the {_words(placement)} sensor lies flat; mount it with its z axis outward"
+                    0.7, f"the {words(placement)} sensor lies flat; mount it with its z axis outward"
                 )
-            offsets[placement] = _wrapped(facing_rad + OUTWARD_HEADING_RAD[placement] - heading_rad[s])
+            offsets[placement] = wrapped(facing_rad + OUTWARD_HEADING_RAD[placement] - heading_rad[s])
         turn = rotation.about_z(offsets.get(placement, 0.0) - facing_rad)
         q_room_sensor = rotation.multiply(turn, q_mean[s])
         q_room_segment = rotation.about_z(N_POSE_TURN_RAD.get(placement, 0.0))
         w, x, y, z = rotation.positive(rotation.multiply(rotation.conjugate(q_room_sensor), q_room_segment))
         q_sensor_segment[placement] = (float(w), float(x), float(y), float(z))
-    _judge_agreement(placements, heading_rad, steepness_rad, own_heading, facing_rad, reference, verdict)
+    if reference is not None:
+        _judge_agreement(placements, heading_rad, steepness_rad, own_heading, facing_rad, reference, verdict)
     if verdict.score < UNUSABLE_SCORE:
         raise CalibrationError("this pose cannot be used: " + "; ".join(verdict.reasons))
     return Calibration(
@@ -137,98 +151,48 @@ def n_pose(
     )
 
 
-@dataclass
-class _Verdict:
-    """Collects what lowers the score."""
-
-    score: float = 1.0
-    reasons: list[str] = field(default_factory=list)
-
-    def lower(self, factor: float, reason: str) -> None:
-        self.score *= factor
-        self.reasons.append(reason)
-
-
-def _words(placement: Placement) -> str:
-    part, _, side = placement.rpartition("_")
-    return f"{side} {part.replace('_', ' ')}" if side in ("left", "right") else placement
-
-
-def _wrapped(angle_rad: float) -> float:
-    return float(math.remainder(angle_rad, 2.0 * math.pi))
-
-
-def _mostly(flags: NDArray[np.uint8], flag: OrientationFlag) -> NDArray[np.bool_]:
-    return np.asarray(np.mean((flags & int(flag)) != 0, axis=1) > 0.5)
-
-
-def _mean(q: Float, flags: NDArray[np.uint8], placement: Placement, verdict: _Verdict) -> Float:
-    """Average one sensor's orientation robustly and judge how much it moved."""
-    usable = np.isfinite(q).all(axis=-1) & ((flags & int(OrientationFlag.INVALID)) == 0)
-    if not usable.any():
-        raise CalibrationError(
-            f"no data from the {_words(placement)} sensor during the pose; "
-            "check that it is on and near, and repeat"
-        )
-    kept = q[usable]
-    centre = rotation.mean(kept)
-    away = rotation.angle_between(centre, kept)
-    # The middle half decides where the pose was; what lies far from it was a twitch.
-    close = away <= 2.0 * np.median(away) + 1e-9
-    centre = rotation.mean(kept[close])
-    spread = float(np.quantile(rotation.angle_between(centre, kept), 0.9))
-    if spread > _MOVED_RAD:
-        raise CalibrationError(
-            f"the {_words(placement)} moved by {math.degrees(spread):.0f} degrees; "
-            "stand still with hanging arms and repeat"
-        )
-    if spread > _SWAY_RAD:
-        verdict.lower(_SWAY_RAD / spread, f"the {_words(placement)} swayed; stand still and repeat")
-    return centre
-
-
 def _judge_samples(
     bias: StaticBias,
     accelerometer_mps2: Float,
     q_mean: Float,
     placements: Sequence[Placement],
-    verdict: _Verdict,
+    verdict: Verdict,
 ) -> None:
     """Look for motion, faulty accelerometers and orientations that contradict gravity."""
     restless = np.sqrt(np.sum(bias.gyroscope_sd_radps**2, axis=1))
     for s, placement in enumerate(placements):
         if restless[s] > _RESTLESS_RADPS:
             raise CalibrationError(
-                f"the {_words(placement)} was moving; stand still with hanging arms and repeat"
+                f"the {words(placement)} was moving; stand still with hanging arms and repeat"
             )
         if restless[s] > _QUIET_RADPS:
             verdict.lower(
-                max(0.3, _QUIET_RADPS / restless[s]), f"the {_words(placement)} was not still; repeat"
+                max(0.3, _QUIET_RADPS / restless[s]), f"the {words(placement)} was not still; repeat"
             )
         force = np.nanmedian(accelerometer_mps2[s], axis=0)
         error = abs(float(np.linalg.norm(force)) / GRAVITY_MPS2 - 1.0)
         if error > _NORM_FAULT:
             raise CalibrationError(
-                f"the accelerometer of the {_words(placement)} sensor reads {100 * error:.0f} % off gravity "
+                f"the accelerometer of the {words(placement)} sensor reads {100 * error:.0f} % off gravity "
                 "at rest; check its unit and range, or replace it"
             )
         if error > _NORM_WARNING:
             verdict.lower(
                 _NORM_WARNING / error,
-                f"the accelerometer of the {_words(placement)} sensor is {100 * error:.0f} % off; "
+                f"the accelerometer of the {words(placement)} sensor is {100 * error:.0f} % off; "
                 "calibrate it",
             )
         tilt = rotation.rotate(q_mean[s], force / np.linalg.norm(force))
         away = math.acos(min(1.0, float(tilt[2])))
-        if away > _SWAY_RAD:
+        if away > SWAY_RAD:
             verdict.lower(
-                max(0.2, _SWAY_RAD / away),
-                f"the orientation of the {_words(placement)} sensor has not settled "
+                max(0.2, SWAY_RAD / away),
+                f"the orientation of the {words(placement)} sensor has not settled "
                 f"({math.degrees(away):.0f} degrees off gravity); wait 3 s in the pose and repeat",
             )
 
 
-def _judge_flags(flags: NDArray[np.uint8], placements: Sequence[Placement], verdict: _Verdict) -> None:
+def _judge_flags(flags: NDArray[np.uint8], placements: Sequence[Placement], verdict: Verdict) -> None:
     for flag, factor, text in (
         (
             OrientationFlag.MAGNETIC_DISTURBANCE,
@@ -239,7 +203,7 @@ def _judge_flags(flags: NDArray[np.uint8], placements: Sequence[Placement], verd
         (OrientationFlag.SATURATED, 0.5, "{} was at its limit while standing; check its range"),
     ):
         hit = [
-            f"the {_words(p)} sensor" for p, bad in zip(placements, _mostly(flags, flag), strict=True) if bad
+            f"the {words(p)} sensor" for p, bad in zip(placements, mostly(flags, flag), strict=True) if bad
         ]
         if hit:
             verdict.lower(factor, text.format(", ".join(hit)))
@@ -250,14 +214,14 @@ def _facing(
     heading_rad: Float,
     steepness_rad: Float,
     own_heading: NDArray[np.bool_],
-    verdict: _Verdict,
+    verdict: Verdict,
 ) -> tuple[float, Placement]:
     """Return where the patient faces in the earth frame and the sensor that says so."""
     shared = [p for p in placements if not own_heading[placements.index(p)]]
     candidates = [p for p in FACING_ORDER if p in (shared or placements)]
     usable = [p for p in candidates if steepness_rad[placements.index(p)] <= _STEEP_RAD]
     if not usable:
-        names = ", ".join(_words(p) for p in candidates)
+        names = ", ".join(words(p) for p in candidates)
         raise CalibrationError(
             f"cannot tell where the patient faces: the z axis of every sensor ({names}) points up or down; "
             "mount one with the z axis away from the body and repeat"
@@ -266,10 +230,10 @@ def _facing(
     if chosen != candidates[0]:
         verdict.lower(
             0.8,
-            f"the {_words(candidates[0])} sensor lies flat, so {_words(chosen)} tells the facing direction",
+            f"the {words(candidates[0])} sensor lies flat, so {words(chosen)} tells the facing direction",
         )
     if steepness_rad[placements.index(chosen)] > _SLANTED_RAD:
-        verdict.lower(0.6, f"the {_words(chosen)} sensor lies nearly flat; mount it upright")
+        verdict.lower(0.6, f"the {words(chosen)} sensor lies nearly flat; mount it upright")
     rows = {p: placements.index(p) for p in usable}
     implied = {p: float(heading_rad[row]) - OUTWARD_HEADING_RAD[p] for p, row in rows.items()}
     # A sensor that was put on by the rule tells the direction again, with an error of its own; one that was
@@ -280,7 +244,7 @@ def _facing(
     for p, angle in implied.items():
         weight = 1.0 if p in pair else 0.0
         if shared and p not in pair and steepness_rad[rows[p]] <= _SLANTED_RAD:
-            away_rad = abs(_wrapped(angle - asked))
+            away_rad = abs(wrapped(angle - asked))
             weight = float(np.interp(away_rad, (_CONCURRING_RAD, 2.0 * _CONCURRING_RAD), (1.0, 0.0)))
         total += weight * cmath.exp(1j * angle)
     facing = cmath.phase(total)
@@ -294,7 +258,7 @@ def _judge_agreement(
     own_heading: NDArray[np.bool_],
     facing_rad: float,
     reference: Placement,
-    verdict: _Verdict,
+    verdict: Verdict,
 ) -> None:
     """Say so when the other sensors, by their rule, agree on another facing direction than the reference."""
     implied = [
@@ -305,12 +269,12 @@ def _judge_agreement(
     if len(implied) < _WITNESSES:
         return
     mean = complex(np.mean(np.exp(1j * np.array(implied))))
-    away_rad = abs(_wrapped(math.atan2(mean.imag, mean.real) - facing_rad))
+    away_rad = abs(wrapped(math.atan2(mean.imag, mean.real) - facing_rad))
     # Sensors mounted any way round do not agree with each other; only a common opinion counts.
     if abs(mean) > _AGREEMENT and away_rad > _DISAGREEMENT_RAD:
         verdict.lower(
             0.7,
-            f"the other sensors face {math.degrees(away_rad):.0f} degrees away from the {_words(reference)} "
+            f"the other sensors face {math.degrees(away_rad):.0f} degrees away from the {words(reference)} "
             "sensor; if they sit with the z axis outward, check that one",
         )
 

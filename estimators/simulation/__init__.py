@@ -1,6 +1,11 @@
 """The body network with exact truth: movements, sensors, their errors; faults in `simulation.faults`."""
 
 from estimators.simulation import faults
+from estimators.simulation._calibration_movements import (
+    CALIBRATION_STYLE,
+    calibration_exercise,
+    calibration_ranges_s,
+)
 from estimators.simulation._errors import SENSOR_PRESETS, SensorErrors, TriadErrors, sensor_errors
 from estimators.simulation._exercises import EXERCISES, Exercise, ExerciseName
 from estimators.simulation._movements import (
@@ -21,6 +26,7 @@ from estimators.simulation._sensors import EarthField, Magnet, Mounting, dipole_
 
 __all__ = [
     "ARM_PLACEMENTS",
+    "CALIBRATION_STYLE",
     "EXERCISES",
     "IMPAIRMENT",
     "SENSOR_PRESETS",
@@ -38,6 +44,8 @@ __all__ = [
     "SensorErrors",
     "SimulatedSession",
     "TriadErrors",
+    "calibration_exercise",
+    "calibration_ranges_s",
     "demonstration_scenario",
     "dipole_field",
     "faults",

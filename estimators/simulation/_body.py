@@ -73,9 +73,13 @@ class MovingBody:
     sway_rad: float
     seed: int
 
+    def coordinates(self, time_s: Float) -> dict[str, Scalar]:
+        """Return every coordinate at `time_s`, shape (N,), by its name in `COORDINATES`."""
+        return dict(zip(COORDINATES, self.timeline.at(time_s), strict=True))
+
     def at(self, time_s: Float) -> dict[str, SegmentMotion]:
         """Return all seventeen segments at `time_s`, shape (N,)."""
-        values = dict(zip(COORDINATES, self.timeline.at(time_s), strict=True))
+        values = self.coordinates(time_s)
         samples = time_s.shape[0]
         hip_height, trunk, half_width, _, upper_arm, forearm, _ = model_lengths(self.body)
         sign = 1.0 if self.side == "right" else -1.0

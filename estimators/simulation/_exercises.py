@@ -51,7 +51,7 @@ class Exercise:
     `far` names the stop (by index) at which compensation is greatest; `main` is the comparison's main angle.
     """
 
-    name: ExerciseName
+    name: str
     title: str
     rest_deg: Mapping[str, float]
     stops: tuple[Stop, ...]
@@ -74,7 +74,7 @@ def hanging(plane: float) -> dict[str, float]:
     return {"plane": plane, "elevation": 8, "axial": -plane, "flexion": 10, "pronation": 92}
 
 
-EXERCISES: Final[dict[ExerciseName, Exercise]] = {
+EXERCISES: Final[dict[str, Exercise]] = {
     "reaching": Exercise(
         "reaching",
         "Reach forward",

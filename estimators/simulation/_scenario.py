@@ -15,8 +15,8 @@ from estimators.pipelines._contract import FrameLayout, Frames, SessionSetup
 from estimators.recording import Recording, SensorSignals
 from estimators.simulation._body import MovingBody, SegmentMotion
 from estimators.simulation._errors import SensorErrors, sensor_errors
-from estimators.simulation._exercises import EXERCISES, ExerciseName
-from estimators.simulation._kinematics import Path, Turn
+from estimators.simulation._exercises import EXERCISES, Exercise
+from estimators.simulation._kinematics import Path, Scalar, Turn, compose
 from estimators.simulation._movements import (
     MovementStyle,
     Performance,
@@ -24,6 +24,7 @@ from estimators.simulation._movements import (
     perform,
 )
 from estimators.simulation._sensors import EarthField, Magnet, Mounting, TrueReadings, true_readings
+from estimators.simulation._soft_tissue import soft_tissue_turn
 
 Float = NDArray[np.float64]
 
@@ -63,8 +64,8 @@ class ArmScenario:
 
     Attributes
     ----------
-    exercise : str
-        `reaching`, `drinking`, `abduction`, `flexion` or `pronation`.
+    exercise : str or Exercise
+        `reaching`, `drinking`, `abduction`, `flexion` or `pronation`, or one of one's own.
     side : Side
         The acting arm. The other hangs with a small sway, or mirrors it when `both_arms`.
     style : MovementStyle
@@ -83,7 +84,7 @@ class ArmScenario:
         Not negative.
     """
 
-    exercise: ExerciseName = "reaching"
+    exercise: str | Exercise = "reaching"
     side: Side = "right"
     both_arms: bool = False
     style: MovementStyle = field(default_factory=MovementStyle)
@@ -181,8 +182,9 @@ def simulate_arm(scenario: ArmScenario) -> SimulatedSession:
         If the scenario contradicts itself.
     """
     _check(scenario)
+    exercise = EXERCISES[scenario.exercise] if isinstance(scenario.exercise, str) else scenario.exercise
     performance = perform(
-        EXERCISES[scenario.exercise],
+        exercise,
         scenario.style,
         scenario.schedule,
         both_arms=scenario.both_arms,
@@ -194,7 +196,7 @@ def simulate_arm(scenario: ArmScenario) -> SimulatedSession:
     ticks = round(performance.end_s * scenario.rate_hz)
     # One instant before the first tick, for the mean rate of the first gyroscope sample.
     instants = np.arange(-1, ticks) / scenario.rate_hz
-    motions = person.at(instants)
+    motions, coordinates = person.at(instants), person.coordinates(instants)
     errors = sensor_errors(scenario.errors)
     q_earth_room = rotation.about_z(scenario.facing_rad)
     field_room_t = rotation.rotate(rotation.conjugate(q_earth_room), scenario.earth_field.earth_t)
@@ -204,7 +206,7 @@ def simulate_arm(scenario: ArmScenario) -> SimulatedSession:
     for placement in scenario.placements:
         q_segment_sensor, offset_m = scenario.mounting.draw(placement, scenario.body, scenario.seed)
         mountings[placement] = rotation.conjugate(q_segment_sensor)
-        at, moving = instants, motions[placement]
+        at, moving = instants, _on_skin(scenario, placement, motions[placement], coordinates)
         exact = _readings(moving, at, q_segment_sensor, offset_m, field_room_t, scenario.magnets)
         q_earth.append(rotation.multiply(q_earth_room, exact.q_room_sensor))
         positions.append(exact.path.position)
@@ -212,7 +214,7 @@ def simulate_arm(scenario: ArmScenario) -> SimulatedSession:
         accelerations.append(exact.path.acceleration)
         if not scenario.clocks.is_common:
             at = _sample_times(scenario, placement, instants)
-            moving = person.at(at)[placement]
+            moving = _on_skin(scenario, placement, person.at(at)[placement], person.coordinates(at))
             exact = _readings(moving, at, q_segment_sensor, offset_m, field_room_t, scenario.magnets)
         rng = np.random.default_rng([scenario.seed, 7, PLACEMENTS.index(placement)])
         stamps = instants[1:]
@@ -234,7 +236,7 @@ def simulate_arm(scenario: ArmScenario) -> SimulatedSession:
         scenario.rate_hz,
         origin="simulation",
         metadata={
-            "exercise": scenario.exercise,
+            "exercise": exercise.name,
             "side": scenario.side,
             "seed": str(scenario.seed),
             "sensor_errors": errors.source,
@@ -262,7 +264,7 @@ def simulate_arm(scenario: ArmScenario) -> SimulatedSession:
 
 
 def _check(scenario: ArmScenario) -> None:
-    if scenario.exercise not in EXERCISES:
+    if isinstance(scenario.exercise, str) and scenario.exercise not in EXERCISES:
         raise SetupError(f"no exercise is named {scenario.exercise!r}; known: {', '.join(EXERCISES)}")
     unknown = [name for name in scenario.placements if name not in PLACEMENTS]
     if unknown or not scenario.placements or len(set(scenario.placements)) != len(scenario.placements):
@@ -290,6 +292,16 @@ def _readings(
     return true_readings(
         now, turn.q[:-1], at[1:], np.diff(at), q_segment_sensor, offset_m, field_room_t, magnets
     )
+
+
+def _on_skin(
+    scenario: ArmScenario, placement: Placement, moving: SegmentMotion, coordinates: dict[str, Scalar]
+) -> SegmentMotion:
+    """Return the motion of the skin under a sensor: the bone's, and soft tissue on top."""
+    skin = soft_tissue_turn(
+        placement, coordinates, scenario.side, scenario.mounting.soft_tissue_rad, scenario.seed
+    )
+    return moving if skin is None else SegmentMotion(compose(moving.turn, skin), moving.origin)
 
 
 def _sample_times(scenario: ArmScenario, placement: Placement, instants: Float) -> Float:

@@ -155,11 +155,14 @@ class Mounting:
         Exact mounting of some sensors, in place of rule and misalignment.
     offset_m : mapping of Placement to (x, y, z)
         Where some sensors sit in their segment frame.
+    soft_tissue_rad : float
+        Largest turn of the skin, and the sensor on it, against the bone; see `_soft_tissue`.
     """
 
     misalignment_sd_rad: float = float(np.radians(3.0))
     q_segment_sensor: Mapping[Placement, tuple[float, float, float, float]] = field(default_factory=dict)
     offset_m: Mapping[Placement, tuple[float, float, float]] = field(default_factory=dict)
+    soft_tissue_rad: float = 0.0
 
     def draw(self, placement: Placement, body: BodyDimensions, seed: int) -> tuple[Float, Float]:
         """Return `q_segment_sensor`, shape (4,), and the offset in segment axes, shape (3,)."""

@@ -1,0 +1,78 @@
+"""What every calibration from a held pose shares: mean orientation, verdict, words."""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators import rotation
+from estimators.conventions import Placement
+from estimators.errors import CalibrationError
+from estimators.orientation import OrientationFlag
+from estimators.recording import Float
+
+SWAY_RAD = math.radians(3.0)
+_MOVED_RAD = math.radians(12.0)
+
+
+@dataclass
+class Verdict:
+    """Collects what lowers the score."""
+
+    score: float = 1.0
+    reasons: list[str] = field(default_factory=list)
+
+    def lower(self, factor: float, reason: str) -> None:
+        """Multiply the score and say why."""
+        self.score *= factor
+        self.reasons.append(reason)
+
+
+def words(placement: Placement) -> str:
+    """Return a placement as people say it."""
+    part, _, side = placement.rpartition("_")
+    return f"{side} {part.replace('_', ' ')}" if side in ("left", "right") else placement
+
+
+def wrapped(angle_rad: float) -> float:
+    """Return the angle within half a turn."""
+    return float(math.remainder(angle_rad, 2.0 * math.pi))
+
+
+def mostly(flags: NDArray[np.uint8], flag: OrientationFlag) -> NDArray[np.bool_]:
+    """Return which sensors carry a flag more often than not, shape (S, K) to (S,)."""
+    return np.asarray(np.mean((flags & int(flag)) != 0, axis=1) > 0.5)
+
+
+def mean_orientation(
+    q: Float,
+    flags: NDArray[np.uint8],
+    placement: Placement,
+    verdict: Verdict,
+    pose: str = "stand still with hanging arms",
+) -> Float:
+    """Average one sensor's orientation robustly and judge how much it moved."""
+    usable = np.isfinite(q).all(axis=-1) & ((flags & int(OrientationFlag.INVALID)) == 0)
+    if not usable.any():
+        raise CalibrationError(
+            f"no data from the {words(placement)} sensor during the pose; "
+            "check that it is on and near, and repeat"
+        )
+    kept = q[usable]
+    centre = rotation.mean(kept)
+    away = rotation.angle_between(centre, kept)
+    # The middle half decides where the pose was; what lies far from it was a twitch.
+    close = away <= 2.0 * np.median(away) + 1e-9
+    centre = rotation.mean(kept[close])
+    spread = float(np.quantile(rotation.angle_between(centre, kept), 0.9))
+    if spread > _MOVED_RAD:
+        raise CalibrationError(
+            f"the {words(placement)} moved by {math.degrees(spread):.0f} degrees; {pose} and repeat"
+        )
+    if spread > SWAY_RAD:
+        verdict.lower(SWAY_RAD / spread, f"the {words(placement)} swayed; stand still and repeat")
+    return centre
+
+
+__all__ = ["SWAY_RAD", "Verdict", "mean_orientation", "mostly", "words", "wrapped"]
