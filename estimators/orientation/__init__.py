@@ -9,6 +9,7 @@ from estimators.orientation._luinge import LuingeEstimator
 from estimators.orientation._marzouk_error_state import MarzoukErrorStateEstimator
 from estimators.orientation._marzouk_euler import MarzoukEulerEstimator
 from estimators.orientation._marzouk_quaternion import MarzoukQuaternionEstimator
+from estimators.orientation._roetenberg import RoetenbergEstimator
 from estimators.orientation._scoring import OrientationErrors, orientation_errors
 from estimators.orientation._telemotion import DeviceConstants, TelemotionEstimator
 from estimators.orientation._vqf import VqfEstimator
@@ -22,6 +23,7 @@ _REGISTRY: dict[str, type[OrientationEstimator]] = {
         MarzoukErrorStateEstimator,
         MarzoukEulerEstimator,
         LuingeEstimator,
+        RoetenbergEstimator,
     )
 }
 

@@ -13,6 +13,9 @@ from estimators.orientation import _strapdown_steps as steps
 from estimators.orientation._strapdown_steps import start_variance, turn
 from estimators.recording import Float
 
+Row = tuple[float, float, float, float, float, float, float, float, float]
+"""Nine numbers: a matrix by rows, or a column of the covariance."""
+
 # Numba freezes globals, not attributes of modules.
 _RATE, _GAP_VARIANCE = steps.RATE, steps.GAP_VARIANCE
 _STEP_S, _RATE_VARIANCE, _BIAS_VARIANCE = steps.STEP_S, steps.RATE_VARIANCE, steps.BIAS_VARIANCE
@@ -23,9 +26,7 @@ _RUNNING, _UNKNOWN = steps.RUNNING, steps.UNKNOWN
 @kernel(
     "UniTuple(float64, 9)(float64[:, ::1], float64[:, ::1], int64, float64[::1], float64[::1])", inlined=True
 )
-def turn_by_rate(
-    q: Float, bias: Float, s: int, sample: Float, settings: Float
-) -> tuple[float, float, float, float, float, float, float, float, float]:
+def turn_by_rate(q: Float, bias: Float, s: int, sample: Float, settings: Float) -> Row:
     """Turn the estimate by the rate of the sample (A3) and return T R by rows."""
     step = settings[_STEP_S]
     tw, tx, ty, tz = turn(
@@ -57,7 +58,7 @@ def turn_by_rate(
 @kernel("void(float64[:, ::1], UniTuple(float64, 9), float64[::1], float64[::1])", inlined=True)
 def predict_covariance(
     p: Float,
-    turned: tuple[float, float, float, float, float, float, float, float, float],
+    turned: Row,
     sample: Float,
     settings: Float,
 ) -> None:
@@ -168,4 +169,4 @@ def mirror(p: Float) -> None:
             p[i, j] = p[j, i]
 
 
-__all__ = ["begin", "inject", "lessen", "mirror", "predict_covariance", "turn_by_rate"]
+__all__ = ["Row", "begin", "inject", "lessen", "mirror", "predict_covariance", "turn_by_rate"]

@@ -40,6 +40,7 @@ def test_registry_names_and_refuses():
         "marzouk_error_state_ekf",
         "marzouk_euler_ekf",
         "luinge_inclination",
+        "roetenberg_disturbance",
     }
     titles = [kind.title for kind in available().values()]
     assert len(set(titles)) == len(titles)
