@@ -33,6 +33,12 @@ from estimators.arm._dual_quaternion import (
     operation_count,
     screw,
 )
+from estimators.arm._heading_constraint import (
+    HeadingConstraintParameters,
+    HeadingConstraintResult,
+    HingeJoint,
+    JointHeadingConstraint,
+)
 from estimators.arm._homogeneous import (
     inverse_transform,
     joint_centres,
@@ -119,7 +125,11 @@ __all__ = [
     "ArmResult",
     "BodyDimensions",
     "FiveJointPose",
+    "HeadingConstraintParameters",
+    "HeadingConstraintResult",
+    "HingeJoint",
     "Joint",
+    "JointHeadingConstraint",
     "KinematicMethod",
     "LengthSigma",
     "LinkChain",

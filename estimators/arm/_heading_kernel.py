@@ -1,0 +1,240 @@
+"""The compiled filter behind `_heading_constraint`: one small Kalman filter a joint, at an even lower rate.
+
+States of one joint::
+
+    0  offset      heading that the child's frame lacks against the parent's, rad
+    1  drift       its rate, rad/s, a first-order Gauss-Markov process
+    2  constant    carrying angle and its calibration error, rad
+    3, 4           tilt of the parent's axis toward its two other axes, rad
+    5, 6           tilt of the child's axis, rad
+    7  posture     what else the joint does, rad: forgotten with the way that the joint travels
+
+Measured is that this is nought, with M = R_parent' Rz(offset) R_child and unit axes u, v and w (the others)::
+
+    u'Mv + x3 w1'Mv + x4 w2'Mv + x5 u'Mw1 + x6 u'Mw2 + x2 + x7
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators._kernels import kernel
+
+Float = NDArray[np.float64]
+Integer = NDArray[np.int64]
+Flags = NDArray[np.uint8]
+
+STATES = 8
+(
+    INITIAL, DRIFT, DRIFT_TIME, WALK, TRAVEL_WALK, GAP_WALK, CONSTANT, PARENT_TILT, CHILD_TILT,
+    POSTURE, POSTURE_TRAVEL, POSTURE_TIME, NOISE, LEAST_SENSITIVITY, REFERENCE, REFERENCE_TIME,
+    FLOOR, SLEW_RATE, SLEW_TIME,
+) = range(19)  # fmt: skip
+"""Places in a joint's row of parameters; see `HeadingConstraintParameters`."""
+PARAMETERS = 19
+
+APPLIED, INFORMED, RESIDUAL = range(3)
+MEMORY = 3
+"""Per joint between ticks: the correction applied so far, and the last interval's report."""
+
+_GATE = 3.0
+_UNKNOWN_VARIANCE = math.pi**2 / 3.0
+"""Variance of a heading about which nothing is known."""
+
+
+@kernel("void(f8[::1], f8[:, ::1])")
+def _matrix(q: Float, out: Float) -> None:
+    w, x, y, z = q[0], q[1], q[2], q[3]
+    out[0, 0] = 1.0 - 2.0 * (y * y + z * z)
+    out[0, 1] = 2.0 * (x * y - w * z)
+    out[0, 2] = 2.0 * (x * z + w * y)
+    out[1, 0] = 2.0 * (x * y + w * z)
+    out[1, 1] = 1.0 - 2.0 * (x * x + z * z)
+    out[1, 2] = 2.0 * (y * z - w * x)
+    out[2, 0] = 2.0 * (x * z - w * y)
+    out[2, 1] = 2.0 * (y * z + w * x)
+    out[2, 2] = 1.0 - 2.0 * (x * x + y * y)
+
+
+@kernel("UniTuple(f8, 2)(f8[:, ::1], f8[:, ::1], f8, i8, i8)")
+def _between(parent: Float, child: Float, offset: float, u: int, v: int) -> tuple[float, float]:
+    """Return cosine between an axis of each after the heading turn, and its derivative by the offset."""
+    cosine, sine = math.cos(offset), math.sin(offset)
+    x = cosine * child[0, v] - sine * child[1, v]
+    y = sine * child[0, v] + cosine * child[1, v]
+    return parent[0, u] * x + parent[1, u] * y + parent[2, u] * child[2, v], parent[1, u] * x - parent[
+        0, u
+    ] * y
+
+
+@kernel("f8(f8[:, ::1], f8[:, ::1], f8, i8, i8, f8[::1], f8[::1])")
+def predict_constraint(
+    parent: Float, child: Float, offset: float, u: int, v: int, x: Float, row: Float
+) -> float:
+    """Return the constraint's value at the states `x` and fill its derivatives `row` (8,)."""
+    u1, u2, v1, v2 = (u + 1) % 3, (u + 2) % 3, (v + 1) % 3, (v + 2) % 3
+    value, slope = _between(parent, child, offset, u, v)
+    row[0] = slope
+    row[1] = 0.0
+    row[2] = 1.0
+    row[3], slope = _between(parent, child, offset, u1, v)
+    row[0] += x[3] * slope
+    row[4], slope = _between(parent, child, offset, u2, v)
+    row[0] += x[4] * slope
+    row[5], slope = _between(parent, child, offset, u, v1)
+    row[0] += x[5] * slope
+    row[6], slope = _between(parent, child, offset, u, v2)
+    row[0] += x[6] * slope
+    row[7] = 1.0
+    tilts = x[3] * row[3] + x[4] * row[4] + x[5] * row[5] + x[6] * row[6]
+    return float(value + tilts + x[2] + x[7])
+
+
+@kernel("f8(f8[::1], f8[::1])")
+def _travelled(relative: Float, last: Float) -> float:
+    """Angle between two relative orientations, and the newer one kept; nought for the first."""
+    if last[0] != last[0]:
+        angle = 0.0
+    else:
+        dot = abs(
+            relative[0] * last[0] + relative[1] * last[1] + relative[2] * last[2] + relative[3] * last[3]
+        )
+        angle = 2.0 * math.acos(min(dot, 1.0))
+    for i in range(4):
+        last[i] = relative[i]
+    return angle
+
+
+@kernel("void(f8[:, ::1], f8[::1], f8[::1], f8)")
+def _predict(p: Float, x: Float, par: Float, interval: float) -> None:
+    """Let the offset drift for one interval."""
+    keep = math.exp(-interval / par[DRIFT_TIME])
+    x[0] += interval * x[1]
+    x[1] *= keep
+    for i in range(STATES):
+        p[0, i] += interval * p[1, i]
+        p[1, i] *= keep
+    for i in range(STATES):
+        p[i, 0] += interval * p[i, 1]
+        p[i, 1] *= keep
+    p[1, 1] += par[DRIFT] ** 2 * (1.0 - keep * keep)
+    p[0, 0] += par[WALK] ** 2 * interval
+
+
+@kernel("f8(f8[:, ::1], f8[::1], f8[::1], f8, f8, b1)")
+def _correct(p: Float, x: Float, row: Float, value: float, noise: float, is_sensitive: bool) -> float:
+    """Measure nought and return the normalised innovation; without sensitivity offset and drift stay as they are.
+
+    Joseph's form, which holds for any gain.
+    """
+    spread = np.empty(STATES)
+    total = noise
+    for i in range(STATES):
+        spread[i] = 0.0
+        for m in range(STATES):
+            spread[i] += p[i, m] * row[m]
+        total += row[i] * spread[i]
+    normalised = abs(value) / math.sqrt(total)
+    if normalised > _GATE:
+        # Taken for less, down to the pull of a deviation at the gate.
+        grown = total * (normalised / _GATE) ** 2
+        noise += grown - total
+        total = grown
+    gain = spread / total
+    if not is_sensitive:
+        gain[0] = 0.0
+        gain[1] = 0.0
+    for i in range(STATES):
+        x[i] -= gain[i] * value
+    # P - K s' - s K' + K S K'
+    for i in range(STATES):
+        for m in range(i + 1):
+            p[i, m] += gain[i] * gain[m] * total - gain[i] * spread[m] - spread[i] * gain[m]
+            p[m, i] = p[i, m]
+    return normalised
+
+
+@kernel(
+    "void(f8[:, :, ::1], f8[:, :, ::1], b1[:, ::1], b1[:, ::1], i8, i8, f8, i8[:, ::1], f8[:, ::1], f8[:, ::1],"
+    "f8[:, :, ::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], u1[:, ::1], f8[:, ::1])"
+)
+def constrain(
+    q_parent: Float,
+    q_child: Float,
+    usable: NDArray[np.bool_],
+    referenced: NDArray[np.bool_],
+    first_tick: int,
+    stride: int,
+    step_s: float,
+    axes: Integer,
+    parameters: Float,
+    state: Float,
+    covariance: Float,
+    last_relative: Float,
+    memory: Float,
+    offset: Float,
+    sigma: Float,
+    correction: Float,
+    informed: Flags,
+    residual: Float,
+) -> None:
+    """Fill the outputs, each (K, J), and carry state (J, 8), covariance (J, 8, 8) and memory (J, 3) on.
+
+    `axes` (J, 2): number of the parent's and of the child's axis that stay at right angles.
+    """
+    interval = stride * step_s
+    row, relative = np.empty(STATES), np.empty(4)
+    alone = np.zeros(STATES)
+    alone[0] = 1.0
+    parent, child = np.empty((3, 3)), np.empty((3, 3))
+    for j in range(q_parent.shape[1]):
+        par, x, p = parameters[j], state[j], covariance[j]
+        slew_keep = math.exp(-step_s / par[SLEW_TIME])
+        for k in range(q_parent.shape[0]):
+            if (first_tick + k) % stride == 0:
+                _predict(p, x, par, interval)
+                memory[j, INFORMED] = 0.0
+                memory[j, RESIDUAL] = math.nan
+                a, b = q_parent[k, j], q_child[k, j]
+                if usable[k, j]:
+                    relative[0] = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
+                    relative[1] = a[0] * b[1] - a[1] * b[0] - a[2] * b[3] + a[3] * b[2]
+                    relative[2] = a[0] * b[2] + a[1] * b[3] - a[2] * b[0] - a[3] * b[1]
+                    relative[3] = a[0] * b[3] - a[1] * b[2] + a[2] * b[1] - a[3] * b[0]
+                    travel = _travelled(relative, last_relative[j])
+                    keep = math.exp(-travel / par[POSTURE_TRAVEL] - interval / par[POSTURE_TIME])
+                    x[7] *= keep
+                    for i in range(STATES):
+                        p[7, i] *= keep
+                    for i in range(STATES):
+                        p[i, 7] *= keep
+                    p[7, 7] += par[POSTURE] ** 2 * (1.0 - keep * keep)
+                    p[0, 0] += par[TRAVEL_WALK] ** 2 * travel
+                    _matrix(a, parent)
+                    _matrix(b, child)
+                    value = predict_constraint(parent, child, x[0], axes[j, 0], axes[j, 1], x, row)
+                    is_sensitive = abs(row[0]) >= par[LEAST_SENSITIVITY]
+                    _correct(p, x, row, value, par[NOISE] ** 2, is_sensitive)
+                    memory[j, INFORMED] = 1.0 if is_sensitive else 0.0
+                    memory[j, RESIDUAL] = value
+                    if referenced[k, j]:
+                        noise = par[REFERENCE] ** 2 * par[REFERENCE_TIME] / interval
+                        _correct(p, x, alone, x[0], noise, True)
+                else:
+                    p[0, 0] += par[GAP_WALK] ** 2 * interval
+                if p[0, 0] > _UNKNOWN_VARIANCE:
+                    shrink = math.sqrt(_UNKNOWN_VARIANCE / p[0, 0])
+                    for i in range(STATES):
+                        p[0, i] *= shrink
+                    for i in range(STATES):
+                        p[i, 0] *= shrink
+            lag = (1.0 - slew_keep) * (x[0] - memory[j, APPLIED])
+            most = par[SLEW_RATE] * step_s
+            memory[j, APPLIED] += min(max(lag, -most), most)
+            offset[k, j] = x[0]
+            correction[k, j] = memory[j, APPLIED]
+            behind = x[0] - memory[j, APPLIED]
+            sigma[k, j] = math.sqrt(p[0, 0] + behind * behind + par[FLOOR] ** 2)
+            informed[k, j] = np.uint8(memory[j, INFORMED])
+            residual[k, j] = memory[j, RESIDUAL]
