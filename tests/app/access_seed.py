@@ -7,7 +7,7 @@ comparison. Every free text of Ada's holds `MARK`: where it appears in an answer
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from sqlalchemy import Engine
+from sqlalchemy import Engine, update
 from sqlalchemy.orm import Session
 
 from app.accounts.device_tokens import create_device_token
@@ -25,7 +25,7 @@ from app.ingest.upload import register, upload_folder
 from app.ingest.upload_task import upload
 from app.patients.models import Grant, Patient
 from app.recordings.jobs import run_job
-from app.recordings.models import MotionSession, SessionEvent
+from app.recordings.models import Job, MotionSession, SessionEvent
 from app.recordings.packet_log import log_entry, log_head
 from app.recordings.schemas import UploadIn
 from app.settings import Settings
@@ -98,6 +98,9 @@ def build_seed(settings: Settings, passwords: Passwords, folder: Path) -> Seed:
                 seed.own["token_id"] = row.id
             if name == "revoked_device":
                 row.revoked_at = utc_now()
+    with unit_of_work(engine) as session:
+        # What the uploads queued after themselves; a service that finds it would start a worker process.
+        session.execute(update(Job).where(Job.status == "queued").values(status="complete"))
     with engine.connect() as connection:
         driver = connection.connection.driver_connection
         assert driver is not None

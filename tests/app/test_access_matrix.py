@@ -9,26 +9,21 @@ changes
 - an allowed subject gets through with the very same request, so a refusal cannot come from a wrong request.
 """
 
+import contextlib
 import json
-import re
 import shutil
 from concurrent.futures import CancelledError
 from dataclasses import replace
 
 import pytest
 from fastapi.routing import iter_route_contexts
-from sqlalchemy import select
 from starlette.testclient import WebSocketDenialResponse
 from starlette.websockets import WebSocketDisconnect
 
-from app.accounts.sign_in import COOKIE
-from app.accounts.tokens import new_token
-from app.database.base import new_id
-from app.settings import Settings
-from app.tables import metadata
 from app.viewer import wire
 
 from .access_seed import MARK, build_seed, write_log
+from .access_service import make_settings, running
 from .access_table import (
     CROSS,
     DEVICES,
@@ -38,10 +33,6 @@ from .access_table import (
     READ,
     WITHOUT_SIGN_IN,
 )
-from .conftest import BASE_URL
-
-UNCHECKED_TABLES = {"audit_event", "sign_in", "ticket", "job", "alembic_version"}
-"""Refusals are audited, cookies are touched; jobs run by themselves."""
 
 
 @pytest.fixture(scope="session")
@@ -51,136 +42,33 @@ def seeded(tmp_path_factory, migrated_file, cheap_passwords):
     return build_seed(make_settings(folder, folder / "seed.db"), cheap_passwords, folder)
 
 
-def make_settings(folder, database):
-    return Settings(
-        _env_file=None,
-        base_url=BASE_URL,
-        secret_key="0123456789abcdefghijklmnopqrstuvwxyz-tests",
-        database_url=f"sqlite:///{database}",
-        data_dir=folder / "var",
-    )
-
-
-@pytest.fixture
-def settings(tmp_path, seeded):
-    shutil.copy(seeded.file, tmp_path / "telemotion.db")
-    return make_settings(tmp_path, tmp_path / "telemotion.db")
-
-
-@pytest.fixture
-def world(seeded):
-    return seeded.world
-
-
-@pytest.fixture
-def people(seeded, sign_in, new_client, nobody):
-    """Return a client by the name of who uses it; each is made once."""
-    made = {"nobody": nobody}
-
-    def get(name):
-        if name not in made:
-            if name in seeded.tokens:
-                made[name] = new_client()
-                made[name].headers["Authorization"] = f"Bearer {seeded.tokens[name]}"
-            elif name == "forged_cookie":
-                made[name] = new_client()
-                made[name].cookies.set(COOKIE, new_token())
-                made[name].headers.update({"Origin": BASE_URL, "X-CSRF-Token": new_token()})
-            else:
-                made[name] = sign_in(name)
-        return made[name]
-
-    return get
-
-
-@pytest.fixture
-def upload_file(seeded, tmp_path_factory):
-    path = tmp_path_factory.getbasetemp() / "access-upload.tmlog"
-    if not path.exists():
-        write_log(path)
+@pytest.fixture(scope="session")
+def upload_file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("upload") / "movement.tmlog"
+    write_log(path)
     return path.read_bytes()
 
 
-@pytest.fixture
-def view(people, seeded):
-    """Return the identifier of a view that the therapist has opened, the same for a whole test."""
-    opened = []
-
-    def get():
-        if not opened:
-            path = f"/api/sessions/{seeded.own['session_id']}/views"
-            answer = people("therapist").post(path, json={"mode": "replay"})
-            assert answer.status_code == 201, answer.text
-            opened.append(answer.json()["id"])
-        return opened[0]
-
-    return get
+@pytest.fixture(scope="module")
+def shared(seeded, upload_file, tmp_path_factory, cheap_passwords, warm_up_once):
+    """One service for every request that must change nothing; the tests themselves check that nothing changes."""
+    folder = tmp_path_factory.mktemp("shared")
+    with running(seeded, folder, upload_file, cheap_passwords, warm_up_once) as service:
+        yield service
 
 
 @pytest.fixture
-def send(people, seeded, upload_file, view):
-    """Send a line's request as somebody, with Ada's identifiers or with ones that do not exist."""
-
-    def send_as(name, line, exists=True):
-        names = dict(seeded.own)
-        if line.prepare == "view":
-            names["view_id"] = view()
-        if not exists:
-            names = {key: value if key == "exercise_id" else new_id() for key, value in names.items()}
-        fill = filler(names, seeded)
-        arguments = {"params": {key: fill(value) for key, value in line.query.items()}}
-        body = json.loads(fill(json.dumps(line.body)))
-        if line.files:
-            arguments["files"] = [
-                ("declaration", (None, json.dumps(body), "application/json")),
-                ("file", ("movement.tmlog", upload_file, "application/octet-stream")),
-            ]
-        elif line.body is not None:
-            arguments["json"] = body
-        return people(name).request(line.method, fill(line.path), **arguments)
-
-    return send_as
+def fresh(seeded, upload_file, tmp_path, cheap_passwords, warm_up_once):
+    """Make a service whose data a request may change."""
+    with contextlib.ExitStack() as stack:
+        yield lambda: stack.enter_context(
+            running(seeded, tmp_path, upload_file, cheap_passwords, warm_up_once)
+        )
 
 
-@pytest.fixture
-def prepare(send, people, seeded):
-    """Bring about what a line's request needs to succeed."""
-
-    def bring_about(line):
-        if line.prepare == "view":
-            send("therapist", line)
-        if line.prepare == "archive":
-            path = f"/api/patients/{seeded.own['patient_id']}"
-            assert people("therapist").patch(path, json={"is_archived": True}).status_code == 200
-
-    return bring_about
-
-
-def filler(names, seeded):
-    def value(match):
-        kind, _, name = match[1].rpartition(":")
-        if kind == "foreign":
-            return seeded.foreign[name]
-        if kind == "account":
-            return seeded.world.accounts[name]
-        return names[name]
-
-    return lambda text: re.sub(r"\{((?:foreign:|account:)?[a-z_]+)\}", value, text)
-
-
-def stored(engine):
-    """Return everything in the database that a stranger must not change."""
-    with engine.connect() as connection:
-        return {
-            table.name: connection.execute(select(table).order_by(*table.primary_key.columns)).all()
-            for table in metadata.sorted_tables
-            if table.name not in UNCHECKED_TABLES
-        }
-
-
-def test_every_route_is_in_the_table(application):
+def test_every_route_is_in_the_table(shared):
     registered = set()
-    for route in iter_route_contexts(application.routes):
+    for route in iter_route_contexts(shared.routes):
         for method in route.methods or {"WS"}:
             registered.add((method, route.path))
     assert registered - {("HEAD", "/")} == {(line.method, line.path) for line in LINES}
@@ -199,12 +87,13 @@ def lines(*kinds):
 
 
 @lines("patient")
-def test_outsiders_get_nothing_of_a_patient(line, send, prepare, engine):
-    prepare(line)
-    before = stored(engine)
+def test_outsiders_get_nothing_of_a_patient(line, shared):
+    if line.prepare == "view":
+        shared.prepare(line)
+    before = shared.stored()
     for name in OUTSIDERS:
-        answer = send(name, line)
-        unknown = send(name, line, exists=False)
+        answer = shared.send(name, line)
+        unknown = shared.send(name, line, exists=False)
         # 422: the exercise is checked first, and is another clinic's as well.
         allowed = {401} if name in WITHOUT_SIGN_IN else {404, 403, 422} if name in DEVICES else {404, 422}
         if line.path.startswith("/api/accounts"):
@@ -212,30 +101,34 @@ def test_outsiders_get_nothing_of_a_patient(line, send, prepare, engine):
         assert answer.status_code in allowed, (name, answer.text)
         assert (answer.status_code, answer.json()) == (unknown.status_code, unknown.json()), name
         assert_silent(answer, name)
-    assert stored(engine) == before
+    assert shared.stored() == before
 
 
 @lines("patient")
-def test_insiders_get_what_their_level_covers(line, send, prepare, engine):
-    prepare(line)
-    before = stored(engine)
+def test_insiders_get_what_their_level_covers(line, shared, fresh):
+    if line.prepare == "view":
+        shared.prepare(line)
+    before = shared.stored()
     for name in INSIDERS:
         if name not in line.allowed:
-            answer = send(name, line)
+            answer = shared.send(name, line)
             assert answer.status_code in {403, 404}, (name, answer.text)
             assert_silent(answer, name)
-    assert stored(engine) == before
+    assert shared.stored() == before
     # Those who may: all of them where nothing changes, otherwise one (the others' right is the same code
     # path).
-    able = sorted(line.allowed) if line.method == "GET" else sorted(line.allowed)[-1:]
-    for name in able:
-        answer = send(name, line)
+    is_read = line.method == "GET"
+    service = shared if is_read else fresh()
+    if not is_read:
+        service.prepare(line)
+    for name in sorted(line.allowed) if is_read else sorted(line.allowed)[-1:]:
+        answer = service.send(name, line)
         assert answer.status_code == line.status, (name, answer.text)
 
 
 @lines("role")
-def test_roles_decide_alone(line, send, engine):
-    before = stored(engine)
+def test_roles_decide_alone(line, shared, fresh):
+    before = shared.stored()
     for name in (*OUTSIDERS, *INSIDERS):
         may = name in line.allowed or (
             # Staff of any clinic may do this in their own clinic.
@@ -243,17 +136,18 @@ def test_roles_decide_alone(line, send, engine):
             and ("therapist" in line.allowed or name == "foreign_administrator")
         )
         if not may:
-            answer = send(name, line)
+            answer = shared.send(name, line)
             assert answer.status_code in {401, 403}, (name, answer.text)
-    assert stored(engine) == before
+    assert shared.stored() == before
+    service = fresh()
     for name in sorted(line.allowed):
-        assert send(name, line).status_code == line.status
+        assert service.send(name, line).status_code == line.status
 
 
 @lines("clinic")
-def test_a_clinic_is_closed_to_others(line, send):
+def test_a_clinic_is_closed_to_others(line, shared):
     for name in (*OUTSIDERS, *INSIDERS):
-        answer = send(name, line)
+        answer = shared.send(name, line)
         if name in WITHOUT_SIGN_IN:
             assert answer.status_code == 401, name
         elif name.startswith("foreign"):
@@ -266,9 +160,9 @@ def test_a_clinic_is_closed_to_others(line, send):
 
 
 @lines("list")
-def test_lists_hold_nothing_of_others(line, send, seeded):
+def test_lists_hold_nothing_of_others(line, shared, seeded):
     for name in OUTSIDERS:
-        answer = send(name, line)
+        answer = shared.send(name, line)
         if name in WITHOUT_SIGN_IN:
             assert answer.status_code == 401, name
         assert_silent(answer, name)
@@ -281,37 +175,38 @@ def test_lists_hold_nothing_of_others(line, send, seeded):
             assert seeded.own["clinic_template_id"] not in answer.text
             for account in ("therapist", "patient", "administrator"):
                 assert seeded.world.accounts[account] not in answer.text
-    assert any(len(send(name, line).text) > 10 for name in ("therapist", "administrator"))
+    assert any(len(shared.send(name, line).text) > 10 for name in ("therapist", "administrator"))
 
 
 @lines("signed_in")
-def test_what_everybody_signed_in_may(line, send):
+def test_what_everybody_signed_in_may(line, shared, fresh):
+    service = shared if line.method == "GET" else fresh()
     cookies_only = "cookies" in line.note
     for name in (*OUTSIDERS, "device"):
-        answer = send(name, line)
+        answer = service.send(name, line)
         refused = name in WITHOUT_SIGN_IN or (cookies_only and (name in DEVICES))
         assert answer.status_code == (401 if refused else line.status), (name, answer.text)
         assert_silent(answer, name)
 
 
 @lines("public")
-def test_what_anybody_may_says_nothing(line, send, people):
+def test_what_anybody_may_says_nothing(line, shared):
     path = "/caseload" if line.path == "/{path:path}" else line.path
-    answer = send("nobody", replace(line, path=path))
+    answer = shared.send("nobody", replace(line, path=path))
     assert answer.status_code in {200, 401, 503}
     assert_silent(answer, "nobody")
 
 
 @pytest.mark.parametrize("line", CROSS, ids=lambda line: line.name)
-def test_own_requests_cannot_reach_into_anothers_data(line, send, engine):
-    before = stored(engine)
+def test_own_requests_cannot_reach_into_anothers_data(line, shared):
+    before = shared.stored()
     for name in ("foreign_therapist", "foreign_administrator"):
-        answer = send(name, line)
+        answer = shared.send(name, line)
         assert answer.status_code in {403, 404, 409, 422}, (name, answer.text)
-        unknown = send(name, line, exists=False)
+        unknown = shared.send(name, line, exists=False)
         assert answer.status_code == unknown.status_code or line.path.endswith("progress"), name
         assert_silent(answer, name)
-    assert stored(engine) == before
+    assert shared.stored() == before
 
 
 # --- sockets
@@ -319,14 +214,14 @@ def test_own_requests_cannot_reach_into_anothers_data(line, send, engine):
 
 
 @pytest.fixture
-def listen(people, seeded):
+def listen(shared):
     """Open a socket as somebody, say what a client would, and return everything that comes until it
     closes."""
 
     def listen_as(name, path, first=None, headers=None, count=3, **arguments):
         received = []
         try:
-            with people(name).websocket_connect(path, headers=headers or {}, **arguments) as socket:
+            with shared.person(name).websocket_connect(path, headers=headers or {}, **arguments) as socket:
                 if first is not None:
                     socket.send_text(json.dumps(first))
                 for _ in range(count):
@@ -352,11 +247,8 @@ def assert_only_refusals(messages, name):
     assert len(messages) <= 1, name
 
 
-def socket_path(line, view, seeded):
-    names = dict(seeded.own)
-    if line.prepare == "view":
-        names["view_id"] = view()
-    return filler(names, seeded)(line.path)
+def socket_path(line, service):
+    return service.filler(service.names(line))(line.path)
 
 
 def socket_arguments(line):
@@ -366,8 +258,8 @@ def socket_arguments(line):
 
 
 @lines("socket")
-def test_sockets_are_closed_to_strangers(line, listen, view, seeded):
-    path = socket_path(line, view, seeded)
+def test_sockets_are_closed_to_strangers(line, listen, shared):
+    path = socket_path(line, shared)
     first = {"ticket": "made up"}
     if line.path == "/ws/ingest":
         first = hello("made up")
@@ -381,8 +273,8 @@ def test_sockets_are_closed_to_strangers(line, listen, view, seeded):
 @pytest.mark.parametrize(
     "line", [line for line in LINES_BY_KIND["socket"] if line.allowed], ids=lambda line: line.name
 )
-def test_sockets_open_for_who_may_but_not_from_other_sites(line, listen, view, seeded):
-    path = socket_path(line, view, seeded)
+def test_sockets_open_for_who_may_but_not_from_other_sites(line, listen, shared):
+    path = socket_path(line, shared)
     for name in sorted(line.allowed):
         messages = listen(name, path, count=1, **socket_arguments(line))
         assert len(messages) == 1, name
@@ -403,11 +295,11 @@ def hello(ticket):
     }
 
 
-def test_a_ticket_opens_its_own_session_and_purpose_only(listen, people, seeded):
+def test_a_ticket_opens_its_own_session_and_purpose_only(listen, shared, seeded):
     own, foreign = seeded.own["session_id"], seeded.foreign["session_id"]
 
     def ticket(name, session_id, purpose):
-        answer = people(name).post(f"/api/sessions/{session_id}/ticket", json={"purpose": purpose})
+        answer = shared.person(name).post(f"/api/sessions/{session_id}/ticket", json={"purpose": purpose})
         assert answer.status_code == 200, answer.text
         return answer.json()["ticket"]
 
@@ -430,9 +322,9 @@ def assert_silent(answer, name):
         assert set(answer.json()) == {"code", "message", "details"}
 
 
-def test_the_seed_would_show_a_leak(send):
+def test_the_seed_would_show_a_leak(shared):
     """The marks are where a leak would show them."""
     for path in ("/api/patients/{patient_id}", "/api/patients/{patient_id}/device-tokens"):
         line = next(line for line in LINES if line.path == path and line.method == "GET")
-        assert MARK in send("therapist", line).text
+        assert MARK in shared.send("therapist", line).text
     assert {line.allowed for line in LINES_BY_KIND["patient"]} >= {READ}
