@@ -21,7 +21,7 @@ from estimators.orientation._telemotion_parameters import (
 )
 from estimators.recording import Float, ImuChunk
 
-_MICROTESLA_PER_TESLA = 1e6
+MICROTESLA_PER_TESLA = 1e6
 
 
 @dataclass(frozen=True)
@@ -133,17 +133,36 @@ class TelemotionEstimator(KernelEstimator):
         sensors = self._guard.sensor_count
         if np.shape(constants.magnetometer_delay_s) != (sensors,):
             raise ShapeError(f"constants of {np.shape(constants.magnetometer_delay_s)} sensors for {sensors}")
-        iron_variance = (_MICROTESLA_PER_TESLA * constants.hard_iron_sigma_t) ** 2
+        iron_variance = (MICROTESLA_PER_TESLA * constants.hard_iron_sigma_t) ** 2
         self._memory[:, at.DELAY] = constants.magnetometer_delay_s
         self._memory[:, at.GAIN : at.GAIN + 9] = np.swapaxes(constants.gyroscope_gain, 1, 2).reshape(
             sensors, 9
         )
-        iron = _MICROTESLA_PER_TESLA * constants.hard_iron_t
+        iron = MICROTESLA_PER_TESLA * constants.hard_iron_t
         self._memory[:, at.IRON : at.IRON + 3] = self._memory[:, at.IRON_KNOWN : at.IRON_KNOWN + 3] = iron
         self._memory[:, at.IRON_KNOWN_VARIANCE] = iron_variance
         self._set_variance(at.DELAY, 1, constants.magnetometer_delay_sigma_s**2)
         self._set_variance(at.GAIN, 9, constants.gyroscope_gain_sigma**2)
         self._set_variance(at.IRON, 3, self._parameters.iron_wide_ut**2 + iron_variance)
+
+    @property
+    def nominal(self) -> Float:
+        """The filter's states now, shape (S, STATES), in the order and units of `_telemotion_layout`."""
+        states = self._memory[:, : at.STATES].copy()
+        states[:, at.BIAS : at.BIAS + 3] = self._bias
+        return states
+
+    @property
+    def hypothesis_odds(self) -> Float:
+        """Odds of the nine hypotheses, hard iron leading, start place within, shape (S, 9)."""
+        odds = self._memory[:, at.ODDS : at.ODDS + 9].copy()
+        odds[odds.sum(axis=1) == 0.0, 0] = 1.0
+        return odds
+
+    @property
+    def hard_iron_changes(self) -> NDArray[np.int64]:
+        """How often each sensor's hard iron was found to have changed, shape (S,)."""
+        return self._counters[:, at.OPENED].copy()
 
     @property
     def device_constants(self) -> DeviceConstants:
@@ -152,9 +171,9 @@ class TelemotionEstimator(KernelEstimator):
         return DeviceConstants(
             self._memory[:, at.DELAY].copy(),
             np.swapaxes(gain, 1, 2).copy(),
-            self._memory[:, at.IRON : at.IRON + 3] / _MICROTESLA_PER_TESLA,
+            self._memory[:, at.IRON : at.IRON + 3] / MICROTESLA_PER_TESLA,
             np.full(len(gain), np.inf),
         )
 
 
-__all__ = ["DeviceConstants", "TelemotionEstimator"]
+__all__ = ["MICROTESLA_PER_TESLA", "DeviceConstants", "TelemotionEstimator"]

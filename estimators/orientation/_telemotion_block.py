@@ -127,7 +127,8 @@ def absorb(p: Float, error: Float, rows: Float, index: NDArray[np.int64], value:
     p : ndarray, shape (STATES * STATES,)
     error : ndarray, shape (STATES,)
     rows : ndarray, shape (5, STATES)
-        Room for the three gains; then, three each, the innovations and the variances.
+        Room for the three gains; then, three each, the innovations and the variances. These become the
+        innovation left over its variance, and one over this variance: what a backward pass needs.
     index, value : ndarray, shape (3, 8)
         The first `entries` hold where the row of a measurement is not zero, and what is there.
     entries : int
@@ -167,6 +168,7 @@ def absorb(p: Float, error: Float, rows: Float, index: NDArray[np.int64], value:
             one if m == 2 else inverse[2],
         )
         step = one * (innovation[m] - expected)
+        innovation[m], variance[m] = step, one
         for i in range(STATES):
             error[i] += gain[i] * step
     one, two, three = inverse
