@@ -1,4 +1,4 @@
-# Telemotion. `make run` and `make test` need Python 3.11+, Node 20+ and make; everything else they set up.
+# Telemotion. `make run` and `make test` need Python 3.11+, Node 20.19+ and make; everything else they set up.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
@@ -24,8 +24,9 @@ $(VENV)/installed: requirements.lock pyproject.toml
 	@touch $@
 
 web/node_modules/installed: web/package-lock.json
-	@command -v node >/dev/null || { echo "Node 20 or newer is needed to build the browser client"; exit 1; }
-	@node -e 'process.exit(Number(process.versions.node.split(".")[0]) < 20 ? 1 : 0)' || { echo "Node 20 or newer is needed; this is $$(node --version)"; exit 1; }
+	@command -v node >/dev/null || { echo "Node 20.19 or newer is needed to build the browser client"; exit 1; }
+	@node -e 'const [a, b] = process.versions.node.split(".").map(Number); process.exit(a > 20 || (a === 20 && b >= 19) ? 0 : 1)' \
+		|| { echo "Node 20.19 or newer is needed; this is $$(node --version)"; exit 1; }
 	@echo "Setting up browser client packages ..."
 	@cd web && npm ci --silent --no-audit --no-fund
 	@touch $@

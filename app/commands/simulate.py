@@ -206,15 +206,20 @@ def simulate(options: Options) -> None:
 async def _simulate(options: Options) -> None:
     async with ServiceClient(options.server) as service:
         await service.sign_in(options.email, options.password)
-        round_ = 0
+        round_, signed_out = 0, False
         while True:
             try:
+                if signed_out:
+                    await service.sign_in(options.email, options.password)
+                    signed_out = False
                 session_id, report = await stream(
                     service, replace(options, seed=options.seed + round_), typer.echo
                 )
             except TelemotionError as error:
                 if not options.forever:
                     raise
+                # A sign-in ends after some hours; a stream that runs for days signs in anew.
+                signed_out = error.status == 401
                 typer.echo(f"{error.message} Trying again.")
                 round_ += 1
                 await asyncio.sleep(RETRY_S)

@@ -97,15 +97,16 @@ async def _stream_forever(service: ServiceClient, patient_ids: dict[str, str]) -
         speed=1.0,
         loss_percent=0.5,
     )
-    number = 0
+    number, signed_out = 0, False
     while True:
         try:
+            if signed_out:
+                await service.sign_in(THERAPIST, PASSWORD)
+                signed_out = False
             await stream(service, replace(options, seed=1000 + number), _quiet)
         except TelemotionError as error:
             # Signed out over night, or somebody closed the session in the browser: begin a new one.
-            await asyncio.sleep(PAUSE_BETWEEN_SESSIONS_S)
-            if error.status == 401:
-                await service.sign_in(THERAPIST, PASSWORD)
+            signed_out = error.status == 401
         number += 1
         await asyncio.sleep(PAUSE_BETWEEN_SESSIONS_S)
 

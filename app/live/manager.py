@@ -2,12 +2,12 @@
 
 import asyncio
 import logging
-import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
 from typing import Any, TypeVar
+from weakref import WeakValueDictionary
 
 from sqlalchemy import Engine
 
@@ -17,11 +17,12 @@ from app.ingest.messages import HelloMessage
 from app.live import repository
 from app.live.blocks import layout_message
 from app.live.bus import Bus, topic
+from app.live.housekeeping import GOODBYE_CLOSE_S, IDLE_CLOSE_S, Housekeeping
 from app.live.intake import Intake
 from app.live.messages import LayoutMessage, StateMessage
 from app.live.rebuild import rebuild
 from app.live.runner import LiveSession
-from app.live.states import OPEN, STREAMING
+from app.live.states import OPEN
 from app.live.warmup import prepare_process, warm_up
 from app.recordings import GroupCommitWriter
 from app.recordings.schemas import CalibrationOut
@@ -31,14 +32,8 @@ from estimators.pipelines import SessionSetup
 
 logger = logging.getLogger(__name__)
 
-HOUSEKEEPING_S = 0.25
-HEALTH_EVERY_TURNS = 2
-LINK_LOST_AFTER_S = 2.0
-IDLE_CLOSE_S = 600.0
-"""A session without packets for so long is closed and analysed."""
-REORDER_PATIENCE_S = 0.3
 Answer = TypeVar("Answer")
-_IDLE = "Closed by itself: nothing came for ten minutes."
+_NOT_CLOSED = "The session could not be closed in order; what is stored is safe. Analyse it again."
 
 
 class LiveManager:
@@ -62,22 +57,29 @@ class LiveManager:
         on_closed: Callable[[str], None],
         *,
         idle_close_s: float = IDLE_CLOSE_S,
+        goodbye_close_s: float = GOODBYE_CLOSE_S,
     ) -> None:
         self.engine = engine
         self.writer = writer
         self.bus = bus
         self._on_closed = on_closed
-        self._idle_close_s = idle_close_s
         self._sessions: dict[str, LiveSession] = {}
         self._intakes: dict[str, Intake] = {}
-        self._opening: dict[str, asyncio.Lock] = {}
+        # A lock lives as long as somebody opens or closes the session.
+        self._opening: WeakValueDictionary[str, asyncio.Lock] = WeakValueDictionary()
         self._closing: dict[str, asyncio.Task[None]] = {}
+        self._housekeeping = Housekeeping(
+            lambda: self.sessions,
+            self._intakes.__contains__,
+            self._close_soon,
+            idle_close_s=idle_close_s,
+            goodbye_close_s=goodbye_close_s,
+        )
         self._housekeeper: asyncio.Task[None] | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         self._is_stopping = False
         # One thread: the checks of many sockets at once must not outnumber the event loop for the interpreter.
         self._checks = ThreadPoolExecutor(1, thread_name_prefix="live-checks")
-        self._abandoned_s: dict[str, float] = {}
         self._tasks: set[asyncio.Task[Any]] = set()
 
     async def start(self) -> None:
@@ -89,12 +91,12 @@ class LiveManager:
             if stored.state == "closing":
                 await asyncio.to_thread(self._on_closed, stored.id)
                 continue
-            self._abandoned_s[stored.id] = time.monotonic()
+            self._housekeeping.abandoned(stored.id)
             if stored.state != "link_lost":
                 await asyncio.to_thread(
                     repository.save_state, self.engine, stored.id, "link_lost", "The service was restarted."
                 )
-        self._housekeeper = asyncio.create_task(self._watch(), name="live housekeeping")
+        self._housekeeper = asyncio.create_task(self._housekeeping.run(), name="live housekeeping")
 
     async def stop(self) -> None:
         """Store what is known and let the gateways come back to the next service."""
@@ -137,6 +139,8 @@ class LiveManager:
             raise Unavailable("The service is stopping; connect again in a moment.", retry_after_s=5)
         subject, stored = await asyncio.to_thread(repository.open_by_ticket, self.engine, hello.ticket)
         async with self._opening.setdefault(stored.id, asyncio.Lock()):
+            if stored.id in self._closing:
+                raise Conflict("This session is closed; create another one.", state="closing")
             session = self._sessions.get(stored.id)
             if session is None:
                 session = await self._open_session(stored.id, declaration)
@@ -159,10 +163,9 @@ class LiveManager:
             del self._intakes[intake.session_id]
             session = self._sessions.get(intake.session_id)
             if session is not None:
-                if session.ledger.last_sequence is not None and session.state in OPEN:
-                    self._close_soon(session.id, "The gateway has ended the stream.")
-                else:
-                    session.link_lost("The connection to the gateway ended.")
+                # After a goodbye with nothing missing the housekeeping closes the session; otherwise the
+                # gateway still has packets to bring.
+                session.link_lost("The connection to the gateway ended.")
 
     async def _open_session(self, session_id: str, declaration: Declaration) -> LiveSession:
         stored = await asyncio.to_thread(repository.load, self.engine, session_id)
@@ -199,7 +202,7 @@ class LiveManager:
             if trouble is not None:
                 session.line.stop(trouble)
         self._sessions[session_id] = session
-        self._abandoned_s.pop(session_id, None)
+        self._housekeeping.taken_up(session_id)
         return session
 
     # --- people -----------------------------------------------------------------------------------------
@@ -225,18 +228,21 @@ class LiveManager:
         NotFound
             There is no such session.
         """
-        if session_id not in self._closing:
-            session = self._sessions.get(session_id)
-            if session is None:
-                stored = await asyncio.to_thread(repository.load, self.engine, session_id)
-                if stored.state not in OPEN or stored.is_ended:
-                    return self.stored_state(stored)
-                await asyncio.to_thread(repository.save_state, self.engine, session_id, "closing", reason)
-            else:
-                session.begin_closing(reason)
-            task = asyncio.create_task(self._finish(session_id, session), name="session close")
-            self._closing[session_id] = task
-            task.add_done_callback(lambda _: self._closing.pop(session_id, None))
+        # A hello may be opening the session at this moment: whoever is first decides.
+        async with self._opening.setdefault(session_id, asyncio.Lock()):
+            if session_id not in self._closing:
+                session = self._sessions.get(session_id)
+                if session is None:
+                    stored = await asyncio.to_thread(repository.load, self.engine, session_id)
+                    if stored.state not in OPEN or stored.is_ended:
+                        return self.stored_state(stored)
+                    await asyncio.to_thread(repository.save_state, self.engine, session_id, "closing", reason)
+                else:
+                    session.begin_closing(reason)
+                self._housekeeping.taken_up(session_id)
+                task = asyncio.create_task(self._finish(session_id, session), name="session close")
+                self._closing[session_id] = task
+                task.add_done_callback(lambda _: self._closing.pop(session_id, None))
         return await self.state(session_id)
 
     async def _finish(self, session_id: str, session: LiveSession | None) -> None:
@@ -246,14 +252,23 @@ class LiveManager:
             else:
                 await asyncio.to_thread(repository.end_abandoned, self.engine, session_id)
             await asyncio.to_thread(self._on_closed, session_id)
-        except TelemotionError as error:
-            logger.error("session %s could not be closed: %s", session_id, error.message)
-            await asyncio.to_thread(repository.save_state, self.engine, session_id, "failed", error.message)
+        except Exception as error:
+            # Whatever it was, the session must not stay `closing` for ever: what is stored can be analysed.
+            logger.exception("session %s could not be closed", session_id)
+            reason = error.message if isinstance(error, TelemotionError) else _NOT_CLOSED
+            await self._save_failed(session_id, reason)
         finally:
             self._sessions.pop(session_id, None)
-            self._opening.pop(session_id, None)
             if session is not None:
                 session.is_finished = True
+            self._tell_stored(session_id)
+
+    async def _save_failed(self, session_id: str, reason: str) -> None:
+        try:
+            await asyncio.to_thread(repository.save_state, self.engine, session_id, "failed", reason)
+        except Exception:
+            # The row says `closing`: the next start of the service queues the analysis.
+            logger.exception("the failure of session %s could not be stored", session_id)
 
     def task_done(self, session_id: str) -> None:
         """Tell views of a session that its analysis has changed its state; from any thread."""
@@ -298,44 +313,6 @@ class LiveManager:
     async def check(self, work: Callable[[], Answer]) -> Answer:
         """Run a small database read in the thread kept for checks of open sockets."""
         return await asyncio.get_running_loop().run_in_executor(self._checks, work)
-
-    # --- watching ---------------------------------------------------------------------------------------
-
-    async def _watch(self) -> None:
-        turn = 0
-        while True:
-            await asyncio.sleep(HOUSEKEEPING_S)
-            turn += 1
-            try:
-                for number, session in enumerate(list(self._sessions.values())):
-                    self._look_after(session, publish=(turn + number) % HEALTH_EVERY_TURNS == 0)
-                    # Packets come first: all sessions together would hold them up for tens of milliseconds.
-                    await asyncio.sleep(0)
-                self._close_abandoned()
-            except Exception:
-                logger.exception("looking after the live sessions failed")
-
-    def _look_after(self, session: LiveSession, *, publish: bool) -> None:
-        silence_s = time.monotonic() - session.last_arrival_s
-        if silence_s > REORDER_PATIENCE_S:
-            session.silent()
-        said_goodbye = session.ledger.last_sequence is not None
-        if silence_s > LINK_LOST_AFTER_S and session.state in STREAMING and not said_goodbye:
-            session.link_lost(f"No packet for {LINK_LOST_AFTER_S:.0f} s.")
-        if publish:
-            session.publish_health()
-        if session.state in OPEN and session.ledger.is_settled:
-            self._close_soon(session.id, "The gateway has sent everything.")
-        elif session.state in OPEN and silence_s > self._idle_close_s:
-            self._close_soon(session.id, _IDLE)
-
-    def _close_abandoned(self) -> None:
-        """Close sessions that were open when the service stopped and to which no gateway came back."""
-        now = time.monotonic()
-        for session_id, since in list(self._abandoned_s.items()):
-            if now - since > self._idle_close_s:
-                del self._abandoned_s[session_id]
-                self._close_soon(session_id, _IDLE)
 
     def _close_soon(self, session_id: str, reason: str) -> None:
         if session_id not in self._closing:

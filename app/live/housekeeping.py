@@ -1,0 +1,104 @@
+"""What is looked at a few times a second: silent links, health, sessions that are to be closed by themselves."""
+
+import asyncio
+import logging
+import time
+from collections.abc import Callable, Sequence
+from typing import Final
+
+from app.live.runner import LiveSession
+from app.live.states import OPEN, STREAMING
+
+logger = logging.getLogger(__name__)
+
+PERIOD_S: Final = 0.25
+HEALTH_EVERY_TURNS: Final = 2
+LINK_LOST_AFTER_S: Final = 2.0
+REORDER_PATIENCE_S: Final = 0.3
+IDLE_CLOSE_S: Final = 600.0
+"""A session without packets for so long is closed and analysed."""
+GOODBYE_CLOSE_S: Final = 60.0
+"""A gateway that has said goodbye and lost its link has so long to come back with what is still missing."""
+_IDLE: Final = "Closed by itself: nothing came for ten minutes."
+_NOT_BROUGHT: Final = "Closed: the gateway had ended the stream and did not bring what was missing."
+
+
+class Housekeeping:
+    """Looks after all live sessions of this process.
+
+    Parameters
+    ----------
+    sessions : callable()
+        Returns every session that is live.
+    is_connected : callable(session_id)
+        Whether a gateway's connection is attached.
+    close_soon : callable(session_id, reason)
+        Closes a session unless it is being closed.
+    idle_close_s, goodbye_close_s : float
+        Silence after which a session is closed, in general and after a goodbye whose link broke.
+    """
+
+    def __init__(
+        self,
+        sessions: Callable[[], Sequence[LiveSession]],
+        is_connected: Callable[[str], bool],
+        close_soon: Callable[[str, str], None],
+        *,
+        idle_close_s: float,
+        goodbye_close_s: float,
+    ) -> None:
+        self._sessions = sessions
+        self._is_connected = is_connected
+        self._close_soon = close_soon
+        self._idle_close_s = idle_close_s
+        self._goodbye_close_s = goodbye_close_s
+        self._abandoned_s: dict[str, float] = {}
+
+    def abandoned(self, session_id: str) -> None:
+        """Note a session that was open when the service stopped; its gateway may come back."""
+        self._abandoned_s[session_id] = time.monotonic()
+
+    def taken_up(self, session_id: str) -> None:
+        """Note that a session is live again, or closed."""
+        self._abandoned_s.pop(session_id, None)
+
+    async def run(self) -> None:
+        """Look after the sessions until cancelled."""
+        turn = 0
+        while True:
+            await asyncio.sleep(PERIOD_S)
+            turn += 1
+            try:
+                for number, session in enumerate(self._sessions()):
+                    self._look_after(session, publish=(turn + number) % HEALTH_EVERY_TURNS == 0)
+                    # Packets come first: all sessions together would hold them up for tens of milliseconds.
+                    await asyncio.sleep(0)
+                self._close_abandoned()
+            except Exception:
+                logger.exception("looking after the live sessions failed")
+
+    def _look_after(self, session: LiveSession, *, publish: bool) -> None:
+        silence_s = time.monotonic() - session.last_arrival_s
+        if silence_s > REORDER_PATIENCE_S:
+            session.silent()
+        said_goodbye = session.ledger.last_sequence is not None
+        if silence_s > LINK_LOST_AFTER_S and session.state in STREAMING and not said_goodbye:
+            session.link_lost(f"No packet for {LINK_LOST_AFTER_S:.0f} s.")
+        if publish:
+            session.publish_health()
+        if session.state not in OPEN:
+            return
+        if session.ledger.is_settled:
+            self._close_soon(session.id, "The gateway has sent everything.")
+        elif silence_s > self._idle_close_s:
+            self._close_soon(session.id, _IDLE)
+        elif said_goodbye and silence_s > self._goodbye_close_s and not self._is_connected(session.id):
+            self._close_soon(session.id, _NOT_BROUGHT)
+
+    def _close_abandoned(self) -> None:
+        """Close sessions that were open when the service stopped and to which no gateway came back."""
+        now = time.monotonic()
+        for session_id, since in list(self._abandoned_s.items()):
+            if now - since > self._idle_close_s:
+                del self._abandoned_s[session_id]
+                self._close_soon(session_id, _IDLE)

@@ -1,0 +1,34 @@
+"""A simulated patient that streams for days outlives its sign-in."""
+
+import asyncio
+from typing import Any
+
+import pytest
+
+from app.commands import simulate
+from app.errors import SignInRequired
+
+
+class EnoughError(Exception):
+    """Ends the endless stream."""
+
+
+def test_a_sign_in_that_has_ended_is_made_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    happened: list[str] = []
+
+    async def sign_in(self: Any, email: str, password: str) -> None:
+        happened.append("sign in")
+
+    async def stream(service: Any, options: simulate.Options, say: Any) -> Any:
+        happened.append("stream")
+        if happened.count("stream") == 1:
+            raise SignInRequired("Sign in again.")
+        raise EnoughError
+
+    monkeypatch.setattr(simulate.ServiceClient, "sign_in", sign_in)
+    monkeypatch.setattr(simulate, "stream", stream)
+    monkeypatch.setattr(simulate, "RETRY_S", 0.0)
+    options = simulate.Options("http://127.0.0.1:1", "a@b.example", "secret", "1", forever=True)
+    with pytest.raises(EnoughError):
+        asyncio.run(simulate._simulate(options))
+    assert happened == ["sign in", "stream", "sign in", "stream"]
