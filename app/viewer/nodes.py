@@ -21,6 +21,10 @@ _GLYPH_M: Final = 0.060
 _ABOVE_FLOOR_M: Final = 0.002
 _HALO_SHELLS: Final = 5
 _HALO_OPACITY: Final = 0.05
+_HALO_DENSE_M: Final = 0.05
+"""Up to here a halo is equally dense; a wider one has the same paint over more room, so it thins to a mist."""
+_HALO_LEAST_M: Final = 0.008
+_HALO_MOST_M: Final = 0.5
 # Strokes in units of the height, and the width, of what the scale on the floor needs.
 _GLYPHS: Final[dict[str, tuple[list[list[tuple[float, float]]], float]]] = {
     "0": (
@@ -224,6 +228,20 @@ class Trail:
                 line.visible = bool(len(part))
 
 
+def halo_opacity(spread_m: float) -> float:
+    """Return the opacity of each shell of a halo; zero where nothing, or nothing sensible, is to be shown.
+
+    Parameters
+    ----------
+    spread_m : float
+        Two standard deviations. Below 8 mm the joint itself hides them; an arm's length says nothing about where
+        the hand is.
+    """
+    if not _HALO_LEAST_M <= spread_m <= _HALO_MOST_M:
+        return 0.0
+    return _HALO_OPACITY * min(1.0, _HALO_DENSE_M / spread_m)
+
+
 class Halo:
     """A soft shell around the elbow or the hand, as wide as two standard deviations of its place."""
 
@@ -247,13 +265,15 @@ class Halo:
         self._shown_m = 0.0
 
     def show(self, spread_m: float) -> None:
-        """Resize to two standard deviations; below 8 mm nothing is worth showing."""
-        spread_m = spread_m if spread_m >= 0.008 else 0.0
+        """Resize to two standard deviations; the wider, the thinner."""
+        opacity = halo_opacity(spread_m)
+        spread_m = spread_m if opacity else 0.0
         if abs(spread_m - self._shown_m) <= 0.12 * self._shown_m:
             return
         for number, shell in enumerate(self._shells):
             if spread_m:
                 shell.scale = self._core_m + spread_m * (number + 1) / len(self._shells)
+                shell.opacity = opacity
             if shell.visible != (spread_m > 0.0):
                 shell.visible = spread_m > 0.0
         self._shown_m = spread_m

@@ -14,7 +14,7 @@ import numpy as np
 from app.live.bus import Bus, topic
 from app.live.messages import PlayerCommand, PlayerState, StateMessage
 from app.viewer.ghost import GhostClock
-from app.viewer.pose import PoseTrack, measured_segments, track_from_frames
+from app.viewer.pose import PoseTrack, is_posed, measured_segments, track_from_frames
 from app.viewer.scene import BodyScene
 from estimators.body import BodyDimensions
 from estimators.pipelines import Frames
@@ -119,7 +119,10 @@ class LivePlayer:
     session_id : str
     body : BodyDimensions
     ghost_duration_s : float or None
-        Of the template, which is shown over and over as the example to follow.
+        Of the template, which is shown over and over as the example to follow; not while the patient holds the
+        calibration pose, where it would be the wrong example.
+    is_calibrating : bool
+        Whether the session waits for the pose now; later changes come over the bus.
     """
 
     def __init__(
@@ -129,14 +132,17 @@ class LivePlayer:
         session_id: str,
         body: BodyDimensions,
         ghost_duration_s: float | None,
+        is_calibrating: bool = False,
     ) -> None:
         self._scene = scene
         self._bus = bus
         self._session_id = session_id
         self._body = body
         self._ghost_clock = GhostClock(ghost_duration_s) if ghost_duration_s is not None else None
+        self._is_calibrating = is_calibrating
         self._trail: deque[np.ndarray] = deque(maxlen=int(TRAIL_S * LIVE_TRAIL_RATE_HZ))
         self._last: PoseTrack | None = None
+        self._is_posed = False
         self._chunks = 0
 
     def command(self, command: PlayerCommand) -> None:
@@ -180,6 +186,7 @@ class LivePlayer:
             return
         self._scene.show_measured(measured_segments(frames))
         track = self._last = track_from_frames(frames, self._body)
+        self._is_posed = bool(is_posed(frames)[-1])
         step = max(1, round(PICTURE_S / frames.time_step_s))
         # The last tick is always among those shown; a little less than real time, so that no delay piles up.
         ticks = range((len(track) - 1) % step, len(track), step)
@@ -198,7 +205,9 @@ class LivePlayer:
             trail = np.stack(self._trail) if self._chunks % 2 == 0 else None
         self._scene.draw(track, tick, trail)
         if self._ghost_clock is not None:
-            self._scene.draw_ghost(self._ghost_clock.phase(float(track.time_s[tick]), warp=False))
+            is_example = self._is_posed and not self._is_calibrating
+            phase = self._ghost_clock.phase(float(track.time_s[tick]), warp=False) if is_example else None
+            self._scene.draw_ghost(phase)
 
     def _show_silence(self) -> None:
         if self._last is None:
@@ -215,6 +224,7 @@ class LivePlayer:
         self._scene.draw(silent, 0)
 
     def _follow(self, message: StateMessage) -> None:
+        self._is_calibrating = message.state == "calibrating"
         if self._ghost_clock is not None and message.recording_start_s is not None:
             self._ghost_clock = GhostClock(self._ghost_clock.duration_s, begin_s=message.recording_start_s)
 

@@ -93,6 +93,16 @@ def measured_segments(frames: Frames) -> frozenset[str]:
     return frozenset(frames.layout.segments) & frozenset(SEGMENTS)
 
 
+def is_posed(frames: Frames) -> NDArray[np.bool_]:
+    """Return which ticks show the person, shape (K,).
+
+    Before the calibration sensors do not know how they sit: there is nothing yet to show but a standing figure.
+    """
+    if "pelvis" not in frames.layout.points:
+        return np.ones(frames.tick_count, dtype=bool)
+    return np.isfinite(frames.point_room_m[:, frames.layout.points.index("pelvis"), 0])
+
+
 def track_from_frames(frames: Frames, body: BodyDimensions) -> PoseTrack:
     """Prepare estimated frames for drawing.
 
@@ -111,8 +121,7 @@ def track_from_frames(frames: Frames, body: BodyDimensions) -> PoseTrack:
     given = {name: _sound(frames.q_room_segment[:, column]) for column, name in enumerate(layout.segments)}
     room = _complete(given, ticks)
     points = {name: frames.point_room_m[:, column] for column, name in enumerate(layout.points)}
-    # Before the calibration sensors do not know how they sit: there is nothing yet to show but the person.
-    known = np.isfinite(points["pelvis"][:, :1]) if "pelvis" in points else np.ones((ticks, 1), dtype=bool)
+    known = is_posed(frames)[:, None]
     if not known.all():
         waiting = _complete({}, ticks)
         room = {name: np.where(known, room[name], waiting[name]) for name in room}
@@ -246,8 +255,7 @@ def _halo(frames: Frames, body: BodyDimensions) -> Float32:
     sigma[~np.isfinite(sigma)] = 0.0
     shoulder, elbow, beyond = sigma[:, :2], sigma[:, 2:], body.forearm_m + body.hand_m
     at_hand = np.hypot(shoulder * (body.upper_arm_m + beyond), elbow * beyond)
-    halo = 2.0 * np.stack([shoulder * body.upper_arm_m, at_hand], axis=-1)
-    return np.minimum(halo, 0.25).astype(np.float32)
+    return (2.0 * np.stack([shoulder * body.upper_arm_m, at_hand], axis=-1)).astype(np.float32)
 
 
 def _side(name: str) -> Side:

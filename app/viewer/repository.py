@@ -48,6 +48,8 @@ class Contents:
     ----------
     track : PoseTrack or None
         The stored movement; None in live views.
+    is_calibrating : bool
+        Whether the session waits for the calibration pose.
     side : {"left", "right"}
         The arm that the exercise is about.
     """
@@ -59,6 +61,7 @@ class Contents:
     ghost: Ghost | None
     ghost_clock: GhostClock | None
     track: PoseTrack | None
+    is_calibrating: bool = False
 
 
 def find_target(engine: Engine, subject: Subject, session_id: str, wanted: ViewIn) -> ViewTarget:
@@ -148,6 +151,7 @@ def load_contents(engine: Engine, target: ViewTarget) -> Contents:
             ghost=ghost,
             ghost_clock=clock,
             track=track,
+            is_calibrating=found.state in {"created", "calibrating"},
         )
 
 

@@ -77,7 +77,9 @@ class Stage:
             self.player = ReplayPlayer(self.scene, contents.track, contents.ghost_clock)
         else:
             duration_s = ghost.duration_s if ghost is not None else None
-            self.player = LivePlayer(self.scene, bus, target.session_id, contents.body, duration_s)
+            self.player = LivePlayer(
+                self.scene, bus, target.session_id, contents.body, duration_s, contents.is_calibrating
+            )
         self._task: asyncio.Task[None] | None = None
         self._watchers = 0
         self.unwatched_since = time.monotonic()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from app.viewer.nodes import joint_offsets_m
+from app.viewer.nodes import halo_opacity, joint_offsets_m
 from app.viewer.pose import PARENT, SEGMENTS, PoseTrack, thinned, track_from_frames, track_from_room
 from app.viewer.proportions import hip_height_m
 from estimators import rotation
@@ -99,6 +99,13 @@ def test_halo_grows_from_the_elbow_to_the_hand(reaches) -> None:
     assert (halo[:, 1, 1] > halo[:, 1, 0]).all()
     assert (halo[:, 1, 0] > 0).all()
     assert (halo[:, 0] == 0).all()
+
+
+def test_a_wider_halo_has_the_same_paint_over_more_room() -> None:
+    assert halo_opacity(0.005) == 0.0
+    assert halo_opacity(0.02) == halo_opacity(0.05) > 0.0
+    assert halo_opacity(0.20) == pytest.approx(halo_opacity(0.05) / 4)
+    assert halo_opacity(0.6) == 0.0
 
 
 def test_thinning_keeps_time_and_at_least_the_rate(reaches) -> None:

@@ -46,6 +46,13 @@ export function quantity(value: number | null | undefined, unit: string | null |
   return `${number(value * shown.factor, shown.digits)}${shown.suffix}`;
 }
 
+/** A length of the body in cm, as a tape shows it: tenths only where they say something. */
+export function bodyLength(metres: number | null | undefined): string {
+  if (metres === null || metres === undefined || !Number.isFinite(metres)) return '–';
+  const tenths = Math.round(metres * 1000);
+  return `${number(tenths / 10, tenths % 10 === 0 ? 0 : 1)} cm`;
+}
+
 /** A value with its uncertainty, e.g. `87° ± 3`; without one only the value. */
 export function uncertain(value: number | null, uncertainty: number | null, unit: string): string {
   const text = quantity(value, unit);

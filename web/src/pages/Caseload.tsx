@@ -149,7 +149,7 @@ function Rows({ rows }: { rows: CaseloadRow[] }) {
 export function CaseloadPage() {
   const me = useSignedIn();
   const caseload = useCaseload();
-  const waiting = caseload.data?.filter((row) => row.reason !== '').length;
+  const waiting = caseload.data?.filter((row) => matches(row, 'look', '')).length;
   return (
     <Page
       title={t('caseload.title')}

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { age, bytes, day, duration, number, position, quantity, uncertain } from '../../src/lib/format';
+import { age, bodyLength, bytes, day, duration, number, position, quantity, uncertain } from '../../src/lib/format';
 
 describe('numbers', () => {
   it('shows degrees only at the edge of the screen', () => {
@@ -50,5 +50,13 @@ describe('times', () => {
   it('writes lengths in words', () => {
     expect(duration(45.2)).toBe('45 s');
     expect(duration(250)).toBe('4 min 10 s');
+  });
+});
+
+describe('lengths of the body', () => {
+  it('has tenths only where they say something', () => {
+    expect(bodyLength(1.66)).toBe('166 cm');
+    expect(bodyLength(0.275)).toBe('27.5 cm');
+    expect(bodyLength(null)).toBe('–');
   });
 });

@@ -32,16 +32,18 @@ const row = (change: Partial<CaseloadRow>): CaseloadRow => ({
 describe('caseload', () => {
   it('says in one line a patient who, why, how it goes and what is due', async () => {
     renderPage(<CaseloadPage />, {
-      answers: { '/api/caseload': [row({}), row({ patient_id: 'q', given_name: 'Tomasz', family_name: 'Lind', affected_side: 'left', reason: 'declining', reason_text: 'The range fell.' })] },
+      answers: { '/api/caseload': [row({}), row({ patient_id: 'q', given_name: 'Tomasz', family_name: 'Lind', affected_side: 'left', reason: 'declining', reason_text: 'The range fell.' }), row({ patient_id: 'r', given_name: 'Noor', reason: 'live', live_session_id: 's' })] },
     });
     const lines = (await screen.findAllByRole('row')).slice(1);
-    expect(lines).toHaveLength(2);
-    const first = within(lines[0] as HTMLElement);
+    expect(lines).toHaveLength(3);
+    const first = within(lines[1] as HTMLElement);
     expect(first.getByRole('link', { name: 'Tomasz Lind' })).toHaveProperty('pathname', '/patients/q');
     expect(first.getByText('Declining')).toBeTruthy();
     expect(first.getByText('Left side affected')).toBeTruthy();
     expect(first.getByRole('img').textContent).toMatch(/2 sessions, from 50° to 58°/);
+    // Who exercises now has a line and a filter of their own: the sentence and the filter count the same people.
     expect(screen.getByText('1 patient needs a look today')).toBeTruthy();
+    expect(screen.getByText('Need a look (1)')).toBeTruthy();
   });
 
   it('says what to do when there is nobody yet', async () => {

@@ -10,7 +10,7 @@ import { SideMark } from '../../components/Marks';
 import { Page } from '../../components/Page';
 import { PatientForm } from '../../components/PatientForm';
 import { t } from '../../i18n';
-import { age, date, quantity } from '../../lib/format';
+import { age, bodyLength, date } from '../../lib/format';
 import { AccessPanel } from './AccessPanel';
 import { DevicePanel } from './DevicePanel';
 import { PrescriptionPanel } from './PrescriptionPanel';
@@ -44,7 +44,7 @@ function Facts({ patient, onEdit }: { patient: Patient; onEdit: () => void }) {
         {lengths.map((name) => (
           <div key={name} className="facts-pair">
             <dt>{t(`length.${name}`)}</dt>
-            <dd className="number">{quantity(body[name], 'm')}</dd>
+            <dd className="number">{bodyLength(body[name])}</dd>
           </div>
         ))}
       </dl>

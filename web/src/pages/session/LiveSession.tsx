@@ -1,14 +1,13 @@
 // A session while it happens: the body large, curves beneath, sensors at the side, the delay always in view.
-import { Button, Group, TextInput } from '@mantine/core';
-import { IconArrowRight, IconFlag, IconPlayerRecordFilled, IconPlayerStopFilled, IconPlugConnectedX } from '@tabler/icons-react';
+import { Button } from '@mantine/core';
+import { IconPlugConnectedX } from '@tabler/icons-react';
 import { useMutation, useQueryClient } from '@tanstack/react-query';
-import { useEffect, useMemo, useRef, useState, type FormEvent } from 'react';
-import { Link, useParams } from 'react-router';
+import { useEffect, useMemo, useRef, useState } from 'react';
+import { useParams } from 'react-router';
 import { api } from '../../api/client';
 import { keys, useExercises, usePatient, useSession } from '../../api/queries';
 import type { SessionDetail, SessionEvent, SessionState } from '../../api/types';
 import { ChannelPicker } from '../../components/ChannelPicker';
-import { Confirm } from '../../components/Confirm';
 import { Answer, Problem } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { Viewer3D } from '../../components/Viewer3D';
@@ -24,10 +23,10 @@ import { AnalysisWait } from './AnalysisWait';
 import { CalibrationGuide } from './Calibration';
 import { ConnectHelp } from './ConnectHelp';
 import { HealthPanel } from './HealthPanel';
+import { LiveButtons } from './LiveButtons';
 import { StateSteps, stepOf } from './StateSteps';
 
 const LIVE = { mode: 'live' } as const;
-type Deed = 'calibrate' | 'record' | 'stop' | 'close';
 
 function Delay({ snapshot }: { snapshot: LiveSnapshot }) {
   const service = snapshot.health?.latency_ms_median ?? null;
@@ -40,50 +39,6 @@ function Delay({ snapshot }: { snapshot: LiveSnapshot }) {
         {isKnown ? `${number(service + network)} ms` : '–'}
       </span>
     </span>
-  );
-}
-
-function Buttons({ session, state }: { session: SessionDetail; state: SessionState }) {
-  const client = useQueryClient();
-  const deed = useMutation({
-    mutationFn: (what: Deed) => api.post<unknown>(`/api/sessions/${session.id}/${what}`),
-    onSuccess: () => client.invalidateQueries({ queryKey: keys.session(session.id) }),
-  });
-  const [note, setNote] = useState('');
-  const mark = useMutation({
-    mutationFn: (text: string) => api.post<unknown>(`/api/sessions/${session.id}/mark`, { text }),
-    onSuccess: () => setNote(''),
-  });
-  const submitMark = (event: FormEvent) => {
-    event.preventDefault();
-    mark.mutate(note.trim() || t('live.markDefault'));
-  };
-  const canMark = state === 'ready' || state === 'recording' || state === 'link_lost';
-  return (
-    <section className="live-buttons card" aria-label={t('live.controls')}>
-      <Group gap="sm">
-        {state === 'recording' ? (
-          <Button size="lg" color="dark.6" autoContrast leftSection={<IconPlayerStopFilled size={20} aria-hidden />} loading={deed.isPending} onClick={() => deed.mutate('stop')}>
-            {t('live.stop')}
-          </Button>
-        ) : (
-          <Button size="lg" leftSection={<IconPlayerRecordFilled size={20} aria-hidden />} disabled={state !== 'ready'} loading={deed.isPending && deed.variables === 'record'} onClick={() => deed.mutate('record')}>
-            {t('live.record')}
-          </Button>
-        )}
-        <form onSubmit={submitMark} className="mark-form">
-          <TextInput aria-label={t('live.note')} placeholder={t('live.note')} maxLength={200} value={note} onChange={(event) => setNote(event.currentTarget.value)} disabled={!canMark} />
-          <Button type="submit" variant="default" leftSection={<IconFlag size={18} aria-hidden />} disabled={!canMark} loading={mark.isPending}>
-            {t('live.mark')}
-          </Button>
-        </form>
-        <span className="push">
-          <Confirm label={t('live.close')} title={t('live.closeTitle')} text={t('live.closeText')} confirm={t('live.close')} onConfirm={() => deed.mutate('close')} />
-        </span>
-      </Group>
-      {deed.error && <Problem error={deed.error} />}
-      {mark.error && <Problem error={mark.error} />}
-    </section>
   );
 }
 
@@ -119,10 +74,9 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
   const message = snapshot.state;
   const state: SessionState = message?.state ?? session.state;
   const step = useRef(0);
-  step.current = stepOf(state, step.current, {
-    isCalibrated: (message?.calibration ?? session.calibration) !== null,
-    isRecording: (message?.recording_start_s ?? session.recording_start_s) !== null,
-  });
+  // The socket's word counts once there is one: its start is null again when the recording was stopped.
+  const isRecording = state === 'recording' || (state === 'link_lost' && (message ? message.recording_start_s !== null : session.recording_start_s !== null && session.recording_end_s === null));
+  step.current = stepOf(state, step.current, { isCalibrated: (message?.calibration ?? session.calibration) !== null, isRecording });
   const angles = snapshot.columns?.layout.angles ?? session.layout.angles;
   const [chosen, setChosen] = useState<string[] | null>(null);
   const channels = useMemo(
@@ -140,7 +94,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
     <>
       <div className="live-head">
         <StateSteps step={step.current} />
-        <Delay snapshot={snapshot} />
+        {!isOver && <Delay snapshot={snapshot} />}
       </div>
       {(snapshot.connection === 'lost' || snapshot.connection === 'refused') && !isOver && (
         <div className="banner banner-alert" role="alert">
@@ -173,7 +127,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
       <div className="live-grid">
         <div className="stack">
           {state === 'created' && <ConnectHelp session={session} />}
-          {state !== 'created' && mayRecord && <Buttons session={session} state={state} />}
+          {state !== 'created' && mayRecord && <LiveButtons sessionId={session.id} state={state} isRecording={isRecording} />}
           {state !== 'created' && <Viewer3D sessionId={session.id} request={LIVE} title={t('viewer.liveTitle')} />}
           {snapshot.columns && state !== 'created' && (
             <section className="card" aria-labelledby="angles">
@@ -223,13 +177,6 @@ export function LiveSessionPage() {
         { to: '/', text: t('nav.caseload') },
         ...(session.data && name ? [{ to: `/patients/${session.data.patient_id}`, text: name }] : []),
       ]}
-      actions={
-        session.data?.state === 'analysed' && (
-          <Button component={Link} to={`/sessions/${sessionId}`} rightSection={<IconArrowRight size={18} aria-hidden />}>
-            {t('live.toReplay')}
-          </Button>
-        )
-      }
     >
       <Answer of={session} lines={8} height={50}>
         {(data) => <Loaded key={data.id} session={data} />}
