@@ -5,13 +5,14 @@ from typing import Any
 
 from estimators.errors import SetupError
 from estimators.orientation._contract import OrientationEstimator, OrientationFlag, OrientationResult
+from estimators.orientation._device_constants import DeviceConstants
 from estimators.orientation._luinge import LuingeEstimator
 from estimators.orientation._marzouk_error_state import MarzoukErrorStateEstimator
 from estimators.orientation._marzouk_euler import MarzoukEulerEstimator
 from estimators.orientation._marzouk_quaternion import MarzoukQuaternionEstimator
 from estimators.orientation._roetenberg import RoetenbergEstimator
 from estimators.orientation._scoring import OrientationErrors, orientation_errors
-from estimators.orientation._telemotion import DeviceConstants, TelemotionEstimator
+from estimators.orientation._telemotion import TelemotionEstimator
 from estimators.orientation._vqf import VqfEstimator
 
 _REGISTRY: dict[str, type[OrientationEstimator]] = {

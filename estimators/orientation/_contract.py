@@ -1,7 +1,7 @@
 """The contract of every orientation estimator, and what it returns."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntFlag
 from typing import Any, ClassVar
@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.orientation._device_constants import DeviceConstants
 from estimators.recording import Float, ImuChunk
 
 
@@ -93,6 +94,18 @@ class OrientationEstimator(ABC):
     @abstractmethod
     def set_gyroscope_bias(self, bias_radps: Float, sigma_radps: float) -> None:
         """Take a static calibration, shape (S, 3), with its standard error."""
+
+    def set_device_constants(self, constants: Sequence[DeviceConstants | None]) -> None:
+        """Begin with what earlier sessions learnt about the same sensors (None: nothing), before the first sample.
+
+        A method that has no use for them leaves them alone.
+        """
+        return
+
+    @property
+    def device_constants(self) -> tuple[DeviceConstants, ...]:
+        """What is known of each sensor by now, to be kept with its device; empty where the method learns none."""
+        return ()
 
     @property
     @abstractmethod

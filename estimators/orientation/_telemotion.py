@@ -1,7 +1,6 @@
 """Our own online estimator behind the contract."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -11,6 +10,7 @@ from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import SetupError, ShapeError
 from estimators.orientation import _telemotion_layout as at
 from estimators.orientation._contract import OrientationResult
+from estimators.orientation._device_constants import DeviceConstants
 from estimators.orientation._kernel_estimator import KernelEstimator
 from estimators.orientation._telemotion_kernel import run
 from estimators.orientation._telemotion_parameters import (
@@ -22,49 +22,11 @@ from estimators.orientation._telemotion_parameters import (
 from estimators.recording import Float, ImuChunk
 
 MICROTESLA_PER_TESLA = 1e6
+_LEAST_VARIANCE = 1e-12
 
 
-@dataclass(frozen=True)
-class DeviceConstants:
-    """What belongs to the sensors and not to the session, with one standard error for each kind.
-
-    Attributes
-    ----------
-    magnetometer_delay_s : ndarray, shape (S,)
-        Delay of the magnetometer against the gyroscope.
-    gyroscope_gain : ndarray, shape (S, 3, 3)
-        Scale and axis errors K: true rate = (I + K) measured - bias.
-    hard_iron_t : ndarray, shape (S, 3)
-        Sensor axes.
-    gyroscope_clip_radps : ndarray, shape (S,)
-        Largest rate that the device shows; infinite where it was never reached.
-    magnetometer_delay_sigma_s, gyroscope_gain_sigma, hard_iron_sigma_t : float
-    """
-
-    magnetometer_delay_s: Float
-    gyroscope_gain: Float
-    hard_iron_t: Float
-    gyroscope_clip_radps: Float
-    magnetometer_delay_sigma_s: float = 0.002
-    gyroscope_gain_sigma: float = 0.003
-    hard_iron_sigma_t: float = 0.3e-6
-
-    def __post_init__(self) -> None:
-        sensors = np.shape(self.magnetometer_delay_s)
-        for name, shape in (
-            ("magnetometer_delay_s", sensors),
-            ("gyroscope_gain", (*sensors, 3, 3)),
-            ("hard_iron_t", (*sensors, 3)),
-            ("gyroscope_clip_radps", sensors),
-        ):
-            values = getattr(self, name)
-            if len(sensors) != 1 or np.shape(values) != shape:
-                raise ShapeError(f"{name} has shape {np.shape(values)}; it must be {shape}")
-            if not (np.isfinite(values).all() or name == "gyroscope_clip_radps"):
-                raise ShapeError(f"{name} must be finite")
-        for name in ("magnetometer_delay_sigma_s", "gyroscope_gain_sigma", "hard_iron_sigma_t"):
-            if not getattr(self, name) > 0.0:
-                raise ShapeError(f"{name} must be above zero")
+_GAIN_AGEING, _DELAY_AGEING_S, _IRON_AGEING_UT = 0.003, 0.002, 0.5
+"""What temperature and time change between two sessions, one sigma."""
 
 
 class TelemotionEstimator(KernelEstimator):
@@ -107,6 +69,7 @@ class TelemotionEstimator(KernelEstimator):
         self._set_variance(at.DELAY, 1, p.delay_sigma_s**2)
         self._set_variance(at.START, 3, p.start_wide_ut**2)
         self._memory[:, at.GRAVITY] = GRAVITY_MPS2
+        self._memory[:, at.CLIP_LEVEL : at.CLIP_LEVEL + 2] = np.inf
         self._memory[:, at.CORRECTION] = self._memory[:, at.SHOWN] = 1.0
 
     def _make_settings(self) -> Float:
@@ -115,12 +78,14 @@ class TelemotionEstimator(KernelEstimator):
     def _run(self, *arrays: NDArray[Any]) -> None:
         run(*arrays)
 
-    def _set_variance(self, first: int, count: int, variance: float) -> None:
+    def _set_variance(self, first: int, count: int, variance: float, sensor: int | None = None) -> None:
+        """Set the variance of some states, of one sensor or of all, and what correlates with them to zero."""
+        sensors = slice(None) if sensor is None else slice(sensor, sensor + 1)
         span = slice(first, first + count)
-        self._covariance[:, span, :] = 0.0
-        self._covariance[:, :, span] = 0.0
+        self._covariance[sensors, span, :] = 0.0
+        self._covariance[sensors, :, span] = 0.0
         for i in range(first, first + count):
-            self._covariance[:, i, i] = variance
+            self._covariance[sensors, i, i] = variance
 
     def update(self, chunk: ImuChunk) -> OrientationResult:
         """Take the next ticks; see the contract."""
@@ -128,22 +93,34 @@ class TelemotionEstimator(KernelEstimator):
         self._counters[:, at.TICK] = chunk.first_tick
         return self._filter(chunk, chunk.magnetometer_t)
 
-    def set_device_constants(self, constants: DeviceConstants) -> None:
-        """Begin with what an earlier session learnt about the same devices, before the first sample."""
+    def set_device_constants(self, constants: Sequence[DeviceConstants | None]) -> None:
+        """Begin with what earlier sessions learnt about the same devices; call before the first sample."""
         sensors = self._guard.sensor_count
-        if np.shape(constants.magnetometer_delay_s) != (sensors,):
-            raise ShapeError(f"constants of {np.shape(constants.magnetometer_delay_s)} sensors for {sensors}")
-        iron_variance = (MICROTESLA_PER_TESLA * constants.hard_iron_sigma_t) ** 2
-        self._memory[:, at.DELAY] = constants.magnetometer_delay_s
-        self._memory[:, at.GAIN : at.GAIN + 9] = np.swapaxes(constants.gyroscope_gain, 1, 2).reshape(
-            sensors, 9
-        )
-        iron = MICROTESLA_PER_TESLA * constants.hard_iron_t
-        self._memory[:, at.IRON : at.IRON + 3] = self._memory[:, at.IRON_KNOWN : at.IRON_KNOWN + 3] = iron
-        self._memory[:, at.IRON_KNOWN_VARIANCE] = iron_variance
-        self._set_variance(at.DELAY, 1, constants.magnetometer_delay_sigma_s**2)
-        self._set_variance(at.GAIN, 9, constants.gyroscope_gain_sigma**2)
-        self._set_variance(at.IRON, 3, self._parameters.iron_wide_ut**2 + iron_variance)
+        if len(constants) != sensors:
+            raise ShapeError(f"constants of {len(constants)} sensors for {sensors}")
+        p = self._parameters
+        for s, known in enumerate(constants):
+            if known is None:
+                continue
+            memory, covariance = self._memory[s], self._covariance[s]
+            iron_sigma_ut = MICROTESLA_PER_TESLA * known.array("hard_iron_sigma_t")
+            # One variance serves the three axes of a hypothesis; what is as good as unknown stays unknown.
+            iron_variance = float(np.mean(iron_sigma_ut**2)) + _IRON_AGEING_UT**2
+            if iron_variance < p.iron_middle_ut**2:
+                iron = MICROTESLA_PER_TESLA * known.array("hard_iron_t")
+                memory[at.IRON : at.IRON + 3] = memory[at.IRON_KNOWN : at.IRON_KNOWN + 3] = iron
+                memory[at.IRON_KNOWN_VARIANCE] = iron_variance
+                self._set_variance(at.IRON, 3, p.iron_wide_ut**2 + iron_variance, s)
+            memory[at.DELAY] = known.magnetometer_delay_s
+            delay_variance = known.magnetometer_delay_sigma_s**2 + _DELAY_AGEING_S**2
+            self._set_variance(at.DELAY, 1, min(delay_variance, p.delay_sigma_s**2), s)
+            memory[at.GAIN : at.GAIN + 9] = known.array("gyroscope_gain").T.ravel()
+            gain_variance = known.array("gyroscope_gain_sigma").T.ravel() ** 2 + _GAIN_AGEING**2
+            for i, variance in enumerate(np.minimum(gain_variance, p.gain_sigma**2)):
+                covariance[at.GAIN + i, at.GAIN + i] = variance
+            for kind, clip in enumerate((known.gyroscope_clip_radps, known.accelerometer_clip_mps2)):
+                if clip is not None:
+                    memory[at.CLIP_LEVEL + kind] = memory[at.LARGEST + kind] = clip
 
     @property
     def nominal(self) -> Float:
@@ -165,15 +142,42 @@ class TelemotionEstimator(KernelEstimator):
         return self._counters[:, at.OPENED].copy()
 
     @property
-    def device_constants(self) -> DeviceConstants:
-        """What has been learnt so far; the clip level is not this filter's to know."""
-        gain = self._memory[:, at.GAIN : at.GAIN + 9].reshape(-1, 3, 3)
-        return DeviceConstants(
-            self._memory[:, at.DELAY].copy(),
-            np.swapaxes(gain, 1, 2).copy(),
-            self._memory[:, at.IRON : at.IRON + 3] / MICROTESLA_PER_TESLA,
-            np.full(len(gain), np.inf),
+    def device_constants(self) -> tuple[DeviceConstants, ...]:
+        """What is known of each device now; hard iron only as far as no magnet came near in between."""
+        return tuple(self._learnt(s) for s in range(self._guard.sensor_count))
+
+    def _learnt(self, s: int) -> DeviceConstants:
+        memory = self._memory[s]
+        sigma = np.sqrt(np.maximum(np.diagonal(self._covariance[s]), _LEAST_VARIANCE))
+        iron, iron_sigma = self._iron(s)
+        return DeviceConstants.of_arrays(
+            memory[at.DELAY],
+            sigma[at.DELAY],
+            memory[at.GAIN : at.GAIN + 9].reshape(3, 3).T,
+            sigma[at.GAIN : at.GAIN + 9].reshape(3, 3).T,
+            iron / MICROTESLA_PER_TESLA,
+            iron_sigma / MICROTESLA_PER_TESLA,
+            (memory[at.CLIP_LEVEL], memory[at.CLIP_LEVEL + 1]),
         )
 
+    def _iron(self, s: int) -> tuple[Float, Float]:
+        """Return hard iron and its sigma, microtesla, under the likeliest belief of what it was at first."""
+        memory, p, span = self._memory[s], self._parameters, slice(at.IRON, at.IRON + 3)
+        known, known_variance = memory[at.IRON_KNOWN : at.IRON_KNOWN + 3], memory[at.IRON_KNOWN_VARIANCE]
+        own = (p.iron_narrow_ut, p.iron_middle_ut, p.iron_wide_ut)
+        prior = own[int(self.hypothesis_odds[s].reshape(3, 3).sum(axis=1).argmax())] ** 2 + known_variance
+        wide = p.iron_wide_ut**2 + known_variance
+        if self._counters[s, at.OPENED] > 0:
+            prior, iron, covariance = known_variance + p.iron_middle_ut**2, known, np.zeros((3, 3))
+        elif prior >= wide:
+            iron, covariance = memory[span], self._covariance[s, span, span]
+        else:
+            # That the iron was N(known, prior) all along, as one measurement more (see `find_north`).
+            covariance = self._covariance[s, span, span]
+            gain = covariance @ np.linalg.inv(covariance + np.eye(3) / (1.0 / prior - 1.0 / wide))
+            iron, covariance = memory[span] + gain @ (known - memory[span]), covariance - gain @ covariance
+        variance = np.diagonal(covariance)
+        return iron, np.sqrt(np.maximum(variance if variance.any() else np.full(3, prior), _LEAST_VARIANCE))
 
-__all__ = ["MICROTESLA_PER_TESLA", "DeviceConstants", "TelemotionEstimator"]
+
+__all__ = ["MICROTESLA_PER_TESLA", "TelemotionEstimator"]

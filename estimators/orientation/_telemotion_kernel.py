@@ -56,6 +56,7 @@ from estimators.orientation._telemotion_layout import (
     REST_S,
     RUNNING,
     SAMPLE,
+    SATURATED,
     SHOWN,
     SINCE_START,
     SLOPE,
@@ -79,7 +80,6 @@ _DISTURBANCE = int(OrientationFlag.MAGNETIC_DISTURBANCE)
 _NO_HEADING = int(OrientationFlag.HEADING_NOT_TRUSTED)
 _SATURATED = int(OrientationFlag.SATURATED)
 _SAMPLE_BRIDGED = int(SampleQuality.BRIDGED)
-_SAMPLE_SATURATED = int(SampleQuality.SATURATED)
 _DISTURBED = 8.0
 """Misfit of a block, in squared scales: a residual of 5 uT from a field that is well known."""
 _WORST_LEVEL = 10.0
@@ -241,7 +241,9 @@ def run(
             tick = counts[TICK]
             counts[TICK] += 1
             grade = quality[s, k]
-            usable = read(s, k, gyroscope_radps, accelerometer_mps2, magnetometer_t, grade, sample)
+            usable = read(
+                s, k, gyroscope_radps, accelerometer_mps2, magnetometer_t, grade, sample, memory, counts
+            )
             bridged = (grade & _SAMPLE_BRIDGED) != 0
             measured = usable and not bridged
             take_back(memory, settings)
@@ -307,7 +309,7 @@ def run(
                 counts[PHASE] = IDLE
                 counts[GAP] += 1
             flag = _BRIDGED if bridged else 0
-            if grade & _SAMPLE_SATURATED:
+            if sample[SATURATED] > 0.0:
                 flag |= _SATURATED
             for a in range(3):
                 bias_out[s, k, a] = bias[a]

@@ -57,14 +57,19 @@ COAST = AFTER_SAMPLE + 9
 ODDS = COAST + 4
 SHOWN = ODDS + 9
 """The last output, held where there is no estimate."""
-MEMORY = SHOWN + 4
+# Clip levels (infinite until reached), and the largest component seen so far, of rate and of force.
+CLIP_LEVEL = SHOWN + 4
+LARGEST = CLIP_LEVEL + 2
+MEMORY = LARGEST + 2
 
 # Counts of a sensor.
 TICK, PHASE, COUNT, FIELD_COUNT, GAP, PENDING, SINCE_START, CLIPPED, FIELD_KNOWN, OPENED, FILTERED = range(11)
+AT_LARGEST = 11
 """Number of the next tick; IDLE, COLLECTING or RUNNING; samples, and samples with a field, in the block; ticks
 since the last measured sample; one sample has come after a gap (the next gives its slope); ticks since the
-(re)start; consecutive saturated samples; a field was seen; hard irons found; the filter has run."""
-COUNTERS = 11
+(re)start; consecutive saturated samples; a field was seen; hard irons found; the filter has
+run. AT_LARGEST: samples that were exactly the largest rate, and force."""
+COUNTERS = 13
 IDLE, COLLECTING, RUNNING = 0, 1, 2
 
 # One prepared sample: raw rate, specific force, field (microtesla), has a field, is saturated.

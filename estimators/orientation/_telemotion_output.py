@@ -2,11 +2,17 @@
 
 import math
 
+import numpy as np
+from numpy.typing import NDArray
+
 from estimators._kernels import exponential, kernel, multiply, normalized
 from estimators.orientation._telemotion_layout import (
+    AT_LARGEST,
+    CLIP_LEVEL,
     CORRECTION,
     FORCE,
     HAS_FIELD,
+    LARGEST,
     MAGNETIC,
     OFFSET,
     RATE,
@@ -19,6 +25,11 @@ from estimators.recording import Float, SampleQuality
 _SAMPLE_MISSING = int(SampleQuality.MISSING)
 _SAMPLE_SATURATED = int(SampleQuality.SATURATED)
 _MICROTESLA = 1e6
+_SAME = 1e-6
+_NEAR_CLIP = 1e-3
+_CLIP_SAMPLES = 6
+_LEAST_RANGE = (4.0, 18.0)
+"""Smaller values, rad/s and m/s^2, are no device's limit: the smallest ranges are 245 deg/s and 2 g."""
 _SMALL_OFFSET = 1e-8
 """Squared angle below which half of it is its sine, to 1e-13."""
 
@@ -73,8 +84,32 @@ def take_back(memory: Float, settings: Float) -> None:
         memory[OFFSET + a] *= keep
 
 
+@kernel("boolean(float64[::1], int64[::1], float64[::1], int64)")
+def at_clip(memory: Float, counts: NDArray[np.int64], sample: Float, kind: int) -> bool:
+    """Learn the clip level of the gyroscope (`kind` 0) or accelerometer (1); say whether it is touched.
+
+    A device that clips shows its largest value again and again, to the last bit; one that does not hardly
+    ever shows it twice. A larger value later proves the level wrong.
+    """
+    largest = 0.0
+    for a in range(3):
+        largest = max(largest, abs(sample[3 * kind + a]))
+    known = memory[LARGEST + kind]
+    if largest > known * (1.0 + _SAME):
+        memory[LARGEST + kind] = largest
+        counts[AT_LARGEST + kind] = 1
+        if largest > memory[CLIP_LEVEL + kind] * (1.0 + _NEAR_CLIP):
+            memory[CLIP_LEVEL + kind] = np.inf
+    elif largest > known * (1.0 - _SAME):
+        counts[AT_LARGEST + kind] += 1
+        if counts[AT_LARGEST + kind] >= _CLIP_SAMPLES:
+            memory[CLIP_LEVEL + kind] = known
+    return bool(largest >= memory[CLIP_LEVEL + kind] * (1.0 - _NEAR_CLIP))
+
+
 @kernel(
-    "boolean(int64, int64, float64[:, :, ::1], float64[:, :, ::1], float64[:, :, ::1], int64, float64[::1])"
+    "boolean(int64, int64, float64[:, :, ::1], float64[:, :, ::1], float64[:, :, ::1], int64, float64[::1],"
+    "float64[::1], int64[::1])"
 )
 def read(
     s: int,
@@ -84,13 +119,16 @@ def read(
     magnetometer_t: Float,
     quality: int,
     sample: Float,
+    memory: Float,
+    counts: NDArray[np.int64],
 ) -> bool:
     """Put one tick into `sample`; say whether gyroscope and accelerometer can be used."""
     usable = (quality & _SAMPLE_MISSING) == 0
-    squares = 0.0
+    squares = turning = 0.0
     for a in range(3):
         sample[RATE + a] = gyroscope_radps[s, k, a]
         sample[FORCE + a] = accelerometer_mps2[s, k, a]
+        turning += sample[RATE + a] ** 2
         squares += sample[FORCE + a] ** 2
         usable &= math.isfinite(sample[RATE + a]) and math.isfinite(sample[FORCE + a])
     sample[HAS_FIELD] = 0.0
@@ -102,6 +140,12 @@ def read(
         if math.isfinite(total) and total > 0.0:
             sample[HAS_FIELD] = 1.0
     sample[SATURATED] = 1.0 if quality & _SAMPLE_SATURATED else 0.0
+    # Interpolated values are none of the device's.
+    if quality == 0 and (
+        (turning > _LEAST_RANGE[0] ** 2 and at_clip(memory, counts, sample, 0))
+        or (squares > _LEAST_RANGE[1] ** 2 and at_clip(memory, counts, sample, 1))
+    ):
+        sample[SATURATED] = 1.0
     return bool(usable and squares > 0.0)
 
 

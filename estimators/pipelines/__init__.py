@@ -4,6 +4,7 @@ from estimators.pipelines._arm import ArmPipeline
 from estimators.pipelines._contract import (
     BodyDimensions,
     Calibration,
+    DeviceConstants,
     FrameLayout,
     Frames,
     Pipeline,
@@ -16,6 +17,7 @@ __all__ = [
     "ArmPipeline",
     "BodyDimensions",
     "Calibration",
+    "DeviceConstants",
     "FrameLayout",
     "Frames",
     "OrientationPipeline",

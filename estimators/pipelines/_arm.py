@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.arm import ArmModel
-from estimators.conventions import PLACEMENTS
+from estimators.conventions import PLACEMENTS, Placement
 from estimators.errors import SetupError, ShapeError
-from estimators.orientation import OrientationFlag
+from estimators.orientation import DeviceConstants, OrientationFlag
 from estimators.pipelines._body import BodyNetwork
 from estimators.pipelines._contract import Calibration, FrameLayout, Frames, Pipeline, SessionSetup
 from estimators.recording import ImuChunk
@@ -61,6 +61,11 @@ class ArmPipeline(Pipeline):
     def layout(self) -> FrameLayout:
         """Column names of every `Frames` this pipeline gives."""
         return self._layout
+
+    @property
+    def device_constants(self) -> dict[Placement, DeviceConstants]:
+        """What is known of each sensor by now."""
+        return self._network.device_constants
 
     @property
     def setup(self) -> SessionSetup:

@@ -67,9 +67,18 @@ class BodyNetwork:
         return self.setup.calibration is not None and bool(self.setup.calibration.q_sensor_segment)
 
     def _new_filter(self) -> orientation.OrientationEstimator:
-        return orientation.create(
-            self.setup.orientation, self.sensor_count, self.time_step_s, self.setup.orientation_parameters
+        setup = self.setup
+        made = orientation.create(
+            setup.orientation, self.sensor_count, self.time_step_s, setup.orientation_parameters
         )
+        if setup.device_constants:
+            made.set_device_constants([setup.device_constants.get(name) for name in setup.placements])
+        return made
+
+    @property
+    def device_constants(self) -> dict[Placement, orientation.DeviceConstants]:
+        """What the filter knows of each sensor by now."""
+        return dict(zip(self.setup.placements, self._filter.device_constants, strict=False))
 
     def step(self, chunk: ImuChunk) -> tuple[OrientationResult, Float, Float, Float, NDArray[np.uint8]]:
         """Take the next ticks.

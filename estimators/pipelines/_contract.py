@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from estimators.body import BodyDimensions as BodyDimensions
 from estimators.calibration import Calibration as Calibration
 from estimators.conventions import Placement
+from estimators.orientation import DeviceConstants as DeviceConstants
 from estimators.recording import Float, ImuChunk
 
 
@@ -36,6 +37,8 @@ class SessionSetup:
         Overrides; empty means the defaults of that version.
     calibration : Calibration or None
         None until the patient was calibrated: frames then show sensor motion only, flagged.
+    device_constants : dict of DeviceConstants
+        By placement: what earlier sessions learnt about the sensor worn there. Sensors not named start unknown.
     """
 
     pipeline: str
@@ -45,6 +48,7 @@ class SessionSetup:
     orientation_parameters: dict[str, Any] = field(default_factory=dict)
     body: BodyDimensions = field(default_factory=BodyDimensions)
     calibration: Calibration | None = None
+    device_constants: dict[Placement, DeviceConstants] = field(default_factory=dict)
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON types; `from_dict` reverses it exactly."""
@@ -58,6 +62,10 @@ class SessionSetup:
         values = dict(stored)
         values["placements"] = tuple(values["placements"])
         values["body"] = BodyDimensions(**values["body"])
+        values["device_constants"] = {
+            name: DeviceConstants.from_dict(known)
+            for name, known in values.get("device_constants", {}).items()
+        }
         if values.get("calibration") is not None:
             calibration = dict(values["calibration"])
             calibration["q_sensor_segment"] = {
@@ -176,6 +184,11 @@ class Pipeline(ABC):
     @abstractmethod
     def setup(self) -> SessionSetup:
         """The setup with the calibration in force, to be stored with the results."""
+
+    @property
+    def device_constants(self) -> dict[Placement, DeviceConstants]:
+        """What is known of each sensor by now, for the next session of its device; empty if nothing is learnt."""
+        return {}
 
     @abstractmethod
     def state(self) -> dict[str, NDArray[Any]]:

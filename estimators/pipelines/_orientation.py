@@ -6,7 +6,9 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.conventions import Placement
 from estimators.errors import SetupError
+from estimators.orientation import DeviceConstants
 from estimators.pipelines._body import BodyNetwork
 from estimators.pipelines._contract import Calibration, FrameLayout, Frames, Pipeline, SessionSetup
 from estimators.recording import ImuChunk
@@ -31,6 +33,11 @@ class OrientationPipeline(Pipeline):
     def layout(self) -> FrameLayout:
         """Column names of every `Frames` this pipeline gives."""
         return self._layout
+
+    @property
+    def device_constants(self) -> dict[Placement, DeviceConstants]:
+        """What is known of each sensor by now."""
+        return self._network.device_constants
 
     @property
     def setup(self) -> SessionSetup:

@@ -1,0 +1,128 @@
+"""What a filter learns about a device and not about a session, kept from one session to the next."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from estimators.errors import ShapeError
+from estimators.recording import Float
+
+Row = tuple[float, float, float]
+Table = tuple[Row, Row, Row]
+_NONE: Row = (0.0, 0.0, 0.0)
+_GAIN_UNKNOWN, _IRON_UNKNOWN_T = 0.01, 30e-6
+
+
+@dataclass(frozen=True)
+class DeviceConstants:
+    """Errors of one sensor that outlast a session, each with its standard deviation.
+
+    The defaults say that nothing is known. A value holds plain numbers only, so `to_dict` is ready for JSON.
+
+    Attributes
+    ----------
+    magnetometer_delay_s, magnetometer_delay_sigma_s : float
+        Delay of the magnetometer against the gyroscope.
+    gyroscope_gain, gyroscope_gain_sigma : tuple, shape (3, 3)
+        Scale and axis errors K by rows: true rate = (I + K) measured - bias.
+    hard_iron_t, hard_iron_sigma_t : tuple, shape (3,)
+        Sensor axes.
+    gyroscope_clip_radps, accelerometer_clip_mps2 : float or None
+        The largest value that the device shows; None until it was reached.
+    """
+
+    magnetometer_delay_s: float = 0.0
+    magnetometer_delay_sigma_s: float = 0.02
+    gyroscope_gain: Table = (_NONE, _NONE, _NONE)
+    gyroscope_gain_sigma: Table = ((_GAIN_UNKNOWN,) * 3,) * 3
+    hard_iron_t: Row = _NONE
+    hard_iron_sigma_t: Row = (_IRON_UNKNOWN_T,) * 3
+    gyroscope_clip_radps: float | None = None
+    accelerometer_clip_mps2: float | None = None
+
+    def __post_init__(self) -> None:
+        for name, shape in _SHAPES.items():
+            value = getattr(self, name)
+            try:
+                array = np.asarray(value, dtype=np.float64)
+            except (TypeError, ValueError):
+                raise ShapeError(f"{name} must be numbers of shape {shape}, not {value!r}") from None
+            if array.shape != shape or not np.isfinite(array).all():
+                raise ShapeError(f"{name} must be finite numbers of shape {shape}, not {value!r}")
+            if "sigma" in name and not (array > 0.0).all():
+                raise ShapeError(f"{name} must be above zero")
+            object.__setattr__(self, name, _plain(array))
+        for name in ("gyroscope_clip_radps", "accelerometer_clip_mps2"):
+            value = getattr(self, name)
+            if value is None:
+                continue
+            if not (isinstance(value, (int, float)) and math.isfinite(value) and value > 0.0):
+                raise ShapeError(f"{name} must be a number above zero or None, not {value!r}")
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain JSON types; `from_dict` reverses it exactly."""
+        return asdict(self)
+
+    @classmethod
+    def from_dict(cls, stored: Mapping[str, Any]) -> "DeviceConstants":
+        """Rebuild from `to_dict` after a trip through JSON; what is missing is unknown.
+
+        Raises
+        ------
+        ShapeError
+            For a name that is no constant, or a value of the wrong kind.
+        """
+        if unknown := sorted(set(stored) - set(cls.__dataclass_fields__)):
+            raise ShapeError(f"{', '.join(unknown)}: no constant of a device")
+        return cls(**stored)
+
+    @classmethod
+    def of_arrays(
+        cls,
+        delay_s: float,
+        delay_sigma_s: float,
+        gain: ArrayLike,
+        gain_sigma: ArrayLike,
+        hard_iron_t: ArrayLike,
+        hard_iron_sigma_t: ArrayLike,
+        clips: tuple[float, float] = (math.inf, math.inf),
+    ) -> "DeviceConstants":
+        """Build from arrays; `clips` of gyroscope and accelerometer are infinite where unknown."""
+        gyroscope, accelerometer = (float(clip) if math.isfinite(clip) else None for clip in clips)
+        tables = (np.asarray(v, dtype=np.float64) for v in (gain, gain_sigma, hard_iron_t, hard_iron_sigma_t))
+        plain: list[Any] = [_plain(table) for table in tables]
+        return cls(
+            float(delay_s),
+            float(delay_sigma_s),
+            plain[0],
+            plain[1],
+            plain[2],
+            plain[3],
+            gyroscope,
+            accelerometer,
+        )
+
+    def array(self, name: str) -> Float:
+        """Return one constant as an array."""
+        return np.asarray(getattr(self, name), dtype=np.float64)
+
+
+def _plain(array: Float) -> Any:
+    """Nest tuples of floats as the array is nested."""
+    return tuple(_plain(row) for row in array) if array.ndim else float(array)
+
+
+_SHAPES: dict[str, tuple[int, ...]] = {
+    "magnetometer_delay_s": (),
+    "magnetometer_delay_sigma_s": (),
+    "gyroscope_gain": (3, 3),
+    "gyroscope_gain_sigma": (3, 3),
+    "hard_iron_t": (3,),
+    "hard_iron_sigma_t": (3,),
+}
+
+__all__ = ["DeviceConstants"]
