@@ -1,16 +1,18 @@
 """HTTP of what is drawn together about a patient: the caseload, progress, prescriptions with what was done, and
-erasing it all.
+taking it all along or erasing it.
 
 The paths are those of patients; the code is here because it reads recordings and comparisons, which the room
 `patients` does not know.
 """
 
 from fastapi import APIRouter, Request
+from fastapi.responses import StreamingResponse
 
 from app.accounts.dependencies import CurrentAccount
 from app.assessment import practice
 from app.assessment.caseload import caseload
 from app.assessment.erasure import erase
+from app.assessment.export import export
 from app.assessment.progress import progress
 from app.assessment.schemas import CaseloadRow, Progress
 from app.database.dependencies import ReadSession, WriteSession
@@ -49,6 +51,23 @@ def create_prescription(
 ) -> PrescriptionOut:
     """Prescribe an exercise."""
     return practice.prescribe(session, subject, patient_id, body)
+
+
+@router.get("/patients/{patient_id}/export", tags=["patients"], response_class=StreamingResponse)
+def export_patient(patient_id: str, subject: CurrentAccount, request: Request) -> StreamingResponse:
+    """Return everything held about a patient as one archive: the record, sessions, packets, movement, comparisons.
+
+    The trail notes it as one event, `patient.export`.
+    """
+    services = services_of(request)
+    return StreamingResponse(
+        export(services.engine, services.settings, subject, patient_id),
+        media_type="application/zip",
+        headers={
+            "Content-Disposition": f'attachment; filename="patient-{patient_id[:8]}.zip"',
+            "Cache-Control": "no-store",
+        },
+    )
 
 
 @router.delete("/patients/{patient_id}", status_code=204, tags=["patients"])

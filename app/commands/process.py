@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import cast
 
 import numpy as np
-import pyarrow as pa
 import pyarrow.csv
 import pyarrow.parquet
 import typer
@@ -13,6 +12,7 @@ import typer
 from app.errors import InvalidInput
 from app.ingest import readers
 from app.ingest.upload import estimated
+from app.recordings.columns import frames_table
 from app.recordings.schemas import CsvMapping
 from estimators import orientation as orientations
 from estimators import pipelines
@@ -74,41 +74,10 @@ def process(
     frames, used = pipelines.run(measured, setup, pose)
     out.mkdir(parents=True, exist_ok=True)
     table = frames_table(frames)
-    pa.parquet.write_table(table, out / "frames.parquet")
-    pa.csv.write_csv(table, out / "frames.csv")
+    pyarrow.parquet.write_table(table, out / "frames.parquet")
+    pyarrow.csv.write_csv(table, out / "frames.csv")
     (out / "setup.json").write_text(json.dumps(used.to_dict(), indent=2) + "\n")
     _say(frames, used, out)
-
-
-def frames_table(frames: Frames) -> pa.Table:
-    """Return frames as one table: a row a tick, a column a number, units in the names.
-
-    Parameters
-    ----------
-    frames : Frames
-
-    Returns
-    -------
-    pyarrow.Table
-        `time_s`; `<angle>_rad`, `<angle>_sigma_rad`, `<angle>_flags`; scalars; `<point>_x_m` ...; `<segment>_q_w` ...
-        and `<segment>_flags`. NaN where there is no estimate.
-    """
-    columns: dict[str, np.ndarray] = {"time_s": frames.time_s}
-    layout = frames.layout
-    for index, name in enumerate(layout.angles):
-        columns[f"{name}_rad"] = frames.angle_rad[:, index]
-        columns[f"{name}_sigma_rad"] = frames.angle_sigma_rad[:, index]
-        columns[f"{name}_flags"] = frames.angle_flags[:, index]
-    for index, name in enumerate(layout.scalars):
-        columns[name] = frames.scalar[:, index]
-    for index, name in enumerate(layout.points):
-        for axis, letter in enumerate("xyz"):
-            columns[f"{name}_{letter}_m"] = frames.point_room_m[:, index, axis]
-    for index, name in enumerate(layout.segments):
-        for part, letter in enumerate("wxyz"):
-            columns[f"{name}_q_{letter}"] = frames.q_room_segment[:, index, part]
-        columns[f"{name}_flags"] = frames.segment_flags[:, index]
-    return pa.table(columns)
 
 
 def _say(frames: Frames, setup: SessionSetup, out: Path) -> None:

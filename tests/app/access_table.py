@@ -139,6 +139,7 @@ LINES: tuple[Line, ...] = (
         status=204,
         prepare="archive",
     ),
+    patient("GET", "/api/patients/{patient_id}/export", READ),
     patient("GET", "/api/patients/{patient_id}/progress", READ),
     patient("GET", "/api/patients/{patient_id}/grants", READ),
     patient(

@@ -187,7 +187,7 @@ def store(
             template_version_id=version.id,
             version="1",
             repetition_count=len(compared.repetitions),
-            summary={},
+            summary={"measures": []},
             content=comparison.comparison_to_bytes(compared),
         )
     )
