@@ -251,18 +251,21 @@ def validate(
     names: Annotated[
         list[str] | None, typer.Argument(help="Protocols to run; all when none is named.")
     ] = None,
-    seeds: Annotated[int, typer.Option(help="Simulated repetitions of each protocol.", min=1, max=200)] = 8,
+    seeds: Annotated[int, typer.Option(help="Simulated repetitions of each protocol.", min=1, max=200)] = 20,
     data: Annotated[
         Path | None,
         typer.Option(help="Folder of BROAD recordings; without, protocols that need it are left out."),
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
     list_only: Annotated[bool, typer.Option("--list", help="Only name the protocols.")] = False,
+    out: Annotated[
+        Path | None, typer.Option(help="Also write the report with its plots to this JSON file.")
+    ] = None,
 ) -> None:
     """Run the published experiments: published figure, required figure, ours. Exit code 1 when one falls short."""
     from app.commands import validate as command
 
-    command.validate(names or None, seeds, data, json, list_only)
+    command.validate(names or None, seeds, data, json, list_only, out)
 
 
 def main() -> None:

@@ -17,6 +17,7 @@ from app.accounts.endpoints import router as accounts_router
 from app.accounts.passwords import Passwords
 from app.accounts.rate_limit import SignInLimits
 from app.accounts.refusals import RefusedSignIns
+from app.accuracy import router as accuracy_router
 from app.assessment.comparisons import compare_task
 from app.assessment.endpoints import router as assessment_router
 from app.assessment.patient_endpoints import router as follow_up_router
@@ -177,6 +178,7 @@ def all_routers() -> list[APIRouter]:
         upload_router,
         assessment_router,
         follow_up_router,
+        accuracy_router,
         viewer_router,
     ]
 

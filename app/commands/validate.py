@@ -5,13 +5,17 @@ from pathlib import Path
 
 import typer
 
+from app.accuracy.report import make_report
 from app.errors import InvalidInput
 from app.ingest import readers
 from estimators import validation
 from estimators.recording import Recording
+from estimators.validation import ProtocolResult
 
 
-def validate(names: list[str] | None, seeds: int, data: Path | None, json: bool, list_only: bool) -> None:
+def validate(
+    names: list[str] | None, seeds: int, data: Path | None, json: bool, list_only: bool, out: Path | None
+) -> None:
     """Run protocols, print a table or JSON, and exit with 1 when one falls short.
 
     Parameters
@@ -23,6 +27,8 @@ def validate(names: list[str] | None, seeds: int, data: Path | None, json: bool,
     data : Path or None
         Folder with BROAD recordings (`.mat`, `.hdf5`).
     json, list_only : bool
+    out : Path or None
+        Also write the report, with plots, to this file.
     """
     if list_only:
         for protocol in validation.protocols():
@@ -35,12 +41,32 @@ def validate(names: list[str] | None, seeds: int, data: Path | None, json: bool,
             f"no protocol {', '.join(sorted(unknown))}; `telemotion validate --list` names them all"
         )
     recordings = _broad(data) if data else None
-    results = validation.run(names, seeds, recordings)
-    typer.echo(validation.to_json(results) if json else validation.to_table(results))
-    if data is None and not json:
-        typer.echo("Protocols on recordings were left out: give their folder with --data.")
+    results = validation.run(names, seeds, recordings, plots=json or out is not None, report=_progress)
+    if json or out is not None:
+        report = make_report(
+            results, seeds=seeds, command=_command(names, seeds, data), data=sorted(recordings or {})
+        ).model_dump_json(indent=1)
+        if out is not None:
+            out.write_text(report + "\n", encoding="utf-8")
+        if json:
+            typer.echo(report)
+    if not json:
+        typer.echo(validation.to_table(results))
+        if data is None:
+            typer.echo("Protocols on recordings were left out: give their folder with --data.")
     if not all(result.passed for result in results):
         sys.exit(1)
+
+
+def _progress(result: ProtocolResult) -> None:
+    """Say on standard error that one is done, so that the wait has an end in sight."""
+    verdict = "pass" if result.passed else "FAIL"
+    typer.echo(f"{result.name:<36} {verdict} {result.seconds:8.1f} s", err=True)
+
+
+def _command(names: list[str] | None, seeds: int, data: Path | None) -> str:
+    words = ["telemotion validate", *(names or ()), f"--seeds {seeds}"]
+    return " ".join([*words, "--data FOLDER"] if data else words)
 
 
 def _broad(folder: Path) -> dict[str, Recording]:

@@ -8,7 +8,7 @@
 No files are read here: recordings for protocols with `needs_data` are handed in by the caller.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 from estimators.errors import SetupError
 from estimators.validation._broad import BROAD
@@ -16,14 +16,16 @@ from estimators.validation._hand_motion import BIAS_STATES, HAND_MOTION, SINGULA
 from estimators.validation._kinematics import CONVERSIONS, ELBOW_POSITION, KINEMATIC_IDENTITY
 from estimators.validation._magnetic import MAGNETIC_CALIBRATION
 from estimators.validation._protocol import (
+    Curve,
     Data,
     Figure,
     FigureResult,
+    Plot,
     Protocol,
     ProtocolResult,
     run_protocol,
 )
-from estimators.validation._render import to_json, to_table
+from estimators.validation._render import to_data, to_json, to_table
 from estimators.validation._sessions import ARM_SESSION, REPETITIONS, TEMPLATE_COMPARISON
 from estimators.validation._static import GYROSCOPE_DRIFT, HEADING_SHIFT, STATIC_ANGLES
 
@@ -51,7 +53,14 @@ def protocols() -> tuple[Protocol, ...]:
     return _PROTOCOLS
 
 
-def run(names: Iterable[str] | None = None, seeds: int = 8, data: Data | None = None) -> list[ProtocolResult]:
+def run(
+    names: Iterable[str] | None = None,
+    seeds: int = 20,
+    data: Data | None = None,
+    *,
+    plots: bool = False,
+    report: Callable[[ProtocolResult], None] | None = None,
+) -> list[ProtocolResult]:
     """Repeat published experiments.
 
     Parameters
@@ -62,6 +71,10 @@ def run(names: Iterable[str] | None = None, seeds: int = 8, data: Data | None = 
         Simulated repetitions of each.
     data : mapping of str to Recording, optional
         Trials of BROAD, each with its `reference`.
+    plots : bool
+        Also make the curves of each.
+    report : callable, optional
+        Told of each protocol as it is done.
 
     Returns
     -------
@@ -91,17 +104,25 @@ def run(names: Iterable[str] | None = None, seeds: int = 8, data: Data | None = 
                 )
             continue
         chosen.append(protocol)
-    return [run_protocol(protocol, seeds, recordings) for protocol in chosen]
+    results = []
+    for protocol in chosen:
+        results.append(run_protocol(protocol, seeds, recordings, plots=plots))
+        if report is not None:
+            report(results[-1])
+    return results
 
 
 __all__ = [
+    "Curve",
     "Data",
     "Figure",
     "FigureResult",
+    "Plot",
     "Protocol",
     "ProtocolResult",
     "protocols",
     "run",
+    "to_data",
     "to_json",
     "to_table",
 ]

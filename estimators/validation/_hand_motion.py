@@ -5,10 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from estimators.orientation._marzouk_quaternion import PUBLISHED_TUNING
-from estimators.validation._protocol import Data, Figure, Protocol, Values
+from estimators.recording import Float
+from estimators.validation._plots import error_over_time
+from estimators.validation._protocol import Data, Figure, Plot, Protocol, Values
 from estimators.validation._thesis import (
     GYROSCOPE_BIAS_DEGPS,
     HANDLE,
+    Module,
     angle_errors_deg,
     calibrate_still,
     estimate,
@@ -24,6 +27,7 @@ _FILTERS = {
     "quaternion filter": ("marzouk_quaternion_ekf", {}),
     "error-state filter": ("marzouk_error_state_ekf", {}),
     "VQF": ("vqf", {}),
+    "our filter": ("telemotion", {}),
 }
 _PUBLISHED = dict(zip(_AXES, (1.7051, 1.8102, 8.9811), strict=True))
 _REQUIRED = {
@@ -33,6 +37,8 @@ _REQUIRED = {
     ("quaternion filter", "iron"): (1.7, 1.8, 8.98),
     ("error-state filter", "clean"): (0.6, 0.6, 1.5),
     ("error-state filter", "iron"): (0.6, 0.6, 8.98),
+    ("our filter", "clean"): (1.5, 1.2, 2.0),
+    ("our filter", "iron"): (1.7, 1.8, 8.98),
 }
 
 
@@ -74,6 +80,23 @@ def _hand_figures() -> tuple[Figure, ...]:
     return tuple(figures)
 
 
+def _rotation_errors(module: Module) -> dict[str, Float]:
+    """Angle of the rotation error of every filter over time, degrees."""
+    errors = {}
+    for title, (name, parameters) in _FILTERS.items():
+        found, _ = estimate([module], name, parameters)
+        errors[title] = np.degrees((module.attitude.inv() * found[0]).magnitude())
+    return errors
+
+
+def _hand_plots(data: Data) -> tuple[Plot, ...]:
+    plots = []
+    for condition, iron in (("without iron", None), ("with the iron handle", HANDLE)):
+        module = calibrate_still(measure_module(hand_motion, 130.0, 0, body_field=iron))
+        plots.append(error_over_time(f"Moved by hand, {condition}", module.time_s, _rotation_errors(module)))
+    return tuple(plots)
+
+
 HAND_MOTION = Protocol(
     name="arm_orientation",
     title="V4 Orientation of a module moved by hand",
@@ -82,6 +105,7 @@ HAND_MOTION = Protocol(
     "absolute error of roll, pitch and yaw after a static calibration.",
     figures=_hand_figures(),
     measure=_hand,
+    plots=_hand_plots,
 )
 
 
@@ -131,6 +155,11 @@ def _steep(seeds: Sequence[int], data: Data) -> Values:
     return values
 
 
+def _steep_plots(data: Data) -> tuple[Plot, ...]:
+    module = measure_module(steep_motion, 72.0, 0, with_bias=False)
+    return (error_over_time("Pitch through 90 degrees", module.time_s, _rotation_errors(module)),)
+
+
 SINGULARITY = Protocol(
     name="arm_singularity",
     title="V6 Through the singularity of Euler angles",
@@ -143,4 +172,5 @@ SINGULARITY = Protocol(
         for kind, limit in zip(("mean", "largest"), limits, strict=True)
     ),
     measure=_steep,
+    plots=_steep_plots,
 )

@@ -3,10 +3,12 @@
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
 
+from estimators.errors import ShapeError
 from estimators.recording import Float, Recording
 
 Data = Mapping[str, Recording]
@@ -41,6 +43,70 @@ class Figure:
 
 
 @dataclass(frozen=True)
+class Curve:
+    """One line of a plot.
+
+    Attributes
+    ----------
+    name : str
+        For the legend.
+    x, y : ndarray, shape (N,)
+        In the units of the plot; NaN makes a hole in the line.
+    """
+
+    name: str
+    x: Float
+    y: Float
+
+    def __post_init__(self) -> None:
+        if self.x.ndim != 1 or self.x.shape != self.y.shape:
+            raise ShapeError(f"curve {self.name} has x of shape {self.x.shape} and y of {self.y.shape}")
+
+
+@dataclass(frozen=True)
+class Plot:
+    """Curves on common axes, from one seed of an experiment.
+
+    Attributes
+    ----------
+    title : str
+    x_label, x_unit, y_label, y_unit : str
+    curves : tuple of Curve
+    logarithmic : bool
+        Both axes (Allan deviation).
+    """
+
+    title: str
+    x_label: str
+    x_unit: str
+    y_label: str
+    y_unit: str
+    curves: tuple[Curve, ...]
+    logarithmic: bool = False
+
+
+def thinned(name: str, x: Float, y: Float, points: int = 300) -> Curve:
+    """Return a curve of few points: of each stretch of samples the one with the largest value is kept.
+
+    Parameters
+    ----------
+    name : str
+    x, y : ndarray, shape (N,)
+        An error over time: its peaks matter and stay.
+    points : int
+    """
+    x, y = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
+    if len(x) <= points:
+        return Curve(name, x, y)
+    edges = np.linspace(0, len(x), points + 1).astype(int)
+    kept = []
+    for start, stop in pairwise(edges):
+        stretch = y[start:stop]
+        kept.append(start if np.isnan(stretch).all() else start + int(np.nanargmax(stretch)))
+    return Curve(name, x[kept], y[kept])
+
+
+@dataclass(frozen=True)
 class Protocol:
     """A published experiment, ready to be repeated.
 
@@ -59,6 +125,8 @@ class Protocol:
         Takes seeds and data; returns for each figure one value a seed (or a recording).
     needs_data : str
         Empty for simulations; otherwise the set of recordings, for people.
+    plots : callable, optional
+        Takes the data and returns what to draw, measured with the first seed.
     """
 
     name: str
@@ -68,6 +136,7 @@ class Protocol:
     figures: tuple[Figure, ...]
     measure: Callable[[Sequence[int], Data], Values]
     needs_data: str = ""
+    plots: Callable[[Data], tuple[Plot, ...]] | None = None
 
 
 @dataclass(frozen=True)
@@ -118,6 +187,7 @@ class ProtocolResult:
     figures: tuple[FigureResult, ...]
     seeds: int
     seconds: float = field(compare=False)
+    plots: tuple[Plot, ...] = field(default=(), compare=False)
 
     @property
     def name(self) -> str:
@@ -137,8 +207,8 @@ class ProtocolResult:
         raise KeyError(name)
 
 
-def run_protocol(protocol: Protocol, seeds: int, data: Data) -> ProtocolResult:
-    """Repeat one experiment with seeds 0 to `seeds - 1`."""
+def run_protocol(protocol: Protocol, seeds: int, data: Data, *, plots: bool = False) -> ProtocolResult:
+    """Repeat one experiment with seeds 0 to `seeds - 1`, and with `plots` draw its curves too."""
     begin = time.perf_counter()
     values = protocol.measure(range(seeds), data)
     known = {figure.name for figure in protocol.figures}
@@ -148,4 +218,6 @@ def run_protocol(protocol: Protocol, seeds: int, data: Data) -> ProtocolResult:
         FigureResult(figure, np.atleast_1d(np.asarray(values[figure.name], dtype=np.float64)))
         for figure in protocol.figures
     )
-    return ProtocolResult(protocol, figures, seeds, time.perf_counter() - begin)
+    seconds = time.perf_counter() - begin
+    drawn = protocol.plots(data) if plots and protocol.plots is not None else ()
+    return ProtocolResult(protocol, figures, seeds, seconds, drawn)

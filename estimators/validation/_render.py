@@ -5,7 +5,8 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from estimators.validation._protocol import FigureResult, ProtocolResult
+from estimators.recording import Float
+from estimators.validation._protocol import FigureResult, Plot, ProtocolResult
 
 _HEADINGS = ("figure", "unit", "published", "required", "median", "worst", "spread", "n", "")
 
@@ -62,9 +63,9 @@ def _finite(value: float | None) -> float | None:
     return None if value is None or not math.isfinite(value) else value
 
 
-def to_json(results: Sequence[ProtocolResult]) -> str:
-    """Return the same as JSON; a number that could not be measured is null."""
-    content: list[dict[str, Any]] = [
+def to_data(results: Sequence[ProtocolResult]) -> list[dict[str, Any]]:
+    """Return the same as plain JSON types, with the plots; a number that could not be measured is None."""
+    return [
         {
             "name": result.name,
             "title": result.protocol.title,
@@ -89,7 +90,31 @@ def to_json(results: Sequence[ProtocolResult]) -> str:
                 }
                 for found in result.figures
             ],
+            "plots": [_plot(plot) for plot in result.plots],
         }
         for result in results
     ]
-    return json.dumps(content, indent=2)
+
+
+def _plot(plot: Plot) -> dict[str, Any]:
+    return {
+        "title": plot.title,
+        "x_label": plot.x_label,
+        "x_unit": plot.x_unit,
+        "y_label": plot.y_label,
+        "y_unit": plot.y_unit,
+        "logarithmic": plot.logarithmic,
+        "curves": [
+            {"name": curve.name, "x": _rounded(curve.x), "y": _rounded(curve.y)} for curve in plot.curves
+        ],
+    }
+
+
+def _rounded(values: Float) -> list[float | None]:
+    """Four digits: more than a chart shows."""
+    return [_finite(float(f"{value:.4g}")) for value in values]
+
+
+def to_json(results: Sequence[ProtocolResult]) -> str:
+    """Return `to_data` as text."""
+    return json.dumps(to_data(results), indent=2)

@@ -18,6 +18,7 @@ ALLOWED = {
     "database": {"errors", "settings", "services"},
     "accounts": FOUNDATION,
     "edge": FOUNDATION | {"accounts"},
+    "accuracy": FOUNDATION | {"accounts"},
     "patients": FOUNDATION | {"accounts"},
     "exercises": FOUNDATION | {"accounts", "patients"},
     "recordings": FOUNDATION | {"accounts", "patients", "exercises", "ingest"},

@@ -64,6 +64,7 @@ def test_table_and_json_tell_failures():
     assert "FAIL" in table
     assert "1 of 2 protocols pass" in table
     content = json.loads(validation.to_json([good, bad]))
+    assert content[0]["plots"] == []
     assert [entry["passed"] for entry in content] == [True, False]
     assert content[0]["figures"][0]["published"] == 0.5
     assert content[1]["figures"][0]["values"] == [1.5, None]

@@ -51,6 +51,26 @@ export interface paths {
         patch: operations["update_account_api_accounts__account_id__patch"];
         trace?: never;
     };
+    "/api/accuracy": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Accuracy
+         * @description Return the published experiments as this version measured them: published, required and ours.
+         */
+        get: operations["get_accuracy_api_accuracy_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/caseload": {
         parameters: {
             query?: never;
@@ -395,6 +415,28 @@ export interface paths {
          * @description Make a device token; the answer is the only one that holds it.
          */
         post: operations["create_device_token_api_patients__patient_id__device_tokens_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/patients/{patient_id}/export": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Export Patient
+         * @description Return everything held about a patient as one archive: the record, sessions, packets, movement, comparisons.
+         *
+         *     The trail notes it as one event, `patient.export`.
+         */
+        get: operations["export_patient_api_patients__patient_id__export_get"];
+        put?: never;
+        post?: never;
         delete?: never;
         options?: never;
         head?: never;
@@ -1024,6 +1066,149 @@ export interface components {
             is_active?: boolean | null;
             /** Password */
             password?: string | null;
+        };
+        /**
+         * AccuracyCurve
+         * @description One line of a plot; null makes a hole in it.
+         */
+        AccuracyCurve: {
+            /** Name */
+            name: string;
+            /** X */
+            x: (number | null)[];
+            /** Y */
+            y: (number | null)[];
+        };
+        /**
+         * AccuracyFigure
+         * @description One number of an experiment: published, required and ours.
+         *
+         *     `median`, `worst` and `spread` (standard deviation) are over seeds or recordings; the worst is that
+         *     farthest toward the limit. Null means that it could not be measured.
+         */
+        AccuracyFigure: {
+            /**
+             * At Most
+             * @description The limit is an upper one; otherwise a lower one.
+             */
+            at_most: boolean;
+            /**
+             * Judged By
+             * @enum {string}
+             */
+            judged_by: "worst" | "median";
+            /** Median */
+            median: number | null;
+            /** Name */
+            name: string;
+            /** Passed */
+            passed: boolean;
+            /** Published */
+            published: number | null;
+            /**
+             * Required
+             * @description The limit; null for figures that are only shown.
+             */
+            required: number | null;
+            /** Spread */
+            spread: number | null;
+            /** Unit */
+            unit: string;
+            /**
+             * Values
+             * @description One a seed or a recording.
+             */
+            values: (number | null)[];
+            /** Worst */
+            worst: number | null;
+        };
+        /**
+         * AccuracyPlot
+         * @description Curves on common axes, measured with the first seed: error over time, Allan deviation, residuals.
+         */
+        AccuracyPlot: {
+            /** Curves */
+            curves: components["schemas"]["AccuracyCurve"][];
+            /**
+             * Logarithmic
+             * @description Both axes.
+             */
+            logarithmic: boolean;
+            /** Title */
+            title: string;
+            /** X Label */
+            x_label: string;
+            /** X Unit */
+            x_unit: string;
+            /** Y Label */
+            y_label: string;
+            /** Y Unit */
+            y_unit: string;
+        };
+        /**
+         * AccuracyProtocol
+         * @description One published experiment with its figures and plots.
+         */
+        AccuracyProtocol: {
+            /** Figures */
+            figures: components["schemas"]["AccuracyFigure"][];
+            /** Name */
+            name: string;
+            /** Passed */
+            passed: boolean;
+            /** Plots */
+            plots: components["schemas"]["AccuracyPlot"][];
+            /** Seconds */
+            seconds: number;
+            /** Seeds */
+            seeds: number;
+            /** Source */
+            source: string;
+            /** Title */
+            title: string;
+            /** What */
+            what: string;
+        };
+        /**
+         * AccuracyReport
+         * @description A whole run, and what it was run with.
+         *
+         *     `data` names the recordings that were given, so that protocols on recordings can be told from simulations.
+         */
+        AccuracyReport: {
+            /**
+             * Command
+             * @description What to type to measure again.
+             */
+            command: string;
+            /** Data */
+            data: string[];
+            /**
+             * Format
+             * @default 1
+             * @constant
+             */
+            format?: 1;
+            /** Machine */
+            machine: string;
+            /**
+             * Made At
+             * Format: date-time
+             */
+            made_at: string;
+            /** Passed */
+            passed: boolean;
+            /** Protocols */
+            protocols: components["schemas"]["AccuracyProtocol"][];
+            /** Seconds */
+            seconds: number;
+            /** Seeds */
+            seeds: number;
+            /**
+             * Version
+             * @description Version of Telemotion that was measured.
+             */
+            version: string;
         };
         /**
          * AuditOut
@@ -2614,6 +2799,26 @@ export interface operations {
             };
         };
     };
+    get_accuracy_api_accuracy_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["AccuracyReport"];
+                };
+            };
+        };
+    };
     read_caseload_api_caseload_get: {
         parameters: {
             query?: never;
@@ -3236,6 +3441,35 @@ export interface operations {
                 content: {
                     "application/json": components["schemas"]["DeviceTokenOut"];
                 };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+        };
+    };
+    export_patient_api_patients__patient_id__export_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                patient_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
             };
             /** @description Validation Error */
             422: {

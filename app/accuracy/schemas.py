@@ -1,0 +1,83 @@
+"""Wire types of the accuracy page: what `telemotion validate --json` prints and `GET /api/accuracy` returns."""
+
+from datetime import datetime
+from typing import Literal
+
+from pydantic import Field
+
+from app.schemas import Schema
+
+
+class AccuracyFigure(Schema):
+    """One number of an experiment: published, required and ours.
+
+    `median`, `worst` and `spread` (standard deviation) are over seeds or recordings; the worst is that
+    farthest toward the limit. Null means that it could not be measured.
+    """
+
+    name: str
+    unit: str
+    published: float | None
+    required: float | None = Field(description="The limit; null for figures that are only shown.")
+    at_most: bool = Field(description="The limit is an upper one; otherwise a lower one.")
+    judged_by: Literal["worst", "median"]
+    median: float | None
+    worst: float | None
+    spread: float | None
+    values: list[float | None] = Field(description="One a seed or a recording.")
+    passed: bool
+
+
+class AccuracyCurve(Schema):
+    """One line of a plot; null makes a hole in it."""
+
+    name: str
+    x: list[float | None]
+    y: list[float | None]
+
+
+class AccuracyPlot(Schema):
+    """Curves on common axes, measured with the first seed: error over time, Allan deviation, residuals."""
+
+    title: str
+    x_label: str
+    x_unit: str
+    y_label: str
+    y_unit: str
+    logarithmic: bool = Field(description="Both axes.")
+    curves: list[AccuracyCurve]
+
+
+class AccuracyProtocol(Schema):
+    """One published experiment with its figures and plots."""
+
+    name: str
+    title: str
+    source: str
+    what: str
+    passed: bool
+    seeds: int
+    seconds: float
+    figures: list[AccuracyFigure]
+    plots: list[AccuracyPlot]
+
+
+class AccuracyReport(Schema):
+    """A whole run, and what it was run with.
+
+    `data` names the recordings that were given, so that protocols on recordings can be told from simulations.
+    """
+
+    format: Literal[1] = 1
+    version: str = Field(description="Version of Telemotion that was measured.")
+    made_at: datetime
+    command: str = Field(description="What to type to measure again.")
+    seeds: int
+    machine: str
+    data: list[str]
+    seconds: float
+    passed: bool
+    protocols: list[AccuracyProtocol]
+
+
+__all__ = ["AccuracyCurve", "AccuracyFigure", "AccuracyPlot", "AccuracyProtocol", "AccuracyReport"]

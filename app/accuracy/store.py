@@ -1,0 +1,28 @@
+"""The report that is shipped with the package, read once."""
+
+from functools import cache
+from importlib.resources import files
+
+from app.accuracy.schemas import AccuracyReport
+from app.errors import NotFound
+
+FILE = "report.json"
+"""Written by `telemotion validate --out app/accuracy/report.json`, so that every number has its command."""
+
+
+@cache
+def stored_report() -> AccuracyReport:
+    """Return the report that was shipped with this version.
+
+    Raises
+    ------
+    NotFound
+        It was left out of this build.
+    """
+    file = files("app.accuracy") / FILE
+    if not file.is_file():
+        raise NotFound("this build carries no accuracy report; make one with `telemotion validate`")
+    return AccuracyReport.model_validate_json(file.read_text(encoding="utf-8"))
+
+
+__all__ = ["FILE", "stored_report"]

@@ -1,0 +1,70 @@
+"""The accuracy page gets what the command measured, and the command tells when a protocol falls short."""
+
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from app.accuracy import AccuracyReport, stored_report
+from app.cli import cli
+from estimators import validation
+from estimators.validation import Figure, Protocol
+
+
+def test_the_stored_report_holds_what_it_must():
+    report = stored_report()
+    assert report.passed
+    assert report.seeds >= 20
+    assert report.data, "made without the recordings"
+    assert any(protocol.plots for protocol in report.protocols)
+
+
+@pytest.mark.slow
+def test_the_stored_report_is_of_this_tree():
+    measured = {
+        entry.name: [(f.name, f.required) for f in entry.figures] for entry in stored_report().protocols
+    }
+    wanted = {entry.name: [(f.name, f.required) for f in entry.figures] for entry in validation.protocols()}
+    assert measured == wanted, "run `telemotion validate --data BROAD --out app/accuracy/report.json`"
+
+
+def test_everybody_who_is_signed_in_sees_it(sign_in, nobody):
+    assert nobody.get("/api/accuracy").status_code == 401
+    answer = sign_in("therapist").get("/api/accuracy")
+    assert answer.status_code == 200
+    assert AccuracyReport.model_validate(answer.json()) == stored_report()
+
+
+def made_up(required: float) -> Protocol:
+    return Protocol(
+        "made_up",
+        "Made up",
+        "nowhere",
+        "Nothing.",
+        (Figure("x", "m", required),),
+        lambda seeds, data: {"x": np.ones(len(seeds))},
+    )
+
+
+@pytest.mark.parametrize(("required", "code"), [(2.0, 0), (0.5, 1)])
+def test_the_command_fails_when_a_protocol_does(monkeypatch, tmp_path, required, code):
+    monkeypatch.setattr(validation, "_PROTOCOLS", (made_up(required),))
+    told = CliRunner().invoke(cli, ["validate"])
+    assert told.exit_code == code
+    assert ("FAIL" in told.output) == bool(code)
+    out = tmp_path / "report.json"
+    told = CliRunner().invoke(cli, ["validate", "--json", "--seeds", "3", "--out", str(out)])
+    assert told.exit_code == code
+    report = AccuracyReport.model_validate_json(told.stdout)
+    assert report.passed == (not code)
+    assert report.seeds == 3
+    assert report.protocols[0].figures[0].values == [1.0, 1.0, 1.0]
+    assert report.command == "telemotion validate --seeds 3"
+    assert AccuracyReport.model_validate(json.loads(out.read_text())) == report
+
+
+def test_twenty_seeds_by_default(monkeypatch):
+    monkeypatch.setattr(validation, "_PROTOCOLS", (made_up(2.0),))
+    told = CliRunner().invoke(cli, ["validate", "--json"])
+    assert AccuracyReport.model_validate_json(told.stdout).seeds == 20
