@@ -70,6 +70,7 @@ class TelemotionEstimator(KernelEstimator):
         self._set_variance(at.START, 3, p.start_wide_ut**2)
         self._memory[:, at.GRAVITY] = GRAVITY_MPS2
         self._memory[:, at.CLIP_LEVEL : at.CLIP_LEVEL + 2] = np.inf
+        self._memory[:, at.STEADY_FIELD] = np.nan
         self._memory[:, at.CORRECTION] = self._memory[:, at.SHOWN] = 1.0
 
     def _make_settings(self) -> Float:

@@ -35,6 +35,7 @@ from estimators.orientation._telemotion_layout import (
     IRON_WINDOW_S,
     MISFIT,
     OPENED,
+    RESTLESS,
     SENSOR_MEAN,
     SENSOR_SPREAD,
     START,
@@ -46,6 +47,10 @@ from estimators.orientation._telemotion_layout import (
     START_SHARE,
     START_WIDE,
     STATES,
+    STEADY_CHANGE,
+    STEADY_FIELD,
+    STEADY_S,
+    STEADY_TRUSTED_S,
     SUM_FIELD,
     SUM_ROTATION,
     TURN,
@@ -62,6 +67,7 @@ _IRON_SPREAD = 0.15
 _UNLIKELY = 0.1
 """A hypothesis below this adds its distance, but not its own variance, to the variance of the heading."""
 _LARGEST_VARIANCE = 1.0
+_NO_BELIEF = math.log(1.0 / 3.0)
 HYPOTHESES = 9
 _SUB = 11
 """States that a hypothesis moves: turn, horizontal field, hard iron, field at the start."""
@@ -134,6 +140,37 @@ def iron_changed(memory: Float, counts: NDArray[np.int64], settings: Float, time
         return False
     memory[IRON_S] = 0.0
     memory[SENSOR_SPREAD] += size  # the window starts afresh
+    return True
+
+
+@kernel("boolean(float64[::1], int64[::1], float64[::1], float64, boolean)")
+def restless(memory: Float, counts: NDArray[np.int64], settings: Float, time_s: float, rest: bool) -> bool:
+    """Say whether the field changed at the first rest before it was trusted: somebody moves iron about.
+
+    What was seen before then tells nothing, and a magnet on the sensor or near its place is as likely as none.
+    """
+    if memory[START_SHARE] < 0.5 or not rest:
+        memory[STEADY_FIELD] = np.nan
+        return False
+    per_field, per_sample = 1.0 / counts[FIELD_COUNT], 1.0 / counts[COUNT]
+    change = 0.0
+    raw = (0.0, 0.0, 0.0)
+    for a in range(3):
+        seen = memory[SUM_FIELD + a] * per_field
+        for b in range(3):
+            seen += memory[SUM_ROTATION + 3 * a + b] * per_sample * memory[IRON + b]
+        raw = (seen if a == 0 else raw[0], seen if a == 1 else raw[1], seen if a == 2 else raw[2])
+        change += (seen - memory[STEADY_FIELD + a]) ** 2
+    if change <= settings[STEADY_CHANGE]:
+        memory[STEADY_S] += time_s
+        return False
+    first = math.isnan(change)
+    for a in range(3):
+        memory[STEADY_FIELD + a] = raw[a]
+    if first or memory[STEADY_S] >= settings[STEADY_TRUSTED_S]:
+        return False
+    memory[STEADY_S] = 0.0
+    memory[RESTLESS] = 1.0
     return True
 
 
@@ -224,6 +261,10 @@ def find_north(
             work[_SUB * i + j] = p[source + _moved_state(j)]
         work[_SUB * _SUB + i] = 0.0
     best = -np.inf
+    narrow_iron, middle_iron = settings[IRON_NARROW_ODDS], settings[IRON_MIDDLE_ODDS]
+    narrow_start, middle_start = settings[START_NARROW_ODDS], settings[START_MIDDLE_ODDS]
+    if memory[RESTLESS] > 0.0:
+        narrow_iron = middle_iron = narrow_start = middle_start = _NO_BELIEF
     kinds = 1 if counts[OPENED] > 0 else 3  # once the iron has changed, what it was says nothing any more
     for h in range(HYPOTHESES):
         odds[h] = 0.0
@@ -232,11 +273,9 @@ def find_north(
         own = settings[IRON_NARROW] if iron == 0 else settings[IRON_MIDDLE]
         own += memory[IRON_KNOWN_VARIANCE]
         wide = settings[IRON_WIDE] + memory[IRON_KNOWN_VARIANCE]
-        iron_odds = settings[IRON_NARROW_ODDS] if iron == 0 else settings[IRON_MIDDLE_ODDS]
+        iron_odds = narrow_iron if iron == 0 else middle_iron
         if iron == 2:
-            iron_odds = math.log1p(
-                -math.exp(settings[IRON_NARROW_ODDS]) - math.exp(settings[IRON_MIDDLE_ODDS])
-            )
+            iron_odds = math.log1p(-math.exp(narrow_iron) - math.exp(middle_iron))
         for i in range(_TABLE):
             work[_TABLE + i] = work[i]
         if kinds > 1 and iron < 2:
@@ -245,13 +284,9 @@ def find_north(
                 iron_odds += _suppose(work, _TABLE, 5 + a, target, own, wide)
         for start in range(3):
             h = 3 * iron + start
-            logarithm = iron_odds + (
-                settings[START_NARROW_ODDS] if start == 0 else settings[START_MIDDLE_ODDS]
-            )
+            logarithm = iron_odds + (narrow_start if start == 0 else middle_start)
             if start == 2:
-                logarithm = iron_odds + math.log1p(
-                    -math.exp(settings[START_NARROW_ODDS]) - math.exp(settings[START_MIDDLE_ODDS])
-                )
+                logarithm = iron_odds + math.log1p(-math.exp(narrow_start) - math.exp(middle_start))
             for i in range(_TABLE):
                 work[2 * _TABLE + i] = work[_TABLE + i]
             if start < 2:
@@ -302,4 +337,4 @@ def find_north(
     memory[CORRECTION + 2], memory[CORRECTION + 3] = y, z
 
 
-__all__ = ["HYPOTHESES", "WORK", "field_variance", "find_north", "iron_changed", "open_iron"]
+__all__ = ["HYPOTHESES", "WORK", "field_variance", "find_north", "iron_changed", "open_iron", "restless"]

@@ -14,6 +14,7 @@ from estimators.orientation._telemotion_field import (
     find_north,
     iron_changed,
     open_iron,
+    restless,
 )
 from estimators.orientation._telemotion_gaps import (
     after_gap,
@@ -69,7 +70,7 @@ from estimators.orientation._telemotion_layout import (
 )
 from estimators.orientation._telemotion_output import keep_shown, read, shown, take_back
 from estimators.orientation._telemotion_samples import clear_sums, integrate, watch_rest
-from estimators.orientation._telemotion_start import begin, collect, meet_field
+from estimators.orientation._telemotion_start import begin, collect, forget_field, meet_field
 from estimators.recording import Float, SampleQuality
 
 _INVALID = int(OrientationFlag.INVALID)
@@ -117,6 +118,9 @@ def end_block(
         if counts[FIELD_KNOWN] == 0:
             meet_field(memory, counts, p, settings)
             met = True
+        elif restless(memory, counts, settings, time_s, rest):
+            forget_field(memory, p, settings)
+            meet_field(memory, counts, p, settings)
         elif iron_changed(memory, counts, settings, time_s):
             open_iron(p, error, rows, memory, index, value, counts, settings, odds)
         variance = field_variance(p, memory, counts, settings, time_s, rest)

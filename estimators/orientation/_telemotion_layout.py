@@ -60,7 +60,10 @@ SHOWN = ODDS + 9
 # Clip levels (infinite until reached), and the largest component seen so far, of rate and of force.
 CLIP_LEVEL = SHOWN + 4
 LARGEST = CLIP_LEVEL + 2
-MEMORY = LARGEST + 2
+# First rest: raw field that was last seen steady, for how long, and whether it changed before it was trusted.
+STEADY_FIELD = LARGEST + 2
+STEADY_S, RESTLESS = STEADY_FIELD + 3, STEADY_FIELD + 4
+MEMORY = RESTLESS + 1
 
 # Counts of a sensor.
 TICK, PHASE, COUNT, FIELD_COUNT, GAP, PENDING, SINCE_START, CLIPPED, FIELD_KNOWN, OPENED, FILTERED = range(11)
@@ -131,5 +134,7 @@ SAMPLE = 11
     TILT_FLOOR,
     HEADING_FLOOR,
     HEADING_LOST,
-) = range(53)
-SETTINGS = 53
+    STEADY_CHANGE,
+    STEADY_TRUSTED_S,
+) = range(55)
+SETTINGS = 55

@@ -74,6 +74,8 @@ class TelemotionParameters:
     start_wide_ut: float = 30.0
     start_narrow_odds: float = 0.8
     start_middle_odds: float = 0.15
+    steady_change_ut: float = 3.0
+    steady_trusted_s: float = 3.0
     gap_share: float = 0.2
     clip_rate_sigma_degps: float = 57.3
     clip_force_sigma_mps2: float = 5.0
@@ -172,6 +174,8 @@ def settings_of(parameters: TelemotionParameters, step_s: float) -> Float:
         at.START_MIDDLE: p.start_middle_ut**2,
         at.START_NARROW_ODDS: math.log(p.start_narrow_odds),
         at.START_MIDDLE_ODDS: math.log(p.start_middle_odds),
+        at.STEADY_CHANGE: p.steady_change_ut**2,
+        at.STEADY_TRUSTED_S: p.steady_trusted_s,
         at.GAP_SHARE: p.gap_share**2,
         at.CLIP_RATE: math.radians(p.clip_rate_sigma_degps) ** 2,
         at.CLIP_FORCE: p.clip_force_sigma_mps2**2,

@@ -12,6 +12,8 @@ from estimators.orientation._telemotion_layout import (
     COLLECTING,
     CORRECTION,
     COUNT,
+    DELAY,
+    DISTURBANCE,
     FIELD,
     FIELD_COUNT,
     FIELD_KNOWN,
@@ -21,6 +23,10 @@ from estimators.orientation._telemotion_layout import (
     GRAVITY,
     HEADING_RESTART,
     HEADING_VARIANCE,
+    IRON,
+    IRON_KNOWN,
+    IRON_KNOWN_VARIANCE,
+    IRON_WIDE,
     OFFSET,
     PENDING,
     PHASE,
@@ -28,8 +34,10 @@ from estimators.orientation._telemotion_layout import (
     RUNNING,
     SINCE_START,
     SPEED_START,
+    START,
     START_SHARE,
     START_TICKS,
+    START_WIDE,
     STATES,
     STEP_S,
     SUM_FIELD,
@@ -86,6 +94,24 @@ def meet_field(memory: Float, counts: NDArray[np.int64], p: Float, settings: Flo
     memory[START_SHARE] = 1.0
     counts[FIELD_KNOWN] = 1
     face_north(memory)
+
+
+@kernel("void(float64[::1], float64[::1], float64[::1])")
+def forget_field(memory: Float, p: Float, settings: Float) -> None:
+    """Give hard iron and the field at the start their priors again; FIELD is met anew."""
+    for i in range(FIELD, STATES):
+        if i == DELAY:
+            continue
+        for j in range(STATES):
+            p[STATES * i + j] = p[STATES * j + i] = 0.0
+        prior = settings[START_WIDE]
+        if i < DELAY:
+            prior = settings[IRON_WIDE] + memory[IRON_KNOWN_VARIANCE]
+        p[(STATES + 1) * i] = prior
+    for a in range(3):
+        memory[IRON + a] = memory[IRON_KNOWN + a]
+        memory[START + a] = 0.0
+    memory[DISTURBANCE] = 0.0
 
 
 @kernel("float64(float64[::1], float64[::1], int64[::1], float64[::1], float64)")
@@ -158,4 +184,4 @@ def collect(
     return True
 
 
-__all__ = ["begin", "collect", "meet_field"]
+__all__ = ["begin", "collect", "forget_field", "meet_field"]
