@@ -42,3 +42,15 @@ export function extent(...arrays: readonly ArrayLike<number | null>[]): [number,
   }
   return low <= high ? [low, high] : null;
 }
+
+/** Round numbers that span a range, about `count` of them. */
+export function niceTicks(low: number, high: number, count: number): number[] {
+  const span = high - low;
+  if (!(span > 0)) return [low];
+  const rough = span / count;
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = ([1, 2, 2.5, 5, 10].find((one) => one * power >= rough) ?? 10) * power;
+  const first = Math.floor(low / step + 1e-9);
+  const last = Math.ceil(high / step - 1e-9);
+  return Array.from({ length: last - first + 1 }, (_, index) => Number(((first + index) * step).toPrecision(12)));
+}

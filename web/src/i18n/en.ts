@@ -2,6 +2,7 @@
 import { common } from './en/common';
 import { motion } from './en/motion';
 import { patient } from './en/patient';
+import { report } from './en/report';
 import { session } from './en/session';
 
-export const en = { ...common, ...motion, ...patient, ...session } as const;
+export const en = { ...common, ...motion, ...patient, ...report, ...session } as const;

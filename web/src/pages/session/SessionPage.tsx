@@ -1,6 +1,6 @@
 // Replay and compare on one page: the 3D and the time line stay, the words and curves beside them say what differs.
 import { Button, Select, Switch, Tabs } from '@mantine/core';
-import { IconArrowRight } from '@tabler/icons-react';
+import { IconArrowRight, IconFileText } from '@tabler/icons-react';
 import { useCallback, useEffect, useMemo, useRef, useState, type KeyboardEvent } from 'react';
 import { Link, Navigate, useParams, useSearchParams } from 'react-router';
 import { useComparison, useComparisons, useEstimators, useExercises, usePatient, useSession, useTemplateVersion } from '../../api/queries';
@@ -214,15 +214,22 @@ export function SessionPage() {
         ...(session.data && name ? [{ to: `/patients/${session.data.patient_id}`, text: name }] : []),
       ]}
       actions={
-        session.data?.may_treat && session.data.state === 'analysed' ? (
-          <Button
-            component={Link}
-            variant="default"
-            to={`/templates/record?session=${sessionId}&patient=${session.data.patient_id}${session.data.exercise_id ? `&exercise=${session.data.exercise_id}` : ''}`}
-            rightSection={<IconArrowRight size={18} aria-hidden />}
-          >
-            {t('template.makeFromThis')}
-          </Button>
+        session.data?.state === 'analysed' ? (
+          <>
+            {session.data.may_treat && (
+              <Button
+                component={Link}
+                variant="default"
+                to={`/templates/record?session=${sessionId}&patient=${session.data.patient_id}${session.data.exercise_id ? `&exercise=${session.data.exercise_id}` : ''}`}
+                rightSection={<IconArrowRight size={18} aria-hidden />}
+              >
+                {t('template.makeFromThis')}
+              </Button>
+            )}
+            <Button component={Link} variant="default" to={`/sessions/${sessionId}/report`} leftSection={<IconFileText size={18} aria-hidden />}>
+              {t('report.open')}
+            </Button>
+          </>
         ) : undefined
       }
     >

@@ -1,0 +1,125 @@
+// Charts for paper: drawn as vectors, sharp at any size, in the colours of the sheet they stand on.
+import type { PhaseCurve, ProgressMeasure } from '../api/types';
+import { t } from '../i18n';
+import { date, displayUnit, quantity } from '../lib/format';
+import { extent, niceTicks } from './scales';
+
+const WIDTH = 380;
+const HEIGHT = 210;
+const LEFT = 44;
+const RIGHT = 12;
+const TOP = 12;
+const BOTTOM = 30;
+const LABEL = 62;
+
+type Values = readonly (number | null)[];
+
+interface Frame {
+  x: (value: number) => number;
+  y: (value: number) => number;
+  ticks: number[];
+}
+
+function frame(low: number, high: number, first: number, last: number): Frame {
+  const ticks = niceTicks(low, high, 4);
+  const bottom = Math.min(low, ticks[0] ?? low);
+  const top = Math.max(high, ticks.at(-1) ?? high);
+  return {
+    x: (value) => LEFT + ((value - first) / (last - first || 1)) * (WIDTH - LEFT - RIGHT),
+    y: (value) => TOP + (1 - (value - bottom) / (top - bottom || 1)) * (HEIGHT - TOP - BOTTOM),
+    ticks,
+  };
+}
+
+/** A line through the known values; a gap stays a gap. */
+export function pathOf(values: Values, x: (index: number) => number, y: (value: number) => number): string {
+  let isDown = false;
+  let path = '';
+  values.forEach((value, index) => {
+    if (value === null || !Number.isFinite(value)) {
+      isDown = false;
+      return;
+    }
+    path += `${isDown ? 'L' : 'M'}${x(index).toFixed(1)} ${y(value).toFixed(1)}`;
+    isDown = true;
+  });
+  return path;
+}
+
+function bandOf(low: Values, high: Values, x: (index: number) => number, y: (value: number) => number): string {
+  const there = low.flatMap((value, index) => (value !== null && high[index] !== null && high[index] !== undefined ? [index] : []));
+  if (there.length < 2) return '';
+  const upper = there.map((index) => `${x(index).toFixed(1)} ${y(high[index] as number).toFixed(1)}`);
+  const lower = there.reverse().map((index) => `${x(index).toFixed(1)} ${y(low[index] as number).toFixed(1)}`);
+  return `M${[...upper, ...lower].join('L')}Z`;
+}
+
+function Axes({ at, suffix, xTicks }: { at: Frame; suffix: string; xTicks: { at: number; text: string }[] }) {
+  return (
+    <g className="paper-axes">
+      {at.ticks.map((tick) => (
+        <g key={tick}>
+          <path d={`M${LEFT} ${at.y(tick)}H${WIDTH - RIGHT}`} />
+          <text x={LEFT - 6} y={at.y(tick) + 4} textAnchor="end">
+            {`${Number(tick.toFixed(3))}${suffix}`.replace('-', '−')}
+          </text>
+        </g>
+      ))}
+      {xTicks.map((tick, index) => (
+        <text key={tick.text} x={tick.at} y={HEIGHT - 9} textAnchor={index === 0 && tick.at <= LEFT + 1 ? 'start' : tick.at >= WIDTH - RIGHT - 1 ? 'end' : 'middle'}>
+          {tick.text}
+        </text>
+      ))}
+    </g>
+  );
+}
+
+/** One channel over the phases: template with band, every repetition that counts. */
+export function PaperPhases({ curve, left }: { curve: PhaseCurve; left: ReadonlySet<number> }) {
+  const unit = displayUnit(curve.unit);
+  const scaled = (values: Values) => values.map((value) => (value === null ? null : value * unit.factor));
+  const low = scaled(curve.low);
+  const high = scaled(curve.high);
+  const mean = scaled(curve.mean);
+  const repetitions = curve.repetitions.map(scaled).filter((_, index) => !left.has(index));
+  const range = extent(low, high, mean, ...repetitions) ?? [0, 1];
+  const at = frame(range[0], range[1], 0, 100);
+  const own = extent(...repetitions);
+  return (
+    <svg className="paper-chart" viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="img" aria-label={t('report.phaseLabel', { label: curve.label, low: quantity(own ? own[0] / unit.factor : null, curve.unit), high: quantity(own ? own[1] / unit.factor : null, curve.unit) })}>
+      <Axes at={at} suffix={unit.suffix === '°' ? '°' : ''} xTicks={[0, 25, 50, 75, 100].map((phase) => ({ at: at.x(phase), text: `${phase} %` }))} />
+      <path className="paper-band" d={bandOf(low, high, at.x, at.y)} />
+      {repetitions.map((values, index) => (
+        <path key={index} className="paper-line" d={pathOf(values, at.x, at.y)} />
+      ))}
+      <path className="paper-template" d={pathOf(mean, at.x, at.y)} />
+    </svg>
+  );
+}
+
+/** One measure over the sessions, with its spread. */
+export function PaperProgress({ measure, sessionId }: { measure: ProgressMeasure; sessionId: string }) {
+  const unit = displayUnit(measure.unit);
+  const { points } = measure;
+  const times = points.map((point) => new Date(point.at).getTime());
+  const scaled = (pick: (point: (typeof points)[number]) => number) => points.map((point) => pick(point) * unit.factor);
+  const low = scaled((point) => point.low);
+  const high = scaled((point) => point.high);
+  const values = scaled((point) => point.value);
+  const range = extent(low, high, values) ?? [0, 1];
+  const at = frame(range[0], range[1], times[0] ?? 0, times.at(-1) ?? 1);
+  const x = (index: number) => at.x(times[index] ?? 0);
+  const last = points.length - 1;
+  // The first and the last day are named, and those between that leave room for their neighbours.
+  const shown = points.reduce<number[]>((named, _, index) => (index === 0 || index === last || (x(index) - x(named.at(-1) ?? 0) >= LABEL && x(last) - x(index) >= LABEL) ? [...named, index] : named), []);
+  return (
+    <svg className="paper-chart" viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="img" aria-label={t('report.progressLabel', { label: measure.label, count: points.length, first: quantity(points[0]?.value, measure.unit), last: quantity(points.at(-1)?.value, measure.unit) })}>
+      <Axes at={at} suffix={unit.suffix === '°' ? '°' : ''} xTicks={shown.map((index) => ({ at: x(index), text: date(points[index]?.at ?? '') }))} />
+      <path className="paper-band paper-band-own" d={bandOf(low, high, x, at.y)} />
+      <path className="paper-line paper-line-strong" d={pathOf(values, x, at.y)} />
+      {values.map((value, index) => (
+        <circle key={points[index]?.session_id} className={points[index]?.session_id === sessionId ? 'paper-point paper-point-here' : 'paper-point'} cx={x(index)} cy={at.y(value)} r="3.6" />
+      ))}
+    </svg>
+  );
+}

@@ -1,0 +1,52 @@
+import type { ComparisonDetail } from '../../api/types';
+import { PaperPhases } from '../../charts/PaperChart';
+import { t } from '../../i18n';
+import { channelLabel } from '../../lib/channels';
+import { outsideOf, pickCurves, primaryChannel } from '../../lib/comparison';
+import type { ReportProps } from './ReportPage';
+import { Sheet } from './Sheet';
+
+const MOST_CURVES = 6;
+
+/** Sheet 2: the curves that matter, the main one first. */
+export function CurvesSheet({ session, patient, comparison }: ReportProps & { comparison: ComparisonDetail }) {
+  const length = (channel: string) => outsideOf(comparison, channel).reduce((sum, one) => sum + one.until - one.from, 0);
+  const left = new Set(comparison.repetitions.flatMap((one, index) => (one.repetition.is_kept ? [] : [index])));
+  const curves = pickCurves(comparison.curves, true, primaryChannel(comparison.summary), length).slice(0, MOST_CURVES);
+  return (
+    <Sheet title={t('report.curves')} number={2} session={session} patient={patient}>
+      <ul className="paper-legend plain-list">
+        <li>
+          <svg width="34" height="14" aria-hidden>
+            <rect className="paper-band" width="34" height="14" />
+            <path className="paper-template" d="M0 7h34" />
+          </svg>
+          {t('phase.legendTemplate')}
+        </li>
+        <li>
+          <svg width="34" height="14" aria-hidden>
+            <path className="paper-line paper-line-strong" d="M0 7h34" />
+          </svg>
+          {t('report.legendRepetitions', { count: comparison.repetition_count })}
+        </li>
+      </ul>
+      <div className="paper-curves">
+        {curves.map((curve) => {
+          const outside = new Set(outsideOf(comparison, curve.channel).map((one) => one.repetition)).size;
+          const { convention } = channelLabel(curve.channel);
+          return (
+            <figure key={curve.channel} className="paper-figure">
+              <figcaption>
+                {curve.label}
+                {convention && <span className="paper-convention">{convention}</span>}
+              </figcaption>
+              <PaperPhases curve={curve} left={left} />
+              <p className="paper-note">{outside === 0 ? t('compare.inside') : t('report.outside', { count: outside, of: comparison.repetition_count })}</p>
+            </figure>
+          );
+        })}
+      </div>
+      <p className="paper-note">{t('report.curvesHelp')}</p>
+    </Sheet>
+  );
+}

@@ -1,0 +1,72 @@
+// The report: one sheet that a colleague or a payer understands, one of curves, one of method and quality.
+import { Button } from '@mantine/core';
+import { IconPrinter } from '@tabler/icons-react';
+import { useParams } from 'react-router';
+import { useComparison, useComparisons, useEstimators, useExercises, usePatient, useProgress, useSession, useTemplateVersion } from '../../api/queries';
+import type { ComparisonDetail, Patient, Progress, SessionDetail } from '../../api/types';
+import { Answer } from '../../components/Feedback';
+import { Page } from '../../components/Page';
+import { t } from '../../i18n';
+import { dateTime } from '../../lib/format';
+import { CurvesSheet } from './CurvesSheet';
+import { MethodSheet } from './MethodSheet';
+import { SummarySheet } from './SummarySheet';
+
+export interface ReportProps {
+  session: SessionDetail;
+  patient: Patient;
+  comparison: ComparisonDetail | null;
+  progress: Progress | null;
+}
+
+function Sheets({ session, patient }: { session: SessionDetail; patient: Patient }) {
+  const comparisons = useComparisons(session.id);
+  const of = (comparisons.data ?? []).find((one) => one.result_id === session.main_result_id) ?? comparisons.data?.[0] ?? null;
+  const comparison = useComparison(of?.id ?? null);
+  const progress = useProgress(patient.id, session.exercise_id ?? null);
+  const template = useTemplateVersion(of?.template_version_id ?? null);
+  const estimators = useEstimators();
+  const exercises = useExercises();
+  const isWaiting = comparisons.isPending || progress.isPending || (of !== null && comparison.isPending);
+  if (isWaiting) return <Answer of={{ data: undefined, error: comparisons.error ?? progress.error ?? comparison.error, refetch: () => void comparisons.refetch() }}>{() => null}</Answer>;
+  const report: ReportProps = { session, patient, comparison: comparison.data ?? null, progress: progress.data ?? null };
+  return (
+    <div className="papers">
+      <SummarySheet {...report} />
+      {report.comparison && report.comparison.repetitions.length > 0 && <CurvesSheet {...report} comparison={report.comparison} />}
+      <MethodSheet {...report} template={template.data ?? null} estimators={estimators.data ?? []} exercise={exercises.data?.find((one) => one.id === session.exercise_id) ?? null} />
+    </div>
+  );
+}
+
+export function ReportPage() {
+  const { sessionId = '' } = useParams();
+  const session = useSession(sessionId);
+  const patient = usePatient(session.data?.patient_id ?? '');
+  const name = patient.data ? `${patient.data.given_name} ${patient.data.family_name}` : '';
+  return (
+    <Page
+      compact
+      title={t('report.title')}
+      lead={session.data ? `${name} · ${dateTime(session.data.started_at ?? session.data.created_at)}` : undefined}
+      crumbs={[
+        { to: '/', text: t('nav.caseload') },
+        ...(session.data && name ? [{ to: `/patients/${session.data.patient_id}`, text: name }] : []),
+        ...(session.data ? [{ to: `/sessions/${session.data.id}`, text: session.data.exercise_name ?? t('session.free') }] : []),
+      ]}
+      actions={
+        <Button leftSection={<IconPrinter size={19} aria-hidden />} onClick={() => window.print()}>
+          {t('report.print')}
+        </Button>
+      }
+    >
+      <Answer of={session} lines={8} height={40}>
+        {(one) => (
+          <Answer of={patient} lines={8} height={40}>
+            {(who) => <Sheets session={one} patient={who} />}
+          </Answer>
+        )}
+      </Answer>
+    </Page>
+  );
+}

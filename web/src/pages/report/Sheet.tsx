@@ -1,0 +1,30 @@
+import { useId, type ReactNode } from 'react';
+import { useSignedIn } from '../../components/useSignedIn';
+import { t } from '../../i18n';
+import { date } from '../../lib/format';
+import type { ReportProps } from './ReportPage';
+
+/** One sheet of paper with its head and foot; printed, it starts a page. */
+export function Sheet({ title, number, session, patient, children }: { title: string; number: number; children: ReactNode } & Pick<ReportProps, 'session' | 'patient'>) {
+  const id = useId();
+  const me = useSignedIn();
+  return (
+    <section className="paper" aria-labelledby={id}>
+      <header className="paper-head">
+        <h2 id={id}>{title}</h2>
+        <p>
+          {patient.given_name} {patient.family_name}
+          {patient.birth_date && <> · {t('report.born', { date: date(patient.birth_date, new Date(0)) })}</>}
+        </p>
+      </header>
+      {children}
+      <footer className="paper-foot">
+        <span>{me.clinic_name}</span>
+        <span>{t('report.made', { date: date(new Date(), new Date(0)), name: me.display_name })}</span>
+        <span>
+          {t('report.session', { id: session.id.slice(0, 8) })} · {t('report.page', { number })}
+        </span>
+      </footer>
+    </section>
+  );
+}

@@ -1,0 +1,115 @@
+import type { MeasureValue, ProgressMeasure } from '../../api/types';
+import { PaperProgress } from '../../charts/PaperChart';
+import { changeText } from '../../charts/ProgressChart';
+import { SideMark } from '../../components/Marks';
+import { t } from '../../i18n';
+import { dateTime, duration, quantity, uncertain } from '../../lib/format';
+import { mainMeasure } from '../../lib/plain';
+import { reportRows } from '../../lib/report';
+import type { ReportProps } from './ReportPage';
+import { Sheet } from './Sheet';
+
+/** Changed for sure, not for sure, or not to be judged: a word each. */
+function verdict(measure: ProgressMeasure | null): string {
+  if (!measure || measure.change === null || measure.change === undefined) return '–';
+  const change = (measure.change > 0 ? '+' : '') + quantity(measure.change, measure.unit);
+  if (measure.is_real_change === null || measure.is_real_change === undefined) return t('report.unjudged', { change });
+  return measure.is_real_change ? t('report.real', { change }) : t('report.chance', { change });
+}
+
+function Headline({ value, measure }: { value: MeasureValue | null; measure: ProgressMeasure | null }) {
+  const last = measure?.points.at(-1) ?? null;
+  const label = value?.label ?? measure?.label;
+  if (!label) return null;
+  return (
+    <div className="paper-headline">
+      <p className="paper-big number">{quantity(value?.value ?? last?.value, value?.unit ?? measure?.unit)}</p>
+      <div>
+        <p className="strong">{label}</p>
+        {typeof value?.template_value === 'number' && <p>{t('report.template', { value: quantity(value.template_value, value.unit) })}</p>}
+        {measure && <p>{changeText(measure)}</p>}
+      </div>
+    </div>
+  );
+}
+
+/** Sheet 1: what was done, what came of it, whether it changed. */
+export function SummarySheet(props: ReportProps) {
+  const { session, patient, comparison, progress } = props;
+  const measures = progress?.measures ?? [];
+  const main = mainMeasure(measures);
+  const rows = reportRows(comparison?.summary ?? [], measures);
+  const mainValue = comparison?.summary.find((one) => one.measure === main?.measure) ?? rows[0]?.value ?? null;
+  return (
+    <Sheet title={t('report.summary')} number={1} session={session} patient={patient}>
+      <dl className="paper-facts">
+        <div>
+          <dt>{t('exercise.one')}</dt>
+          <dd>{session.exercise_name ?? t('session.free')}</dd>
+        </div>
+        <div>
+          <dt>{t('details.recorded')}</dt>
+          <dd>
+            {dateTime(session.started_at ?? session.created_at)} · {duration(session.duration_s)}
+          </dd>
+        </div>
+        {patient.affected_side && (
+          <div>
+            <dt>{t('patient.affectedSide')}</dt>
+            <dd>
+              <SideMark side={patient.affected_side} />
+            </dd>
+          </div>
+        )}
+        {comparison && (
+          <div>
+            <dt>{t('progress.count')}</dt>
+            <dd>{t('report.repetitions', { count: comparison.repetition_count })}</dd>
+          </div>
+        )}
+      </dl>
+      <Headline value={mainValue} measure={main} />
+      {comparison && comparison.findings.length > 0 && (
+        <>
+          <h3>{t('report.findings')}</h3>
+          <ul className="paper-findings">
+            {comparison.findings.map((finding) => (
+              <li key={finding}>{finding}</li>
+            ))}
+          </ul>
+        </>
+      )}
+      {!comparison && <p>{t('report.notCompared')}</p>}
+      {main && main.points.length > 1 && (
+        <figure className="paper-figure">
+          <figcaption>{t('report.overTime', { label: main.label })}</figcaption>
+          <PaperProgress measure={main} sessionId={session.id} />
+        </figure>
+      )}
+      {rows.length > 0 && (
+        <table className="paper-table">
+          <caption>{t('report.tableCaption')}</caption>
+          <thead>
+            <tr>
+              <th scope="col">{t('compare.measure')}</th>
+              <th scope="col">{t('report.thisSession')}</th>
+              <th scope="col">{t('compare.template')}</th>
+              <th scope="col">{t('report.change')}</th>
+            </tr>
+          </thead>
+          <tbody>
+            {rows.map(({ value, progress: over }) => (
+              <tr key={value.measure}>
+                <th scope="row">{value.label}</th>
+                <td className="number" data-label={t('report.thisSession')}>{uncertain(value.value ?? null, value.uncertainty ?? null, value.unit)}</td>
+                <td className="number" data-label={t('compare.template')}>{quantity(value.template_value, value.unit)}</td>
+                <td data-label={t('report.change')}>{verdict(over)}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      )}
+      <p className="paper-note">{t('report.tableHelp')}</p>
+    </Sheet>
+  );
+}
