@@ -52,5 +52,15 @@ Placement = Literal[
 
 PLACEMENTS: Final[tuple[Placement, ...]] = get_args(Placement)
 
+ShoePlacement = Literal["heel_left", "forefoot_left", "heel_right", "forefoot_right"]
+"""Sensors of an instrumented shoe, under heel and forefoot, inertial and load cell in one.
+
+They measure parts of the foot: the heel frame is the segment `foot` (x to the toes) with its origin in the
+sensor, the forefoot frame equals it while the sole is straight. A single sensor on the shoe is `foot_left`
+or `foot_right`.
+"""
+
+SHOE_PLACEMENTS: Final[tuple[ShoePlacement, ...]] = get_args(ShoePlacement)
+
 Side = Literal["left", "right"]
 SIDES: Final[tuple[Side, ...]] = ("left", "right")

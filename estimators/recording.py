@@ -97,16 +97,20 @@ class SensorSignals:
         Sensor axes; specific force.
     magnetometer_t : ndarray, shape (N, 3), or None
         Sensor axes, tesla.
+    force_n, moment_nm : ndarray, shape (N, 3), or None
+        Of the ground on a load cell, about its centre, sensor axes.
     """
 
     time_s: Float
     gyroscope_radps: Float
     accelerometer_mps2: Float
     magnetometer_t: Float | None = None
+    force_n: Float | None = None
+    moment_nm: Float | None = None
 
     def __post_init__(self) -> None:
         samples = self.time_s.shape[0]
-        for name in ("gyroscope_radps", "accelerometer_mps2", "magnetometer_t"):
+        for name in ("gyroscope_radps", "accelerometer_mps2", "magnetometer_t", "force_n", "moment_nm"):
             values = getattr(self, name)
             if values is not None and values.shape != (samples, 3):
                 raise ShapeError(
