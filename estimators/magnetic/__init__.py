@@ -1,0 +1,1 @@
+"""Relative pose from body-worn magnetic sources."""
