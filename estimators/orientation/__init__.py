@@ -12,6 +12,8 @@ from estimators.orientation._marzouk_euler import MarzoukEulerEstimator
 from estimators.orientation._marzouk_quaternion import MarzoukQuaternionEstimator
 from estimators.orientation._roetenberg import RoetenbergEstimator
 from estimators.orientation._scoring import OrientationErrors, orientation_errors
+from estimators.orientation._smoother import SmoothedOrientation
+from estimators.orientation._smoothers import Smoother, smooth, smoothers
 from estimators.orientation._telemotion import TelemotionEstimator
 from estimators.orientation._vqf import VqfEstimator
 
@@ -64,8 +66,12 @@ __all__ = [
     "OrientationEstimator",
     "OrientationFlag",
     "OrientationResult",
+    "SmoothedOrientation",
+    "Smoother",
     "TelemotionEstimator",
     "available",
     "create",
     "orientation_errors",
+    "smooth",
+    "smoothers",
 ]

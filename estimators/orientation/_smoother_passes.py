@@ -1,0 +1,244 @@
+"""The passes of our own smoother over one sensor."""
+
+import itertools
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators import rotation
+from estimators.orientation import _telemotion_layout as at
+from estimators.orientation._contract import OrientationFlag
+from estimators.orientation._smoother_kernel import (
+    AT_REST,
+    FIELD_TICKS,
+    FIELD_VARIANCE,
+    GROUPS,
+    IRON_STEP,
+    IRON_VARIANCE,
+    KEPT,
+    SHARE,
+    STEP,
+    TICKS,
+    backward,
+    forward,
+)
+from estimators.orientation._smoother_session import SensorSession
+from estimators.orientation._smoother_sweep import SUMS, sweep, turn_on
+from estimators.recording import Float
+
+_DISTURBED = 8.0
+_WORST_LEVEL = 10.0
+_LARGEST_MISFIT = 100.0
+_PLACE_VARIANCE = 0.01
+_LEAST_VARIANCE = 1e-12
+
+
+class SensorPasses:
+    """The nominal motion of one sensor, which each pass improves.
+
+    Parameters
+    ----------
+    session : SensorSession
+    settings : ndarray
+        Of the kernels.
+    prior : ndarray, shape (STATES,)
+        What is known beforehand: zero, or constants of the device.
+    variance : ndarray, shape (STATES,)
+        Of the prior; turn, velocity, position and field are set here.
+    q_online : ndarray, shape (K, 4)
+        Where the online filter had the sensor, over the span of the session.
+    nominal : ndarray, shape (STATES,)
+        Where the online filter ended: bias, gain, field, delay; field with east zero.
+    iron, changes : ndarray, shape (B, 3) and (C,)
+        Hard iron in each block as the online filter had it, and in which blocks it changed.
+    odds : ndarray, shape (9,)
+        Of the online filter's hypotheses in the end, hard iron leading, start place within.
+    """
+
+    def __init__(
+        self,
+        session: SensorSession,
+        settings: Float,
+        prior: Float,
+        variance: Float,
+        q_online: Float,
+        nominal: Float,
+        iron: Float,
+        changes: NDArray[np.intp],
+        odds: Float,
+    ) -> None:
+        self._session, self._settings = session, settings
+        self._block_ticks = int(settings[at.BLOCK_TICKS])
+        ends = np.minimum((np.arange(len(session.facts)) + 1) * self._block_ticks, len(q_online)) - 1
+        self._q_first, self._q_ends = q_online[0].copy(), np.ascontiguousarray(q_online[ends])
+        self._prior, self._variance = prior, variance.copy()
+        self._variance[at.TURN : at.TURN + 3] = settings[at.TILT_START], settings[at.TILT_START], 0.0
+        self._variance[at.VELOCITY : at.VELOCITY + 3] = settings[at.SPEED_START]
+        self._variance[at.POSITION : at.POSITION + 3] = _PLACE_VARIANCE
+        self._variance[at.FIELD : at.FIELD + 3] = settings[at.FIELD_START]
+        self.nominal, self.iron, self._changes = nominal.copy(), iron.copy(), changes
+        self.has_field = bool(session.samples[:, at.HAS_FIELD].any())
+        self._settle(odds)
+        self.q: Float = np.empty((len(session.samples), 4))
+        self._misfit = self._level = np.zeros(len(session.facts))
+
+    def improve(self, last: bool) -> None:
+        """Smooth once around the nominal motion and take the result as the next one.
+
+        The last pass also leaves the variances.
+        """
+        blocks = len(self._session.facts)
+        sums, q_open = self._sweep()
+        facts = self._session.facts.copy()
+        facts[:, TICKS : FIELD_TICKS + 1] = self._parts
+        facts[:, STEP : STEP + 3] = rotation.log(rotation.multiply(self._q_ends, rotation.conjugate(q_open)))
+        facts[:, FIELD_VARIANCE] = self._field_variance(sums, facts)
+        for change in self._changes:
+            facts[change, IRON_VARIANCE] = self._settings[at.IRON_WIDE]
+            facts[change, IRON_STEP : IRON_STEP + 3] = self.iron[change - 1] - self.iron[change]
+        error = self._prior - self.nominal
+        error[: at.BIAS] = 0.0
+        error[at.IRON : at.IRON + 3] = self._prior[at.IRON : at.IRON + 3] - self.iron[0]
+        start, start_variance = error.copy(), np.diag(self._variance)
+        p = start_variance.flatten()
+        means, covariances = np.empty((blocks, at.STATES)), np.empty((blocks, at.STATES**2))
+        kept = np.empty((blocks, GROUPS, KEPT))
+        nominal = self.nominal
+        forward(
+            sums, facts, nominal, error, p, self._session.gravity, self._settings, means, covariances, kept
+        )
+        smooth, adjoint = np.empty_like(means), np.empty(at.STATES)
+        variances = np.zeros((blocks, 4))
+        backward(
+            sums, facts, nominal, self._settings, means, covariances, kept, smooth, adjoint, variances, last
+        )
+        first = start - start_variance @ adjoint
+        self._move(smooth, first, facts, q_open)
+        if last:
+            self._variances = variances
+            self.final_variance = np.maximum(p.reshape(at.STATES, at.STATES).diagonal(), _LEAST_VARIANCE)
+
+    def _sweep(self) -> tuple[Float, Float]:
+        blocks = len(self._session.facts)
+        sums, q_open = np.empty((blocks, SUMS)), np.empty((blocks, 4))
+        self._parts = np.empty((blocks, 2))
+        sweep(
+            self._session.samples,
+            self._block_ticks,
+            self._q_ends,
+            self._q_first,
+            self.nominal,
+            self.iron,
+            self._settings,
+            sums,
+            self._parts,
+            q_open,
+            self.q,
+        )
+        at_gaps = at.GAP_TURN_VARIANCE - at.SUM_ROTATION
+        sums[:, at_gaps : at_gaps + 3] += self._session.turn_variance
+        sums[:, at_gaps + 3 : at_gaps + 6] += self._session.speed_variance
+        return sums, q_open
+
+    def _field_variance(self, sums: Float, facts: Float) -> Float:
+        """Weigh each block by its residual from the nominal motion, alone and with its neighbours."""
+        count = facts[:, FIELD_TICKS]
+        seen = (2.0 * count >= facts[:, TICKS]) & (count > 0)
+        field = sums[:, at.SUM_FIELD - at.SUM_ROTATION :][:, :3] / np.maximum(count, 1.0)[:, None]
+        start = facts[:, SHARE, None] * self.nominal[at.START : at.START + 3]
+        residual = field - self.nominal[at.FIELD : at.FIELD + 3] - start
+        scale = 3.0 * self._settings[at.FIELD_SCALE]
+        self._misfit = np.where(seen, (residual**2).sum(axis=1) / scale, 0.0)
+        time_s = facts[:, TICKS] * self._settings[at.STEP_S]
+        self._level = _level(
+            np.minimum(self._misfit, _LARGEST_MISFIT), time_s, self._settings[at.FIELD_LEVEL_S]
+        )
+        moving, rest = self._settings[at.FIELD_NOISE_MOVING], self._settings[at.FIELD_NOISE_REST]
+        noise = np.where(facts[:, AT_REST] > 0.0, rest, moving)
+        noise += facts[:, SHARE] * (self._settings[at.FIELD_NOISE_START] - noise)
+        variance = noise**2 / time_s * (1.0 + np.maximum(self._misfit, self._level))
+        return np.where(seen, variance, 0.0)
+
+    def _settle(self, odds: Float) -> None:
+        """Give hard iron the prior of its likeliest hypothesis, the start place the mean of their information."""
+        settings = self._settings
+        iron, start = slice(at.IRON, at.IRON + 3), slice(at.START, at.START + 3)
+        known_variance = max(self._variance[at.IRON] - settings[at.IRON_WIDE], 0.0)
+        table = odds.reshape(3, 3)
+        irons = (settings[at.IRON_NARROW], settings[at.IRON_MIDDLE], settings[at.IRON_WIDE])
+        starts = (settings[at.START_NARROW], settings[at.START_MIDDLE], settings[at.START_WIDE])
+        self._variance[iron] = irons[int(table.sum(axis=1).argmax())] + known_variance
+        self._variance[start] = 1.0 / float(table.sum(axis=0) @ (1.0 / np.array(starts)))
+
+    def _move(self, smooth: Float, first: Float, facts: Float, q_open: Float) -> None:
+        """Take the smoothed errors into the nominal motion and turn it to north."""
+        closing = np.ascontiguousarray(smooth[:, at.TURN : at.TURN + 3])
+        opening = np.vstack((first[at.TURN : at.TURN + 3], closing[:-1] - facts[:-1, STEP : STEP + 3]))
+        turn_on(self.q, np.ascontiguousarray(opening), closing, self._block_ticks)
+        middle = smooth[len(smooth) // 2]
+        self.bias = self.nominal[at.BIAS : at.BIAS + 3] + smooth[:, at.BIAS : at.BIAS + 3]
+        self.nominal[at.BIAS :] += middle[at.BIAS :]
+        edges = [0, *self._changes.tolist(), len(smooth)]
+        for begin, end in itertools.pairwise(edges):
+            self.iron[begin:end] += smooth[(begin + end - 1) // 2, at.IRON : at.IRON + 3]
+        self._q_first = rotation.multiply(rotation.exp(opening[0]), self._q_first)
+        self._q_ends = rotation.multiply(rotation.exp(closing), q_open)
+        if not self.has_field:
+            return
+        east, north = self.nominal[at.FIELD], self.nominal[at.FIELD + 1]
+        to_north = rotation.about_z(math.atan2(east, north))
+        self._q_first, self._q_ends, self.q = (
+            rotation.multiply(to_north, q) for q in (self._q_first, self._q_ends, self.q)
+        )
+        for vector in (at.FIELD, at.START):
+            self.nominal[vector : vector + 3] = rotation.rotate(to_north, self.nominal[vector : vector + 3])
+        self._q_ends = np.ascontiguousarray(self._q_ends)
+
+    def sigma(self) -> Float:
+        """Return one sigma about the axes of the earth at every sample, shape (K, 3), after the last pass."""
+        settings = self._settings
+        tilt = settings[at.TILT_SCALE] * np.maximum(self._variances[:, :2], 0.0) + settings[at.TILT_FLOOR]
+        level = 1.0 + np.minimum(self._level, _WORST_LEVEL)
+        own = np.maximum(self._variances[:, 3], 0.0) * (settings[at.HEADING_SCALE] if self.has_field else 1.0)
+        heading = np.sqrt(own + settings[at.HEADING_FLOOR] * level)
+        blocks = np.column_stack((np.sqrt(tilt), np.minimum(heading, math.pi)))
+        ends = (np.arange(len(blocks)) + 1) * self._block_ticks - 1
+        ticks = np.arange(len(self.q))
+        return np.column_stack([np.interp(ticks, ends, column) for column in blocks.T])
+
+    def per_sample(self, blocks: Float) -> Float:
+        """Repeat values of blocks for their samples."""
+        return np.repeat(blocks, self._block_ticks, axis=0)[: len(self.q)]
+
+    def flags(self, online: NDArray[np.uint8], heading_sigma_rad: Float) -> NDArray[np.uint8]:
+        """Return the online flags with what the whole session knows better."""
+        better = OrientationFlag.CONVERGING | OrientationFlag.MAGNETIC_DISTURBANCE
+        better |= OrientationFlag.HEADING_NOT_TRUSTED
+        kept = online & np.uint8(~int(better) & 0xFF)
+        disturbed = self.per_sample(self._misfit) > _DISTURBED
+        lost = heading_sigma_rad > self._settings[at.HEADING_LOST]
+        if not self.has_field:
+            lost = np.ones_like(lost)
+        kept[~self._session.seen] |= np.uint8(OrientationFlag.INVALID)
+        lost |= (kept & int(OrientationFlag.INVALID)) != 0
+        kept |= np.where(disturbed, np.uint8(OrientationFlag.MAGNETIC_DISTURBANCE), np.uint8(0))
+        kept |= np.where(lost, np.uint8(OrientationFlag.HEADING_NOT_TRUSTED), np.uint8(0))
+        return np.asarray(kept, dtype=np.uint8)
+
+
+def _level(misfit: Float, time_s: Float, time_constant_s: float) -> Float:
+    """Return the larger of the exponential means of the misfit before and after each block."""
+    gain = -np.expm1(-time_s / time_constant_s)
+    ways = []
+    for order in (slice(None), slice(None, None, -1)):
+        level, out = 0.0, np.empty(len(misfit))
+        values, gains = misfit[order], gain[order]
+        for i in range(len(misfit)):
+            level += gains[i] * (values[i] - level)
+            out[i] = level
+        ways.append(out[order])
+    return np.asarray(0.5 * (ways[0] + ways[1]))
+
+
+__all__ = ["SensorPasses"]

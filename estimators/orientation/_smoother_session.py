@@ -1,0 +1,196 @@
+"""One sensor over a whole session, made ready for our own smoother: gaps filled, rest found, blocks cut."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter1d
+
+from estimators import rotation
+from estimators.conventions import GRAVITY_MPS2
+from estimators.orientation import _telemotion_layout as at
+from estimators.orientation._smoother_kernel import AT_REST, FACTS, RATE, SHARE
+from estimators.recording import Float, ImuChunk, SampleQuality
+
+_MICROTESLA = 1e6
+_LOST_RATE = 1.0
+"""Rate error, rad/s, over a gap that is too long to be filled."""
+_LARGEST_TURN = 1.0
+_UNSEEN_S, _MEAN_SHARE = 0.1, 0.15
+_REST_MEAN_RATE = np.deg2rad(3.0)
+
+
+@dataclass(frozen=True)
+class SensorSession:
+    """What the passes of the smoother share.
+
+    Attributes
+    ----------
+    first, stop : int
+        Ticks of the chunk from the first to after the last measured sample.
+    samples : ndarray, shape (K, SAMPLE)
+        Without gaps; field in microtesla.
+    seen : ndarray of bool, shape (K,)
+        False inside gaps too long to fill.
+    facts : ndarray, shape (B, FACTS)
+        Rest, share of the start place and mean raw rate are filled in.
+    turn_variance, speed_variance : ndarray, shape (B, 3)
+        What gaps add.
+    gravity : float
+    """
+
+    first: int
+    stop: int
+    samples: Float
+    seen: NDArray[np.bool_]
+    facts: Float
+    turn_variance: Float
+    speed_variance: Float
+    gravity: float
+
+
+def prepare(
+    chunk: ImuChunk, usable: NDArray[np.bool_], q_online: Float, settings: Float
+) -> SensorSession | None:
+    """Make a chunk of one sensor ready; None if it has fewer samples than a block.
+
+    Parameters
+    ----------
+    chunk : ImuChunk
+    usable : ndarray of bool, shape (K,)
+    q_online : ndarray, shape (K, 4)
+        Where the online filter had it: it tells the turn through gaps too long to be filled. There it is
+        replaced, in place, by that turn at a constant rate.
+    settings : ndarray
+    """
+    block_ticks = int(settings[at.BLOCK_TICKS])
+    measured = usable & ((chunk.quality[0] & int(SampleQuality.BRIDGED)) == 0)
+    places = np.flatnonzero(measured)
+    if places.size < 2 or places[-1] + 1 - places[0] < block_ticks:
+        return None
+    first, stop = int(places[0]), int(places[-1]) + 1
+    span = slice(first, stop)
+    samples = np.zeros((stop - first, at.SAMPLE))
+    samples[:, at.RATE : at.RATE + 3] = chunk.gyroscope_radps[0, span]
+    samples[:, at.FORCE : at.FORCE + 3] = chunk.accelerometer_mps2[0, span]
+    if chunk.magnetometer_t is not None:
+        field = _MICROTESLA * chunk.magnetometer_t[0, span]
+        found = np.isfinite(field).all(axis=1) & (field != 0.0).any(axis=1)
+        samples[:, at.MAGNETIC : at.MAGNETIC + 3] = np.where(found[:, None], field, 0.0)
+        samples[:, at.HAS_FIELD] = found
+    samples[:, at.SATURATED] = (chunk.quality[0, span] & int(SampleQuality.SATURATED)) != 0
+    blocks = -(-(stop - first) // block_ticks)
+    turn_variance, speed_variance = np.zeros((blocks, 3)), np.zeros((blocks, 3))
+    spread = _rate_spread(samples[:, :3], places - first, settings)
+    seen = np.ones(len(samples), dtype=bool)
+    for before, after in zip(places[:-1] - first, places[1:] - first, strict=True):
+        if after - before > 1:
+            if after - before - 1 > settings[at.COAST_TICKS]:
+                turn, speed = _bridge(samples, int(before), int(after), q_online[span], settings)
+                seen[before + 1 : after + 1] = False
+                # All along the gap, lest the force made up there tell the filter how it lay.
+                blocks_in = slice(before // block_ticks, after // block_ticks + 1)
+                turn_variance[blocks_in] += turn
+                speed_variance[blocks_in] += speed
+                continue
+            turn, speed = _fill(samples, int(before), int(after), measured[span], spread, settings)
+            turn_variance[after // block_ticks] += turn
+            speed_variance[after // block_ticks] += speed
+    facts = np.zeros((blocks, FACTS))
+    rest = _rest(samples, settings) & seen
+    edges = np.arange(blocks) * block_ticks
+    lengths = np.diff(np.append(edges, stop - first))
+    facts[:, AT_REST] = np.add.reduceat(rest, edges) == lengths
+    facts[:, RATE : RATE + 3] = np.add.reduceat(samples[:, :3], edges) / lengths[:, None]
+    leaving = np.where(
+        facts[:, AT_REST] > 0.0, 0.0, lengths * settings[at.STEP_S] / settings[at.START_LEAVING_S]
+    )
+    share = np.exp(-np.cumsum(leaving))
+    facts[:, SHARE] = np.where(share > 1e-6, share, 0.0)
+    gravity = GRAVITY_MPS2
+    if rest.any():
+        gravity = float(np.median(np.linalg.norm(samples[rest, at.FORCE : at.FORCE + 3], axis=1)))
+    return SensorSession(first, stop, samples, seen, facts, turn_variance, speed_variance, gravity)
+
+
+def _rate_spread(rate: Float, places: NDArray[np.intp], settings: Float) -> Float:
+    """Return the standard deviation of the measured rate, root of the sum over axes, around each sample."""
+    window = max(3, round(0.5 / settings[at.STEP_S]))
+    known = rate[places]
+    mean = uniform_filter1d(known, window, axis=0, mode="nearest")
+    square = uniform_filter1d(known * known, window, axis=0, mode="nearest")
+    spread = np.zeros(len(rate))
+    spread[places] = np.sqrt(np.maximum(square - mean * mean, 0.0).sum(axis=1))
+    return spread
+
+
+def _bridge(samples: Float, before: int, after: int, q_online: Float, settings: Float) -> tuple[Float, Float]:
+    """Cross a gap too long to fill, in place: by the turn between where the online filter was and restarted.
+
+    That turn is a guess and gets the variance of one; but from it on errors are small again, which the
+    linear model of the passes needs.
+    """
+    length = after - before
+    step_s = settings[at.STEP_S]
+    t = (np.arange(1, length) / length)[:, None]
+    # The filter restarts with the mean of a few samples: what it then had, taken back to the first of them.
+    settled = min(after + int(settings[at.START_TICKS]), len(samples) - 1)
+    q_after = q_online[settled]
+    for k in range(settled, after, -1):
+        q_online[k] = q_after
+        q_after = rotation.multiply(q_after, rotation.exp(-step_s * samples[k, at.RATE : at.RATE + 3]))
+    q_online[after] = q_after
+    turn = rotation.log(rotation.multiply(rotation.conjugate(q_online[before]), q_after))
+    # A sample is the turn of the interval before it, so the one after the gap is part of it.
+    samples[before + 1 : after + 1, at.RATE : at.RATE + 3] = turn / (length * step_s)
+    between = rotation.multiply(q_online[before], rotation.exp(t * turn))
+    q_online[before + 1 : after] = between
+    up = np.array([0.0, 0.0, GRAVITY_MPS2])
+    samples[before + 1 : after, at.FORCE : at.FORCE + 3] = rotation.rotate(rotation.conjugate(between), up)
+    samples[before + 1 : after, at.HAS_FIELD] = 0.0
+    lost = min((_LOST_RATE * length * step_s) ** 2, _LARGEST_TURN)
+    return np.full(3, lost), np.full(3, settings[at.SPEED_START])
+
+
+def _fill(
+    samples: Float, before: int, after: int, measured: NDArray[np.bool_], spread: Float, settings: Float
+) -> tuple[Float, Float]:
+    """Fill one gap in place as the online filter does, and return the variances that it adds."""
+    length = after - before
+    time_s = length * settings[at.STEP_S]
+    t = (np.arange(1, length) / length)[:, None]
+    low, high = samples[before, :6], samples[after, :6]
+    chord = (high - low) / length
+    rise = low - samples[before - 1, :6] if before > 0 and measured[before - 1] else chord
+    fall = samples[after + 1, :6] - high if after + 1 < len(samples) and measured[after + 1] else chord
+    late = t * t * (3.0 - 2.0 * t)
+    curve = length * (t * (1.0 - t) ** 2 * rise - t * t * (1.0 - t) * fall)
+    samples[before + 1 : after, :6] = low + late * (high - low) + curve
+    if samples[before, at.HAS_FIELD] > 0.0 and samples[after, at.HAS_FIELD] > 0.0:
+        field = samples[:, at.MAGNETIC : at.MAGNETIC + 3]
+        field[before + 1 : after] = field[before] + t * (field[after] - field[before])
+        samples[before + 1 : after, at.HAS_FIELD] = 1.0
+    else:
+        samples[before + 1 : after, at.HAS_FIELD] = 0.0
+    share = settings[at.GAP_SHARE]
+    unseen = 0.25 * max(spread[before], spread[after]) ** 2 / 3.0 * min(time_s / _UNSEEN_S, 1.0) ** 2
+    bulge = length / 8.0 * (rise - fall)[:3]
+    rate = share * ((high - low)[:3] ** 2 + (_MEAN_SHARE * (high + low)[:3]) ** 2) + unseen + 0.25 * bulge**2
+    return rate * time_s**2, share * ((high - low)[3:] * time_s) ** 2
+
+
+def _rest(samples: Float, settings: Float) -> NDArray[np.bool_]:
+    """Say which samples lie in the middle of rest, from windows around them."""
+    window = max(3, round(settings[at.REST_MINIMUM_S] / settings[at.STEP_S]))
+    mean = uniform_filter1d(samples[:, :6], window, axis=0, mode="nearest")
+    square = uniform_filter1d(samples[:, :6] ** 2, window, axis=0, mode="nearest")
+    variance = np.maximum(square - mean * mean, 0.0)
+    return np.asarray(
+        (variance[:, :3].sum(axis=1) < settings[at.REST_RATE])
+        & (variance[:, 3:].sum(axis=1) < settings[at.REST_FORCE])
+        & ((mean[:, :3] ** 2).sum(axis=1) < _REST_MEAN_RATE**2)
+        & (samples[:, at.SATURATED] == 0.0)
+    )
+
+
+__all__ = ["SensorSession", "prepare"]

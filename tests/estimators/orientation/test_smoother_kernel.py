@@ -1,0 +1,207 @@
+"""The smoother's two passes against a plain Kalman filter and Rauch-Tung-Striebel smoother with dense matrices."""
+
+import numpy as np
+import pytest
+
+from estimators.orientation import _telemotion_layout as at
+from estimators.orientation._smoother import SmootherParameters
+from estimators.orientation._smoother_kernel import (
+    AT_REST,
+    FACTS,
+    FIELD_TICKS,
+    FIELD_VARIANCE,
+    GROUPS,
+    IRON_STEP,
+    IRON_VARIANCE,
+    KEPT,
+    RATE,
+    SHARE,
+    STEP,
+    TICKS,
+    backward,
+    forward,
+)
+from estimators.orientation._smoother_sweep import SUMS
+from estimators.orientation._telemotion_parameters import settings_of
+
+BLOCKS = 12
+STEP_S = 0.01
+GRAVITY = 9.81
+
+
+class Case:
+    """Random sums of blocks of 20 ticks, as a moving sensor gives them; two blocks at rest, a new iron in one."""
+
+    def __init__(self, seed):
+        rng = np.random.default_rng(seed)
+        self.settings = settings_of(SmootherParameters(), STEP_S)
+        self.sums = np.zeros((BLOCKS, SUMS))
+        self.facts = np.zeros((BLOCKS, FACTS))
+        for sums in self.sums:
+            turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+            self._put(sums, at.SUM_ROTATION, 20.0 * turn)
+            self._put(sums, at.SUM_GAIN, 20.0 * np.einsum("ab,c->abc", turn, rng.normal(size=3)))
+            self._put(sums, at.SUM_FORCE, 0.2 * (np.array([0, 0, GRAVITY]) + rng.normal(size=3)))
+            self._put(sums, at.SUM_FIELD, 20.0 * (np.array([0.0, 18.0, -45.0]) + rng.normal(size=3)))
+            self._put(sums, at.SUM_DELAY, 20.0 * 30.0 * rng.normal(size=3))
+            self._put(sums, at.SUM_RATE2, rng.uniform(0.0, 40.0))
+            self._put(sums, at.GAP_TURN_VARIANCE, rng.uniform(0.0, 1e-4, 3))
+            self._put(sums, at.GAP_SPEED_VARIANCE, rng.uniform(0.0, 1e-3, 3))
+        facts = self.facts
+        facts[:, TICKS] = 20.0
+        facts[:, FIELD_TICKS] = 20.0
+        facts[:2, AT_REST] = 1.0
+        facts[:, FIELD_VARIANCE] = rng.uniform(20.0, 200.0, BLOCKS)
+        facts[5, FIELD_VARIANCE] = 0.0  # a block without field
+        facts[:, SHARE] = np.exp(-0.3 * np.arange(BLOCKS))
+        facts[:, RATE : RATE + 3] = 0.01 * rng.normal(size=(BLOCKS, 3))
+        facts[:, STEP : STEP + 3] = 0.01 * rng.normal(size=(BLOCKS, 3))
+        facts[7, IRON_VARIANCE] = 900.0
+        facts[7, IRON_STEP : IRON_STEP + 3] = rng.normal(size=3)
+        self.nominal = np.zeros(at.STATES)
+        self.nominal[at.FIELD : at.FIELD + 3] = 0.0, 18.0, -45.0
+        self.nominal[at.START : at.START + 3] = rng.normal(size=3)
+        self.nominal[at.BIAS : at.BIAS + 3] = 0.01 * rng.normal(size=3)
+        root = rng.normal(size=(at.STATES, at.STATES))
+        scale = np.full(at.STATES, 0.05)
+        scale[at.FIELD : at.FIELD + 3] = scale[at.IRON : at.IRON + 3] = scale[at.START : at.START + 3] = 3.0
+        self.prior = scale[:, None] * (root @ root.T / at.STATES + np.eye(at.STATES)) * scale
+        self.start = scale * rng.normal(size=at.STATES)
+
+    @staticmethod
+    def _put(sums, where, values):
+        values = np.ravel(values)
+        sums[where - at.SUM_ROTATION : where - at.SUM_ROTATION + values.size] = values
+
+    def get(self, block, where, *shape):
+        first = where - at.SUM_ROTATION
+        return self.sums[block, first : first + int(np.prod(shape))].reshape(shape)
+
+    def motion(self, block):
+        """Return F, the constant part and Q from the end of the block before to the end of this one."""
+        settings, facts = self.settings, self.facts[block]
+        time_s = facts[TICKS] * STEP_S
+        force = self.get(block, at.SUM_FORCE, 3)
+        f, constant, q = np.eye(at.STATES), np.zeros(at.STATES), np.zeros((at.STATES, at.STATES))
+        turn, velocity, position, bias = (
+            slice(i, i + 3) for i in (at.TURN, at.VELOCITY, at.POSITION, at.BIAS)
+        )
+        f[turn, bias] = -STEP_S * self.get(block, at.SUM_ROTATION, 3, 3)
+        # The gain error is stored column by column: its entry (b, c) turns the sensor about axis b.
+        gain = self.get(block, at.SUM_GAIN, 3, 9)
+        f[turn, at.GAIN : at.GAIN + 9] = STEP_S * gain
+        x, y, z = force
+        f[velocity, turn] = -np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+        f[position, velocity] = time_s * np.eye(3)
+        push = force - [0.0, 0.0, GRAVITY * time_s]
+        constant[velocity], constant[position] = push, 0.5 * time_s * push
+        constant[at.IRON : at.IRON + 3] = facts[IRON_STEP : IRON_STEP + 3]
+        turning = (
+            settings[at.RATE_NOISE]
+            + settings[at.RATE_NOISE_PER_RATE] * self.get(block, at.SUM_RATE2, 1)[0] / 20
+        )
+        for a in range(3):
+            q[at.TURN + a, at.TURN + a] = turning * time_s + self.get(block, at.GAP_TURN_VARIANCE, 3)[a]
+            speed = self.get(block, at.GAP_SPEED_VARIANCE, 3)[a]
+            q[at.VELOCITY + a, at.VELOCITY + a] = settings[at.SPEED_NOISE] * time_s + speed
+            q[at.POSITION + a, at.POSITION + a] = settings[at.POSITION_NOISE] * time_s
+            q[at.BIAS + a, at.BIAS + a] = settings[at.BIAS_DRIFT] * time_s
+            q[at.IRON + a, at.IRON + a] = facts[IRON_VARIANCE]
+        return f, constant, q
+
+    def measured(self, block):
+        """Return H, z and the variances of all scalar measurements of a block."""
+        settings, facts = self.settings, self.facts[block]
+        time_s = facts[TICKS] * STEP_S
+        h, z, r = [], [], []
+        unit = np.eye(at.STATES)
+        for a in range(3):
+            h.append(unit[at.POSITION + a]), z.append(0.0), r.append(settings[at.POSITION_PRIOR] / time_s)
+        if facts[AT_REST]:
+            for a in range(3):
+                h.append(unit[at.VELOCITY + a]), z.append(0.0), r.append(settings[at.REST_SPEED] / time_s)
+            for a in range(3):
+                h.append(unit[at.BIAS + a]), r.append(settings[at.REST_BIAS] / time_s)
+                z.append(facts[RATE + a] - self.nominal[at.BIAS + a])
+        if facts[FIELD_VARIANCE] > 0.0:
+            field, start = (self.nominal[i : i + 3] for i in (at.FIELD, at.START))
+            rows = np.zeros((3, at.STATES))
+            x, y, w = field
+            # The estimate lies behind the truth by t, so the field seems to be b - t x b = b + b x t.
+            rows[:, at.TURN : at.TURN + 3] = np.array([[0.0, -w, y], [w, 0.0, -x], [-y, x, 0.0]])
+            rows[:, at.FIELD : at.FIELD + 3] = np.eye(3)
+            rows[:, at.IRON : at.IRON + 3] = self.get(block, at.SUM_ROTATION, 3, 3) / 20.0
+            rows[:, at.DELAY] = self.get(block, at.SUM_DELAY, 3) / 20.0
+            rows[:, at.START : at.START + 3] = facts[SHARE] * np.eye(3)
+            h.extend(rows)
+            z.extend(self.get(block, at.SUM_FIELD, 3) / 20.0 - field - facts[SHARE] * start)
+            r.extend([facts[FIELD_VARIANCE]] * 3)
+        return np.array(h), np.array(z), np.array(r)
+
+    def kernels(self):
+        means, covariances = np.empty((BLOCKS, at.STATES)), np.empty((BLOCKS, at.STATES**2))
+        kept = np.empty((BLOCKS, GROUPS, KEPT))
+        error, p = self.start.copy(), self.prior.ravel().copy()
+        forward(
+            self.sums, self.facts, self.nominal, error, p, GRAVITY, self.settings, means, covariances, kept
+        )
+        smooth, adjoint, variances = np.empty_like(means), np.empty(at.STATES), np.zeros((BLOCKS, 4))
+        backward(
+            self.sums,
+            self.facts,
+            self.nominal,
+            self.settings,
+            means,
+            covariances,
+            kept,
+            smooth,
+            adjoint,
+            variances,
+            True,
+        )
+        return smooth, variances, self.start - self.prior @ adjoint
+
+    def dense(self):
+        x, p = self.start.copy(), self.prior.copy()
+        filtered, predicted = [(x, p)], []
+        for block in range(BLOCKS):
+            f, constant, q = self.motion(block)
+            if block:
+                constant = constant + f @ self._step(block - 1)
+            x, p = f @ x + constant, f @ p @ f.T + q
+            predicted.append((x, p, f))
+            h, z, r = self.measured(block)
+            s = h @ p @ h.T + np.diag(r)
+            k = np.linalg.solve(s, h @ p).T
+            x, p = x + k @ (z - h @ x), p - k @ s @ k.T
+            filtered.append((x, 0.5 * (p + p.T)))
+        xs, ps = filtered[-1]
+        smooth, covariances = [xs], [ps]
+        for block in range(BLOCKS - 1, -1, -1):
+            xf, pf = filtered[block]
+            xp, pp, f = predicted[block]
+            c = np.linalg.solve(pp, f @ pf).T
+            xs, ps = xf + c @ (xs - xp), pf + c @ (ps - pp) @ c.T
+            smooth.append(xs), covariances.append(ps)
+        return np.array(smooth[::-1]), np.array(covariances[::-1])
+
+    def _step(self, block):
+        step = np.zeros(at.STATES)
+        step[at.TURN : at.TURN + 3] = -self.facts[block, STEP : STEP + 3]
+        return step
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_both_ways_are_the_dense_smoother(seed):
+    case = Case(seed)
+    smooth, variances, first = case.kernels()
+    expected, covariances = case.dense()
+    # Condition of the predicted covariance inverted by the dense smoother: up to 1e9 times 1e-16 rounding.
+    np.testing.assert_allclose(smooth, expected[1:], rtol=1e-6, atol=1e-7)
+    np.testing.assert_allclose(first, expected[0], rtol=1e-6, atol=1e-7)
+    east = case.nominal[at.FIELD + 1] / (18.0**2)  # north is where the field points: d heading / d east
+    look = np.zeros(at.STATES)
+    look[at.TURN + 2], look[at.FIELD] = 1.0, east
+    for block, found in enumerate(variances):
+        p = covariances[block + 1]
+        np.testing.assert_allclose(found, [p[0, 0], p[1, 1], p[0, 1], look @ p @ look], rtol=1e-5, atol=1e-9)
