@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable
 
 from estimators.errors import SetupError
 from estimators.validation._broad import BROAD
+from estimators.validation._broad_conditions import BROAD_CONDITIONS
 from estimators.validation._hand_motion import BIAS_STATES, HAND_MOTION, SINGULARITY
 from estimators.validation._kinematics import CONVERSIONS, ELBOW_POSITION, KINEMATIC_IDENTITY
 from estimators.validation._magnetic import MAGNETIC_CALIBRATION
@@ -44,6 +45,7 @@ _PROTOCOLS = (
     REPETITIONS,
     ARM_SESSION,
     BROAD,
+    BROAD_CONDITIONS,
 )
 MOST_SEEDS = 1000
 

@@ -127,11 +127,13 @@ def trial() -> Recording:
 
 def test_broad_excerpt_equals_the_package(trial):
     (result,) = validation.run(["broad_orientation"], data={"excerpt": trial})
-    assert result.passed, validation.to_table([result])
     assert result.figure("VQF, largest difference from its package").worst < 1e-6
     # From a standing start in 15 s; over the whole trial VQF reaches 2.4 degrees on average.
     assert result.figure("VQF, inclination, mean of the trials").median < 2.0
     assert result.figure("VQF, total, mean of the trials").median < 10.0
+    # Ours is to be better even here; how much better is asked of the whole set.
+    assert result.figure("Telemotion over VQF, total").median < 1.0
+    assert result.figure("Telemotion over VQF, inclination").median < 1.0
     with pytest.raises(KeyError):
         result.figure("no such figure")
 
