@@ -1,4 +1,4 @@
-"""Files that hold a whole recording, read into `Recording`: our packet log, CSV, and two research formats.
+"""Files that hold a whole recording, read into `Recording`: our packet log, CSV, and research formats.
 
 Every reader takes a path and raises `RecordingFormatError` that says what is wrong and what to do.
 """
@@ -6,16 +6,21 @@ Every reader takes a path and raises `RecordingFormatError` that says what is wr
 from pathlib import Path
 
 from app.errors import InvalidInput, RecordingFormatError
+from app.ingest.readers import _gait_tracking, _gaitmap, _pyshoe
 from app.ingest.readers._broad import read_broad
 from app.ingest.readers._csv import read_csv
+from app.ingest.readers._gait_tracking import read_gait_tracking
+from app.ingest.readers._gaitmap import read_gaitmap
 from app.ingest.readers._mat import variables
 from app.ingest.readers._packet_log import LogReader, read_packet_log
 from app.ingest.readers._packets import RecordingPackets, packets_of
+from app.ingest.readers._pyshoe import read_pyshoe
 from app.ingest.readers._qmt import PLACEMENT_OF, read_qmt
 from app.recordings.schemas import CsvMapping
 from estimators.recording import Recording
 
-FORMATS = ("packet_log", "csv", "qmt_mat", "broad")
+FORMATS = ("packet_log", "csv", "qmt_mat", "broad", "pyshoe", "gait_tracking", "gaitmap")
+_TEXT = {".csv", ".txt", ".tsv"}
 
 
 def read(path: Path, format: str = "auto", csv: CsvMapping | None = None) -> Recording:
@@ -38,6 +43,8 @@ def read(path: Path, format: str = "auto", csv: CsvMapping | None = None) -> Rec
     """
     if format == "auto":
         format = guess(path)
+        if csv is not None and path.suffix.lower() in _TEXT:
+            format = "csv"
     match format:
         case "packet_log":
             return read_packet_log(path)
@@ -51,6 +58,12 @@ def read(path: Path, format: str = "auto", csv: CsvMapping | None = None) -> Rec
             return read_qmt(path)
         case "broad":
             return read_broad(path)
+        case "pyshoe":
+            return read_pyshoe(path)
+        case "gait_tracking":
+            return read_gait_tracking(path)
+        case "gaitmap":
+            return read_gaitmap(path)
     raise InvalidInput(f"The format {format!r} is unknown; use one of {', '.join(FORMATS)}.", field="format")
 
 
@@ -70,9 +83,13 @@ def guess(path: Path) -> str:
         return "broad"
     if path.suffix.lower() == ".mat":
         names = variables(path)
+        if set(_pyshoe.MARKS) <= names:
+            return "pyshoe"
         return "broad" if "imu_gyr" in names else "qmt_mat"
-    if path.suffix.lower() in {".csv", ".txt", ".tsv"}:
-        return "csv"
+    if path.suffix.lower() in _TEXT:
+        if _gait_tracking.looks_like(path):
+            return "gait_tracking"
+        return "gaitmap" if _gaitmap.looks_like(path) else "csv"
     raise RecordingFormatError(
         f"The format of a file ending in {path.suffix[:10] or 'nothing'} cannot be told; name it:"
         f" {', '.join(FORMATS)}."
@@ -89,6 +106,9 @@ __all__ = [
     "read",
     "read_broad",
     "read_csv",
+    "read_gait_tracking",
+    "read_gaitmap",
     "read_packet_log",
+    "read_pyshoe",
     "read_qmt",
 ]

@@ -42,7 +42,7 @@ def read_csv(path: Path, mapping: CsvMapping) -> Recording:
     wanted = [column for signal in mapping.signals for column in signal.columns]
     if mapping.time_column is not None:
         wanted.append(mapping.time_column)
-    table = _read_columns(path, list(dict.fromkeys(wanted)), mapping.delimiter)
+    table = read_columns(path, list(dict.fromkeys(wanted)), mapping.delimiter)
     rows = len(next(iter(table.values())))
     if mapping.time_column is not None:
         time_s = seconds_of(table[mapping.time_column], mapping.time_unit)
@@ -118,8 +118,14 @@ def _sensor(
     return SensorSignals(time_s, gyroscope, accelerometer, field)
 
 
-def _read_columns(path: Path, wanted: list[str], delimiter: str) -> dict[str, Float]:
-    """Read the wanted columns as numbers; a semicolon file may use decimal commas."""
+def read_columns(path: Path, wanted: list[str], delimiter: str) -> dict[str, Float]:
+    """Read the wanted columns as numbers, each shape (N,); a semicolon file may use decimal commas.
+
+    Raises
+    ------
+    RecordingFormatError
+        A column is missing or not numeric, or the file is too long or damaged.
+    """
     decimal_points = [".", ","] if delimiter == ";" else ["."]
     for decimal_point in decimal_points:
         try:
@@ -199,4 +205,4 @@ def _in_words(error: pa.ArrowInvalid) -> RecordingFormatError:
     return RecordingFormatError("The file cannot be read as CSV; check delimiter and encoding (UTF-8).")
 
 
-__all__ = ["MAX_VALUES", "read_csv"]
+__all__ = ["MAX_VALUES", "read_columns", "read_csv"]

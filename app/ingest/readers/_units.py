@@ -26,6 +26,8 @@ UNITS: Final[dict[str, tuple[str, ...]]] = {
 
 GRAVITY_RANGE_MPS2: Final = (7.5, 13.0)
 """Median size of specific force over any recording of a person."""
+_CALM_PERCENT: Final = 10.0
+"""Of a foot's samples, those that turn least: every step has more of them."""
 FIELD_RANGE_T: Final = (10e-6, 150e-6)
 """The earth's field is 22 to 67 microtesla; steel in buildings bends it."""
 FASTEST_TURN_RADPS: Final = 70.0
@@ -45,6 +47,21 @@ def check_accelerometer(values: Float, unit: str, where: str) -> None:
         Which sensor, for the message.
     """
     _check_norm(values, unit, where, "accelerometer", GRAVITY_RANGE_MPS2, "gravity (9.81 m/s^2)")
+
+
+def check_foot_accelerometer(accelerometer: Float, gyroscope: Float, unit: str, where: str) -> None:
+    """Refuse a walking foot's accelerometer that does not show gravity while the foot turns least.
+
+    Parameters
+    ----------
+    accelerometer, gyroscope : ndarray, shape (N, 3)
+        m/s^2 and rad/s. Over a whole fast walk the median specific force of a foot is twice gravity.
+    unit, where : str
+        As declared, and which sensor, for the message.
+    """
+    turning = np.linalg.norm(gyroscope, axis=1)
+    calm = turning <= np.percentile(turning, _CALM_PERCENT) if turning.size else np.zeros(0, dtype=bool)
+    check_accelerometer(accelerometer[calm], unit, where)
 
 
 def check_magnetometer(values: Float, unit: str, where: str) -> None:
@@ -92,4 +109,11 @@ def _check_norm(
     )
 
 
-__all__ = ["TO_SI", "UNITS", "check_accelerometer", "check_gyroscope", "check_magnetometer"]
+__all__ = [
+    "TO_SI",
+    "UNITS",
+    "check_accelerometer",
+    "check_foot_accelerometer",
+    "check_gyroscope",
+    "check_magnetometer",
+]

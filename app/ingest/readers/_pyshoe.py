@@ -1,0 +1,80 @@
+"""Walks of the PyShoe motion-capture set as `.mat` files: one foot-mounted sensor and its optical track on the floor.
+
+The files hold accelerometer (m/s^2) and gyroscope (rad/s) in one table, sensor z axis down, and the optical track in
+a plane with x and y to the right of it; mirrored here into the product's frame, whose z points up.
+"""
+
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from app.errors import RecordingFormatError
+from app.ingest.readers._mat import load_mat
+from app.ingest.readers._time import nominal_rate, seconds_of
+from app.ingest.readers._units import check_foot_accelerometer, check_gyroscope
+from estimators.recording import Float, Recording, SensorSignals
+
+MARKS: Final = ("imu_data", "timestamps_all")
+"""Variables by which a file of this set is known."""
+GYROSCOPE_CLIP_RADPS: Final = 9.09
+"""The set's gyroscopes clip at 9.1 to 9.7 rad/s; 1 % below the filter takes a sample for clipped."""
+_MIRROR: Final = np.array([1.0, -1.0])
+
+
+def read_pyshoe(path: Path) -> Recording:
+    """Read one walk.
+
+    Returns
+    -------
+    Recording
+        One sensor named `foot_right`; the files do not say which foot it was. `metadata` has the device's clip
+        level; `reference` holds `position_xy_m` (N, 2), the optical track in a frame with z up whose origin and
+        heading are its own.
+
+    Raises
+    ------
+    RecordingFormatError
+        Not a walk of this set.
+    """
+    content = load_mat(path, [*MARKS, "gt"])
+    missing = [name for name in MARKS if name not in content]
+    if missing:
+        raise RecordingFormatError(f"The file has no {', '.join(missing)}; it is no walk of the PyShoe set.")
+    time_s = seconds_of(_numbers(content["timestamps_all"], None).reshape(-1), "s", first_row=1)
+    samples = _numbers(content["imu_data"], 6)
+    if len(samples) != len(time_s):
+        raise RecordingFormatError(
+            f"The file has {len(samples)} samples and {len(time_s)} time stamps; it is damaged."
+        )
+    accelerometer, gyroscope = samples[:, :3].copy(), samples[:, 3:].copy()
+    check_gyroscope(gyroscope, "rad/s", "imu_data")
+    check_foot_accelerometer(accelerometer, gyroscope, "m/s^2", "imu_data")
+    reference = {}
+    if "gt" in content:
+        track = _numbers(content["gt"], 2)
+        if len(track) != len(time_s):
+            raise RecordingFormatError("The optical track differs in length from the samples; it is damaged.")
+        reference["position_xy_m"] = track * _MIRROR
+    return Recording(
+        {"foot_right": SensorSignals(time_s, gyroscope, accelerometer)},
+        nominal_rate(time_s),
+        origin="PyShoe motion-capture walk",
+        metadata={"format": "pyshoe", "walk": path.stem, "gyroscope_clip_radps": str(GYROSCOPE_CLIP_RADPS)},
+        reference=reference,
+    )
+
+
+def _numbers(values: Any, width: int | None) -> Float:
+    try:
+        table = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise RecordingFormatError("The arrays of the file are no numbers.") from error
+    if width is not None and (table.ndim != 2 or table.shape[1] != width):
+        raise RecordingFormatError(
+            f"An array of the file has the shape {table.shape}; (N, {width}) was expected."
+        )
+    return table
+
+
+__all__ = ["MARKS", "read_pyshoe"]

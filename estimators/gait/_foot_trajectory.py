@@ -1,0 +1,247 @@
+"""Where a foot went, off-line: the foot filter there and back over a whole record, twice."""
+
+from dataclasses import dataclass
+from enum import IntFlag
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.errors import ShapeError
+from estimators.gait import _foot_layout as at
+from estimators.gait._foot_filter import (
+    NO_FIELD,
+    START_S,
+    Records,
+    is_usable_rate,
+    rate_of,
+    root,
+    settings_of,
+    start_covariance,
+    start_state,
+)
+from estimators.gait._foot_parameters import FootParameters
+from estimators.gait._stance import Stance, find_stance, gravity_scale, noise, resting_bias
+from estimators.recording import Float, SensorSignals
+
+_SEGMENT = 4096
+"""Samples recorded at once; the way there is run twice over longer records, so memory stays the same."""
+_SHORTEST_S = 0.5
+COAST_S = 3.0
+"""So long after the last stance a position is worth nothing."""
+
+
+class FootFlag(IntFlag):
+    """What a later stage must know about a sample of a foot's trajectory; zero means sound."""
+
+    SOUND = 0
+    INVALID = 1
+    """No estimate yet, or the record has no samples here."""
+    BRIDGED = 2
+    """Interpolated across a short gap."""
+    NO_STANCE = 8
+    """No stance for so long, before and after, that position and velocity are not known."""
+    SATURATED = 64
+    """The gyroscope or the accelerometer was at its clip level."""
+
+
+@dataclass(frozen=True)
+class FootTrajectory:
+    """Movement of one foot's sensor over N samples.
+
+    Attributes
+    ----------
+    time_s : ndarray, shape (N,)
+    position_m, velocity_mps : ndarray, shape (N, 3)
+        Of the sensor, in a world with z up that has its origin and its heading at the first sample.
+    q_world_sensor : ndarray, shape (N, 4)
+    gyroscope_bias_radps : ndarray, shape (N, 3)
+    pivot_m : ndarray, shape (N, 3)
+        From the contact point to the sensor, sensor axes; means something in stance only.
+    position_sigma_m, attitude_sigma_rad : ndarray, shape (N, 3)
+        One sigma with what was known up to the sample; along x, y, z and about them.
+    stance : Stance
+    flags : ndarray of uint8, shape (N,)
+        `FootFlag` bits.
+    """
+
+    time_s: Float
+    position_m: Float
+    velocity_mps: Float
+    q_world_sensor: Float
+    gyroscope_bias_radps: Float
+    pivot_m: Float
+    position_sigma_m: Float
+    attitude_sigma_rad: Float
+    stance: Stance
+    flags: NDArray[np.uint8]
+
+    @property
+    def has_stance(self) -> bool:
+        """Whether the foot was ever seen to stand; without that there is no position to speak of."""
+        return bool(self.stance.is_stance.any())
+
+
+def smooth(
+    signals: SensorSignals,
+    parameters: FootParameters | None = None,
+    *,
+    gap_s: Float | None = None,
+    passes: int = 2,
+) -> FootTrajectory:
+    """Estimate the trajectory of a foot from its sensor, off-line.
+
+    Parameters
+    ----------
+    signals : SensorSignals
+        Real time stamps, even or not. Finite: fill gaps first and say so in `gap_s`.
+    parameters : FootParameters, optional
+    gap_s : ndarray, shape (N,), optional
+        For each sample the length of the gap that it fills, zero where it was measured.
+    passes : int
+        The second pass starts from what the first found out about the first sample, which matters when a record
+        starts in the middle of a stride.
+
+    Returns
+    -------
+    FootTrajectory
+        With `FootFlag.NO_STANCE` wherever no stance was found for long.
+
+    Raises
+    ------
+    ShapeError
+        For less than half a second, a rate that cannot be used, or values that are not finite.
+
+    Notes
+    -----
+    Section 5 of the page on foot tracking without its three scale and delay states, which that page measured and
+    switched off. Time and memory grow linearly and not at all with the length of the record.
+    """
+    chosen = parameters or FootParameters()
+    samples = len(signals.time_s)
+    if samples < 3 or signals.time_s[-1] - signals.time_s[0] < _SHORTEST_S:
+        raise ShapeError(f"a foot needs {_SHORTEST_S} s of samples; the record has {samples} samples")
+    rate_hz = rate_of(signals.time_s)
+    if not is_usable_rate(rate_hz):
+        raise ShapeError(f"a foot cannot be followed at {rate_hz:.4g} Hz; use 30 to 2000 Hz")
+    gyroscope = np.ascontiguousarray(signals.gyroscope_radps, dtype=np.float64)
+    if not (np.isfinite(gyroscope).all() and np.isfinite(signals.accelerometer_mps2).all()):
+        raise ShapeError("samples that are not finite; fill short gaps first, and say where with gap_s")
+    accelerometer = signals.accelerometer_mps2 * gravity_scale(gyroscope, signals.accelerometer_mps2, rate_hz)
+    run = _Run(signals.time_s, gyroscope, accelerometer, signals.magnetometer_t, gap_s, rate_hz, chosen)
+    for _ in range(passes):
+        run.there_and_back()
+    return run.trajectory(signals)
+
+
+class _Run:
+    """One record on its way through the filter."""
+
+    def __init__(
+        self,
+        time_s: Float,
+        gyroscope: Float,
+        accelerometer: Float,
+        field: Float | None,
+        gap_s: Float | None,
+        rate_hz: float,
+        parameters: FootParameters,
+    ) -> None:
+        samples = len(time_s)
+        self.time_s, self.gyroscope = time_s, gyroscope
+        self.accelerometer = np.ascontiguousarray(accelerometer)
+        self.step_s = np.concatenate([[0.0], np.diff(time_s)])
+        self.gap_s = np.zeros(samples) if gap_s is None else np.asarray(gap_s, dtype=np.float64)
+        self.parameters = parameters
+        self.settings = settings_of(parameters)
+        self.stance = find_stance(gyroscope, self.accelerometer, rate_hz, parameters)
+        padded = [0, *range(samples), samples - 1]
+        self.force_variance, self.rate_variance = noise(
+            gyroscope[padded], self.accelerometer[padded], self.gap_s[padded], parameters
+        )
+        self.bits = self.stance.bits
+        self.field = NO_FIELD
+        if field is not None:
+            usable = np.isfinite(field).all(axis=1) & self.stance.is_stance
+            self.bits = np.asarray(self.bits | usable * np.uint8(at.HEADING))
+            self.field = np.ascontiguousarray(np.where(usable[:, None], field, 0.0))
+        start = max(1, round(START_S * rate_hz))
+        bias = resting_bias(gyroscope, self.stance.statistic, rate_hz, parameters.standstill_limit)
+        self.x = start_state(self.accelerometer[:start].mean(axis=0), bias)
+        self.p = start_covariance(float(self.stance.statistic[:start].mean()), parameters)
+        self.smooth = np.empty((samples, at.STATE))
+        self.spread = np.empty((samples, 6))
+
+    def there_and_back(self) -> None:
+        """Filter, smooth, and take the smoothed first sample for the next start."""
+        samples = len(self.time_s)
+        pieces = [slice(i, min(i + _SEGMENT, samples)) for i in range(0, samples, _SEGMENT)]
+        records = Records(min(samples, _SEGMENT))
+        x, p, memory = self.x.copy(), self.p.copy(), np.zeros(at.MEMORY)
+        marks = []
+        for piece in pieces:
+            marks.append((x.copy(), p.copy(), memory.copy()))
+            self._forward(records, piece, x, p, memory)
+        adjoint = np.zeros(at.ERRORS)
+        for piece, mark in zip(reversed(pieces), reversed(marks), strict=True):
+            if piece.stop < samples:
+                self._forward(records, piece, *mark)
+            count = piece.stop - piece.start
+            records.backward(0, count, adjoint, self.smooth[piece])
+            self.spread[piece] = records.spread[:count]
+        first = self.smooth[0]
+        kept = slice(at.V, at.PIVOT)
+        self.x[kept] = first[kept]
+
+    def _forward(self, records: Records, piece: slice, x: Float, p: Float, memory: Float) -> None:
+        records.forward(
+            slice(0, piece.stop - piece.start),
+            self.step_s[piece],
+            self.gyroscope[piece],
+            self.accelerometer[piece],
+            self.stance.sigma_mps[piece],
+            self.bits[piece],
+            self.force_variance[piece],
+            self.rate_variance[piece],
+            self.field[piece] if len(self.field) else NO_FIELD,
+            self.settings,
+            memory,
+            x,
+            p,
+        )
+
+    def trajectory(self, signals: SensorSignals) -> FootTrajectory:
+        """Put the result together."""
+        sigma = root(self.spread)
+        return FootTrajectory(
+            time_s=signals.time_s,
+            position_m=self.smooth[:, at.P : at.P + 3].copy(),
+            velocity_mps=self.smooth[:, at.V : at.V + 3].copy(),
+            q_world_sensor=self.smooth[:, at.Q : at.Q + 4].copy(),
+            gyroscope_bias_radps=self.smooth[:, at.GYROSCOPE_BIAS : at.GYROSCOPE_BIAS + 3].copy(),
+            pivot_m=self.smooth[:, at.PIVOT : at.PIVOT + 3].copy(),
+            position_sigma_m=sigma[:, :3],
+            attitude_sigma_rad=sigma[:, 3:],
+            stance=self.stance,
+            flags=self._flags(signals),
+        )
+
+    def _flags(self, signals: SensorSignals) -> NDArray[np.uint8]:
+        stance_s = self.time_s[self.stance.is_stance]
+        if len(stance_s):
+            after = np.searchsorted(stance_s, self.time_s)
+            before_s = self.time_s - stance_s[np.maximum(after - 1, 0)]
+            before_s[after == 0] = np.inf
+            ahead_s = stance_s[np.minimum(after, len(stance_s) - 1)] - self.time_s
+            ahead_s[after == len(stance_s)] = np.inf
+            lost = np.minimum(before_s, ahead_s) > COAST_S
+        else:
+            lost = np.ones(len(self.time_s), dtype=np.bool_)
+        clipped = (np.abs(signals.gyroscope_radps) > 0.99 * self.parameters.gyroscope_clip_radps).any(axis=1)
+        clipped |= (np.abs(signals.accelerometer_mps2) > 0.99 * self.parameters.accelerometer_clip_mps2).any(
+            axis=1
+        )
+        bits = lost * FootFlag.NO_STANCE + clipped * FootFlag.SATURATED + (self.gap_s > 0) * FootFlag.BRIDGED
+        return np.asarray(bits, dtype=np.uint8)
+
+
+__all__ = ["COAST_S", "FootFlag", "FootTrajectory", "smooth"]

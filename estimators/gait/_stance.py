@@ -1,0 +1,267 @@
+"""When a foot stands, and how much each sample can be trusted: no threshold to set per person or speed."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.conventions import GRAVITY_MPS2
+from estimators.gait import _foot_layout as at
+from estimators.gait._foot_parameters import FootParameters
+from estimators.gait._stance_kernel import moving_percentile, stance_statistic
+from estimators.recording import Float
+
+Bool = NDArray[np.bool_]
+
+_GRID_S = 0.02
+_REFERENCE_RATE_HZ = 200.0
+_HEIGHT_ALONE_S = 0.5
+_CALIBRATION_SHARE, _CALIBRATION_WINDOW_S, _CALIBRATION_TOLERANCE = 0.05, 0.3, 0.03
+_CALIBRATION_SCALES = (0.5, 0.3)
+_BIAS_LONGEST_S = 0.5
+
+
+@dataclass(frozen=True)
+class Windows:
+    """The windows of the detector in samples of one rate."""
+
+    half: int
+    stride: int
+    before: int
+    after: int
+    alone: int
+
+    @classmethod
+    def at_rate(cls, rate_hz: float, parameters: FootParameters) -> "Windows":
+        """Round the windows of the parameters to samples."""
+        stride = max(1, round(_GRID_S * rate_hz))
+        return cls(
+            half=max(1, round(0.5 * (parameters.window_s * rate_hz - 1.0))),
+            stride=stride,
+            before=max(1, round(parameters.reference_before_s * rate_hz / stride)),
+            after=max(1, round(parameters.reference_after_s * rate_hz / stride)),
+            alone=round(_HEIGHT_ALONE_S * rate_hz),
+        )
+
+    @property
+    def ahead(self) -> int:
+        """Samples after one that decide whether it is stance."""
+        return self.after * self.stride + self.half
+
+
+@dataclass(frozen=True)
+class Stance:
+    """What the detector says about each of N samples.
+
+    Attributes
+    ----------
+    statistic : ndarray, shape (N,)
+        T: 0 at rest, 0.3 to 1 in the stance of walking, 4 to 13 of running.
+    reference : ndarray, shape (N,)
+        Low percentile of T around the sample, not below its floor.
+    is_stance, is_standstill, is_height : ndarray of bool, shape (N,)
+        The foot stands; the foot does not even turn; the one sample of a stance that is taken for its level.
+    sigma_mps : ndarray, shape (N,)
+        Standard deviation of the contact point's velocity, were this stance.
+    """
+
+    statistic: Float
+    reference: Float
+    is_stance: Bool
+    is_standstill: Bool
+    is_height: Bool
+    sigma_mps: Float
+
+    @property
+    def bits(self) -> NDArray[np.uint8]:
+        """What the filter measures at each sample."""
+        bits = self.is_stance * at.STANCE + self.is_standstill * at.STANDSTILL + self.is_height * at.HEIGHT
+        return np.asarray(bits, dtype=np.uint8)
+
+
+def find_stance(
+    gyroscope_radps: Float, accelerometer_mps2: Float, rate_hz: float, parameters: FootParameters
+) -> Stance:
+    """Find the zero-velocity intervals of a whole record.
+
+    Parameters
+    ----------
+    gyroscope_radps, accelerometer_mps2 : ndarray, shape (N, 3)
+        Sensor axes, finite.
+    rate_hz : float
+    parameters : FootParameters
+
+    Returns
+    -------
+    Stance
+
+    Notes
+    -----
+    Eq. (2) to (6) of the page on foot tracking: T weighs turning, unsteady force and force that is not gravity;
+    a sample is stance where T is near the lowest it gets within about a stride. So a runner's short, restless
+    stances are found as well as those of somebody who shuffles.
+    """
+    windows = Windows.at_rate(rate_hz, parameters)
+    samples = len(gyroscope_radps)
+    gyroscope = np.ascontiguousarray(gyroscope_radps, dtype=np.float64)
+    accelerometer = np.ascontiguousarray(accelerometer_mps2, dtype=np.float64)
+    statistic, reference = np.empty(samples), np.empty(samples)
+    stance_statistic(
+        gyroscope,
+        accelerometer,
+        0,
+        samples,
+        windows.half,
+        parameters.moving_gyroscope_radps,
+        parameters.moving_accelerometer_mps2,
+        statistic,
+    )
+    moving_percentile(
+        statistic,
+        0,
+        0,
+        samples,
+        windows.stride,
+        windows.before,
+        windows.after,
+        0.01 * parameters.reference_percentile,
+        reference,
+    )
+    return judge(statistic, reference, rate_hz, windows, parameters)
+
+
+def judge(
+    statistic: Float, reference: Float, rate_hz: float, windows: Windows, parameters: FootParameters
+) -> Stance:
+    """Decide from T and its moving percentile."""
+    floored = np.maximum(reference, parameters.reference_floor)
+    is_stance = (statistic < parameters.stance_ratio * floored) & (statistic < parameters.stance_limit)
+    sigma = stance_sigma(statistic, rate_hz, parameters)
+    return Stance(
+        statistic,
+        floored,
+        is_stance,
+        is_stance & (statistic < parameters.standstill_limit),
+        quietest(is_stance, sigma, windows.alone),
+        sigma,
+    )
+
+
+def stance_sigma(statistic: Float, rate_hz: float, parameters: FootParameters) -> Float:
+    """Return the standard deviation of the contact point's velocity, eq. (5), in m/s."""
+    base = parameters.velocity_sigma_slope_mps * statistic**parameters.velocity_sigma_exponent
+    # The noise of neighbouring samples is one and the same: at a higher rate each of them says less.
+    return (parameters.velocity_sigma_floor_mps + base) * math.sqrt(rate_hz / _REFERENCE_RATE_HZ)
+
+
+def quietest(is_stance: Bool, sigma_mps: Float, alone: int) -> Bool:
+    """Return the sample of each stance with the least sigma; of a long stance, one at least so far apart."""
+    found = np.zeros(len(is_stance), dtype=np.bool_)
+    for start, stop in runs(is_stance):
+        while start < stop:
+            piece = min(stop, start + alone)
+            if stop - piece < alone // 2:
+                piece = stop
+            found[start + int(np.argmin(sigma_mps[start:piece]))] = True
+            start = piece
+    return found
+
+
+def runs(mask: Bool) -> list[tuple[int, int]]:
+    """Return the half-open stretches in which a mask is true."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+
+
+def noise(
+    gyroscope_radps: Float, accelerometer_mps2: Float, gap_s: Float, parameters: FootParameters
+) -> tuple[Float, Float]:
+    """Return the noise densities squared of each sample that has a neighbour on either side.
+
+    Parameters
+    ----------
+    gyroscope_radps, accelerometer_mps2 : ndarray, shape (K + 2, 3)
+    gap_s : ndarray, shape (K + 2,)
+        Length of the gap that a sample was filled into; zero where it was measured.
+
+    Returns
+    -------
+    force_variance : ndarray, shape (K,)
+        (m/s)^2/s
+    rate_variance : ndarray, shape (K, 3)
+        rad^2/s
+
+    Notes
+    -----
+    Eq. (11) and (12). Impacts that the accelerometer cannot follow spoil the length of a stride, and a gyroscope
+    at its clip level the heading; both are known from the samples themselves.
+    """
+    shock = min(parameters.shock_mps2, 0.97 * parameters.accelerometer_clip_mps2)
+    is_shock = _near(np.asarray((np.abs(accelerometer_mps2) > shock).any(axis=1)))
+    is_clipped = _near(np.abs(gyroscope_radps) > 0.99 * parameters.gyroscope_clip_radps)
+    filled = np.sqrt(gap_s[1:-1] / parameters.gap_scale_s)
+    force_density = np.where(is_shock, parameters.shock_density, parameters.accelerometer_density)
+    force_density = np.maximum(force_density, parameters.gap_accelerometer_density * filled)
+    rate_density = np.where(is_clipped, parameters.clip_density, parameters.gyroscope_density)
+    rate_density = np.maximum(rate_density, parameters.gap_gyroscope_density * filled[:, None])
+    force_change = 0.5 * (accelerometer_mps2[2:] - accelerometer_mps2[:-2])
+    rate_change = 0.5 * (gyroscope_radps[2:] - gyroscope_radps[:-2])
+    force_jerk2 = parameters.accelerometer_jerk_share**2 * (force_change**2).sum(axis=1)
+    return (
+        np.ascontiguousarray(force_density**2 + force_jerk2),
+        np.ascontiguousarray(rate_density**2 + (parameters.gyroscope_jerk_share * rate_change) ** 2),
+    )
+
+
+def _near(mask: Bool) -> Bool:
+    """Return where a mask is true on the sample or one of its neighbours, without the outermost samples."""
+    return np.asarray(mask[1:-1] | mask[:-2] | mask[2:])
+
+
+def gravity_scale(gyroscope_radps: Float, accelerometer_mps2: Float, rate_hz: float) -> float:
+    """Return the factor that brings the calmest specific force to gravity, eq. (1); 1 where none is near it.
+
+    Parameters
+    ----------
+    gyroscope_radps, accelerometer_mps2 : ndarray, shape (N, 3)
+    rate_hz : float
+    """
+    width = round(_CALIBRATION_WINDOW_S * rate_hz)
+    if len(gyroscope_radps) < width:
+        return 1.0
+    mean = _windowed(accelerometer_mps2, width)
+    spread = np.sqrt(np.maximum(_windowed(accelerometer_mps2**2, width) - mean**2, 0.0).sum(axis=1))
+    turning = np.sqrt(_windowed(gyroscope_radps**2, width).sum(axis=1))
+    unrest = spread / _CALIBRATION_SCALES[0] + turning / _CALIBRATION_SCALES[1]
+    count = max(1, round(_CALIBRATION_SHARE * len(unrest)))
+    calm = np.argpartition(unrest, count - 1)[:count]
+    at_rest = float(np.median(np.linalg.norm(mean[calm], axis=1)))
+    return GRAVITY_MPS2 / at_rest if abs(at_rest / GRAVITY_MPS2 - 1.0) < _CALIBRATION_TOLERANCE else 1.0
+
+
+def resting_bias(gyroscope_radps: Float, statistic: Float, rate_hz: float, limit: float) -> Float:
+    """Return the gyroscope's median at standstill, shape (3,), rad/s; zeros when there is too little of it."""
+    still = statistic < limit
+    if np.count_nonzero(still) < _BIAS_LONGEST_S * rate_hz:
+        return np.zeros(3)
+    return np.asarray(np.median(gyroscope_radps[still], axis=0))
+
+
+def _windowed(values: Float, width: int) -> Float:
+    total = np.cumsum(np.concatenate([np.zeros((1, values.shape[1])), values]), axis=0)
+    return np.asarray((total[width:] - total[:-width]) / width)
+
+
+__all__ = [
+    "Stance",
+    "Windows",
+    "find_stance",
+    "gravity_scale",
+    "judge",
+    "noise",
+    "quietest",
+    "resting_bias",
+    "runs",
+    "stance_sigma",
+]
