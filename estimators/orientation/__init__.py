@@ -13,7 +13,7 @@ from estimators.orientation._marzouk_quaternion import MarzoukQuaternionEstimato
 from estimators.orientation._roetenberg import RoetenbergEstimator
 from estimators.orientation._scoring import OrientationErrors, orientation_errors
 from estimators.orientation._smoother import SmoothedOrientation
-from estimators.orientation._smoothers import Smoother, smooth, smoothers
+from estimators.orientation._smoothers import SmoothedChunk, Smoother, smooth, smoothers, with_orientation
 from estimators.orientation._telemotion import TelemotionEstimator
 from estimators.orientation._vqf import VqfEstimator
 
@@ -31,20 +31,26 @@ _REGISTRY: dict[str, type[OrientationEstimator]] = {
 }
 
 
-def available() -> dict[str, type[OrientationEstimator]]:
-    """Return the estimators by name, the default first; `title` and `description` are for people."""
-    return dict(_REGISTRY)
+def available(*, with_offline: bool = False) -> dict[str, type[OrientationEstimator]]:
+    """Return the estimators by name, the default first; `title` and `description` are for people.
+
+    Parameters
+    ----------
+    with_offline : bool
+        Also those that need the whole session and cannot run live (`is_offline`).
+    """
+    return {**_REGISTRY, **(smoothers() if with_offline else {})}
 
 
 def create(
     name: str, sensor_count: int, time_step_s: float, parameters: Mapping[str, Any] | None = None
 ) -> OrientationEstimator:
-    """Build an estimator that has seen no samples.
+    """Build an estimator that has seen no samples; off-line ones take only chunks already smoothed.
 
     Parameters
     ----------
     name : str
-        A key of `available()`.
+        A key of `available(with_offline=True)`.
     sensor_count : int
     time_step_s : float
     parameters : mapping, optional
@@ -55,9 +61,10 @@ def create(
     SetupError
         For an unknown name or parameter.
     """
-    if name not in _REGISTRY:
-        raise SetupError(f"no orientation estimator {name!r}; known are {', '.join(_REGISTRY)}")
-    return _REGISTRY[name](sensor_count, time_step_s, parameters)
+    known = available(with_offline=True)
+    if name not in known:
+        raise SetupError(f"no orientation estimator {name!r}; known are {', '.join(known)}")
+    return known[name](sensor_count, time_step_s, parameters)
 
 
 __all__ = [
@@ -66,6 +73,7 @@ __all__ = [
     "OrientationEstimator",
     "OrientationFlag",
     "OrientationResult",
+    "SmoothedChunk",
     "SmoothedOrientation",
     "Smoother",
     "TelemotionEstimator",
@@ -74,4 +82,5 @@ __all__ = [
     "orientation_errors",
     "smooth",
     "smoothers",
+    "with_orientation",
 ]

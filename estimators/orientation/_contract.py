@@ -72,6 +72,8 @@ class OrientationEstimator(ABC):
     """For people, two to four words."""
     description: ClassVar[str]
     """One sentence a therapist understands."""
+    is_offline: ClassVar[bool] = False
+    """Needs the whole session and cannot run live."""
 
     @abstractmethod
     def __init__(

@@ -1,60 +1,158 @@
-"""Off-line smoothers: their registry, beside that of the filters they go with."""
+"""Off-line smoothers: their registry, and how a pipeline plays what they found."""
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 from estimators.errors import SetupError
+from estimators.orientation._contract import OrientationEstimator, OrientationResult
 from estimators.orientation._device_constants import DeviceConstants
+from estimators.orientation._parameters import read_parameters
 from estimators.orientation._smoother import SmoothedOrientation, SmootherParameters
 from estimators.orientation._smoother import smooth as smooth_telemotion
-from estimators.recording import ImuChunk
+from estimators.orientation._streaming import ChunkGuard, bias_array, copied
+from estimators.recording import Float, ImuChunk
 
 
 @dataclass(frozen=True)
-class Smoother:
-    """A way to estimate orientation from a whole session.
+class SmoothedChunk(ImuChunk):
+    """Ticks whose orientation is known from the whole session.
 
     Attributes
     ----------
-    name, version, title, description : str
-        As for the estimators: key, changes with the numbers, for people, one sentence a therapist understands.
-    follows : str
-        The filter that gives the live result of the same method.
-    parameters : dict
-        Every parameter with its default, ready for JSON.
-    run : callable
-        Takes chunk, parameters and constants of the devices (or None for either).
+    orientation : OrientationResult
+        Of these ticks.
+    constants : tuple of DeviceConstants
+        One a sensor.
     """
 
-    name: str
-    version: str
-    title: str
-    description: str
-    follows: str
-    parameters: dict[str, Any]
-    run: Callable[
-        [ImuChunk, Mapping[str, Any] | None, Sequence[DeviceConstants | None] | None], SmoothedOrientation
-    ]
+    orientation: OrientationResult
+    constants: tuple[DeviceConstants, ...]
+
+    def ticks(self, start: int, stop: int) -> "SmoothedChunk":
+        """Return the half-open range of ticks `[start, stop)`, counted within this chunk."""
+        return with_orientation(
+            super().ticks(start, stop), sliced(self.orientation, start, stop), self.constants
+        )
 
 
-_REGISTRY = {
-    smoother.name: smoother
-    for smoother in (
-        Smoother(
-            name="telemotion_smoother",
-            version="1",
-            title="Telemotion, off-line",
-            description="Uses the whole session, forward and backward, once it is recorded; the most accurate.",
-            follows="telemotion",
-            parameters=asdict(SmootherParameters()),
-            run=smooth_telemotion,
-        ),
+def with_orientation(
+    chunk: ImuChunk, orientation: OrientationResult, constants: Sequence[DeviceConstants]
+) -> SmoothedChunk:
+    """Put a chunk and its known orientation together."""
+    measured = {field.name: getattr(chunk, field.name) for field in fields(ImuChunk)}
+    return SmoothedChunk(**measured, orientation=orientation, constants=tuple(constants))
+
+
+def sliced(result: OrientationResult, start: int, stop: int) -> OrientationResult:
+    """Return the half-open range of ticks `[start, stop)` of a result."""
+    sigma = result.sigma_rad
+    return OrientationResult(
+        np.ascontiguousarray(result.q_earth_sensor[:, start:stop]),
+        np.ascontiguousarray(result.gyroscope_bias_radps[:, start:stop]),
+        None if sigma is None else np.ascontiguousarray(sigma[:, start:stop]),
+        np.ascontiguousarray(result.flags[:, start:stop]),
     )
-}
 
 
-def smoothers() -> dict[str, Smoother]:
+class Smoother(OrientationEstimator):
+    """An off-line method: `smooth` works on a whole session, `update` gives back what it found.
+
+    So whatever takes an estimator, a pipeline above all, runs on a smoothed session as it runs live.
+    """
+
+    is_offline: ClassVar[bool] = True
+    follows: ClassVar[str]
+    """The filter that gives the live result of the same method."""
+    _parameter_kind: ClassVar[type[SmootherParameters]]
+
+    def __init__(
+        self, sensor_count: int, time_step_s: float, parameters: Mapping[str, Any] | None = None
+    ) -> None:
+        self._guard = ChunkGuard(sensor_count, time_step_s)
+        self._parameters = read_parameters(self._parameter_kind, parameters)
+        self._constants: tuple[DeviceConstants, ...] = ()
+
+    @classmethod
+    @abstractmethod
+    def smooth(
+        cls,
+        chunk: ImuChunk,
+        parameters: Mapping[str, Any] | None = None,
+        constants: Sequence[DeviceConstants | None] | None = None,
+    ) -> SmoothedOrientation:
+        """Estimate orientation from a whole session; see `estimators.orientation.smooth`."""
+
+    def update(self, chunk: ImuChunk) -> OrientationResult:
+        """Give back what was found for these ticks.
+
+        Raises
+        ------
+        SetupError
+            If the chunk was not smoothed: a live stream has no end to look back from.
+        """
+        if not isinstance(chunk, SmoothedChunk):
+            raise SetupError(
+                f"{self.name} needs the whole session; use {self.follows} while it is recorded, and smooth afterwards"
+            )
+        self._guard.accept(chunk)
+        self._constants = chunk.constants
+        return chunk.orientation
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """Return the next tick; all else is in the smoothed chunks."""
+        return {"next_tick": np.array(self._guard.next_tick, dtype=np.int64)}
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Continue where the instance that gave `state` stood."""
+        self._guard.next_tick = int(copied(state, "next_tick", np.array(0, dtype=np.int64)))
+
+    def set_gyroscope_bias(self, bias_radps: Float, sigma_radps: float) -> None:
+        """Check a static calibration; the whole session shows the bias better."""
+        bias_array(bias_radps, sigma_radps, self._guard.sensor_count)
+
+    @property
+    def device_constants(self) -> tuple[DeviceConstants, ...]:
+        """What the whole session taught about each sensor."""
+        return self._constants
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """Every parameter with its value and its unit in its name, ready for JSON."""
+        return asdict(self._parameters)
+
+
+class TelemotionSmoother(Smoother):
+    """Our own filter's model over the whole session, both ways."""
+
+    name: ClassVar[str] = "telemotion_smoother"
+    version: ClassVar[str] = "1"
+    title: ClassVar[str] = "Telemotion, off-line"
+    description: ClassVar[str] = (
+        "Looks at the whole session, forward and backward, once it is recorded; the most accurate."
+    )
+    follows: ClassVar[str] = "telemotion"
+    _parameter_kind = SmootherParameters
+
+    @classmethod
+    def smooth(
+        cls,
+        chunk: ImuChunk,
+        parameters: Mapping[str, Any] | None = None,
+        constants: Sequence[DeviceConstants | None] | None = None,
+    ) -> SmoothedOrientation:
+        """Estimate orientation from a whole session; see `estimators.orientation.smooth`."""
+        return smooth_telemotion(chunk, parameters, constants)
+
+
+_REGISTRY: dict[str, type[Smoother]] = {kind.name: kind for kind in (TelemotionSmoother,)}
+
+
+def smoothers() -> dict[str, type[Smoother]]:
     """Return the off-line smoothers by name."""
     return dict(_REGISTRY)
 
@@ -92,7 +190,15 @@ def smooth(
     """
     if name not in _REGISTRY:
         raise SetupError(f"no smoother {name!r}; known are {', '.join(_REGISTRY)}")
-    return _REGISTRY[name].run(chunk, parameters, constants)
+    return _REGISTRY[name].smooth(chunk, parameters, constants)
 
 
-__all__ = ["Smoother", "smooth", "smoothers"]
+__all__ = [
+    "SmoothedChunk",
+    "Smoother",
+    "TelemotionSmoother",
+    "sliced",
+    "smooth",
+    "smoothers",
+    "with_orientation",
+]

@@ -223,3 +223,32 @@ def test_real_fast_movement_is_nearer_the_optical_reference_than_vqf_off_line():
     found, reference = (orientation.orientation_errors(q, truth, movement) for q in (ours, package))
     assert found.total_rad < 0.6 * reference.total_rad
     assert found.inclination_rad < reference.inclination_rad
+
+
+def test_a_smoothed_session_plays_like_a_live_one():
+    chunk, _ = moving(10.0, first_tick=300)
+    found = orientation.smooth(NAME, chunk)
+    whole = orientation.with_orientation(chunk, found.orientation, found.constants)
+    player = orientation.create(NAME, 1, chunk.time_step_s)
+    first = player.update(whole.ticks(0, 333))
+    assert player.device_constants == found.constants
+    resumed = orientation.create(NAME, 1, chunk.time_step_s)
+    resumed.restore(player.state())
+    rest = [resumed.update(whole.ticks(a, b)) for a, b in ((333, 334), (334, 1000))]
+    for name in ("q_earth_sensor", "gyroscope_bias_radps", "sigma_rad", "flags"):
+        parts = [getattr(part, name) for part in (first, *rest)]
+        np.testing.assert_array_equal(np.concatenate(parts, axis=1), getattr(found.orientation, name))
+    with pytest.raises(ShapeError, match="tick 1300 is next"):
+        resumed.update(whole.ticks(0, 5))
+    with pytest.raises(SetupError, match="needs the whole session; use telemotion"):
+        orientation.create(NAME, 1, chunk.time_step_s).update(chunk)
+
+
+def test_the_smoother_is_listed_as_off_line_only():
+    assert NAME not in orientation.available()
+    listed = orientation.available(with_offline=True)
+    assert listed[NAME].is_offline
+    assert not any(kind.is_offline for name, kind in listed.items() if name != NAME)
+    assert orientation.smoothers()[NAME].follows in orientation.available()
+    parameters = orientation.create(NAME, 1, 0.01).parameters
+    assert parameters["output_lead_s"] == 0.0
