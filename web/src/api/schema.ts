@@ -71,6 +71,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/calibrations": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Guides
+         * @description Return the kinds of calibration with their steps, for the choice and the guide.
+         */
+        get: operations["list_guides_api_calibrations_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/caseload": {
         parameters: {
             query?: never;
@@ -615,6 +635,68 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/sessions/{session_id}/calibration/cancel": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Cancel Calibration
+         * @description End a guided calibration without a result; what was in force stays in force.
+         */
+        post: operations["cancel_calibration_api_sessions__session_id__calibration_cancel_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session_id}/calibration/next": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Next Step
+         * @description End the present step of a guided calibration; after the last one it is evaluated.
+         *
+         *     Steps of sensors in the hand (`magnetometer`) may be ended early: what was seen so far is evaluated.
+         */
+        post: operations["next_step_api_sessions__session_id__calibration_next_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session_id}/calibration/start": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Start Calibration
+         * @description Begin a guided calibration, or begin it again; what is in force stays until the new one is done.
+         */
+        post: operations["start_calibration_api_sessions__session_id__calibration_start_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/sessions/{session_id}/close": {
         parameters: {
             query?: never;
@@ -796,6 +878,46 @@ export interface paths {
          * @description Estimate a stored session again with another estimator; earlier results stay.
          */
         post: operations["reprocess_api_sessions__session_id__reprocess_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session_id}/reprocess-all": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Reprocess All
+         * @description Estimate a stored session with every estimator (or those named), a task each; earlier results stay.
+         */
+        post: operations["reprocess_all_api_sessions__session_id__reprocess_all_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session_id}/results/differences": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Differences
+         * @description Return how far two results are apart: RMS and maximum of every joint angle, and both curves.
+         */
+        get: operations["get_differences_api_sessions__session_id__results_differences_get"];
+        put?: never;
+        post?: never;
         delete?: never;
         options?: never;
         head?: never;
@@ -1211,6 +1333,24 @@ export interface components {
             version: string;
         };
         /**
+         * AngleDifference
+         * @description How far a column of two results is apart; None where nothing could be compared.
+         */
+        AngleDifference: {
+            /** Compared S */
+            compared_s: number;
+            /** Maximum At S */
+            maximum_at_s: number | null;
+            /** Maximum Deg */
+            maximum_deg: number | null;
+            /** Mean Deg */
+            mean_deg: number | null;
+            /** Name */
+            name: string;
+            /** Rms Deg */
+            rms_deg: number | null;
+        };
+        /**
          * AuditOut
          * @description Who did what with a patient's data.
          */
@@ -1234,6 +1374,18 @@ export interface components {
             who: string;
         };
         /**
+         * AxisOut
+         * @description One movement as it was seen.
+         */
+        AxisOut: {
+            /** Name */
+            name: string;
+            /** Range Deg */
+            range_deg: number;
+            /** Sigma Deg */
+            sigma_deg: number;
+        };
+        /**
          * BodyDimensionsIn
          * @description Measured lengths between joint centres, in metres; what is absent is scaled from stature.
          */
@@ -1252,6 +1404,91 @@ export interface components {
             upper_arm_m?: number | null;
         };
         /**
+         * CalibrationGuide
+         * @description One kind of calibration, for the choice and for the guide beside the live view.
+         */
+        CalibrationGuide: {
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "static_bias" | "six_position" | "magnetometer" | "n_pose" | "t_pose" | "functional" | "passive" | "heading_reset";
+            /** One Sensor */
+            one_sensor: boolean;
+            /** Steps */
+            steps: components["schemas"]["CalibrationStep"][];
+            /** Summary */
+            summary: string;
+            /** Title */
+            title: string;
+            /** Worn */
+            worn: boolean;
+        };
+        /**
+         * CalibrationIn
+         * @description Begin a guided calibration on a live session.
+         */
+        CalibrationIn: {
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "static_bias" | "six_position" | "magnetometer" | "n_pose" | "t_pose" | "functional" | "passive" | "heading_reset";
+            /** Limbs */
+            limbs?: ("left_arm" | "right_arm" | "trunk" | "legs")[];
+            /** Placements */
+            placements?: ("head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right")[];
+        };
+        /**
+         * CalibrationMessage
+         * @description Live socket: a guided calibration, on every change and at most five times a second; also on connecting.
+         */
+        CalibrationMessage: {
+            /** Axes */
+            axes?: components["schemas"]["AxisOut"][];
+            /** Directions */
+            directions?: [
+                number,
+                number,
+                number
+            ][];
+            /** Findings */
+            findings?: components["schemas"]["SensorFinding"][];
+            /** Hint */
+            hint: string;
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "static_bias" | "six_position" | "magnetometer" | "n_pose" | "t_pose" | "functional" | "passive" | "heading_reset";
+            /**
+             * Phase
+             * @enum {string}
+             */
+            phase: "collecting" | "evaluating" | "done" | "redo" | "cancelled";
+            /** Reasons */
+            reasons?: string[];
+            /** Redo Steps */
+            redo_steps?: string[];
+            result?: components["schemas"]["CalibrationOut"] | null;
+            /** Score */
+            score?: number | null;
+            /** Sensors */
+            sensors?: components["schemas"]["SensorProgress"][];
+            /** Step */
+            step: number;
+            /** Step Progress */
+            step_progress: number;
+            /** Steps */
+            steps: components["schemas"]["CalibrationStep"][];
+            /**
+             * Type
+             * @default calibration
+             * @constant
+             */
+            type?: "calibration";
+        };
+        /**
          * CalibrationOut
          * @description Result of a calibration step.
          */
@@ -1262,6 +1499,28 @@ export interface components {
             reasons: string[];
             /** Score */
             score: number;
+        };
+        /**
+         * CalibrationStep
+         * @description One thing to do.
+         */
+        CalibrationStep: {
+            /**
+             * Ends
+             * @enum {string}
+             */
+            ends: "itself" | "next";
+            /** Instruction */
+            instruction: string;
+            /** Key */
+            key: string;
+            /**
+             * Picture
+             * @enum {string}
+             */
+            picture: "lie_still" | "face_x_up" | "face_x_down" | "face_y_up" | "face_y_down" | "face_z_up" | "face_z_down" | "turn_x" | "turn_y" | "turn_z" | "turn_all_ways" | "n_pose" | "t_pose" | "elbow_flexion" | "pronation" | "raise_forward" | "raise_sideways" | "seated_rest" | "seated_elbow_flexion" | "seated_pronation" | "seated_raise_forward" | "seated_raise_sideways" | "arm_hanging";
+            /** Title */
+            title: string;
         };
         /**
          * CameraCommand
@@ -1490,6 +1749,18 @@ export interface components {
             time_unit?: "s" | "ms" | "us";
         };
         /**
+         * CurvePair
+         * @description One joint angle of both results at the times of `DifferencesOut.time_s`; None where there is nothing.
+         */
+        CurvePair: {
+            /** A Deg */
+            a_deg: (number | null)[];
+            /** B Deg */
+            b_deg: (number | null)[];
+            /** Name */
+            name: string;
+        };
+        /**
          * DeviceTokenIn
          * @description A new gateway credential.
          */
@@ -1525,6 +1796,22 @@ export interface components {
             revoked_at: string | null;
             /** Token */
             token?: string | null;
+        };
+        /**
+         * DifferencesOut
+         * @description Two results of one session beside each other.
+         */
+        DifferencesOut: {
+            /** Angles */
+            angles: components["schemas"]["AngleDifference"][];
+            /** Curves */
+            curves: components["schemas"]["CurvePair"][];
+            result_a: components["schemas"]["ResultOut"];
+            result_b: components["schemas"]["ResultOut"];
+            /** Segments */
+            segments: components["schemas"]["AngleDifference"][];
+            /** Time S */
+            time_s: number[];
         };
         /**
          * ErasureIn
@@ -1571,6 +1858,8 @@ export interface components {
             description: string;
             /** Name */
             name: string;
+            /** Parameter List */
+            parameter_list: components["schemas"]["ParameterOut"][];
             /** Parameters */
             parameters: {
                 [key: string]: unknown;
@@ -1834,6 +2123,20 @@ export interface components {
             unit: string;
             /** Value */
             value: number | null;
+        };
+        /**
+         * ParameterOut
+         * @description One parameter of an estimator.
+         */
+        ParameterOut: {
+            /** Default */
+            default: boolean | number | string;
+            /** Label */
+            label: string;
+            /** Name */
+            name: string;
+            /** Unit */
+            unit: string;
         };
         /**
          * PasswordIn
@@ -2171,6 +2474,19 @@ export interface components {
             start_s: number;
         };
         /**
+         * ReprocessAllIn
+         * @description Estimate a stored session with several estimators, a task each.
+         */
+        ReprocessAllIn: {
+            /** Orientations */
+            orientations?: string[];
+            /**
+             * Skip Present
+             * @default true
+             */
+            skip_present?: boolean;
+        };
+        /**
          * ReprocessIn
          * @description Estimate a stored session again; the earlier results stay.
          */
@@ -2222,6 +2538,21 @@ export interface components {
             status: "running" | "complete" | "failed";
         };
         /**
+         * SensorFinding
+         * @description A sensor that does not sit where it should.
+         */
+        SensorFinding: {
+            /**
+             * Code
+             * @enum {string}
+             */
+            code: "swapped_sides" | "swapped_segments" | "turned" | "moved_since" | "faulty";
+            /** Placements */
+            placements: ("head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right")[];
+            /** Text */
+            text: string;
+        };
+        /**
          * SensorHealth
          * @description One sensor's link and signal over the last two seconds.
          */
@@ -2250,11 +2581,46 @@ export interface components {
             status: "ok" | "noisy" | "lost";
         };
         /**
+         * SensorProgress
+         * @description How far one sensor is.
+         */
+        SensorProgress: {
+            /** Coverage */
+            coverage?: number | null;
+            /** Found */
+            found?: string[];
+            /** Heading Sigma Deg */
+            heading_sigma_deg?: number | null;
+            /**
+             * Hint
+             * @default
+             */
+            hint?: string;
+            /**
+             * Is Done
+             * @default false
+             */
+            is_done?: boolean;
+            /**
+             * Placement
+             * @enum {string}
+             */
+            placement: "head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right";
+            /** Progress */
+            progress: number;
+            /** Residual Percent */
+            residual_percent?: number | null;
+            /** Visited */
+            visited?: boolean[];
+        };
+        /**
          * SessionDetail
          * @description A session with what was done with it.
          */
         SessionDetail: {
             calibration: components["schemas"]["CalibrationOut"] | null;
+            /** Constrain Joint Headings */
+            constrain_joint_headings: boolean;
             /**
              * Created At
              * Format: date-time
@@ -2279,6 +2645,10 @@ export interface components {
             may_treat: boolean;
             /** Orientation */
             orientation: string;
+            /** Orientation Parameters */
+            orientation_parameters: {
+                [key: string]: unknown;
+            };
             /** Packets Missing */
             packets_missing: number;
             /** Packets Stored */
@@ -2338,6 +2708,11 @@ export interface components {
          * @description A new session; the rate and placements are confirmed by the gateway's hello.
          */
         SessionIn: {
+            /**
+             * Constrain Joint Headings
+             * @default false
+             */
+            constrain_joint_headings?: boolean;
             /** Exercise Id */
             exercise_id?: string | null;
             /**
@@ -2815,6 +3190,26 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["AccuracyReport"];
+                };
+            };
+        };
+    };
+    list_guides_api_calibrations_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CalibrationGuide"][];
                 };
             };
         };
@@ -3831,6 +4226,103 @@ export interface operations {
             };
         };
     };
+    cancel_calibration_api_sessions__session_id__calibration_cancel_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CalibrationMessage"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+        };
+    };
+    next_step_api_sessions__session_id__calibration_next_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CalibrationMessage"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+        };
+    };
+    start_calibration_api_sessions__session_id__calibration_start_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["CalibrationIn"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CalibrationMessage"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+        };
+    };
     close_api_sessions__session_id__close_post: {
         parameters: {
             query?: never;
@@ -4145,6 +4637,76 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["JobOut"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+        };
+    };
+    reprocess_all_api_sessions__session_id__reprocess_all_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ReprocessAllIn"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["JobOut"][];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+        };
+    };
+    get_differences_api_sessions__session_id__results_differences_get: {
+        parameters: {
+            query: {
+                max_points?: number;
+                result_a: string;
+                result_b: string;
+            };
+            header?: never;
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DifferencesOut"];
                 };
             };
             /** @description Validation Error */

@@ -55,6 +55,11 @@ export type CsvColumn = Schemas['CsvColumn'];
 export type ViewIn = Schemas['ViewIn'];
 export type View = Schemas['ViewOut'];
 
+export type AccuracyReport = Schemas['AccuracyReport'];
+export type AccuracyProtocol = Schemas['AccuracyProtocol'];
+export type AccuracyFigure = Schemas['AccuracyFigure'];
+export type AccuracyPlot = Schemas['AccuracyPlot'];
+
 export type Comparison = Schemas['ComparisonOut'];
 export type ComparisonDetail = Schemas['ComparisonDetail'];
 export type RepetitionComparison = Schemas['RepetitionComparison'];

@@ -76,6 +76,8 @@ export function Shell() {
         { to: '/exercises', text: t('nav.exercises') },
         { to: '/upload', text: t('nav.upload') },
       ];
+  // Seldom needed: behind the name, not in the bar.
+  const more = isPatient ? [] : [{ to: '/accuracy', text: t('nav.accuracy') }];
   return (
     <div className={isPatient ? 'shell shell-patient' : 'shell'}>
       <a className="skip-link" href="#main">
@@ -103,6 +105,12 @@ export function Shell() {
                 <Menu.Label>
                   {me.data.clinic_name} · {t(`role.${me.data.role}`)}
                 </Menu.Label>
+                {more.map((link) => (
+                  <Menu.Item key={link.to} onClick={() => void navigate(link.to)}>
+                    {link.text}
+                  </Menu.Item>
+                ))}
+                <Menu.Divider />
                 <Menu.Item onClick={() => signOut.mutate()}>{t('action.signOut')}</Menu.Item>
               </Menu.Dropdown>
             </Menu>
@@ -114,7 +122,7 @@ export function Shell() {
               </Menu.Target>
               <Menu.Dropdown>
                 <Menu.Label>{me.data.display_name}</Menu.Label>
-                {links.map((link) => (
+                {[...links, ...more].map((link) => (
                   <Menu.Item key={link.to} fz="md" py={12} onClick={() => void navigate(link.to)}>
                     {link.text}
                   </Menu.Item>

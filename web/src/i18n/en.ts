@@ -3,6 +3,7 @@ import { common } from './en/common';
 import { motion } from './en/motion';
 import { patient } from './en/patient';
 import { report } from './en/report';
+import { research } from './en/research';
 import { session } from './en/session';
 
-export const en = { ...common, ...motion, ...patient, ...report, ...session } as const;
+export const en = { ...common, ...motion, ...patient, ...report, ...research, ...session } as const;

@@ -9,6 +9,7 @@ export const common = {
   'nav.caseload': 'Caseload',
   'nav.exercises': 'Exercises',
   'nav.upload': 'Upload',
+  'nav.accuracy': 'Accuracy',
   'nav.today': 'Today',
   'nav.myResults': 'My results',
   'nav.myData': 'My data',

@@ -1,0 +1,23 @@
+// Words of the pages for researchers and integrators: accuracy, estimators side by side.
+export const research = {
+  'accuracy.title': 'Accuracy',
+  'accuracy.lead': 'Published experiments, repeated with this version: their figure, what we require, and ours.',
+  'accuracy.overview': '{met} of {all} experiments meet what is required',
+  'accuracy.how': 'Each experiment runs with {seeds} random seeds, or on the recordings named. The figure in bold is the one that is judged: the worst case, unless the experiment says the median. Figures marked “only shown” have no limit.',
+  'accuracy.made': 'Version {version}, measured on {date} in {seconds} s. {machine}.',
+  'accuracy.command': 'Command that measures everything again',
+  'accuracy.commandOf': 'Command that repeats “{title}”',
+  'accuracy.again': 'Measured with {seeds} seeds in {seconds} s. To repeat it:',
+  'accuracy.figure': 'Figure',
+  'accuracy.published': 'Published',
+  'accuracy.required': 'Required',
+  'accuracy.median': 'Ours, median',
+  'accuracy.worst': 'Ours, worst',
+  'accuracy.mark': 'Mark',
+  'accuracy.met': 'Met',
+  'accuracy.missed': 'Missed',
+  'accuracy.shownOnly': 'only shown',
+  'accuracy.more': { one: 'Show {count} more figure', other: 'Show {count} more figures' },
+  'accuracy.moreOf': '{title}, further figures',
+  'accuracy.plotLabel': '{title}: {y} over {x}, with the lines {lines}',
+} as const;

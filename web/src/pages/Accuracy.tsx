@@ -1,0 +1,161 @@
+// How accurate this version is: every published experiment, their figure, what is required, ours, and how to measure it again.
+import { IconCheck, IconX } from '@tabler/icons-react';
+import { useAccuracy } from '../api/queries';
+import type { AccuracyFigure, AccuracyPlot, AccuracyProtocol, AccuracyReport } from '../api/types';
+import { LineChart } from '../charts/LineChart';
+import { CopyBox } from '../components/CopyBox';
+import { Answer } from '../components/Feedback';
+import { Page } from '../components/Page';
+import { t } from '../i18n';
+import { figure, isJudged, unitSign } from '../lib/figures';
+import { date, number } from '../lib/format';
+
+const SHOWN_FIRST = 12;
+
+function PassMark({ passed }: { passed: boolean }) {
+  const Icon = passed ? IconCheck : IconX;
+  return (
+    <span className={passed ? 'tag' : 'tag tag-alert'}>
+      <Icon size={17} stroke={2.6} aria-hidden />
+      {passed ? t('accuracy.met') : t('accuracy.missed')}
+    </span>
+  );
+}
+
+function Row({ one }: { one: AccuracyFigure }) {
+  const judged = isJudged(one);
+  const strong = (kind: 'median' | 'worst') => (judged && one.judged_by === kind ? 'number strong' : 'number');
+  return (
+    <tr className={judged ? undefined : 'row-left-out'}>
+      <th scope="row">{one.name}</th>
+      <td className="number">{figure(one.published, one.unit)}</td>
+      <td className="number">{judged ? `${one.at_most ? '≤' : '≥'} ${figure(one.required, one.unit)}` : t('accuracy.shownOnly')}</td>
+      <td className={strong('median')}>{figure(one.median, one.unit)}</td>
+      <td className={strong('worst')}>{figure(one.worst, one.unit)}</td>
+      <td>{judged && <PassMark passed={one.passed} />}</td>
+    </tr>
+  );
+}
+
+function Table({ figures, caption }: { figures: readonly AccuracyFigure[]; caption: string }) {
+  return (
+    // A table that scrolls must be reachable by keyboard.
+    // eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex
+    <div className="table-scroll" tabIndex={0} role="region" aria-label={caption}>
+      <table className="plain-table wide-table">
+        <thead>
+          <tr>
+            <th scope="col">{t('accuracy.figure')}</th>
+            <th scope="col">{t('accuracy.published')}</th>
+            <th scope="col">{t('accuracy.required')}</th>
+            <th scope="col">{t('accuracy.median')}</th>
+            <th scope="col">{t('accuracy.worst')}</th>
+            <th scope="col">{t('accuracy.mark')}</th>
+          </tr>
+        </thead>
+        <tbody>
+          {figures.map((one) => (
+            <Row key={one.name} one={one} />
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}
+
+function Curves({ plot }: { plot: AccuracyPlot }) {
+  const withUnit = (label: string, unit: string) => (unitSign(unit).trim() ? `${label} (${unitSign(unit).trim()})` : label);
+  return (
+    <figure className="figure">
+      <figcaption className="strong">{plot.title}</figcaption>
+      <LineChart
+        lines={plot.curves}
+        xTitle={withUnit(plot.x_label, plot.x_unit)}
+        yTitle={withUnit(plot.y_label, plot.y_unit)}
+        logarithmic={plot.logarithmic}
+        label={t('accuracy.plotLabel', { title: plot.title, y: plot.y_label, x: plot.x_label, lines: plot.curves.map((curve) => curve.name).join(', ') })}
+      />
+    </figure>
+  );
+}
+
+function Protocol({ protocol, command }: { protocol: AccuracyProtocol; command: string }) {
+  const judgedFirst = [...protocol.figures].sort((a, b) => Number(isJudged(b)) - Number(isJudged(a)));
+  const first = judgedFirst.slice(0, SHOWN_FIRST);
+  const rest = judgedFirst.slice(SHOWN_FIRST);
+  return (
+    <section className="card stack" id={protocol.name} aria-labelledby={`${protocol.name}-title`}>
+      <div>
+        <div className="line-head">
+          <h2 id={`${protocol.name}-title`} className="protocol-title">
+            {protocol.title}
+          </h2>
+          <PassMark passed={protocol.passed} />
+        </div>
+        <p className="muted small">{protocol.source}</p>
+        <p className="measure-text">{protocol.what}</p>
+      </div>
+      <Table figures={first} caption={protocol.title} />
+      {rest.length > 0 && (
+        <details className="as-table">
+          <summary>{t('accuracy.more', { count: rest.length })}</summary>
+          <Table figures={rest} caption={t('accuracy.moreOf', { title: protocol.title })} />
+        </details>
+      )}
+      {protocol.plots.length > 0 && (
+        <div className="plot-grid">
+          {protocol.plots.map((plot) => (
+            <Curves key={plot.title} plot={plot} />
+          ))}
+        </div>
+      )}
+      <div>
+        <p className="muted small">{t('accuracy.again', { seeds: protocol.seeds, seconds: number(protocol.seconds, protocol.seconds < 10 ? 1 : 0) })}</p>
+        <CopyBox label={t('accuracy.commandOf', { title: protocol.title })} text={command.replace('validate', `validate ${protocol.name}`)} />
+      </div>
+    </section>
+  );
+}
+
+function Report({ report }: { report: AccuracyReport }) {
+  const met = report.protocols.filter((one) => one.passed).length;
+  return (
+    <div className="stack">
+      <section className="card stack" aria-labelledby="overview">
+        <div className="line-head">
+          <h2 id="overview" className="protocol-title">
+            {t('accuracy.overview', { met, all: report.protocols.length })}
+          </h2>
+          <PassMark passed={report.passed} />
+        </div>
+        <p className="measure-text">{t('accuracy.how', { seeds: report.seeds })}</p>
+        <ol className="protocol-index">
+          {report.protocols.map((one) => (
+            <li key={one.name}>
+              <a href={`#${one.name}`}>{one.title}</a>
+              {!one.passed && <span className="alert-text"> ({t('accuracy.missed')})</span>}
+            </li>
+          ))}
+        </ol>
+        <div>
+          <p className="muted small">{t('accuracy.made', { version: report.version, date: date(report.made_at, new Date(0)), machine: report.machine, seconds: number(report.seconds) })}</p>
+          <CopyBox label={t('accuracy.command')} text={report.command} />
+        </div>
+      </section>
+      {report.protocols.map((one) => (
+        <Protocol key={one.name} protocol={one} command={report.command} />
+      ))}
+    </div>
+  );
+}
+
+export function AccuracyPage() {
+  const report = useAccuracy();
+  return (
+    <Page title={t('accuracy.title')} lead={t('accuracy.lead')}>
+      <Answer of={report} lines={8} height={40}>
+        {(data) => <Report report={data} />}
+      </Answer>
+    </Page>
+  );
+}
