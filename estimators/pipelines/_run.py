@@ -9,6 +9,7 @@ from estimators import signals
 from estimators.errors import CalibrationError, SetupError, ShapeError
 from estimators.pipelines._arm import ArmPipeline
 from estimators.pipelines._contract import Frames, Pipeline, SessionSetup
+from estimators.pipelines._offline import smoothed_chunk
 from estimators.pipelines._orientation import OrientationPipeline
 from estimators.recording import ImuChunk, Recording
 
@@ -117,7 +118,8 @@ def run(
     Notes
     -----
     The calibration found is applied to the whole recording from its start, also to what came before the
-    pose: a second pass, as off-line nothing is in a hurry.
+    pose: a second pass, as off-line nothing is in a hurry. Where the setup names an off-line smoother
+    (`orientation.smoothers()`), the orientation of every sensor is found from the whole recording first.
     """
     missing = [name for name in setup.placements if name not in recording.sensors]
     if missing:
@@ -125,7 +127,7 @@ def run(
             f"the recording has no sensor {', '.join(missing)}; it has {', '.join(recording.sensors)}"
         )
     worn = replace(recording, sensors={name: recording.sensors[name] for name in setup.placements})
-    chunk = signals.to_common_ticks(worn, setup.rate_hz)
+    chunk = smoothed_chunk(signals.to_common_ticks(worn, setup.rate_hz), setup)
     is_mounted = setup.calibration is not None and bool(setup.calibration.q_sensor_segment)
     if not is_mounted and (setup.pipeline != OrientationPipeline.name or pose_s is not None):
         setup = _calibrated(chunk, setup, pose_s)

@@ -1,0 +1,91 @@
+"""Orientation of a whole session by an off-line smoother, before a pipeline runs over it."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from estimators import orientation
+from estimators.orientation import DeviceConstants, OrientationResult, SmoothedChunk
+from estimators.pipelines._contract import SessionSetup
+from estimators.recording import ImuChunk
+
+
+def is_offline(setup: SessionSetup) -> bool:
+    """Say whether the setup names a method that needs the whole session."""
+    return setup.orientation in orientation.smoothers()
+
+
+def smooth_network(
+    pieces: Sequence[ImuChunk], setup: SessionSetup
+) -> tuple[OrientationResult, tuple[DeviceConstants, ...]]:
+    """Smooth every sensor of a session, one after the other.
+
+    Parameters
+    ----------
+    pieces : sequence of ImuChunk
+        Consecutive ticks of the whole session as measured, in the order of `setup.placements`; one at least.
+    setup : SessionSetup
+        Names the smoother and its parameters. Accelerometer biases that its calibration holds are taken off
+        first, and what is known of the devices is where each sensor starts.
+
+    Returns
+    -------
+    orientation : OrientationResult
+        Of all ticks.
+    constants : tuple of DeviceConstants
+        One a sensor.
+
+    Raises
+    ------
+    SetupError
+        For an unknown smoother or parameter.
+    ShapeError
+        If the session holds no ticks.
+    """
+    ticks = sum(piece.tick_count for piece in pieces)
+    shape = (len(setup.placements), ticks)
+    found = OrientationResult(
+        np.empty((*shape, 4)), np.empty((*shape, 3)), np.empty((*shape, 3)), np.empty(shape, dtype=np.uint8)
+    )
+    learnt = []
+    for s, name in enumerate(setup.placements):
+        one = orientation.smooth(
+            setup.orientation,
+            _sensor(pieces, s, setup),
+            setup.orientation_parameters,
+            [setup.device_constants.get(name)],
+        )
+        for field in ("q_earth_sensor", "gyroscope_bias_radps", "sigma_rad", "flags"):
+            getattr(found, field)[s] = getattr(one.orientation, field)[0]
+        learnt.append(one.constants[0])
+    return found, tuple(learnt)
+
+
+def smoothed_chunk(chunk: ImuChunk, setup: SessionSetup) -> ImuChunk:
+    """Return a whole session with its orientation if the setup names a smoother; else the chunk as it is."""
+    if not is_offline(setup) or isinstance(chunk, SmoothedChunk):
+        return chunk
+    return orientation.with_orientation(chunk, *smooth_network([chunk], setup))
+
+
+def _sensor(pieces: Sequence[ImuChunk], s: int, setup: SessionSetup) -> ImuChunk:
+    """Put the ticks of one sensor together, corrected by what is known of it."""
+    first, name = pieces[0], setup.placements[s]
+    field = None
+    if first.magnetometer_t is not None:
+        field = np.concatenate([p.magnetometer_t[s] for p in pieces if p.magnetometer_t is not None])[None]
+    chunk = replace(
+        first,
+        gyroscope_radps=np.concatenate([piece.gyroscope_radps[s] for piece in pieces])[None],
+        accelerometer_mps2=np.concatenate([piece.accelerometer_mps2[s] for piece in pieces])[None],
+        magnetometer_t=field,
+        quality=np.concatenate([piece.quality[s] for piece in pieces])[None],
+    )
+    if setup.calibration is not None and name in setup.calibration.accelerometer_bias_mps2:
+        bias = np.array(setup.calibration.accelerometer_bias_mps2[name])
+        chunk = replace(chunk, accelerometer_mps2=chunk.accelerometer_mps2 - bias)
+    return chunk
+
+
+__all__ = ["is_offline", "smooth_network", "smoothed_chunk"]
