@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from zlib import crc32
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +41,8 @@ class DeviceStream:
     scales : CountScales
     ticks_per_packet : int
     device : str
+    serials : tuple of str
+        One a sensor, or none.
     """
 
     placements: tuple[str, ...]
@@ -48,6 +51,7 @@ class DeviceStream:
     scales: CountScales
     ticks_per_packet: int = 5
     device: str = "telemotion simulator"
+    serials: tuple[str, ...] = ()
 
     @property
     def packet_count(self) -> int:
@@ -74,6 +78,7 @@ class DeviceStream:
             clip_gyroscope_radps=self.scales.gyroscope_radps,
             clip_accelerometer_mps2=self.scales.accelerometer_mps2,
             device=self.device,
+            serials=list(self.serials),
             firmware="1",
         )
 
@@ -135,4 +140,19 @@ def stream_of(
         table[np.isnan(table).any(axis=1)] = 0.0
         columns.append(np.rint(np.clip(table, -1.0, 1.0) * _FULL_COUNTS))
     counts = np.stack(columns, axis=1).astype(np.int16)
-    return DeviceStream(recording.placements, recording.nominal_rate_hz, counts, scales, ticks_per_packet)
+    return DeviceStream(
+        recording.placements,
+        recording.nominal_rate_hz,
+        counts,
+        scales,
+        ticks_per_packet,
+        serials=_serials_of(recording),
+    )
+
+
+def _serials_of(recording: Recording) -> tuple[str, ...]:
+    """Return serial numbers of simulated sensors: the same errors are the same sensors; files tell none."""
+    if recording.origin != "simulation" or "seed" not in recording.metadata:
+        return ()
+    kind = crc32(recording.metadata.get("sensor_errors", "").encode())
+    return tuple(f"simulated-{kind:08x}-{recording.metadata['seed']}-{name}" for name in recording.placements)

@@ -43,6 +43,8 @@ class Declaration:
         rad/s, m/s^2 and T per count for int16 packets; None when the device sends float32 only.
     clip_gyroscope_radps, clip_accelerometer_mps2 : float or None
         Full scale of the sensors; None when unknown.
+    serials : tuple of str
+        Serial number of each sensor in the order of the placements; empty when the gateway tells none.
     clock_epochs : tuple of ClockEpoch
         Found by the live session; empty until its first packet.
     """
@@ -56,7 +58,13 @@ class Declaration:
     clip_accelerometer_mps2: float | None = None
     device: str = ""
     firmware: str = ""
+    serials: tuple[str, ...] = ()
     clock_epochs: tuple[ClockEpoch, ...] = field(default=())
+
+    @property
+    def serial_of(self) -> dict[Placement, str]:
+        """Serial number of each sensor; empty when the gateway tells none."""
+        return dict(zip(self.placements, self.serials, strict=False))
 
     @property
     def sensor_count(self) -> int:
@@ -71,7 +79,7 @@ class Declaration:
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON types; `from_dict` reverses it."""
         stored = asdict(self)
-        stored["placements"] = list(self.placements)
+        stored["placements"], stored["serials"] = list(self.placements), list(self.serials)
         stored["clock_epochs"] = [asdict(epoch) for epoch in self.clock_epochs]
         return stored
 
@@ -80,6 +88,7 @@ class Declaration:
         """Rebuild from what the session stored."""
         values = {name: stored[name] for name in cls.__dataclass_fields__ if name in stored}
         values["placements"] = tuple(values["placements"])
+        values["serials"] = tuple(values.get("serials") or ())
         values["clock_epochs"] = tuple(ClockEpoch(**epoch) for epoch in values.get("clock_epochs") or ())
         return cls(**values)
 
@@ -117,6 +126,7 @@ def check_hello(hello: HelloMessage) -> Declaration:
     return Declaration(
         placements=check_placements(hello.placements),
         rate_hz=_check_rate(hello.rate_hz),
+        serials=check_serials(hello.serials, len(hello.placements)),
         device=hello.device,
         firmware=hello.firmware,
         clip_gyroscope_radps=_check_positive("clip_gyroscope_radps", hello.clip_gyroscope_radps, 1e3),
@@ -145,6 +155,17 @@ def check_placements(names: list[str]) -> tuple[Placement, ...]:
     if len(set(names)) != len(names):
         raise PacketError("A placement is named twice; each sensor has its own.", reason="placements")
     return tuple(name for placement in names for name in PLACEMENTS if name == placement)
+
+
+def check_serials(serials: list[str], count: int) -> tuple[str, ...]:
+    """Return the serial numbers, one a sensor, or say what is wrong with them."""
+    if serials and (len(serials) != count or len(set(serials)) != count):
+        raise PacketError(
+            f"The hello names {count} sensors and {len(set(serials))} different serial numbers; send one for each"
+            " sensor, or none.",
+            reason="placements",
+        )
+    return tuple(serials)
 
 
 def _check_rate(rate_hz: float) -> float:

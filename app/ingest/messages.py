@@ -1,6 +1,6 @@
 """Messages between a gateway and `/ws/ingest`, and the typed error of every socket."""
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -36,6 +36,8 @@ class HelloMessage(Schema):
     clip_accelerometer_mps2: float | None = None
     device: str = Field(default="", max_length=100)
     firmware: str = Field(default="", max_length=100)
+    serials: list[Annotated[str, Field(min_length=1, max_length=100)]] = Field(default_factory=list)
+    """Serial number of each sensor, in the order of the placements: what is known of a sensor is used again."""
 
 
 class AcknowledgeMessage(Schema):

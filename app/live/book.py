@@ -4,6 +4,7 @@ import contextlib
 import logging
 from abc import ABC, abstractmethod
 from functools import partial
+from typing import Any
 
 from sqlalchemy import Engine
 
@@ -18,7 +19,7 @@ from app.recordings.schemas import SessionEventOut, SessionState
 
 logger = logging.getLogger(__name__)
 
-TOPICS = ("frames", "state", "health", "event", "layout")
+TOPICS = ("frames", "state", "health", "event", "layout", "calibration")
 
 
 class SessionBook(ABC):
@@ -88,12 +89,19 @@ class SessionBook(ABC):
         *,
         placement: str | None = None,
         text: str = "",
+        details: dict[str, Any] | None = None,
     ) -> None:
         """Store and publish something on the time line."""
         with contextlib.suppress(Conflict, Unavailable):
             # A session that cannot be stored is told so once, by the writer.
             self._writer.add_event(
-                self.id, kind, time_s, duration_s=duration_s, placement=placement, text=text
+                self.id,
+                kind,
+                time_s,
+                duration_s=duration_s,
+                placement=placement,
+                text=text,
+                details=details,
             )
         event = SessionEventOut(
             kind=kind, time_s=time_s, duration_s=duration_s, placement=placement, text=text[:500]

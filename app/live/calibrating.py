@@ -1,81 +1,240 @@
-"""The calibration of a live session: hold the pose, evaluate it between two steps of the pipeline, tell."""
+"""The guided calibration of a live session: collect, evaluate between two steps of the pipeline, tell."""
 
 import asyncio
+import logging
+import time
 from collections.abc import Callable
 from functools import partial
+from typing import Final
 
+from app.errors import Conflict
+from app.live.calibration_messages import CalibrationIn, CalibrationKind, CalibrationMessage
+from app.live.collectors import Collector, MovementSteps, Outcome, PoseStep
+from app.live.device_collectors import Compass, SixPositions
 from app.live.estimation import EstimationLine
-from app.live.pose import PoseCollector
-from estimators.errors import CalibrationError
-from estimators.pipelines import Calibration
+from app.recordings.schemas import CalibrationOut
+from estimators.conventions import Placement
+from estimators.errors import EstimationError
 from estimators.recording import ImuChunk
+
+logger = logging.getLogger(__name__)
+
+TELL_EVERY_S: Final = 0.2
+_COLLECTORS: Final[dict[CalibrationKind, type[Collector]]] = {
+    "static_bias": PoseStep,
+    "n_pose": PoseStep,
+    "t_pose": PoseStep,
+    "heading_reset": PoseStep,
+    "functional": MovementSteps,
+    "passive": MovementSteps,
+    "six_position": SixPositions,
+    "magnetometer": Compass,
+}
 
 
 class CalibrationDesk:
-    """Collects the pose and has the pipeline evaluate it.
+    """Runs one guided calibration at a time.
 
     Parameters
     ----------
-    pose : PoseCollector
+    placements : tuple of Placement
+    time_step_s : float
     line : EstimationLine
+    tell : callable(message)
+        Publishes to the live socket.
     changed : callable()
-        Progress or hint are new.
-    done : callable(calibration, pose)
-        The calibration is in force.
-    failed : callable(message, pose or None)
-        It is not, with what to do; without a pose the patient was never still.
+        Progress or hint of the session's state are new.
+    done : callable(outcome, kind)
+        It is in force.
+    failed : callable(message)
+        It is not, with what to do.
     """
 
     def __init__(
         self,
-        pose: PoseCollector,
+        placements: tuple[Placement, ...],
+        time_step_s: float,
         line: EstimationLine,
+        *,
+        tell: Callable[[CalibrationMessage], None],
         changed: Callable[[], None],
-        done: Callable[[Calibration, ImuChunk], None],
-        failed: Callable[[str, ImuChunk | None], None],
+        done: Callable[[Outcome, CalibrationKind], None],
+        failed: Callable[[str], None],
     ) -> None:
-        self._pose, self._line = pose, line
-        self._changed, self._done, self._failed = changed, done, failed
+        self._placements, self._step_s, self._line = placements, time_step_s, line
+        self._tell, self._changed, self._done, self._failed = tell, changed, done, failed
         self._loop = asyncio.get_running_loop()
+        self._collector: Collector | None = None
+        self._is_evaluating = False
+        self._reviewing: asyncio.Task[None] | None = None
+        self._last: CalibrationMessage | None = None
+        self._told_s = 0.0
+        self._hint = ""
+
+    @property
+    def message(self) -> CalibrationMessage | None:
+        """The newest message, also after the end; None before the first calibration."""
+        return self._last
 
     @property
     def progress(self) -> float | None:
-        """From 0 to 1; None when no pose is awaited."""
-        return self._pose.progress
+        """Of all steps, from 0 to 1; None when nothing is being calibrated."""
+        found = self._collector
+        if found is None:
+            return None
+        return min(1.0, (found.step + found.step_progress * (not found.is_complete)) / len(found.steps))
 
     @property
     def hint(self) -> str:
-        """What the patient should do."""
-        return self._pose.hint
+        """What the person should do."""
+        return self._hint if self._collector is None else self._collector.hint
 
-    def begin(self) -> None:
-        """Begin to look for the pose."""
-        self._pose.begin()
+    @property
+    def is_active(self) -> bool:
+        """Whether a calibration runs."""
+        return self._collector is not None
+
+    def start(self, wanted: CalibrationIn) -> CalibrationMessage:
+        """Begin, or begin again.
+
+        Raises
+        ------
+        Conflict
+            It cannot be done with the sensors worn.
+        """
+        if self._is_evaluating:
+            raise Conflict("The last calibration is being evaluated; wait a moment.")
+        self._collector = _COLLECTORS[wanted.kind](wanted, self._placements, self._step_s)
+        return self._publish("collecting")
+
+    def next(self) -> CalibrationMessage:
+        """End the present step.
+
+        Raises
+        ------
+        Conflict
+            Nothing is being calibrated, or the step ends by itself or too early.
+        """
+        found = self._running()
+        found.next()
+        self._evaluate_when_complete()
+        return self._publish("evaluating" if self._is_evaluating else "collecting")
+
+    def cancel(self) -> CalibrationMessage:
+        """End without a result.
+
+        Raises
+        ------
+        Conflict
+            Nothing is being calibrated.
+        """
+        self._running()
+        message = self._publish("cancelled")
+        self._collector, self._hint = None, ""
+        return message
 
     def end(self) -> None:
-        """Look no more."""
-        self._pose.end()
+        """Collect no more: the link broke or the session ends."""
+        if self._collector is not None and not self._is_evaluating:
+            self._publish("cancelled")
+            self._collector, self._hint = None, ""
 
     def add(self, chunk: ImuChunk) -> None:
         """Take ticks that the pipeline has just seen."""
-        was_active, before = self._pose.is_active, (self._pose.hint, round(self._pose.progress or 0.0, 1))
-        pose = self._pose.add(chunk)
-        if pose is not None:
-            self._line.call(partial(self._evaluate, pose))
-        elif was_active and not self._pose.is_active:
-            self._failed(self._pose.hint, None)
-        elif (self._pose.hint, round(self._pose.progress or 0.0, 1)) != before:
+        found = self._collector
+        if found is None:
+            return
+        before = (found.hint, found.step, round(found.step_progress, 1))
+        found.add(chunk)
+        if self._is_evaluating:
+            return
+        if found.trouble:
+            self._refused(found, found.trouble)
+            return
+        if found.wants_review and self._reviewing is None:
+            self._reviewing = asyncio.create_task(self._review(found), name="calibration review")
+        self._evaluate_when_complete()
+        if (found.hint, found.step, round(found.step_progress, 1)) != before:
             self._changed()
+            if time.monotonic() - self._told_s >= TELL_EVERY_S or found.step != before[1]:
+                self._publish("evaluating" if self._is_evaluating else "collecting")
 
-    def _evaluate(self, pose: ImuChunk) -> None:
+    def _running(self) -> Collector:
+        if self._collector is None or self._is_evaluating:
+            raise Conflict("No calibration is waiting for a step; start one.")
+        return self._collector
+
+    async def _review(self, found: Collector) -> None:
+        try:
+            await asyncio.to_thread(found.review)
+            if found is self._collector and not self._is_evaluating:
+                self._evaluate_when_complete()
+                self._changed()
+                self._publish("evaluating" if self._is_evaluating else "collecting")
+        except Exception:
+            logger.exception("the progress of a calibration could not be worked out")
+        finally:
+            self._reviewing = None
+
+    def _evaluate_when_complete(self) -> None:
+        found = self._collector
+        if found is not None and found.is_complete and not self._is_evaluating:
+            self._is_evaluating = True
+            self._line.call(partial(self._evaluate, found))
+
+    def _evaluate(self, found: Collector) -> None:
         """Run in the thread of the estimation line."""
         try:
-            found = self._line.pipeline.calibrate(pose)
-        except CalibrationError as error:
-            self._loop.call_soon_threadsafe(self._refused, str(error), pose)
+            outcome = found.evaluate(self._line.pipeline)
+        except EstimationError as error:
+            self._loop.call_soon_threadsafe(self._refused, found, str(error))
         else:
-            self._loop.call_soon_threadsafe(self._done, found, pose)
+            self._loop.call_soon_threadsafe(self._settled, found, outcome)
 
-    def _refused(self, message: str, pose: ImuChunk) -> None:
-        self._pose.end(message)
-        self._failed(message, pose)
+    def _settled(self, found: Collector, outcome: Outcome) -> None:
+        self._publish("done", outcome)
+        self._collector, self._is_evaluating, self._hint = None, False, ""
+        self._done(outcome, found.wanted.kind)
+
+    def _refused(self, found: Collector, text: str) -> None:
+        self._publish("redo", text=text)
+        self._collector, self._is_evaluating, self._hint = None, False, text
+        self._failed(text)
+
+    def _publish(self, phase: str, outcome: Outcome | None = None, text: str = "") -> CalibrationMessage:
+        found = self._collector
+        assert found is not None
+        calibration = None if outcome is None else outcome.calibration
+        message = CalibrationMessage(
+            kind=found.wanted.kind,
+            phase=phase,
+            steps=found.steps,
+            step=found.step,
+            step_progress=round(found.step_progress, 3),
+            hint=text or found.hint,
+            sensors=found.sensors,
+            directions=found.directions,
+            score=None if outcome is None else outcome.score,
+            reasons=[text] if text else list(outcome.reasons) if outcome else [],
+            redo_steps=redo_steps(found, text) if text else [],
+            axes=list(outcome.axes) if outcome else [],
+            findings=list(outcome.findings) if outcome else [],
+            result=None
+            if calibration is None
+            else CalibrationOut(
+                method=calibration.method, score=calibration.score, reasons=list(calibration.reasons)
+            ),
+        )
+        self._last, self._told_s = message, time.monotonic()
+        self._tell(message)
+        return message
+
+
+def redo_steps(found: Collector, text: str) -> list[str]:
+    """Return the steps that a refusal names; all when it names none."""
+    keys = [step.key for step in found.steps]
+    named = [key for key in keys if key.replace("_", " ") in text]
+    return named or keys
+
+
+__all__ = ["CalibrationDesk", "redo_steps"]

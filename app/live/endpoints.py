@@ -9,15 +9,17 @@ from app.accounts.dependencies import CurrentSubject
 from app.accounts.schemas import TicketIn, TicketOut
 from app.accounts.subject import Subject
 from app.live import repository
+from app.live.calibration_endpoints import router as calibration_router
+from app.live.calibration_messages import CalibrationIn
 from app.live.manager import LiveManager
 from app.live.messages import StateMessage
 from app.recordings.schemas import MarkIn
 from app.services import services_of
 
-router = APIRouter(prefix="/api/sessions", tags=["live"])
+steering_router = APIRouter(prefix="/api/sessions", tags=["live"])
 
 
-@router.post("/{session_id}/ticket")
+@steering_router.post("/{session_id}/ticket")
 def give_ticket(session_id: str, body: TicketIn, request: Request, subject: CurrentSubject) -> TicketOut:
     """Get a one-use right to open a socket of this session within 30 seconds.
 
@@ -29,16 +31,16 @@ def give_ticket(session_id: str, body: TicketIn, request: Request, subject: Curr
     return TicketOut(ticket=token, expires_at=expires_at, path=path)
 
 
-@router.post("/{session_id}/calibrate")
+@steering_router.post("/{session_id}/calibrate")
 async def calibrate(session_id: str, request: Request, subject: CurrentSubject) -> StateMessage:
     """Look for three still seconds in the N-pose and calibrate; progress comes over the live socket."""
     live = await _live(request, subject, session_id, "calibrate")
     session = live.live(session_id)
-    session.calibrate()
+    session.start_calibration(CalibrationIn(kind="n_pose"))
     return session.state_message()
 
 
-@router.post("/{session_id}/record")
+@steering_router.post("/{session_id}/record")
 async def begin_recording(session_id: str, request: Request, subject: CurrentSubject) -> StateMessage:
     """Begin the interval in which repetitions count; the session must be calibrated."""
     live = await _live(request, subject, session_id, "record")
@@ -48,7 +50,7 @@ async def begin_recording(session_id: str, request: Request, subject: CurrentSub
     return session.state_message()
 
 
-@router.post("/{session_id}/stop")
+@steering_router.post("/{session_id}/stop")
 async def stop_recording(session_id: str, request: Request, subject: CurrentSubject) -> StateMessage:
     """End the interval in which repetitions count; the sensors go on streaming."""
     live = await _live(request, subject, session_id, "stop")
@@ -58,7 +60,7 @@ async def stop_recording(session_id: str, request: Request, subject: CurrentSubj
     return session.state_message()
 
 
-@router.post("/{session_id}/mark")
+@steering_router.post("/{session_id}/mark")
 async def mark(session_id: str, body: MarkIn, request: Request, subject: CurrentSubject) -> StateMessage:
     """Put a note on the time line at the present session time."""
     live = await _live(request, subject, session_id, "mark")
@@ -67,14 +69,14 @@ async def mark(session_id: str, body: MarkIn, request: Request, subject: Current
     return session.state_message()
 
 
-@router.post("/{session_id}/close")
+@steering_router.post("/{session_id}/close")
 async def close(session_id: str, request: Request, subject: CurrentSubject) -> StateMessage:
     """End the session: everything is stored, analysed off-line and compared with the prescribed template."""
     live = await _live(request, subject, session_id, "close")
     return await live.close(session_id, "Closed by a person.")
 
 
-@router.get("/{session_id}/state")
+@steering_router.get("/{session_id}/state")
 async def state(session_id: str, request: Request, subject: CurrentSubject) -> StateMessage:
     """Get the state of a session, live or not."""
     services = services_of(request)
@@ -94,3 +96,8 @@ async def _live(request: Request, subject: Subject, session_id: str, action: Act
     )
     live: LiveManager = services.live
     return live
+
+
+router = APIRouter()
+router.include_router(steering_router)
+router.include_router(calibration_router)

@@ -17,6 +17,7 @@ from app.ingest.messages import HelloMessage
 from app.live import repository
 from app.live.blocks import layout_message
 from app.live.bus import Bus, topic
+from app.live.device_rows import with_known_devices
 from app.live.housekeeping import GOODBYE_CLOSE_S, IDLE_CLOSE_S, Housekeeping
 from app.live.intake import Intake
 from app.live.messages import LayoutMessage, StateMessage
@@ -176,6 +177,10 @@ class LiveManager:
             _check_network(known, declaration)
             declaration = known
         setup = _setup_for(SessionSetup.from_dict(stored.setup), declaration)
+        if known is None:
+            setup = await asyncio.to_thread(
+                with_known_devices, self.engine, stored.clinic_id, setup, declaration
+            )
         try:
             pipeline = pipelines.create(setup)
         except SetupError as error:

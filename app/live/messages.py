@@ -31,6 +31,7 @@ from app.ingest.messages import (
     JsonPacket,
     JsonSensor,
 )
+from app.live.calibration_messages import CalibrationMessage
 from app.recordings.schemas import CalibrationOut, FrameLayoutOut, SessionEventOut, SessionState
 from app.schemas import Schema
 
@@ -94,7 +95,8 @@ class EventMessage(Schema):
 
 
 LiveMessage = Annotated[
-    LayoutMessage | StateMessage | HealthMessage | EventMessage | ErrorMessage, Field(discriminator="type")
+    LayoutMessage | StateMessage | HealthMessage | EventMessage | CalibrationMessage | ErrorMessage,
+    Field(discriminator="type"),
 ]
 
 
@@ -144,6 +146,7 @@ class PlayerState(Schema):
 __all__ = [
     "PROTOCOL_VERSION",
     "AcknowledgeMessage",
+    "CalibrationMessage",
     "CameraCommand",
     "ErrorMessage",
     "EventMessage",

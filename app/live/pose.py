@@ -25,10 +25,13 @@ class PoseCollector:
     placements : tuple of str
         For the hint.
     time_step_s : float
+    begin_hint : str
+        What to do, told until the first chunk.
     """
 
-    def __init__(self, placements: tuple[str, ...], time_step_s: float) -> None:
+    def __init__(self, placements: tuple[str, ...], time_step_s: float, begin_hint: str = BEGIN) -> None:
         self._placements = placements
+        self._begin_hint = begin_hint
         self._step_s = time_step_s
         self._settled_tick = round(SETTLE_S / time_step_s)
         self._held: list[ImuChunk] = []
@@ -46,7 +49,7 @@ class PoseCollector:
         """Begin to look for the pose, or begin again."""
         self._held, self._held_ticks, self._seen_ticks = [], 0, 0
         self.is_active = True
-        self.hint = BEGIN
+        self.hint = self._begin_hint
 
     def end(self, hint: str = "") -> None:
         """Look no more."""

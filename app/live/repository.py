@@ -213,6 +213,8 @@ def save_calibration(engine: Engine, session_id: str, result_id: str, setup: Ses
         result = session.get(Result, result_id)
         if result is not None:
             result.setup = stored
+        if not (stored["calibration"] or {}).get("q_sensor_segment"):
+            return
         mounting = session.scalars(select(Mounting).where(Mounting.patient_id == row.patient_id)).first()
         if mounting is None:
             mounting = Mounting(patient_id=row.patient_id)

@@ -8,7 +8,7 @@ import asyncio
 import contextlib
 import logging
 import time
-from dataclasses import fields, replace
+from dataclasses import fields
 from functools import partial
 
 from sqlalchemy import Engine
@@ -20,18 +20,17 @@ from app.ingest.declaration import Declaration
 from app.ingest.packet import Packet, PacketFlag
 from app.live import repository
 from app.live.blocks import PublishedFrames, layout_message
-from app.live.book import SessionBook
 from app.live.bus import Bus
-from app.live.calibrating import CalibrationDesk
+from app.live.calibrated_session import CalibratedSession
+from app.live.device_rows import save_device_constants
 from app.live.estimation import EstimationLine
 from app.live.health import LinkHealth
 from app.live.ledger import SequenceLedger
 from app.live.messages import AcknowledgeMessage, HealthMessage, LayoutMessage, StateMessage
-from app.live.pose import PoseCollector
 from app.live.states import OPEN, STREAMING, streaming_state
 from app.recordings import GroupCommitWriter, RawPacket, SequenceRanges
 from app.recordings.schemas import CalibrationOut, SessionState
-from estimators.pipelines import Calibration, Frames, Pipeline
+from estimators.pipelines import Frames, Pipeline
 from estimators.recording import ImuChunk
 
 logger = logging.getLogger(__name__)
@@ -41,7 +40,7 @@ BACKLOG_S = 120.0
 _FRAME_FIELDS = tuple(field.name for field in fields(Frames))
 
 
-class LiveSession(SessionBook):
+class LiveSession(CalibratedSession):
     """The live side of one session.
 
     Parameters
@@ -87,13 +86,7 @@ class LiveSession(SessionBook):
         self._unstored_tick = first_unstored_tick
         self._epochs_saved = len(declaration.clock_epochs)
         self.line = EstimationLine(pipeline, self._after, self._fail)
-        self._calibration = CalibrationDesk(
-            PoseCollector(declaration.placements, declaration.time_step_s),
-            self.line,
-            self._publish_state,
-            self._calibrated,
-            self._calibration_failed,
-        )
+        self.prepare_calibration()
         self._loop = asyncio.get_running_loop()
 
     @property
@@ -199,50 +192,6 @@ class LiveSession(SessionBook):
             if chunk is not None:
                 self.line.push(chunk, None)
 
-    # --- calibration ------------------------------------------------------------------------------------
-
-    def calibrate(self) -> None:
-        """Begin to look for three still seconds.
-
-        Raises
-        ------
-        Conflict
-            No packets come, or a recording runs.
-        """
-        if self.machine.state not in {"calibrating", "ready"}:
-            raise Conflict(
-                "Calibration needs a connected body network and no running recording; stop the recording or"
-                " connect first.",
-                state=self.machine.state,
-            )
-        self._calibration.begin()
-        self._change("calibrating", "Hold the pose.")
-
-    def _calibration_failed(self, message: str, pose: ImuChunk | None) -> None:
-        start_s = self.session_time_s if pose is None else pose.first_tick * pose.time_step_s
-        self.add_event("error", start_s, text=message)
-        if self.pipeline.setup.calibration is not None and self.machine.state == "calibrating":
-            self._change("ready", f"The earlier calibration stays in force. {message}")
-        else:
-            self.machine.reason = message[:500]
-            self._publish_state()
-
-    def _calibrated(self, found: Calibration, pose: ImuChunk) -> None:
-        setup = self.pipeline.setup
-        self.stored = replace(self.stored, setup=setup.to_dict())
-        self._saver.save(partial(repository.save_calibration, self._engine, self.id, self.result_id, setup))
-        self.add_event(
-            "calibration",
-            pose.first_tick * pose.time_step_s,
-            pose.tick_count * pose.time_step_s,
-            text="; ".join(found.reasons),
-        )
-        self._bus.publish(self._topics["layout"], self.layout())
-        if self.machine.state == "calibrating":
-            self._change("ready", f"Calibrated, score {found.score:.2f}.")
-        else:
-            self._publish_state()
-
     # --- steering ---------------------------------------------------------------------------------------
 
     def record(self) -> None:
@@ -284,8 +233,7 @@ class LiveSession(SessionBook):
             self._change("link_lost", reason)
 
     def _link_back(self) -> None:
-        is_calibrated = self.pipeline.setup.calibration is not None
-        following = streaming_state(is_calibrated=is_calibrated, is_recording=self._is_recording)
+        following = streaming_state(is_calibrated=self.is_calibrated, is_recording=self._is_recording)
         reasons: dict[SessionState, str] = {
             "calibrating": "Connected; calibrate when the patient holds the pose.",
             "ready": "Connected.",
@@ -372,6 +320,13 @@ class LiveSession(SessionBook):
         await self.line.drained()
         await asyncio.wrap_future(self._writer.flush(self.id))
         await self._saver.saved()
+        await asyncio.to_thread(
+            save_device_constants,
+            self._engine,
+            self.id,
+            self.declaration.serial_of,
+            self.pipeline.device_constants,
+        )
         await asyncio.to_thread(
             repository.finish_stream,
             self._engine,

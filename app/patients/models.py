@@ -38,6 +38,25 @@ class Mounting(Identified, Base):
     updated_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
 
 
+class SensorDevice(Identified, Base):
+    """What is known of one sensor by its serial number; no patient data."""
+
+    __tablename__ = "sensor_device"
+    __table_args__ = (UniqueConstraint("clinic_id", "serial"),)
+
+    clinic_id: Mapped[str] = mapped_column(ForeignKey("clinic.id"))
+    serial: Mapped[str] = mapped_column(String(100))
+    calibration: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
+    """`estimators.calibration.DeviceCalibration`, made in the hand; empty when none was made."""
+    scores: Mapped[dict[str, float]] = mapped_column(JSON, default=dict)
+    """Score of each part of `calibration`."""
+    constants: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
+    """`estimators.pipelines.DeviceConstants`, learnt while it was worn; empty when nothing was."""
+    session_id: Mapped[str] = mapped_column(String(32))
+    """Where the newest of it comes from."""
+    updated_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
+
+
 class Grant(Identified, Base):
     """A therapist's right to one patient, until it ends or is revoked."""
 

@@ -1,12 +1,25 @@
 """HTTP of stored sessions. Their frames are served by `app.live.replay`, in the blocks of the live view."""
 
-from fastapi import APIRouter, Request, Response
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import StreamingResponse
 
 from app.accounts.dependencies import CurrentSubject
 from app.database.dependencies import ReadSession, WriteSession
 from app.recordings import repository, service
-from app.recordings.schemas import EstimatorOut, JobOut, ReprocessIn, SessionDetail, SessionIn, SessionOut
+from app.recordings.differences import MAX_CURVE_POINTS, differences
+from app.recordings.estimator_choice import estimators_out
+from app.recordings.schemas import (
+    DifferencesOut,
+    EstimatorOut,
+    JobOut,
+    ReprocessAllIn,
+    ReprocessIn,
+    SessionDetail,
+    SessionIn,
+    SessionOut,
+)
 from app.services import services_of
 
 router = APIRouter(prefix="/api", tags=["sessions"])
@@ -62,6 +75,30 @@ def reprocess(
     return job
 
 
+@router.post("/sessions/{session_id}/reprocess-all", status_code=202)
+def reprocess_all(
+    session_id: str, wanted: ReprocessAllIn, request: Request, session: WriteSession, subject: CurrentSubject
+) -> list[JobOut]:
+    """Estimate a stored session with every estimator (or those named), a task each; earlier results stay."""
+    jobs = service.queue_reprocess_all(session, subject, session_id, wanted)
+    if services_of(request).jobs is not None:
+        services_of(request).jobs.wake()
+    return jobs
+
+
+@router.get("/sessions/{session_id}/results/differences")
+def get_differences(
+    session_id: str,
+    session: ReadSession,
+    subject: CurrentSubject,
+    result_a: str,
+    result_b: str,
+    max_points: Annotated[int, Query(ge=2, le=MAX_CURVE_POINTS)] = 1000,
+) -> DifferencesOut:
+    """Return how far two results are apart: RMS and maximum of every joint angle, and both curves."""
+    return differences(session, subject, session_id, result_a, result_b, max_points)
+
+
 @router.get("/sessions/{session_id}/jobs")
 def list_jobs(session_id: str, session: ReadSession, subject: CurrentSubject) -> list[JobOut]:
     """Return the long tasks of a session, newest first."""
@@ -77,7 +114,7 @@ def get_job(job_id: str, session: ReadSession, subject: CurrentSubject) -> JobOu
 @router.get("/estimators")
 def list_estimators(subject: CurrentSubject) -> list[EstimatorOut]:
     """Return the orientation estimators that a session can run with."""
-    return service.estimators_out()
+    return estimators_out()
 
 
 __all__ = ["router"]

@@ -25,6 +25,8 @@ class SessionIn(Schema):
     rate_hz: float = Field(default=100.0, ge=10, le=1000)
     orientation: str = "vqf"
     orientation_parameters: dict[str, Any] = Field(default_factory=dict)
+    constrain_joint_headings: bool = False
+    """Let elbows and wrists bound heading drift: for sensors without magnetometers or near iron."""
     use_mounting: bool = True
     """Start with the remembered calibration of this patient, if there is one for these placements."""
 
@@ -99,6 +101,8 @@ class SessionDetail(SessionOut):
     placements: list[Placement]
     rate_hz: float
     orientation: str
+    orientation_parameters: dict[str, Any]
+    constrain_joint_headings: bool
     calibration: CalibrationOut | None
     recording_start_s: float | None
     recording_end_s: float | None
@@ -165,6 +169,17 @@ class UploadIn(Schema):
     """Half-open interval in which the patient stands in N-pose; None looks for stillness at the start."""
 
 
+class ParameterOut(Schema):
+    """One parameter of an estimator."""
+
+    name: str
+    """Key in `orientation_parameters`."""
+    label: str
+    unit: str
+    """Empty for switches and plain numbers."""
+    default: bool | float | int | str
+
+
 class EstimatorOut(Schema):
     """A choice of orientation estimator."""
 
@@ -172,7 +187,52 @@ class EstimatorOut(Schema):
     version: str
     title: str
     description: str
+    """One plain sentence."""
     parameters: dict[str, Any]
+    """Defaults by name."""
+    parameter_list: list[ParameterOut]
+
+
+class AngleDifference(Schema):
+    """How far a column of two results is apart; None where nothing could be compared."""
+
+    name: str
+    rms_deg: float | None
+    mean_deg: float | None
+    """First result minus second; of segments the mean angle."""
+    maximum_deg: float | None
+    maximum_at_s: float | None
+    compared_s: float
+    """Both results sound: no gap, not starting, not near a singular position."""
+
+
+class CurvePair(Schema):
+    """One joint angle of both results at the times of `DifferencesOut.time_s`; None where there is nothing."""
+
+    name: str
+    a_deg: list[float | None]
+    b_deg: list[float | None]
+
+
+class DifferencesOut(Schema):
+    """Two results of one session beside each other."""
+
+    result_a: ResultOut
+    result_b: ResultOut
+    angles: list[AngleDifference]
+    segments: list[AngleDifference]
+    """Angle between the orientations of a segment."""
+    time_s: list[float]
+    curves: list[CurvePair]
+
+
+class ReprocessAllIn(Schema):
+    """Estimate a stored session with several estimators, a task each."""
+
+    orientations: list[str] = Field(default_factory=list, max_length=20)
+    """Names; empty means every estimator."""
+    skip_present: bool = True
+    """Leave out what a complete result of the same version with default parameters exists of."""
 
 
 class ViewIn(Schema):

@@ -19,9 +19,9 @@ from app.recordings.models import Job, MotionSession, Result
 from app.recordings.packet_log import write_log
 from app.recordings.schemas import (
     CalibrationOut,
-    EstimatorOut,
     FrameLayoutOut,
     JobOut,
+    ReprocessAllIn,
     ReprocessIn,
     ResultOut,
     SessionDetail,
@@ -88,6 +88,7 @@ def create(session: Session, subject: Subject, wanted: SessionIn) -> SessionDeta
             rate_hz=wanted.rate_hz,
             orientation=wanted.orientation,
             orientation_parameters=wanted.orientation_parameters,
+            constrain_joint_headings=wanted.constrain_joint_headings,
             body=body_of(patient),
             calibration=calibration,
         )
@@ -154,6 +155,8 @@ def describe(session: Session, subject: Subject, found: MotionSession) -> Sessio
         placements=list(setup["placements"]),
         rate_hz=setup["rate_hz"],
         orientation=setup["orientation"],
+        orientation_parameters=setup.get("orientation_parameters", {}),
+        constrain_joint_headings=setup.get("constrain_joint_headings", False),
         calibration=_calibration(setup.get("calibration")),
         recording_start_s=found.recording_start_s,
         recording_end_s=found.recording_end_s,
@@ -337,17 +340,27 @@ def job_out(job: Job) -> JobOut:
     )
 
 
-def estimators_out() -> list[EstimatorOut]:
-    """Return the orientation estimators that a session can run with."""
-    return [
-        EstimatorOut(
-            name=name,
-            version=kind.version,
-            title=kind.title,
-            description=kind.description,
-            parameters=orientation.create(name, 1, 0.01).parameters,
+def queue_reprocess_all(
+    session: Session, subject: Subject, session_id: str, wanted: ReprocessAllIn
+) -> list[JobOut]:
+    """Queue a task for each estimator; what is there already is not made again unless asked."""
+    known = orientation.available()
+    if unknown := [name for name in wanted.orientations if name not in known]:
+        raise InvalidInput(
+            f"There is no estimator {', '.join(unknown)}; known are {', '.join(known)}.", field="orientations"
         )
-        for name, kind in orientation.available().items()
+    found = repository.get_session(session, subject, session_id, "treat", action="")
+    present = {
+        (result.orientation, result.orientation_version)
+        for result in repository.results_of(session, found.id)
+        if result.kind == "offline"
+        and result.status == "complete"
+        and not result.setup.get("orientation_parameters")
+    }
+    return [
+        queue_reprocess(session, subject, session_id, ReprocessIn(orientation=name))
+        for name in dict.fromkeys(wanted.orientations or known)
+        if not (wanted.skip_present and (name, known[name].version) in present)
     ]
 
 
@@ -357,7 +370,6 @@ __all__ = [
     "create",
     "describe",
     "detail",
-    "estimators_out",
     "frames",
     "job_out",
     "layout_of",
@@ -366,6 +378,7 @@ __all__ = [
     "packet_log",
     "queue_closing",
     "queue_reprocess",
+    "queue_reprocess_all",
     "reach_of",
     "result_out",
     "thinned",

@@ -12,6 +12,7 @@ from estimators import rotation
 from estimators.calibration._contract import Calibration
 from estimators.calibration._functional_arm import ArmMovements, arm_frames
 from estimators.calibration._joint_axes import AxisEstimate, heading_between, principal_axis
+from estimators.calibration._mounting import OUTWARD_HEADING_RAD
 from estimators.calibration._n_pose import UNUSABLE_SCORE, n_pose
 from estimators.calibration._rest import Verdict, mean_orientation, mostly, words, wrapped
 from estimators.calibration._static import static_bias
@@ -36,6 +37,12 @@ _ASK: Final[dict[str, str]] = {
     "raise_sideways": "raise the arm sideways",
 }
 _PERSON_RAD: Final = math.radians(5.0)
+_PLACED_RAD: Final = math.radians(8.0)
+"""How far a sensor put on by hand faces off the mounting rule."""
+_BY_THE_RULE_RAD: Final = math.radians(20.0)
+_FLAT: Final = math.sin(math.radians(55.0))
+_UPRIGHT: Final = ("sternum", "pelvis", "head")
+"""What is upright also on a chair."""
 _SWUNG_RAD: Final = math.radians(25.0)
 _COMPASS_RAD: Final = math.radians(10.0)
 _TURNED_ROUND_RAD: Final = math.radians(90.0)
@@ -112,9 +119,10 @@ def functional(
     Notes
     -----
     Facing: the arms' axes when raised forward (the lateral axis) and sideways (the forward axis). Raising both
-    arms alike cancels what either deviates outward. Humerus: flexion axis of the elbow and gravity at rest (its
-    long axis); Wu et al. (2005), option 2. Forearm: pronation axis, gravity, and the angle of the palm at
-    rest. Hand: in line with the forearm at rest. Everything else worn: as in the N-pose, with this facing.
+    arms alike cancels what either deviates outward; sensors near the mounting rule are weighed in. Humerus:
+    flexion axis of the elbow and gravity at rest (its long axis); Wu et al. (2005), option 2. Forearm: pronation
+    axis, gravity, and the angle of the palm at rest. Hand: in line with the forearm at rest. Everything else
+    worn: as in the N-pose, with this facing.
     Without a common heading (no magnetometer) the raised arm also tells the headings of its sensors against
     the patient and each other; the trunk's is by the mounting rule.
     """
@@ -194,7 +202,7 @@ class _Session:
             ]
         )
         raises = self._raises(sides, movements, assisted)
-        told, facing_sigma = self._facing(raises)
+        told, facing_sigma = self._facing(raises, assisted)
         moved = {p for side in sides for p in _limb(side)} & set(self.placements)
         base = self._others(moved, rest, told, assisted)
         facing = base.facing_rad
@@ -266,12 +274,15 @@ class _Session:
         self._judge_ranges(found.values(), assisted)
         return found
 
-    def _facing(self, raises: Mapping[str, AxisEstimate]) -> tuple[float | None, float]:
-        """Where the patient faces, in the common earth frame; None where the mounting rule must tell."""
+    def _facing(self, raises: Mapping[str, AxisEstimate], assisted: bool) -> tuple[float | None, float]:
+        """Where the patient faces, in the common earth frame; None where the mounting rule must tell.
+
+        Sensors that sit nearly as the mounting rule says are witnesses beside the arms that were raised.
+        """
         total, weight = complex(0.0), 0.0
         for name, axis in raises.items():
             side: Side = "left" if name.endswith("left") else "right"
-            if self.own_heading[self.placements.index(_upper_arm(side))]:
+            if self._is_own(side):
                 continue
             sigma = math.hypot(axis.sigma_rad, _PERSON_RAD)
             total += complex(math.cos(a := _implied_facing(name, axis)), math.sin(a)) / sigma**2
@@ -283,7 +294,20 @@ class _Session:
                 "the arms were raised in directions that do not fit together; raise them straight forward and "
                 "straight sideways and repeat"
             )
+        told = math.atan2(total.imag, total.real)
+        for s, placement in enumerate(self.placements):
+            outward = rotation.rotate(self.q_rest[s], [0.0, 0.0, 1.0])
+            if self.own_heading[s] or abs(outward[2]) > _FLAT or (assisted and placement not in _UPRIGHT):
+                continue
+            implied = math.atan2(outward[1], outward[0]) - OUTWARD_HEADING_RAD[placement]
+            if abs(wrapped(implied - told)) < _BY_THE_RULE_RAD:
+                total += complex(math.cos(implied), math.sin(implied)) / _PLACED_RAD**2
+                weight += 1.0 / _PLACED_RAD**2
         return math.atan2(total.imag, total.real), 1.0 / math.sqrt(weight)
+
+    def _is_own(self, side: Side) -> bool:
+        """Whether a sensor of this arm has no common heading, so that the arm must find its own."""
+        return any(self.own_heading[self.placements.index(p)] for p in _limb(side) if p in self.placements)
 
     def _limb_headings(
         self,
@@ -296,7 +320,7 @@ class _Session:
         offsets: dict[Placement, float] = {}
         for side in sides:
             upper = _upper_arm(side)
-            own = self.own_heading[self.placements.index(upper)]
+            own = self._is_own(side)
             names = [name for name in raises if name.endswith(side)]
             if own:
                 if not names:
@@ -315,7 +339,7 @@ class _Session:
                     for k in (self.placements.index(upper), s)
                 ]
                 turn, coherence = heading_between(pair[0], pair[1])
-                if own and self.own_heading[s]:
+                if own:
                     offsets[placement] = wrapped(offsets[upper] + turn)
                 elif coherence > 0.8 and abs(turn) > _COMPASS_RAD:
                     self.verdict.lower(
@@ -331,8 +355,7 @@ class _Session:
         """Everything that did not move: as in the N-pose, with the facing that the arms told."""
         others = [s for s, p in enumerate(self.placements) if p not in moved]
         if assisted:
-            held = ("sternum", "pelvis", "head")
-            others = [s for s in others if self.placements[s] in held]
+            others = [s for s in others if self.placements[s] in _UPRIGHT]
         if not others:
             # Without compass and trunk sensor the frame is free: the patient faces its x axis.
             return Calibration({}, {}, facing_rad=facing or 0.0)

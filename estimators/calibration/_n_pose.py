@@ -3,6 +3,7 @@
 import cmath
 import math
 from collections.abc import Sequence
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +35,7 @@ _NORM_FAULT = 0.15
 _DISAGREEMENT_RAD = math.radians(40.0)
 _CONCURRING_RAD = math.radians(15.0)
 _AGREEMENT = 0.9
+_ARM = ("upper_arm", "forearm", "hand")
 _WITNESSES = 3
 
 
@@ -46,8 +48,9 @@ def n_pose(
     *,
     time_step_s: float = 0.01,
     facing_rad: float | None = None,
+    arms: Literal["hanging", "sideways"] = "hanging",
 ) -> Calibration:
-    """Find how every sensor sits on its segment from one N-pose.
+    """Find how every sensor sits on its segment from one N-pose, or from one T-pose.
 
     Parameters
     ----------
@@ -64,6 +67,9 @@ def n_pose(
     facing_rad : float, optional
         Where the patient faces in the earth frame, when movements have told it; otherwise the mounting rule
         below does.
+    arms : {"hanging", "sideways"}
+        `sideways`: the T-pose, arms level with palms down. There the arms' own sensors cannot tell where the
+        patient faces, so a trunk sensor must, and each of them needs a compass.
 
     Returns
     -------
@@ -112,7 +118,15 @@ def n_pose(
     steepness_rad = np.abs(np.arcsin(np.clip(outward[:, 2], -1.0, 1.0)))
     own_heading = mostly(flags, OrientationFlag.HEADING_NOT_TRUSTED)
     reference: Placement | None = None
+    raised = np.array([arms == "sideways" and p.startswith(_ARM) for p in placements])
+    if (raised & own_heading).any():
+        raise CalibrationError(
+            "the arms' sensors have no compass, and level arms tell no heading; hold the standing pose with "
+            "hanging arms instead"
+        )
     if facing_rad is None:
+        # A steep sensor tells no facing, and a raised arm's own is no witness either.
+        steepness_rad = np.where(raised, 0.5 * np.pi, steepness_rad)
         facing_rad, reference = _facing(placements, heading_rad, steepness_rad, own_heading, verdict)
     offsets: dict[Placement, float] = {}
     q_sensor_segment: dict[Placement, tuple[float, float, float, float]] = {}
@@ -131,6 +145,9 @@ def n_pose(
         turn = rotation.about_z(offsets.get(placement, 0.0) - facing_rad)
         q_room_sensor = rotation.multiply(turn, q_mean[s])
         q_room_segment = rotation.about_z(N_POSE_TURN_RAD.get(placement, 0.0))
+        if raised[s]:
+            level = 0.5 * math.pi if placement.endswith("left") else -0.5 * math.pi
+            q_room_segment = rotation.multiply(rotation.exp(np.array([level, 0.0, 0.0])), q_room_segment)
         w, x, y, z = rotation.positive(rotation.multiply(rotation.conjugate(q_room_sensor), q_room_segment))
         q_sensor_segment[placement] = (float(w), float(x), float(y), float(z))
     if reference is not None:
@@ -145,7 +162,7 @@ def n_pose(
         },
         facing_rad=facing_rad,
         heading_offset_rad=offsets,
-        method="n_pose",
+        method="t_pose" if arms == "sideways" else "n_pose",
         score=verdict.score,
         reasons=tuple(verdict.reasons),
     )

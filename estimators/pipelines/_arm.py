@@ -1,20 +1,24 @@
 """The arm pipeline: trunk, one or two arms, and whatever else is worn."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from estimators.arm import ArmModel
+from estimators.calibration import DeviceCalibration, FunctionalResult
 from estimators.conventions import PLACEMENTS, Placement
 from estimators.errors import SetupError, ShapeError
 from estimators.orientation import DeviceConstants, OrientationFlag
 from estimators.pipelines._body import BodyNetwork
 from estimators.pipelines._contract import Calibration, FrameLayout, Frames, Pipeline, SessionSetup
+from estimators.pipelines._guided import by_movement, reset_heading
+from estimators.pipelines._joint_headings import JointHeadings
 from estimators.recording import ImuChunk
 
 _INVALID = np.uint8(OrientationFlag.INVALID)
+_HEADING_KNOWN = np.uint8(0xFF & ~int(OrientationFlag.HEADING_NOT_TRUSTED))
 
 
 class ArmPipeline(Pipeline):
@@ -28,6 +32,9 @@ class ArmPipeline(Pipeline):
     In a gap that could not be bridged angles and points hold their last value, flagged INVALID; the speed of
     the hand is NaN there. Near the shoulder's singularity (arm hanging) plane of elevation and axial
     rotation are flagged SINGULAR; see `estimators.arm`.
+
+    With `constrain_joint_headings` forearms and hands are turned about the vertical so that elbows and wrists
+    stay possible; their angles lose HEADING_NOT_TRUSTED while the joint knows its heading.
     """
 
     name: ClassVar[str] = "arm"
@@ -49,6 +56,8 @@ class ArmPipeline(Pipeline):
         self._model = (
             ArmModel(setup.body, setup.placements, self._network.time_step_s) if has_upper_arm else None
         )
+        headings = JointHeadings(setup.placements, self._network.time_step_s)
+        self._headings = headings if setup.constrain_joint_headings and headings.names else None
         self._previous_angle_rad = ArmModel.initial_previous()
         self._layout = FrameLayout(
             segments=tuple(setup.placements),
@@ -90,6 +99,11 @@ class ArmPipeline(Pipeline):
                 segment_flags=flags,
                 angle_flags=np.full(angles.shape, _INVALID),
             )
+        is_trusted: NDArray[np.bool_] | None = None
+        if self._headings is not None:
+            q_room_segment, omega, sigma, is_trusted = self._headings.apply(
+                q_room_segment, omega, sigma, flags, chunk.first_tick
+            )
         found = self._model.evaluate(
             q_room_segment,
             segment_flags=flags,
@@ -98,6 +112,11 @@ class ArmPipeline(Pipeline):
             previous_angle_rad=self._previous_angle_rad,
         )
         self._previous_angle_rad = found.previous_angle_rad
+        if self._headings is not None and is_trusted is not None:
+            for j, joint in enumerate(self._headings.names):
+                columns = [a for a, name in enumerate(layout.angles) if name.startswith(f"{joint}_")]
+                known = np.where(is_trusted[:, j], _HEADING_KNOWN, np.uint8(0xFF))
+                found.angle_flags[:, columns] &= known[:, None]
         return Frames(
             layout=layout,
             first_tick=chunk.first_tick,
@@ -114,16 +133,43 @@ class ArmPipeline(Pipeline):
     def calibrate(self, pose: ImuChunk, method: str = "n_pose") -> Calibration:
         """Find bias, mounting and facing from the ticks of a pose; see the contract."""
         found = self._network.calibrate(pose, method)
-        self._previous_angle_rad = ArmModel.initial_previous()
+        self._begin_anew()
         return found
+
+    def calibrate_by_movement(
+        self, chunk: ImuChunk, movements: Mapping[str, tuple[int, int]], *, assisted: bool = False
+    ) -> FunctionalResult:
+        """Find the calibration from movements of the arms; see the contract."""
+        found = by_movement(self._network, chunk, movements, assisted=assisted)
+        self._begin_anew()
+        return found
+
+    def reset_heading(self, pose: ImuChunk, placements: Sequence[Placement]) -> Calibration:
+        """Set the headings of some segments anew from an N-pose; see the contract."""
+        found = reset_heading(self._network, pose, placements)
+        self._begin_anew()
+        return found
+
+    def set_devices(self, devices: Mapping[Placement, DeviceCalibration]) -> None:
+        """Take calibrations made in the hand; see the contract."""
+        self._network.set_devices(devices)
+        self._begin_anew()
+
+    def _begin_anew(self) -> None:
+        self._previous_angle_rad = ArmModel.initial_previous()
+        if self._headings is not None:
+            self._headings.reset()
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return everything that the next step depends on, as arrays."""
-        return {**self._network.state(), "previous_angle_rad": self._previous_angle_rad.copy()}
+        own = {"previous_angle_rad": self._previous_angle_rad.copy()}
+        return {**self._network.state(), **own, **(self._headings.state() if self._headings else {})}
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Continue exactly where the instance that gave `state` stood."""
         if "previous_angle_rad" not in state:
             raise ShapeError("this state has no previous_angle_rad; it is of another pipeline")
         self._network.restore(state)
+        if self._headings is not None:
+            self._headings.restore(state)
         self._previous_angle_rad = np.array(state["previous_angle_rad"], dtype=np.float64)

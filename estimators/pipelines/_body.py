@@ -12,6 +12,7 @@ from estimators import calibration, orientation, rotation
 from estimators.conventions import GRAVITY_MPS2, Placement
 from estimators.errors import CalibrationError, SetupError, ShapeError
 from estimators.orientation import OrientationFlag, OrientationResult
+from estimators.pipelines._biases import bias_along_gravity, bias_sigma
 from estimators.pipelines._contract import Calibration, SessionSetup
 from estimators.pipelines._kernel import compose
 from estimators.recording import Float, ImuChunk
@@ -20,10 +21,8 @@ LYING_BIAS_SIGMA_RADPS = float(np.deg2rad(0.05))
 STANDING_BIAS_SIGMA_RADPS = float(np.deg2rad(0.2))
 """Trust in a bias found earlier: by sensors that lay still, or on a person, who sways by half a degree
 within the seconds of a pose; both with what gyroscopes change between switch-ons."""
-_LEAST_BIAS_SIGMA_RADPS = float(np.deg2rad(0.02))
 _LEVEL_LIMIT_MPS2 = 0.1 * GRAVITY_MPS2
 """Six degrees of tilt: more is not lying level."""
-_LARGEST_BIAS_MPS2 = 0.04 * GRAVITY_MPS2
 _MEMORY_S = 8.0
 _MEMORY_HZ = 5.0
 """Orientation remembered for a calibration pose: a still pose needs no more."""
@@ -49,7 +48,7 @@ class BodyNetwork:
         self.setup = setup
         self.sensor_count = len(setup.placements)
         self.time_step_s = 1.0 / setup.rate_hz
-        self._filter = self._new_filter()
+        self._filter = self.new_filter()
         self._next_tick = 0
         self._stride = max(1, round(setup.rate_hz / _MEMORY_HZ))
         slots = int(_MEMORY_S * _MEMORY_HZ)
@@ -58,7 +57,7 @@ class BodyNetwork:
         self._memory_flags = np.zeros((slots, self.sensor_count), dtype=np.uint8)
         self._apply(setup.calibration)
         if setup.calibration is not None:
-            lay = setup.calibration.method != "n_pose"
+            lay = setup.calibration.method.startswith(("level", "static", "bias"))
             self._set_bias(setup.calibration, LYING_BIAS_SIGMA_RADPS if lay else STANDING_BIAS_SIGMA_RADPS)
 
     @property
@@ -66,7 +65,13 @@ class BodyNetwork:
         """Whether segment orientations mean anything yet; not when only biases are known."""
         return self.setup.calibration is not None and bool(self.setup.calibration.q_sensor_segment)
 
-    def _new_filter(self) -> orientation.OrientationEstimator:
+    @property
+    def next_tick(self) -> int:
+        """Number of the first tick not seen yet."""
+        return self._next_tick
+
+    def new_filter(self) -> orientation.OrientationEstimator:
+        """Return a filter of this network that has seen nothing yet."""
         setup = self.setup
         made = orientation.create(
             setup.orientation, self.sensor_count, self.time_step_s, setup.orientation_parameters
@@ -92,6 +97,7 @@ class BodyNetwork:
             Turning rate of each segment in room axes, and one-sigma of its orientation (NaN where unknown).
         flags : ndarray of uint8, shape (K, S)
         """
+        chunk = self.corrected(chunk)
         if self._has_accelerometer_bias:
             force = chunk.accelerometer_mps2 - self._accelerometer_bias[:, None]
             chunk = replace(chunk, accelerometer_mps2=force)
@@ -119,6 +125,12 @@ class BodyNetwork:
         self._next_tick = chunk.first_tick + chunk.tick_count
         return result, q_room_segment, omega, sigma, flags
 
+    def corrected(self, chunk: ImuChunk) -> ImuChunk:
+        """Apply what was calibrated in the hand."""
+        if not self.setup.devices:
+            return chunk
+        return calibration.correct(chunk, [self.setup.devices.get(name) for name in self.setup.placements])
+
     def calibrate(self, pose: ImuChunk, method: str) -> Calibration:
         """Find the calibration from a pose among the ticks already seen; it holds from the next step.
 
@@ -130,7 +142,9 @@ class BodyNetwork:
             `n_pose`: standing with hanging arms; finds mounting, facing and gyroscope bias.
             `level`: every sensor lies level, z up; finds both biases (Marzouk 2009, 3.1.1, A2). Mountings
             already known are kept. A later `n_pose` keeps the accelerometer bias found.
+            `t_pose`: as `n_pose`, with the arms out to the sides; needs compasses.
             `static`: every sensor lies still in any position, for single sensors; finds the gyroscope bias.
+            `bias`: the same for sensors of a body: mountings already known are kept.
 
         Raises
         ------
@@ -143,14 +157,17 @@ class BodyNetwork:
             raise ShapeError(
                 f"the pose has {pose.sensor_count} sensors; this session has {self.sensor_count}"
             )
+        pose = self.corrected(pose)
         if method == "level":
             found = self._level(pose)
-        elif method == "n_pose":
-            found = self._n_pose(pose)
-        elif method == "static":
-            found = self._rest(pose)
+        elif method in ("n_pose", "t_pose"):
+            found = self._held_pose(pose, method)
+        elif method in ("static", "bias"):
+            found = self._rest(pose, keep=method == "bias")
         else:
-            raise SetupError(f"no calibration method {method!r}; known are n_pose, level and static")
+            raise SetupError(
+                f"no calibration method {method!r}; known are n_pose, t_pose, level, static and bias"
+            )
         self.setup = replace(self.setup, calibration=found)
         return found
 
@@ -173,23 +190,28 @@ class BodyNetwork:
             accelerometer_bias_mps2=self._by_placement(accelerometer_bias),
         )
         self._apply(found)
-        self._set_bias(found, _bias_sigma(rest))
+        self._set_bias(found, bias_sigma(rest))
         return found
 
-    def _rest(self, pose: ImuChunk) -> Calibration:
-        rest = calibration.static_bias(pose.gyroscope_radps, pose.accelerometer_mps2, pose.time_step_s)
-        found = Calibration(
-            q_sensor_segment=dict.fromkeys(self.setup.placements, (1.0, 0.0, 0.0, 0.0)),
-            gyroscope_bias_radps=self._by_placement(rest.gyroscope_bias_radps),
-            method="static",
+    def _rest(self, pose: ImuChunk, *, keep: bool) -> Calibration:
+        rest = calibration.static_bias(
+            pose.gyroscope_radps,
+            pose.accelerometer_mps2,
+            pose.time_step_s,
+            names=[f"the {name.replace('_', ' ')} sensor" for name in self.setup.placements],
         )
+        identity = dict.fromkeys(self.setup.placements, (1.0, 0.0, 0.0, 0.0))
+        known = Calibration({} if keep else identity, {}, method="bias" if keep else "static")
+        if keep and self.setup.calibration is not None:
+            known = self.setup.calibration
+        found = replace(known, gyroscope_bias_radps=self._by_placement(rest.gyroscope_bias_radps))
         self._apply(found)
-        self._set_bias(found, _bias_sigma(rest))
+        self._set_bias(found, bias_sigma(rest))
         return found
 
-    def _n_pose(self, pose: ImuChunk) -> Calibration:
+    def _held_pose(self, pose: ImuChunk, method: str) -> Calibration:
         was_level = self.setup.calibration is not None and "level" in self.setup.calibration.method
-        bias = self._accelerometer_bias if was_level else _bias_along_gravity(pose.accelerometer_mps2)
+        bias = self._accelerometer_bias if was_level else bias_along_gravity(pose.accelerometer_mps2)
         pose = replace(pose, accelerometer_mps2=pose.accelerometer_mps2 - bias[:, None])
         if was_level and self.setup.calibration is not None:
             # Found lying, without the sway of a standing person.
@@ -200,9 +222,9 @@ class BodyNetwork:
             rest = calibration.static_bias(
                 pose.gyroscope_radps, pose.accelerometer_mps2, pose.time_step_s, require_still=False
             )
-            gyroscope_bias, sigma_radps = rest.gyroscope_bias_radps, _bias_sigma(rest)
-        anew = self._begin_anew(pose, gyroscope_bias, sigma_radps)
-        q_earth_sensor, flags = self._during(pose, anew)
+            gyroscope_bias, sigma_radps = rest.gyroscope_bias_radps, bias_sigma(rest)
+        anew = self.begin_anew(pose, gyroscope_bias, sigma_radps)
+        q_earth_sensor, flags = self.during(pose, anew)
         found = calibration.n_pose(
             q_earth_sensor,
             pose.gyroscope_radps,
@@ -210,12 +232,13 @@ class BodyNetwork:
             self.setup.placements,
             flags,
             time_step_s=pose.time_step_s,
+            arms="sideways" if method == "t_pose" else "hanging",
         )
         found = replace(
             found,
             gyroscope_bias_radps=self._by_placement(gyroscope_bias),
             accelerometer_bias_mps2=self._by_placement(bias),
-            method="level, n_pose" if was_level else "n_pose",
+            method=f"level, {method}" if was_level else method,
         )
         self._apply(found)
         if anew is None:
@@ -224,13 +247,28 @@ class BodyNetwork:
             self._filter = anew[0]
         return found
 
+    def adopt(self, found: Calibration, with_filter: orientation.OrientationEstimator | None) -> None:
+        """Take over a calibration found elsewhere, with the filter it was found with, from the next step on."""
+        self.setup = replace(self.setup, calibration=found)
+        self._apply(found)
+        if with_filter is not None:
+            self._filter = with_filter
+
+    def set_devices(self, devices: Mapping[Placement, calibration.DeviceCalibration]) -> None:
+        """Take device calibrations; what was learnt with the readings before is forgotten."""
+        together = {**self.setup.devices, **devices}
+        constants = {name: k for name, k in self.setup.device_constants.items() if name not in devices}
+        self.setup = replace(self.setup, devices=together, device_constants=constants, calibration=None)
+        self._apply(None)
+        self._filter = self.new_filter()
+
     def _by_placement(self, vectors: Float) -> dict[Placement, tuple[float, float, float]]:
         return {
             name: (float(x), float(y), float(z))
             for name, (x, y, z) in zip(self.setup.placements, vectors, strict=True)
         }
 
-    def _begin_anew(
+    def begin_anew(
         self, pose: ImuChunk, bias_radps: Float, sigma_radps: float
     ) -> tuple[orientation.OrientationEstimator, Float] | None:
         """Run a fresh filter over the pose with the bias known; None if ticks have followed the pose.
@@ -240,11 +278,11 @@ class BodyNetwork:
         """
         if pose.first_tick + pose.tick_count != self._next_tick:
             return None
-        fresh = self._new_filter()
+        fresh = self.new_filter()
         fresh.set_gyroscope_bias(bias_radps, sigma_radps)
         return fresh, fresh.update(pose).q_earth_sensor
 
-    def _during(
+    def during(
         self, pose: ImuChunk, anew: tuple[orientation.OrientationEstimator, Float] | None
     ) -> tuple[Float, NDArray[np.uint8]]:
         """Return orientations (S, M, 4) and flags (S, M) of the pose, at the remembered ticks.
@@ -333,28 +371,6 @@ class BodyNetwork:
         self._memory_tick = state["memory_tick"].astype(np.int64)
         self._memory_q = state["memory_q"].astype(np.float64)
         self._memory_flags = state["memory_flags"].astype(np.uint8)
-
-
-def _bias_sigma(rest: calibration.StaticBias) -> float:
-    """One number for the network: the typical standard error, sway included."""
-    return max(float(np.median(rest.gyroscope_standard_error_radps)), _LEAST_BIAS_SIGMA_RADPS)
-
-
-def _bias_along_gravity(accelerometer_mps2: Float) -> Float:
-    """Return what a pose at rest tells of the accelerometers' bias: the excess over gravity, shape (S, 3).
-
-    The other two components cannot be told from tilt and go into the mounting. An excess above what a bias
-    explains is left for the calibration to judge.
-    """
-    bias = np.zeros((accelerometer_mps2.shape[0], 3))
-    for s, force in enumerate(accelerometer_mps2):
-        force = force[np.isfinite(force).all(axis=1)]
-        if len(force):
-            mean = np.median(force, axis=0)
-            norm = float(np.linalg.norm(mean))
-            if abs(norm - GRAVITY_MPS2) < _LARGEST_BIAS_MPS2:
-                bias[s] = (norm - GRAVITY_MPS2) * mean / norm
-    return bias
 
 
 def _check(setup: SessionSetup) -> None:

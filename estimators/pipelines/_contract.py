@@ -5,7 +5,7 @@
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
@@ -14,7 +14,10 @@ from numpy.typing import NDArray
 
 from estimators.body import BodyDimensions as BodyDimensions
 from estimators.calibration import Calibration as Calibration
+from estimators.calibration import DeviceCalibration as DeviceCalibration
+from estimators.calibration import FunctionalResult as FunctionalResult
 from estimators.conventions import Placement
+from estimators.errors import SetupError
 from estimators.orientation import DeviceConstants as DeviceConstants
 from estimators.recording import Float, ImuChunk
 
@@ -37,6 +40,11 @@ class SessionSetup:
         Overrides; empty means the defaults of that version.
     calibration : Calibration or None
         None until the patient was calibrated: frames then show sensor motion only, flagged.
+    constrain_joint_headings : bool
+        Let elbows and wrists bound the heading drift between their segments: for sensors without
+        magnetometers or in disturbed fields. Off, results are those of the sensors alone.
+    devices : dict of DeviceCalibration
+        By placement: what was calibrated in the hand about the sensor worn there, applied before everything.
     device_constants : dict of DeviceConstants
         By placement: what earlier sessions learnt about the sensor worn there. Sensors not named start unknown.
     """
@@ -48,6 +56,8 @@ class SessionSetup:
     orientation_parameters: dict[str, Any] = field(default_factory=dict)
     body: BodyDimensions = field(default_factory=BodyDimensions)
     calibration: Calibration | None = None
+    constrain_joint_headings: bool = False
+    devices: dict[Placement, DeviceCalibration] = field(default_factory=dict)
     device_constants: dict[Placement, DeviceConstants] = field(default_factory=dict)
 
     def to_dict(self) -> dict[str, Any]:
@@ -62,6 +72,9 @@ class SessionSetup:
         values = dict(stored)
         values["placements"] = tuple(values["placements"])
         values["body"] = BodyDimensions(**values["body"])
+        values["devices"] = {
+            name: DeviceCalibration.from_dict(known) for name, known in values.get("devices", {}).items()
+        }
         values["device_constants"] = {
             name: DeviceConstants.from_dict(known)
             for name, known in values.get("device_constants", {}).items()
@@ -179,6 +192,30 @@ class Pipeline(ABC):
         `pose` are ticks that `step` has already seen (orientation is taken from the running filter).
         The result takes effect from the next `step`. Raises `CalibrationError` with what to redo.
         """
+
+    def calibrate_by_movement(
+        self, chunk: ImuChunk, movements: Mapping[str, tuple[int, int]], *, assisted: bool = False
+    ) -> FunctionalResult:
+        """Find the calibration from movements among the ticks of `chunk`; it holds from the next step.
+
+        Parameters
+        ----------
+        chunk : ImuChunk
+            Consecutive ticks that `step` has seen, the rest and all movements; best up to the newest.
+        movements : mapping of str to (start, stop)
+            Session ticks; names as for `estimators.calibration.functional`.
+        assisted : bool
+            Moved by someone else, seated.
+        """
+        raise SetupError(f"the pipeline {self.name} has no joints to calibrate by movement")
+
+    def reset_heading(self, pose: ImuChunk, placements: Sequence[Placement]) -> Calibration:
+        """Set the headings of some segments anew from an N-pose among the last ticks; the rest stays."""
+        raise SetupError(f"the pipeline {self.name} has no pose that tells headings")
+
+    def set_devices(self, devices: Mapping[Placement, DeviceCalibration]) -> None:
+        """Take calibrations made in the hand; the filters start anew, and the body must be calibrated again."""
+        raise SetupError(f"the pipeline {self.name} takes no device calibrations")
 
     @property
     @abstractmethod

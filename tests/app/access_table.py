@@ -191,6 +191,13 @@ LINES: tuple[Line, ...] = (
     patient("DELETE", "/api/sessions/{session_id}", TREAT, status=204),
     patient("GET", "/api/sessions/{session_id}/raw", READ),
     patient("POST", "/api/sessions/{session_id}/reprocess", TREAT, body={"orientation": "vqf"}, status=202),
+    patient("POST", "/api/sessions/{session_id}/reprocess-all", TREAT, body={}, status=202),
+    patient(
+        "GET",
+        "/api/sessions/{session_id}/results/differences",
+        READ,
+        query={"result_a": "{result_id}", "result_b": "{result_id}"},
+    ),
     patient("GET", "/api/sessions/{session_id}/jobs", STATUS),
     patient("GET", "/api/jobs/{job_id}", STATUS),
     patient("GET", "/api/sessions/{session_id}/frames", READ),
@@ -203,6 +210,12 @@ LINES: tuple[Line, ...] = (
     patient("POST", "/api/sessions/{session_id}/calibrate", RECORD, status=409),
     patient("POST", "/api/sessions/{session_id}/record", RECORD, status=409),
     patient("POST", "/api/sessions/{session_id}/stop", RECORD, status=409),
+    Line("GET", "/api/calibrations", "signed_in"),
+    patient(
+        "POST", "/api/sessions/{session_id}/calibration/start", RECORD, body={"kind": "n_pose"}, status=409
+    ),
+    patient("POST", "/api/sessions/{session_id}/calibration/next", RECORD, status=409),
+    patient("POST", "/api/sessions/{session_id}/calibration/cancel", RECORD, status=409),
     patient("POST", "/api/sessions/{session_id}/mark", RECORD, body={"text": "here"}, status=409),
     patient("POST", "/api/sessions/{session_id}/close", RECORD),
     patient("GET", "/api/sessions/{session_id}/state", STATUS),

@@ -23,7 +23,8 @@ SENT_BY_BROWSERS = ("PlayerCommand", "CameraCommand")
 FORM_PARTS = ("UploadIn",)
 """JSON parts of multipart forms, which OpenAPI shows as plain text."""
 SENT_TO_BROWSERS = (
-    "LayoutMessage", "StateMessage", "HealthMessage", "EventMessage", "ErrorMessage", "PlayerState"
+    "LayoutMessage", "StateMessage", "HealthMessage", "EventMessage", "ErrorMessage", "PlayerState",
+    "CalibrationMessage"
 )
 
 

@@ -1,0 +1,130 @@
+"""The part of a live session that is calibrated: guided steps, what comes of them, what is remembered."""
+
+from abc import abstractmethod
+from dataclasses import replace
+from functools import partial
+
+from app.errors import Conflict
+from app.ingest.declaration import Declaration
+from app.live import repository
+from app.live.book import SessionBook
+from app.live.calibrating import CalibrationDesk
+from app.live.calibration_messages import CalibrationIn, CalibrationKind, CalibrationMessage
+from app.live.collectors import Outcome
+from app.live.device_rows import save_device_calibrations
+from app.live.estimation import EstimationLine
+from app.live.messages import LayoutMessage
+from estimators.pipelines import Pipeline
+
+
+class CalibratedSession(SessionBook):
+    """A session with a pipeline that can be calibrated while it streams."""
+
+    pipeline: Pipeline
+    line: EstimationLine
+    stored: repository.StoredSession
+    result_id: str
+
+    @property
+    @abstractmethod
+    def declaration(self) -> Declaration:
+        """The network."""
+
+    @abstractmethod
+    def layout(self) -> LayoutMessage:
+        """Return the columns of the frames."""
+
+    def prepare_calibration(self) -> None:
+        """Make the desk; once, when pipeline and line are there."""
+        self._calibration = CalibrationDesk(
+            self.declaration.placements,
+            self.declaration.time_step_s,
+            self.line,
+            tell=partial(self._bus.publish, self._topics["calibration"]),
+            changed=self._publish_state,
+            done=self._calibrated,
+            failed=self._calibration_failed,
+        )
+
+    @property
+    def is_calibrated(self) -> bool:
+        """Whether joint angles mean anything; not when only biases are known."""
+        found = self.pipeline.setup.calibration
+        return found is not None and bool(found.q_sensor_segment)
+
+    @property
+    def calibration_message(self) -> CalibrationMessage | None:
+        """The newest message of a guided calibration."""
+        return self._calibration.message
+
+    def start_calibration(self, wanted: CalibrationIn) -> CalibrationMessage:
+        """Begin a guided calibration.
+
+        Raises
+        ------
+        Conflict
+            No packets come, a recording runs, or the sensors worn do not allow it.
+        """
+        if self.machine.state not in {"calibrating", "ready"}:
+            raise Conflict(
+                "Calibration needs a connected body network and no running recording; stop the recording or"
+                " connect first.",
+                state=self.machine.state,
+            )
+        message = self._calibration.start(wanted)
+        self._change("calibrating", message.steps[0].title + ".")
+        return message
+
+    def next_calibration_step(self) -> CalibrationMessage:
+        """End the present step of a guided calibration."""
+        return self._calibration.next()
+
+    def cancel_calibration(self) -> CalibrationMessage:
+        """End a guided calibration; what was in force stays."""
+        message = self._calibration.cancel()
+        self._back_to_ready("The calibration was cancelled.")
+        return message
+
+    def _calibration_failed(self, text: str) -> None:
+        self.add_event("error", self.session_time_s, text=text)
+        self._back_to_ready(text)
+
+    def _back_to_ready(self, text: str) -> None:
+        if self.is_calibrated and self.machine.state == "calibrating":
+            self._change("ready", f"The earlier calibration stays in force. {text}")
+        else:
+            self.machine.reason = text[:500]
+            self._publish_state()
+
+    def _calibrated(self, found: Outcome, kind: CalibrationKind) -> None:
+        setup = self.pipeline.setup
+        self.stored = replace(self.stored, setup=setup.to_dict())
+        self._saver.save(partial(repository.save_calibration, self._engine, self.id, self.result_id, setup))
+        if found.devices:
+            serials = self.declaration.serial_of
+            self._saver.save(
+                partial(
+                    save_device_calibrations,
+                    self._engine,
+                    self.id,
+                    serials,
+                    found.devices,
+                    found.device_scores,
+                )
+            )
+        self.add_event(
+            "calibration" if found.calibration is not None else "device_calibration",
+            found.start_s,
+            found.end_s - found.start_s,
+            text="; ".join(found.reasons),
+            details=dict(found.details),
+        )
+        self._bus.publish(self._topics["layout"], self.layout())
+        if self.machine.state == "calibrating" and self.is_calibrated:
+            self._change("ready", f"Calibrated, score {found.score:.2f}.")
+        else:
+            self.machine.reason = f"{kind.replace('_', ' ').capitalize()} done, score {found.score:.2f}."
+            self._publish_state()
+
+
+__all__ = ["CalibratedSession"]

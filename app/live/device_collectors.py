@@ -1,0 +1,284 @@
+"""Calibrations of sensors in the hand: six positions and the compass."""
+
+import math
+from collections import deque
+from collections.abc import Mapping
+
+import numpy as np
+
+from app.errors import Conflict
+from app.live.calibration_messages import CalibrationIn, SensorProgress
+from app.live.collectors import Collector, Outcome
+from estimators.calibration import (
+    DeviceCalibration,
+    MagnetometerCollector,
+    MagnetometerProgress,
+    ferraris,
+    find_positions,
+)
+from estimators.conventions import Placement
+from estimators.errors import CalibrationError
+from estimators.pipelines import Pipeline
+from estimators.recording import Float, ImuChunk
+
+LONGEST_S = 600.0
+REVIEW_S = 1.0
+"""How often the progress is worked out anew."""
+_FIELD_HZ = 20.0
+"""Readings a second that the compass fit takes: turned by hand, more tell nothing more."""
+
+
+class _InHand(Collector):
+    """Sensors that somebody handles; the others are left alone."""
+
+    def __init__(self, wanted: CalibrationIn, placements: tuple[Placement, ...], time_step_s: float) -> None:
+        super().__init__(wanted, placements, time_step_s)
+        unknown = [p for p in wanted.placements if p not in placements]
+        if unknown:
+            raise Conflict(f"This session has no sensor {', '.join(unknown)}.", placements=list(placements))
+        self.handled: tuple[Placement, ...] = tuple(wanted.placements) or placements
+        self.rows = [placements.index(p) for p in self.handled]
+        self.first_tick: int | None = None
+        self.next_tick = 0
+        self._review_tick = 0
+
+    def add(self, chunk: ImuChunk) -> None:
+        """Collect."""
+        if self.first_tick is None:
+            self.first_tick = chunk.first_tick
+        self.next_tick = chunk.first_tick + chunk.tick_count
+        if self.is_complete:
+            return
+        self.collect(chunk)
+        if self.seconds > LONGEST_S:
+            self.trouble = "It took longer than ten minutes; begin again."
+
+    @property
+    def wants_review(self) -> bool:
+        """Whether a second has passed since the last review."""
+        if self.is_complete or self.next_tick < self._review_tick:
+            return False
+        self._review_tick = self.next_tick + round(REVIEW_S / self.step_s)
+        return True
+
+    @property
+    def seconds(self) -> float:
+        """Since it began."""
+        return 0.0 if self.first_tick is None else (self.next_tick - self.first_tick) * self.step_s
+
+    def collect(self, chunk: ImuChunk) -> None:
+        """Keep what is needed of a chunk."""
+        raise NotImplementedError
+
+    def outcome(
+        self,
+        pipeline: Pipeline,
+        found: Mapping[Placement, DeviceCalibration],
+        scores: Mapping[Placement, float],
+        reasons: tuple[str, ...],
+    ) -> Outcome:
+        """Bring what was found into force."""
+        known = pipeline.setup.devices
+        devices = {p: merged(known.get(p), new) for p, new in found.items()}
+        pipeline.set_devices(devices)
+        return Outcome(
+            min(scores.values()),
+            reasons,
+            None,
+            devices,
+            dict(scores),
+            start_s=(self.first_tick or 0) * self.step_s,
+            end_s=self.next_tick * self.step_s,
+            details={"kind": self.wanted.kind, "placements": list(self.handled)},
+        )
+
+
+def merged(known: DeviceCalibration | None, new: DeviceCalibration) -> DeviceCalibration:
+    """Return what is known of a device with what was found anew in its place."""
+    if known is None:
+        return new
+    return DeviceCalibration(
+        new.accelerometer or known.accelerometer,
+        new.gyroscope or known.gyroscope,
+        new.magnetometer or known.magnetometer,
+    )
+
+
+class SixPositions(_InHand):
+    """Six faces and three turns, in any order, each found on the stream."""
+
+    def __init__(self, wanted: CalibrationIn, placements: tuple[Placement, ...], time_step_s: float) -> None:
+        super().__init__(wanted, placements, time_step_s)
+        self._rates: list[Float] = []
+        self._forces: list[Float] = []
+        self._found: list[list[str]] = [[] for _ in self.handled]
+
+    @property
+    def step_progress(self) -> float:
+        """Of the present step, 0 to 1."""
+        return min(len(found) for found in self._found) / len(self.steps)
+
+    @property
+    def sensors(self) -> list[SensorProgress]:
+        """Return how far each sensor is."""
+        return [
+            SensorProgress(
+                placement=p,
+                progress=len(found) / len(self.steps),
+                hint=self._missing(found),
+                is_done=len(found) == len(self.steps),
+                found=found,
+            )
+            for p, found in zip(self.handled, self._found, strict=True)
+        ]
+
+    def _missing(self, found: list[str]) -> str:
+        return next((step.instruction for step in self.steps if step.key not in found), "")
+
+    def collect(self, chunk: ImuChunk) -> None:
+        """Keep what is needed of a chunk."""
+        self._rates.append(chunk.gyroscope_radps[self.rows])
+        self._forces.append(chunk.accelerometer_mps2[self.rows])
+
+    def _samples(self, sensor: int) -> tuple[Float, Float]:
+        """Return finite samples; a gap while a sensor is handled is jumped over."""
+        # The event loop goes on appending: both lists are cut to the same length first.
+        forces = list(self._forces)
+        rates = self._rates[: len(forces)]
+        rate = np.concatenate([part[sensor] for part in rates])
+        force = np.concatenate([part[sensor] for part in forces])
+        sound = np.isfinite(rate).all(axis=1) & np.isfinite(force).all(axis=1)
+        return rate[sound], force[sound]
+
+    def review(self) -> None:
+        """Look for positions and turns anew."""
+        for i in range(len(self.handled)):
+            if len(self._found[i]) < len(self.steps):
+                self._found[i] = self._seen(i)
+        keys = [s.key for s in self.steps]
+        done = set(keys).intersection(*self._found)
+        self.step = next((i for i, key in enumerate(keys) if key not in done), len(self.steps))
+        self.hint = "" if self.is_complete else self.steps[self.step].instruction
+
+    def _seen(self, sensor: int) -> list[str]:
+        rate, force = self._samples(sensor)
+        if len(rate) * self.step_s < 1.0:
+            return []
+        rests, turns = find_positions(rate, force, 1.0 / self.step_s)
+        faces = {f"face_{r.face[1]}_{'up' if r.face[0] == '+' else 'down'}" for r in rests}
+        return [s.key for s in self.steps if s.key in faces | {f"turn_{t.axis}" for t in turns}]
+
+    def evaluate(self, pipeline: Pipeline) -> Outcome:
+        """Fit every sensor; one that fails fails all, named."""
+        found: dict[Placement, DeviceCalibration] = {}
+        scores: dict[Placement, float] = {}
+        reasons: list[str] = []
+        for i, placement in enumerate(self.handled):
+            name = placement.replace("_", " ")
+            try:
+                result = ferraris(*self._samples(i), 1.0 / self.step_s)
+            except CalibrationError as error:
+                raise CalibrationError(f"{name} sensor: {error}") from error
+            found[placement], scores[placement] = result.device, result.score
+            reasons += [f"{name} sensor: {reason}" for reason in result.reasons]
+        return self.outcome(pipeline, found, scores, tuple(reasons))
+
+
+class Compass(_InHand):
+    """Turned in all directions; coverage and residual are shown while it is turned."""
+
+    def __init__(self, wanted: CalibrationIn, placements: tuple[Placement, ...], time_step_s: float) -> None:
+        super().__init__(wanted, placements, time_step_s)
+        self._fits = [MagnetometerCollector() for _ in self.handled]
+        self._progress: list[MagnetometerProgress] = [fit.progress() for fit in self._fits]
+        self._stride = max(1, round(1.0 / (_FIELD_HZ * time_step_s)))
+        self._pending: deque[tuple[Float, Float]] = deque()
+
+    @property
+    def step_progress(self) -> float:
+        """Of the present step, 0 to 1."""
+        return min(self._part(p) for p in self._progress)
+
+    @property
+    def directions(self) -> list[tuple[float, float, float]]:
+        """Return the directions that `visited` refers to."""
+        return [
+            (round(float(x), 3), round(float(y), 3), round(float(z), 3))
+            for x, y, z in self._progress[0].directions
+        ]
+
+    @property
+    def sensors(self) -> list[SensorProgress]:
+        """Return how far each sensor is."""
+        return [
+            SensorProgress(
+                placement=p,
+                progress=self._part(now),
+                hint=now.hint,
+                is_done=now.is_complete,
+                coverage=now.coverage,
+                visited=[bool(v) for v in now.visited],
+                residual_percent=_finite(100.0 * now.residual),
+                heading_sigma_deg=_finite(math.degrees(now.heading_sigma_rad)),
+            )
+            for p, now in zip(self.handled, self._progress, strict=True)
+        ]
+
+    @staticmethod
+    def _part(now: MagnetometerProgress) -> float:
+        return 1.0 if now.is_complete else min(0.99, now.coverage / 0.85)
+
+    def collect(self, chunk: ImuChunk) -> None:
+        """Keep what is needed of a chunk."""
+        if chunk.magnetometer_t is None:
+            self.trouble = "These sensors have no magnetometer, or the gateway does not send it."
+            return
+        picked = slice(-chunk.first_tick % self._stride, None, self._stride)
+        self._pending.append(
+            (chunk.magnetometer_t[self.rows][:, picked], chunk.accelerometer_mps2[self.rows][:, picked])
+        )
+
+    def _take(self) -> None:
+        while self._pending:
+            field, force = self._pending.popleft()
+            for fit, one, other in zip(self._fits, field, force, strict=True):
+                fit.add(one, other)
+
+    def review(self) -> None:
+        """Take what has come and fit it."""
+        self._take()
+        self._progress = [fit.progress() for fit in self._fits]
+        least = min(range(len(self.handled)), key=lambda i: self._part(self._progress[i]))
+        name = "" if len(self.handled) == 1 else f"{self.handled[least].replace('_', ' ')}: "
+        self.hint = name + self._progress[least].hint
+        if all(now.is_complete and now.coverage > 0.8 for now in self._progress):
+            self.step = 1
+
+    def next(self) -> None:
+        """End now, with what was seen."""
+        self.step = 1
+
+    def evaluate(self, pipeline: Pipeline) -> Outcome:
+        """Fit every sensor; one that fails fails all, named."""
+        found: dict[Placement, DeviceCalibration] = {}
+        scores: dict[Placement, float] = {}
+        reasons: list[str] = []
+        self._take()
+        self._progress = [fit.progress() for fit in self._fits]
+        for placement, fit in zip(self.handled, self._fits, strict=True):
+            name = placement.replace("_", " ")
+            try:
+                result = fit.result()
+            except CalibrationError as error:
+                raise CalibrationError(f"{name} sensor: {error}") from error
+            found[placement] = DeviceCalibration(magnetometer=result.calibration)
+            scores[placement] = result.score
+            reasons += [f"{name} sensor: {reason}" for reason in result.reasons]
+        return self.outcome(pipeline, found, scores, tuple(reasons))
+
+
+def _finite(value: float) -> float | None:
+    return round(value, 2) if math.isfinite(value) else None
+
+
+__all__ = ["Compass", "SixPositions", "merged"]
