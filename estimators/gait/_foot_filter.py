@@ -75,6 +75,9 @@ def start_state(accelerometer_mps2: Float, gyroscope_bias_radps: Float) -> Float
     return x
 
 
+_KEPT = ("prior", "prior_p", "steps", "row_count", "rows", "gains", "ratios", "spread")
+
+
 class Records:
     """What `forward` leaves behind for the way back, for up to `most` samples."""
 
@@ -131,6 +134,12 @@ class Records:
             self.posterior[place],
             self.spread[place],
         )
+
+    def forget(self, count: int, total: int) -> None:
+        """Drop the first `count` of `total` records."""
+        for name in _KEPT:
+            values = getattr(self, name)
+            values[: total - count] = values[count:total]
 
     def backward(self, first: int, stop: int, adjoint: Float, smooth: Float) -> None:
         """Smooth the records `[first, stop)` into `smooth`, updating the adjoint."""

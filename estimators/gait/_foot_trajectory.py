@@ -28,6 +28,8 @@ _SEGMENT = 4096
 _SHORTEST_S = 0.5
 COAST_S = 3.0
 """So long after the last stance a position is worth nothing."""
+LOST_SIGMA_MPS = 1.0
+"""Where samples are missing the foot is taken to go nowhere, to this: it bounds the velocity, no more."""
 
 
 class FootFlag(IntFlag):
@@ -244,4 +246,4 @@ class _Run:
         return np.asarray(bits, dtype=np.uint8)
 
 
-__all__ = ["COAST_S", "FootFlag", "FootTrajectory", "smooth"]
+__all__ = ["COAST_S", "LOST_SIGMA_MPS", "FootFlag", "FootTrajectory", "smooth"]

@@ -9,14 +9,16 @@ from numpy.typing import NDArray
 from estimators.conventions import GRAVITY_MPS2
 from estimators.gait import _foot_layout as at
 from estimators.gait._foot_parameters import FootParameters
-from estimators.gait._stance_kernel import moving_percentile, stance_statistic
+from estimators.gait._stance_kernel import local_minimum, moving_percentile, stance_statistic
 from estimators.recording import Float
 
 Bool = NDArray[np.bool_]
 
 _GRID_S = 0.02
 _REFERENCE_RATE_HZ = 200.0
-_HEIGHT_ALONE_S = 0.5
+UNREST = 1000.0
+"""T of samples that were not measured."""
+_HEIGHT_ALONE_S = 0.35
 _CALIBRATION_SHARE, _CALIBRATION_WINDOW_S, _CALIBRATION_TOLERANCE = 0.05, 0.3, 0.03
 _CALIBRATION_SCALES = (0.5, 0.3)
 _BIAS_LONGEST_S = 0.5
@@ -47,7 +49,12 @@ class Windows:
     @property
     def ahead(self) -> int:
         """Samples after one that decide whether it is stance."""
-        return self.after * self.stride + self.half
+        return max(self.after * self.stride, self.alone) + self.half
+
+    @property
+    def back(self) -> int:
+        """Samples before one that decide whether it is stance."""
+        return max((self.before + 1) * self.stride, self.alone) + self.half
 
 
 @dataclass(frozen=True)
@@ -61,7 +68,8 @@ class Stance:
     reference : ndarray, shape (N,)
         Low percentile of T around the sample, not below its floor.
     is_stance, is_standstill, is_height : ndarray of bool, shape (N,)
-        The foot stands; the foot does not even turn; the one sample of a stance that is taken for its level.
+        The foot stands; the foot does not even turn; a sample that is taken for its level, one
+        a stance or one in 0.35 s of standing.
     sigma_mps : ndarray, shape (N,)
         Standard deviation of the contact point's velocity, were this stance.
     """
@@ -81,7 +89,11 @@ class Stance:
 
 
 def find_stance(
-    gyroscope_radps: Float, accelerometer_mps2: Float, rate_hz: float, parameters: FootParameters
+    gyroscope_radps: Float,
+    accelerometer_mps2: Float,
+    rate_hz: float,
+    parameters: FootParameters,
+    is_missing: Bool | None = None,
 ) -> Stance:
     """Find the zero-velocity intervals of a whole record.
 
@@ -91,6 +103,8 @@ def find_stance(
         Sensor axes, finite.
     rate_hz : float
     parameters : FootParameters
+    is_missing : ndarray of bool, shape (N,), optional
+        Where nothing was measured and values only stand in: never a stance.
 
     Returns
     -------
@@ -104,47 +118,84 @@ def find_stance(
     """
     windows = Windows.at_rate(rate_hz, parameters)
     samples = len(gyroscope_radps)
-    gyroscope = np.ascontiguousarray(gyroscope_radps, dtype=np.float64)
-    accelerometer = np.ascontiguousarray(accelerometer_mps2, dtype=np.float64)
-    statistic, reference = np.empty(samples), np.empty(samples)
-    stance_statistic(
-        gyroscope,
-        accelerometer,
+    statistic = np.empty(samples)
+    write_statistic(
+        np.ascontiguousarray(gyroscope_radps, dtype=np.float64),
+        np.ascontiguousarray(accelerometer_mps2, dtype=np.float64),
+        is_missing,
         0,
         samples,
+        windows,
+        parameters,
+        statistic,
+    )
+    return judge(statistic, 0, 0, samples, rate_hz, windows, parameters)
+
+
+def write_statistic(
+    gyroscope_radps: Float,
+    accelerometer_mps2: Float,
+    is_missing: Bool | None,
+    first: int,
+    stop: int,
+    windows: Windows,
+    parameters: FootParameters,
+    statistic: Float,
+) -> None:
+    """Write T of the samples `[first, stop)` of contiguous arrays; what was never measured is unrest."""
+    stance_statistic(
+        gyroscope_radps,
+        accelerometer_mps2,
+        first,
+        stop,
         windows.half,
         parameters.moving_gyroscope_radps,
         parameters.moving_accelerometer_mps2,
         statistic,
     )
+    if is_missing is not None and is_missing.any():
+        for k in np.flatnonzero(is_missing).tolist():
+            low, high = max(first, k - windows.half), min(stop, k + windows.half + 1)
+            if low < high:
+                statistic[low:high] = UNREST
+
+
+def judge(
+    statistic: Float,
+    origin: int,
+    first: int,
+    stop: int,
+    rate_hz: float,
+    windows: Windows,
+    parameters: FootParameters,
+) -> Stance:
+    """Decide about the samples `[first, stop)` of a record from T of its samples from `origin` on."""
+    reference = np.empty(len(statistic))
     moving_percentile(
         statistic,
-        0,
-        0,
-        samples,
+        origin,
+        first,
+        stop,
         windows.stride,
         windows.before,
         windows.after,
         0.01 * parameters.reference_percentile,
         reference,
     )
-    return judge(statistic, reference, rate_hz, windows, parameters)
-
-
-def judge(
-    statistic: Float, reference: Float, rate_hz: float, windows: Windows, parameters: FootParameters
-) -> Stance:
-    """Decide from T and its moving percentile."""
-    floored = np.maximum(reference, parameters.reference_floor)
-    is_stance = (statistic < parameters.stance_ratio * floored) & (statistic < parameters.stance_limit)
-    sigma = stance_sigma(statistic, rate_hz, parameters)
+    place = slice(first - origin, stop - origin)
+    chosen = statistic[place]
+    floored = np.maximum(reference[place], parameters.reference_floor)
+    is_stance = (chosen < parameters.stance_ratio * floored) & (chosen < parameters.stance_limit)
+    allowed, lowest = np.zeros((2, len(statistic)), dtype=np.bool_)
+    allowed[place] = is_stance
+    local_minimum(statistic, allowed, place.start, place.stop, windows.alone, lowest)
     return Stance(
-        statistic,
+        chosen,
         floored,
         is_stance,
-        is_stance & (statistic < parameters.standstill_limit),
-        quietest(is_stance, sigma, windows.alone),
-        sigma,
+        is_stance & (chosen < parameters.standstill_limit),
+        lowest[place],
+        stance_sigma(chosen, rate_hz, parameters),
     )
 
 
@@ -153,19 +204,6 @@ def stance_sigma(statistic: Float, rate_hz: float, parameters: FootParameters) -
     base = parameters.velocity_sigma_slope_mps * statistic**parameters.velocity_sigma_exponent
     # The noise of neighbouring samples is one and the same: at a higher rate each of them says less.
     return (parameters.velocity_sigma_floor_mps + base) * math.sqrt(rate_hz / _REFERENCE_RATE_HZ)
-
-
-def quietest(is_stance: Bool, sigma_mps: Float, alone: int) -> Bool:
-    """Return the sample of each stance with the least sigma; of a long stance, one at least so far apart."""
-    found = np.zeros(len(is_stance), dtype=np.bool_)
-    for start, stop in runs(is_stance):
-        while start < stop:
-            piece = min(stop, start + alone)
-            if stop - piece < alone // 2:
-                piece = stop
-            found[start + int(np.argmin(sigma_mps[start:piece]))] = True
-            start = piece
-    return found
 
 
 def runs(mask: Bool) -> list[tuple[int, int]]:
@@ -254,14 +292,15 @@ def _windowed(values: Float, width: int) -> Float:
 
 
 __all__ = [
+    "UNREST",
     "Stance",
     "Windows",
     "find_stance",
     "gravity_scale",
     "judge",
     "noise",
-    "quietest",
     "resting_bias",
     "runs",
     "stance_sigma",
+    "write_statistic",
 ]

@@ -7,6 +7,7 @@ bits as the whole record.
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from estimators._kernels import kernel
 from estimators.conventions import GRAVITY_MPS2
@@ -127,4 +128,28 @@ def moving_percentile(
         reference[k - origin] = value
 
 
-__all__ = ["moving_percentile", "stance_statistic"]
+@kernel("void(float64[::1], boolean[::1], int64, int64, int64, boolean[::1])")
+def local_minimum(
+    statistic: Float, allowed: NDArray[np.bool_], first: int, stop: int, half: int, found: NDArray[np.bool_]
+) -> None:
+    """Write which allowed samples `[first, stop)` have the lowest T, the earliest of equals, within `half` samples.
+
+    Parameters
+    ----------
+    statistic : ndarray, shape (N,)
+    allowed, found : ndarray of bool, shape (N,)
+        Input and output.
+    first, stop, half : int
+    """
+    samples = statistic.shape[0]
+    for k in range(first, stop):
+        is_lowest = allowed[k]
+        if is_lowest:
+            for i in range(max(0, k - half), min(samples, k + half + 1)):
+                if statistic[i] < statistic[k] or (i < k and statistic[i] == statistic[k]):
+                    is_lowest = False
+                    break
+        found[k] = is_lowest
+
+
+__all__ = ["local_minimum", "moving_percentile", "stance_statistic"]

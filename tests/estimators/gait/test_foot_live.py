@@ -1,0 +1,155 @@
+import itertools
+from functools import cache
+
+import numpy as np
+import pytest
+from foot_walk import foot_walk
+
+from estimators import rotation
+from estimators.errors import SetupError, ShapeError
+from estimators.gait import FootFlag, FootTracker, smooth
+from estimators.recording import ImuChunk, SampleQuality
+
+STEP_S = 0.01
+FIELDS = (
+    "position_m",
+    "velocity_mps",
+    "q_world_sensor",
+    "pivot_m",
+    "position_sigma_m",
+    "attitude_sigma_rad",
+    "statistic",
+    "is_stance",
+    "flags",
+)
+
+
+@cache
+def walks():
+    return [
+        foot_walk(strides=6, noise=1.0, seed=s, length_m=length, mounting=mounting)
+        for s, (length, mounting) in enumerate(((1.2, None), (0.8, (0.5, 1.0, 2.0))))
+    ]
+
+
+def chunk(trouble=True, first_tick=40):
+    gyroscope = np.stack([walk.signals.gyroscope_radps for walk in walks()])
+    force = np.stack([walk.signals.accelerometer_mps2 for walk in walks()])
+    field = np.stack(
+        [rotation.rotate(rotation.conjugate(walk.q_world_sensor), [0, 20e-6, -40e-6]) for walk in walks()]
+    )
+    quality = np.zeros(gyroscope.shape[:2], dtype=np.uint8)
+    field[1, 200:230] = np.nan
+    if trouble:
+        gyroscope[0, :13] = np.nan
+        quality[0, :13] |= np.uint8(SampleQuality.MISSING)
+        quality[1, 300:312] |= np.uint8(SampleQuality.BRIDGED)
+        gyroscope[1, 500:560] = np.nan
+        force[1, 500:560] = np.nan
+        quality[1, 500:560] |= np.uint8(SampleQuality.MISSING)
+        quality[0, 333] |= np.uint8(SampleQuality.SATURATED)
+    return ImuChunk(first_tick, STEP_S, gyroscope, force, field, quality)
+
+
+def gather(parts):
+    first = parts[0].first_tick
+    for part in parts:
+        assert part.first_tick == first
+        first += part.tick_count
+    return {name: np.concatenate([getattr(part, name) for part in parts], axis=1) for name in FIELDS}
+
+
+def run(whole, sizes, stop_at=None):
+    tracker, parts, start = FootTracker(2, STEP_S), [], 0
+    for size in sizes:
+        if start >= whole.tick_count:
+            break
+        stop = min(start + size, whole.tick_count)
+        parts.append(tracker.update(whole.ticks(start, stop)))
+        start = stop
+        if stop_at is not None and start >= stop_at:
+            stored = {name: np.array(values) for name, values in tracker.state().items()}
+            tracker, stop_at = FootTracker(2, STEP_S), None
+            tracker.restore(stored)
+    return gather([*parts, tracker.finish()])
+
+
+def assert_same_bits(one, two):
+    for name in FIELDS:
+        assert one[name].tobytes() == two[name].tobytes(), name
+
+
+@pytest.fixture(scope="module")
+def batch():
+    return run(chunk(), [10**6])
+
+
+def test_one_by_one_uneven_and_batch_are_equal(batch):
+    assert_same_bits(batch, run(chunk(), itertools.cycle((5, 1, 17, 64, 3))))
+    assert_same_bits(batch, run(chunk(), itertools.cycle((1, 1, 1, 1, 12))))
+
+
+@pytest.mark.parametrize("tick", [5, 60, 120, 333, 530, 700, 858])
+def test_restored_goes_on_alike(batch, tick):
+    assert_same_bits(batch, run(chunk(), itertools.repeat(7), stop_at=tick))
+
+
+def test_every_tick_is_released_once_and_in_time():
+    whole, tracker = chunk(), FootTracker(2, STEP_S)
+    assert tracker.delay_ticks * STEP_S < 1.0
+    released = 0
+    for tick in range(whole.tick_count):
+        released += tracker.update(whole.ticks(tick, tick + 1)).tick_count
+        assert released >= tick + 1 - tracker.delay_ticks
+    last = tracker.finish()
+    assert last.first_tick == whole.first_tick + released
+    assert released + last.tick_count == whole.tick_count
+
+
+def test_flags_follow_the_samples(batch):
+    flags = batch["flags"]
+    assert (flags[0, :13] & FootFlag.INVALID).all()
+    assert not (flags[0, 13:] & FootFlag.INVALID).any()
+    assert (flags[1, 500:560] & FootFlag.INVALID).all()
+    assert not batch["is_stance"][1, 494:566].any()
+    assert (flags[1, 300:312] & FootFlag.BRIDGED).all()
+    assert flags[0, 333] & FootFlag.SATURATED
+    assert np.isfinite(batch["position_m"]).all()
+
+
+def test_live_is_nearly_as_good_as_off_line():
+    live = run(chunk(trouble=False), [100] * 20)
+    for s, walk in enumerate(walks()):
+        turn = rotation.multiply(walk.q_world_sensor[0], rotation.conjugate(live["q_world_sensor"][s, 0]))
+        ends = rotation.rotate(turn, live["position_m"][s]) - walk.position_m
+        assert np.linalg.norm(ends[-1] - ends[0]) < 0.08
+        off_line = smooth(walk.signals).position_m
+        stride = np.linalg.norm(live["position_m"][s, 640] - live["position_m"][s, 530])
+        assert stride == pytest.approx(np.linalg.norm(off_line[640] - off_line[530]), abs=0.02)
+
+
+def test_a_foot_whose_link_was_lost_walks_on():
+    live = run(chunk(), [100] * 20)
+    walk = walks()[1]
+    # The stride after the hole of 0.6 s, which lies in the fourth, is right again.
+    last = slice(-80, None)
+    found = live["position_m"][1, 760] - live["position_m"][1, 650]
+    assert np.linalg.norm(found) == pytest.approx(
+        np.linalg.norm(walk.position_m[760] - walk.position_m[650]), abs=0.08
+    )
+    assert np.isfinite(live["position_sigma_m"][1, last]).all()
+    assert np.linalg.norm(live["velocity_mps"][1, -20:], axis=1).max() < 0.05
+
+
+def test_wrong_arguments_are_refused():
+    with pytest.raises(SetupError, match="no_such"):
+        FootTracker(2, STEP_S, {"no_such": 1.0})
+    with pytest.raises(ShapeError, match="Hz"):
+        FootTracker(2, 0.1)
+    tracker = FootTracker(2, STEP_S)
+    tracker.update(chunk().ticks(0, 5))
+    with pytest.raises(ShapeError, match="tick 45 is next"):
+        tracker.update(chunk().ticks(6, 9))
+    with pytest.raises(ShapeError, match="as many feet"):
+        FootTracker(1, STEP_S).restore(tracker.state())
+    assert FootTracker(2, STEP_S, tracker.parameters).parameters == tracker.parameters
