@@ -2,8 +2,11 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+# A file's tests stay together: they share a running server.
+TWO_AT_ONCE := -n 2 --dist loadfile
 PORT ?= 8000
-export PYTHONDONTWRITEBYTECODE := 1
+# Bytecode is kept, also where the surroundings forbid it: each process of the service and the tests starts faster.
+export PYTHONDONTWRITEBYTECODE :=
 # One thread a process for linear algebra: the service scales over sessions, not inside one.
 export OPENBLAS_NUM_THREADS ?= 1
 
@@ -58,10 +61,11 @@ web-test: $(VENV)/installed web/node_modules/installed
 	@cd web && npm run --silent check && npm run --silent api:check && npm test --silent
 
 test: lint types web-test web/dist/index.html browser ## Everything: lint, types, browser client, unit, service, database and browser tests
-	@$(BIN)/python -m pytest --cov --cov-report=term:skip-covered --durations=15
+	@$(BIN)/python -m pytest -m "not e2e" $(TWO_AT_ONCE) --cov --cov-report= --durations=15
+	@$(BIN)/python -m pytest -m e2e --cov --cov-append --cov-report=term:skip-covered
 
 test-quick: $(VENV)/installed ## Under two minutes, no browser
-	@$(BIN)/python -m pytest -m "not slow and not e2e and not postgres" -n 2
+	@$(BIN)/python -m pytest -m "not slow and not e2e and not postgres" $(TWO_AT_ONCE)
 
 bench-live: $(VENV)/installed ## 50 live sessions of 17 sensors at 100 Hz; prints latency and load
 	@$(BIN)/python -m tests.benchmarks.bench_live
