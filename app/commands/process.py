@@ -56,10 +56,9 @@ def process(
     InvalidInput
         When a word is unknown or the file cannot be read as declared.
     """
-    if orientation not in orientations.available():
-        raise InvalidInput(
-            f"no estimator {orientation!r}; choose one of {', '.join(orientations.available())}"
-        )
+    known = orientations.available(with_offline=True)
+    if orientation not in known:
+        raise InvalidInput(f"no estimator {orientation!r}; choose one of {', '.join(known)}")
     columns = CsvMapping.model_validate_json(mapping.read_text()) if mapping else None
     measured = readers.read(recording, format, columns)
     worn = cast(tuple[Placement, ...], measured.placements)

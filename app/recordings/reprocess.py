@@ -5,7 +5,7 @@ are read by rising sequence. Earlier results stay; the new one names the version
 with.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -21,6 +21,7 @@ from app.recordings._rows import insert_chunk
 from app.recordings.chunks import RAW_STREAM, EncodedChunk, RawPacket, encode_frames, frames_stream
 from app.recordings.jobs import JobContext
 from app.recordings.models import Job, MotionSession, Result, SessionEvent, SignalChunk
+from app.recordings.smoothing import SmoothedSession, smoother_for
 from app.recordings.store import Source, read_packets_in_order, stored_ranges
 from estimators import orientation, pipelines
 from estimators.errors import CalibrationError
@@ -102,18 +103,23 @@ def _picked(chunk: ImuChunk, rows: list[int]) -> ImuChunk:
 def reprocess(context: JobContext) -> str:
     """Task `reprocess`: estimate again; on closing a session also count, name the main result and compare.
 
-    Arguments: `orientation`, `orientation_parameters` (absent: as in the session's setup), `close`.
+    Arguments: `orientation`, `orientation_parameters` (absent: as in the session's setup), `close`. On closing
+    the smoother of the session's filter takes its place, where there is one; the live result stays beside.
     """
     closing = bool(context.arguments.get("close"))
     with read_only(context.engine) as session:
         found = session.get_one(MotionSession, context.session_id)
         setup = SessionSetup.from_dict(found.setup)
         pose_s = _last_pose(session, found.id)
-    wanted = context.arguments.get("orientation") or setup.orientation
+    follower = smoother_for(setup.orientation)
+    wanted = context.arguments.get("orientation") or (closing and follower) or setup.orientation
     parameters = context.arguments.get("orientation_parameters", setup.orientation_parameters)
     is_other = wanted != setup.orientation or parameters != setup.orientation_parameters
     setup = replace(setup, orientation=wanted, orientation_parameters=dict(parameters))
-    if is_other and pose_s is not None:
+    method = "" if setup.calibration is None else setup.calibration.method
+    # A mounting found by movement holds for the smoother too: both face north, and there is no pose to repeat.
+    is_kept = wanted == follower and method != "" and "pose" not in method
+    if is_other and pose_s is not None and not is_kept:
         # Another filter has another heading to begin with: the pose is evaluated with its own orientation.
         setup = replace(setup, calibration=None)
     analysis = analyse(context, setup, pose_s)
@@ -165,9 +171,10 @@ def analyse(
         Where on the task's scale of 0 to 1 this work begins.
     """
     message = ""
+    known = _smoothed(context, setup) if pipelines.is_offline(setup) else None
     if setup.calibration is None and (pose_s is not None or search_pose):
         try:
-            setup, pose_s = calibrated(context, setup, pose_s)
+            setup, pose_s = calibrated(context, setup, pose_s, known)
         except CalibrationError as error:
             message = f"Not calibrated, so there are no joint angles: {error}"
     elif setup.calibration is None:
@@ -183,7 +190,10 @@ def analyse(
         )
     ticks = 0
     waiting: list[EncodedChunk] = []
-    for piece in aligned(context.engine, context.session_id, hello, setup.placements):
+    pieces: Iterable[ImuChunk] = (
+        known if known is not None else aligned(context.engine, context.session_id, hello, setup.placements)
+    )
+    for piece in pieces:
         waiting.append(encode_frames(pipeline.step(piece)))
         ticks = piece.first_tick + piece.tick_count
         if len(waiting) >= _CHUNKS_A_COMMIT:
@@ -201,10 +211,23 @@ def analyse(
     return Analysis(result_id, ticks, setup, pose_s if setup.calibration is not None else None, message)
 
 
+def _smoothed(context: JobContext, setup: SessionSetup) -> SmoothedSession:
+    """Read the whole session and smooth it."""
+    with read_only(context.engine) as session:
+        hello = session.get_one(MotionSession, context.session_id).hello
+    context.progress(0.0, "Estimating the movement, forward and backward")
+    return SmoothedSession(aligned(context.engine, context.session_id, hello, setup.placements), setup)
+
+
 def calibrated(
-    context: JobContext, setup: SessionSetup, pose_s: tuple[float, float] | None
+    context: JobContext,
+    setup: SessionSetup,
+    pose_s: tuple[float, float] | None,
+    known: SmoothedSession | None = None,
 ) -> tuple[SessionSetup, tuple[float, float]]:
     """Run up to the end of the pose and evaluate it there; return the calibrated setup and the pose.
+
+    `known` is the session smoothed, where the setup names a smoother.
 
     Raises
     ------
@@ -213,17 +236,9 @@ def calibrated(
     """
     limit_s = _POSE_SEARCH_S if pose_s is None else pose_s[1]
     limit = round(limit_s * setup.rate_hz)
-    pieces: list[ImuChunk] = []
-    with read_only(context.engine) as session:
-        hello = session.get_one(MotionSession, context.session_id).hello
-    for piece in aligned(context.engine, context.session_id, hello, setup.placements):
-        pieces.append(piece)
-        if piece.first_tick + piece.tick_count >= limit:
-            break
-    if not pieces:
+    chunk = _beginning(context, setup, limit) if known is None else known.until(limit)
+    if chunk is None:
         raise CalibrationError("the session holds no packets")
-    chunk = joined_chunks(pieces)
-    chunk = chunk.ticks(0, min(limit, chunk.tick_count))
     if pose_s is None:
         first, stop = pipelines.find_pose(chunk)
     else:
@@ -234,6 +249,21 @@ def calibrated(
     pipelines.step_through(pipeline, chunk.ticks(0, stop))
     pipeline.calibrate(chunk.ticks(first, stop))
     return pipeline.setup, (first / setup.rate_hz, stop / setup.rate_hz)
+
+
+def _beginning(context: JobContext, setup: SessionSetup, tick_count: int) -> ImuChunk | None:
+    """Return the first ticks of the session as one chunk; None if there are none."""
+    pieces: list[ImuChunk] = []
+    with read_only(context.engine) as session:
+        hello = session.get_one(MotionSession, context.session_id).hello
+    for piece in aligned(context.engine, context.session_id, hello, setup.placements):
+        pieces.append(piece)
+        if piece.first_tick + piece.tick_count >= tick_count:
+            break
+    if not pieces:
+        return None
+    chunk = joined_chunks(pieces)
+    return chunk.ticks(0, min(tick_count, chunk.tick_count))
 
 
 def _last_pose(session: Session, session_id: str) -> tuple[float, float] | None:
@@ -261,7 +291,7 @@ def _new_result(context: JobContext, setup: SessionSetup, pipeline: pipelines.Pi
             pipeline=setup.pipeline,
             pipeline_version=pipeline.version,
             orientation=setup.orientation,
-            orientation_version=orientation.available()[setup.orientation].version,
+            orientation_version=orientation.available(with_offline=True)[setup.orientation].version,
             setup=setup.to_dict(),
             layout={
                 "segments": list(layout.segments),

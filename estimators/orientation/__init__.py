@@ -13,7 +13,14 @@ from estimators.orientation._marzouk_quaternion import MarzoukQuaternionEstimato
 from estimators.orientation._roetenberg import RoetenbergEstimator
 from estimators.orientation._scoring import OrientationErrors, orientation_errors
 from estimators.orientation._smoother import SmoothedOrientation
-from estimators.orientation._smoothers import SmoothedChunk, Smoother, smooth, smoothers, with_orientation
+from estimators.orientation._smoothers import (
+    SmoothedChunk,
+    Smoother,
+    sliced,
+    smooth,
+    smoothers,
+    with_orientation,
+)
 from estimators.orientation._telemotion import TelemotionEstimator
 from estimators.orientation._vqf import VqfEstimator
 
@@ -80,6 +87,7 @@ __all__ = [
     "available",
     "create",
     "orientation_errors",
+    "sliced",
     "smooth",
     "smoothers",
     "with_orientation",

@@ -19,7 +19,7 @@ from app.recordings.models import Job, MotionSession, Result, SignalChunk
 from app.recordings.reprocess import reprocess
 from app.recordings.schemas import ReprocessIn
 from app.settings import Settings
-from estimators import orientation
+from estimators import orientation, rotation
 from estimators.errors import CalibrationError
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
 
@@ -149,6 +149,59 @@ def test_another_estimate_stands_beside_the_first(
         assert found.main_result_id == results[0].id
     np.testing.assert_array_equal(frames_of(engine, session_id).angle_rad, before.angle_rad)
     assert frames_of(engine, session_id, results[1].id).tick_count == before.tick_count
+
+
+def test_a_session_run_with_our_filter_is_smoothed_when_it_closes(
+    engine: Engine, settings: Settings, streamed: Any, prepared: readers.RecordingPackets
+) -> None:
+    session_id = streamed(list(range(sum(1 for _ in prepared.packets(0)))))
+    with unit_of_work(engine) as session:
+        found = session.get_one(MotionSession, session_id)
+        found.setup = {
+            **found.setup,
+            "orientation": "telemotion",
+            "orientation_parameters": {"block_s": 0.25},
+        }
+    done = run_job(engine, settings, queue(engine, session_id, close=True), reprocess)
+    assert done.status == "complete", done.message
+    with unit_of_work(engine) as session:
+        main = session.get_one(Result, session.get_one(MotionSession, session_id).main_result_id)
+        assert main.orientation == "telemotion_smoother"
+        assert main.orientation_version == orientation.smoothers()["telemotion_smoother"].version
+        assert main.setup["orientation_parameters"] == {"block_s": 0.25}
+        assert main.setup["calibration"]["method"] == "n_pose"
+        # What the live filter gives stays to be asked for, beside the smoothed result.
+        session.get_one(MotionSession, session_id).state = "analysed"
+    frames = frames_of(engine, session_id)
+    assert np.isfinite(frames.angle_rad).all()
+    assert (frames.segment_flags == 0).mean() > 0.9
+    queued = queue(engine, session_id, orientation="telemotion", orientation_parameters={})
+    assert run_job(engine, settings, queued, reprocess).status == "complete"
+    with read_only(engine) as session:
+        results = repository.results_of(session, session_id)
+        assert [r.orientation for r in results] == ["telemotion_smoother", "telemotion"]
+        assert session.get_one(MotionSession, session_id).main_result_id == results[0].id
+        live = read_frames(session, results[1].id)
+    apart = rotation.angle_between(frames.q_room_segment, live.q_room_segment)[500:]
+    assert 0.0 < np.degrees(np.sqrt(np.mean(apart**2))) < 5.0
+
+
+def test_a_mounting_found_by_movement_is_kept_when_smoothing(
+    engine: Engine, settings: Settings, streamed: Any
+) -> None:
+    session_id = streamed(list(range(150)))
+    run_job(engine, settings, queue(engine, session_id, close=True), reprocess)
+    with unit_of_work(engine) as session:
+        found = session.get_one(MotionSession, session_id)
+        known = session.get_one(Result, found.main_result_id).setup["calibration"]
+        by_movement = {**known, "method": "functional"}
+        found.setup = {**found.setup, "orientation": "telemotion", "calibration": by_movement}
+    run_job(engine, settings, queue(engine, session_id, close=True), reprocess)
+    with read_only(engine) as session:
+        main = session.get_one(Result, session.get_one(MotionSession, session_id).main_result_id)
+        assert main.orientation == "telemotion_smoother"
+        assert main.setup["calibration"]["method"] == "functional"
+        assert main.setup["calibration"]["q_sensor_segment"] == known["q_sensor_segment"]
 
 
 def test_who_may_ask_for_another_estimate(engine: Engine, streamed: Any, world: Any) -> None:
