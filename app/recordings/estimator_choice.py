@@ -31,7 +31,8 @@ _UNITS: Final[tuple[tuple[str, str], ...]] = (
 
 def estimators_out() -> list[EstimatorOut]:
     """Return the orientation estimators that a session can run with; the recommended one says so."""
-    made = {name: orientation.create(name, 1, 0.01).parameters for name in orientation.available()}
+    known = orientation.available(with_offline=True)
+    made = {name: orientation.create(name, 1, 0.01).parameters for name in known}
     return [
         EstimatorOut(
             name=name,
@@ -40,8 +41,9 @@ def estimators_out() -> list[EstimatorOut]:
             description=kind.description,
             parameters=made[name],
             parameter_list=[parameter_out(key, value) for key, value in made[name].items()],
+            is_offline=kind.is_offline,
         )
-        for name, kind in orientation.available().items()
+        for name, kind in known.items()
     ]
 
 

@@ -191,6 +191,8 @@ class EstimatorOut(Schema):
     parameters: dict[str, Any]
     """Defaults by name."""
     parameter_list: list[ParameterOut]
+    is_offline: bool
+    """Needs the whole session: for uploads and to estimate again, not for a live session."""
 
 
 class AngleDifference(Schema):

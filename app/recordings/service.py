@@ -78,6 +78,12 @@ def create(session: Session, subject: Subject, wanted: SessionIn) -> SessionDeta
     """Start a session: its setup is fixed here, the gateway's hello confirms it."""
     level = repository.recording_level(wanted.purpose)
     patient = repository.patient_of(session, subject, wanted.patient_id, level)
+    if wanted.orientation in orientation.smoothers():
+        live = orientation.smoothers()[wanted.orientation].follows
+        raise InvalidInput(
+            f"{wanted.orientation} needs the whole session; record with {live}, it follows when the session closes.",
+            field="orientation",
+        )
     calibration = None
     if wanted.use_mounting:
         calibration = _remembered(session, patient.id, tuple(wanted.placements))
@@ -344,7 +350,7 @@ def queue_reprocess_all(
     session: Session, subject: Subject, session_id: str, wanted: ReprocessAllIn
 ) -> list[JobOut]:
     """Queue a task for each estimator; what is there already is not made again unless asked."""
-    known = orientation.available()
+    known = orientation.available(with_offline=True)
     if unknown := [name for name in wanted.orientations if name not in known]:
         raise InvalidInput(
             f"There is no estimator {', '.join(unknown)}; known are {', '.join(known)}.", field="orientations"

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from estimators import orientation
+from estimators import calibration, orientation
 from estimators.orientation import DeviceConstants, OrientationResult, SmoothedChunk
 from estimators.pipelines._contract import SessionSetup
 from estimators.recording import ImuChunk
@@ -26,8 +26,8 @@ def smooth_network(
     pieces : sequence of ImuChunk
         Consecutive ticks of the whole session as measured, in the order of `setup.placements`; one at least.
     setup : SessionSetup
-        Names the smoother and its parameters. Accelerometer biases that its calibration holds are taken off
-        first, and what is known of the devices is where each sensor starts.
+        Names the smoother and its parameters. What was calibrated in the hand is applied first, accelerometer
+        biases that its calibration holds are taken off, and each sensor starts with its device's constants.
 
     Returns
     -------
@@ -82,6 +82,8 @@ def _sensor(pieces: Sequence[ImuChunk], s: int, setup: SessionSetup) -> ImuChunk
         magnetometer_t=field,
         quality=np.concatenate([piece.quality[s] for piece in pieces])[None],
     )
+    if name in setup.devices:
+        chunk = calibration.correct(chunk, [setup.devices[name]])
     if setup.calibration is not None and name in setup.calibration.accelerometer_bias_mps2:
         bias = np.array(setup.calibration.accelerometer_bias_mps2[name])
         chunk = replace(chunk, accelerometer_mps2=chunk.accelerometer_mps2 - bias)

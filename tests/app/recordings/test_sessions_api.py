@@ -209,3 +209,12 @@ def test_the_estimators_are_listed_with_their_parameters(therapist: Any) -> None
     listed = therapist.get("/api/estimators").json()
     assert listed[0]["name"] == "vqf"
     assert all(row["parameters"] and row["description"] for row in listed)
+    assert [row["name"] for row in listed if row["is_offline"]] == ["telemotion_smoother"]
+
+
+def test_a_smoother_is_not_for_recording_live(therapist: Any, world: Any) -> None:
+    wanted = {"patient_id": world.patient_id, "purpose": "exercise", "pipeline": "arm"}
+    wanted |= {"placements": ["forearm_right", "upper_arm_right"], "orientation": "telemotion_smoother"}
+    answer = therapist.post("/api/sessions", json=wanted)
+    assert answer.status_code == 422
+    assert "record with telemotion" in answer.text

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from estimators import orientation, rotation, signals
+from estimators.calibration import DeviceCalibration, TriadCalibration
 from estimators.errors import SetupError
 from estimators.pipelines import SessionSetup, create, run, smooth_network, smoothed_chunk, step_through
 
@@ -79,6 +80,19 @@ def test_known_accelerometer_biases_are_taken_off_first(session, setup):
     )
     expected, _ = smooth_network([chunk], worn)
     found, _ = smooth_network([shifted], replace(worn, calibration=known))
+    assert rotation.angle_between(found.q_earth_sensor, expected.q_earth_sensor).max() < 1e-9
+
+
+def test_a_device_calibrated_in_the_hand_is_corrected_first(session, setup):
+    name = setup.placements[0]
+    worn = SessionSetup("orientation", (name,), 100.0, orientation="telemotion_smoother")
+    chunk = signals.to_common_ticks(
+        replace(session.recording, sensors={name: session.recording.sensors[name]}), 100.0
+    )
+    device = DeviceCalibration(gyroscope=TriadCalibration(bias=(0.2, -0.1, 0.3)))
+    biased = replace(chunk, gyroscope_radps=chunk.gyroscope_radps + np.array([0.2, -0.1, 0.3]))
+    expected, _ = smooth_network([chunk], worn)
+    found, _ = smooth_network([biased], replace(worn, devices={name: device}))
     assert rotation.angle_between(found.q_earth_sensor, expected.q_earth_sensor).max() < 1e-9
 
 

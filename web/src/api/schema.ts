@@ -1856,6 +1856,8 @@ export interface components {
         EstimatorOut: {
             /** Description */
             description: string;
+            /** Is Offline */
+            is_offline: boolean;
             /** Name */
             name: string;
             /** Parameter List */

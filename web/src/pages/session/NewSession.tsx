@@ -74,7 +74,7 @@ function Form({ patient }: { patient: Patient }) {
             help={t('newSession.estimatorHelp')}
             value={orientation}
             onChange={setOrientation}
-            options={list.map((one) => ({ value: one.name, title: one.title, text: one.description }))}
+            options={list.filter((one) => !one.is_offline).map((one) => ({ value: one.name, title: one.title, text: one.description }))}
           />
         )}
       </Answer>
