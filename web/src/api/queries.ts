@@ -25,6 +25,7 @@ export const keys = {
   comparisons: (id: string) => ['sessions', id, 'comparisons'] as const,
   comparison: (id: string) => ['comparisons', id] as const,
   estimators: ['estimators'] as const,
+  calibrations: ['calibrations'] as const,
   accuracy: ['accuracy'] as const,
   job: (id: string) => ['jobs', id] as const,
 };
@@ -128,6 +129,7 @@ export const useComparison = (id: string | null) =>
   useGet<Wire.ComparisonDetail>(keys.comparison(id ?? ''), `/api/comparisons/${id}`, { enabled: id !== null, staleTime: Infinity });
 export const useEstimators = () => useGet<Wire.Estimator[]>(keys.estimators, '/api/estimators', { staleTime: Infinity });
 
+export const useCalibrations = (enabled = true) => useGet<Wire.CalibrationGuide[]>(keys.calibrations, '/api/calibrations', { staleTime: Infinity, enabled });
 export const useAccuracy = () => useGet<Wire.AccuracyReport>(keys.accuracy, '/api/accuracy', { staleTime: Infinity });
 
 /** A long task, asked for twice a second until it ends. */

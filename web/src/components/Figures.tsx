@@ -1,5 +1,5 @@
-// Drawn people: the pose to hold, and where sensors are worn. Seen from the front, so the patient's right is on the left.
-import type { Placement } from '../api/types';
+// Drawn people: where sensors are worn, and which sit wrong. Seen from the front, so the patient's right is on the left.
+import type { Placement, SensorFinding } from '../api/types';
 import { t } from '../i18n';
 import { placementLabel } from '../lib/channels';
 
@@ -60,14 +60,37 @@ export function WornFigure({ worn }: { worn: readonly Placement[] }) {
   );
 }
 
-/** The calibration pose: standing straight, arms hanging, palms to the thighs, thumbs forward. */
-export function PoseFigure({ isHeld }: { isHeld: boolean }) {
+/** Which sensors sit wrong: marked on the body, with an arrow between two that were swapped. */
+export function FindingFigure({ findings }: { findings: readonly SensorFinding[] }) {
+  const wrong = [...new Set(findings.flatMap((finding) => finding.placements))];
+  const swaps = findings.flatMap(({ code, placements }) => {
+    const [a, b] = [SPOTS[placements[0] ?? 'head'], SPOTS[placements[1] ?? 'head']];
+    return code.startsWith('swapped') && placements.length > 1 && a && b ? [[a, b] as const] : [];
+  });
   return (
-    <Person label={t('figure.pose')}>
-      <path d="M12 372h176" stroke="var(--tm-line-strong)" strokeWidth="2" />
-      <path d="M100 66v112" stroke={isHeld ? 'var(--tm-accent)' : 'var(--tm-line-strong)'} strokeWidth="2.5" strokeDasharray="4 5" />
-      <path d="M49 96l-16 138M151 96l16 138" stroke={isHeld ? 'var(--tm-accent)' : 'var(--tm-line-strong)'} strokeWidth="2.5" strokeDasharray="4 5" fill="none" />
-      {isHeld && <path d="M74 330l18 20 36-44" fill="none" stroke="var(--tm-accent)" strokeWidth="9" strokeLinecap="round" strokeLinejoin="round" />}
+    <Person label={t('figure.finding', { places: wrong.map(placementLabel).join(', ') })}>
+      {swaps.map(([[ax, ay], [bx, by]]) => (
+        <path key={`${ax}/${ay}`} d={`M${ax} ${ay}Q${(ax + bx) / 2 + (ax === bx ? 40 : 0)} ${(ay + by) / 2 - 46} ${bx} ${by}`} fill="none" stroke="var(--tm-alert)" strokeWidth="3" strokeDasharray="6 5" />
+      ))}
+      {wrong.map((placement) => {
+        const spot = SPOTS[placement];
+        if (!spot) return null;
+        const [x, y] = spot;
+        return (
+          <g key={placement}>
+            <circle cx={x} cy={y} r="13" fill="var(--tm-alert)" stroke="var(--tm-surface)" strokeWidth="2" />
+            <text x={x} y={y + 6} fontSize="18" fontWeight="700" fill="var(--tm-surface)" textAnchor="middle">
+              !
+            </text>
+          </g>
+        );
+      })}
+      <text x="14" y="376" fontSize="13" fill="var(--tm-muted)">
+        {t('figure.right')}
+      </text>
+      <text x="186" y="376" fontSize="13" fill="var(--tm-muted)" textAnchor="end">
+        {t('figure.left')}
+      </text>
     </Person>
   );
 }

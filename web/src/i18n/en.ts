@@ -1,4 +1,5 @@
 // English, complete: the catalogue that every other language is checked against.
+import { calibration } from './en/calibration';
 import { common } from './en/common';
 import { motion } from './en/motion';
 import { patient } from './en/patient';
@@ -6,4 +7,4 @@ import { report } from './en/report';
 import { research } from './en/research';
 import { session } from './en/session';
 
-export const en = { ...common, ...motion, ...patient, ...report, ...research, ...session } as const;
+export const en = { ...calibration, ...common, ...motion, ...patient, ...report, ...research, ...session } as const;

@@ -1,6 +1,6 @@
 // A session while it happens: socket in, ring of frames, state, health and events out.
 import { PROTOCOL_VERSION } from '../api/schema';
-import type { ErrorMessage, HealthMessage, LiveMessage, SessionEvent, StateMessage } from '../api/types';
+import type { CalibrationMessage, ErrorMessage, HealthMessage, LiveMessage, SessionEvent, StateMessage } from '../api/types';
 import { t } from '../i18n';
 import { createDecoder, type Decoder } from './decoder';
 import { LatencyMeter } from './latency';
@@ -17,6 +17,8 @@ export interface LiveSnapshot extends PlayerSnapshot {
   state: StateMessage | null;
   health: HealthMessage | null;
   events: readonly SessionEvent[];
+  /** The guided calibration that runs, or the last one that ran. */
+  calibration: CalibrationMessage | null;
   /** The last error message of the service on this socket. */
   error: ErrorMessage | null;
   /** From publication by the service to arrival here, ms. */
@@ -42,6 +44,7 @@ export class LivePlayer implements Player {
     state: null,
     health: null,
     events: [],
+    calibration: null,
     error: null,
     networkMs: null,
   });
@@ -128,6 +131,9 @@ export class LivePlayer implements Player {
         break;
       case 'event':
         this.#store.set({ events: [...this.#store.get().events, message.event].slice(-KEPT_EVENTS) });
+        break;
+      case 'calibration':
+        this.#store.set({ calibration: message });
         break;
       case 'error':
         this.#store.set({ error: message });

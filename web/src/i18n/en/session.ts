@@ -35,7 +35,6 @@ export const session = {
   'figure.nothingWorn': 'Figure seen from the front, no sensors chosen',
   'figure.right': 'Right',
   'figure.left': 'Left',
-  'figure.pose': 'Figure standing upright with hanging arms, palms to the thighs',
 
   'steps.title': 'Steps of the session',
   'steps.connect': 'Connect',
@@ -60,19 +59,6 @@ export const session = {
   'connect.simulate': 'No sensors at hand? This streams a simulated patient in a session of its own:',
   'connect.command': 'Command',
 
-  'calibration.title': 'Hold the pose',
-  'calibration.hold': 'Hold still …',
-  'calibration.stand': 'Stand straight and look ahead.',
-  'calibration.arms': 'Let both arms hang, palms to the thighs, thumbs forward.',
-  'calibration.still': 'Stay still for three seconds.',
-  'calibration.start': 'Calibrate',
-  'calibration.again': 'Calibrate again',
-  'calibration.progress': 'Pose held',
-  'calibration.held': '{percent} % of three seconds',
-  'calibration.good': 'Good calibration ({score} of 100)',
-  'calibration.fair': 'Usable calibration ({score} of 100)',
-  'calibration.poor': 'Poor calibration ({score} of 100): better do it again',
-  'calibration.inForce': 'If a sensor slipped, hold the pose again before you record.',
 
   'health.title': 'Sensors',
   'health.good': 'Good',

@@ -1,10 +1,8 @@
 // A session while it happens: the body large, curves beneath, sensors at the side, the delay always in view.
-import { Button } from '@mantine/core';
 import { IconPlugConnectedX } from '@tabler/icons-react';
-import { useMutation, useQueryClient } from '@tanstack/react-query';
+import { useQueryClient } from '@tanstack/react-query';
 import { useEffect, useMemo, useRef, useState } from 'react';
 import { useParams } from 'react-router';
-import { api } from '../../api/client';
 import { keys, useExercises, usePatient, useSession } from '../../api/queries';
 import type { SessionDetail, SessionEvent, SessionState } from '../../api/types';
 import { ChannelPicker } from '../../components/ChannelPicker';
@@ -19,8 +17,9 @@ import { eventText } from '../../lib/events';
 import { number, position } from '../../lib/format';
 import { useLivePlayer, useSnapshot } from '../../player/hooks';
 import type { LivePlayer, LiveSnapshot } from '../../player/live';
+import { CalibrationPanel } from '../calibration/CalibrationPanel';
+import { InForce } from '../calibration/InForce';
 import { AnalysisWait } from './AnalysisWait';
-import { CalibrationGuide } from './Calibration';
 import { ConnectHelp } from './ConnectHelp';
 import { HealthPanel } from './HealthPanel';
 import { LiveButtons } from './LiveButtons';
@@ -83,13 +82,15 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
     () => (chosen ?? preferredAngles(angles, exercise?.primary_angle, exercise?.side ?? null)).filter((name) => angles.includes(name)),
     [chosen, angles, exercise],
   );
-  const calibrate = useMutation({ mutationFn: () => api.post<unknown>(`/api/sessions/${session.id}/calibrate`) });
   useEffect(() => {
     if (state === 'closing' || state === 'analysed') void client.invalidateQueries({ queryKey: keys.session(session.id) });
   }, [state, client, session.id]);
 
   const isOver = state === 'closing' || state === 'analysed' || state === 'failed';
-  const showsPose = state === 'calibrating' || (message?.calibration_progress ?? null) !== null;
+  // Without a calibration the way to one is the first thing; later it comes when asked for, or when one runs.
+  const [isAsked, setAsked] = useState(false);
+  const calibration = message ? message.calibration : session.calibration;
+  const mayCalibrate = state === 'calibrating' || state === 'ready';
   return (
     <>
       <div className="live-head">
@@ -127,6 +128,18 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
       <div className="live-grid">
         <div className="stack">
           {state === 'created' && <ConnectHelp session={session} />}
+          {mayCalibrate && (
+            <CalibrationPanel
+              sessionId={session.id}
+              placements={session.placements}
+              guide={snapshot.calibration}
+              hint={message?.calibration_hint ?? ''}
+              mayAct={mayRecord}
+              isAsked={isAsked}
+              isNeeded={state === 'calibrating'}
+              onClose={() => setAsked(false)}
+            />
+          )}
           {state !== 'created' && mayRecord && <LiveButtons sessionId={session.id} state={state} isRecording={isRecording} />}
           {state !== 'created' && <Viewer3D sessionId={session.id} request={LIVE} title={t('viewer.liveTitle')} />}
           {snapshot.columns && state !== 'created' && (
@@ -139,17 +152,8 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
           )}
         </div>
         <div className="stack">
-          {showsPose && <CalibrationGuide message={message} isBusy={calibrate.isPending} mayTreat={mayRecord} onCalibrate={() => calibrate.mutate()} />}
-          {calibrate.error && <Problem error={calibrate.error} />}
           <HealthPanel health={snapshot.health} placements={session.placements} />
-          {!showsPose && state === 'ready' && message?.calibration && mayRecord && (
-            <section className="card">
-              <p className="muted small">{t('calibration.inForce')}</p>
-              <Button variant="default" loading={calibrate.isPending} onClick={() => calibrate.mutate()}>
-                {t('calibration.again')}
-              </Button>
-            </section>
-          )}
+          {state === 'ready' && calibration && mayRecord && <InForce sessionId={session.id} calibration={calibration} placements={session.placements} onAgain={() => setAsked(true)} />}
           <Happened events={snapshot.events.length ? snapshot.events : session.events} />
         </div>
       </div>

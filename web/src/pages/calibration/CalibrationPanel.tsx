@@ -1,0 +1,70 @@
+// The guided calibration beside the live view: choose, follow the steps, read what came of it.
+import { useMutation } from '@tanstack/react-query';
+import { useState } from 'react';
+import { api } from '../../api/client';
+import { useCalibrations } from '../../api/queries';
+import type { CalibrationIn, CalibrationMessage, Placement } from '../../api/types';
+import { Problem } from '../../components/Feedback';
+import { isRunning } from '../../lib/calibration';
+import { CalibrationChoice } from './CalibrationChoice';
+import { CalibrationResult } from './CalibrationResult';
+import { RunningCalibration } from './RunningCalibration';
+
+export interface CalibrationPanelProps {
+  sessionId: string;
+  placements: readonly Placement[];
+  guide: CalibrationMessage | null;
+  hint: string;
+  mayAct: boolean;
+  /** Whether the choice stays open although a calibration is in force. */
+  isAsked: boolean;
+  /** Nothing is in force yet: the choice is shown without being asked for. */
+  isNeeded: boolean;
+  onClose: () => void;
+}
+
+/** Begin, go on with and cancel a guided calibration of a session. */
+export function useCalibrating(sessionId: string) {
+  const path = `/api/sessions/${sessionId}/calibration`;
+  const start = useMutation({ mutationFn: (wanted: CalibrationIn) => api.post<CalibrationMessage>(`${path}/start`, wanted) });
+  const next = useMutation({ mutationFn: () => api.post<CalibrationMessage>(`${path}/next`) });
+  const cancel = useMutation({ mutationFn: () => api.post<CalibrationMessage>(`${path}/cancel`) });
+  return { start, next, cancel, error: start.error ?? next.error ?? cancel.error };
+}
+
+export function CalibrationPanel({ sessionId, placements, guide, hint, mayAct, isAsked, isNeeded, onClose }: CalibrationPanelProps) {
+  const guides = useCalibrations(guide !== null);
+  const { start, next, cancel, error } = useCalibrating(sessionId);
+  const [last, setLast] = useState<CalibrationIn | null>(null);
+  // A result that was read is put away; the next message of a running calibration brings the guide back.
+  const [read, setRead] = useState<CalibrationMessage | null>(null);
+  const begin = (wanted: CalibrationIn) => {
+    setLast(wanted);
+    next.reset();
+    cancel.reset();
+    start.mutate(wanted);
+  };
+  const title = guides.data?.find((one) => one.kind === guide?.kind)?.title ?? '';
+  const hasResult = guide !== null && (guide.phase === 'done' || guide.phase === 'redo') && guide !== read;
+  return (
+    <>
+      {error && <Problem error={error} />}
+      {guide && isRunning(guide) ? (
+        <RunningCalibration guide={guide} title={title} mayAct={mayAct} isBusy={next.isPending} onNext={() => next.mutate()} onCancel={() => cancel.mutate()} />
+      ) : hasResult ? (
+        <CalibrationResult
+          guide={guide}
+          mayAct={mayAct}
+          isBusy={start.isPending}
+          onAgain={() => begin(last?.kind === guide.kind ? last : { kind: guide.kind })}
+          onClose={() => {
+            setRead(guide);
+            if (guide.phase === 'done') onClose();
+          }}
+        />
+      ) : (
+        (isNeeded || isAsked) && <CalibrationChoice placements={placements} hint={hint} mayAct={mayAct} isBusy={start.isPending} onStart={begin} onClose={isNeeded ? undefined : onClose} />
+      )}
+    </>
+  );
+}

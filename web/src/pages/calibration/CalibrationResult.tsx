@@ -1,0 +1,79 @@
+// What came of a calibration: the score in a word, why, what to do again, which sensor sits wrong.
+import { Button, Group } from '@mantine/core';
+import { IconAlertTriangle, IconCircleCheck } from '@tabler/icons-react';
+import type { CalibrationMessage } from '../../api/types';
+import { FindingFigure } from '../../components/Figures';
+import { t, tOr } from '../../i18n';
+import { number } from '../../lib/format';
+import { scoreText } from '../session/Calibration';
+
+function axisName(name: string): string {
+  const side = /_(left|right)$/.exec(name)?.[1];
+  const words = tOr(`guide.axis.${name.replace(/_(left|right)$/, '')}`, name.replaceAll('_', ' '));
+  return side ? t('channel.sided', { name: words, side: t(`side.${side as 'left' | 'right'}`) }) : words;
+}
+
+export function CalibrationResult({ guide, mayAct, isBusy, onAgain, onClose }: { guide: CalibrationMessage; mayAct: boolean; isBusy: boolean; onAgain: () => void; onClose: () => void }) {
+  const isDone = guide.phase === 'done';
+  const findings = guide.findings ?? [];
+  const axes = guide.axes ?? [];
+  const toRedo = guide.steps.filter((step) => guide.redo_steps?.includes(step.key));
+  const Icon = isDone ? IconCircleCheck : IconAlertTriangle;
+  return (
+    <section className={findings.length > 0 ? 'card guide' : 'card'} aria-labelledby="guide-result">
+      {findings.length > 0 && (
+        <div className="guide-picture">
+          <FindingFigure findings={findings} />
+        </div>
+      )}
+      <div className="guide-words">
+        <h2 id="guide-result" className="result-head" role="status">
+          <Icon size={26} aria-hidden />
+          {isDone ? scoreText(guide.score ?? 0) : t('guide.redo')}
+        </h2>
+        {findings.map((finding) => (
+          <p key={finding.text} className="alert-text">
+            {finding.text}
+          </p>
+        ))}
+        {(guide.reasons ?? []).map((reason) => (
+          <p key={reason}>{reason}</p>
+        ))}
+        {toRedo.length > 0 && <p>{t('guide.redoSteps', { steps: toRedo.map((step) => step.title).join(', ') })}</p>}
+        {axes.length > 0 && (
+          <details className="as-table">
+            <summary>{t('guide.axes')}</summary>
+            <table className="plain-table">
+              <thead>
+                <tr>
+                  <th scope="col">{t('guide.movement')}</th>
+                  <th scope="col">{t('guide.range')}</th>
+                  <th scope="col">{t('guide.sigma')}</th>
+                </tr>
+              </thead>
+              <tbody>
+                {axes.map((axis) => (
+                  <tr key={axis.name}>
+                    <th scope="row">{axisName(axis.name)}</th>
+                    <td className="number">{number(axis.range_deg)}°</td>
+                    <td className="number">± {number(axis.sigma_deg, 1)}°</td>
+                  </tr>
+                ))}
+              </tbody>
+            </table>
+          </details>
+        )}
+        {mayAct && (
+          <Group>
+            <Button variant={isDone ? 'default' : 'filled'} loading={isBusy} onClick={onAgain}>
+              {t('calibration.again')}
+            </Button>
+            <Button variant={isDone ? 'filled' : 'default'} onClick={onClose}>
+              {isDone ? t('guide.close') : t('guide.otherWay')}
+            </Button>
+          </Group>
+        )}
+      </div>
+    </section>
+  );
+}
