@@ -1,5 +1,6 @@
 """The body network with exact truth: movements, sensors, their errors; faults in `simulation.faults`."""
 
+from estimators.kinetics import ShoeGeometry
 from estimators.simulation import faults
 from estimators.simulation._calibration_movements import (
     CALIBRATION_STYLE,
@@ -8,8 +9,8 @@ from estimators.simulation._calibration_movements import (
 )
 from estimators.simulation._errors import SENSOR_PRESETS, SensorErrors, TriadErrors, sensor_errors
 from estimators.simulation._exercises import EXERCISES, Exercise, ExerciseName
-from estimators.simulation._gait_body import BodyStyle
 from estimators.simulation._gait_course import Bout, FootStyle, Leg, WalkStyle
+from estimators.simulation._gait_presets import GAIT_PRESETS, eyes_closed, gait_preset, stroke_feet
 from estimators.simulation._gait_scenario import (
     GAIT_PLACEMENTS,
     GaitScenario,
@@ -17,6 +18,7 @@ from estimators.simulation._gait_scenario import (
     simulate_gait,
 )
 from estimators.simulation._gait_truth import FootTruth, GaitTruth
+from estimators.simulation._gait_upper import BodyStyle
 from estimators.simulation._movements import (
     MovementStyle,
     Schedule,
@@ -32,13 +34,14 @@ from estimators.simulation._scenario import (
     simulate_arm,
 )
 from estimators.simulation._sensors import EarthField, Magnet, Mounting, dipole_field, outward_mounting
-from estimators.simulation._shoe import LoadCellErrors, ShoeErrors, ShoeGeometry, shoe_errors
+from estimators.simulation._shoe import LoadCellErrors, ShoeErrors, shoe_errors
 
 __all__ = [
     "ARM_PLACEMENTS",
     "CALIBRATION_STYLE",
     "EXERCISES",
     "GAIT_PLACEMENTS",
+    "GAIT_PRESETS",
     "IMPAIRMENT",
     "SENSOR_PRESETS",
     "ArmScenario",
@@ -71,11 +74,14 @@ __all__ = [
     "calibration_ranges_s",
     "demonstration_scenario",
     "dipole_field",
+    "eyes_closed",
     "faults",
+    "gait_preset",
     "outward_mounting",
     "sensor_errors",
     "shoe_errors",
     "simulate_arm",
     "simulate_gait",
+    "stroke_feet",
     "style_of_impairment",
 ]

@@ -5,25 +5,25 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BPoly, CubicSpline
 from scipy.linalg import solve_banded
 
 from estimators import rotation
 from estimators.conventions import GRAVITY_MPS2, SIDES, Side
 from estimators.simulation._gait_course import Footing
 from estimators.simulation._gait_foot import FootMotion
+from estimators.simulation._gait_upper import (
+    PELVIS_SHARE,
+    TRUNK_GYRATION_M,
+    BodyStyle,
+    com_height,
+    upper_turns,
+)
 from estimators.simulation._kinematics import (
-    X_AXIS,
-    Y_AXIS,
-    Z_AXIS,
     Path,
-    Scalar,
     Turn,
     carried,
-    compose,
     cross,
     rotate,
-    turn_about,
 )
 from estimators.simulation._timeline import minimum_jerk
 
@@ -31,10 +31,7 @@ Float = NDArray[np.float64]
 
 UPWARD_MPS2 = np.array([0.0, 0.0, GRAVITY_MPS2])
 """What an accelerometer feels of gravity, room frame."""
-_PELVIS_SHARE = 0.45
-"""Of what the feet leave: pelvis with the legs' share, then trunk with head and arms."""
 _PELVIS_GYRATION_M = (0.12, 0.10, 0.12)
-_TRUNK_GYRATION_M = (0.28, 0.27, 0.14)
 _HEEL_SHARE, _HEEL_CENTRE_M, _HEEL_GYRATION_M = 0.7, (0.04, 0.0, 0.02), (0.03, 0.06, 0.06)
 _FOREFOOT_CENTRE_M, _FOREFOOT_GYRATION_M = (0.02, 0.0, 0.01), (0.02, 0.03, 0.03)
 _PELVIS_OFFSET_M, _TRUNK_OFFSET_M = (0.0, 0.0, -0.08), (0.0, 0.0, 0.24)
@@ -87,27 +84,6 @@ class BodyMotion:
     free_moment_nm: dict[Side, Float]
 
 
-@dataclass(frozen=True)
-class BodyStyle:
-    """What the body above the feet is and does.
-
-    Attributes
-    ----------
-    mass_kg, foot_mass_kg : float
-        With shoes; of each foot with its shoe.
-    com_height_m, bob_m : float
-        Mean height of the centre of mass and amplitude of its rise at every step.
-    momentum_arm_m : float
-        Swaying of the trunk: largest rate of angular momentum as weight times this, 0.02 m is lively.
-    """
-
-    mass_kg: float = 68.0
-    foot_mass_kg: float = 1.2
-    com_height_m: float = 0.95
-    bob_m: float = 0.012
-    momentum_arm_m: float = 0.005
-
-
 def move_body(
     style: BodyStyle,
     footing: Footing,
@@ -143,9 +119,9 @@ def move_body(
     """
     step_s = float(time_s[1] - time_s[0])
     parts = _foot_parts(style, feet)
-    turns = _upper_turns(style, footing, stride_s, time_s)
+    turns = upper_turns(style, footing, stride_s, time_s)
     upper_mass = style.mass_kg - 2.0 * style.foot_mass_kg
-    masses = {"pelvis": _PELVIS_SHARE * upper_mass, "trunk": (1.0 - _PELVIS_SHARE) * upper_mass}
+    masses = {"pelvis": PELVIS_SHARE * upper_mass, "trunk": (1.0 - PELVIS_SHARE) * upper_mass}
     still = Path(*(np.zeros((time_s.size, 3)) for _ in range(3)))
     offsets = {
         "pelvis": carried(still, turns["pelvis"], _PELVIS_OFFSET_M),
@@ -153,9 +129,9 @@ def move_body(
     }
     rates = {
         "pelvis": _momentum_rate(masses["pelvis"], _PELVIS_GYRATION_M, turns["pelvis"]),
-        "trunk": _momentum_rate(masses["trunk"], _TRUNK_GYRATION_M, turns["trunk"]),
+        "trunk": _momentum_rate(masses["trunk"], TRUNK_GYRATION_M, turns["trunk"]),
     }
-    height = _com_height(style, footing, stride_s, time_s)
+    height = com_height(style, footing, stride_s, time_s)
     lumbar_z = []
     for order in range(3):
         known = total_of(part.mass_kg * part.centre[order][:, 2] for part in parts.values())
@@ -242,130 +218,6 @@ def _momentum_rate(mass_kg: float, gyration_m: tuple[float, float, float], turn:
     back = rotation.conjugate(turn.q)
     rate = rotate(back, turn.rate)
     return rotate(turn.q, inertia * rotate(back, turn.acceleration) + cross(rate, inertia * rate))
-
-
-def _upper_turns(style: BodyStyle, footing: Footing, stride_s: float, time_s: Float) -> dict[str, Turn]:
-    """Pelvis and trunk: along the path, with the small turns of walking."""
-    lands = np.array([step[1] for step in footing.steps])
-    headings = np.array([step[2] for step in footing.steps])
-    half = 0.5 * stride_s
-    heading = _held_spline(
-        np.concatenate(([lands[0] - half], lands)), np.concatenate(([0.0], headings)), time_s
-    )
-    # A phase that gains half a turn with every landing: swaying keeps step with uneven steps.
-    knots = np.concatenate(([lands[0] - half], lands, [lands[-1] + half]))
-    is_left = np.array([step[0] == "left" for step in footing.steps])
-    # The same leg twice (after a halt) is a whole turn: the sway always leads to the side that steps.
-    gains = np.where(is_left[1:] == is_left[:-1], 2.0 * np.pi, np.pi)
-    phases = np.pi * (0.0 if is_left[0] else 1.0) + np.concatenate(([0.0], np.cumsum(gains)))
-    phases = np.concatenate(([phases[0] - np.pi], phases, [phases[-1] + np.pi]))
-    curve = CubicSpline(knots, phases, bc_type="natural")
-    at = np.clip(time_s, knots[0], knots[-1])
-    inside = (time_s > knots[0]) & (time_s < knots[-1])
-    phase = Scalar(curve(at), np.where(inside, curve(at, 1), 0.0), np.where(inside, curve(at, 2), 0.0))
-    active = _activity(footing, time_s)
-    inertia = (1.0 - _PELVIS_SHARE) * style.mass_kg * np.square(_TRUNK_GYRATION_M)
-    moment = style.momentum_arm_m * style.mass_kg * GRAVITY_MPS2
-    pulse = 2.0 * np.pi / stride_s
-    nod = moment / (inertia[1] * (2.0 * pulse) ** 2)
-    roll = moment / (inertia[0] * pulse**2)
-    yaw = np.radians(4.0)
-    trunk = compose(
-        turn_about(Z_AXIS, heading),
-        compose(
-            turn_about(Y_AXIS, _wave(phase, active, nod, 2.0, 0.4)),
-            compose(
-                turn_about(X_AXIS, _wave(phase, active, roll, 1.0, 1.1)),
-                turn_about(Z_AXIS, _wave(phase, active, -0.6 * yaw, 1.0, 0.0)),
-            ),
-        ),
-    )
-    pelvis = compose(
-        turn_about(Z_AXIS, heading),
-        compose(
-            turn_about(X_AXIS, _wave(phase, active, np.radians(3.0), 1.0, 0.5 * np.pi)),
-            turn_about(Z_AXIS, _wave(phase, active, yaw, 1.0, 0.0)),
-        ),
-    )
-    return {"pelvis": pelvis, "trunk": trunk}
-
-
-def _wave(phase: Scalar, active: Scalar, size: float, times: float, offset: float) -> Scalar:
-    """Return `size * active * sin(times * phase + offset)` with derivatives."""
-    sine, cosine = np.sin(times * phase.value + offset), np.cos(times * phase.value + offset)
-    first = times * phase.rate
-    second = times * phase.acceleration
-    return Scalar(
-        size * active.value * sine,
-        size * (active.rate * sine + active.value * first * cosine),
-        size
-        * (
-            active.acceleration * sine
-            + 2.0 * active.rate * first * cosine
-            + active.value * (second * cosine - first**2 * sine)
-        ),
-    )
-
-
-def _activity(footing: Footing, time_s: Float) -> Scalar:
-    """Return 1 while walking, 0 while standing, with smooth changes."""
-    total = Scalar(*(np.zeros(time_s.size) for _ in range(3)))
-    for start, end in footing.active_s:
-        fade = min(0.6, 0.4 * (end - start))
-        for at, sign in ((start, 1.0), (end - fade, -1.0)):
-            step = minimum_jerk((time_s - at) / fade)
-            total = Scalar(
-                total.value + sign * step.value,
-                total.rate + sign * step.rate / fade,
-                total.acceleration + sign * step.acceleration / fade**2,
-            )
-    return total
-
-
-def _com_height(style: BodyStyle, footing: Footing, stride_s: float, time_s: Float) -> Scalar:
-    """Return the height of the centre of mass: low as a foot is loaded, high over the standing leg."""
-    knots: list[tuple[float, float, float, float]] = []
-    half_double = 0.06 * stride_s
-    pulse = 4.0 * np.pi / stride_s
-    steps, bob = footing.steps, style.bob_m
-    floor = 0.0
-    for start, end in footing.active_s:
-        inside = [step for step in steps if start < step[1] <= end]
-        knots.append((start - 0.4, style.com_height_m + floor, 0.0, 0.0))
-        previous_low = start
-        for number, (_, land_s, _, new_floor) in enumerate(inside):
-            low_s = land_s + half_double
-            if number:
-                high_s = 0.5 * (previous_low + low_s)
-                high = style.com_height_m + bob + 0.5 * (floor + new_floor)
-                local = 2.0 * np.pi / (low_s - previous_low) if low_s > previous_low else pulse
-                slope = 0.9 * (new_floor - floor) / (low_s - previous_low)
-                knots.append((high_s, high, slope, -bob * local**2))
-            if number < len(inside) - 1:
-                # On stairs the body rises between the landings as the next leg takes over.
-                knots.append((low_s, style.com_height_m - bob + new_floor, 0.0, bob * pulse**2))
-            else:
-                knots.append((low_s + 0.6, style.com_height_m + new_floor, 0.0, 0.0))
-            floor, previous_low = new_floor, low_s
-    times = np.array([knot[0] for knot in knots])
-    curve = BPoly.from_derivatives(times, [list(knot[1:]) for knot in knots])
-    at = np.clip(time_s, times[0], times[-1])
-    inside_ = (time_s >= times[0]) & (time_s <= times[-1])
-    value, rate, acceleration = (np.asarray(curve(at, nu=order)) for order in range(3))
-    return Scalar(value, np.where(inside_, rate, 0.0), np.where(inside_, acceleration, 0.0))
-
-
-def _held_spline(times: Float, values: Float, time_s: Float) -> Scalar:
-    """Return minimum-jerk moves between values at increasing times, held outside."""
-    index = np.clip(np.searchsorted(times, time_s, side="right") - 1, 0, times.size - 2)
-    duration = np.diff(times)[index]
-    step = minimum_jerk((time_s - times[index]) / duration)
-    change = np.diff(values)[index]
-    return Scalar(
-        values[index] + change * step.value,
-        change * step.rate / duration,
-        change * step.acceleration / duration**2,
-    )
 
 
 def _left_share(footing: Footing, time_s: Float) -> Float:

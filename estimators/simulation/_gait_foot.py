@@ -5,9 +5,10 @@ from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BPoly, PchipInterpolator
+from scipy.interpolate import PchipInterpolator
 
 from estimators.conventions import Side
+from estimators.kinetics import ShoeGeometry
 from estimators.simulation._gait_course import FootStyle, Stance
 from estimators.simulation._kinematics import (
     X_AXIS,
@@ -20,8 +21,7 @@ from estimators.simulation._kinematics import (
     compose,
     turn_about,
 )
-from estimators.simulation._shoe import ShoeGeometry
-from estimators.simulation._timeline import minimum_jerk
+from estimators.simulation._timeline import minimum_jerk, quintic
 
 Float = NDArray[np.float64]
 Motion = TypeVar("Motion", Turn, Path)
@@ -86,6 +86,9 @@ class Foot:
         self._sign = 1.0 if side == "left" else -1.0
         self._stances, self._style, self._shoe, self._stride_s = stances, style, shoe, stride_s
         self._rate = REFERENCE_STRIDE_S / stride_s
+        self._pitch = [
+            _table(knots) for knots in (self._heel_knots(), self._forefoot_knots(), self._shank_knots())
+        ]
 
     def flat_s(self, stance: Stance) -> tuple[float, float]:
         """Return when a stance is flat, from and to."""
@@ -158,8 +161,8 @@ class Foot:
             -self._sign * _ROLL_RAD
         )
         turns = []
-        for knots in (self._heel_knots(), self._forefoot_knots(), self._shank_knots()):
-            pitch = _spline(knots, time_s)
+        for knot_s, knots in self._pitch:
+            pitch = quintic(knot_s, knots, time_s)
             turn = compose(turn_about(Z_AXIS, yaw), turn_about(Y_AXIS, pitch))
             turns.append(compose(turn, turn_about(X_AXIS, roll)))
         return turns[0], turns[1], turns[2]
@@ -199,10 +202,8 @@ class Foot:
             index = np.array([self._stances.index(stance)])
             heel, forefoot, _ = self._turns(instant, index, np.array([True]))
             ends.append(self._contact(stance, instant, heel, forefoot))
-        curve = BPoly.from_derivatives(
-            [before.lift_s, after.land_s],
-            [[end.position[0], end.velocity[0], end.acceleration[0]] for end in ends],
-        )
+        knots = np.array([[end.position[0], end.velocity[0], end.acceleration[0]] for end in ends])
+        curve = quintic(np.array([before.lift_s, after.land_s]), knots, time_s)
         duration = after.land_s - before.lift_s
         bump = _bump((time_s - before.lift_s) / duration, np.full(time_s.size, duration))
         rise = abs(after.position_m[2] - before.position_m[2])
@@ -210,19 +211,18 @@ class Foot:
         outward = self._sign * self._style.circumduction_m
         heading = after.path_heading_rad
         direction = np.array([-outward * np.sin(heading), outward * np.cos(heading), up])
-        values = []
-        for order, part in enumerate((bump.value, bump.rate, bump.acceleration)):
-            values.append(np.asarray(curve(time_s, nu=order)) + part[:, None] * direction)
-        return Path(*values)
+        return Path(*(base + part[:, None] * direction for base, part in zip(curve, bump, strict=True)))
 
     def _cop_local(self, stance: Stance, time_s: Float) -> Float:
-        stride = self._stride_s
+        stride, shoe = self._stride_s, self._shoe
+        # While the foot rolls on an edge the ground presses on that edge and so does no work.
+        rear, front = shoe.rear_edge_m, shoe.hinge_m + shoe.toe_edge_m
         points: list[tuple[float, float]] = []
         if np.isfinite(stance.land_s):
             if stance.landing_pitch_rad <= 0.0:
-                points = [(0.0, -0.035), (FLAT_AFTER, 0.0)]
+                points = [(0.0, rear), (FLAT_AFTER, rear), (FLAT_AFTER + 0.06, 0.0)]
             else:
-                points = [(0.0, 0.215), (FLAT_AFTER, 0.17), (FLAT_AFTER + 0.08, 0.09)]
+                points = [(0.0, front), (FLAT_AFTER, front), (FLAT_AFTER + 0.08, 0.09)]
             points = [(stance.land_s + part * stride, x) for part, x in points]
         if stance.rests_to_s > stance.rests_from_s:
             lift_off = stance.lift_s - HEEL_OFF_BEFORE * stride
@@ -235,7 +235,7 @@ class Foot:
             if np.isfinite(last) and last > points[-1][0] + 1e-3:
                 points.append((last, 0.07))
         if np.isfinite(stance.lift_s):
-            for part, x in ((HEEL_OFF_BEFORE, 0.16), (TIPPING_BEFORE, 0.215), (0.0, 0.22)):
+            for part, x in ((HEEL_OFF_BEFORE, 0.16), (TIPPING_BEFORE, front), (0.0, front)):
                 points.append((stance.lift_s - part * stride, x))
         times, values = np.array(points).T
         if times.size == 1:
@@ -313,14 +313,10 @@ class Foot:
         return knots
 
 
-def _spline(knots: list[Knot], time_s: Float) -> Scalar:
-    """Return quintic pieces through (time, degrees, rate, acceleration), held before and after, in radians."""
-    times = np.array([knot[0] for knot in knots])
-    curve = BPoly.from_derivatives(times, [list(knot[1:]) for knot in knots])
-    at = np.clip(time_s, times[0], times[-1])
-    inside = (time_s >= times[0]) & (time_s <= times[-1])
-    value, rate, acceleration = (np.radians(np.asarray(curve(at, nu=order))) for order in range(3))
-    return Scalar(value, np.where(inside, rate, 0.0), np.where(inside, acceleration, 0.0))
+def _table(knots: list[Knot]) -> tuple[Float, Float]:
+    """Return times and, in radians, value, rate and acceleration of knots."""
+    table = np.array(knots)
+    return table[:, 0], np.radians(table[:, 1:])
 
 
 def _bump(phase: Float, duration_s: Float) -> Scalar:

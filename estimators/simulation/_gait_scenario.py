@@ -10,15 +10,17 @@ from scipy import signal
 from estimators import rotation
 from estimators.conventions import SIDES, Side
 from estimators.errors import SetupError
+from estimators.kinetics import ShoeGeometry
 from estimators.recording import Recording, SensorSignals
 from estimators.simulation._errors import SensorErrors
-from estimators.simulation._gait_body import UPWARD_MPS2, BodyMotion, BodyStyle, move_body, total_of
+from estimators.simulation._gait_body import UPWARD_MPS2, BodyMotion, move_body, total_of
 from estimators.simulation._gait_course import Bout, Footing, Leg, WalkStyle, other, plan
 from estimators.simulation._gait_foot import Foot, FootMotion
 from estimators.simulation._gait_truth import FootTruth, GaitTruth, foot_truth, thinned
+from estimators.simulation._gait_upper import BodyStyle
 from estimators.simulation._kinematics import Path, Turn, cross, rotate
 from estimators.simulation._sensors import EarthField
-from estimators.simulation._shoe import ShoeErrors, ShoeGeometry, shoe_errors
+from estimators.simulation._shoe import ShoeErrors, shoe_errors
 
 Float = NDArray[np.float64]
 

@@ -25,6 +25,42 @@ def minimum_jerk(phase: Float) -> Scalar:
     )
 
 
+def quintic(knot_s: Float, knots: Float, time_s: Float) -> Scalar:
+    """Return quintic pieces through values, rates and accelerations at knots; held before and after.
+
+    Parameters
+    ----------
+    knot_s : ndarray, shape (M,)
+        Increasing.
+    knots : ndarray, shape (M, 3) or (M, 3, C)
+        Value, rate and acceleration at each knot.
+    time_s : ndarray, shape (N,)
+
+    Returns
+    -------
+    Scalar
+        Each part of shape (N,) or (N, C).
+    """
+    index = np.clip(np.searchsorted(knot_s, time_s, side="right") - 1, 0, knot_s.size - 2)
+    inside = (time_s >= knot_s[0]) & (time_s <= knot_s[-1])
+    shape = (-1,) + (1,) * (knots.ndim - 2)
+    width = np.diff(knot_s)[index].reshape(shape)
+    u = (np.clip(time_s, knot_s[0], knot_s[-1]) - knot_s[index]).reshape(shape) / width
+    start, rate = knots[index, 0], width * knots[index, 1]
+    half = 0.5 * width**2 * knots[index, 2]
+    gap = knots[index + 1, 0] - start - rate - half
+    slope = width * knots[index + 1, 1] - rate - 2.0 * half
+    bend = width**2 * knots[index + 1, 2] - 2.0 * half
+    third = 10.0 * gap - 4.0 * slope + 0.5 * bend
+    fourth = -15.0 * gap + 7.0 * slope - bend
+    fifth = 6.0 * gap - 3.0 * slope + 0.5 * bend
+    value = start + u * (rate + u * (half + u * (third + u * (fourth + u * fifth))))
+    first = rate + u * (2.0 * half + u * (3.0 * third + u * (4.0 * fourth + u * 5.0 * fifth)))
+    second = 2.0 * half + u * (6.0 * third + u * (12.0 * fourth + u * 20.0 * fifth))
+    moving = inside.reshape(shape)
+    return Scalar(value, np.where(moving, first / width, 0.0), np.where(moving, second / width**2, 0.0))
+
+
 def submovements(phase: Float, count: NDArray[np.int64]) -> Scalar:
     """Return a step from 0 to 1 made of `count` overlapping minimum-jerk steps, sample by sample.
 

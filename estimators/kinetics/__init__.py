@@ -1,0 +1,67 @@
+"""Forces under the foot and what they ask of its joints, from an instrumented shoe.
+
+::
+
+    shoe = analyse_shoe(recording.sensors["heel_left"], recording.sensors["forefoot_left"])
+    shoe.reaction.cop_m, shoe.reaction.force_n
+"""
+
+from estimators.kinetics._analysis import (
+    ShoeKinetics,
+    ShoeParameters,
+    analyse_shoe,
+    floor_under,
+    segment_rate,
+)
+from estimators.kinetics._contact import ContactParameters, ShoeContact, shoe_contact
+from estimators.kinetics._ground_reaction import (
+    LEAST_LOAD_N,
+    REPORT_SHARE,
+    GroundReaction,
+    ShoeLoads,
+    ground_reaction,
+    is_inside_sole,
+    pressure_point,
+)
+from estimators.kinetics._joint_loads import (
+    FootSegment,
+    JointLoad,
+    ankle_load,
+    environment_power,
+    hinge_load,
+    work_j,
+)
+from estimators.kinetics._load_cell import LoadCellCalibration, calibrate_load_cell, tare, unloaded
+from estimators.kinetics._shoe_geometry import ShoeGeometry
+from estimators.kinetics._shoe_pose import ShoePose, shoe_pose
+
+__all__ = [
+    "LEAST_LOAD_N",
+    "REPORT_SHARE",
+    "ContactParameters",
+    "FootSegment",
+    "GroundReaction",
+    "JointLoad",
+    "LoadCellCalibration",
+    "ShoeContact",
+    "ShoeGeometry",
+    "ShoeKinetics",
+    "ShoeLoads",
+    "ShoeParameters",
+    "ShoePose",
+    "analyse_shoe",
+    "ankle_load",
+    "calibrate_load_cell",
+    "environment_power",
+    "floor_under",
+    "ground_reaction",
+    "hinge_load",
+    "is_inside_sole",
+    "pressure_point",
+    "segment_rate",
+    "shoe_contact",
+    "shoe_pose",
+    "tare",
+    "unloaded",
+    "work_j",
+]
