@@ -1,1 +1,93 @@
 """Relative pose from body-worn magnetic sources."""
+
+from estimators.magnetic._closed_form import ClosedForm, closed_form, closed_form_published, dipole_covariance
+from estimators.magnetic._coil import (
+    Coil,
+    FieldModel,
+    Source,
+    biot_savart,
+    dipole_field,
+    dipole_gradient,
+    perpendicular_source,
+)
+from estimators.magnetic._iron import IronSphere
+from estimators.magnetic._loop_kernel import MU0_TM_PER_A
+from estimators.magnetic._measurement import (
+    MAGNETOMETER_SIGMA_T,
+    Prediction,
+    Updated,
+    choose_coil,
+    choose_current,
+    noise_covariance,
+    posterior_covariance,
+    predict,
+    update,
+)
+from estimators.magnetic._pulses import Pulse, bursts, extract_pulses, find_pulses, integrate_gyroscope
+from estimators.magnetic._relative_parameters import RelativePoseParameters
+from estimators.magnetic._relative_pose import (
+    EnergyAccount,
+    RelativeChunk,
+    RelativeFlag,
+    RelativePoseFilter,
+    RelativeResult,
+)
+from estimators.magnetic._tracker import Fix, TrackerFlag, TrackerLimits, locate
+from estimators.magnetic._validity import (
+    PACEMAKER_LIMIT_T,
+    axial_dipole_error,
+    axial_reach_m,
+    curvature_per_m2,
+    keep_away_distance_m,
+    linearisation_error_percent,
+    range_m,
+    required_moment_am2,
+)
+
+__all__ = [
+    "MAGNETOMETER_SIGMA_T",
+    "MU0_TM_PER_A",
+    "PACEMAKER_LIMIT_T",
+    "ClosedForm",
+    "Coil",
+    "EnergyAccount",
+    "FieldModel",
+    "Fix",
+    "IronSphere",
+    "Prediction",
+    "Pulse",
+    "RelativeChunk",
+    "RelativeFlag",
+    "RelativePoseFilter",
+    "RelativePoseParameters",
+    "RelativeResult",
+    "Source",
+    "TrackerFlag",
+    "TrackerLimits",
+    "Updated",
+    "axial_dipole_error",
+    "axial_reach_m",
+    "biot_savart",
+    "bursts",
+    "choose_coil",
+    "choose_current",
+    "closed_form",
+    "closed_form_published",
+    "curvature_per_m2",
+    "dipole_covariance",
+    "dipole_field",
+    "dipole_gradient",
+    "extract_pulses",
+    "find_pulses",
+    "integrate_gyroscope",
+    "keep_away_distance_m",
+    "linearisation_error_percent",
+    "locate",
+    "noise_covariance",
+    "perpendicular_source",
+    "posterior_covariance",
+    "predict",
+    "range_m",
+    "required_moment_am2",
+    "update",
+]

@@ -269,7 +269,7 @@ def skew(vector: ArrayLike) -> Float:
 
 def _joseph(p: Float, h: Float, r: Float) -> tuple[Float, Float]:
     spread = h @ p @ _turned(h) + r
-    gain = _turned(np.linalg.solve(spread, h @ p))
+    gain = _turned(np.asarray(np.linalg.solve(spread, h @ p), dtype=np.float64))
     keep: Float = np.asarray(np.eye(p.shape[-1]) - gain @ h)
     after: Float = keep @ p @ _turned(keep) + gain @ r @ _turned(gain)
     return gain, np.asarray(0.5 * (after + _turned(after)))

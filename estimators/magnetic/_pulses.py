@@ -122,7 +122,7 @@ def extract_pulses(
     guarded: NDArray[np.bool_] = np.array(on)
     guarded[1:] |= on[:-1]
     guarded[:-1] |= on[1:]
-    finite = np.isfinite(field).all(axis=1)
+    finite: NDArray[np.bool_] = np.asarray(np.isfinite(field).all(axis=1))
     quiet: NDArray[np.bool_] = np.asarray(~guarded & finite)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], state, [0]])))
     found = []

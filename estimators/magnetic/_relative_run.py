@@ -1,0 +1,266 @@
+"""The loop of the relative-pose filter over samples; compiled."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators._kernels import kernel
+from estimators.magnetic import _relative_layout as at
+from estimators.magnetic._relative_decide import decide
+from estimators.magnetic._relative_motion import corrected, mechanise, predict
+from estimators.magnetic._relative_update import pulse_value, update_inclination, update_pulse
+from estimators.magnetic._relative_watch import calibrate, keep_pulse, quasi_static, tell, watch_field
+from estimators.recording import Float
+
+_P, _U, _Q, _COIL, _CURRENT = at.POSITION, at.VELOCITY, at.ATTITUDE, at.COIL, at.CURRENT
+_RING, _SAMPLE, _LAST, _WINDOW, _LENGTH = at.RING, at.SAMPLE, at.LAST, at.NIS_WINDOW, at.NIS_LENGTH
+_ON_TIME, _CHARGE, _ENERGY, _TICK, _PHASE = at.ON_TIME, at.CHARGE, at.ENERGY, at.TICK, at.PHASE
+_PULSE_LENGTH, _QUIET, _PENDING, _REQUESTED, _STREAK = (
+    at.PULSE_LENGTH,
+    at.QUIET,
+    at.PENDING,
+    at.REQUESTED_TICK,
+    at.STREAK,
+)
+_BURST_COIL, _WAIT_UNTIL, _ALARM_UNTIL, _FIELD_BAD, _PULSES = (
+    at.BURST_COIL,
+    at.WAIT_UNTIL,
+    at.ALARM_UNTIL,
+    at.FIELD_BAD,
+    at.PULSES,
+)
+_MISSED, _SATURATED_UNTIL, _EVENT, _STARTED, _MISSED_RUN = (
+    at.MISSED,
+    at.SATURATED_UNTIL,
+    at.EVENT,
+    at.STARTED,
+    at.MISSED_RUN,
+)
+_FAILURES, _CALIBRATE, _GATHER, _WAIT, _T = at.FAILURES, at.CALIBRATE, at.GATHER, at.WAIT, at.TIME_STEP
+_FORCE, _RATE, _OFF, _START_OFF, _INCLINE = (
+    at.FORCE_SIGMA,
+    at.RATE_SIGMA,
+    at.OFF_TICKS,
+    at.START_OFF_TICKS,
+    at.INCLINATION_TICKS,
+)
+_NIS_SOFT, _NIS_STREAK, _FACTOR, _RETRY, _RESPONSE = (
+    at.NIS_SOFT,
+    at.NIS_STREAK,
+    at.DISTURBED_FACTOR,
+    at.RETRY_TICKS,
+    at.RESPONSE_TICKS,
+)
+_ALARM, _PUBLISHED, _COILS, _USE_INCLINATION, _O_P = (
+    at.ALARM_TICKS,
+    at.PUBLISHED,
+    at.COILS,
+    at.USE_INCLINATION,
+    at.O_POSITION,
+)
+_O_Q, _O_U, _O_COV, _O_NIS, _O_FLAGS = at.O_ATTITUDE, at.O_VELOCITY, at.O_COVARIANCE, at.O_NIS, at.O_FLAGS
+
+_GAP_FORCE, _GAP_RATE = 5.0, 1.0
+"""Noise of a held sample: an arm in motion may do this much while nothing is heard of it."""
+_WINDOW_LIMIT = 37.7
+"""99.9 % point of chi-square with the 15 degrees of freedom of five pulses."""
+
+
+@kernel(
+    "float64(int64, int64, float64[:, ::1], float64[::1], float64[::1], float64[::1], float64[:, ::1],"
+    "float64[::1], int64[::1], float64[:, ::1], float64[:, ::1])"
+)
+def end_pulse(
+    coil: int,
+    length: int,
+    loops: Float,
+    settings: Float,
+    rates: Float,
+    nominal: Float,
+    p: Float,
+    memory: Float,
+    counters: NDArray[np.int64],
+    ring: Float,
+    work: Float,
+) -> float:
+    """Use a pulse that has just ended; return its normalised innovation squared, NaN when it corrected nothing."""
+    phase = counters[_PHASE]
+    pulse = np.empty(6)
+    gathering = phase == _GATHER
+    off = int(settings[_START_OFF] if gathering else settings[_OFF])
+    counters[_PULSES] += 1
+    counters[_MISSED_RUN] = 0
+    if phase in (_CALIBRATE, _WAIT):
+        return math.nan
+    status = pulse_value(ring, counters[_TICK] - 1, length, off, nominal, settings, pulse)
+    pulse[5] += 1.0
+    if status != 0:
+        if status == 2:
+            counters[_SATURATED_UNTIL] = counters[_TICK] + int(settings[_ALARM])
+        if gathering:
+            counters[_FAILURES] += 1
+            if counters[_FAILURES] >= 3:
+                counters[_PHASE] = _WAIT
+                counters[_WAIT_UNTIL] = counters[_TICK] + int(settings[_RETRY])
+        return math.nan
+    if gathering:
+        if coil == counters[_BURST_COIL] + 1:
+            keep_pulse(pulse, rates, settings, nominal, memory, coil - 1)
+            counters[_BURST_COIL] += 1
+            counters[_FAILURES] = 0
+            if counters[_BURST_COIL] == 3:
+                counters[_EVENT] = 1
+        return math.nan
+    if coil > int(settings[_COILS]):
+        counters[_ALARM_UNTIL] = counters[_TICK] + int(settings[_ALARM])
+        return math.nan
+    inflation = settings[_FACTOR] if counters[_FIELD_BAD] >= 5 else 1.0
+    nis = update_pulse(loops, float(coil - 1), pulse, rates, settings, inflation, nominal, p, work)
+    total = nis
+    for i in range(_LENGTH - 1):
+        memory[_WINDOW + i] = memory[_WINDOW + i + 1]
+        total += memory[_WINDOW + i]
+    memory[_WINDOW + _LENGTH - 1] = nis
+    if nis > settings[_NIS_SOFT] or total > _WINDOW_LIMIT:
+        counters[_ALARM_UNTIL] = counters[_TICK] + int(settings[_ALARM])
+    counters[_STREAK] = counters[_STREAK] + 1 if nis > settings[_NIS_STREAK] else 0
+    if counters[_STREAK] >= 3:
+        counters[_STREAK] = 0
+        counters[_PHASE] = _GATHER
+        counters[_BURST_COIL] = 0
+        counters[_FAILURES] = 0
+    return nis
+
+
+@kernel(
+    "void(float64[::1], float64[:, ::1], float64[::1], float64[::1], float64[:, ::1], float64[::1], int64[::1],"
+    "float64[:, ::1], float64[:, :, ::1], float64[::1])"
+)
+def tick(
+    sample: Float,
+    loops: Float,
+    settings: Float,
+    nominal: Float,
+    p: Float,
+    memory: Float,
+    counters: NDArray[np.int64],
+    ring: Float,
+    work: Float,
+    out: Float,
+) -> None:
+    """Take one sample of both modules and the state of the coils."""
+    row = ring[counters[_TICK] % _RING]
+    total = 0.0
+    for i in range(12):
+        total += sample[i] if i < 6 else sample[i + 3]
+    whole = math.isfinite(total)
+    for i in range(_SAMPLE):
+        row[i] = sample[i]
+    last = memory[_LAST : _LAST + 15]
+    if not whole:
+        # Held values keep the pulse extraction going; what they may hide goes into the noise.
+        for i in range(6):
+            row[i] = last[i]
+        for i in range(9, 15):
+            row[i] = last[i]
+    signals, rates = np.empty(12), np.empty(6)
+    corrected(nominal, last, row, signals)
+    if counters[_STARTED] > 0:
+        force = settings[_FORCE] if whole else _GAP_FORCE
+        rate = settings[_RATE] if whole else _GAP_RATE
+        predict(nominal, signals, settings, force, rate, p, work)
+        mechanise(nominal, signals, settings[_T], settings[_PUBLISHED] > 0.0)
+    for i in range(3):
+        rates[i], rates[3 + i] = signals[i], signals[6 + i]
+    static = whole and quasi_static(signals, settings)
+    inclined = counters[_STARTED] > 0 and static and settings[_USE_INCLINATION] > 0.0
+    if inclined and counters[_TICK] % int(settings[_INCLINE]) == 0:
+        corrected(nominal, row, row, signals)
+        update_inclination(nominal, signals, settings, p, work[0])
+    out[:] = 0.0
+    out[_O_NIS] = math.nan
+    coil, before = (
+        int(sample[_COIL]),
+        int(ring[(counters[_TICK] - 1) % _RING, _COIL]) if counters[_TICK] > 0 else 0,
+    )
+    if before > 0 and coil != before:
+        out[_O_NIS] = end_pulse(
+            before,
+            counters[_PULSE_LENGTH],
+            loops,
+            settings,
+            rates,
+            nominal,
+            p,
+            memory,
+            counters,
+            ring,
+            work[0],
+        )
+        counters[_PULSE_LENGTH] = 0
+    if coil > 0:
+        counters[_PULSE_LENGTH] += 1
+        counters[_QUIET] = 0
+        counters[_PENDING] = 0
+        memory[_ON_TIME] += settings[_T]
+        memory[_CHARGE] += settings[_T] * abs(sample[_CURRENT])
+        memory[_ENERGY] += settings[_T] * sample[_CURRENT] ** 2
+    else:
+        counters[_QUIET] += 1
+        if counters[_PHASE] == _CALIBRATE and whole:
+            calibrate(sample, settings, nominal, memory, counters)
+        elif counters[_STARTED] > 0:
+            watch_field(row, static, settings, memory, counters)
+    if counters[_PENDING] > 0 and counters[_TICK] - counters[_REQUESTED] > settings[_RESPONSE]:
+        counters[_PENDING] = 0
+        counters[_MISSED] += 1
+        counters[_MISSED_RUN] += 1
+        if counters[_MISSED_RUN] >= 3:
+            counters[_PHASE] = _WAIT
+            counters[_WAIT_UNTIL] = counters[_TICK] + int(settings[_RETRY])
+    if counters[_PHASE] == _WAIT and counters[_TICK] >= counters[_WAIT_UNTIL]:
+        counters[_PHASE] = _GATHER
+        counters[_BURST_COIL] = 0
+        counters[_FAILURES] = 0
+        counters[_PENDING] = 0
+    decide(loops, settings, rates, nominal, p, counters, out)
+    for i in range(15):
+        last[i] = row[i]
+    for i in range(3):
+        out[_O_P + i], out[_O_U + i] = nominal[_P + i], nominal[_U + i]
+    for i in range(4):
+        out[_O_Q + i] = nominal[_Q + i]
+    for i in range(6):
+        a = i if i < 3 else i + 3
+        for j in range(6):
+            out[_O_COV + 6 * i + j] = p[a, j if j < 3 else j + 3]
+    out[_O_FLAGS] = float(tell(sample, settings, counters, p))
+    counters[_TICK] += 1
+
+
+@kernel(
+    "int64(float64[:, ::1], float64[:, ::1], float64[::1], float64[::1], float64[:, ::1], float64[::1], int64[::1],"
+    "float64[:, ::1], float64[:, ::1])"
+)
+def run(
+    samples: Float,
+    loops: Float,
+    settings: Float,
+    nominal: Float,
+    p: Float,
+    memory: Float,
+    counters: NDArray[np.int64],
+    ring: Float,
+    out: Float,
+) -> int:
+    """Take samples until one completes a burst that must be solved; return how many were taken."""
+    work = np.empty((3, p.shape[0], p.shape[0]))
+    for k in range(samples.shape[0]):
+        tick(samples[k], loops, settings, nominal, p, memory, counters, ring, work, out[k])
+        if counters[_EVENT] > 0:
+            return k + 1
+    return len(samples)
+
+
+__all__ = ["run", "tick"]

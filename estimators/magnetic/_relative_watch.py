@@ -1,0 +1,199 @@
+"""Standstill, the earth's field between pulses, the first burst, and the flags; compiled."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators._kernels import exponential, kernel, multiply
+from estimators.magnetic import _relative_layout as at
+from estimators.magnetic._relative_motion import cross
+from estimators.recording import Float
+
+_P, _U, _Q, _BG, _BGC = at.POSITION, at.VELOCITY, at.ATTITUDE, at.RATE_BIAS, at.SOURCE_RATE_BIAS
+_GYR, _ACC, _FIELD, _GYR_C, _ACC_C = (
+    at.GYROSCOPE,
+    at.ACCELEROMETER,
+    at.FIELD,
+    at.SOURCE_GYROSCOPE,
+    at.SOURCE_ACCELEROMETER,
+)
+_SUM, _SUM_C, _SUM_F, _SUM_FC, _SUM_B = (
+    at.SUM_RATE,
+    at.SUM_SOURCE_RATE,
+    at.SUM_FORCE,
+    at.SUM_SOURCE_FORCE,
+    at.SUM_FIELD,
+)
+_NORM, _DIP, _BURST, _COLUMNS, _TICK = (
+    at.REFERENCE_NORM,
+    at.REFERENCE_DIP,
+    at.BURST,
+    at.BURST_COLUMNS,
+    at.TICK,
+)
+_PHASE, _STILL, _QUIET, _BURST_COIL, _ALARM_UNTIL = (
+    at.PHASE,
+    at.STILL,
+    at.QUIET,
+    at.BURST_COIL,
+    at.ALARM_UNTIL,
+)
+_FIELD_BAD, _SATURATED_UNTIL, _STARTED, _MISSED_RUN, _AT_REST = (
+    at.FIELD_BAD,
+    at.SATURATED_UNTIL,
+    at.STARTED,
+    at.MISSED_RUN,
+    at.AT_REST,
+)
+_CALIBRATE, _GATHER, _TRACK, _WAIT, _T = at.CALIBRATE, at.GATHER, at.TRACK, at.WAIT, at.TIME_STEP
+_G, _LIMIT_P, _LIMIT_A, _CALIBRATE_TICKS, _GATE_F = (
+    at.GRAVITY,
+    at.POSITION_LIMIT,
+    at.ATTITUDE_LIMIT,
+    at.CALIBRATE_TICKS,
+    at.GATE_FORCE,
+)
+_GATE_W, _NORM_LIMIT, _DIP_LIMIT, _ALARM, _STILL_RATE = (
+    at.GATE_RATE,
+    at.FIELD_NORM_LIMIT,
+    at.FIELD_DIP_LIMIT,
+    at.ALARM_TICKS,
+    at.STILL_RATE,
+)
+
+# Flags, as in `RelativeFlag`.
+INVALID, CALIBRATING, INERTIAL_ONLY, DISTURBED = 1, 2, 4, 8
+MISSING_PULSE, SATURATED, FAULT, UNCERTAIN, GAP = 16, 32, 64, 128, 256
+
+_REST_S = 0.7
+
+
+@kernel("boolean(float64[::1], float64[::1])")
+def quasi_static(signals: Float, settings: Float) -> bool:
+    """Whether both modules hardly turn and feel little but gravity."""
+    for o in (0, 6):
+        rate = math.sqrt(signals[o] ** 2 + signals[o + 1] ** 2 + signals[o + 2] ** 2)
+        force = math.sqrt(signals[o + 3] ** 2 + signals[o + 4] ** 2 + signals[o + 5] ** 2)
+        if rate > settings[_GATE_W] or abs(force - settings[_G]) > settings[_GATE_F]:
+            return False
+    return True
+
+
+@kernel("void(float64[::1], float64[::1], float64[::1], float64[::1], int64[::1])")
+def calibrate(
+    sample: Float, settings: Float, nominal: Float, memory: Float, counters: NDArray[np.int64]
+) -> None:
+    """Gather the standstill: offsets of the gyroscopes, norm and dip of the earth's field."""
+    rate = force = rate_c = force_c = 0.0
+    for i in range(3):
+        rate += sample[_GYR + i] ** 2
+        rate_c += sample[_GYR_C + i] ** 2
+        force += sample[_ACC + i] ** 2
+        force_c += sample[_ACC_C + i] ** 2
+    still = max(rate, rate_c) < settings[_STILL_RATE] ** 2
+    still = still and abs(math.sqrt(force) - settings[_G]) < 2.0 * settings[_GATE_F]
+    still = still and abs(math.sqrt(force_c) - settings[_G]) < 2.0 * settings[_GATE_F]
+    if not still:
+        counters[_STILL] = 0
+        for i in range(15):
+            memory[_SUM + i] = 0.0
+        return
+    counters[_STILL] += 1
+    for i in range(3):
+        memory[_SUM + i] += sample[_GYR + i]
+        memory[_SUM_C + i] += sample[_GYR_C + i]
+        memory[_SUM_F + i] += sample[_ACC + i]
+        memory[_SUM_FC + i] += sample[_ACC_C + i]
+        memory[_SUM_B + i] += sample[_FIELD + i]
+    if counters[_STILL] < settings[_CALIBRATE_TICKS]:
+        return
+    count = float(counters[_STILL])
+    norm = dot = gravity = 0.0
+    for i in range(3):
+        nominal[_BG + i] = memory[_SUM + i] / count
+        nominal[_BGC + i] = memory[_SUM_C + i] / count
+        norm += (memory[_SUM_B + i] / count) ** 2
+        gravity += (memory[_SUM_F + i] / count) ** 2
+        dot += memory[_SUM_B + i] * memory[_SUM_F + i] / (count * count)
+    memory[_NORM] = math.sqrt(norm)
+    memory[_DIP] = math.acos(min(1.0, max(-1.0, dot / math.sqrt(norm * gravity)))) if norm > 0.0 else 0.0
+    counters[_PHASE] = _GATHER
+    counters[_BURST_COIL] = 0
+
+
+@kernel("void(float64[::1], boolean, float64[::1], float64[::1], int64[::1])")
+def watch_field(
+    sample: Float, static: bool, settings: Float, memory: Float, counters: NDArray[np.int64]
+) -> None:
+    """Compare norm and dip of the earth's field between pulses with those of the start (method page 3.13)."""
+    if memory[_NORM] <= 0.0 or counters[_QUIET] < 2:
+        return
+    norm = dot = gravity = 0.0
+    for i in range(3):
+        norm += sample[_FIELD + i] ** 2
+        gravity += sample[_ACC + i] ** 2
+        dot += sample[_FIELD + i] * sample[_ACC + i]
+    if not math.isfinite(norm + gravity) or norm <= 0.0:
+        return
+    bad = abs(math.sqrt(norm) / memory[_NORM] - 1.0) > settings[_NORM_LIMIT]
+    rate = sample[_GYR] ** 2 + sample[_GYR + 1] ** 2 + sample[_GYR + 2] ** 2
+    counters[_AT_REST] = counters[_AT_REST] + 1 if static and rate < settings[_STILL_RATE] ** 2 else 0
+    # At the turning points of a swing the rate vanishes too, but not for long: acceleration is no gravity there.
+    if counters[_AT_REST] * settings[_T] > _REST_S and not bad:
+        dip = math.acos(min(1.0, max(-1.0, dot / math.sqrt(norm * gravity))))
+        bad = abs(dip - memory[_DIP]) > settings[_DIP_LIMIT]
+    counters[_FIELD_BAD] = min(20, counters[_FIELD_BAD] + 1) if bad else max(0, counters[_FIELD_BAD] - 1)
+    if counters[_FIELD_BAD] >= 5:
+        counters[_ALARM_UNTIL] = counters[_TICK] + int(settings[_ALARM])
+
+
+@kernel("void(float64[::1], float64[::1], float64[::1], float64[::1], float64[::1], int64)")
+def keep_pulse(
+    pulse: Float, rates: Float, settings: Float, nominal: Float, memory: Float, number: int
+) -> None:
+    """Keep a pulse of the first burst with the nominal pose at its middle."""
+    row = _BURST + number * _COLUMNS
+    delay = pulse[5] * settings[_T]
+    cp = cross(rates[3], rates[4], rates[5], nominal[_P], nominal[_P + 1], nominal[_P + 2])
+    ahead = exponential(delay * rates[3], delay * rates[4], delay * rates[5])
+    turn = exponential(-delay * rates[0], -delay * rates[1], -delay * rates[2])
+    q = multiply(
+        ahead[0], ahead[1], ahead[2], ahead[3], nominal[_Q], nominal[_Q + 1], nominal[_Q + 2], nominal[_Q + 3]
+    )
+    q = multiply(q[0], q[1], q[2], q[3], turn[0], turn[1], turn[2], turn[3])
+    for i in range(3):
+        memory[row + i] = pulse[i]
+        memory[row + 3 + i] = nominal[_P + i] - delay * (nominal[_U + i] - cp[i])
+    memory[row + 6], memory[row + 7], memory[row + 8], memory[row + 9] = q
+    memory[row + 10] = pulse[4]
+
+
+@kernel("int64(float64[::1], float64[::1], int64[::1], float64[:, ::1])")
+def tell(sample: Float, settings: Float, counters: NDArray[np.int64], p: Float) -> int:
+    """Return the flags of a tick."""
+    flags, phase, tick = 0, counters[_PHASE], counters[_TICK]
+    if counters[_STARTED] == 0:
+        flags |= INVALID
+    if phase == _CALIBRATE or (phase == _GATHER and counters[_STARTED] == 0):
+        flags |= CALIBRATING
+    if phase != _TRACK:
+        flags |= INERTIAL_ONLY
+    if phase == _WAIT:
+        flags |= FAULT
+    if tick < counters[_ALARM_UNTIL]:
+        flags |= DISTURBED
+    if counters[_MISSED_RUN] > 0:
+        flags |= MISSING_PULSE
+    if tick < counters[_SATURATED_UNTIL]:
+        flags |= SATURATED
+    if not math.isfinite(sample[_GYR] + sample[_ACC] + sample[_GYR_C] + sample[_ACC_C]):
+        flags |= GAP
+    if counters[_STARTED] > 0:
+        for i in range(3):
+            if p[i, i] > 4.0 * settings[_LIMIT_P] ** 2 or p[6 + i, 6 + i] > 4.0 * settings[_LIMIT_A] ** 2:
+                flags |= UNCERTAIN
+    return flags
+
+
+__all__ = ["calibrate", "keep_pulse", "quasi_static", "tell", "watch_field"]

@@ -1,0 +1,18 @@
+"""Body-worn magnetic sources: movements, signals, and a source that follows the filter, under one name."""
+
+from estimators.simulation._coil import EARTH_FIELD_T, Iron, ModuleErrors, RelativeScene, relative_scene
+from estimators.simulation._coil_loop import SourceFaults, run_closed_loop
+from estimators.simulation._coil_motion import MOVEMENTS, RelativeMotion, relative_motion
+
+__all__ = [
+    "EARTH_FIELD_T",
+    "MOVEMENTS",
+    "Iron",
+    "ModuleErrors",
+    "RelativeMotion",
+    "RelativeScene",
+    "SourceFaults",
+    "relative_motion",
+    "relative_scene",
+    "run_closed_loop",
+]
