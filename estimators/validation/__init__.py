@@ -15,6 +15,9 @@ from estimators.validation._broad import BROAD
 from estimators.validation._broad_conditions import BROAD_CONDITIONS
 from estimators.validation._hand_motion import BIAS_STATES, HAND_MOTION, SINGULARITY
 from estimators.validation._kinematics import CONVERSIONS, ELBOW_POSITION, KINEMATIC_IDENTITY
+from estimators.validation._luinge_consistency import CONSISTENCY
+from estimators.validation._luinge_offset import OFFSET_RECOVERY, STILL_SENSOR
+from estimators.validation._luinge_tasks import INCLINATION_TASKS
 from estimators.validation._magnetic import MAGNETIC_CALIBRATION
 from estimators.validation._protocol import (
     Curve,
@@ -27,6 +30,10 @@ from estimators.validation._protocol import (
     run_protocol,
 )
 from estimators.validation._render import to_data, to_json, to_table
+from estimators.validation._roetenberg_case import STEEL_CASE
+from estimators.validation._roetenberg_elbow import ELBOW_FLEXION
+from estimators.validation._roetenberg_static import STATIC_IRON
+from estimators.validation._roetenberg_turns import QUARTER_TURNS
 from estimators.validation._sessions import ARM_SESSION, REPETITIONS, TEMPLATE_COMPARISON
 from estimators.validation._static import GYROSCOPE_DRIFT, HEADING_SHIFT, STATIC_ANGLES
 
@@ -44,6 +51,14 @@ _PROTOCOLS = (
     TEMPLATE_COMPARISON,
     REPETITIONS,
     ARM_SESSION,
+    INCLINATION_TASKS,
+    OFFSET_RECOVERY,
+    STILL_SENSOR,
+    CONSISTENCY,
+    STATIC_IRON,
+    QUARTER_TURNS,
+    ELBOW_FLEXION,
+    STEEL_CASE,
     BROAD,
     BROAD_CONDITIONS,
 )
