@@ -29,6 +29,7 @@ export const router = createBrowserRouter([
       { path: 'patients/:patientId/sessions/new', lazy: async () => ({ Component: (await import('./pages/session/NewSession')).NewSessionPage }) },
       { path: 'sessions/:sessionId', lazy: async () => ({ Component: (await import('./pages/session/SessionPage')).SessionPage }) },
       { path: 'sessions/:sessionId/live', lazy: async () => ({ Component: (await import('./pages/session/LiveSession')).LiveSessionPage }) },
+      { path: 'sessions/:sessionId/estimators', lazy: async () => ({ Component: (await import('./pages/session/EstimatorsPage')).EstimatorsPage }) },
       { path: 'sessions/:sessionId/report', lazy: async () => ({ Component: (await import('./pages/report/ReportPage')).ReportPage }) },
       { path: 'templates/record', lazy: async () => ({ Component: (await import('./pages/template/RecordTemplate')).RecordTemplatePage }) },
       { path: 'exercises', lazy: async () => ({ Component: (await import('./pages/Exercises')).ExercisesPage }) },

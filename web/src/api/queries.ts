@@ -25,6 +25,7 @@ export const keys = {
   comparisons: (id: string) => ['sessions', id, 'comparisons'] as const,
   comparison: (id: string) => ['comparisons', id] as const,
   estimators: ['estimators'] as const,
+  differences: (id: string, a: string, b: string) => ['sessions', id, 'differences', a, b] as const,
   calibrations: ['calibrations'] as const,
   accuracy: ['accuracy'] as const,
   job: (id: string) => ['jobs', id] as const,
@@ -197,7 +198,12 @@ export const useDeleteSession = () =>
   );
 export const useReprocess = (id: string) =>
   useChange(
-    (orientation: string) => api.post<Wire.Job>(`/api/sessions/${id}/reprocess`, { orientation }),
+    (input: Wire.ReprocessIn) => api.post<Wire.Job>(`/api/sessions/${id}/reprocess`, input),
+    () => [keys.sessionJobs(id)],
+  );
+export const useReprocessAll = (id: string) =>
+  useChange(
+    () => api.post<Wire.Job[]>(`/api/sessions/${id}/reprocess-all`, {}),
     () => [keys.sessionJobs(id)],
   );
 export const useCompare = (id: string) =>

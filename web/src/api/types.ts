@@ -48,6 +48,7 @@ export type Placement = SessionDetail['placements'][number];
 export type Result = Schemas['ResultOut'];
 export type Calibration = Schemas['CalibrationOut'];
 export type Estimator = Schemas['EstimatorOut'];
+export type ReprocessIn = Schemas['ReprocessIn'];
 export type Job = Schemas['JobOut'];
 export type UploadIn = Schemas['UploadIn'];
 export type CsvMapping = Schemas['CsvMapping'];

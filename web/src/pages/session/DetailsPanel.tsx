@@ -1,8 +1,7 @@
-import { Button, Select } from '@mantine/core';
+import { Button } from '@mantine/core';
 import { IconDownload } from '@tabler/icons-react';
-import { useState } from 'react';
 import { useNavigate } from 'react-router';
-import { useDeleteSession, useEstimators, useJob, useReprocess } from '../../api/queries';
+import { useDeleteSession, useEstimators } from '../../api/queries';
 import type { Estimator, Result, SessionDetail } from '../../api/types';
 import { Confirm } from '../../components/Confirm';
 import { Problem } from '../../components/Feedback';
@@ -10,7 +9,7 @@ import { t } from '../../i18n';
 import { placementLabel } from '../../lib/channels';
 import { dateTime, duration, number } from '../../lib/format';
 import { scoreText } from './Calibration';
-import { JobProgress } from './AnalysisWait';
+import { Reprocess } from './Reprocess';
 
 /** What made a result, so that two of them are never mixed up. */
 export function resultLabel(result: Result, isMain: boolean, estimators: readonly Estimator[]): string {
@@ -24,13 +23,9 @@ export function resultLabel(result: Result, isMain: boolean, estimators: readonl
 export function DetailsPanel({ session, resultId }: { session: SessionDetail; resultId: string }) {
   const navigate = useNavigate();
   const estimators = useEstimators();
-  const reprocess = useReprocess(session.id);
-  const job = useJob(reprocess.data?.id ?? null);
   const remove = useDeleteSession();
-  const [orientation, setOrientation] = useState<string | null>(null);
   const result = session.results.find((one) => one.id === resultId);
   const choices = estimators.data ?? [];
-  const chosen = orientation ?? choices.find((one) => one.name !== result?.orientation)?.name ?? null;
   const all = session.packets_stored + session.packets_missing;
   return (
     <div className="stack">
@@ -70,34 +65,7 @@ export function DetailsPanel({ session, resultId }: { session: SessionDetail; re
           </ul>
         </dd>
       </dl>
-      {session.may_treat && (
-        <section className="stack" aria-labelledby="again">
-          <div>
-            <h3 id="again">{t('reprocess.title')}</h3>
-            <p className="muted small">{t('reprocess.text')}</p>
-          </div>
-          <Select
-            label={t('newSession.estimator')}
-            data={choices.map((one) => ({ value: one.name, label: one.title }))}
-            value={chosen}
-            onChange={setOrientation}
-            description={choices.find((one) => one.name === chosen)?.description}
-          />
-          {reprocess.error && <Problem error={reprocess.error} />}
-          {job.data && <JobProgress job={job.data} />}
-          {job.data?.status === 'complete' && <p role="status">{t('reprocess.done')}</p>}
-          <div>
-            <Button
-              variant="default"
-              disabled={!chosen || job.data?.status === 'queued' || job.data?.status === 'running'}
-              loading={reprocess.isPending}
-              onClick={() => chosen && reprocess.mutate(chosen)}
-            >
-              {t('reprocess.start')}
-            </Button>
-          </div>
-        </section>
-      )}
+      {session.may_treat && <Reprocess session={session} result={result} estimators={choices} />}
       <div className="details-foot">
         <Button component="a" href={`/api/sessions/${session.id}/raw`} download variant="default" leftSection={<IconDownload size={18} aria-hidden />}>
           {t('details.raw')}

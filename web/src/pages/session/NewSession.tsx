@@ -2,13 +2,16 @@ import { Button, Group, Select, Switch } from '@mantine/core';
 import { useState, type FormEvent } from 'react';
 import { useNavigate, useParams, useSearchParams } from 'react-router';
 import { useEstimators, useExercises, useNewSession, usePatient, usePrescriptions } from '../../api/queries';
-import type { Patient, Placement } from '../../api/types';
+import type { Estimator, Patient, Placement } from '../../api/types';
 import { RadioCards } from '../../components/Choice';
 import { Answer, Problem } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { PlacementChoice } from '../../components/PlacementChoice';
 import { t } from '../../i18n';
 import { placementProblem, suggestedPlacements } from '../../lib/placements';
+
+/** Those a therapist chooses between; the others are for comparison. */
+const SHOWN_FIRST = 2;
 
 function Form({ patient }: { patient: Patient }) {
   const navigate = useNavigate();
@@ -22,7 +25,8 @@ function Form({ patient }: { patient: Patient }) {
   const [picked, setPicked] = useState<string | null>(search.get('exercise'));
   const exerciseId = picked ?? prescribed[0]?.exercise_id ?? null;
   const [placements, setPlacements] = useState<Placement[]>(() => suggestedPlacements(patient.affected_side));
-  const [orientation, setOrientation] = useState('vqf');
+  const [orientation, setOrientation] = useState<string | null>(null);
+  const [constrain, setConstrain] = useState(false);
   const [useMounting, setUseMounting] = useState(patient.has_mounting);
   const problem = placementProblem(placements);
   const names = new Map((exercises.data ?? []).map((one) => [one.id, one.name]));
@@ -42,7 +46,8 @@ function Form({ patient }: { patient: Patient }) {
         prescription_id: purpose === 'exercise' ? (prescribed.find((one) => one.exercise_id === exerciseId)?.id ?? null) : null,
         purpose,
         placements,
-        orientation,
+        ...(orientation ? { orientation } : {}),
+        constrain_joint_headings: constrain,
         use_mounting: useMounting,
       },
       { onSuccess: (session) => void navigate(`/sessions/${session.id}/live`) },
@@ -68,16 +73,24 @@ function Form({ patient }: { patient: Patient }) {
         </p>
       )}
       <Answer of={estimators} lines={2}>
-        {(list) => (
-          <RadioCards
-            legend={t('newSession.estimator')}
-            help={t('newSession.estimatorHelp')}
-            value={orientation}
-            onChange={setOrientation}
-            options={list.filter((one) => !one.is_offline).map((one) => ({ value: one.name, title: one.title, text: one.description }))}
-          />
-        )}
+        {(list) => {
+          const live = list.filter((one) => !one.is_offline);
+          const card = (one: Estimator) => ({ value: one.name, title: one.title, text: one.description });
+          const value = orientation ?? live[0]?.name ?? '';
+          return (
+            <div>
+              <RadioCards legend={t('newSession.estimator')} help={t('newSession.estimatorHelp')} value={value} onChange={setOrientation} options={live.slice(0, SHOWN_FIRST).map(card)} />
+              {live.length > SHOWN_FIRST && (
+                <details className="as-table">
+                  <summary>{t('newSession.otherEstimators')}</summary>
+                  <RadioCards legend={t('newSession.otherEstimators')} value={value} onChange={setOrientation} options={live.slice(SHOWN_FIRST).map(card)} />
+                </details>
+              )}
+            </div>
+          );
+        }}
       </Answer>
+      <Switch label={t('newSession.constrain')} description={t('newSession.constrainHelp')} checked={constrain} onChange={(event) => setConstrain(event.currentTarget.checked)} />
       {patient.has_mounting && (
         <Switch
           label={t('newSession.mounting')}
