@@ -38,6 +38,10 @@ class SmootherParameters(TelemotionParameters):
     start_narrow_ut: float = 0.7
     field_noise_moving_ut_sqrt_s: float = 6.5
     field_noise_rest_ut_sqrt_s: float = 4.5
+    field_level_s: float = 10.0
+    bias_drift_degps_per_sqrt_s: float = 0.01
+    gain_sigma: float = 0.01
+    speed_noise_mps_per_sqrt_s: float = 0.1
     rate_noise_per_rate_sqrt_s: float = 0.001
     tilt_sigma_floor_deg: float = 0.45
     heading_sigma_scale: float = 0.35
@@ -131,7 +135,9 @@ def _smooth_sensor(
 ) -> SmoothedOrientation:
     """Smooth a chunk of one sensor."""
     filter_names = set(asdict(TelemotionParameters()))
-    own = {name: value for name, value in given.items() if name in filter_names} | {"output_lead_s": 0.0}
+    # The filter's covariance before the first sample is the prior of the smoother too.
+    own = {"gain_sigma": p.gain_sigma} | {name: given[name] for name in given if name in filter_names}
+    own["output_lead_s"] = 0.0
     estimator = TelemotionEstimator(1, chunk.time_step_s, own)
     estimator.set_device_constants([known])
     settings = settings_of(p, chunk.time_step_s)

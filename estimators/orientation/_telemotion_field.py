@@ -19,6 +19,7 @@ from estimators.orientation._telemotion_layout import (
     FIELD_NOISE_MOVING,
     FIELD_NOISE_REST,
     FIELD_NOISE_START,
+    FIELD_SAME_S,
     FIELD_SCALE,
     HEADING_SCALE,
     HEADING_VARIANCE,
@@ -35,6 +36,11 @@ from estimators.orientation._telemotion_layout import (
     IRON_WINDOW_S,
     MISFIT,
     OPENED,
+    REGION,
+    REGION_BASE,
+    REGION_S,
+    REGION_SHARE,
+    REST_S,
     RESTLESS,
     SENSOR_MEAN,
     SENSOR_SPREAD,
@@ -54,6 +60,7 @@ from estimators.orientation._telemotion_layout import (
     SUM_FIELD,
     SUM_ROTATION,
     TURN,
+    TURN_FREE,
 )
 from estimators.recording import Float
 
@@ -99,13 +106,23 @@ def field_variance(
         for b in range(3):
             turned = memory[SUM_ROTATION + 3 * a + b] * per_sample
             predicted += 2.0 * turned * (p[field + IRON + b] + share * p[start + IRON + b])
+    east = memory[FIELD] + share * memory[START]
+    north = memory[FIELD + 1] + share * memory[START + 1]
+    across = memory[SUM_FIELD] * per_field * north - memory[SUM_FIELD + 1] * per_field * east
+    squares -= settings[TURN_FREE] * across * across / (east * east + north * north + 1e-9)
+    if not rest and share < 0.5:
+        seen = -math.expm1(-time_s / settings[REGION_S])
+        memory[REGION] += seen * (min(squares / 3.0, _LARGEST_MISFIT) - memory[REGION])
     misfit = squares / (3.0 * settings[FIELD_SCALE] + _OWN_UNCERTAINTY * max(predicted, 0.0))
     gain = -math.expm1(-time_s / settings[FIELD_LEVEL_S])
     memory[DISTURBANCE] += gain * (min(misfit, _LARGEST_MISFIT) - memory[DISTURBANCE])
     memory[MISFIT] = misfit
     noise = settings[FIELD_NOISE_REST] if rest else settings[FIELD_NOISE_MOVING]
     noise += share * (settings[FIELD_NOISE_START] - noise)
-    return float(noise * noise / time_s * (1.0 + max(misfit, memory[DISTURBANCE])))
+    doubt = 1.0 + max(misfit, memory[DISTURBANCE])
+    if rest:
+        doubt *= 1.0 + (memory[REST_S] / settings[FIELD_SAME_S]) ** 2
+    return float(noise * noise / time_s * doubt)
 
 
 @kernel("boolean(float64[::1], int64[::1], float64[::1], float64)")
@@ -254,6 +271,7 @@ def find_north(
     one filter holds every hypothesis exactly, and a wrong first belief (a magnet on the sensor, iron under
     the table) costs nothing once turning has shown it.
     """
+    region = settings[REGION_BASE] + settings[REGION_SHARE] * memory[REGION]
     found = work[_FOUND:].reshape(5, HYPOTHESES)
     for i in range(_SUB):
         source = STATES * _moved_state(i)
@@ -293,19 +311,28 @@ def find_north(
                 own_start = settings[START_NARROW] if start == 0 else settings[START_MIDDLE]
                 for a in range(3):
                     target = -memory[START + a]
-                    logarithm += _suppose(work, 2 * _TABLE, 8 + a, target, own_start, settings[START_WIDE])
+                    logarithm += _suppose(
+                        work, 2 * _TABLE, 8 + a, target, own_start + region, settings[START_WIDE]
+                    )
+            else:
+                own_start = settings[START_WIDE]
             cov = work[2 * _TABLE : 3 * _TABLE].reshape(_SUB + 1, _SUB)
             shift = cov[_SUB]
-            east, north = memory[FIELD] + shift[3], memory[FIELD + 1] + shift[4]
+            part = region / (region + own_start)
+            east = memory[FIELD] + shift[3] + part * (memory[START] + shift[8])
+            north = memory[FIELD + 1] + shift[4] + part * (memory[START + 1] + shift[9])
             level = east * east + north * north + 1e-9
             by_east, by_north = north / level, -east / level
             found[0, h] = logarithm
             found[1, h] = math.atan2(east, north) + shift[2]
             found[2, h] = (
                 cov[2, 2]
-                + 2.0 * (by_east * cov[2, 3] + by_north * cov[2, 4])
-                + by_east * (by_east * cov[3, 3] + 2.0 * by_north * cov[3, 4])
-                + by_north * by_north * cov[4, 4]
+                + 2.0 * by_east * (cov[2, 3] + part * cov[2, 8])
+                + 2.0 * by_north * (cov[2, 4] + part * cov[2, 9])
+                + by_east * by_east * (cov[3, 3] + part * (2.0 * cov[3, 8] + part * cov[8, 8]))
+                + by_north * by_north * (cov[4, 4] + part * (2.0 * cov[4, 9] + part * cov[9, 9]))
+                + 2.0 * by_east * by_north * (cov[3, 4] + part * (cov[3, 9] + cov[4, 8] + part * cov[8, 9]))
+                + part * own_start / level
             )
             found[3, h], found[4, h] = shift[0], shift[1]
             best = max(best, logarithm)

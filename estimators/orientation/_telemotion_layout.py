@@ -60,10 +60,11 @@ SHOWN = ODDS + 9
 # Clip levels (infinite until reached), and the largest component seen so far, of rate and of force.
 CLIP_LEVEL = SHOWN + 4
 LARGEST = CLIP_LEVEL + 2
-# First rest: raw field that was last seen steady, for how long, and whether it changed before it was trusted.
+# First rest: raw field that was last seen steady, for how long, and whether it changed before it was trusted;
+# mean squared residual of the field where the sensor moves.
 STEADY_FIELD = LARGEST + 2
-STEADY_S, RESTLESS = STEADY_FIELD + 3, STEADY_FIELD + 4
-MEMORY = RESTLESS + 1
+STEADY_S, RESTLESS, REGION = STEADY_FIELD + 3, STEADY_FIELD + 4, STEADY_FIELD + 5
+MEMORY = REGION + 1
 
 # Counts of a sensor.
 TICK, PHASE, COUNT, FIELD_COUNT, GAP, PENDING, SINCE_START, CLIPPED, FIELD_KNOWN, OPENED, FILTERED = range(11)
@@ -136,5 +137,10 @@ SAMPLE = 11
     HEADING_LOST,
     STEADY_CHANGE,
     STEADY_TRUSTED_S,
-) = range(55)
-SETTINGS = 55
+    FIELD_SAME_S,
+    REGION_BASE,
+    REGION_SHARE,
+    REGION_S,
+    TURN_FREE,
+) = range(60)
+SETTINGS = 60

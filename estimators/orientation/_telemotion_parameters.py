@@ -19,7 +19,12 @@ class TelemotionParameters:
     `position_prior_m_sqrt_s`, with `speed_noise_mps_per_sqrt_s` for all that bends this.
     Magnetic field (microtesla): `field_noise_*_ut_sqrt_s` stand for errors that last for seconds, hence their
     size; at rest they last as long as the rest. A block whose residual is `field_scale_ut` or more, alone or on
-    average over `field_level_s`, loses weight. Hard iron and the field at the first resting place are each
+    average over `field_level_s`, loses weight; of a residual that only turns the heading, `field_turn_free` is
+    forgiven, for it may be the heading's own. A rest tells once, not on and on: its weight ends after about
+    `field_same_s`. North is where the mean field of the surroundings points, which itself is off by `region_ut`
+    and by `region_share` of the mean squared residual, seen over `region_s`: so the first place counts too.
+    A field that changes by `steady_change_ut` at the first rest, before it was steady for `steady_trusted_s`,
+    is met anew, and no hypothesis is believed. Hard iron and the field at the first resting place are each
     one of three: small (calibrated device, clean place), middle, or wide (a magnet attached, iron next to it),
     with the odds given; wide has what is left.
     `iron_*`: a residual that stays in the sensor for `iron_window_s` while it turns in the room is a new iron.
@@ -41,11 +46,11 @@ class TelemotionParameters:
     heading_restart_sigma_deg: float = 10.0
     speed_start_sigma_mps: float = 0.5
     bias_start_sigma_degps: float = 1.0
-    bias_drift_degps_per_sqrt_s: float = 0.01
-    gain_sigma: float = 0.01
+    bias_drift_degps_per_sqrt_s: float = 0.02
+    gain_sigma: float = 0.007
     rate_noise_deg_per_sqrt_s: float = 0.02
     rate_noise_per_rate_sqrt_s: float = 0.002
-    speed_noise_mps_per_sqrt_s: float = 0.1
+    speed_noise_mps_per_sqrt_s: float = 0.04
     position_noise_m_per_sqrt_s: float = 0.01
     position_prior_m_sqrt_s: float = 0.6
     rest_gyroscope_threshold_degps: float = 2.0
@@ -60,7 +65,12 @@ class TelemotionParameters:
     field_noise_rest_ut_sqrt_s: float = 8.0
     field_noise_start_ut_sqrt_s: float = 2.0
     field_scale_ut: float = 1.0
-    field_level_s: float = 10.0
+    field_level_s: float = 2.0
+    field_same_s: float = 10.0
+    field_turn_free: float = 0.3
+    region_ut: float = 0.7
+    region_share: float = 0.1
+    region_s: float = 30.0
     start_leaving_s: float = 1.0
     iron_window_s: float = 2.0
     iron_ratio: float = 4.0
@@ -85,7 +95,7 @@ class TelemotionParameters:
     acceleration_tolerance_mps2: float = 2.0
     tilt_sigma_scale: float = 0.4
     heading_sigma_scale: float = 0.25
-    tilt_sigma_floor_deg: float = 0.3
+    tilt_sigma_floor_deg: float = 0.4
     heading_sigma_floor_deg: float = 1.0
     heading_lost_sigma_deg: float = 15.0
 
@@ -160,6 +170,11 @@ def settings_of(parameters: TelemotionParameters, step_s: float) -> Float:
         at.FIELD_NOISE_REST: p.field_noise_rest_ut_sqrt_s,
         at.FIELD_NOISE_START: p.field_noise_start_ut_sqrt_s,
         at.FIELD_SCALE: p.field_scale_ut**2,
+        at.FIELD_SAME_S: p.field_same_s,
+        at.REGION_BASE: p.region_ut**2,
+        at.REGION_SHARE: p.region_share,
+        at.REGION_S: p.region_s,
+        at.TURN_FREE: p.field_turn_free,
         at.FIELD_LEVEL_S: p.field_level_s,
         at.START_LEAVING_S: p.start_leaving_s,
         at.IRON_WINDOW_S: p.iron_window_s,
