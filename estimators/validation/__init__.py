@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable
 from estimators.errors import SetupError
 from estimators.validation._broad import BROAD
 from estimators.validation._broad_conditions import BROAD_CONDITIONS
+from estimators.validation._broad_offline import BROAD_OFFLINE
 from estimators.validation._hand_motion import BIAS_STATES, HAND_MOTION, SINGULARITY
 from estimators.validation._kinematics import CONVERSIONS, ELBOW_POSITION, KINEMATIC_IDENTITY
 from estimators.validation._luinge_consistency import CONSISTENCY
@@ -61,6 +62,7 @@ _PROTOCOLS = (
     STEEL_CASE,
     BROAD,
     BROAD_CONDITIONS,
+    BROAD_OFFLINE,
 )
 MOST_SEEDS = 1000
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from estimators import rotation
-from estimators.orientation import create
+from estimators.orientation import OrientationResult, create
 from estimators.recording import Float, Recording, SensorSignals
 from estimators.signals import to_common_ticks
 from estimators.validation._broad import DEGREES_PER_RADIAN, estimate, score, sensor_name
@@ -70,7 +70,11 @@ def with_bursts_lost(recording: Recording, seed: int) -> Recording:
 def share_inside(recording: Recording, name: str) -> float:
     """Return the share of scored samples whose error lies in the 95 % region that the filter states."""
     chunk = to_common_ticks(recording, recording.nominal_rate_hz)
-    result = create(name, 1, chunk.time_step_s).update(chunk)
+    return share_of_result_inside(recording, create(name, 1, chunk.time_step_s).update(chunk))
+
+
+def share_of_result_inside(recording: Recording, result: OrientationResult) -> float:
+    """Return the same of a result over all ticks of a trial."""
     truth = recording.reference["q_earth_sensor"]
     scored = recording.reference["is_movement"].astype(bool) & np.isfinite(truth).all(axis=1)
     if result.sigma_rad is None:
@@ -102,8 +106,13 @@ def _late(data: Data) -> Values:
     return values
 
 
+def chosen_for_loss(data: Data) -> list[Recording]:
+    """Return the trials of the published loss figures, or all where none of them is given."""
+    return [trial for name, trial in data.items() if name.startswith(_LOSS_TRIALS)] or list(data.values())
+
+
 def _lossy(seeds: Sequence[int], data: Data) -> dict[str, Float]:
-    chosen = [trial for name, trial in data.items() if name.startswith(_LOSS_TRIALS)] or list(data.values())
+    chosen = chosen_for_loss(data)
     return {
         f"{title}, samples lost": np.array(
             [np.mean([_total(with_bursts_lost(trial, seed), name) for trial in chosen]) for seed in seeds]
@@ -149,4 +158,11 @@ BROAD_CONDITIONS = Protocol(
     needs_data="broad",
 )
 
-__all__ = ["BROAD_CONDITIONS", "share_inside", "started_before_movement", "with_bursts_lost"]
+__all__ = [
+    "BROAD_CONDITIONS",
+    "chosen_for_loss",
+    "share_inside",
+    "share_of_result_inside",
+    "started_before_movement",
+    "with_bursts_lost",
+]
