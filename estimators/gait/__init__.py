@@ -2,17 +2,23 @@
 
 ::
 
-    trajectory = smooth(recording.sensors["foot_left"])     # off-line
+    trajectory = smooth(recording.sensors["foot_left"])        # off-line
+    strides = find_strides(trajectory, "left")
+    print(summarise({"left": strides}).feet["left"]["stride_length"])
     released = FootTracker(2, 0.01).update(chunk)              # live, up to 0.94 s old
 
 Sensors may sit anywhere on the shoe, any way round. Without a magnetometer the heading of the world is that of the
 first sample, for each foot its own.
 """
 
+from estimators.gait._contact import ForceEvents, force_events
 from estimators.gait._foot_live import FootChunk, FootTracker
 from estimators.gait._foot_parameters import FootParameters, foot_parameters
 from estimators.gait._foot_trajectory import FootFlag, FootTrajectory, smooth
+from estimators.gait._placement import Placement, Steps, foot_placement, steps_between
 from estimators.gait._stance import Stance, find_stance
+from estimators.gait._strides import Footholds, Strides, find_strides
+from estimators.gait._summary import GaitSummary, Measure, steady, summarise, turns
 
 __all__ = [
     "FootChunk",
@@ -20,8 +26,22 @@ __all__ = [
     "FootParameters",
     "FootTracker",
     "FootTrajectory",
+    "Footholds",
+    "ForceEvents",
+    "GaitSummary",
+    "Measure",
+    "Placement",
     "Stance",
+    "Steps",
+    "Strides",
     "find_stance",
+    "find_strides",
     "foot_parameters",
+    "foot_placement",
+    "force_events",
     "smooth",
+    "steady",
+    "steps_between",
+    "summarise",
+    "turns",
 ]

@@ -32,6 +32,9 @@ def settings_of(parameters: FootParameters) -> Float:
     settings[at.S_FIELD_SIGMA] = parameters.field_sigma_rad
     settings[at.S_FIELD_TOLERANCE] = parameters.field_tolerance
     settings[at.S_FLAT] = float(parameters.is_floor_flat)
+    settings[at.S_GATE] = parameters.gate
+    settings[at.S_GATE_RATIO] = parameters.gate_ratio
+    settings[at.S_GATE_TIME] = parameters.gate_time_s
     return settings
 
 

@@ -30,6 +30,9 @@ _S_STANDSTILL, _S_FLAT = at.S_STANDSTILL, at.S_FLAT
 _S_HEIGHT_SIGMA, _S_HEIGHT_SCALE, _S_HEIGHT_GATE = at.S_HEIGHT_SIGMA, at.S_HEIGHT_SCALE, at.S_HEIGHT_GATE
 _S_PIVOT, _S_BG, _S_BA = at.S_PIVOT_DENSITY2, at.S_GYROSCOPE_BIAS_DENSITY2, at.S_ACCELEROMETER_BIAS_DENSITY2
 _S_FIELD_SIGMA, _S_FIELD_TOLERANCE = at.S_FIELD_SIGMA, at.S_FIELD_TOLERANCE
+_SINCE, _BELIEVED = at.SINCE, at.BELIEVED_SIGMA
+_S_GATE, _S_GATE_RATIO, _S_GATE_TIME = at.S_GATE, at.S_GATE_RATIO, at.S_GATE_TIME
+_RUN_S = 0.1
 _M, _FORCE, _H = at.STEP_MATRIX, at.STEP_FORCE, at.STEP_TIME
 
 
@@ -217,6 +220,33 @@ def _rows(
     return count
 
 
+@kernel("float64(float64[:, ::1], float64[:, ::1], float64[::1], float64[::1])")
+def _surprise(p: Float, rows: Float, residual: Float, variance: Float) -> float:
+    """Return the squared innovation of the first three measurements over its covariance."""
+    s = np.empty(6)
+    for a in range(3):
+        for b in range(a + 1):
+            total = variance[a] if a == b else 0.0
+            for i in range(_N):
+                if rows[a, i] != 0.0:
+                    value = 0.0
+                    for j in range(_N):
+                        value += p[i, j] * rows[b, j]
+                    total += rows[a, i] * value
+            s[a * (a + 1) // 2 + b] = total
+    # Cholesky's square root, row by row: |L^-1 y|^2
+    l00 = math.sqrt(s[0])
+    l10 = s[1] / l00
+    l11 = math.sqrt(s[2] - l10 * l10)
+    l20 = s[3] / l00
+    l21 = (s[4] - l20 * l10) / l11
+    l22 = math.sqrt(s[5] - l20 * l20 - l21 * l21)
+    e0 = residual[0] / l00
+    e1 = (residual[1] - l10 * e0) / l11
+    e2 = (residual[2] - l20 * e0 - l21 * e1) / l22
+    return float(e0 * e0 + e1 * e1 + e2 * e2)
+
+
 @kernel(
     "void(float64[::1], float64[:, ::1], float64[:, ::1], float64[::1], uint8[::1], float64[::1],"
     " float64[::1], float64[:, ::1], float64[:, ::1], float64[::1], float64[::1], float64[:, ::1],"
@@ -257,7 +287,7 @@ def forward(
     sigma_mps : ndarray, shape (K,)
         Standard deviation of the contact point's velocity in stance.
     bits : ndarray of uint8, shape (K,)
-        What is measured: STANCE, STANDSTILL, HEIGHT, HEADING.
+        What is measured: STANCE, STANDSTILL, HEIGHT, HEADING. Set to zero where a stance is not believed.
     force_variance : ndarray, shape (K,)
         Noise density squared of specific force, eq. (11).
     settings : ndarray, shape (SETTINGS,)
@@ -285,6 +315,7 @@ def forward(
         step = steps[k]
         if memory[_STARTED] > 0.0:
             h = step_s[k]
+            memory[_SINCE] += h
             for i in range(3):
                 accelerometer_last[i] = 0.5 * (accelerometer_last[i] + accelerometer_mps2[k, i])
             _move(x, gyroscope_radps[k], memory, h, step)
@@ -315,6 +346,19 @@ def forward(
                 residual,
                 variance,
             )
+            if seen & _STANCE:
+                doubtful = 0.0 < memory[_BELIEVED] * settings[_S_GATE_RATIO] < sigma_mps[k]
+                if doubtful and memory[_SINCE] < settings[_S_GATE_TIME]:
+                    doubtful = _surprise(p, rows[k], residual, variance) > settings[_S_GATE]
+                    if doubtful:
+                        count = 0
+                        seen = 0
+                        bits[k] = 0
+                if seen:
+                    is_new = memory[_SINCE] > _RUN_S or memory[_BELIEVED] == 0.0
+                    if is_new or sigma_mps[k] < memory[_BELIEVED]:
+                        memory[_BELIEVED] = sigma_mps[k]
+                    memory[_SINCE] = 0.0
             error[:] = 0.0
             for m in range(count):
                 row, gain = rows[k, m], gains[k, m]

@@ -24,7 +24,9 @@ MOST_ROWS: Final = 8
 # Memory beside the state: floor level, whether it is known, the last sample, whether there was one, and the
 # magnetic reference of the first stance (heading, strength, vertical part, whether it is known).
 FLOOR, FLOOR_KNOWN, LAST_GYROSCOPE, LAST_ACCELEROMETER, STARTED = 0, 1, 2, 5, 8
-FIELD_HEADING, FIELD_STRENGTH, FIELD_VERTICAL, FIELD_KNOWN, MEMORY = 9, 10, 11, 12, 13
+FIELD_HEADING, FIELD_STRENGTH, FIELD_VERTICAL, FIELD_KNOWN = 9, 10, 11, 12
+# Time since a stance was last believed, and the least standard deviation of that stance; zero before the first.
+SINCE, BELIEVED_SIGMA, MEMORY = 13, 14, 15
 
 # Derived constants in the order the kernel reads them.
 (
@@ -38,5 +40,8 @@ FIELD_HEADING, FIELD_STRENGTH, FIELD_VERTICAL, FIELD_KNOWN, MEMORY = 9, 10, 11, 
     S_FIELD_SIGMA,
     S_FIELD_TOLERANCE,
     S_FLAT,
+    S_GATE,
+    S_GATE_RATIO,
+    S_GATE_TIME,
     SETTINGS,
-) = range(11)
+) = range(14)

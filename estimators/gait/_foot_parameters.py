@@ -30,6 +30,10 @@ class FootParameters:
         Scales of turning and of specific force in T.
     velocity_sigma_floor_mps, velocity_sigma_slope_mps, velocity_sigma_exponent : float
         Standard deviation of "the contact point stands": floor + slope * T**exponent, at 200 Hz.
+    gate, gate_ratio, gate_time_s : float
+        A stance is not believed when the sum of squares of the velocity, in standard deviations, is beyond the gate
+        and the foot is so many times less certain to stand than in the stance before, for so long after that one:
+        the slow middle of a long swing looks like a runner's stance.
     standstill_limit, standstill_sigma_radps : float
         Below this T the gyroscope shows its bias, to this standard deviation.
     height_sigma_m, height_scale_m, height_gate_m : float
@@ -64,7 +68,7 @@ class FootParameters:
     gyroscope_clip_radps: float = 34.5
     accelerometer_clip_mps2: float = 156.0
     window_s: float = 0.12
-    reference_before_s: float = 0.6
+    reference_before_s: float = 0.8
     reference_after_s: float = 0.5
     reference_percentile: float = 5.0
     reference_floor: float = 0.3
@@ -75,6 +79,9 @@ class FootParameters:
     velocity_sigma_floor_mps: float = 0.003
     velocity_sigma_slope_mps: float = 0.015
     velocity_sigma_exponent: float = 1.5
+    gate: float = 9.0
+    gate_ratio: float = 2.0
+    gate_time_s: float = 2.0
     standstill_limit: float = 0.15
     standstill_sigma_radps: float = 0.01
     height_sigma_m: float = 0.01

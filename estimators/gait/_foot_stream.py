@@ -209,13 +209,14 @@ class FootStream:
         origin = self.origin_of_inputs
         inputs = self._inputs[start - origin : stop - origin]
         raw = self._raw[start - self.origin : stop - self.origin]
+        bits = inputs[:, 1].astype(np.uint8)
         self._records.forward(
             slice(start - origin, stop - origin),
             np.full(stop - start, 1.0 / self.rate_hz),
             np.ascontiguousarray(raw[:, 0:3]),
             np.ascontiguousarray(raw[:, 3:6]),
             np.ascontiguousarray(inputs[:, 0]),
-            inputs[:, 1].astype(np.uint8),
+            bits,
             np.ascontiguousarray(inputs[:, 3]),
             np.ascontiguousarray(inputs[:, 4:7]),
             np.ascontiguousarray(raw[:, 6:9]),
@@ -224,6 +225,7 @@ class FootStream:
             self._x,
             self._p,
         )
+        inputs[:, 1] = bits
 
     def _release(self, boundary: int, upto: int) -> tuple[Float, NDArray[np.uint8]]:
         """Smooth back from a boundary and give away the ticks up to `upto`."""

@@ -1,6 +1,6 @@
 """Where a foot went, off-line: the foot filter there and back over a whole record, twice."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntFlag
 
 import numpy as np
@@ -160,11 +160,11 @@ class _Run:
         self.force_variance, self.rate_variance = noise(
             gyroscope[padded], self.accelerometer[padded], self.gap_s[padded], parameters
         )
-        self.bits = self.stance.bits
+        self.wanted = self.stance.bits
         self.field = NO_FIELD
         if field is not None:
             usable = np.isfinite(field).all(axis=1) & self.stance.is_stance
-            self.bits = np.asarray(self.bits | usable * np.uint8(at.HEADING))
+            self.wanted = np.asarray(self.wanted | usable * np.uint8(at.HEADING))
             self.field = np.ascontiguousarray(np.where(usable[:, None], field, 0.0))
         start = max(1, round(START_S * rate_hz))
         bias = resting_bias(gyroscope, self.stance.statistic, rate_hz, parameters.standstill_limit)
@@ -178,6 +178,7 @@ class _Run:
         samples = len(self.time_s)
         pieces = [slice(i, min(i + _SEGMENT, samples)) for i in range(0, samples, _SEGMENT)]
         records = Records(min(samples, _SEGMENT))
+        self.bits = self.wanted.copy()
         x, p, memory = self.x.copy(), self.p.copy(), np.zeros(at.MEMORY)
         marks = []
         for piece in pieces:
@@ -214,6 +215,13 @@ class _Run:
     def trajectory(self, signals: SensorSignals) -> FootTrajectory:
         """Put the result together."""
         sigma = root(self.spread)
+        believed = (self.bits & at.STANCE) != 0
+        self.stance = replace(
+            self.stance,
+            is_stance=believed,
+            is_standstill=self.stance.is_standstill & believed,
+            is_height=self.stance.is_height & believed,
+        )
         return FootTrajectory(
             time_s=signals.time_s,
             position_m=self.smooth[:, at.P : at.P + 3].copy(),
