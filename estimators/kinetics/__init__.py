@@ -13,7 +13,7 @@ from estimators.kinetics._analysis import (
     floor_under,
     segment_rate,
 )
-from estimators.kinetics._contact import ContactParameters, ShoeContact, shoe_contact
+from estimators.kinetics._contact import ContactParameters, ShoeContact, shoe_contact, stretches
 from estimators.kinetics._ground_reaction import (
     LEAST_LOAD_N,
     REPORT_SHARE,
@@ -61,6 +61,7 @@ __all__ = [
     "segment_rate",
     "shoe_contact",
     "shoe_pose",
+    "stretches",
     "tare",
     "unloaded",
     "work_j",

@@ -110,9 +110,12 @@ def shoe_pose(
     if not len(contact.core):
         raise ShapeError("no stance found: the foot never lies flat; check taring and thresholds")
     step_s = 1.0 / rate_hz
-    q_heel, rate_heel, scale = _orientation(*heel, contact.core, step_s, None)
+    q_heel, rate_heel, excess = _orientation(*heel, contact.core, step_s, None)
     q_forefoot, rate_forefoot, _ = _orientation(*forefoot, contact.core, step_s, q_heel)
-    specific = rotation.rotate(q_heel, heel[1]) * scale[:, None]
+    # Resting specific force other than 1 g is a bias of the vertical axis rather than a wrong scale, which
+    # would be wrong for the horizontal ones too.
+    specific = rotation.rotate(q_heel, heel[1])
+    specific[:, 2] -= excess
     acceleration = specific - [0.0, 0.0, GRAVITY_MPS2]
     samples = heel[0].shape[0]
     position = np.zeros((samples, 3))
@@ -161,7 +164,7 @@ def shoe_pose(
 def _orientation(
     gyroscope: Float, accelerometer: Float, core: NDArray[np.int64], step_s: float, q_tied: Float | None
 ) -> tuple[Float, Float, Float]:
-    """Return orientation, rate less its bias, and the scale that makes resting specific force 1 g.
+    """Return orientation, rate less its bias, and by how much resting specific force exceeds 1 g.
 
     With `q_tied` the heading at every rest is that of another part of the foot, whose sole is straight then.
     """
@@ -171,7 +174,7 @@ def _orientation(
     resting_force = np.array([accelerometer[a:b].mean(axis=0) for a, b in core])
     at = np.arange(samples, dtype=np.float64)
     bias = np.column_stack([np.interp(at, middles, resting_rate[:, axis]) for axis in range(3)])
-    scale = np.interp(at, middles, GRAVITY_MPS2 / np.linalg.norm(resting_force, axis=1))
+    excess = np.interp(at, middles, np.linalg.norm(resting_force, axis=1) - GRAVITY_MPS2)
     rate = np.ascontiguousarray(gyroscope - bias)
     q = np.empty((samples, 4))
     up = np.array([0.0, 0.0, 1.0])
@@ -200,7 +203,7 @@ def _orientation(
         here = q[core[number + 1, 0]].copy()
         q[core[number + 1, 0] : core[number + 1, 1]] = here
     q[core[-1, 1] :] = here
-    return q, rate, scale
+    return q, rate, excess
 
 
 def _heading(q: Float) -> float:

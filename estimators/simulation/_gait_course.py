@@ -267,7 +267,8 @@ class _Walker:
             along = outward = 0.0
             if is_first:
                 length *= 0.5
-            elif not is_last:
+            elif number < count - 2:
+                # The last foothold of each foot is exact, so that both end as far apart as they began.
                 along, outward = 0.5 * style.stride_length_sd_m * noise[0], style.lateral_sd_m * noise[1]
             turn = 0.0 if is_last else leg.turn_rad / leg.steps
             half = self._heading + 0.5 * turn

@@ -1,0 +1,196 @@
+"""Two shoes in one room: their common heading and distance, and the ground reaction of both together."""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.conventions import GRAVITY_MPS2, SIDES, Side
+from estimators.errors import SetupError, ShapeError
+from estimators.kinetics import GroundReaction, ShoeKinetics, ShoePose, ground_reaction, stretches
+from estimators.recording import Float
+
+Weights = Literal["vertical", "published"]
+LEAST_TOTAL_N = 100.0
+"""Below this vertical force of both feet the pressure centre is bridged; walking never comes so low."""
+
+
+@dataclass(frozen=True)
+class BothFeet:
+    """Both feet over N samples, room frame: x where the feet went, y left, z up from the floor.
+
+    Attributes
+    ----------
+    rate_hz : float
+    pose : dict of Side to ShoePose
+    reaction : dict of Side to GroundReaction
+    force_n : ndarray, shape (N, 3)
+        Of the ground on the person.
+    cop_m : ndarray, shape (N, 3)
+        Of both feet, weighted by their vertical forces; bridged where nobody stands.
+    is_standing : ndarray of bool, shape (N,)
+        Both feet loaded for long, with the ends of that left out.
+    """
+
+    rate_hz: float
+    pose: dict[Side, ShoePose]
+    reaction: dict[Side, GroundReaction]
+    force_n: Float
+    cop_m: Float
+    is_standing: NDArray[np.bool_]
+
+
+def combine_feet(
+    left: ShoeKinetics,
+    right: ShoeKinetics,
+    start_width_m: float,
+    *,
+    end_width_m: float | None = None,
+    weights: Weights = "vertical",
+) -> BothFeet:
+    """Bring two shoes into one room.
+
+    Parameters
+    ----------
+    left, right : ShoeKinetics
+        Same samples.
+    start_width_m : float
+        Distance of the heels at the start: both feet against a floor mould, level with each other.
+    end_width_m : float, optional
+        The same at the end, when known: the drift between the feet is then taken out, in proportion to the
+        way walked.
+    weights : {"vertical", "published"}
+        See `total_reaction`.
+
+    Returns
+    -------
+    BothFeet
+
+    Raises
+    ------
+    SetupError
+        If the shoes do not belong to one recording.
+
+    Notes
+    -----
+    Schepers (2009) section 4.2.1: each foot is turned so that its net displacement points forward, which
+    takes a straight course. A foot that did not move keeps the heading it started with.
+    """
+    if left.pose.heel_m.shape != right.pose.heel_m.shape or left.rate_hz != right.rate_hz:
+        raise SetupError("left and right shoe have different samples; bring them to one time base")
+    poses: dict[Side, ShoePose] = {}
+    for side in SIDES:
+        shoe, sign = (left, 0.5) if side == "left" else (right, -0.5)
+        poses[side] = _forward(shoe.pose, np.array([0.0, sign * start_width_m, 0.0]))
+    if end_width_m is not None:
+        found = float(poses["left"].heel_m[-1, 1] - poses["right"].heel_m[-1, 1])
+        poses["right"] = _drawn_aside(poses["right"], found - end_width_m)
+    reactions: dict[Side, GroundReaction] = {
+        "left": ground_reaction(left.loads, poses["left"]),
+        "right": ground_reaction(right.loads, poses["right"]),
+    }
+    touching = {"left": left.contact.any, "right": right.contact.any}
+    force, cop = total_reaction(reactions, weights=weights)
+    return BothFeet(
+        left.rate_hz,
+        poses,
+        reactions,
+        force,
+        cop,
+        standing(touching["left"] & touching["right"], left.rate_hz),
+    )
+
+
+def total_reaction(
+    reactions: dict[Side, GroundReaction], *, weights: Weights = "vertical", least_n: float = LEAST_TOTAL_N
+) -> tuple[Float, Float]:
+    """Return force and pressure centre of both feet, each shape (N, 3).
+
+    Parameters
+    ----------
+    reactions : dict of Side to GroundReaction
+        A foot without load counts as zero.
+    weights : {"vertical", "published"}
+        By the vertical forces, which add up to one; or by the sizes of the forces as equation 4.4 has it,
+        which do not while the feet push against each other (E1), so that the result depends on the origin.
+    least_n : float
+        Below this the pressure centre is interpolated.
+
+    Raises
+    ------
+    ShapeError
+        If nobody ever stood on the shoes.
+    """
+    force = {
+        side: np.where(reactions[side].is_loaded[:, None], reactions[side].force_n, 0.0) for side in SIDES
+    }
+    total = force["left"] + force["right"]
+    size = {
+        side: force[side][:, 2] if weights == "vertical" else np.linalg.norm(force[side], axis=1)
+        for side in SIDES
+    }
+    all_of_it = total[:, 2] if weights == "vertical" else np.linalg.norm(total, axis=1)
+    carried = total[:, 2] > least_n
+    if not carried.any():
+        raise ShapeError("the shoes were never loaded; check calibration and units (newton)")
+    with np.errstate(invalid="ignore", divide="ignore"):
+        parts = [np.nan_to_num(reactions[side].cop_m) * (size[side] / all_of_it)[:, None] for side in SIDES]
+    cop = parts[0] + parts[1]
+    at = np.arange(total.shape[0])
+    for axis in range(3):
+        cop[~carried, axis] = np.interp(at[~carried], at[carried], cop[carried, axis])
+    return total, cop
+
+
+def standing(
+    both_loaded: NDArray[np.bool_], rate_hz: float, least_s: float = 1.5, guard_s: float = 0.7
+) -> NDArray[np.bool_]:
+    """Return where somebody stands: both feet loaded for `least_s`, `guard_s` off at each inner end.
+
+    Double support in walking is far shorter, and shifting weight to and from a step takes about the guard.
+    """
+    result = np.zeros(both_loaded.size, dtype=np.bool_)
+    guard = round(guard_s * rate_hz)
+    for start, end in stretches(both_loaded):
+        if end - start >= least_s * rate_hz:
+            first = start if start == 0 else start + guard
+            last = end if end == both_loaded.size else end - guard
+            result[first:last] = True
+    return result
+
+
+def body_mass(force_n: Float, is_standing: NDArray[np.bool_]) -> float:
+    """Return the mass that the shoes feel while standing, in kg.
+
+    Nominal weight must not be used: one per cent of gain would put the vertical 10 mm off.
+
+    Raises
+    ------
+    ShapeError
+        Without standing; give mean force over whole strides divided by g instead.
+    """
+    if not is_standing.any():
+        raise ShapeError("nobody stands still in this recording; weigh over whole strides instead")
+    return float(force_n[is_standing, 2].mean() / GRAVITY_MPS2)
+
+
+def _forward(pose: ShoePose, start_m: Float) -> ShoePose:
+    """Turn a pose so that it goes forward, and put its first heel position over `start_m`."""
+    way = pose.heel_m[-1] - pose.heel_m[0]
+    heading = float(np.arctan2(way[1], way[0])) if np.hypot(way[0], way[1]) > 0.3 else 0.0
+    turned = pose.moved(-heading, np.zeros(3))
+    shift = start_m - turned.heel_m[0]
+    shift[2] = 0.0
+    return turned.moved(0.0, shift)
+
+
+def _drawn_aside(pose: ShoePose, shift_m: float) -> ShoePose:
+    """Move a pose to the left, in proportion to the way that it has gone."""
+    way = np.abs(np.diff(pose.heel_m[:, 0], prepend=pose.heel_m[0, 0]))
+    part = np.cumsum(way) / max(float(way.sum()), 1e-9)
+    aside = np.column_stack((np.zeros(part.size), shift_m * part, np.zeros(part.size)))
+    return replace(pose, heel_m=pose.heel_m + aside, forefoot_m=pose.forefoot_m + aside)
+
+
+__all__ = ["BothFeet", "Weights", "body_mass", "combine_feet", "standing", "total_reaction"]
