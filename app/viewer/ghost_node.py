@@ -62,14 +62,17 @@ class GhostNode:
             receive_shadow=False,
         )
         dashes = dashed(track.hand_m[:, SIDES.index(side)])
+        self._path: Any = None
         if len(dashes):
-            server.scene.add_line_segments(
+            self._path = server.scene.add_line_segments(
                 f"{GHOST}/path", dashes, colors=ACCENT, thickness=2.5, thickness_units="screen"
             )
         self._is_visible = True
 
-    def show(self, phase: float | None) -> None:
-        """Show a phase from 0 to 100, interpolated; None hides the arm, not its path."""
+    def show(self, phase: float | None, *, with_path: bool = True) -> None:
+        """Show a phase from 0 to 100, interpolated; None hides the arm, and its path only when told."""
+        if self._path is not None and self._path.visible != with_path:
+            self._path.visible = with_path
         if (phase is not None) != self._is_visible:
             self._root.visible = self._is_visible = phase is not None
         if phase is None:

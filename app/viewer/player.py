@@ -207,7 +207,7 @@ class LivePlayer:
         if self._ghost_clock is not None:
             is_example = self._is_posed and not self._is_calibrating
             phase = self._ghost_clock.phase(float(track.time_s[tick]), warp=False) if is_example else None
-            self._scene.draw_ghost(phase)
+            self._scene.draw_ghost(phase, with_path=is_example)
 
     def _show_silence(self) -> None:
         if self._last is None:

@@ -121,16 +121,18 @@ class BodyScene:
                 for number, line in enumerate(self._trails):
                     line.show(trail[:, number])
 
-    def draw_ghost(self, phase: float | None) -> None:
+    def draw_ghost(self, phase: float | None, *, with_path: bool = True) -> None:
         """Show the template at a phase from 0 to 100 (interpolated), or hide it.
 
         Parameters
         ----------
         phase : float or None
+        with_path : bool
+            Whether the way of its hand stays in view.
         """
         if self._ghost is not None:
             with self._server.atomic():
-                self._ghost.show(phase)
+                self._ghost.show(phase, with_path=with_path)
 
     def _show_lost(self, lost: NDArray[np.bool_]) -> None:
         for number in np.flatnonzero(lost != self._lost):

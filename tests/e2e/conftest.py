@@ -20,7 +20,7 @@ from app.commands.simulate import Options, stream
 from app.database import engine as engines
 from app.database import migrate
 from app.demo import history
-from app.demo.people import PASSWORD, PATIENTS, THERAPIST, seed_people
+from app.demo.people import ADMINISTRATOR, PASSWORD, PATIENTS, THERAPIST, seed_people
 from app.gateway import ServiceClient
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -188,7 +188,7 @@ class Visitor:
 def signed_in(chromium: Browser, house: House) -> dict[str, Any]:
     """The cookies of everybody who visits, from one real sign-in each."""
     states = {}
-    for email in (THERAPIST, PATIENTS[0].email):
+    for email in (THERAPIST, ADMINISTRATOR, PATIENTS[0].email):
         context = chromium.new_context()
         Visitor(context.new_page(), house.address).sign_in(email)
         states[email] = context.storage_state()

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from app.demo.people import PATIENTS, THERAPIST
+from app.demo.people import ADMINISTRATOR, PATIENTS, THERAPIST
 from tests.e2e.conftest import ROOT, House, Visitor
 
 pytestmark = [pytest.mark.e2e, pytest.mark.slow]
@@ -18,17 +18,23 @@ THERAPIST_PAGES = {
     "patient-new": "/patients/new",
     "session-new": "/patients/{patient_id}/sessions/new",
     "session": "/sessions/{session_id}",
+    "report": "/sessions/{session_id}/report",
+    "estimators": "/sessions/{session_id}/estimators",
     "template-record": "/templates/record?patient={patient_id}",
     "exercises": "/exercises",
     "exercise": "/exercises/{exercise_id}",
     "upload": "/upload",
+    "accuracy": "/accuracy",
+    "account": "/account",
     "not-found": "/nothing-here",
 }
+ADMINISTRATOR_PAGES = {"clinic": "/clinic", "patient-managed": "/patients/{patient_id}"}
 PATIENT_PAGES = {"my-today": "/", "my-results": "/my/results", "my-data": "/my/data"}
 
+PAGES_OF = {THERAPIST: THERAPIST_PAGES, ADMINISTRATOR: ADMINISTRATOR_PAGES, PATIENT: PATIENT_PAGES}
 CASES = [
     pytest.param((email, width), name, path, id=f"{name}-{width}")
-    for email, pages in ((THERAPIST, THERAPIST_PAGES), (PATIENT, PATIENT_PAGES))
+    for email, pages in PAGES_OF.items()
     for name, path in pages.items()
     for width in (1440, 390)
 ]
@@ -78,8 +84,10 @@ def test_sign_in_page(visitor: Visitor, house: House) -> None:
 
 
 KEYBOARD = {
-    **{name: (THERAPIST, path) for name, path in THERAPIST_PAGES.items() if name != "not-found"},
-    **{name: (PATIENT, path) for name, path in PATIENT_PAGES.items()},
+    name: (email, path)
+    for email, pages in PAGES_OF.items()
+    for name, path in pages.items()
+    if name not in {"not-found", "patient-managed"}
 }
 
 REACHED = """() => {

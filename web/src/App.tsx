@@ -34,6 +34,8 @@ export const router = createBrowserRouter([
       { path: 'templates/record', lazy: async () => ({ Component: (await import('./pages/template/RecordTemplate')).RecordTemplatePage }) },
       { path: 'exercises', lazy: async () => ({ Component: (await import('./pages/Exercises')).ExercisesPage }) },
       { path: 'exercises/:exerciseId', lazy: async () => ({ Component: (await import('./pages/ExercisePage')).ExercisePage }) },
+      { path: 'clinic', lazy: async () => ({ Component: (await import('./pages/Clinic')).ClinicPage }) },
+      { path: 'account', lazy: async () => ({ Component: (await import('./pages/OwnAccount')).OwnAccountPage }) },
       { path: 'accuracy', lazy: async () => ({ Component: (await import('./pages/Accuracy')).AccuracyPage }) },
       { path: 'upload', lazy: async () => ({ Component: (await import('./pages/Upload')).UploadPage }) },
       { path: '*', element: <NotFoundPage /> },

@@ -28,7 +28,8 @@ class Scene:
     def draw(self, *_: Any) -> None:
         pass
 
-    def draw_ghost(self, phase: float | None) -> None:
+    def draw_ghost(self, phase: float | None, *, with_path: bool) -> None:
+        assert with_path == (phase is not None)
         self.ghosts.append(phase)
         self.has_drawn.set()
 

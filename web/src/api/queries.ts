@@ -161,6 +161,18 @@ export const useEditPatient = (id: string) =>
     (input: Wire.PatientPatch) => api.patch<Wire.Patient>(`/api/patients/${id}`, input),
     () => [keys.patient(id), keys.caseload],
   );
+export const useErasePatient = () =>
+  useChange(
+    (id: string) => api.delete<void>(`/api/patients/${id}`, { confirmation: 'ERASE' }),
+    () => [keys.caseload],
+  );
+export const useAddAccount = () => useChange((input: Wire.AccountIn) => api.post<Wire.Account>('/api/accounts', input), () => [keys.accounts]);
+export const useChangeAccount = () =>
+  useChange(
+    ({ id, patch }: { id: string; patch: Wire.AccountPatch }) => api.patch<Wire.Account>(`/api/accounts/${id}`, patch),
+    () => [keys.accounts],
+  );
+export const useChangePassword = () => useChange((input: Wire.PasswordIn) => api.post<void>('/api/me/password', input), () => []);
 export const usePrescribe = (id: string) =>
   useChange(
     (input: Wire.PrescriptionIn) => api.post<Wire.Prescription>(`/api/patients/${id}/prescriptions`, input),

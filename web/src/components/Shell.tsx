@@ -77,7 +77,11 @@ export function Shell() {
         { to: '/upload', text: t('nav.upload') },
       ];
   // Seldom needed: behind the name, not in the bar.
-  const more = isPatient ? [] : [{ to: '/accuracy', text: t('nav.accuracy') }];
+  const more = [
+    ...(me.data.role === 'administrator' ? [{ to: '/clinic', text: t('clinic.accounts') }] : []),
+    ...(isPatient ? [] : [{ to: '/accuracy', text: t('nav.accuracy') }]),
+    { to: '/account', text: t('account.title') },
+  ];
   return (
     <div className={isPatient ? 'shell shell-patient' : 'shell'}>
       <a className="skip-link" href="#main">

@@ -1,5 +1,6 @@
 // English, complete: the catalogue that every other language is checked against.
 import { calibration } from './en/calibration';
+import { clinic } from './en/clinic';
 import { common } from './en/common';
 import { motion } from './en/motion';
 import { patient } from './en/patient';
@@ -7,4 +8,4 @@ import { report } from './en/report';
 import { research } from './en/research';
 import { session } from './en/session';
 
-export const en = { ...calibration, ...common, ...motion, ...patient, ...report, ...research, ...session } as const;
+export const en = { ...calibration, ...clinic, ...common, ...motion, ...patient, ...report, ...research, ...session } as const;

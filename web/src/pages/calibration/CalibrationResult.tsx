@@ -27,10 +27,12 @@ export function CalibrationResult({ guide, mayAct, isBusy, onAgain, onClose }: {
         </div>
       )}
       <div className="guide-words">
-        <h2 id="guide-result" className="result-head" role="status">
-          <Icon size={26} aria-hidden />
-          {isDone ? scoreText(guide.score ?? 0) : t('guide.redo')}
-        </h2>
+        <div role="status">
+          <h2 id="guide-result" className="result-head">
+            <Icon size={26} aria-hidden />
+            {isDone ? scoreText(guide.score ?? 0) : t('guide.redo')}
+          </h2>
+        </div>
         {findings.map((finding) => (
           <p key={finding.text} className="alert-text">
             {finding.text}

@@ -10,18 +10,18 @@ import { useCalibrating } from './CalibrationPanel';
 export function InForce({ sessionId, calibration, placements, onAgain }: { sessionId: string; calibration: Calibration; placements: readonly Placement[]; onAgain: () => void }) {
   const { start, error } = useCalibrating(sessionId);
   return (
-    <section className="card stack" aria-labelledby="in-force">
+    <section className="card in-force" aria-labelledby="in-force">
       <div>
-        <h2 id="in-force">{t('details.calibration')}</h2>
+        <div className="card-head">
+          <h2 id="in-force">{t('details.calibration')}</h2>
+          <Button className="end" size="sm" variant="default" onClick={onAgain}>
+            {t('calibration.again')}
+          </Button>
+        </div>
         <p>{scoreText(calibration.score)}</p>
         <p className="muted small">
           {tOr(`calibration.method.${calibration.method}`, calibration.method.replaceAll('_', ' '))}. {t('calibration.inForce')}
         </p>
-      </div>
-      <div>
-        <Button variant="default" onClick={onAgain}>
-          {t('calibration.again')}
-        </Button>
       </div>
       <div>
         <p className="strong">{t('heading.title')}</p>

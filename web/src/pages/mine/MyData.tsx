@@ -7,6 +7,7 @@ import { Page } from '../../components/Page';
 import { useSignedIn } from '../../components/useSignedIn';
 import { t } from '../../i18n';
 import { date } from '../../lib/format';
+import { ExportButton } from '../patient/DataPanel';
 import { NoRecord } from './Today';
 
 const PURPOSES: readonly ConsentIn['purpose'][] = ['treatment', 'home_streaming', 'research'];
@@ -67,6 +68,13 @@ function MyData({ patientId }: { patientId: string }) {
           </Answer>
         </section>
         <Consents patientId={patientId} />
+        <section className="card stack" aria-labelledby="take-along">
+          <h2 id="take-along">{t('mine.takeAlong')}</h2>
+          <p>{t('mine.takeAlongText')}</p>
+          <div>
+            <ExportButton patientId={patientId} size="lg" />
+          </div>
+        </section>
         <section className="card" aria-labelledby="looked">
           <h2 id="looked">{t('mine.looked')}</h2>
           <Answer of={audit} lines={5}>

@@ -7,6 +7,7 @@ import type { DeviceToken, Patient } from '../../api/types';
 import { Confirm } from '../../components/Confirm';
 import { CopyBox } from '../../components/CopyBox';
 import { Answer, Notice, Problem } from '../../components/Feedback';
+import { useSignedIn } from '../../components/useSignedIn';
 import { t } from '../../i18n';
 import { date } from '../../lib/format';
 
@@ -70,9 +71,11 @@ function Line({ token, patient }: { token: DeviceToken; patient: Patient }) {
 }
 
 export function DevicePanel({ patient }: { patient: Patient }) {
-  const tokens = useDeviceTokens(patient.id, patient.may_treat);
+  const me = useSignedIn();
+  const mayManage = patient.may_treat || me.role === 'administrator';
+  const tokens = useDeviceTokens(patient.id, mayManage);
   const [isOpen, dialog] = useDisclosure(false);
-  if (!patient.may_treat) return null;
+  if (!mayManage) return null;
   return (
     <section className="card" aria-labelledby="devices">
       <div className="card-head">

@@ -12,6 +12,7 @@ import { PatientForm } from '../../components/PatientForm';
 import { t } from '../../i18n';
 import { age, bodyLength, date } from '../../lib/format';
 import { AccessPanel } from './AccessPanel';
+import { DataPanel } from './DataPanel';
 import { DevicePanel } from './DevicePanel';
 import { PrescriptionPanel } from './PrescriptionPanel';
 import { ProgressPanel } from './ProgressPanel';
@@ -64,6 +65,7 @@ function Loaded({ patient }: { patient: Patient }) {
           <Facts patient={patient} onEdit={editing.open} />
           <DevicePanel patient={patient} />
           <AccessPanel patient={patient} />
+          <DataPanel patient={patient} />
         </div>
         <ProgressPanel patientId={patient.id} mayTreat={patient.may_treat} />
         <div className="stack">

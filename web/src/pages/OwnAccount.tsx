@@ -1,0 +1,50 @@
+import { Button, PasswordInput } from '@mantine/core';
+import { useState, type FormEvent } from 'react';
+import { useChangePassword } from '../api/queries';
+import { Notice, Problem } from '../components/Feedback';
+import { Page } from '../components/Page';
+import { useSignedIn } from '../components/useSignedIn';
+import { t } from '../i18n';
+
+const LEAST = 10;
+
+/** The own account: who is signed in, and a new password by who knows the present one. */
+export function OwnAccountPage() {
+  const me = useSignedIn();
+  const change = useChangePassword();
+  const [present, setPresent] = useState('');
+  const [wanted, setWanted] = useState('');
+  const submit = (event: FormEvent) => {
+    event.preventDefault();
+    change.mutate(
+      { old_password: present, new_password: wanted },
+      {
+        onSuccess: () => {
+          setPresent('');
+          setWanted('');
+        },
+      },
+    );
+  };
+  const toggle = { 'aria-label': t('signIn.showPassword'), tabIndex: 0, 'aria-hidden': false } as const;
+  return (
+    <Page narrow title={t('account.title')} lead={`${me.display_name} · ${me.email}`}>
+      <form className="card stack form-card" onSubmit={submit} aria-labelledby="password">
+        <h2 id="password">{t('account.password')}</h2>
+        {change.error && <Problem error={change.error} />}
+        {change.isSuccess && (
+          <Notice>
+            <p role="status">{t('account.changed')}</p>
+          </Notice>
+        )}
+        <PasswordInput label={t('account.present')} autoComplete="current-password" required withAsterisk={false} value={present} onChange={(event) => setPresent(event.currentTarget.value)} visibilityToggleButtonProps={toggle} />
+        <PasswordInput label={t('clinic.newPassword')} description={t('clinic.passwordHelp', { least: LEAST })} autoComplete="new-password" required withAsterisk={false} minLength={LEAST} maxLength={200} value={wanted} onChange={(event) => setWanted(event.currentTarget.value)} visibilityToggleButtonProps={toggle} />
+        <div>
+          <Button type="submit" loading={change.isPending}>
+            {t('account.change')}
+          </Button>
+        </div>
+      </form>
+    </Page>
+  );
+}

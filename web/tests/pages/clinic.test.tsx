@@ -1,0 +1,42 @@
+import { screen, waitFor, within } from '@testing-library/react';
+import userEvent from '@testing-library/user-event';
+import { afterEach, expect, it, vi } from 'vitest';
+import type { Account, Me, Patient } from '../../src/api/types';
+import { ClinicPage } from '../../src/pages/Clinic';
+import { DataPanel } from '../../src/pages/patient/DataPanel';
+import { renderPage, THERAPIST } from './render';
+
+afterEach(() => vi.unstubAllGlobals());
+
+const ADMIN: Me = { ...THERAPIST, account_id: 'admin', role: 'administrator' };
+const account = (id: string, change: Partial<Account> = {}): Account => ({ id, display_name: `Person ${id}`, email: `${id}@e.example`, role: 'therapist', is_active: true, ...change });
+const patient = (change: Partial<Patient> = {}): Patient => ({ id: 'p', given_name: 'Ada', family_name: 'Berg', birth_date: null, affected_side: null, notes: '', body_dimensions: {}, created_at: '', archived_at: null, has_mounting: false, may_treat: false, ...change });
+
+it('switches an account off, but never the own one', async () => {
+  const { asked } = renderPage(<ClinicPage />, { me: ADMIN, answers: { '/api/accounts': [account('a'), account('admin', { role: 'administrator' })], 'PATCH /api/accounts/a': account('a', { is_active: false }) } });
+  const off = await screen.findByRole('switch');
+  expect(screen.getAllByRole('switch')).toHaveLength(1);
+  await userEvent.click(off);
+  await waitFor(() => expect(asked.some((one) => one.method === 'PATCH')).toBe(true));
+  expect(asked.find((one) => one.method === 'PATCH')).toMatchObject({ path: '/api/accounts/a', body: { is_active: false } });
+});
+
+it('erases only what is archived, and only after the name was typed', async () => {
+  const first = renderPage(<DataPanel patient={patient()} />, { me: ADMIN, answers: {} });
+  expect(screen.queryByRole('button', { name: 'Erase for good' })).toBeNull();
+  first.unmount();
+  const { asked } = renderPage(<DataPanel patient={patient({ archived_at: '2026-01-01T00:00:00Z' })} />, { me: ADMIN, answers: { 'DELETE /api/patients/p': {} } });
+  await userEvent.click(screen.getByRole('button', { name: 'Erase for good' }));
+  const dialog = within(await screen.findByRole('dialog'));
+  const erase = dialog.getByRole('button', { name: 'Erase for good' });
+  expect(erase).toHaveProperty('disabled', true);
+  await userEvent.type(dialog.getByRole('textbox'), 'Berg');
+  await userEvent.click(erase);
+  await waitFor(() => expect(asked.at(-1)).toMatchObject({ method: 'DELETE', path: '/api/patients/p', body: { confirmation: 'ERASE' } }));
+});
+
+it('lets a therapist download and archive, not erase', () => {
+  renderPage(<DataPanel patient={patient({ may_treat: true, archived_at: '2026-01-01T00:00:00Z' })} />, { answers: {} });
+  expect(screen.getByRole('link', { name: 'Download everything' }).getAttribute('href')).toBe('/api/patients/p/export');
+  expect(screen.queryByRole('button', { name: 'Erase for good' })).toBeNull();
+});
