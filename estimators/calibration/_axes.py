@@ -95,20 +95,16 @@ def agreement(rate: Float, direction: Float, time_step_s: float) -> Agreement:
     size = float(np.median(np.linalg.norm(direction[finite], axis=1)))
     if size == 0.0:
         return unknown
-    # One quaternion a candidate; increments of a permuted rate are the permuted increments.
-    turns = [rotation.exp(np.nan_to_num(rate) * scale * time_step_s) for scale in SCALES[:3]]
     mappings = SIGNED_PERMUTATIONS
-    steps = np.concatenate([_permuted(turn, mappings) for turn in turns])
-    attitude = rotation.identity((len(steps),))
-    sums = np.zeros((blocks, len(steps), 3))
-    counts = np.zeros(blocks)
-    still = np.zeros((blocks, 3))
-    for k in range(blocks * width):
-        attitude = rotation.multiply(attitude, steps[:, k])
-        if finite[k]:
-            sums[k // width] += rotation.rotate(attitude, direction[k])
-            still[k // width] += direction[k]
-            counts[k // width] += 1.0
+    used = blocks * width
+    held = np.where(finite[:used, None], direction[:used], 0.0).reshape(blocks, width, 3)
+    counts = finite[:used].reshape(blocks, width).sum(axis=1).astype(np.float64)
+    still = held.sum(axis=1)
+    turning = np.nan_to_num(rate[:used]) * time_step_s
+    sums = np.empty((blocks, len(SCALES[:3]) * len(mappings), 3))
+    for number, scale in enumerate(SCALES[:3]):
+        group = slice(number * len(mappings), (number + 1) * len(mappings))
+        sums[:, group] = _turned_back(scale * turning, held)
     seen = counts > 0.5 * width
     if seen.sum() < _FEWEST_BLOCKS:
         return unknown
@@ -129,17 +125,52 @@ def agreement(rate: Float, direction: Float, time_step_s: float) -> Agreement:
             return Agreement(mappings[best % len(mappings)], scale, float(left[best]), moved)
         if _is_one_scale(left, best, len(mappings)):
             # About one axis several mappings do equally well, but all in the same unit.
-            group = best // len(mappings)
-            if left[group * len(mappings)] < _SAME * left[best]:
-                return Agreement(mappings[0], SCALES[group], float(left[best]), moved)
+            unit = best // len(mappings)
+            if left[unit * len(mappings)] < _SAME * left[best]:
+                return Agreement(mappings[0], SCALES[unit], float(left[best]), moved)
     return Agreement(None, float("nan"), float(left[0]), moved)
 
 
-def _permuted(turn: Float, mappings: Float) -> Float:
-    """Return increments of every mapping, shape (48, N, 4), from those of the identity, shape (N, 4)."""
-    vectors = np.einsum("mij,nj->mni", mappings, turn[:, 1:])
-    scalar = np.broadcast_to(turn[None, :, :1], (*vectors.shape[:2], 1))
-    return np.concatenate((scalar, vectors), axis=-1)
+def _turned_back(turning: Float, held: Float) -> Float:
+    """Sum a direction over blocks after turning it back by every mapping of the gyroscope, up to that mapping.
+
+    Parameters
+    ----------
+    turning : ndarray, shape (N, 3)
+        Rotation vector of each sample.
+    held : ndarray, shape (B, W, 3)
+        The direction, N = B W samples.
+
+    Returns
+    -------
+    ndarray, shape (B, 48, 3)
+
+    Notes
+    -----
+    A proper mapping M turns the attitude R of the plain gyroscope into M R M', an improper one does the same with
+    the reversed gyroscope and -M. So two attitudes do for all; the outer M does not change a variance.
+    """
+    blocks, width, _ = held.shape
+    outer = np.empty((2, blocks, 3, 3, 3))
+    for reversed_, sign in enumerate((1.0, -1.0)):
+        matrices = rotation.to_matrix(_running_product(rotation.exp(sign * turning)))
+        matrices = matrices.reshape(blocks, width, 9)
+        outer[reversed_] = (matrices.transpose(0, 2, 1) @ held).reshape(blocks, 3, 3, 3)
+    proper = np.linalg.det(SIGNED_PERMUTATIONS) > 0.0
+    sums = np.empty((blocks, len(SIGNED_PERMUTATIONS), 3))
+    sums[:, proper] = np.einsum("kabc,mcb->kma", outer[0], SIGNED_PERMUTATIONS[proper])
+    sums[:, ~proper] = np.einsum("kabc,mcb->kma", outer[1], -SIGNED_PERMUTATIONS[~proper])
+    return sums
+
+
+def _running_product(increments: Float) -> Float:
+    """Return the product of the increments up to each, shape (N, 4), by doubling stretches."""
+    product = increments.copy()
+    reach = 1
+    while reach < len(product):
+        product[reach:] = rotation.multiply(product[:-reach], product[reach:])
+        reach *= 2
+    return product
 
 
 def _variance(blocks: Float) -> Float:

@@ -8,6 +8,7 @@ from estimators.recording import Float
 
 _RUN: Final = 3
 _JUST_BELOW: Final = 0.03
+_SAME_RANGE: Final = 0.99
 
 
 def find_plateau(values: Float, least: float) -> float | None:
@@ -24,14 +25,16 @@ def find_plateau(values: Float, least: float) -> float | None:
     -------
     float or None
         The largest magnitude of an axis, if it is held for three samples or more and more often than all values
-        up to 3 percent below it together: at a clip level samples pile up, near a soft peak they thin out.
+        up to 3 percent below it together: at a clip level samples pile up, near a soft peak they thin out. As all
+        axes of a device have one range, no axis may reach beyond it.
     """
+    reached = float(np.nanmax(np.abs(values), initial=0.0))
     for k in range(values.shape[1]):
         for sign in (1.0, -1.0):
             channel = sign * values[:, k]
             channel = channel[np.isfinite(channel)]
             top = float(channel.max(initial=0.0))
-            if top < least:
+            if top < max(least, _SAME_RANGE * reached):
                 continue
             at_top = channel >= top * (1.0 - 1e-9)
             below = np.count_nonzero((channel >= (1.0 - _JUST_BELOW) * top) & ~at_top)

@@ -152,7 +152,9 @@ class _Sensor:
         rate = self.rate - bias
         by_force = agreement(rate, self.force, self.step_s) if is_force_alive else None
         by_field = None
-        if is_field_alive and self.field is not None:
+        # A field that changes with the place, or a magnet's own, says nothing about how the sensor turned.
+        is_field_steady = all(f.code != "magnetic_disturbance" for f in self.found)
+        if is_field_alive and is_field_steady and self.field is not None:
             by_field = agreement(rate, self.field, self.step_s)
         if is_rate_alive:
             self._unit_of_rate(by_force, by_field)
