@@ -189,6 +189,13 @@ def process(
         typer.Option(help="Start and end (s) of the N-pose; default: first stillness."),
     ] = None,
     parameters: Annotated[str, typer.Option(help="Estimator parameters as JSON.")] = "{}",
+    force: Annotated[
+        bool, typer.Option("--force", help="Estimate although units, axes or signs cannot be right.")
+    ] = False,
+    hemisphere: Annotated[
+        str,
+        typer.Option(help="north, south or unknown: where it was recorded; tells a reversed accelerometer."),
+    ] = "north",
 ) -> None:
     """Estimate a recording without a server; writes frames.parquet, frames.csv and setup.json.
 
@@ -196,7 +203,9 @@ def process(
     """
     from app.commands import process as command
 
-    command.process(recording, out, pipeline, orientation, format, mapping, rate, pose, parameters)
+    command.process(
+        recording, out, pipeline, orientation, format, mapping, rate, pose, parameters, force, hemisphere
+    )
 
 
 @cli.command()
@@ -254,7 +263,9 @@ def validate(
     seeds: Annotated[int, typer.Option(help="Simulated repetitions of each protocol.", min=1, max=200)] = 20,
     data: Annotated[
         Path | None,
-        typer.Option(help="Folder of BROAD recordings; without, protocols that need it are left out."),
+        typer.Option(
+            help="Folder of recordings (BROAD, PyShoe, gaitmap, x-io); without, their protocols are left out."
+        ),
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
     list_only: Annotated[bool, typer.Option("--list", help="Only name the protocols.")] = False,

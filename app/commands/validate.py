@@ -6,11 +6,13 @@ from pathlib import Path
 import typer
 
 from app.accuracy.report import make_report
-from app.errors import InvalidInput
+from app.errors import InvalidInput, RecordingFormatError
 from app.ingest import readers
 from estimators import validation
 from estimators.recording import Recording
 from estimators.validation import ProtocolResult
+
+_SETS = ("broad", "pyshoe", "gaitmap", "gait_tracking")
 
 
 def validate(
@@ -25,7 +27,7 @@ def validate(
     seeds : int
         Simulated repetitions of each.
     data : Path or None
-        Folder with BROAD recordings (`.mat`, `.hdf5`).
+        Folder with recordings of BROAD or of feet (`.mat`, `.hdf5`, `.csv`), also below it.
     json, list_only : bool
     out : Path or None
         Also write the report, with plots, to this file.
@@ -40,7 +42,7 @@ def validate(
         raise InvalidInput(
             f"no protocol {', '.join(sorted(unknown))}; `telemotion validate --list` names them all"
         )
-    recordings = _broad(data) if data else None
+    recordings = _recordings(data) if data else None
     results = validation.run(names, seeds, recordings, plots=json or out is not None, report=_progress)
     if json or out is not None:
         report = make_report(
@@ -69,8 +71,16 @@ def _command(names: list[str] | None, seeds: int, data: Path | None) -> str:
     return " ".join([*words, "--data FOLDER"] if data else words)
 
 
-def _broad(folder: Path) -> dict[str, Recording]:
-    files = sorted(path for path in folder.glob("*") if path.suffix in {".mat", ".hdf5"})
-    if not files:
-        raise InvalidInput(f"{folder} holds no .mat or .hdf5 recordings")
-    return {path.stem: readers.read(path, "broad", None) for path in files}
+def _recordings(folder: Path) -> dict[str, Recording]:
+    """Read every recording below a folder that some protocol can use; other files are passed over."""
+    found = {}
+    for path in sorted(path for path in folder.rglob("*") if path.suffix in {".mat", ".hdf5", ".csv"}):
+        try:
+            kind = readers.guess(path)
+        except RecordingFormatError:
+            continue
+        if kind in _SETS:
+            found[str(path.relative_to(folder).with_suffix(""))] = readers.read(path, kind)
+    if not found:
+        raise InvalidInput(f"{folder} holds no recordings of {', '.join(_SETS)}")
+    return found

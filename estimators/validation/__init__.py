@@ -11,9 +11,12 @@ No files are read here: recordings for protocols with `needs_data` are handed in
 from collections.abc import Callable, Iterable
 
 from estimators.errors import SetupError
+from estimators.recording import Recording
 from estimators.validation._broad import BROAD
 from estimators.validation._broad_conditions import BROAD_CONDITIONS
 from estimators.validation._broad_offline import BROAD_OFFLINE
+from estimators.validation._foot_placement import FOOT_PLACEMENT
+from estimators.validation._foot_recordings import FOOT_LOOPS, FOOT_STAIRS, FOOT_STRIDES, FOOT_WALKS
 from estimators.validation._hand_motion import BIAS_STATES, HAND_MOTION, SINGULARITY
 from estimators.validation._kinematics import CONVERSIONS, ELBOW_POSITION, KINEMATIC_IDENTITY
 from estimators.validation._luinge_consistency import CONSISTENCY
@@ -60,6 +63,11 @@ _PROTOCOLS = (
     QUARTER_TURNS,
     ELBOW_FLEXION,
     STEEL_CASE,
+    FOOT_PLACEMENT,
+    FOOT_WALKS,
+    FOOT_STRIDES,
+    FOOT_LOOPS,
+    FOOT_STAIRS,
     BROAD,
     BROAD_CONDITIONS,
     BROAD_OFFLINE,
@@ -89,7 +97,7 @@ def run(
     seeds : int
         Simulated repetitions of each.
     data : mapping of str to Recording, optional
-        Trials of BROAD, each with its `reference`.
+        Trials of BROAD and recordings of feet, each with its `reference`; a protocol gets those of its kind.
     plots : bool
         Also make the curves of each.
     report : callable, optional
@@ -111,24 +119,35 @@ def run(
     wanted = None if names is None else set(names)
     if wanted is not None and (unknown := sorted(wanted - set(known))):
         raise SetupError(f"no protocol {', '.join(unknown)}; known are {', '.join(known)}")
-    recordings = data or {}
-    chosen = []
+    recordings: Data = data or {}
+    chosen: list[tuple[Protocol, Data]] = []
     for protocol in _PROTOCOLS:
         if wanted is not None and protocol.name not in wanted:
             continue
-        if protocol.needs_data and not recordings:
+        fitting = {name: found for name, found in recordings.items() if protocol.needs_data in kinds(found)}
+        if protocol.needs_data and not fitting:
             if wanted is not None:
                 raise SetupError(
                     f"{protocol.name} needs recordings of {protocol.needs_data}; give them as data"
                 )
             continue
-        chosen.append(protocol)
+        chosen.append((protocol, fitting))
     results = []
-    for protocol in chosen:
-        results.append(run_protocol(protocol, seeds, recordings, plots=plots))
+    for protocol, given in chosen:
+        results.append(run_protocol(protocol, seeds, given, plots=plots))
         if report is not None:
             report(results[-1])
     return results
+
+
+def kinds(recording: Recording) -> set[str]:
+    """Return what a recording can be used for: its set, and for gaitmap whether it has strides or stairs."""
+    found = {recording.metadata.get("format", "broad")}
+    if "strides_left" in recording.reference:
+        found.add("gaitmap strides")
+    if "gaitmap" in found and "stair" in recording.metadata.get("walk", ""):
+        found.add("gaitmap stairs")
+    return found
 
 
 __all__ = [
@@ -139,6 +158,7 @@ __all__ = [
     "Plot",
     "Protocol",
     "ProtocolResult",
+    "kinds",
     "protocols",
     "run",
     "to_data",

@@ -55,7 +55,8 @@ def looks_like(path: Path) -> bool:
     with path.open("rb") as file:
         line = file.readline(4096)
     names = {name.strip() for name in line.decode("utf-8", errors="replace").lstrip("\ufeff").split(",")}
-    return set(COLUMNS) <= names
+    # Other recordings of these devices have more columns; those are no walks of this set.
+    return set(COLUMNS) == names
 
 
 def _apart(time_s: Float) -> Float:

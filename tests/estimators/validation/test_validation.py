@@ -23,6 +23,7 @@ SLOW = {
     "inclination_consistency": 6,
     "disturbance_iron_cylinder": 10,
     "disturbance_steel_case": 20,
+    "foot_placement": 1,
 }
 """With how many seeds: where a mean over the trials is judged, as many as it takes."""
 QUICK = {"disturbance_quarter_turns": 20, "disturbance_elbow_flexion": 10}

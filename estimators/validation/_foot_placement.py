@@ -1,0 +1,140 @@
+"""Schepers, chapter 3: lateral foot placement and stride length of simulated walks."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from estimators.conventions import SIDES
+from estimators.gait import find_strides, foot_placement, smooth
+from estimators.recording import Float
+from estimators.simulation import gait_preset, simulate_gait
+from estimators.validation._protocol import Data, Figure, Protocol, Values
+
+_TRIALS = 3
+_WINDOWS = (3, 4, 5, 6)
+_RATE_HZ = 100.0
+_MODELS = {"nominal": "shoe_nominal", "stress": "shoe_stress"}
+
+
+@dataclass(frozen=True)
+class Feet:
+    """Footholds of one foot in one trial, shape (n, 2): found and true."""
+
+    found: Float
+    true: Float
+
+
+def subject(seed: int, errors: str) -> list[Feet]:
+    """Walk some trials as one person and find the footholds of both feet."""
+    result = []
+    for trial in range(_TRIALS):
+        scenario = gait_preset("placement", 1000 * seed + trial)
+        walk = simulate_gait(replace(scenario, rate_hz=_RATE_HZ, errors=errors))
+        for side in SIDES:
+            strides = find_strides(smooth(walk.recording.sensors[f"heel_{side}"]), side)
+            true = walk.truth.feet[side].foothold_m[:, :2]
+            found = strides.footholds.position_m[:, :2]
+            if len(found) != len(true):
+                found = np.full_like(true, np.nan)
+            result.append(Feet(found, true))
+    return result
+
+
+def _windows(feet: list[Feet], window: int, steady: bool = True) -> tuple[Float, Float, Float, Float]:
+    """Return placement and length of all windows, found and true, each flat."""
+    rows: list[list[Float]] = [[], [], [], []]
+    for foot in feet:
+        # The first and last foothold are standing: strides from and to them begin and end the walk.
+        part = slice(1, -1) if steady else slice(None)
+        if np.isnan(foot.found).any():
+            return (np.full(1, np.nan),) * 4
+        found, true = (foot_placement(p[part], window) for p in (foot.found, foot.true))
+        for row, values in zip(
+            rows, (found.lateral_m, true.lateral_m, found.length_m, true.length_m), strict=True
+        ):
+            row.append(values.reshape(-1))
+    lateral, true_lateral, length, true_length = (np.concatenate(row) for row in rows)
+    return lateral, true_lateral, length, true_length
+
+
+def _rms(values: Float) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _scores(feet: list[Feet]) -> dict[str, float]:
+    lateral, true_lateral, length, true_length = _windows(feet, 3)
+    _, _, all_length, all_true = _windows(feet, 3, steady=False)
+    error = length - true_length
+    by_window = [_windows(feet, window) for window in _WINDOWS]
+    lateral_rms = [_rms(found - true) for found, true, _, _ in by_window]
+    length_rms = [_rms(found - true) for _, _, found, true in by_window]
+    return {
+        "lateral placement, rms error": lateral_rms[0],
+        "stride length, rms error": length_rms[0],
+        "lateral placement, correlation": float(np.corrcoef(lateral, true_lateral)[0, 1]),
+        "stride length, correlation": float(np.corrcoef(length, true_length)[0, 1]),
+        "stride length with first and last strides, correlation": float(
+            np.corrcoef(all_length, all_true)[0, 1]
+        ),
+        "spread of lateral placement, change": abs(float(lateral.std(ddof=1) / true_lateral.std(ddof=1)) - 1),
+        "spread of stride length, change": abs(float(length.std(ddof=1) / true_length.std(ddof=1)) - 1),
+        "spread of all stride lengths, change": abs(float(all_length.std(ddof=1) / all_true.std(ddof=1)) - 1),
+        "stride length, size of the mean error": abs(float(error.mean())),
+        "stride length, SD of the error": float(error.std(ddof=1)),
+        "lateral placement, error at N = 6 over N = 3": lateral_rms[3] / lateral_rms[0],
+        "stride length, largest over smallest error, N = 3 to 6": max(length_rms) / min(length_rms),
+    }
+
+
+# name, unit, published, limit (nominal, stress), at most
+_TABLE: tuple[tuple[str, str, float | None, tuple[float | None, float | None], bool], ...] = (
+    ("lateral placement, rms error", "m", None, (0.002, 0.005), True),
+    ("stride length, rms error", "m", None, (0.005, 0.014), True),
+    ("lateral placement, correlation", "1", 0.77, (0.97, 0.90), False),
+    ("stride length, correlation", "1", 0.82, (0.97, 0.90), False),
+    ("stride length with first and last strides, correlation", "1", 0.995, (0.995, 0.995), False),
+    ("spread of lateral placement, change", "1", 0.078, (0.05, 0.078), True),
+    ("spread of stride length, change", "1", None, (0.03, 0.08), True),
+    ("spread of all stride lengths, change", "1", 0.0067, (0.0067, 0.0067), True),
+    ("stride length, size of the mean error", "m", None, (0.003, 0.003), True),
+    ("stride length, SD of the error", "m", None, (0.006, 0.012), True),
+    ("lateral placement, error at N = 6 over N = 3", "1", None, (1.5, None), False),
+    ("stride length, largest over smallest error, N = 3 to 6", "1", None, (1.15, None), True),
+)
+
+
+def _placement(seeds: Sequence[int], data: Data) -> Values:
+    found: dict[str, list[float]] = {}
+    for seed in seeds:
+        for model, errors in _MODELS.items():
+            for name, value in _scores(subject(seed, errors)).items():
+                found.setdefault(f"{name}, {model}", []).append(value)
+    ideal = _windows(subject(10_000, "ideal"), 3)
+    exact = {
+        "lateral placement, rms error without sensor errors": np.array([_rms(ideal[0] - ideal[1])]),
+        "stride length, rms error without sensor errors": np.array([_rms(ideal[2] - ideal[3])]),
+    }
+    return {name: np.array(values) for name, values in found.items()} | exact
+
+
+FOOT_PLACEMENT = Protocol(
+    name="foot_placement",
+    title="Foot placement against the sliding average path",
+    source="Schepers 2009, chapter 3: table 3.1, figures 3.3 to 3.5, section 3.3",
+    what="Simulated people walk three trials of 16 steps; footholds of both feet from inertial sensors alone, "
+    "put through the same windows as the true ones. A seed is a person; the median person is judged, as the "
+    "published figures are means over persons. The first and last strides count only where it says so.",
+    figures=(
+        *(
+            Figure(f"{name}, {model}", unit, limits[i], published, at_most, "median")
+            for i, model in enumerate(_MODELS)
+            for name, unit, published, limits, at_most in _TABLE
+        ),
+        Figure("lateral placement, rms error without sensor errors", "m", 0.0002),
+        Figure("stride length, rms error without sensor errors", "m", 0.001),
+    ),
+    measure=_placement,
+)
+
+__all__ = ["FOOT_PLACEMENT", "Feet", "subject"]

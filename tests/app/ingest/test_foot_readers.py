@@ -1,0 +1,196 @@
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.io
+
+from app.errors import RecordingFormatError
+from app.ingest import readers
+
+FEET = Path(__file__).parents[2] / "data" / "feet"
+G = 9.80665
+
+
+def pyshoe(path, **changes):
+    content = np.load(FEET / "pyshoe_walk.npz")
+    given = {
+        "imu_data": np.concatenate([content["accelerometer_mps2"], content["gyroscope_radps"]], axis=1),
+        "timestamps_all": content["time_s"][None, :] + 5.0,
+        "gt": content["position_xy_m"] * [1.0, -1.0],
+    }
+    scipy.io.savemat(path, {k: v for k, v in (given | changes).items() if v is not None})
+    return path
+
+
+def xio(path, edit=lambda rows: None, header=None):
+    content = np.load(FEET / "xio_short_walk.npz")
+    count = 3000
+    table = np.concatenate(
+        [
+            content["time_s"][:count, None],
+            np.rad2deg(content["gyroscope_radps"][:count]),
+            content["accelerometer_mps2"][:count] / G,
+        ],
+        axis=1,
+    )
+    edit(table)
+    names = (
+        ["Time (s)"] + [f"Gyroscope {a} (deg/s)" for a in "XYZ"] + [f"Accelerometer {a} (g)" for a in "XYZ"]
+    )
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(header or names)
+        writer.writerows(table.tolist())
+    return path
+
+
+def gaitmap_rows(side, count=2000):
+    content = np.load(FEET / "gaitmap_strides.npz")
+    return np.concatenate(
+        [
+            content[f"accelerometer_{side}_mps2"][:count],
+            np.rad2deg(content[f"gyroscope_{side}_radps"][:count]),
+        ],
+        axis=1,
+    )
+
+
+def gaitmap(folder, truth=True):
+    axes = ["acc_x", "acc_y", "acc_z", "gyr_x", "gyr_y", "gyr_z"]
+    folder.mkdir(exist_ok=True)
+    both = np.concatenate([gaitmap_rows("left"), gaitmap_rows("right")], axis=1)
+    with (folder / "imu_sample.csv").open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["sensor", *["left_sensor"] * 6, *["right_sensor"] * 6])
+        writer.writerow(["axis", *axes, *axes])
+        writer.writerows([i, *row] for i, row in enumerate(both.tolist()))
+    if truth:
+        markers = [f"{side}_{name}" for side in "LR" for name in ("TOE", "FCC", "FM5")]
+        with (folder / "mocap_sample.csv").open("w", newline="") as file:
+            writer = csv.writer(file)
+            writer.writerow(["", *[m for m in markers for _ in "xyz"]])
+            writer.writerow(["", *"xyz" * 6])
+            writer.writerows([i, *range(18)] for i in range(900))
+        (folder / "stride_events_sample.csv").write_text(
+            "s_id,foot,start,end,ic,tc,min_vel,pre_ic\n0,left,494.0,709.0,657.0,586.0,494.0,438.0\n"
+            "1,right,600.0,800.0,757.0,686.0,600.0,500.0\n"
+        )
+    return folder / "imu_sample.csv"
+
+
+def test_a_pyshoe_walk(tmp_path):
+    path = pyshoe(tmp_path / "walk.mat")
+    assert readers.guess(path) == "pyshoe"
+    found = readers.read(path)
+    content = np.load(FEET / "pyshoe_walk.npz")
+    sensor = found.sensors["foot_right"]
+    assert sensor.time_s[0] == 0.0
+    np.testing.assert_allclose(sensor.gyroscope_radps, content["gyroscope_radps"])
+    np.testing.assert_allclose(sensor.accelerometer_mps2, content["accelerometer_mps2"])
+    np.testing.assert_allclose(found.reference["position_xy_m"], content["position_xy_m"])
+    assert found.nominal_rate_hz == 200.0
+    assert float(found.metadata["gyroscope_clip_radps"]) < 9.1
+    assert readers.read(pyshoe(tmp_path / "b.mat", gt=None)).reference == {}
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"timestamps_all": np.arange(5.0) / 200.0}, "time stamps"),
+        ({"imu_data": np.zeros((3310, 4))}, "shape"),
+        ({"gt": np.zeros((7, 2))}, "optical track"),
+        ({"imu_data": None}, "no imu_data"),
+        ({"imu_data": np.full((3310, 6), 980.0)}, "median size|reaches"),
+    ],
+)
+def test_what_is_no_pyshoe_walk(tmp_path, changes, message):
+    with pytest.raises(RecordingFormatError, match=message):
+        readers.read(pyshoe(tmp_path / "a.mat", **changes), "pyshoe")
+
+
+def test_an_xio_walk_keeps_its_stamps(tmp_path):
+    def repeat(table):
+        table[100:103, 0] = table[100, 0]
+
+    path = xio(tmp_path / "short_walk.csv", repeat)
+    assert readers.guess(path) == "gait_tracking"
+    found = readers.read(path)
+    sensor = found.sensors["foot_right"]
+    steps = np.diff(sensor.time_s)
+    np.testing.assert_allclose(steps[100:102], 1e-6, rtol=1e-3)
+    content = np.load(FEET / "xio_short_walk.npz")
+    np.testing.assert_allclose(sensor.time_s[200:], content["time_s"][200:3000], atol=1e-9)
+    np.testing.assert_allclose(sensor.gyroscope_radps, content["gyroscope_radps"][:3000], atol=1e-6)
+    np.testing.assert_allclose(np.median(np.linalg.norm(sensor.accelerometer_mps2, axis=1)), G, rtol=0.05)
+
+
+def test_other_recordings_of_the_device_are_no_walks(tmp_path):
+    names = (
+        ["Time (s)"] + [f"Gyroscope {a} (deg/s)" for a in "XYZ"] + [f"Magnetometer {a} (uT)" for a in "XYZ"]
+    )
+    path = xio(tmp_path / "sensor.csv", header=names)
+    assert readers.guess(path) == "csv"
+    with pytest.raises(RecordingFormatError, match="no column"):
+        readers.read(path, "gait_tracking")
+
+
+def test_an_xio_walk_that_runs_backwards_or_has_holes(tmp_path):
+    def backwards(table):
+        table[50, 0] = 0.0
+
+    with pytest.raises(RecordingFormatError, match="backwards"):
+        readers.read(xio(tmp_path / "a.csv", backwards))
+
+    def hole(table):
+        table[7, 4] = np.nan
+
+    with pytest.raises(RecordingFormatError, match="Row 9 is not complete"):
+        readers.read(xio(tmp_path / "b.csv", hole))
+
+
+def test_both_feet_of_gaitmap_with_what_lies_beside(tmp_path):
+    path = gaitmap(tmp_path / "set")
+    assert readers.guess(path) == "gaitmap"
+    found = readers.read(path)
+    assert found.placements == ("foot_left", "foot_right")
+    assert found.nominal_rate_hz == 204.8
+    for side in ("left", "right"):
+        rows = gaitmap_rows(side)
+        sensor = found.sensors[f"foot_{side}"]
+        np.testing.assert_allclose(sensor.accelerometer_mps2, rows[:, :3], atol=1e-5)
+        np.testing.assert_allclose(sensor.gyroscope_radps, np.deg2rad(rows[:, 3:]), atol=1e-6)
+        assert found.reference[f"strides_{side}"].shape == (1, 4)
+    np.testing.assert_allclose(found.reference["heel_left_m"][0], [0.003, 0.004, 0.005])
+    np.testing.assert_allclose(found.reference["toe_right_m"][0], [0.009, 0.010, 0.011])
+    assert readers.read(gaitmap(tmp_path / "bare", truth=False)).reference == {}
+
+
+def test_one_foot_of_gaitmap_by_its_name(tmp_path):
+    def write(name):
+        path = tmp_path / name
+        with path.open("w", newline="") as file:
+            writer = csv.writer(file)
+            writer.writerow(["", "index", "acc_x", "acc_y", "acc_z", "gyr_x", "gyr_y", "gyr_z"])
+            writer.writerows([i, i + 23000, *row] for i, row in enumerate(gaitmap_rows("left", 500).tolist()))
+        return path
+
+    found = readers.read(write("imu_ms_left.csv"))
+    assert found.placements == ("foot_left",)
+    assert found.nominal_rate_hz == 102.4
+    with pytest.raises(RecordingFormatError, match="left` or `right"):
+        readers.read(write("imu.csv"), "gaitmap")
+    assert readers.guess(tmp_path / "imu.csv") == "csv"
+
+
+def test_what_is_no_gaitmap_file(tmp_path):
+    for text, message in (
+        ("a,b\n", "no header"),
+        ("x,acc_x\n0,1\n1,hello\n", "no number"),
+        ("x,acc_x\n0,1\n1,2,3\n", "not complete"),
+        ("x,acc_x\n0,1\n1,2\n", "no column"),
+    ):
+        path = tmp_path / "left.csv"
+        path.write_text(text)
+        with pytest.raises(RecordingFormatError, match=message):
+            readers.read(path, "gaitmap")
