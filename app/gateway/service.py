@@ -17,7 +17,7 @@ from app.errors import (
     TelemotionError,
     Unavailable,
 )
-from app.live.messages import StateMessage
+from app.live.messages import CalibrationMessage, StateMessage
 from app.recordings.schemas import JobOut, SessionDetail, SessionIn
 
 _BY_STATUS: dict[int, type[TelemotionError]] = {
@@ -98,6 +98,19 @@ class ServiceClient:
         return StateMessage.model_validate(
             await self._call("POST", f"/api/sessions/{session_id}/{action}", body)
         )
+
+    async def calibration(
+        self, session_id: str, action: str, body: dict[str, Any] | None = None
+    ) -> CalibrationMessage:
+        """`start` (with `kind`), `next` or `cancel` a guided calibration."""
+        return CalibrationMessage.model_validate(
+            await self._call("POST", f"/api/sessions/{session_id}/calibration/{action}", body)
+        )
+
+    async def calibration_state(self, session_id: str) -> CalibrationMessage | None:
+        """Get the newest message of a guided calibration."""
+        found = await self._call("GET", f"/api/sessions/{session_id}/calibration")
+        return None if found is None else CalibrationMessage.model_validate(found)
 
     async def wait_for_state(self, session_id: str, *states: str, timeout_s: float = 60.0) -> StateMessage:
         """Wait until the session has one of the states.

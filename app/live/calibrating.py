@@ -8,11 +8,18 @@ from functools import partial
 from typing import Final
 
 from app.errors import Conflict
-from app.live.calibration_messages import CalibrationIn, CalibrationKind, CalibrationMessage
-from app.live.collectors import Collector, MovementSteps, Outcome, PoseStep
+from app.live.calibration_messages import (
+    CalibrationIn,
+    CalibrationKind,
+    CalibrationMessage,
+    Phase,
+    SensorFinding,
+)
+from app.live.collectors import Collector, MovementSteps, Outcome, PoseStep, findings_out
 from app.live.device_collectors import Compass, SixPositions
 from app.live.estimation import EstimationLine
 from app.recordings.schemas import CalibrationOut
+from estimators.calibration import MisplacedError
 from estimators.conventions import Placement
 from estimators.errors import EstimationError
 from estimators.recording import ImuChunk
@@ -20,7 +27,9 @@ from estimators.recording import ImuChunk
 logger = logging.getLogger(__name__)
 
 TELL_EVERY_S: Final = 0.2
-_COLLECTORS: Final[dict[CalibrationKind, type[Collector]]] = {
+REVIEW_S: Final = 1.0
+"""How often the progress of sensors in the hand is worked out anew."""
+COLLECTORS: Final[dict[CalibrationKind, type[Collector]]] = {
     "static_bias": PoseStep,
     "n_pose": PoseStep,
     "t_pose": PoseStep,
@@ -104,7 +113,7 @@ class CalibrationDesk:
         """
         if self._is_evaluating:
             raise Conflict("The last calibration is being evaluated; wait a moment.")
-        self._collector = _COLLECTORS[wanted.kind](wanted, self._placements, self._step_s)
+        self._collector = COLLECTORS[wanted.kind](wanted, self._placements, self._step_s)
         return self._publish("collecting")
 
     def next(self) -> CalibrationMessage:
@@ -151,7 +160,7 @@ class CalibrationDesk:
         if found.trouble:
             self._refused(found, found.trouble)
             return
-        if found.wants_review and self._reviewing is None:
+        if found.is_reviewed and self._reviewing is None and not found.is_complete:
             self._reviewing = asyncio.create_task(self._review(found), name="calibration review")
         self._evaluate_when_complete()
         if (found.hint, found.step, round(found.step_progress, 1)) != before:
@@ -165,12 +174,18 @@ class CalibrationDesk:
         return self._collector
 
     async def _review(self, found: Collector) -> None:
+        """Work out the progress in a thread, again as long as something new comes."""
         try:
-            await asyncio.to_thread(found.review)
-            if found is self._collector and not self._is_evaluating:
+            seen = -1
+            while found is self._collector and not self._is_evaluating and found.newest_tick != seen:
+                seen = found.newest_tick
+                await asyncio.to_thread(found.review)
+                if found is not self._collector or self._is_evaluating:
+                    break
                 self._evaluate_when_complete()
                 self._changed()
                 self._publish("evaluating" if self._is_evaluating else "collecting")
+                await asyncio.sleep(REVIEW_S)
         except Exception:
             logger.exception("the progress of a calibration could not be worked out")
         finally:
@@ -187,7 +202,8 @@ class CalibrationDesk:
         try:
             outcome = found.evaluate(self._line.pipeline)
         except EstimationError as error:
-            self._loop.call_soon_threadsafe(self._refused, found, str(error))
+            findings = findings_out(error.findings) if isinstance(error, MisplacedError) else ()
+            self._loop.call_soon_threadsafe(self._refused, found, str(error), findings)
         else:
             self._loop.call_soon_threadsafe(self._settled, found, outcome)
 
@@ -196,12 +212,18 @@ class CalibrationDesk:
         self._collector, self._is_evaluating, self._hint = None, False, ""
         self._done(outcome, found.wanted.kind)
 
-    def _refused(self, found: Collector, text: str) -> None:
-        self._publish("redo", text=text)
+    def _refused(self, found: Collector, text: str, findings: tuple[SensorFinding, ...] = ()) -> None:
+        self._publish("redo", text=text, findings=findings)
         self._collector, self._is_evaluating, self._hint = None, False, text
         self._failed(text)
 
-    def _publish(self, phase: str, outcome: Outcome | None = None, text: str = "") -> CalibrationMessage:
+    def _publish(
+        self,
+        phase: Phase,
+        outcome: Outcome | None = None,
+        text: str = "",
+        findings: tuple[SensorFinding, ...] = (),
+    ) -> CalibrationMessage:
         found = self._collector
         assert found is not None
         calibration = None if outcome is None else outcome.calibration
@@ -218,7 +240,7 @@ class CalibrationDesk:
             reasons=[text] if text else list(outcome.reasons) if outcome else [],
             redo_steps=redo_steps(found, text) if text else [],
             axes=list(outcome.axes) if outcome else [],
-            findings=list(outcome.findings) if outcome else [],
+            findings=list(outcome.findings if outcome else findings),
             result=None
             if calibration is None
             else CalibrationOut(
@@ -237,4 +259,4 @@ def redo_steps(found: Collector, text: str) -> list[str]:
     return named or keys
 
 
-__all__ = ["CalibrationDesk", "redo_steps"]
+__all__ = ["COLLECTORS", "CalibrationDesk", "redo_steps"]

@@ -49,6 +49,17 @@ async def cancel_calibration(
     return session.cancel_calibration()
 
 
+@router.get("/sessions/{session_id}/calibration")
+async def get_calibration(
+    session_id: str, request: Request, subject: CurrentSubject
+) -> CalibrationMessage | None:
+    """Return how far the present or last guided calibration of a live session is; null before the first."""
+    services = services_of(request)
+    await asyncio.to_thread(repository.authorise, services.engine, subject, session_id, "read")
+    session: LiveSession = services.live.live(session_id)
+    return session.calibration_message
+
+
 async def _session(request: Request, subject: Subject, session_id: str, action: str | None) -> LiveSession:
     """Return the live session after the access check."""
     services = services_of(request)

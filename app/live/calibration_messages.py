@@ -18,6 +18,7 @@ CalibrationKind = Literal[
     "passive",
     "heading_reset",
 ]
+Phase = Literal["collecting", "evaluating", "done", "redo", "cancelled"]
 Limb = Literal["left_arm", "right_arm", "trunk", "legs"]
 Picture = Literal[
     "lie_still",
@@ -126,7 +127,7 @@ class CalibrationMessage(Schema):
 
     type: Literal["calibration"] = "calibration"
     kind: CalibrationKind
-    phase: Literal["collecting", "evaluating", "done", "redo", "cancelled"]
+    phase: Phase
     """`done`: in force and stored. `redo`: not usable, see `reasons`; what was in force stays in force."""
     steps: list[CalibrationStep]
     step: int
@@ -157,6 +158,7 @@ __all__ = [
     "CalibrationMessage",
     "CalibrationStep",
     "Limb",
+    "Phase",
     "Picture",
     "SensorFinding",
     "SensorProgress",

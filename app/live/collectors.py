@@ -8,7 +8,7 @@ what they hold ends with the newest tick.
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 from app.errors import Conflict
 from app.ingest.alignment import joined_chunks
@@ -21,7 +21,7 @@ from app.live.calibration_messages import (
 )
 from app.live.guides import GUIDES
 from app.live.pose import PoseCollector
-from estimators.calibration import DeviceCalibration
+from estimators.calibration import DeviceCalibration, PlacementFinding, check_mounting
 from estimators.conventions import Placement
 from estimators.errors import CalibrationError
 from estimators.pipelines import Calibration, Pipeline
@@ -71,6 +71,9 @@ class Collector(ABC):
     time_step_s : float
     """
 
+    is_reviewed: ClassVar[bool] = False
+    """Whether progress is worked out by `review`, in a thread, instead of by `add`."""
+
     def __init__(self, wanted: CalibrationIn, placements: tuple[Placement, ...], time_step_s: float) -> None:
         self.wanted, self.placements, self.step_s = wanted, placements, time_step_s
         self.steps: list[CalibrationStep] = list(GUIDES[wanted.kind].steps)
@@ -114,11 +117,11 @@ class Collector(ABC):
         raise Conflict("This step ends by itself; follow the instruction.", step=self.steps[self.step].key)
 
     @property
-    def wants_review(self) -> bool:
-        """Whether `review` should run now."""
-        return False
+    def newest_tick(self) -> int:
+        """Number of the tick after the newest one, where `review` counts."""
+        return 0
 
-    def review(self) -> None:  # noqa: B027 - poses need none
+    def review(self) -> None:  # noqa: B027 - poses and movements need none
         """Work out the progress; runs in a thread, `add` goes on meanwhile."""
 
     @abstractmethod
@@ -144,7 +147,6 @@ class PoseStep(Collector):
     def add(self, chunk: ImuChunk) -> None:
         """Wait for three still seconds."""
         if self.is_complete:
-            self._held.append(chunk)
             return
         held = self._pose.add(chunk)
         self.hint = self._pose.hint
@@ -156,6 +158,7 @@ class PoseStep(Collector):
     def evaluate(self, pipeline: Pipeline) -> Outcome:
         """Evaluate the still seconds."""
         pose = joined_chunks(self._held)
+        before = pipeline.setup.calibration
         if self.wanted.kind == "heading_reset":
             found = pipeline.reset_heading(pose, limb_placements(self.wanted.limbs, self.placements))
         else:
@@ -168,6 +171,7 @@ class PoseStep(Collector):
             start_s=pose.first_tick * self.step_s,
             end_s=(pose.first_tick + pose.tick_count) * self.step_s,
             details={"kind": self.wanted.kind},
+            findings=findings_out(check_mounting(found, before)) if "pose" in self.wanted.kind else (),
         )
 
 
@@ -237,6 +241,7 @@ class MovementSteps(Collector):
             for name, bounds in self._ranges.items()
             for ending in ([""] if name == "rest" else [f"_{side}" for side in self._sides])
         }
+        before = pipeline.setup.calibration
         found = pipeline.calibrate_by_movement(chunk, movements, assisted=self.wanted.kind == "passive")
         return Outcome(
             found.calibration.score,
@@ -259,7 +264,16 @@ class MovementSteps(Collector):
                 )
                 for axis in found.axes
             ),
+            findings=findings_out(check_mounting(found.calibration, before)),
         )
+
+
+def findings_out(findings: Sequence[PlacementFinding]) -> tuple[SensorFinding, ...]:
+    """Return findings as the browser sees them."""
+    return tuple(
+        SensorFinding(code=found.code, placements=list(found.placements), text=found.text)
+        for found in findings
+    )
 
 
 def limb_placements(limbs: Sequence[str], worn: Sequence[Placement]) -> list[Placement]:
@@ -284,4 +298,4 @@ def arms_of(limbs: Sequence[str], worn: Sequence[Placement]) -> list[str]:
     return named or able
 
 
-__all__ = ["Collector", "MovementSteps", "Outcome", "PoseStep", "arms_of", "limb_placements"]
+__all__ = ["Collector", "MovementSteps", "Outcome", "PoseStep", "arms_of", "findings_out", "limb_placements"]

@@ -3,6 +3,7 @@
 import math
 from collections import deque
 from collections.abc import Mapping
+from typing import ClassVar
 
 import numpy as np
 
@@ -22,14 +23,14 @@ from estimators.pipelines import Pipeline
 from estimators.recording import Float, ImuChunk
 
 LONGEST_S = 600.0
-REVIEW_S = 1.0
-"""How often the progress is worked out anew."""
 _FIELD_HZ = 20.0
 """Readings a second that the compass fit takes: turned by hand, more tell nothing more."""
 
 
 class _InHand(Collector):
     """Sensors that somebody handles; the others are left alone."""
+
+    is_reviewed: ClassVar[bool] = True
 
     def __init__(self, wanted: CalibrationIn, placements: tuple[Placement, ...], time_step_s: float) -> None:
         super().__init__(wanted, placements, time_step_s)
@@ -40,7 +41,6 @@ class _InHand(Collector):
         self.rows = [placements.index(p) for p in self.handled]
         self.first_tick: int | None = None
         self.next_tick = 0
-        self._review_tick = 0
 
     def add(self, chunk: ImuChunk) -> None:
         """Collect."""
@@ -54,12 +54,9 @@ class _InHand(Collector):
             self.trouble = "It took longer than ten minutes; begin again."
 
     @property
-    def wants_review(self) -> bool:
-        """Whether a second has passed since the last review."""
-        if self.is_complete or self.next_tick < self._review_tick:
-            return False
-        self._review_tick = self.next_tick + round(REVIEW_S / self.step_s)
-        return True
+    def newest_tick(self) -> int:
+        """Number of the tick after the newest one."""
+        return self.next_tick
 
     @property
     def seconds(self) -> float:
@@ -161,6 +158,8 @@ class SixPositions(_InHand):
         self.hint = "" if self.is_complete else self.steps[self.step].instruction
 
     def _seen(self, sensor: int) -> list[str]:
+        if not self._forces:
+            return []
         rate, force = self._samples(sensor)
         if len(rate) * self.step_s < 1.0:
             return []

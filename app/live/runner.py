@@ -24,12 +24,14 @@ from app.live.bus import Bus
 from app.live.calibrated_session import CalibratedSession
 from app.live.device_rows import save_device_constants
 from app.live.estimation import EstimationLine
+from app.live.first_seconds import FirstSeconds
 from app.live.health import LinkHealth
 from app.live.ledger import SequenceLedger
 from app.live.messages import AcknowledgeMessage, HealthMessage, LayoutMessage, StateMessage
 from app.live.states import OPEN, STREAMING, streaming_state
 from app.recordings import GroupCommitWriter, RawPacket, SequenceRanges
 from app.recordings.schemas import CalibrationOut, SessionState
+from estimators.calibration import Finding
 from estimators.pipelines import Frames, Pipeline
 from estimators.recording import ImuChunk
 
@@ -87,6 +89,7 @@ class LiveSession(CalibratedSession):
         self._epochs_saved = len(declaration.clock_epochs)
         self.line = EstimationLine(pipeline, self._after, self._fail)
         self.prepare_calibration()
+        self._first_seconds = FirstSeconds(declaration.placements, self._implausible)
         self._loop = asyncio.get_running_loop()
 
     @property
@@ -162,6 +165,17 @@ class LiveSession(CalibratedSession):
         self.health.set_flags(frames.layout.segments, frames.segment_flags[-1])
         self._tell_changes(chunk)
         self._calibration.add(chunk)
+        self._first_seconds.add(chunk)
+
+    def _implausible(self, findings: list[Finding], time_s: float) -> None:
+        """Tell readings that cannot be right, before anybody trusts the estimate."""
+        for finding in findings:
+            logger.warning("session %s: %s of %s", self.id, finding.code, finding.sensor)
+            details = {"code": finding.code, "severity": finding.severity}
+            self.add_event(
+                "implausible", time_s, placement=finding.sensor, text=finding.message, details=details
+            )
+        self._publish_state()
 
     def store_frames(self, frames: Frames) -> None:
         """Store frames unless that was done before a restart."""
@@ -267,7 +281,9 @@ class LiveSession(CalibratedSession):
                 method=calibration.method, score=calibration.score, reasons=list(calibration.reasons)
             ),
             calibration_progress=self._calibration.progress,
-            calibration_hint=self._calibration.hint,
+            calibration_hint=" ".join(
+                part for part in (self._first_seconds.hint, self._calibration.hint) if part
+            ),
         )
 
     def health_message(self) -> HealthMessage:

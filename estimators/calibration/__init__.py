@@ -14,6 +14,8 @@ from estimators.calibration._magnetometer import (
 from estimators.calibration._mounting import OUTWARD_HEADING_RAD
 from estimators.calibration._n_pose import n_pose
 from estimators.calibration._online_iron import OnlineHardIron
+from estimators.calibration._ordinary_elbow import OrdinaryElbow, elbow_from_movement
+from estimators.calibration._placement import MisplacedError, PlacementFinding, check_mounting
 from estimators.calibration._plausibility import Finding, check_plausibility
 from estimators.calibration._static import StaticBias, static_bias
 from estimators.calibration._turns import circle_fit
@@ -32,13 +34,18 @@ __all__ = [
     "MagnetometerCollector",
     "MagnetometerProgress",
     "MagnetometerResult",
+    "MisplacedError",
     "OnlineHardIron",
+    "OrdinaryElbow",
+    "PlacementFinding",
     "Rest",
     "StaticBias",
     "TriadCalibration",
+    "check_mounting",
     "check_plausibility",
     "circle_fit",
     "correct",
+    "elbow_from_movement",
     "ferraris",
     "find_positions",
     "functional",

@@ -1,7 +1,7 @@
 """Sensor-to-segment orientation from movements of the arm, made by the patient or by someone else."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -11,31 +11,19 @@ from numpy.typing import NDArray
 from estimators import rotation
 from estimators.calibration._contract import Calibration
 from estimators.calibration._functional_arm import ArmMovements, arm_frames
+from estimators.calibration._functional_verdicts import ASK, JudgedSession, limb_of, upper_arm_of
 from estimators.calibration._joint_axes import AxisEstimate, heading_between, principal_axis
 from estimators.calibration._mounting import OUTWARD_HEADING_RAD
 from estimators.calibration._n_pose import UNUSABLE_SCORE, n_pose
-from estimators.calibration._rest import Verdict, mean_orientation, mostly, words, wrapped
+from estimators.calibration._placement import MisplacedError, check_sides
+from estimators.calibration._rest import Verdict, mean_orientation, words, wrapped
 from estimators.calibration._static import static_bias
 from estimators.conventions import SIDES, Placement, Side
-from estimators.errors import CalibrationError, SetupError, ShapeError
-from estimators.orientation import OrientationFlag
+from estimators.errors import CalibrationError, SetupError
 from estimators.recording import Float
 
 KINDS: Final = ("elbow_flexion", "pronation", "raise_forward", "raise_sideways")
 """The movements; each with `_left` or `_right` appended, and `rest` beside them."""
-_LEAST_RANGE_RAD: Final[dict[str, float]] = {
-    "elbow_flexion": math.radians(60.0),
-    "pronation": math.radians(50.0),
-    "raise_forward": math.radians(40.0),
-    "raise_sideways": math.radians(40.0),
-}
-_PASSIVE_SHARE: Final = 0.45
-_ASK: Final[dict[str, str]] = {
-    "elbow_flexion": "bend the elbow",
-    "pronation": "turn the palm up and down",
-    "raise_forward": "raise the arm forward",
-    "raise_sideways": "raise the arm sideways",
-}
 _PERSON_RAD: Final = math.radians(5.0)
 _PLACED_RAD: Final = math.radians(8.0)
 """How far a sensor put on by hand faces off the mounting rule."""
@@ -45,8 +33,6 @@ _UPRIGHT: Final = ("sternum", "pelvis", "head")
 """What is upright also on a chair."""
 _SWUNG_RAD: Final = math.radians(25.0)
 _COMPASS_RAD: Final = math.radians(10.0)
-_TURNED_ROUND_RAD: Final = math.radians(90.0)
-_GOOD_RAD: Final = math.radians(5.0)
 _CONTRADICTION_RAD: Final = math.radians(12.0)
 
 
@@ -142,39 +128,8 @@ def _check(movements: Mapping[str, tuple[int, int]], ticks: int) -> None:
             raise SetupError(f"{name} is [{start}, {stop}); the samples are [0, {ticks})")
 
 
-class _Session:
-    """The samples of a calibration and what is found from them."""
-
-    def __init__(
-        self,
-        q: Float,
-        gyroscope: Float,
-        accelerometer: Float,
-        placements: Sequence[Placement],
-        flags: NDArray[np.uint8] | None,
-        time_step_s: float,
-    ) -> None:
-        sensors, ticks = len(placements), q.shape[1] if q.ndim == 3 else 0
-        if q.shape != (sensors, ticks, 4) or gyroscope.shape != (sensors, ticks, 3):
-            raise ShapeError(
-                f"{q.shape} and {gyroscope.shape} must be ({sensors}, K, 4) and ({sensors}, K, 3)"
-            )
-        if accelerometer.shape != gyroscope.shape:
-            raise ShapeError(
-                f"accelerometer {accelerometer.shape} must be as the gyroscope {gyroscope.shape}"
-            )
-        self.q, self.gyroscope, self.accelerometer = q, gyroscope, accelerometer
-        self.flags = np.zeros((sensors, ticks), dtype=np.uint8) if flags is None else flags
-        self.placements = tuple(placements)
-        self.step_s = time_step_s
-        self.own_heading = mostly(self.flags, OrientationFlag.HEADING_NOT_TRUSTED)
-        self.verdict = Verdict()
-        self.axes: list[AxisEstimate] = []
-
-    def rate_earth(self, sensor: int, ticks: tuple[int, int]) -> Float:
-        """Rate of a sensor in its earth frame, bias taken out, shape (N, 3)."""
-        part = slice(*ticks)
-        return rotation.rotate(self.q[sensor, part], self.gyroscope[sensor, part] - self.bias[sensor])
+class _Session(JudgedSession):
+    """What is found from the samples of a calibration."""
 
     def calibrate(
         self, movements: Mapping[str, tuple[int, int]], assisted: bool, rest_pronation_rad: float
@@ -201,9 +156,10 @@ class _Session:
                 for s, p in enumerate(self.placements)
             ]
         )
+        self.check_segments(sides, movements)
         raises = self._raises(sides, movements, assisted)
         told, facing_sigma = self._facing(raises, assisted)
-        moved = {p for side in sides for p in _limb(side)} & set(self.placements)
+        moved = {p for side in sides for p in limb_of(side)} & set(self.placements)
         base = self._others(moved, rest, told, assisted)
         facing = base.facing_rad
         offsets = self._limb_headings(sides, movements, raises, facing)
@@ -213,7 +169,7 @@ class _Session:
             arm = self._arm(side, movements, offsets)
             frames = arm_frames(arm, assisted=assisted, rest_pronation_rad=rest_pronation_rad)
             self.axes += [frames.flexion, frames.pronation]
-            self._judge_ranges((frames.flexion, frames.pronation), assisted)
+            self.judge_ranges((frames.flexion, frames.pronation), assisted)
             for placement, (q, s) in frames.segments.items():
                 w, x, y, z = (float(v) for v in q)
                 q_sensor_segment[placement] = (w, x, y, z)
@@ -224,8 +180,8 @@ class _Session:
                     f"rest and movements of the {side} arm contradict each other by "
                     f"{math.degrees(frames.disagreement_rad):.0f} degrees; start with a hanging arm and repeat",
                 )
-        self._judge_sigma(sigma, facing_sigma)
-        self._judge_trunk(facing, facing_sigma)
+        self.judge_sigma(sigma, facing_sigma)
+        self.judge_trunk(facing, facing_sigma)
         score = self.verdict.score * base.score
         reasons = (*self.verdict.reasons, *base.reasons)
         if score < UNUSABLE_SCORE and not assisted:
@@ -249,7 +205,7 @@ class _Session:
         made = [kind for kind in ("elbow_flexion", "pronation") if f"{kind}_{side}" in movements]
         if worn and len(made) == 1:
             missing = "pronation" if made == ["elbow_flexion"] else "elbow_flexion"
-            raise CalibrationError(f"the {side} arm lacks a movement: {_ASK[missing]}, then repeat")
+            raise CalibrationError(f"the {side} arm lacks a movement: {ASK[missing]}, then repeat")
         return worn and bool(made)
 
     def _raises(
@@ -258,7 +214,7 @@ class _Session:
         """Axes about which the arms were raised, in the upper arm's earth frame, by name of the movement."""
         found = {}
         for side in sides:
-            upper = self.placements.index(_upper_arm(side))
+            upper = self.placements.index(upper_arm_of(side))
             for kind in ("raise_forward", "raise_sideways"):
                 name = f"{kind}_{side}"
                 if name in movements:
@@ -268,10 +224,17 @@ class _Session:
                     if tilt > _SWUNG_RAD:
                         self.verdict.lower(
                             _SWUNG_RAD / tilt,
-                            f"the {side} arm swung round instead of rising; {_ASK[kind]} straight up and down",
+                            f"the {side} arm swung round instead of rising; {ASK[kind]} straight up and down",
                         )
         self.axes += found.values()
-        self._judge_ranges(found.values(), assisted)
+        self.judge_ranges(found.values(), assisted)
+        both = {
+            side: (found[f"raise_forward_{side}"].axis, found[f"raise_sideways_{side}"].axis)
+            for side in sides
+            if f"raise_forward_{side}" in found and f"raise_sideways_{side}" in found
+        }
+        if swapped := check_sides(both):
+            raise MisplacedError(swapped)
         return found
 
     def _facing(self, raises: Mapping[str, AxisEstimate], assisted: bool) -> tuple[float | None, float]:
@@ -307,7 +270,7 @@ class _Session:
 
     def _is_own(self, side: Side) -> bool:
         """Whether a sensor of this arm has no common heading, so that the arm must find its own."""
-        return any(self.own_heading[self.placements.index(p)] for p in _limb(side) if p in self.placements)
+        return any(self.own_heading[self.placements.index(p)] for p in limb_of(side) if p in self.placements)
 
     def _limb_headings(
         self,
@@ -319,7 +282,7 @@ class _Session:
         """Offsets of sensors of moved arms that have no common heading; checks those that have one."""
         offsets: dict[Placement, float] = {}
         for side in sides:
-            upper = _upper_arm(side)
+            upper = upper_arm_of(side)
             own = self._is_own(side)
             names = [name for name in raises if name.endswith(side)]
             if own:
@@ -330,7 +293,7 @@ class _Session:
                     )
                 total = sum(complex(math.cos(a := _implied_facing(n, raises[n])), math.sin(a)) for n in names)
                 offsets[upper] = wrapped(facing - math.atan2(total.imag, total.real))
-            for placement in _limb(side)[1:]:
+            for placement in limb_of(side)[1:]:
                 if placement not in self.placements or not names:
                     continue
                 s = self.placements.index(placement)
@@ -376,7 +339,7 @@ class _Session:
         offsets: Mapping[Placement, float],
     ) -> ArmMovements:
         """Gather one arm's orientations and rates in one common earth frame."""
-        limb = [p for p in _limb(side) if p in self.placements]
+        limb = [p for p in limb_of(side) if p in self.placements]
         q, rates = {}, {}
         ticks = {kind: movements.get(f"{kind}_{side}") for kind in KINDS}
         for p in limb:
@@ -388,51 +351,6 @@ class _Session:
                     rates[p, kind] = rotation.rotate(turn, self.rate_earth(s, part))
             q[p, "rest"] = rotation.multiply(turn, self.q_rest[s])
         return ArmMovements(side, tuple(limb), q, rates, self.step_s)
-
-    def _judge_ranges(self, axes: Iterable[AxisEstimate], assisted: bool) -> None:
-        for axis in axes:
-            kind, _, side = axis.name.rpartition("_")
-            least = _LEAST_RANGE_RAD[kind] * (_PASSIVE_SHARE if assisted else 1.0)
-            if axis.range_rad < least:
-                raise CalibrationError(
-                    f"{kind.replace('_', ' ')} of the {side} arm was only {math.degrees(axis.range_rad):.0f} degrees; "
-                    f"{_ASK[kind]} by at least {math.degrees(least):.0f} and repeat"
-                )
-
-    def _judge_sigma(self, sigma: Mapping[Placement, float], facing_sigma: float) -> None:
-        worst = max([*sigma.values(), 0.0 if math.isnan(facing_sigma) else facing_sigma])
-        if worst > _GOOD_RAD:
-            self.verdict.score *= _GOOD_RAD / worst
-        for placement, value in sigma.items():
-            if value > _GOOD_RAD:
-                self.verdict.reasons.append(
-                    f"the {words(placement)} is known to {math.degrees(value):.0f} degrees only; "
-                    "larger movements would tell more"
-                )
-
-    def _judge_trunk(self, facing: float, facing_sigma: float) -> None:
-        if "sternum" not in self.placements or math.isnan(facing_sigma):
-            if math.isnan(facing_sigma) and not self.own_heading.all():
-                self.verdict.lower(
-                    0.7, "the arms were not raised, so the mounting rule tells where the patient faces"
-                )
-            return
-        outward = rotation.rotate(self.q_rest[self.placements.index("sternum")], [0.0, 0.0, 1.0])
-        away = abs(wrapped(math.atan2(outward[1], outward[0]) - facing))
-        if math.hypot(outward[0], outward[1]) > 0.5 and away > _TURNED_ROUND_RAD:
-            self.verdict.reasons.append(
-                "the sternum sensor faces backward; that is allowed here, but check that it is the right one"
-            )
-
-
-def _upper_arm(side: Side) -> Placement:
-    return "upper_arm_left" if side == "left" else "upper_arm_right"
-
-
-def _limb(side: Side) -> tuple[Placement, Placement, Placement]:
-    if side == "left":
-        return "upper_arm_left", "forearm_left", "hand_left"
-    return "upper_arm_right", "forearm_right", "hand_right"
 
 
 def _implied_facing(name: str, axis: AxisEstimate) -> float:

@@ -1,7 +1,7 @@
 """The frames of one arm from its joint axes, gravity at rest and the angle of the palm."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -74,7 +74,10 @@ def arm_frames(arm: ArmMovements, *, assisted: bool, rest_pronation_rad: float) 
     upper, fore = arm.limb[0], arm.limb[1]
     flexion, pronation = _elbow_axes(arm)
     up = {p: rotation.rotate(rotation.conjugate(arm.q[p, "rest"]), _Z) for p in arm.limb}
-    long_axis = _proximal(pronation.axis, up[fore], arm, flexion)
+    if assisted:
+        flexion, long_axis = _signed_from_bent_rest(flexion, pronation, arm)
+    else:
+        long_axis = _proximal(pronation.axis, up[fore], arm, flexion)
     hanging = _SEATED_RAD if assisted else _HANGING_RAD
     sign = 1.0 if arm.side == "right" else -1.0
     humerus = [(-_Y, flexion.axis, flexion.sigma_rad), (_Z, up[upper], hanging)]
@@ -126,6 +129,25 @@ def _elbow_axes(arm: ArmMovements) -> tuple[AxisEstimate, AxisEstimate]:
         np.concatenate([relative[kind] for kind in both]),
         arm.time_step_s,
     )
+
+
+def _signed_from_bent_rest(
+    flexion: AxisEstimate, pronation: AxisEstimate, arm: ArmMovements
+) -> tuple[AxisEstimate, Float]:
+    """Give flexion axis and long axis their signs where the elbow began bent and went both ways.
+
+    The upper arm hangs roughly, so the straighter the elbow the steeper the forearm: where it is steepest its elbow
+    end is up, and bending lowers that end.
+    """
+    upper, fore = arm.limb[0], arm.limb[1]
+    height = rotation.rotate(arm.q[fore, "elbow_flexion"], pronation.axis)[:, 2]
+    sign = math.copysign(1.0, float(height[int(np.nanargmax(np.abs(height)))]))
+    relative = arm.rates[fore, "elbow_flexion"] - arm.rates[upper, "elbow_flexion"]
+    about = rotation.rotate(arm.q[upper, "elbow_flexion"], flexion.axis)
+    bent = np.cumsum(np.nan_to_num(np.sum(relative * about, axis=1))) * arm.time_step_s
+    rises = float(np.nanmean((bent - bent.mean()) * sign * (height - np.nanmean(height)))) > 0.0
+    turned = replace(flexion, axis=-flexion.axis) if rises else flexion
+    return turned, np.asarray(sign * pronation.axis)
 
 
 def _proximal(axis: Float, up: Float, arm: ArmMovements, flexion: AxisEstimate) -> Float:

@@ -10,6 +10,7 @@ from estimators.pipelines._contract import (
     Pipeline,
     SessionSetup,
 )
+from estimators.pipelines._elbows import refine_elbows
 from estimators.pipelines._offline import is_offline, smooth_network, smoothed_chunk
 from estimators.pipelines._orientation import OrientationPipeline
 from estimators.pipelines._run import available, concatenate, create, find_pose, run, step_through
@@ -29,6 +30,7 @@ __all__ = [
     "create",
     "find_pose",
     "is_offline",
+    "refine_elbows",
     "run",
     "smooth_network",
     "smoothed_chunk",

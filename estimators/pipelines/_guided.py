@@ -5,11 +5,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
+import numpy as np
+
 from estimators import rotation
 from estimators.calibration import Calibration, FunctionalResult, functional, static_bias
 from estimators.calibration._mounting import N_POSE_TURN_RAD
 from estimators.conventions import Placement
 from estimators.errors import CalibrationError, SetupError
+from estimators.orientation import OrientationFlag
 from estimators.pipelines._biases import bias_along_gravity, bias_sigma
 from estimators.pipelines._body import BodyNetwork
 from estimators.recording import ImuChunk
@@ -49,7 +52,8 @@ def by_movement(
         corrected.accelerometer_mps2,
         network.setup.placements,
         ticks,
-        result.flags,
+        # Its bias is known: it did not begin like one that was just switched on.
+        result.flags & np.uint8(0xFF & ~int(OrientationFlag.CONVERGING)),
         time_step_s=chunk.time_step_s,
         assisted=assisted,
     )

@@ -9,6 +9,7 @@ from estimators import signals
 from estimators.errors import CalibrationError, SetupError, ShapeError
 from estimators.pipelines._arm import ArmPipeline
 from estimators.pipelines._contract import Frames, Pipeline, SessionSetup
+from estimators.pipelines._elbows import refine_elbows
 from estimators.pipelines._offline import smoothed_chunk
 from estimators.pipelines._orientation import OrientationPipeline
 from estimators.recording import ImuChunk, Recording
@@ -88,7 +89,11 @@ def concatenate(parts: Sequence[Frames]) -> Frames:
 
 
 def run(
-    recording: Recording, setup: SessionSetup, pose_s: tuple[float, float] | None = None
+    recording: Recording,
+    setup: SessionSetup,
+    pose_s: tuple[float, float] | None = None,
+    *,
+    elbows_from_movement: bool = False,
 ) -> tuple[Frames, SessionSetup]:
     """Estimate a whole recording off-line.
 
@@ -100,6 +105,9 @@ def run(
     pose_s : (float, float), optional
         Half-open stretch of the recording in which the patient held the calibration pose. Without it the
         first 3 s in which all sensors are still are taken for the pose, as people begin with it.
+    elbows_from_movement : bool
+        After a pose found here: let the elbows of the whole recording tell how sensors without a compass face,
+        and bound their drift; see `refine_elbows`.
 
     Returns
     -------
@@ -129,9 +137,17 @@ def run(
     worn = replace(recording, sensors={name: recording.sensors[name] for name in setup.placements})
     chunk = smoothed_chunk(signals.to_common_ticks(worn, setup.rate_hz), setup)
     is_mounted = setup.calibration is not None and bool(setup.calibration.q_sensor_segment)
-    if not is_mounted and (setup.pipeline != OrientationPipeline.name or pose_s is not None):
-        setup = _calibrated(chunk, setup, pose_s)
-    return step_through(create(setup), chunk), setup
+    if is_mounted or (setup.pipeline == OrientationPipeline.name and pose_s is None):
+        return step_through(create(setup), chunk), setup
+    first, stop = find_pose(chunk) if pose_s is None else _ticks_of(chunk, pose_s)
+    setup = _calibrated(chunk, setup, first, stop)
+    frames = step_through(create(setup), chunk)
+    if elbows_from_movement:
+        middle_s = (chunk.first_tick + 0.5 * (first + stop)) * chunk.time_step_s
+        refined = refine_elbows(frames, setup, middle_s)
+        if refined is not setup:
+            return step_through(create(refined), chunk), refined
+    return frames, setup
 
 
 def step_through(pipeline: Pipeline, chunk: ImuChunk) -> Frames:
@@ -140,9 +156,8 @@ def step_through(pipeline: Pipeline, chunk: ImuChunk) -> Frames:
     return concatenate([pipeline.step(chunk.ticks(i, min(i + _BLOCK, chunk.tick_count))) for i in ticks])
 
 
-def _calibrated(chunk: ImuChunk, setup: SessionSetup, pose_s: tuple[float, float] | None) -> SessionSetup:
+def _calibrated(chunk: ImuChunk, setup: SessionSetup, first: int, stop: int) -> SessionSetup:
     """Run up to the end of the pose and calibrate there."""
-    first, stop = find_pose(chunk) if pose_s is None else _ticks_of(chunk, pose_s)
     pipeline = create(setup)
     step_through(pipeline, chunk.ticks(0, stop))
     method = "static" if setup.pipeline == OrientationPipeline.name else "n_pose"

@@ -6,6 +6,7 @@ from estimators.simulation._calibration_movements import (
     CALIBRATION_STYLE,
     calibration_exercise,
     calibration_ranges_s,
+    t_pose_exercise,
 )
 from estimators.simulation._errors import SENSOR_PRESETS, SensorErrors, TriadErrors, sensor_errors
 from estimators.simulation._exercises import EXERCISES, Exercise, ExerciseName
@@ -19,6 +20,7 @@ from estimators.simulation._gait_scenario import (
 )
 from estimators.simulation._gait_truth import FootTruth, GaitTruth
 from estimators.simulation._gait_upper import BodyStyle
+from estimators.simulation._handling import HandlingName, simulate_handling
 from estimators.simulation._movements import (
     MovementStyle,
     Schedule,
@@ -55,6 +57,7 @@ __all__ = [
     "FootTruth",
     "GaitScenario",
     "GaitTruth",
+    "HandlingName",
     "Leg",
     "LoadCellErrors",
     "Magnet",
@@ -82,6 +85,8 @@ __all__ = [
     "shoe_errors",
     "simulate_arm",
     "simulate_gait",
+    "simulate_handling",
     "stroke_feet",
     "style_of_impairment",
+    "t_pose_exercise",
 ]

@@ -53,6 +53,14 @@ def calibration_ranges_s(
     return found
 
 
+def t_pose_exercise() -> Exercise:
+    """Return stretching both arms out to the sides, palms down, and holding them for eight seconds."""
+    rest = {"plane": 0.0, "elevation": 2.0, "axial": 0.0, "flexion": 3.0, "pronation": 90.0}
+    level = {"plane": 0.0, "elevation": 90.0, "axial": 0.0, "flexion": 0.0, "pronation": 90.0}
+    stops = (Stop(level, 2.0, 8.0),)
+    return Exercise("t pose", "T-pose", rest, stops, 2.0, "thorax_humerus_{side}_yxy_elevation")
+
+
 def _plan(passive: bool, cycles: int) -> tuple[Exercise, list[tuple[str, float, float]]]:
     rest = {"plane": 0.0, "elevation": 2.0, "axial": 0.0, "flexion": 3.0, "pronation": 90.0}
     bend, turn_in, turn_out, raised, pace = 125.0, 155.0, 25.0, 95.0, 1.3
@@ -103,4 +111,4 @@ def _plan(passive: bool, cycles: int) -> tuple[Exercise, list[tuple[str, float, 
     )
 
 
-__all__ = ["CALIBRATION_STYLE", "calibration_exercise", "calibration_ranges_s"]
+__all__ = ["CALIBRATION_STYLE", "calibration_exercise", "calibration_ranges_s", "t_pose_exercise"]

@@ -214,6 +214,7 @@ LINES: tuple[Line, ...] = (
     patient(
         "POST", "/api/sessions/{session_id}/calibration/start", RECORD, body={"kind": "n_pose"}, status=409
     ),
+    patient("GET", "/api/sessions/{session_id}/calibration", READ, status=409),
     patient("POST", "/api/sessions/{session_id}/calibration/next", RECORD, status=409),
     patient("POST", "/api/sessions/{session_id}/calibration/cancel", RECORD, status=409),
     patient("POST", "/api/sessions/{session_id}/mark", RECORD, body={"text": "here"}, status=409),

@@ -3016,6 +3016,11 @@ export interface components {
          */
         UploadIn: {
             /**
+             * Accept Implausible
+             * @default false
+             */
+            accept_implausible?: boolean;
+            /**
              * Calibration Pose S
              * @default null
              */
@@ -3035,6 +3040,12 @@ export interface components {
              * @enum {string}
              */
             format: "packet_log" | "csv" | "qmt_mat";
+            /**
+             * Hemisphere
+             * @default north
+             * @enum {string}
+             */
+            hemisphere?: "north" | "south" | "unknown";
             /**
              * Orientation
              * @default vqf

@@ -1,0 +1,91 @@
+"""Arms without compasses: how their sensors face, told by the elbows of the recording itself."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from estimators import rotation
+from estimators.calibration import OrdinaryElbow, elbow_from_movement
+from estimators.conventions import SIDES, Placement
+from estimators.errors import CalibrationError
+from estimators.orientation import OrientationFlag
+from estimators.pipelines._contract import Frames, SessionSetup
+from estimators.recording import Float
+
+
+def refine_elbows(frames: Frames, setup: SessionSetup, pose_s: float) -> SessionSetup:
+    """Correct mountings and headings of arms whose headings were assumed by the mounting rule.
+
+    Parameters
+    ----------
+    frames : Frames
+        Of a whole recording under `setup`.
+    setup : SessionSetup
+        Calibrated by a standing pose.
+    pose_s : float
+        Middle of that pose.
+
+    Returns
+    -------
+    SessionSetup
+        With a corrected calibration, and elbows and wrists bounding what drifts afterwards. The same one where no
+        arm has sensors on upper arm and forearm without a compass, or the elbows were hardly bent.
+    """
+    found = setup.calibration
+    if found is None:
+        return setup
+    mounted, offsets = dict(found.q_sensor_segment), dict(found.heading_offset_rad)
+    reasons = list(found.reasons)
+    for side in SIDES:
+        upper: Placement = "upper_arm_left" if side == "left" else "upper_arm_right"
+        fore: Placement = "forearm_left" if side == "left" else "forearm_right"
+        if upper not in offsets or fore not in offsets:
+            continue
+        columns = [frames.layout.segments.index(p) for p in (upper, fore)]
+        lost = (frames.segment_flags[:, columns] & int(OrientationFlag.INVALID)) != 0
+        try:
+            elbow = elbow_from_movement(
+                side,
+                frames.q_room_segment[:, columns[0]],
+                frames.q_room_segment[:, columns[1]],
+                frames.time_s,
+                ~lost.any(axis=1),
+                pose_s=pose_s,
+            )
+        except CalibrationError as error:
+            reasons.append(f"{side} arm: {error}")
+            continue
+        turned = _turn_at(elbow, pose_s)
+        # The hand's sensor was put on with the forearm's, and the wrist does not turn: it takes the turn along.
+        hand: Placement = "hand_left" if side == "left" else "hand_right"
+        for placement, turn, correction in (
+            (upper, elbow.upper_turn_rad, elbow.q_upper_correction),
+            (fore, turned, elbow.q_forearm_correction),
+            *(((hand, turned, rotation.about_z(-turned)),) if hand in offsets else ()),
+        ):
+            offsets[placement] = math.remainder(offsets[placement] + turn, 2.0 * math.pi)
+            mounted[placement] = _corrected(mounted[placement], correction)
+    if offsets == found.heading_offset_rad:
+        return setup
+    refined = replace(
+        found,
+        q_sensor_segment=mounted,
+        heading_offset_rad=offsets,
+        method=f"{found.method}, elbows",
+        reasons=tuple(reasons),
+    )
+    return replace(setup, calibration=refined, constrain_joint_headings=True)
+
+
+def _turn_at(elbow: OrdinaryElbow, time_s: float) -> float:
+    """Return the forearm's turn at the knot to which its mounting belongs."""
+    return float(elbow.forearm_turn_rad[int(np.argmin(np.abs(elbow.knots_s - time_s)))])
+
+
+def _corrected(q: tuple[float, float, float, float], correction: Float) -> tuple[float, float, float, float]:
+    w, x, y, z = (float(v) for v in rotation.positive(rotation.multiply(np.array(q), correction)))
+    return w, x, y, z
+
+
+__all__ = ["refine_elbows"]

@@ -1,0 +1,172 @@
+"""What each kind of calibration makes of a simulated performance, chunk by chunk, without a server."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from app.errors import Conflict
+from app.gateway.rehearsal import Rehearsal, rehearsal_of
+from app.live.calibrating import COLLECTORS
+from app.live.calibration_messages import CalibrationIn
+from app.live.collectors import Collector, Outcome
+from estimators import pipelines, signals
+from estimators.calibration import MisplacedError
+from estimators.errors import CalibrationError
+from estimators.pipelines import Pipeline, SessionSetup
+from estimators.simulation import ArmScenario, Mounting
+
+RATE_HZ = 100.0
+STEP = 50
+
+
+def performed(shown: Rehearsal) -> tuple[Collector, Pipeline]:
+    """Feed the recording as a live session does."""
+    chunk = signals.to_common_ticks(shown.recording, RATE_HZ)
+    worn: Any = tuple(shown.recording.sensors)
+    pipeline = pipelines.create(SessionSetup("arm", worn, RATE_HZ))
+    begin = 0
+    if shown.first_pose:
+        begin = 700
+        pipeline.step(chunk.ticks(0, begin))
+        pipeline.calibrate(chunk.ticks(350, 650))
+    found = COLLECTORS[shown.wanted.kind](shown.wanted, worn, 1.0 / RATE_HZ)
+    ends = list(shown.next_s)
+    for tick in range(begin, chunk.tick_count - STEP, STEP):
+        piece = chunk.ticks(tick, tick + STEP)
+        pipeline.step(piece)
+        if tick / RATE_HZ >= shown.start_s:
+            found.add(piece)
+        if ends and (tick + STEP) / RATE_HZ >= ends[0]:
+            ends.pop(0)
+            found.next()
+        if found.is_reviewed and tick % 500 == 0:
+            found.review()
+        if found.is_complete or found.trouble:
+            break
+    return found, pipeline
+
+
+def evaluated(shown: Rehearsal) -> tuple[Outcome, Pipeline]:
+    found, pipeline = performed(shown)
+    assert found.is_complete, (found.hint, found.trouble)
+    return found.evaluate(pipeline), pipeline
+
+
+@pytest.mark.parametrize(
+    ("kind", "least_score"),
+    [
+        ("static_bias", 0.9),
+        ("n_pose", 0.9),
+        ("t_pose", 0.9),
+        ("functional", 0.8),
+        ("passive", 0.4),
+        ("heading_reset", 0.9),
+        ("six_position", 0.9),
+        ("magnetometer", 0.9),
+    ],
+)
+def test_every_kind_works_on_the_simulators_movements(kind: Any, least_score: float) -> None:
+    outcome, pipeline = evaluated(rehearsal_of(kind))
+    assert outcome.score >= least_score, outcome.reasons
+    assert outcome.findings == ()
+    if outcome.devices:
+        assert pipeline.setup.devices == outcome.devices
+        assert pipeline.setup.calibration is None, "worn anew, the body must be calibrated again"
+    else:
+        assert pipeline.setup.calibration == outcome.calibration
+    assert outcome.details["kind"] == kind
+
+
+def test_devices_are_found_as_they_are() -> None:
+    shown = rehearsal_of("six_position")
+    device = evaluated(shown)[0].devices["forearm_right"]
+    assert device.gyroscope is not None
+    assert np.diag(device.gyroscope.gain) == pytest.approx(1.0 / 1.01, abs=0.012)
+    compass = evaluated(rehearsal_of("magnetometer"))[0].devices["forearm_right"].magnetometer
+    assert compass is not None
+    assert compass.bias == pytest.approx((15e-6, 0.0, 0.0), abs=5e-6)
+
+
+def renamed(shown: Rehearsal, names: dict[str, str]) -> Rehearsal:
+    """Put sensors on other segments than they are named after."""
+    sensors = {names.get(name, name): found for name, found in shown.recording.sensors.items()}
+    order = {name: sensors[name] for name in shown.recording.sensors}
+    return replace(shown, recording=replace(shown.recording, sensors=order))
+
+
+PARTS = ("upper_arm", "forearm", "hand")
+SIDES = {f"{p}_{a}": f"{p}_{b}" for p in PARTS for a, b in (("left", "right"), ("right", "left"))}
+
+
+def test_swapped_sides_are_named() -> None:
+    found, pipeline = performed(renamed(rehearsal_of("functional"), SIDES))
+    with pytest.raises(MisplacedError, match="exchange") as caught:
+        found.evaluate(pipeline)
+    assert [finding.code for finding in caught.value.findings] == ["swapped_sides"]
+
+
+def test_swapped_sides_are_seen_in_the_standing_pose() -> None:
+    outcome, _ = evaluated(renamed(rehearsal_of("n_pose"), SIDES))
+    assert {finding.code for finding in outcome.findings} == {"swapped_sides"}
+    assert {p for finding in outcome.findings for p in finding.placements} == set(SIDES)
+
+
+def test_swapped_segments_are_named() -> None:
+    names = {"upper_arm_right": "forearm_right", "forearm_right": "upper_arm_right"}
+    found, pipeline = performed(renamed(rehearsal_of("functional"), names))
+    with pytest.raises(MisplacedError, match="swapped") as caught:
+        found.evaluate(pipeline)
+    (finding,) = caught.value.findings
+    assert (finding.code, finding.placements) == ("swapped_segments", ("upper_arm_right", "forearm_right"))
+
+
+@pytest.mark.parametrize("kind", ["n_pose", "functional"])
+def test_a_sensor_turned_by_half_a_turn_is_named_and_allowed_for(kind: Any) -> None:
+    from estimators import rotation
+    from estimators.simulation import outward_mounting
+
+    flipped = rotation.multiply(outward_mounting("forearm_right"), rotation.exp(np.array([np.pi, 0, 0])))
+    w, x, y, z = (float(v) for v in flipped)
+    person = ArmScenario(seed=4, mounting=Mounting(q_segment_sensor={"forearm_right": (w, x, y, z)}))
+    outcome, _ = evaluated(rehearsal_of(kind, person))
+    assert [(f.code, f.placements) for f in outcome.findings] == [("turned", ["forearm_right"])]
+    assert outcome.score > 0.5
+
+
+def test_a_movement_that_was_left_out_is_named_to_be_repeated() -> None:
+    shown = rehearsal_of("functional")
+    early = (*shown.next_s[:2], shown.next_s[1] + 1.0, shown.next_s[1] + 2.0)
+    with pytest.raises(Conflict, match="three times"):
+        performed(replace(shown, next_s=early))
+    # While the arm is raised forward both steps are ended: nothing was raised sideways.
+    early = (*shown.next_s[:2], shown.next_s[1] + 6.0, shown.next_s[2] - 1.0)
+    found, pipeline = performed(replace(shown, next_s=early))
+    with pytest.raises(CalibrationError, match="repeat"):
+        found.evaluate(pipeline)
+
+
+def test_headings_set_anew_take_drift_away() -> None:
+    shown = rehearsal_of("heading_reset")
+    found, pipeline = performed(shown)
+    known = pipeline.setup.calibration
+    assert known is not None
+    from estimators.pipelines import ArmPipeline
+
+    assert isinstance(pipeline, ArmPipeline)
+    # A heading that has drifted by 20 degrees since the calibration.
+    pipeline._network.adopt(replace(known, heading_offset_rad={"forearm_right": 0.35}), None)
+    outcome = found.evaluate(pipeline)
+    assert outcome.calibration is not None
+    assert outcome.calibration.heading_offset_rad["forearm_right"] == pytest.approx(0.0, abs=0.05)
+
+
+def test_steps_that_end_by_themselves_cannot_be_ended() -> None:
+    worn: Any = ("upper_arm_right", "forearm_right")
+    for kind in ("n_pose", "functional", "six_position"):
+        found = COLLECTORS[kind](CalibrationIn(kind=kind), worn, 0.01)  # type: ignore[index, arg-type]
+        with pytest.raises(Conflict, match=r"by itself|keep still"):
+            found.next()
+    with pytest.raises(Conflict, match="upper arm and forearm"):
+        COLLECTORS["functional"](CalibrationIn(kind="functional"), ("sternum",), 0.01)

@@ -1,0 +1,86 @@
+"""Every kind of guided calibration through the API, on the stream of a simulated person."""
+
+import asyncio
+from typing import Any
+
+import pytest
+from sqlalchemy import Engine, select
+
+from app.database.unit_of_work import read_only
+from app.gateway.rehearsal import rehearsal_of, rehearse
+from app.patients.models import Mounting, SensorDevice
+from app.recordings.models import MotionSession
+from estimators.calibration import DeviceCalibration
+
+
+def perform(signed_in: Any, patient_id: str, shown: Any, **options: Any) -> tuple[str, Any]:
+    async def run() -> tuple[str, Any]:
+        async with await signed_in() as client:
+            return await rehearse(client, patient_id, shown, **options)
+
+    return asyncio.run(run())
+
+
+SLOW = pytest.mark.slow
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        "n_pose",
+        *(pytest.param(k, marks=SLOW) for k in ("functional", "heading_reset")),
+    ],
+)
+def test_a_good_performance_is_done_with_a_good_score(signed_in: Any, world: Any, kind: Any) -> None:
+    _, message = perform(signed_in, world.patient_id, rehearsal_of(kind))
+    assert message.phase == "done", message.reasons
+    assert message.score > 0.6, message.reasons
+    assert message.step == len(message.steps)
+    assert message.findings == []
+    if kind == "functional":
+        assert {axis.name for axis in message.axes} >= {"elbow_flexion_right", "raise_sideways_left"}
+
+
+@pytest.mark.slow
+def test_six_positions_are_remembered_with_the_device(signed_in: Any, world: Any, engine: Engine) -> None:
+    shown = rehearsal_of("six_position")
+    _, message = perform(signed_in, world.patient_id, shown)
+    assert message.phase == "done", (message.reasons, message.sensors)
+    device = stored_device(engine, world.clinic_id, "forearm_right")
+    assert device.accelerometer is not None
+    assert device.accelerometer.bias[1] == pytest.approx(0.15, abs=0.06)
+    assert device.gyroscope is not None
+    assert device.gyroscope.gain[2][2] == pytest.approx(1 / 1.01, abs=0.01)
+
+
+@pytest.mark.slow
+def test_the_compass_is_calibrated_and_used_again(signed_in: Any, world: Any, engine: Engine) -> None:
+    shown = rehearsal_of("magnetometer")
+    _, message = perform(signed_in, world.patient_id, shown)
+    assert message.phase == "done", message.reasons
+    assert len(message.directions) == len(message.sensors[0].visited)
+    assert message.sensors[0].coverage > 0.8
+    device = stored_device(engine, world.clinic_id, "forearm_right")
+    assert device.magnetometer is not None
+    assert device.magnetometer.bias[0] == pytest.approx(15e-6, abs=3e-6)
+
+    # The same sensors come again: what is known of them is in the setup from the first sample on.
+    again, _ = perform(signed_in, world.patient_id, shown)
+    with read_only(engine) as session:
+        setup = session.get_one(MotionSession, again).setup
+    assert setup["devices"]["forearm_right"]["magnetometer"] is not None
+
+
+def stored_device(engine: Engine, clinic_id: str, placement: str) -> DeviceCalibration:
+    with read_only(engine) as session:
+        rows = session.scalars(select(SensorDevice).where(SensorDevice.clinic_id == clinic_id)).all()
+        (row,) = [row for row in rows if row.serial.endswith(placement) and row.calibration]
+        return DeviceCalibration.from_dict(row.calibration)
+
+
+def test_mountings_are_remembered_for_the_patient(signed_in: Any, world: Any, engine: Engine) -> None:
+    session_id, _ = perform(signed_in, world.patient_id, rehearsal_of("n_pose"))
+    with read_only(engine) as session:
+        stored = session.scalars(select(Mounting).where(Mounting.patient_id == world.patient_id)).one()
+        assert stored.session_id == session_id
+        assert stored.calibration["q_sensor_segment"]
