@@ -24,7 +24,8 @@ _HALO_OPACITY: Final = 0.05
 _HALO_DENSE_M: Final = 0.05
 """Up to here a halo is equally dense; a wider one has the same paint over more room, so it thins to a mist."""
 _HALO_LEAST_M: Final = 0.008
-_HALO_MOST_M: Final = 0.5
+HALO_MOST_M: Final = 0.15
+"""Wider than a hand is long it says no longer where the hand is: the whole arm turns translucent instead."""
 # Strokes in units of the height, and the width, of what the scale on the floor needs.
 _GLYPHS: Final[dict[str, tuple[list[list[tuple[float, float]]], float]]] = {
     "0": (
@@ -234,10 +235,9 @@ def halo_opacity(spread_m: float) -> float:
     Parameters
     ----------
     spread_m : float
-        Two standard deviations. Below 8 mm the joint itself hides them; an arm's length says nothing about where
-        the hand is.
+        Two standard deviations. Below 8 mm the joint itself hides them.
     """
-    if not _HALO_LEAST_M <= spread_m <= _HALO_MOST_M:
+    if not _HALO_LEAST_M <= spread_m <= HALO_MOST_M:
         return 0.0
     return _HALO_OPACITY * min(1.0, _HALO_DENSE_M / spread_m)
 

@@ -18,6 +18,8 @@ from app.viewer.proportions import hip_height_m
 from estimators.body import BodyDimensions
 from estimators.conventions import SIDES, Side
 
+_FADED: Final = 0.45
+"""Opacity of a segment that gives nothing, or of which nobody knows well enough where it is."""
 _WEARABLE: Final = tuple(
     name for name in SEGMENTS if not name.startswith(("pelvis", "thigh", "shank", "foot"))
 )
@@ -78,6 +80,7 @@ class BodyScene:
             self._trails = [nodes.Trail(server, f"/trail/{side}") for side in SIDES]
             self._ghost = GhostNode(server, ghost, body, ghost_side) if ghost is not None else None
         self._lost = np.zeros(len(SEGMENTS), dtype=bool)
+        self._unsure = np.zeros(len(SIDES), dtype=bool)
 
     @property
     def has_ghost(self) -> bool:
@@ -113,6 +116,10 @@ class BodyScene:
         """
         with self._server.atomic():
             self._solid.show(track.wxyz[tick], track.shoulder_m[tick])
+            unsure = track.halo_m[tick, :, 1] > nodes.HALO_MOST_M
+            if not np.array_equal(unsure, self._unsure):
+                self._unsure = unsure.copy()
+                self._fade_arms()
             if not np.array_equal(track.lost[tick], self._lost):
                 self._show_lost(track.lost[tick])
             for (number, joint), halo in self._halos.items():
@@ -134,12 +141,25 @@ class BodyScene:
             with self._server.atomic():
                 self._ghost.show(phase, with_path=with_path)
 
+    def _is_unsure(self, segment: str) -> bool:
+        part, _, side = segment.rpartition("_")
+        return part in {"upper_arm", "forearm", "hand"} and bool(self._unsure[SIDES.index(side)])
+
+    def _fade_arms(self) -> None:
+        """Show translucent where an arm is not known to a hand's length, as after a calibration."""
+        for number, name in enumerate(SEGMENTS):
+            if not self._lost[number]:
+                for part in self._parts.get(name, []):
+                    opacity = _FADED if self._is_unsure(name) else None
+                    if part.handle.opacity != opacity:
+                        part.handle.opacity = opacity
+
     def _show_lost(self, lost: NDArray[np.bool_]) -> None:
         for number in np.flatnonzero(lost != self._lost):
             name = SEGMENTS[number]
             for part in self._parts.get(name, []):
                 part.handle.color = palette.LOST if lost[number] else part.colour
-                part.handle.opacity = 0.45 if lost[number] else None
+                part.handle.opacity = _FADED if lost[number] or self._is_unsure(name) else None
             if name in self._lost_labels:
                 self._lost_labels[name].visible = bool(lost[number])
         self._lost = lost.copy()

@@ -104,8 +104,8 @@ def test_halo_grows_from_the_elbow_to_the_hand(reaches) -> None:
 def test_a_wider_halo_has_the_same_paint_over_more_room() -> None:
     assert halo_opacity(0.005) == 0.0
     assert halo_opacity(0.02) == halo_opacity(0.05) > 0.0
-    assert halo_opacity(0.20) == pytest.approx(halo_opacity(0.05) / 4)
-    assert halo_opacity(0.6) == 0.0
+    assert halo_opacity(0.10) == pytest.approx(halo_opacity(0.05) / 2)
+    assert halo_opacity(0.2) == 0.0
 
 
 def test_thinning_keeps_time_and_at_least_the_rate(reaches) -> None:
