@@ -21,6 +21,11 @@ from estimators.orientation._telemotion import MICROTESLA_PER_TESLA, TelemotionE
 from estimators.orientation._telemotion_parameters import TelemotionParameters, settings_of
 from estimators.recording import Float, ImuChunk
 
+_TRIAL_PASSES = 2
+_CONVINCING, _CONVINCING_A_BLOCK = 40.0, 0.4
+"""Gain of the log likelihood, in all and for each block with field, that overrules the online filter. Errors of the
+field last for seconds, so only a tenth of a gain is new; and the shape of a room's field looks like hard iron
+worth a quarter a block where the sensor turns little."""
 _UNSEEN = np.uint8(OrientationFlag.INVALID | OrientationFlag.HEADING_NOT_TRUSTED)
 
 
@@ -149,20 +154,8 @@ def _smooth_sensor(
         return SmoothedOrientation(live, estimator.device_constants)
     span = slice(session.first, session.stop)
     iron, changes = _iron_of_blocks(session, opened, irons, prior, settings, chunk)
-    passes = SensorPasses(
-        session,
-        settings,
-        prior,
-        variance,
-        live.q_earth_sensor[0, span],
-        _ended(estimator),
-        iron,
-        changes,
-        estimator.hypothesis_odds[0],
-    )
-    count = int(p.passes)
-    for number in range(count):
-        passes.improve(last=number == count - 1)
+    online = live.q_earth_sensor[0, span]
+    passes = _passed(session, settings, prior, variance, online, estimator, int(p.passes), iron, changes)
     sigma = np.full((chunk.tick_count, 3), math.pi)
     sigma[span] = passes.sigma()
     bias = np.empty((chunk.tick_count, 3))
@@ -183,6 +176,53 @@ def _smooth_sensor(
         OrientationResult(q[None], bias[None], sigma[None], flags[None]),
         (_learnt(passes, estimator.device_constants[0]),),
     )
+
+
+def _passed(
+    session: SensorSession,
+    settings: Float,
+    prior: Float,
+    variance: Float,
+    q_online: Float,
+    estimator: TelemotionEstimator,
+    count: int,
+    iron: Float,
+    changes: NDArray[np.intp],
+) -> SensorPasses:
+    """Smooth from what the online filter believed of hard iron, and from other beliefs while these may be better.
+
+    The online filter has to believe as it goes. Looking back, three others are tried: that the iron was one
+    all along, small, middle or large. One of them is taken if it makes the measured field far likelier.
+    """
+    odds = estimator.hypothesis_odds[0].reshape(3, 3)
+
+    def begun(iron: Float, changes: NDArray[np.intp], odds: Float, passes: int) -> SensorPasses:
+        made = SensorPasses(
+            session, settings, prior, variance, q_online, _ended(estimator), iron, changes, odds.ravel()
+        )
+        for _ in range(passes):
+            made.improve(last=False)
+        return made
+
+    trial_passes = min(_TRIAL_PASSES, count - 1)
+    chosen = begun(iron, changes, odds, trial_passes)
+    needed = max(_CONVINCING, _CONVINCING_A_BLOCK * chosen.field_blocks)
+    if trial_passes > 0 and chosen.largest_gain > needed:
+        constant = np.tile(prior[at.IRON : at.IRON + 3], (len(iron), 1))
+        believed = int(odds.sum(axis=1).argmax()) if len(changes) == 0 else None
+        best = chosen.log_likelihood + needed
+        for size in range(len(odds)):
+            if size == believed:
+                continue
+            only = np.zeros((3, 3))
+            only[size] = odds.sum(axis=0)
+            other = begun(constant, changes[:0], only, trial_passes)
+            if other.log_likelihood > best:
+                chosen, best = other, other.log_likelihood
+    for _ in range(count - 1 - trial_passes):
+        chosen.improve(last=False)
+    chosen.improve(last=True)
+    return chosen
 
 
 def _learnt(passes: SensorPasses, online: DeviceConstants) -> DeviceConstants:

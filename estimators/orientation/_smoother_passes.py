@@ -82,6 +82,7 @@ class SensorPasses:
         self._settle(odds)
         self.q: Float = np.empty((len(session.samples), 4))
         self._misfit = self._level = np.zeros(len(session.facts))
+        self.log_likelihood, self.largest_gain, self.field_blocks = -math.inf, 0.0, 0
 
     def improve(self, last: bool) -> None:
         """Smooth once around the nominal motion and take the result as the next one.
@@ -108,6 +109,9 @@ class SensorPasses:
         forward(
             sums, facts, nominal, error, p, self._session.gravity, self._settings, means, covariances, kept
         )
+        seen = facts[:, FIELD_VARIANCE] > 0.0
+        raised = 1.0 + np.maximum(self._misfit, self._level)[seen]
+        self._weigh(kept[seen, GROUPS - 1, 3 * at.STATES :], facts[seen, FIELD_VARIANCE] / raised)
         smooth, adjoint = np.empty_like(means), np.empty(at.STATES)
         variances = np.zeros((blocks, 4))
         backward(
@@ -118,6 +122,17 @@ class SensorPasses:
         if last:
             self._variances = variances
             self.final_variance = np.maximum(p.reshape(at.STATES, at.STATES).diagonal(), _LEAST_VARIANCE)
+
+    def _weigh(self, innovations: Float, least_variance: Float) -> None:
+        """Set how likely the field was, from what `forward` keeps: innovation and one, over variance.
+
+        The variance of a block that does not fit was raised before, which costs by its logarithm. Nothing can
+        be likelier than no innovation at all with the least variance.
+        """
+        over, one = innovations[:, :3], innovations[:, 3:]
+        self.field_blocks = len(innovations)
+        self.log_likelihood = 0.5 * float((np.log(one) - over * over / one).sum())
+        self.largest_gain = -1.5 * float(np.log(least_variance).sum()) - self.log_likelihood
 
     def _sweep(self) -> tuple[Float, Float]:
         blocks = len(self._session.facts)
