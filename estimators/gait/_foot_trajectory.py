@@ -19,13 +19,13 @@ from estimators.gait._foot_filter import (
     start_covariance,
     start_state,
 )
+from estimators.gait._foot_gaps import FilledSignals, fill_gaps
 from estimators.gait._foot_parameters import FootParameters
 from estimators.gait._stance import Stance, find_stance, gravity_scale, noise, resting_bias
 from estimators.recording import Float, SensorSignals
 
 _SEGMENT = 4096
 """Samples recorded at once; the way there is run twice over longer records, so memory stays the same."""
-_SHORTEST_S = 0.5
 COAST_S = 3.0
 """So long after the last stance a position is worth nothing."""
 LOST_SIGMA_MPS = 1.0
@@ -87,7 +87,6 @@ def smooth(
     signals: SensorSignals,
     parameters: FootParameters | None = None,
     *,
-    gap_s: Float | None = None,
     passes: int = 2,
 ) -> FootTrajectory:
     """Estimate the trajectory of a foot from its sensor, off-line.
@@ -95,10 +94,8 @@ def smooth(
     Parameters
     ----------
     signals : SensorSignals
-        Real time stamps, even or not. Finite: fill gaps first and say so in `gap_s`.
+        Real time stamps, even or not. Holes, and samples that are not finite, are filled in and flagged.
     parameters : FootParameters, optional
-    gap_s : ndarray, shape (N,), optional
-        For each sample the length of the gap that it fills, zero where it was measured.
     passes : int
         The second pass starts from what the first found out about the first sample, which matters when a record
         starts in the middle of a stride.
@@ -106,12 +103,13 @@ def smooth(
     Returns
     -------
     FootTrajectory
-        With `FootFlag.NO_STANCE` wherever no stance was found for long.
+        On the stamps of the record and of what was filled in, with `FootFlag.NO_STANCE` wherever no stance was
+        found for long.
 
     Raises
     ------
     ShapeError
-        For less than half a second, a rate that cannot be used, or values that are not finite.
+        For less than half a second or a rate that cannot be used.
 
     Notes
     -----
@@ -119,49 +117,44 @@ def smooth(
     switched off. Time and memory grow linearly and not at all with the length of the record.
     """
     chosen = parameters or FootParameters()
-    samples = len(signals.time_s)
-    if samples < 3 or signals.time_s[-1] - signals.time_s[0] < _SHORTEST_S:
-        raise ShapeError(f"a foot needs {_SHORTEST_S} s of samples; the record has {samples} samples")
+    if len(signals.time_s) < 3:
+        raise ShapeError(
+            f"a foot needs half a second of samples; the record has {len(signals.time_s)} samples"
+        )
     rate_hz = rate_of(signals.time_s)
     if not is_usable_rate(rate_hz):
         raise ShapeError(f"a foot cannot be followed at {rate_hz:.4g} Hz; use 30 to 2000 Hz")
-    gyroscope = np.ascontiguousarray(signals.gyroscope_radps, dtype=np.float64)
-    if not (np.isfinite(gyroscope).all() and np.isfinite(signals.accelerometer_mps2).all()):
-        raise ShapeError("samples that are not finite; fill short gaps first, and say where with gap_s")
-    accelerometer = signals.accelerometer_mps2 * gravity_scale(gyroscope, signals.accelerometer_mps2, rate_hz)
-    run = _Run(signals.time_s, gyroscope, accelerometer, signals.magnetometer_t, gap_s, rate_hz, chosen)
+    run = _Run(fill_gaps(signals, rate_hz), rate_hz, chosen)
     for _ in range(passes):
         run.there_and_back()
-    return run.trajectory(signals)
+    return run.trajectory()
 
 
 class _Run:
     """One record on its way through the filter."""
 
-    def __init__(
-        self,
-        time_s: Float,
-        gyroscope: Float,
-        accelerometer: Float,
-        field: Float | None,
-        gap_s: Float | None,
-        rate_hz: float,
-        parameters: FootParameters,
-    ) -> None:
-        samples = len(time_s)
-        self.time_s, self.gyroscope = time_s, gyroscope
-        self.accelerometer = np.ascontiguousarray(accelerometer)
-        self.step_s = np.concatenate([[0.0], np.diff(time_s)])
-        self.gap_s = np.zeros(samples) if gap_s is None else np.asarray(gap_s, dtype=np.float64)
-        self.parameters = parameters
+    def __init__(self, filled: FilledSignals, rate_hz: float, parameters: FootParameters) -> None:
+        signals = filled.signals
+        samples = len(signals.time_s)
+        self.filled, self.parameters = filled, parameters
+        self.time_s = signals.time_s
+        gyroscope = self.gyroscope = np.ascontiguousarray(signals.gyroscope_radps, dtype=np.float64)
+        scale = gravity_scale(gyroscope, signals.accelerometer_mps2, rate_hz)
+        self.accelerometer = np.ascontiguousarray(scale * signals.accelerometer_mps2)
+        self.step_s = np.diff(self.time_s, prepend=self.time_s[0])
         self.settings = settings_of(parameters)
-        self.stance = find_stance(gyroscope, self.accelerometer, rate_hz, parameters)
+        missing = filled.is_missing
+        self.stance = find_stance(gyroscope, self.accelerometer, rate_hz, parameters, missing)
+        self.sigma_mps = np.where(missing, LOST_SIGMA_MPS, self.stance.sigma_mps)
         padded = [0, *range(samples), samples - 1]
         self.force_variance, self.rate_variance = noise(
-            gyroscope[padded], self.accelerometer[padded], self.gap_s[padded], parameters
+            gyroscope[padded], self.accelerometer[padded], filled.gap_s[padded], parameters
         )
         self.wanted = self.stance.bits
+        # Where nothing is known the foot is taken to go nowhere, loosely.
+        self.wanted[missing] = at.STANCE
         self.field = NO_FIELD
+        field = signals.magnetometer_t
         if field is not None:
             usable = np.isfinite(field).all(axis=1) & self.stance.is_stance
             self.wanted = np.asarray(self.wanted | usable * np.uint8(at.HEADING))
@@ -201,7 +194,7 @@ class _Run:
             self.step_s[piece],
             self.gyroscope[piece],
             self.accelerometer[piece],
-            self.stance.sigma_mps[piece],
+            self.sigma_mps[piece],
             self.bits[piece],
             self.force_variance[piece],
             self.rate_variance[piece],
@@ -212,10 +205,10 @@ class _Run:
             p,
         )
 
-    def trajectory(self, signals: SensorSignals) -> FootTrajectory:
+    def trajectory(self) -> FootTrajectory:
         """Put the result together."""
         sigma = root(self.spread)
-        believed = (self.bits & at.STANCE) != 0
+        believed = ((self.bits & at.STANCE) != 0) & ~self.filled.is_missing
         self.stance = replace(
             self.stance,
             is_stance=believed,
@@ -223,7 +216,7 @@ class _Run:
             is_height=self.stance.is_height & believed,
         )
         return FootTrajectory(
-            time_s=signals.time_s,
+            time_s=self.time_s,
             position_m=self.smooth[:, at.P : at.P + 3].copy(),
             velocity_mps=self.smooth[:, at.V : at.V + 3].copy(),
             q_world_sensor=self.smooth[:, at.Q : at.Q + 4].copy(),
@@ -232,10 +225,10 @@ class _Run:
             position_sigma_m=sigma[:, :3],
             attitude_sigma_rad=sigma[:, 3:],
             stance=self.stance,
-            flags=self._flags(signals),
+            flags=self._flags(),
         )
 
-    def _flags(self, signals: SensorSignals) -> NDArray[np.uint8]:
+    def _flags(self) -> NDArray[np.uint8]:
         stance_s = self.time_s[self.stance.is_stance]
         if len(stance_s):
             after = np.searchsorted(stance_s, self.time_s)
@@ -246,11 +239,12 @@ class _Run:
             lost = np.minimum(before_s, ahead_s) > COAST_S
         else:
             lost = np.ones(len(self.time_s), dtype=np.bool_)
-        clipped = (np.abs(signals.gyroscope_radps) > 0.99 * self.parameters.gyroscope_clip_radps).any(axis=1)
-        clipped |= (np.abs(signals.accelerometer_mps2) > 0.99 * self.parameters.accelerometer_clip_mps2).any(
-            axis=1
-        )
-        bits = lost * FootFlag.NO_STANCE + clipped * FootFlag.SATURATED + (self.gap_s > 0) * FootFlag.BRIDGED
+        clips = self.parameters
+        clipped = (np.abs(self.gyroscope) > 0.99 * clips.gyroscope_clip_radps).any(axis=1)
+        clipped |= (np.abs(self.accelerometer) > 0.99 * clips.accelerometer_clip_mps2).any(axis=1)
+        missing, filled = self.filled.is_missing, self.filled.gap_s > 0.0
+        bits = lost * FootFlag.NO_STANCE + clipped * FootFlag.SATURATED + missing * FootFlag.INVALID
+        bits = bits + (filled & ~missing) * FootFlag.BRIDGED
         return np.asarray(bits, dtype=np.uint8)
 
 

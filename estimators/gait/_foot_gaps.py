@@ -1,0 +1,103 @@
+"""Samples that were lost: filled in with noise that says so, off-line."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+
+from estimators.conventions import GRAVITY_MPS2
+from estimators.errors import ShapeError
+from estimators.recording import Float, SensorSignals
+from estimators.signals import BRIDGE_S
+
+Bool = NDArray[np.bool_]
+
+_GAP_STEPS, _GAP_S = 2.5, 0.025
+_SHORTEST_S = 0.5
+_LONGEST_FILL_S = 3600.0
+
+
+@dataclass(frozen=True)
+class FilledSignals:
+    """Signals without holes.
+
+    Attributes
+    ----------
+    signals : SensorSignals
+        The samples and, between them, those filled in.
+    gap_s : ndarray, shape (N,)
+        Length of the hole that a sample fills; zero where it was measured.
+    is_missing : ndarray of bool, shape (N,)
+        In holes too long to interpolate: the foot is taken to rest there, and nothing else is known.
+    """
+
+    signals: SensorSignals
+    gap_s: Float
+    is_missing: Bool
+
+
+def fill_gaps(signals: SensorSignals, rate_hz: float) -> FilledSignals:
+    """Fill the holes between samples; samples that are not finite are holes.
+
+    Parameters
+    ----------
+    signals : SensorSignals
+    rate_hz : float
+
+    Raises
+    ------
+    ShapeError
+        When there is less than half a second of finite samples, or a hole of more than an hour.
+
+    Notes
+    -----
+    Section 7 of the page on foot tracking: monotone cubic interpolation, and only of real holes. Jitter and single
+    lost samples are left to the filter, which takes steps of any length: resampling did more harm.
+    """
+    finite = np.isfinite(signals.gyroscope_radps).all(axis=1) & np.isfinite(signals.accelerometer_mps2).all(
+        axis=1
+    )
+    time_s, gyroscope = signals.time_s[finite], signals.gyroscope_radps[finite]
+    accelerometer = signals.accelerometer_mps2[finite]
+    field = None if signals.magnetometer_t is None else signals.magnetometer_t[finite]
+    if len(time_s) < 3 or len(time_s) < _SHORTEST_S * rate_hz:
+        raise ShapeError(f"a foot needs {_SHORTEST_S} s of samples; the record has {len(time_s)} finite ones")
+    steps = np.diff(time_s)
+    holes = np.flatnonzero(steps > max(_GAP_STEPS / rate_hz, _GAP_S))
+    if not len(holes):
+        kept = SensorSignals(time_s, gyroscope, accelerometer, field)
+        return FilledSignals(kept, np.zeros(len(time_s)), np.zeros(len(time_s), dtype=np.bool_))
+    if steps.max() > _LONGEST_FILL_S:
+        raise ShapeError(f"a hole of {steps.max():.0f} s; cut the recording there")
+    between = [
+        time_s[i] + steps[i] * np.arange(1, count) / count
+        for i in holes
+        if (count := max(2, round(steps[i] * rate_hz)))
+    ]
+    new_s = np.concatenate(between)
+    length = np.concatenate([np.full(len(t), steps[i]) for t, i in zip(between, holes, strict=True)])
+    curve = PchipInterpolator(time_s, np.concatenate([gyroscope, accelerometer], axis=1), axis=0)
+    values = curve(new_s)
+    is_long = length > BRIDGE_S
+    values[is_long, :3] = 0.0
+    force = values[is_long, 3:]
+    values[is_long, 3:] = force * (
+        GRAVITY_MPS2 / np.maximum(np.linalg.norm(force, axis=1, keepdims=True), 1.0)
+    )
+    order = np.argsort(np.concatenate([time_s, new_s]), kind="stable")
+    measured = np.zeros(len(time_s))
+
+    def merged(old: Float, new: Float) -> Float:
+        return np.asarray(np.concatenate([old, new])[order])
+
+    filled = SensorSignals(
+        merged(time_s, new_s),
+        merged(gyroscope, values[:, :3]),
+        merged(accelerometer, values[:, 3:]),
+        None if field is None else merged(field, np.full((len(new_s), 3), np.nan)),
+    )
+    return FilledSignals(filled, merged(measured, length), merged(measured, is_long.astype(np.float64)) > 0.0)
+
+
+__all__ = ["FilledSignals", "fill_gaps"]
