@@ -1,8 +1,9 @@
 """`telemotion process`: a recording file in, columns out, without a server."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
-from typing import cast
+from typing import Literal, cast, get_args
 
 import numpy as np
 import pyarrow.csv
@@ -15,9 +16,13 @@ from app.ingest.upload import estimated
 from app.recordings.columns import frames_table
 from app.recordings.schemas import CsvMapping
 from estimators import orientation as orientations
-from estimators import pipelines
+from estimators import pipelines, signals
+from estimators.calibration import check_first_seconds, in_words
 from estimators.conventions import Placement
 from estimators.pipelines import Frames, SessionSetup
+from estimators.recording import Recording, SensorSignals
+
+Hemisphere = Literal["north", "south", "unknown"]
 
 
 def process(
@@ -30,6 +35,8 @@ def process(
     rate: float | None,
     pose: tuple[float, float] | None,
     parameters: str,
+    force: bool = False,
+    hemisphere: str = "north",
 ) -> None:
     """Estimate a recording and write `frames.parquet`, `frames.csv` and `setup.json`.
 
@@ -50,11 +57,15 @@ def process(
         Interval of the N-pose in recording time; None looks for the first stillness.
     parameters : str
         Estimator parameters as JSON.
+    force : bool
+        Estimate although the readings are implausible.
+    hemisphere : str
+        `north`, `south` or `unknown`, for the sign of the field.
 
     Raises
     ------
     InvalidInput
-        When a word is unknown or the file cannot be read as declared.
+        When a word is unknown, the file cannot be read as declared, or its readings are implausible.
     """
     known = orientations.available(with_offline=True)
     if orientation not in known:
@@ -70,6 +81,7 @@ def process(
         orientation=orientation,
         orientation_parameters=json.loads(parameters),
     )
+    _check(measured, setup, force=force, hemisphere=hemisphere)
     frames, used = pipelines.run(measured, setup, pose)
     out.mkdir(parents=True, exist_ok=True)
     table = frames_table(frames)
@@ -77,6 +89,27 @@ def process(
     pyarrow.csv.write_csv(table, out / "frames.csv")
     (out / "setup.json").write_text(json.dumps(used.to_dict(), indent=2) + "\n")
     _say(frames, used, out)
+
+
+def _check(measured: Recording, setup: SessionSetup, *, force: bool, hemisphere: str) -> None:
+    """Refuse readings whose unit, axes or sign cannot be right; tell of the rest."""
+    if hemisphere not in get_args(Hemisphere):
+        raise InvalidInput(f"no hemisphere {hemisphere!r}; it is {', '.join(get_args(Hemisphere))}")
+    worn: dict[str, SensorSignals] = {
+        name: measured.sensors[name] for name in setup.placements if name in measured.sensors
+    }
+    if not worn:
+        return
+    chunk = signals.to_common_ticks(replace(measured, sensors=worn), setup.rate_hz)
+    findings = check_first_seconds(chunk, tuple(worn), hemisphere=cast(Hemisphere, hemisphere))
+    refused = [finding for finding in findings if finding.severity == "refuse"]
+    if refused and not force:
+        raise InvalidInput(
+            f"the readings cannot be right. {in_words(refused)} Declare the file rightly (--mapping), or use --force"
+            " to estimate it as it is."
+        )
+    if findings:
+        typer.echo(f"warning: {in_words(findings)}", err=True)
 
 
 def _say(frames: Frames, setup: SessionSetup, out: Path) -> None:

@@ -9,7 +9,7 @@ from typing import Final
 from sqlalchemy import delete
 
 from app.database.base import utc_now
-from app.database.unit_of_work import unit_of_work
+from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import RecordingFormatError
 from app.ingest import readers
 from app.ingest.declaration import Declaration
@@ -18,8 +18,9 @@ from app.recordings._rows import insert_chunk
 from app.recordings.chunks import RAW_STREAM, EncodedChunk, RawPacket, encode_packets
 from app.recordings.jobs import JobContext
 from app.recordings.models import MotionSession, SessionEvent, SignalChunk
-from app.recordings.reprocess import Analysis, analyse, count_session, enqueue_comparison
+from app.recordings.reprocess import Analysis, analyse, beginning, count_session, enqueue_comparison
 from app.recordings.schemas import UploadIn
+from estimators.calibration import SEARCHED_S, check_first_seconds, in_words
 from estimators.pipelines import SessionSetup
 
 _CHUNK_TICKS: Final = 100
@@ -42,6 +43,7 @@ def upload(context: JobContext) -> str:
         if not path.exists():
             raise RecordingFormatError("The uploaded file is gone; upload it again.")
         notes = _store(context, declaration, path)
+        notes += _check(context, declaration)
         analysis = _analyse(context, declaration)
     except RecordingFormatError:
         path.unlink(missing_ok=True)
@@ -135,6 +137,31 @@ def _declare(context: JobContext, network: Declaration) -> None:
             rate_hz=network.rate_hz,
         ).to_dict()
         found.started_at = found.started_at or utc_now()
+
+
+def _check(context: JobContext, declaration: UploadIn) -> list[str]:
+    """Look whether units, axes and signs can be right; return notes for people.
+
+    Raises
+    ------
+    RecordingFormatError
+        They cannot, and the declaration does not say that this is known.
+    """
+    context.progress(_STORED_AT, "Checking units and axes")
+    with read_only(context.engine) as session:
+        setup = SessionSetup.from_dict(session.get_one(MotionSession, context.session_id).setup)
+    chunk = beginning(context, setup, round(SEARCHED_S * setup.rate_hz))
+    if chunk is None:
+        return []
+    findings = check_first_seconds(chunk, setup.placements, hemisphere=declaration.hemisphere)
+    refused = [finding for finding in findings if finding.severity == "refuse"]
+    if refused and not declaration.accept_implausible:
+        raise RecordingFormatError(
+            f"The readings cannot be right. {in_words(refused)} Declare the file rightly and upload it again,"
+            " or declare `accept_implausible` to estimate it as it is.",
+            findings=[{"sensor": f.sensor, "code": f.code} for f in refused],
+        )
+    return [in_words(findings)] if findings else []
 
 
 def _analyse(context: JobContext, declaration: UploadIn) -> Analysis:

@@ -65,8 +65,8 @@ class FirstSeconds:
             # A check that fails must not end the session.
             logger.exception("the first seconds could not be checked")
             return
-        new = [finding for finding in found if (finding.sensor, finding.code) not in self._known]
-        self._known |= {(finding.sensor, finding.code) for finding in new}
+        new = [finding for finding in found if finding.subject not in self._known]
+        self._known |= {finding.subject for finding in new}
         self._refused += [finding for finding in new if finding.severity == "refuse"]
         if new:
             self._tell(new, end_s)

@@ -31,6 +31,7 @@ from estimators.recording import ImuChunk
 PIECE_TICKS: Final = 1000
 _CHUNKS_A_COMMIT: Final = 8
 _POSE_SEARCH_S: Final = 120.0
+_TELL_MOUNTING: Final = ("t_pose", "functional", "passive")
 
 
 @dataclass(frozen=True)
@@ -236,7 +237,7 @@ def calibrated(
     """
     limit_s = _POSE_SEARCH_S if pose_s is None else pose_s[1]
     limit = round(limit_s * setup.rate_hz)
-    chunk = _beginning(context, setup, limit) if known is None else known.until(limit)
+    chunk = beginning(context, setup, limit) if known is None else known.until(limit)
     if chunk is None:
         raise CalibrationError("the session holds no packets")
     if pose_s is None:
@@ -251,8 +252,16 @@ def calibrated(
     return pipeline.setup, (first / setup.rate_hz, stop / setup.rate_hz)
 
 
-def _beginning(context: JobContext, setup: SessionSetup, tick_count: int) -> ImuChunk | None:
-    """Return the first ticks of the session as one chunk; None if there are none."""
+def beginning(context: JobContext, setup: SessionSetup, tick_count: int) -> ImuChunk | None:
+    """Return the first ticks of the session as one chunk; None if there are none.
+
+    Parameters
+    ----------
+    context : JobContext
+    setup : SessionSetup
+        Names the sensors wanted.
+    tick_count : int
+    """
     pieces: list[ImuChunk] = []
     with read_only(context.engine) as session:
         hello = session.get_one(MotionSession, context.session_id).hello
@@ -267,15 +276,24 @@ def _beginning(context: JobContext, setup: SessionSetup, tick_count: int) -> Imu
 
 
 def _last_pose(session: Session, session_id: str) -> tuple[float, float] | None:
-    """Return the stretch of the last calibration pose on the time line."""
-    event = session.scalar(
+    """Return the stretch of the standing pose in force; None where something else told the mounting.
+
+    A T-pose or movements are not evaluated anew: mountings do not depend on the filter, and with a compass the
+    facing does not either. Headings set anew and biases found later leave the pose in force.
+    """
+    events = session.scalars(
         select(SessionEvent)
         .where(SessionEvent.session_id == session_id, SessionEvent.kind == "calibration")
         .where(SessionEvent.duration_s > 0)
         .order_by(SessionEvent.time_s.desc())
-        .limit(1)
     )
-    return None if event is None else (event.time_s, event.time_s + event.duration_s)
+    for event in events:
+        kind = (event.details or {}).get("kind", "n_pose")
+        if kind == "n_pose":
+            return event.time_s, event.time_s + event.duration_s
+        if kind in _TELL_MOUNTING:
+            return None
+    return None
 
 
 def _new_result(context: JobContext, setup: SessionSetup, pipeline: pipelines.Pipeline) -> str:
@@ -330,6 +348,7 @@ __all__ = [
     "Analysis",
     "aligned",
     "analyse",
+    "beginning",
     "calibrated",
     "count_session",
     "decoded",

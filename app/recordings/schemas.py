@@ -167,6 +167,10 @@ class UploadIn(Schema):
     orientation: str = "vqf"
     calibration_pose_s: tuple[float, float] | None = None
     """Half-open interval in which the patient stands in N-pose; None looks for stillness at the start."""
+    hemisphere: Literal["north", "south", "unknown"] = "north"
+    """Where it was recorded: the magnetic field tells a reversed accelerometer."""
+    accept_implausible: bool = False
+    """Estimate although units, axes or signs cannot be right; a first attempt says what was found."""
 
 
 class ParameterOut(Schema):

@@ -4,6 +4,7 @@ from estimators.calibration._contract import Calibration
 from estimators.calibration._device import DeviceCalibration, TriadCalibration, correct
 from estimators.calibration._ferraris import FerrarisResult, FullTurn, Rest, ferraris, find_positions
 from estimators.calibration._field import LocalField, local_field
+from estimators.calibration._first_seconds import FIRST_SECONDS_S, SEARCHED_S, check_first_seconds, in_words
 from estimators.calibration._functional import KINDS, FunctionalResult, functional
 from estimators.calibration._joint_axes import AxisEstimate
 from estimators.calibration._magnetometer import (
@@ -21,8 +22,10 @@ from estimators.calibration._static import StaticBias, static_bias
 from estimators.calibration._turns import circle_fit
 
 __all__ = [
+    "FIRST_SECONDS_S",
     "KINDS",
     "OUTWARD_HEADING_RAD",
+    "SEARCHED_S",
     "AxisEstimate",
     "Calibration",
     "DeviceCalibration",
@@ -41,6 +44,7 @@ __all__ = [
     "Rest",
     "StaticBias",
     "TriadCalibration",
+    "check_first_seconds",
     "check_mounting",
     "check_plausibility",
     "circle_fit",
@@ -49,6 +53,7 @@ __all__ = [
     "ferraris",
     "find_positions",
     "functional",
+    "in_words",
     "local_field",
     "n_pose",
     "static_bias",

@@ -82,6 +82,11 @@ class Finding:
     message: str
     value: float
 
+    @property
+    def subject(self) -> tuple[str, str]:
+        """What it is about: another stretch may blame another triad of the sensor for the same mix of axes."""
+        return self.sensor, "axes" if self.code.endswith("_axes") else self.code
+
 
 def check_plausibility(
     chunk: ImuChunk,
@@ -249,6 +254,8 @@ class _Sensor:
                         f"the gyroscope reads {max(rest, spread):.2g} rad/s while the sensor lies still; "
                         "if these are degrees/s declare them so, else have it calibrated",
                         max(rest, spread),
+                        # A trembling hand may look still to the accelerometer.
+                        "refuse" if rest > _REST_RATE_RADPS else "warning",
                     )
 
     def _axes(self, by_force: Agreement | None, by_field: Agreement | None) -> None:

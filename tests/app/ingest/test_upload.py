@@ -452,6 +452,27 @@ def test_a_csv_with_a_missing_column_fails_in_words(
     assert session_of(engine, job_id).state == "failed"
 
 
+def test_wrong_axes_fail_in_words_until_they_are_declared_or_accepted(
+    engine: Engine, settings: Settings, world: Any, queue: Any, tmp_path: Path, simulated: SimulatedSession
+) -> None:
+    path = tmp_path / "session.csv"
+    declared = as_csv(simulated, path)
+    columns = next(
+        s
+        for s in declared["csv"]["signals"]
+        if (s["placement"], s["quantity"]) == ("forearm_right", "gyroscope")
+    )["columns"]
+    columns[0], columns[1] = columns[1], columns[0]
+    done = run_job(engine, settings, queue(path, declare(world, **declared)), upload)
+    assert done.status == "failed"
+    assert "forearm_right: the gyroscope's axes do not fit" in done.message
+    accepted = run_job(
+        engine, settings, queue(path, declare(world, **declared, accept_implausible=True)), upload
+    )
+    assert accepted.status == "complete"
+    assert "forearm_right: the gyroscope's axes do not fit" in accepted.message
+
+
 @pytest.mark.slow
 def test_the_running_service_takes_an_upload_to_its_end(therapist: Any, world: Any, log: Path) -> None:
     """The whole way through the real worker process."""

@@ -1,0 +1,83 @@
+"""The first seconds of a recording or stream: cut out where they tell most, checked, put in words."""
+
+from collections.abc import Sequence
+from typing import Final, Literal
+
+import numpy as np
+
+from estimators.calibration._plausibility import Finding, check_plausibility
+from estimators.recording import ImuChunk
+
+FIRST_SECONDS_S: Final = 12.0
+"""Length that is checked: a rest and a first movement."""
+SEARCHED_S: Final = 60.0
+"""How far into a recording the first movement is looked for."""
+_MOVED_RADPS: Final = 0.5
+_BEFORE_S: Final = 3.0
+
+
+def check_first_seconds(
+    chunk: ImuChunk,
+    names: Sequence[str],
+    *,
+    hemisphere: Literal["north", "south", "unknown"] = "north",
+) -> tuple[Finding, ...]:
+    """Check the beginning of a recording, rest and first movement.
+
+    Parameters
+    ----------
+    chunk : ImuChunk
+        The recording, or its beginning; at most its first minute is looked at.
+    names : sequence of str, length S
+        What to call the sensors.
+    hemisphere : {"north", "south", "unknown"}
+        Of the place, see `check_plausibility`.
+
+    Returns
+    -------
+    tuple of Finding
+        Of the very first seconds, which tell units, and of those around the first movement, which tell axes; each
+        once.
+    """
+    length = max(1, round(FIRST_SECONDS_S / chunk.time_step_s))
+    found: dict[tuple[str, str], Finding] = {}
+    for start in (0, _movement(chunk)):
+        stretch = chunk.ticks(start, min(start + length, chunk.tick_count))
+        for finding in check_plausibility(stretch, names, hemisphere=hemisphere):
+            found.setdefault(finding.subject, finding)
+    return tuple(found.values())
+
+
+def _movement(chunk: ImuChunk) -> int:
+    """Return a tick shortly before most sensors begin to turn; 0 if they do at once or never."""
+    ticks = min(chunk.tick_count, round(SEARCHED_S / chunk.time_step_s))
+    speed = np.linalg.norm(chunk.gyroscope_radps[:, :ticks], axis=-1)
+    moving = np.flatnonzero(np.nan_to_num(np.median(speed, axis=0)) > _MOVED_RADPS)
+    if not len(moving):
+        return 0
+    return max(0, int(moving[0]) - round(_BEFORE_S / chunk.time_step_s))
+
+
+def in_words(findings: Sequence[Finding], *, most: int = 6) -> str:
+    """Return findings as sentences for people, each kind once, with the names of all sensors it concerns.
+
+    Parameters
+    ----------
+    findings : sequence of Finding
+    most : int
+        Kinds to tell; the rest is counted.
+    """
+    kinds: dict[tuple[str, str], list[Finding]] = {}
+    for finding in findings:
+        kinds.setdefault((finding.code, finding.message.removeprefix(f"{finding.sensor}: ")), []).append(
+            finding
+        )
+    sentences = []
+    for (_, text), same in list(kinds.items())[:most]:
+        sentences.append(f"{', '.join(f.sensor for f in same)}: {text}.")
+    if len(kinds) > most:
+        sentences.append(f"And {len(kinds) - most} more.")
+    return " ".join(sentences)
+
+
+__all__ = ["FIRST_SECONDS_S", "SEARCHED_S", "check_first_seconds", "in_words"]

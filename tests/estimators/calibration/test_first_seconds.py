@@ -1,0 +1,55 @@
+"""The stretch that tells most is found, and findings are said once each."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from estimators import signals
+from estimators.calibration import FIRST_SECONDS_S, Finding, check_first_seconds, in_words
+from estimators.recording import ImuChunk, Recording, SensorSignals
+
+DATA = Path(__file__).parents[2] / "data" / "broad" / "fast_combined_15s.npz"
+
+
+def after_a_long_rest() -> ImuChunk:
+    """Thirty seconds of rest before a real movement."""
+    content = np.load(DATA)
+    rate_hz = float(content["sampling_rate_hz"])
+    names = ("gyroscope_radps", "accelerometer_mps2", "magnetometer_ut")
+    generator = np.random.default_rng(1)
+    rest = round(30 * rate_hz)
+    read = []
+    for name, noise in zip(names, (2e-3, 2e-2, 0.2), strict=True):
+        values = content[name]
+        still = values[:100].mean(axis=0) + noise * generator.normal(size=(rest, 3))
+        read.append(np.concatenate([still, values]))
+    time_s = np.arange(len(read[0])) / rate_hz
+    sensor = SensorSignals(time_s, read[0], read[1], 1e-6 * read[2])
+    return signals.to_common_ticks(Recording({"box": sensor}, rate_hz), rate_hz)
+
+
+def test_a_late_movement_still_tells_axes():
+    chunk = after_a_long_rest()
+    assert check_first_seconds(chunk, ["box"]) == ()
+    swapped = replace(chunk, gyroscope_radps=chunk.gyroscope_radps[..., [1, 0, 2]])
+    assert [f.code for f in check_first_seconds(swapped, ["box"])] == ["gyroscope_axes"]
+    # The very first seconds alone are rest, which claims nothing about axes.
+    rest = swapped.ticks(0, round(FIRST_SECONDS_S / chunk.time_step_s))
+    assert check_first_seconds(rest, ["box"]) == ()
+
+
+def test_a_fault_that_both_stretches_show_is_told_once():
+    chunk = after_a_long_rest()
+    in_g = replace(chunk, accelerometer_mps2=chunk.accelerometer_mps2 / 9.80665)
+    assert [f.code for f in check_first_seconds(in_g, ["box"])] == ["accelerometer_unit"]
+
+
+def test_words_name_all_sensors_of_a_kind():
+    def finding(sensor: str, text: str) -> Finding:
+        return Finding(sensor, "gyroscope_unit", "refuse", f"{sensor}: {text}", 1.0)
+
+    told = [finding("a", "too fast"), finding("b", "too fast"), finding("c", "silent")]
+    assert in_words(told) == "a, b: too fast. c: silent."
+    assert in_words(told, most=1) == "a, b: too fast. And 1 more."
+    assert in_words([]) == ""
