@@ -42,7 +42,7 @@ class TelemotionEstimator(KernelEstimator):
     """
 
     name: ClassVar[str] = "telemotion"
-    version: ClassVar[str] = "2"
+    version: ClassVar[str] = "3"
     title: ClassVar[str] = "Telemotion"
     description: ClassVar[str] = (
         "Also learns each sensor's own errors and nearby magnets while it is worn; the most accurate live estimate."

@@ -67,6 +67,7 @@ from estimators.recording import Float
 _OWN_UNCERTAINTY = 0.5
 """Share of the predicted variance that a residual may have for free: all of it would let a disturbance in
 whenever the filter is unsure, none would shut out the field that could make it sure."""
+_TOLD_UNCERTAINTY = 0.05
 _LARGEST_MISFIT = 100.0
 _IRON_SMALLEST = 25.0
 """Squared microtesla: smaller residuals are left to the robust weight."""
@@ -106,6 +107,8 @@ def field_variance(
         for b in range(3):
             turned = memory[SUM_ROTATION + 3 * a + b] * per_sample
             predicted += 2.0 * turned * (p[field + IRON + b] + share * p[start + IRON + b])
+    # What people are told leaves less to the filter's own doubts, and nothing to its heading's.
+    memory[MISFIT] = squares / (3.0 * settings[FIELD_SCALE] + _TOLD_UNCERTAINTY * max(predicted, 0.0))
     east = memory[FIELD] + share * memory[START]
     north = memory[FIELD + 1] + share * memory[START + 1]
     across = memory[SUM_FIELD] * per_field * north - memory[SUM_FIELD + 1] * per_field * east
@@ -116,7 +119,6 @@ def field_variance(
     misfit = squares / (3.0 * settings[FIELD_SCALE] + _OWN_UNCERTAINTY * max(predicted, 0.0))
     gain = -math.expm1(-time_s / settings[FIELD_LEVEL_S])
     memory[DISTURBANCE] += gain * (min(misfit, _LARGEST_MISFIT) - memory[DISTURBANCE])
-    memory[MISFIT] = misfit
     noise = settings[FIELD_NOISE_REST] if rest else settings[FIELD_NOISE_MOVING]
     noise += share * (settings[FIELD_NOISE_START] - noise)
     doubt = 1.0 + max(misfit, memory[DISTURBANCE])

@@ -84,6 +84,8 @@ _SAMPLE_BRIDGED = int(SampleQuality.BRIDGED)
 _DISTURBED = 8.0
 """Misfit of a block, in squared scales: a residual of 5 uT from a field that is well known."""
 _WORST_LEVEL = 10.0
+_SETTLING = 1.0 / 3.0
+_UNSURE = math.radians(5.0)
 
 
 @kernel(
@@ -356,7 +358,10 @@ def run(
                 norm = math.sqrt(sample[FORCE] ** 2 + sample[FORCE + 1] ** 2 + sample[FORCE + 2] ** 2)
                 if abs(norm - memory[GRAVITY]) > settings[FORCE_TOLERANCE]:
                     flag |= _ACCELERATION
-            if counts[SINCE_START] < settings[CONVERGENCE_TICKS]:
+            # A third of the time at least; after that only while the uncertainty is large.
+            young = counts[SINCE_START] / settings[CONVERGENCE_TICKS]
+            largest = max(sigma_rad[s, k, 0], sigma_rad[s, k, 1], sigma_rad[s, k, 2])
+            if young < _SETTLING or (young < 1.0 and largest > _UNSURE):
                 flag |= _CONVERGING
             if sample[HAS_FIELD] > 0.0 and memory[MISFIT] > _DISTURBED:
                 flag |= _DISTURBANCE

@@ -46,11 +46,11 @@ class TelemotionParameters:
     heading_restart_sigma_deg: float = 10.0
     speed_start_sigma_mps: float = 0.5
     bias_start_sigma_degps: float = 1.0
-    bias_drift_degps_per_sqrt_s: float = 0.02
-    gain_sigma: float = 0.007
+    bias_drift_degps_per_sqrt_s: float = 0.03
+    gain_sigma: float = 0.005
     rate_noise_deg_per_sqrt_s: float = 0.02
     rate_noise_per_rate_sqrt_s: float = 0.002
-    speed_noise_mps_per_sqrt_s: float = 0.04
+    speed_noise_mps_per_sqrt_s: float = 0.05
     position_noise_m_per_sqrt_s: float = 0.01
     position_prior_m_sqrt_s: float = 0.6
     rest_gyroscope_threshold_degps: float = 2.0
@@ -67,7 +67,7 @@ class TelemotionParameters:
     field_scale_ut: float = 1.0
     field_level_s: float = 2.0
     field_same_s: float = 10.0
-    field_turn_free: float = 0.3
+    field_turn_free: float = 0.7
     region_ut: float = 0.7
     region_share: float = 0.1
     region_s: float = 30.0
@@ -95,7 +95,7 @@ class TelemotionParameters:
     acceleration_tolerance_mps2: float = 2.0
     tilt_sigma_scale: float = 0.4
     heading_sigma_scale: float = 0.25
-    tilt_sigma_floor_deg: float = 0.4
+    tilt_sigma_floor_deg: float = 0.35
     heading_sigma_floor_deg: float = 1.0
     heading_lost_sigma_deg: float = 15.0
 
