@@ -18,24 +18,52 @@ from estimators.balance._mass_centre_smoother import (
     MassCentreParameters,
     smooth_mass_centre,
 )
+from estimators.balance._repeated_measures import Effect, repeated_measures
+from estimators.balance._segmental import SegmentalMassCentre, segmental_mass_centre
+from estimators.balance._segments import BodySegments, body_segments
+from estimators.balance._stability import (
+    StabilityMargin,
+    base_of_support,
+    extrapolated_mass_centre,
+    margin_to_edge,
+    sideways_margin,
+    sole_corners,
+    stability_margin,
+)
+from estimators.balance._walking_work import WalkingWork, walking_work
 
 __all__ = [
     "PUBLISHED_CUTOFF_HZ",
+    "BodySegments",
     "BothFeet",
+    "Effect",
     "LiveMassCentre",
     "MassCentre",
     "MassCentreParameters",
+    "SegmentalMassCentre",
+    "StabilityMargin",
+    "WalkingWork",
     "acceleration",
+    "base_of_support",
     "body_mass",
+    "body_segments",
     "combine_feet",
     "distance_between_feet",
+    "extrapolated_mass_centre",
     "integrate_twice",
     "least_squares_mass_centre",
+    "margin_to_edge",
     "momentum_anchor",
     "pressure_only",
     "published_mass_centre",
+    "repeated_measures",
+    "segmental_mass_centre",
+    "sideways_margin",
     "smooth_mass_centre",
+    "sole_corners",
+    "stability_margin",
     "standing",
     "total_reaction",
     "vertical_mass_centre",
+    "walking_work",
 ]

@@ -7,7 +7,7 @@ from scipy import signal
 from estimators.balance._mass_centre import acceleration, integrate_twice
 from estimators.conventions import SIDES, Side
 from estimators.errors import SetupError, ShapeError
-from estimators.kinetics import GroundReaction
+from estimators.kinetics import LEAST_LOAD_N, GroundReaction
 from estimators.recording import Float
 
 
@@ -57,7 +57,7 @@ def distance_between_feet(
         side: np.where(reactions[side].is_loaded[:, None], reactions[side].force_n, 0.0) for side in SIDES
     }
     total = force["left"] + force["right"]
-    if total[:, 2].min() < 0.1 * total[:, 2].mean():
+    if not total[:, 2].min() > max(LEAST_LOAD_N, 0.1 * float(total[:, 2].mean())):
         raise ShapeError("nobody stands on the shoes at times; cut that out first")
     share = force["right"][:, 2] / total[:, 2]
     anchor = (1.0 - share) * np.nan_to_num(reactions["left"].cop_m[:, axis])

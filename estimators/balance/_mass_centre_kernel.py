@@ -100,7 +100,7 @@ def forward(
             for r in range(3):
                 for c in range(3):
                     p[r, c] = filtered_covariance[i, r, c]
-        else:
+        elif bits[i] & 1:
             x[0, 0], x[1, 0] = anchor[i, 0], anchor[i, 1]
             settings[5] = 1.0
         settings[6], settings[7] = acceleration[i, 0], acceleration[i, 1]

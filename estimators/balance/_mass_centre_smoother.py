@@ -157,7 +157,8 @@ class LiveMassCentre:
     def update(self, force_n: Float, cop_m: Float, is_standing: NDArray[np.bool_]) -> MassCentre:
         """Take the next samples, shape (K, 3), (K, 3) and (K,).
 
-        NaN in the pressure centre or force lets the estimate coast on what it knows.
+        NaN in the pressure centre or force lets the estimate coast on what it knows; NaN comes out before
+        the first usable sample.
         """
         samples = force_n.shape[0]
         usable = np.asarray(np.isfinite(force_n).all(axis=1) & np.isfinite(cop_m).all(axis=1))
@@ -167,9 +168,10 @@ class LiveMassCentre:
         floor = np.where(usable, cop_m[:, 2], 0.0)
         anchor = momentum_anchor(force, np.nan_to_num(cop_m), height - floor)
         bits = np.asarray(usable + 2 * (is_standing & usable), dtype=np.uint8)
+        known = np.full(samples, self._settings[5] > 0.0) | np.maximum.accumulate(usable)
         records = _Records(samples)
         records.run(self._settings, rate[:, :2], anchor[:, :2], bits, self._x, self._p)
-        state = records.filtered
+        state = np.where(known[:, None, None], records.filtered, np.nan)
         sigma = np.sqrt(records.filtered_covariance[:, 0, 0])
         return MassCentre(
             np.column_stack((state[:, 0, 0], state[:, 1, 0], height)),

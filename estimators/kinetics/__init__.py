@@ -32,6 +32,7 @@ from estimators.kinetics._joint_loads import (
     work_j,
 )
 from estimators.kinetics._load_cell import LoadCellCalibration, calibrate_load_cell, tare, unloaded
+from estimators.kinetics._predicted import PredictedReaction, predicted_reaction
 from estimators.kinetics._shoe_geometry import ShoeGeometry
 from estimators.kinetics._shoe_pose import ShoePose, shoe_pose
 
@@ -43,6 +44,7 @@ __all__ = [
     "GroundReaction",
     "JointLoad",
     "LoadCellCalibration",
+    "PredictedReaction",
     "ShoeContact",
     "ShoeGeometry",
     "ShoeKinetics",
@@ -57,6 +59,7 @@ __all__ = [
     "ground_reaction",
     "hinge_load",
     "is_inside_sole",
+    "predicted_reaction",
     "pressure_point",
     "segment_rate",
     "shoe_contact",

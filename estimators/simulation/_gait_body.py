@@ -221,7 +221,7 @@ def _momentum_rate(mass_kg: float, gyration_m: tuple[float, float, float], turn:
 
 
 def _left_share(footing: Footing, time_s: Float) -> Float:
-    share = np.full(time_s.size, 0.5)
+    share = np.full(time_s.size, footing.standing_left_share)
     for start, end, change in footing.shifts:
         share = share + change * minimum_jerk((time_s - start) / (end - start)).value
     # Sums of fractions leave 1e-17 where nothing is.

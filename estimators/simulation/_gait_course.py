@@ -94,6 +94,8 @@ class WalkStyle:
     stride_length_sd_m, lateral_sd_m : float
         Of the strides; of each foothold sideways.
     stride_time_sd_s : float
+    standing_left_share : float
+        Of the weight on the left foot while standing.
     feet : dict of Side to FootStyle
     """
 
@@ -103,11 +105,16 @@ class WalkStyle:
     stride_length_sd_m: float = 0.02
     lateral_sd_m: float = 0.01
     stride_time_sd_s: float = 0.0
+    standing_left_share: float = 0.5
     feet: dict[Side, FootStyle] = field(default_factory=_healthy)
 
     def mirrored(self) -> "WalkStyle":
         """Return the same walk with the legs changed."""
-        return replace(self, feet={"left": self.feet["right"], "right": self.feet["left"]})
+        return replace(
+            self,
+            standing_left_share=1.0 - self.standing_left_share,
+            feet={"left": self.feet["right"], "right": self.feet["left"]},
+        )
 
 
 @dataclass(frozen=True)
@@ -158,6 +165,7 @@ class Footing:
     shifts: list[tuple[float, float, float]]
     active_s: list[tuple[float, float]]
     end_s: float
+    standing_left_share: float = 0.5
 
 
 def other(side: Side) -> Side:
@@ -252,7 +260,9 @@ class _Walker:
             # Both feet rest until the weight begins to shift.
             self._open[side_] = replace(self._open[side_], rests_to_s=started_s)
         sign = {"left": 1.0, "right": -1.0}
-        self._shifts.append((started_s, lift_s, -0.5 * sign[first]))
+        rest_share = style.standing_left_share
+        all_of_it = {"left": 1.0, "right": 0.0}
+        self._shifts.append((started_s, lift_s, all_of_it[other(first)] - rest_share))
         self._active.append((lift_s, lift_s))
         previous_land = lift_s - double_s
         for number, leg in enumerate(each):
@@ -284,7 +294,7 @@ class _Walker:
             floor = 0.5 * (self._floor["left"] + self._floor["right"])
             self._steps.append((side, land_s, self._heading, floor))
             if is_last:
-                self._shifts.append((land_s, land_s + SHIFT_S, 0.5 * sign[side]))
+                self._shifts.append((land_s, land_s + SHIFT_S, rest_share - all_of_it[other(side)]))
                 self._active[-1] = (self._active[-1][0], land_s)
                 for side_ in SIDES:
                     self._open[side_] = replace(self._open[side_], rests_from_s=land_s + SHIFT_S)
@@ -298,4 +308,5 @@ class _Walker:
     def finish(self) -> Footing:
         for side in SIDES:
             self._lift(side, np.inf, np.inf)
-        return Footing(self._stances, self._steps, self._shifts, self._active, self._at_s)
+        share = self._style.standing_left_share
+        return Footing(self._stances, self._steps, self._shifts, self._active, self._at_s, share)

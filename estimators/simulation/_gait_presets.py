@@ -58,7 +58,7 @@ def stroke_feet(paretic: Side) -> dict[Side, FootStyle]:
 
 def _stroke() -> GaitScenario:
     base = _mass_centre()
-    return replace(base, walk=replace(base.walk, feet=stroke_feet("left")))
+    return replace(base, walk=replace(base.walk, standing_left_share=0.38, feet=stroke_feet("left")))
 
 
 def _shuffling() -> GaitScenario:

@@ -1,0 +1,212 @@
+"""Centre of mass of a body from the orientations of up to seventeen worn sensors."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimators import rotation
+from estimators.balance._segments import (
+    ANKLE_HEIGHT_PER_STATURE,
+    FOOT_PER_STATURE,
+    HEAD_PER_STATURE,
+    SHANK_PER_STATURE,
+    THIGH_PER_STATURE,
+    BodySegments,
+)
+from estimators.body import BodyDimensions
+from estimators.conventions import PLACEMENTS, SIDES
+from estimators.errors import SetupError, ShapeError
+from estimators.recording import Float
+
+HIP_HALF_WIDTH_PER_STATURE = 0.05
+_HEEL_BEHIND_ANKLE = 0.25
+"""Part of the foot's length."""
+
+_STAND_IN = {
+    "pelvis": "sternum",
+    "sternum": "pelvis",
+    "head": "sternum",
+    "shoulder": "sternum",
+    "upper_arm": "sternum",
+    "forearm": "upper_arm",
+    "hand": "forearm",
+    "thigh": "pelvis",
+    "shank": "thigh",
+    "foot": "shank",
+}
+
+
+@dataclass(frozen=True)
+class SegmentalMassCentre:
+    """Centre of mass over K ticks, room frame.
+
+    Attributes
+    ----------
+    position_m : ndarray, shape (K, 3)
+    parts_m : dict of str to ndarray, shape (K, 3)
+        Centre of each part, `shank_left` say.
+    joints_m : dict of str to ndarray, shape (K, 3)
+    mass_share : dict of str to float
+    assumed : tuple of str
+        Segments without a sensor, which moved with their neighbour.
+    """
+
+    position_m: Float
+    parts_m: dict[str, Float]
+    joints_m: dict[str, Float]
+    mass_share: dict[str, float]
+    assumed: tuple[str, ...]
+
+
+def segmental_mass_centre(
+    q_room_segment: Mapping[str, Float],
+    segments: BodySegments,
+    body: BodyDimensions | None = None,
+    *,
+    hip_m: Float | None = None,
+    stands_on_floor: bool = True,
+) -> SegmentalMassCentre:
+    """Return the centre of mass of a body whose segments' orientations are known.
+
+    Parameters
+    ----------
+    q_room_segment : mapping of placement to ndarray, shape (K, 4)
+        Any of the seventeen; at least sternum or pelvis. `shoulder_*` moves nothing but its joint.
+    segments : BodySegments
+    body : BodyDimensions, optional
+        The patient's lengths; legs and head follow from the stature.
+    hip_m : ndarray, shape (K, 3), optional
+        Where the middle of the hips is. Without it the result is above the room's origin horizontally.
+    stands_on_floor : bool
+        Without `hip_m`: put the lower foot on the floor at z = 0.
+
+    Returns
+    -------
+    SegmentalMassCentre
+
+    Raises
+    ------
+    SetupError
+        If neither sternum nor pelvis is worn, or a placement is unknown.
+    ShapeError
+        If the series differ in length.
+
+    Notes
+    -----
+    `c = sum of m_j c_j` over the parts (Schepers 2009, equation 4.7).
+    """
+    dimensions = body or BodyDimensions()
+    q, assumed = _complete(q_room_segment)
+    ticks = next(iter(q.values())).shape[0]
+    stature = dimensions.stature_m
+    down = np.array([0.0, 0.0, -1.0])
+    hip = np.zeros((ticks, 3)) if hip_m is None else np.asarray(hip_m, dtype=np.float64)
+    joints: dict[str, Float] = {"hip": hip}
+    parts: dict[str, Float] = {}
+
+    def along(name: str, vector: Float) -> Float:
+        return rotation.rotate(q[name], vector)
+
+    def hang(limb: tuple[_Limb, ...], start: Float, side: str) -> Float:
+        for link in limb:
+            end = start + along(f"{link.part}_{side}", link.length_m * down)
+            parts[f"{link.part}_{side}"] = start + segments.centre_share[link.part] * (end - start)
+            joints[f"{link.joint}_{side}"] = start = end
+        return start
+
+    # The trunk bends between pelvis and thorax: its middle has the mean orientation of both.
+    q["middle_trunk"] = rotation.slerp(q["pelvis"], q["sternum"], np.full(ticks, 0.5))
+    base = hip
+    for name, part, share in (
+        ("pelvis", "lower_trunk", segments.trunk_share[2]),
+        ("middle_trunk", "middle_trunk", segments.trunk_share[1]),
+        ("sternum", "upper_trunk", segments.trunk_share[0]),
+    ):
+        length = share * dimensions.trunk_m
+        top = base + along(name, -length * down)
+        parts[part] = top + along(name, segments.centre_share[part] * length * down)
+        base = top
+    joints["neck"] = base
+    head_m = HEAD_PER_STATURE * stature
+    parts["head"] = base + along("head", -(1.0 - segments.centre_share["head"]) * head_m * down)
+    for side in SIDES:
+        sign = 1.0 if side == "left" else -1.0
+        outward = np.array([0.0, sign, 0.0])
+        shoulder = base + along(f"shoulder_{side}", 0.5 * dimensions.shoulder_width_m * outward)
+        joints[f"shoulder_{side}"] = shoulder
+        arm = (
+            _Limb("upper_arm", "elbow", dimensions.upper_arm_m),
+            _Limb("forearm", "wrist", dimensions.forearm_m),
+            # The table's hand ends at the knuckle of the middle finger.
+            _Limb("hand", "knuckle", 0.5 * dimensions.hand_m),
+        )
+        hang(arm, shoulder, side)
+        start = hip + along("pelvis", HIP_HALF_WIDTH_PER_STATURE * stature * outward)
+        joints[f"hip_{side}"] = start
+        leg = (
+            _Limb("thigh", "knee", THIGH_PER_STATURE * stature),
+            _Limb("shank", "ankle", SHANK_PER_STATURE * stature),
+        )
+        start = hang(leg, start, side)
+        foot_m = FOOT_PER_STATURE * stature
+        ahead = (segments.centre_share["foot"] - _HEEL_BEHIND_ANKLE) * foot_m
+        below = 0.5 * ANKLE_HEIGHT_PER_STATURE * stature
+        parts[f"foot_{side}"] = start + along(f"foot_{side}", np.array([ahead, 0.0, -below]))
+    if hip_m is None and stands_on_floor:
+        lower = np.minimum(joints["ankle_left"][:, 2], joints["ankle_right"][:, 2])
+        lift = np.zeros((ticks, 3))
+        lift[:, 2] = ANKLE_HEIGHT_PER_STATURE * stature - lower
+        joints = {name: point + lift for name, point in joints.items()}
+        parts = {name: point + lift for name, point in parts.items()}
+    masses = segments.masses()
+    position = np.zeros((ticks, 3))
+    for name, share in masses.items():
+        position = position + share * parts[name]
+    return SegmentalMassCentre(position, parts, joints, masses, assumed)
+
+
+@dataclass(frozen=True)
+class _Limb:
+    """One part of a limb: hangs from its joint along -z of its own frame."""
+
+    part: str
+    joint: str
+    length_m: float
+
+
+def _complete(given: Mapping[str, Float]) -> tuple[dict[str, Float], tuple[str, ...]]:
+    """Give every segment an orientation; those without a sensor move with their neighbour."""
+    unknown = [name for name in given if name not in PLACEMENTS]
+    if unknown:
+        raise SetupError(f"unknown placement {', '.join(unknown)}; known are {', '.join(PLACEMENTS)}")
+    if "sternum" not in given and "pelvis" not in given:
+        raise SetupError("a centre of mass needs a sensor on the sternum or the pelvis")
+    shapes = {np.shape(q) for q in given.values()}
+    if len(shapes) != 1 or next(iter(shapes))[1:] != (4,):
+        raise ShapeError(f"orientations must all have one shape (K, 4); got {sorted(map(str, shapes))}")
+    result = {name: np.asarray(q, dtype=np.float64) for name, q in given.items()}
+    assumed = []
+
+    def orientation(name: str) -> Float:
+        if name not in result:
+            part, _, side = name.rpartition("_")
+            is_paired = side in SIDES
+            stand_in = _STAND_IN[part if is_paired else name]
+            if is_paired and f"{stand_in}_{side}" in PLACEMENTS:
+                stand_in = f"{stand_in}_{side}"
+            found = orientation(stand_in)
+            assumed.append(name)
+            if name.startswith("foot"):
+                # A foot is level when nothing else is known of it.
+                x_axis = rotation.rotate(found, np.array([1.0, 0.0, 0.0]))
+                found = rotation.about_z(np.arctan2(x_axis[:, 1], x_axis[:, 0]))
+            result[name] = found
+        return result[name]
+
+    for name in PLACEMENTS:
+        orientation(name)
+    return result, tuple(name for name in PLACEMENTS if name in assumed)
+
+
+__all__ = ["SegmentalMassCentre", "segmental_mass_centre"]
