@@ -17,6 +17,7 @@ from estimators.validation._broad_conditions import BROAD_CONDITIONS
 from estimators.validation._broad_offline import BROAD_OFFLINE
 from estimators.validation._foot_placement import FOOT_PLACEMENT
 from estimators.validation._foot_recordings import FOOT_LOOPS, FOOT_STAIRS, FOOT_STRIDES, FOOT_WALKS
+from estimators.validation._functional import FUNCTIONAL_CALIBRATION
 from estimators.validation._hand_motion import BIAS_STATES, HAND_MOTION, SINGULARITY
 from estimators.validation._kinematics import CONVERSIONS, ELBOW_POSITION, KINEMATIC_IDENTITY
 from estimators.validation._luinge_consistency import CONSISTENCY
@@ -55,6 +56,7 @@ _PROTOCOLS = (
     TEMPLATE_COMPARISON,
     REPETITIONS,
     ARM_SESSION,
+    FUNCTIONAL_CALIBRATION,
     INCLINATION_TASKS,
     OFFSET_RECOVERY,
     STILL_SENSOR,
