@@ -6,10 +6,12 @@ from typing import Any
 from estimators.errors import SetupError
 from estimators.orientation._contract import OrientationEstimator, OrientationFlag, OrientationResult
 from estimators.orientation._device_constants import DeviceConstants
+from estimators.orientation._heading import estimate_lag, to_true_north
 from estimators.orientation._luinge import LuingeEstimator
 from estimators.orientation._marzouk_error_state import MarzoukErrorStateEstimator
 from estimators.orientation._marzouk_euler import MarzoukEulerEstimator
 from estimators.orientation._marzouk_quaternion import MarzoukQuaternionEstimator
+from estimators.orientation._optical_reference import align_marker_frame, heading_offset, stick_angle_errors
 from estimators.orientation._roetenberg import RoetenbergEstimator
 from estimators.orientation._scoring import OrientationErrors, orientation_errors
 from estimators.orientation._smoother import SmoothedOrientation
@@ -84,11 +86,16 @@ __all__ = [
     "SmoothedOrientation",
     "Smoother",
     "TelemotionEstimator",
+    "align_marker_frame",
     "available",
     "create",
+    "estimate_lag",
+    "heading_offset",
     "orientation_errors",
     "sliced",
     "smooth",
     "smoothers",
+    "stick_angle_errors",
+    "to_true_north",
     "with_orientation",
 ]
