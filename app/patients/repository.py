@@ -181,6 +181,17 @@ def may_treat(session: Session, subject: Subject, patient: Patient) -> bool:
     return "treat" in levels(session, subject, patient)
 
 
+def mounting_of(session: Session, patient_id: str) -> Mounting | None:
+    """Return how a patient's sensors sat when they were last calibrated; access was checked.
+
+    Parameters
+    ----------
+    session : Session
+    patient_id : str
+    """
+    return session.scalar(select(Mounting).where(Mounting.patient_id == patient_id))
+
+
 def mounted_patients(session: Session, patient_ids: list[str]) -> set[str]:
     """Return which of the patients have a remembered calibration.
 

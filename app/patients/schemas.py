@@ -51,6 +51,15 @@ class ErasureIn(Schema):
     confirmation: Literal["ERASE"]
 
 
+class MountingOut(Schema):
+    """How the sensors sat when they were last calibrated on this patient."""
+
+    placements: list[str]
+    method: str
+    score: float
+    updated_at: datetime
+
+
 class PatientOut(PatientIn):
     """A patient."""
 
@@ -58,5 +67,7 @@ class PatientOut(PatientIn):
     created_at: datetime
     archived_at: datetime | None
     has_mounting: bool
+    mounting: MountingOut | None = None
+    """The remembered one; only where a single patient is asked for."""
     may_treat: bool
     """The caller may record and prescribe, not only read."""

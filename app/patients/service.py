@@ -22,7 +22,7 @@ from app.errors import InvalidInput, NotAllowed, NotFound
 from app.patients import repository
 from app.patients.access import levels, require_patient
 from app.patients.models import Grant, Patient
-from app.patients.schemas import BodyDimensionsIn, PatientIn, PatientOut, PatientPatch
+from app.patients.schemas import BodyDimensionsIn, MountingOut, PatientIn, PatientOut, PatientPatch
 from app.settings import Settings
 
 
@@ -106,8 +106,17 @@ def patient_out(session: Session, subject: Subject, patient: Patient) -> Patient
     patient : Patient
         Access was checked.
     """
-    mounted = repository.mounted_patients(session, [patient.id])
-    return _out(patient, bool(mounted), repository.may_treat(session, subject, patient))
+    mounting = repository.mounting_of(session, patient.id)
+    out = _out(patient, mounting is not None, repository.may_treat(session, subject, patient))
+    if mounting is not None:
+        known = mounting.calibration
+        out.mounting = MountingOut(
+            placements=list(known.get("q_sensor_segment", {})),
+            method=str(known.get("method", "n_pose")),
+            score=float(known.get("score", 1.0)),
+            updated_at=mounting.updated_at,
+        )
+    return out
 
 
 def list_grants(session: Session, subject: Subject, patient_id: str) -> list[GrantOut]:

@@ -5,6 +5,8 @@ from datetime import timedelta
 import pytest
 
 from app.database.base import utc_now
+from app.database.unit_of_work import unit_of_work
+from app.patients.models import Mounting
 
 
 def test_a_therapist_creates_finds_and_changes_a_patient(therapist):
@@ -247,3 +249,23 @@ def test_the_patient_reads_who_looked(therapist, patient, world):
     assert ("Therapist", "therapist", "patient.read") in seen
     assert seen.count(("Therapist", "therapist", "patient.list")) == 1, "noted once an hour"
     assert patient.get(f"/api/patients/{world.other_patient_id}/audit").status_code == 404
+
+
+def test_a_patient_says_how_the_sensors_sat_last(engine, world, therapist) -> None:
+    path = f"/api/patients/{world.patient_id}"
+    assert therapist.get(path).json()["mounting"] is None
+    with unit_of_work(engine) as session:
+        session.add(
+            Mounting(
+                patient_id=world.patient_id,
+                calibration={
+                    "q_sensor_segment": {"sternum": [1, 0, 0, 0]},
+                    "method": "functional",
+                    "score": 0.9,
+                },
+                session_id="x",
+            )
+        )
+    found = therapist.get(path).json()["mounting"]
+    assert found["placements"] == ["sternum"]
+    assert (found["method"], found["score"]) == ("functional", 0.9)

@@ -2147,6 +2147,23 @@ export interface components {
             value: number | null;
         };
         /**
+         * MountingOut
+         * @description How the sensors sat when they were last calibrated on this patient.
+         */
+        MountingOut: {
+            /** Method */
+            method: string;
+            /** Placements */
+            placements: string[];
+            /** Score */
+            score: number;
+            /**
+             * Updated At
+             * Format: date-time
+             */
+            updated_at: string;
+        };
+        /**
          * ParameterOut
          * @description One parameter of an estimator.
          */
@@ -2219,6 +2236,7 @@ export interface components {
             id: string;
             /** May Treat */
             may_treat: boolean;
+            mounting?: components["schemas"]["MountingOut"] | null;
             /**
              * Notes
              * @default

@@ -24,6 +24,7 @@ export const session = {
   'newSession.constrainHelp': 'Elbows and wrists then help to hold the direction of the arm.',
   'newSession.mounting': 'Use the remembered mounting',
   'newSession.mountingHelp': 'Only if the sensors sit exactly as last time. If in doubt, switch it off and hold the pose again.',
+  'newSession.mountingOf': 'Calibrated {day}: {places}.',
   'newSession.go': 'Continue to the sensors',
 
   'placements.legend': 'Sensors',

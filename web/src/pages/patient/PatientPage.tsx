@@ -10,7 +10,9 @@ import { SideMark } from '../../components/Marks';
 import { Page } from '../../components/Page';
 import { PatientForm } from '../../components/PatientForm';
 import { t } from '../../i18n';
-import { age, bodyLength, date } from '../../lib/format';
+import { placementLabel } from '../../lib/channels';
+import { age, bodyLength, date, day } from '../../lib/format';
+import { scoreText } from '../session/Calibration';
 import { AccessPanel } from './AccessPanel';
 import { DataPanel } from './DataPanel';
 import { DevicePanel } from './DevicePanel';
@@ -41,7 +43,19 @@ function Facts({ patient, onEdit }: { patient: Patient; onEdit: () => void }) {
           </>
         )}
         <dt>{t('patient.sensors')}</dt>
-        <dd>{patient.has_mounting ? t('patient.mountingKnown') : t('patient.mountingUnknown')}</dd>
+        <dd>
+          {patient.mounting ? (
+            <>
+              {t('patient.mountingKnown')}
+              <span className="muted small reason-line">
+                {scoreText(patient.mounting.score)}, {day(patient.mounting.updated_at)}
+              </span>
+              <span className="muted small reason-line">{patient.mounting.placements.map(placementLabel).join(', ')}</span>
+            </>
+          ) : (
+            t('patient.mountingUnknown')
+          )}
+        </dd>
         {lengths.map((name) => (
           <div key={name} className="facts-pair">
             <dt>{t(`length.${name}`)}</dt>

@@ -57,13 +57,23 @@ function Compared({ session, results, estimators }: { session: SessionDetail; re
   return (
     <div className="stack">
       {error && <Problem error={error} />}
-      <section className="card stack" aria-labelledby="table">
-        <div className="line-head">
-          <h2 id="table" className="protocol-title">
-            {t('differences.table')}
+      <div className="result-choice">
+        <Select label={t('differences.reference')} size="sm" w={380} maw="100%" data={results.map((one) => ({ value: one.id, label: shortLabel(one, estimators) }))} value={referenceId} onChange={(value) => value && setReference(value)} />
+        {angle && <Select label={t('differences.angle')} size="sm" w={380} maw="100%" data={rows.map((row) => ({ value: row.name, label: channelLabel(row.name).text }))} value={angle} onChange={(value) => value && setPicked(value)} />}
+      </div>
+      {angle && lines.length > 0 && (
+        <section className="card stack" aria-labelledby="curves">
+          <h2 id="curves" className="protocol-title">
+            {channelLabel(angle).text}
           </h2>
-          <Select label={t('differences.reference')} size="sm" w={300} data={results.map((one) => ({ value: one.id, label: shortLabel(one, estimators) }))} value={referenceId} onChange={(value) => value && setReference(value)} />
-        </div>
+          <LineChart lines={lines} height={360} xTitle={t('differences.time')} yTitle={t('differences.degrees')} label={t('differences.curves', { angle: channelLabel(angle).text, lines: lines.map((line) => line.name).join(', ') })} />
+          {worst && typeof worst.maximum_at_s === 'number' && <p className="muted small">{t('differences.largest', { degrees: degrees(worst.maximum_deg), at: position(worst.maximum_at_s) })}</p>}
+        </section>
+      )}
+      <section className="card stack" aria-labelledby="table">
+        <h2 id="table" className="protocol-title">
+          {t('differences.table')}
+        </h2>
         <p className="muted small">{t('differences.help')}</p>
         {rows.length === 0 ? (
           <Waiting lines={6} />
@@ -108,18 +118,6 @@ function Compared({ session, results, estimators }: { session: SessionDetail; re
           </div>
         )}
       </section>
-      {angle && lines.length > 0 && (
-        <section className="card stack" aria-labelledby="curves">
-          <div className="line-head">
-            <h2 id="curves" className="protocol-title">
-              {channelLabel(angle).text}
-            </h2>
-            <Select aria-label={t('differences.angle')} size="sm" w={300} data={rows.map((row) => ({ value: row.name, label: channelLabel(row.name).text }))} value={angle} onChange={(value) => value && setPicked(value)} />
-          </div>
-          <LineChart lines={lines} height={360} xTitle={t('differences.time')} yTitle={t('differences.degrees')} label={t('differences.curves', { angle: channelLabel(angle).text, lines: lines.map((line) => line.name).join(', ') })} />
-          {worst && typeof worst.maximum_at_s === 'number' && <p className="muted small">{t('differences.largest', { degrees: degrees(worst.maximum_deg), at: position(worst.maximum_at_s) })}</p>}
-        </section>
-      )}
     </div>
   );
 }

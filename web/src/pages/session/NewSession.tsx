@@ -8,6 +8,8 @@ import { Answer, Problem } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { PlacementChoice } from '../../components/PlacementChoice';
 import { t } from '../../i18n';
+import { placementLabel } from '../../lib/channels';
+import { day } from '../../lib/format';
 import { placementProblem, suggestedPlacements } from '../../lib/placements';
 
 /** Those a therapist chooses between; the others are for comparison. */
@@ -94,7 +96,7 @@ function Form({ patient }: { patient: Patient }) {
       {patient.has_mounting && (
         <Switch
           label={t('newSession.mounting')}
-          description={t('newSession.mountingHelp')}
+          description={t('newSession.mountingHelp') + (patient.mounting ? ` ${t('newSession.mountingOf', { day: day(patient.mounting.updated_at), places: patient.mounting.placements.map(placementLabel).join(', ') })}` : '')}
           checked={useMounting}
           onChange={(event) => setUseMounting(event.currentTarget.checked)}
         />
