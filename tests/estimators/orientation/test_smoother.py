@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import vqf
+from scipy.stats import chi2
 
 from estimators import orientation, rotation
 from estimators.conventions import GRAVITY_MPS2
@@ -100,6 +101,61 @@ def test_a_magnet_on_the_sensor_from_the_start_is_found():
     found = orientation.smooth(NAME, chunk)
     np.testing.assert_allclose(found.constants[0].array("hard_iron_t"), iron_t, atol=1.5e-6)
     assert np.sqrt(np.mean(error_deg(found, q) ** 2)) < 1.5
+
+
+def test_a_belief_of_the_filter_that_the_whole_session_refutes_is_overruled():
+    """A magnet near the sensor during the first rest only; then one that stays on it."""
+    near_t = np.array([6e-6, -8e-6, 4e-6])
+    chunk, q = moving(60.0, rest_s=6.0)
+    chunk.magnetometer_t[0, :600] += near_t
+    found = orientation.smooth(NAME, chunk)
+    assert np.abs(found.constants[0].array("hard_iron_t")).max() < 1e-6
+    assert np.sqrt(np.mean(error_deg(found, q)[700:] ** 2)) < 1.0
+    # The rest looks clean then too, for any constant field points north somewhere.
+    chunk, q = moving(60.0, rest_s=6.0, iron_t=near_t)
+    found = orientation.smooth(NAME, chunk)
+    np.testing.assert_allclose(found.constants[0].array("hard_iron_t"), near_t, atol=1e-6)
+    assert np.sqrt(np.mean(error_deg(found, q) ** 2)) < 1.0
+
+
+@pytest.mark.slow
+def test_the_covariance_is_honest_where_the_model_is_true():
+    """Noise as the parameters say, constants of the device drawn from their priors: NEES inside its 95 % band."""
+    rate_noise_deg = float(np.degrees(0.002 * 0.1))  # 0.002 rad/s a sample at 100 Hz
+    white = {
+        "tilt_sigma_scale": 1.0,
+        "heading_sigma_scale": 1.0,
+        "tilt_sigma_floor_deg": 1e-4,
+        "heading_sigma_floor_deg": 1e-4,
+        "field_noise_moving_ut_sqrt_s": 0.03,
+        "field_noise_rest_ut_sqrt_s": 0.03,
+        "field_noise_start_ut_sqrt_s": 0.03,
+        "start_narrow_ut": 0.001,
+        "rate_noise_deg_per_sqrt_s": rate_noise_deg,
+        "rate_noise_per_rate_sqrt_s": 0.0,
+        "rest_bias_sigma_degps_sqrt_s": rate_noise_deg,
+        "bias_drift_degps_per_sqrt_s": 1e-5,
+        "speed_noise_mps_per_sqrt_s": 0.002,
+        "position_noise_m_per_sqrt_s": 1e-6,
+    }
+    runs, squares = 40, []
+    for seed in range(runs):
+        rng = np.random.default_rng(1000 + seed)
+        chunk, q = moving(
+            12.0,
+            seed=seed,
+            rest_s=2.0,
+            gain=0.01 * rng.normal(size=(3, 3)),
+            bias_radps=np.radians(1.0) * rng.normal(size=3),
+            delay_s=0.02 * rng.normal(),
+            iron_t=0.3e-6 * rng.normal(size=3),
+        )
+        found = orientation.smooth(NAME, chunk, white).orientation
+        error = rotation.log(rotation.multiply(found.q_earth_sensor[0], rotation.conjugate(q)))
+        squares.append(((error / found.sigma_rad[0]) ** 2).sum(axis=1)[[600, 1000]])
+    low, high = chi2.ppf([0.025, 0.975], 3 * runs) / runs
+    mean = np.mean(squares, axis=0)
+    assert ((mean > low) & (mean < high)).all(), mean
 
 
 @pytest.mark.parametrize(
