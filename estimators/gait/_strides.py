@@ -81,6 +81,8 @@ class Strides:
         Number of the walking bout.
     is_initiation, is_termination : ndarray of bool, shape (n,)
         First and last stride of a bout.
+    q_sensor_foot : ndarray, shape (4,)
+        Turns foot axes (x to the toes, z up while flat) into the sensor's; found from the walk.
     """
 
     side: Side
@@ -103,6 +105,7 @@ class Strides:
     bout: NDArray[np.int64]
     is_initiation: Bool
     is_termination: Bool
+    q_sensor_foot: Float
 
     @property
     def count(self) -> int:
@@ -131,7 +134,8 @@ def find_strides(trajectory: FootTrajectory, side: Side) -> Strides:
     long as the foot moves 5 cm, lifts 3 cm or turns 15 degrees between two rests.
     """
     rests = _rests(trajectory)
-    forward, _ = foot_axes(trajectory, rests)
+    forward, left = foot_axes(trajectory, rests)
+    axes = np.stack([forward, left, np.cross(forward, left)], axis=1)
     holds = _footholds(trajectory, rests, forward)
     acceleration, rate = _derivatives(trajectory)
     count = max(len(rests) - 1, 0)
@@ -171,6 +175,7 @@ def find_strides(trajectory: FootTrajectory, side: Side) -> Strides:
         bout=bout,
         is_initiation=is_first,
         is_termination=is_last,
+        q_sensor_foot=rotation.from_matrix(axes),
     )
 
 

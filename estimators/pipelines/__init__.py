@@ -11,6 +11,7 @@ from estimators.pipelines._contract import (
     SessionSetup,
 )
 from estimators.pipelines._elbows import refine_elbows
+from estimators.pipelines._gait import GaitPipeline, Walk, analyse_walk
 from estimators.pipelines._offline import is_offline, smooth_network, smoothed_chunk
 from estimators.pipelines._orientation import OrientationPipeline
 from estimators.pipelines._run import available, concatenate, create, find_pose, run, step_through
@@ -22,9 +23,12 @@ __all__ = [
     "DeviceConstants",
     "FrameLayout",
     "Frames",
+    "GaitPipeline",
     "OrientationPipeline",
     "Pipeline",
     "SessionSetup",
+    "Walk",
+    "analyse_walk",
     "available",
     "concatenate",
     "create",

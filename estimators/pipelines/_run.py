@@ -10,11 +10,12 @@ from estimators.errors import CalibrationError, SetupError, ShapeError
 from estimators.pipelines._arm import ArmPipeline
 from estimators.pipelines._contract import Frames, Pipeline, SessionSetup
 from estimators.pipelines._elbows import refine_elbows
+from estimators.pipelines._gait import GaitPipeline, analyse_walk
 from estimators.pipelines._offline import smoothed_chunk
 from estimators.pipelines._orientation import OrientationPipeline
 from estimators.recording import ImuChunk, Recording
 
-_REGISTRY: dict[str, type[Pipeline]] = {kind.name: kind for kind in (ArmPipeline, OrientationPipeline)}
+_REGISTRY: dict[str, type[Pipeline]] = {kind.name: kind for kind in (ArmPipeline, OrientationPipeline, GaitPipeline)}
 _POSE_S = 3.0
 _SHORTEST_POSE_S = 1.5
 _BLOCK = 6000
@@ -134,6 +135,8 @@ def run(
         raise SetupError(
             f"the recording has no sensor {', '.join(missing)}; it has {', '.join(recording.sensors)}"
         )
+    if setup.pipeline == GaitPipeline.name:
+        return analyse_walk(recording, setup).frames, setup
     worn = replace(recording, sensors={name: recording.sensors[name] for name in setup.placements})
     chunk = smoothed_chunk(signals.to_common_ticks(worn, setup.rate_hz), setup)
     is_mounted = setup.calibration is not None and bool(setup.calibration.q_sensor_segment)

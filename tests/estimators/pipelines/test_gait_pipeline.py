@@ -1,0 +1,116 @@
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pipeline_contract import PipelineContract
+
+from estimators import pipelines, rotation
+from estimators.errors import CalibrationError, SetupError
+from estimators.orientation import OrientationFlag
+from estimators.pipelines import SessionSetup, analyse_walk
+from estimators.recording import ImuChunk, Recording, SampleQuality, SensorSignals
+from estimators.signals import to_common_ticks
+from estimators.simulation import gait_preset, simulate_gait
+
+FEET = Path(__file__).parents[2] / "data" / "feet"
+
+
+@cache
+def walk():
+    return simulate_gait(replace(gait_preset("placement", 3), rate_hz=100.0))
+
+
+def network(*names):
+    recording = walk().recording
+    return replace(recording, sensors={name: recording.sensors[name] for name in names})
+
+
+class TestGaitPipeline(PipelineContract):
+    @pytest.fixture
+    def setup(self):
+        return SessionSetup("gait", ("heel_left", "pelvis", "heel_right", "sternum"), 100.0)
+
+    @pytest.fixture
+    def chunk(self):
+        whole = to_common_ticks(network("heel_left", "pelvis", "heel_right", "sternum"), 100.0).ticks(0, 700)
+        gyroscope, quality = whole.gyroscope_radps.copy(), whole.quality.copy()
+        gyroscope[0, 420:430] = np.nan
+        quality[0, 420:430] = SampleQuality.MISSING
+        quality[2, 500:510] = SampleQuality.BRIDGED
+        return replace(whole, gyroscope_radps=gyroscope, quality=quality)
+
+
+def test_a_walk_off_line_is_drawn_along_its_course():
+    setup = SessionSetup("gait", ("heel_left", "heel_right"), 100.0)
+    recording = network("heel_left", "heel_right")
+    found = analyse_walk(recording, setup)
+    frames = found.frames
+    assert frames.tick_count == len(walk().truth.time_s)
+    for i, side in enumerate(("left", "right")):
+        truth = walk().truth.feet[side]
+        way = frames.point_room_m[-1, i] - frames.point_room_m[0, i]
+        moved = truth.foothold_m[-1] - truth.foothold_m[0]
+        assert way[0] == pytest.approx(np.linalg.norm(moved), rel=0.01)
+        assert abs(way[1]) < 0.2
+        # Toes point along the course, out by the foot's five degrees, on a level floor.
+        toes = rotation.rotate(frames.q_room_segment[-1, i], [1.0, 0.0, 0.0])
+        assert toes[0] > 0.97
+        assert abs(toes[2]) < 0.03
+        scalar = {name: frames.scalar[:, k] for k, name in enumerate(frames.layout.scalars)}
+        stand = scalar[f"foot_{side}_stance"] == 1.0
+        assert not (stand & ~truth.is_contact).any()
+        assert scalar[f"foot_{side}_contact"].sum() == found.strides[side].count == len(truth.land_s) - 1
+        at = np.flatnonzero(scalar[f"foot_{side}_toe_off"]) / 100.0
+        np.testing.assert_allclose(at, truth.lift_s[:-1], atol=0.03)
+        assert scalar[f"foot_{side}_stride_length_m"][-1] == found.strides[side].length_m[-1]
+        assert np.isnan(scalar[f"foot_{side}_stride_length_m"][0])
+    same, _ = pipelines.run(recording, setup)
+    np.testing.assert_array_equal(same.point_room_m, frames.point_room_m)
+    assert found.summary.feet["left"]["stride_length"].count >= 4
+
+
+def test_live_lags_by_less_than_a_second_and_agrees_with_off_line():
+    setup = SessionSetup("gait", ("heel_left", "heel_right"), 100.0)
+    chunk = to_common_ticks(network("heel_left", "heel_right"), 100.0)
+    pipeline = pipelines.create(setup)
+    frames = pipeline.step(chunk)
+    delay = pipeline.delay_ticks
+    assert delay < 100
+    assert (frames.segment_flags[:delay] == OrientationFlag.INVALID).all()
+    assert not (frames.segment_flags[delay:] & OrientationFlag.INVALID).any()
+    off_line = analyse_walk(network("heel_left", "heel_right"), setup).frames
+    for i in range(2):
+        live, smooth = frames.point_room_m[delay:, i], off_line.point_room_m[:-delay, i]
+        np.testing.assert_allclose(
+            np.linalg.norm(live - live[0], axis=1), np.linalg.norm(smooth - smooth[0], axis=1), atol=0.15
+        )
+
+
+def test_a_real_walk_of_a_device_that_clips():
+    content = np.load(FEET / "pyshoe_walk.npz")
+    signals = SensorSignals(
+        content["time_s"],
+        content["gyroscope_radps"].astype(float),
+        content["accelerometer_mps2"].astype(float),
+    )
+    recording = Recording({"foot_right": signals}, 200.0, metadata={"gyroscope_clip_radps": "9.09"})
+    found = analyse_walk(recording, SessionSetup("gait", ("foot_right",), 200.0))
+    assert (found.frames.segment_flags & OrientationFlag.SATURATED).any()
+    assert found.strides["right"].count > 5
+    assert found.frames.layout.segments == ("foot_right",)
+    assert any("one foot" in reason for reason in found.summary.reasons)
+
+
+def test_wrong_setups_are_refused():
+    with pytest.raises(SetupError, match="foot_left"):
+        pipelines.create(SessionSetup("gait", ("pelvis",), 100.0))
+    with pytest.raises(SetupError, match="no_such"):
+        pipelines.create(SessionSetup("gait", ("foot_left",), 100.0, orientation_parameters={"no_such": 1.0}))
+    pipeline = pipelines.create(SessionSetup("gait", ("foot_left",), 100.0))
+    still = ImuChunk(
+        0, 0.01, np.zeros((1, 5, 3)), np.zeros((1, 5, 3)), None, np.zeros((1, 5), dtype=np.uint8)
+    )
+    with pytest.raises(CalibrationError, match="no calibration"):
+        pipeline.calibrate(still)
