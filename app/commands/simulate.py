@@ -1,14 +1,14 @@
 """`telemotion simulate`: a simulated patient over the real socket, and the therapist who steers the session."""
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
 from dataclasses import dataclass, replace
-from typing import cast, get_args
+from typing import Any, cast, get_args
 
 import typer
 
 from app.errors import InvalidInput, TelemotionError
-from app.gateway import GatewayClient, GatewayReport, Milestone, ServiceClient, stream_of
+from app.gateway import DeviceStream, GatewayClient, GatewayReport, Milestone, ServiceClient, stream_of
 from app.recordings.schemas import SessionIn
 from estimators.simulation import (
     SENSOR_PRESETS,
@@ -89,8 +89,15 @@ def scenario_of(options: Options) -> ArmScenario:
     )
 
 
+Alongside = Callable[[DeviceStream, ArmScenario, str], Coroutine[Any, Any, None]]
+"""Runs beside a stream until its end, given the device, what is simulated and the session."""
+
+
 async def stream(
-    service: ServiceClient, options: Options, say: Callable[[str], None]
+    service: ServiceClient,
+    options: Options,
+    say: Callable[[str], None],
+    alongside: Alongside | None = None,
 ) -> tuple[str, GatewayReport]:
     """Create a session, stream it, steer it, and wait until it is analysed.
 
@@ -102,6 +109,8 @@ async def stream(
         `speed` None sends as fast as the server takes it.
     say : callable(text)
         Told what happens; no patient data.
+    alongside : callable, optional
+        May exchange what the device is about to send.
 
     Returns
     -------
@@ -151,15 +160,23 @@ async def stream(
         service.ingest_url, lambda: service.ticket(created.id), device.hello, pace=options.speed
     )
     end_s = float(device.packet_count * device.packet_s)
-    report = await gateway.run(
-        device.deliveries(plan),
-        breaks_s=[(float(start), float(end)) for start, end in plan.breaks_s],
-        milestones=[
-            Milestone(CALIBRATE_AT_S, calibrate),
-            Milestone(scenario.schedule.n_pose_s, record),
-            Milestone(end_s + 1.0, stop),
-        ],
-    )
+    beside = None
+    if alongside is not None:
+        beside = asyncio.create_task(alongside(device, scenario, created.id), name="alongside")
+    try:
+        report = await gateway.run(
+            device.deliveries(plan),
+            breaks_s=[(float(start), float(end)) for start, end in plan.breaks_s],
+            milestones=[
+                Milestone(CALIBRATE_AT_S, calibrate),
+                Milestone(scenario.schedule.n_pose_s, record),
+                Milestone(end_s + 1.0, stop),
+            ],
+        )
+    finally:
+        if beside is not None:
+            beside.cancel()
+            await asyncio.gather(beside, return_exceptions=True)
     await service.wait_for_state(created.id, "analysed", timeout_s=ANALYSIS_TIMEOUT_S)
     return created.id, report
 

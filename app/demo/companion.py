@@ -16,9 +16,11 @@ import httpx
 from app.commands.simulate import Options, stream
 from app.database import engine as engines
 from app.demo.history import make_history
+from app.demo.on_demand import OnDemand
 from app.demo.people import PASSWORD, PATIENTS, THERAPIST
 from app.errors import TelemotionError
-from app.gateway import ServiceClient
+from app.gateway import DeviceStream, ServiceClient
+from estimators.simulation import ArmScenario
 
 READY_TIMEOUT_S: Final = 180.0
 PAUSE_BETWEEN_SESSIONS_S: Final = 5.0
@@ -97,13 +99,18 @@ async def _stream_forever(service: ServiceClient, patient_ids: dict[str, str]) -
         speed=1.0,
         loss_percent=0.5,
     )
+
+    async def perform(device: DeviceStream, scenario: ArmScenario, session_id: str) -> None:
+        own_until_s = scenario.schedule.n_pose_s
+        await OnDemand(device, scenario).run(service, session_id, own_until_s)
+
     number, signed_out = 0, False
     while True:
         try:
             if signed_out:
                 await service.sign_in(THERAPIST, PASSWORD)
                 signed_out = False
-            await stream(service, replace(options, seed=1000 + number), _quiet)
+            await stream(service, replace(options, seed=1000 + number), _quiet, perform)
         except TelemotionError as error:
             # Signed out over night, or somebody closed the session in the browser: begin a new one.
             signed_out = error.status == 401

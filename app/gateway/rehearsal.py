@@ -118,7 +118,7 @@ async def rehearse(
     created = await service.create_session(
         SessionIn(
             patient_id=patient_id,
-            placements=list(device.placements),  # type: ignore[arg-type]
+            placements=list(device.placements),
             rate_hz=device.rate_hz,
             orientation=orientation,
             use_mounting=False,
