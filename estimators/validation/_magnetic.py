@@ -94,7 +94,10 @@ def _figures() -> tuple[Figure, ...]:
     ]
     for title, (name, limit) in _FILTERS.items():
         if name in available():
-            figures.append(Figure(f"{title}, with the handle, yaw", "deg"))
+            third = 12.0 / 3.0 if name == "telemotion" else None
+            figures.append(
+                Figure(f"{title}, with the handle, yaw", "deg", third, published=12.0, judged_by="median")
+            )
             figures.append(Figure(f"{title}, handle calibrated out, yaw", "deg", limit))
     return tuple(figures)
 
