@@ -27,7 +27,7 @@ def upgrade() -> None:
         sa.Column("created_at", sa.DateTime(timezone=True), nullable=False),
         sa.ForeignKeyConstraint(["clinic_id"], ["clinic.id"], name=op.f("fk_sensor_device_clinic_id_clinic")),
         sa.PrimaryKeyConstraint("id", name=op.f("pk_sensor_device")),
-        sa.UniqueConstraint("clinic_id", "serial", name=op.f("uq_sensor_device_clinic_id")),
+        sa.UniqueConstraint("clinic_id", "serial", name=op.f("uq_sensor_device_clinic_id_serial")),
     )
 
 
