@@ -82,7 +82,7 @@ def process(
         orientation_parameters=json.loads(parameters),
     )
     _check(measured, setup, force=force, hemisphere=hemisphere)
-    frames, used = pipelines.run(measured, setup, pose)
+    frames, used = pipelines.run(measured, setup, pose, elbows_from_movement=pipeline == "arm")
     out.mkdir(parents=True, exist_ok=True)
     table = frames_table(frames)
     pyarrow.parquet.write_table(table, out / "frames.parquet")

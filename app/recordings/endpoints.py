@@ -16,11 +16,15 @@ from app.recordings.schemas import (
     JobOut,
     ReprocessAllIn,
     ReprocessIn,
+    SequenceOut,
     SessionDetail,
     SessionIn,
     SessionOut,
 )
+from app.recordings.sequences import in_sequence
 from app.services import services_of
+from estimators.arm import Joint, Sequence
+from estimators.conventions import Side
 
 router = APIRouter(prefix="/api", tags=["sessions"])
 
@@ -97,6 +101,25 @@ def get_differences(
 ) -> DifferencesOut:
     """Return how far two results are apart: RMS and maximum of every joint angle, and both curves."""
     return differences(session, subject, session_id, result_a, result_b, max_points)
+
+
+@router.get("/sessions/{session_id}/sequences")
+def get_sequence(
+    session_id: str,
+    session: ReadSession,
+    subject: CurrentSubject,
+    joint: Joint,
+    side: Side,
+    sequence: Sequence,
+    result_id: str | None = None,
+    start_s: Annotated[float | None, Query(ge=0)] = None,
+    end_s: Annotated[float | None, Query(ge=0)] = None,
+    max_points: Annotated[int, Query(ge=2, le=MAX_CURVE_POINTS)] = 1000,
+) -> SequenceOut:
+    """Return a joint in another rotation sequence, with its distance to the singularity."""
+    return in_sequence(
+        session, subject, session_id, joint, side, sequence, result_id, start_s, end_s, max_points
+    )
 
 
 @router.get("/sessions/{session_id}/jobs")

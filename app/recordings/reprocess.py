@@ -6,7 +6,7 @@ with.
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from sqlalchemy import delete, func, select
@@ -21,10 +21,12 @@ from app.recordings._rows import insert_chunk
 from app.recordings.chunks import RAW_STREAM, EncodedChunk, RawPacket, encode_frames, frames_stream
 from app.recordings.jobs import JobContext
 from app.recordings.models import Job, MotionSession, Result, SessionEvent, SignalChunk
-from app.recordings.smoothing import SmoothedSession, smoother_for
+from app.recordings.smoothing import SmoothedSession, remember, smoother_for
 from app.recordings.store import Source, read_packets_in_order, stored_ranges
 from estimators import orientation, pipelines
+from estimators.conventions import Placement
 from estimators.errors import CalibrationError
+from estimators.orientation import DeviceConstants
 from estimators.pipelines import SessionSetup
 from estimators.recording import ImuChunk
 
@@ -45,6 +47,8 @@ class Analysis:
     pose_s: tuple[float, float] | None
     """Where in the session that calibration was found, when it was found here."""
     message: str
+    learnt: dict[Placement, DeviceConstants] = field(default_factory=dict)
+    """What a smoother found about the sensors."""
 
 
 def decoded(packet: RawPacket) -> Packet:
@@ -130,6 +134,7 @@ def reprocess(context: JobContext) -> str:
             found.main_result_id = analysis.result_id
         if closing:
             count_session(session, found, analysis)
+            remember(session, found, analysis.learnt)
             enqueue_comparison(session, found)
     return analysis.message
 
@@ -209,7 +214,10 @@ def analyse(
         result = session.get_one(Result, result_id)
         result.status, result.progress, result.message = "complete", 1.0, message[:500]
         result.completed_at = utc_now()
-    return Analysis(result_id, ticks, setup, pose_s if setup.calibration is not None else None, message)
+    learnt = known.learnt if known is not None else {}
+    return Analysis(
+        result_id, ticks, setup, pose_s if setup.calibration is not None else None, message, learnt
+    )
 
 
 def _smoothed(context: JobContext, setup: SessionSetup) -> SmoothedSession:

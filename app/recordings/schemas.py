@@ -232,6 +232,18 @@ class DifferencesOut(Schema):
     curves: list[CurvePair]
 
 
+class SequenceOut(Schema):
+    """A joint in a rotation sequence; None where there is nothing."""
+
+    names: list[str]
+    """Joint, side, sequence and meaning of the three angles, e.g. `thorax_humerus_left_xzy_abduction`."""
+    time_s: list[float]
+    angles_deg: list[list[float | None]]
+    """One list an angle, unwrapped in time."""
+    singular_distance_deg: list[float | None]
+    """Smallest turn that would make first and last angle inseparable; an error grows by 1/sin of it."""
+
+
 class ReprocessAllIn(Schema):
     """Estimate a stored session with several estimators, a task each."""
 

@@ -1,10 +1,17 @@
 """Stored sessions estimated by an off-line smoother: all pieces are read, then given again with orientation."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
 
 from app.ingest.alignment import joined_chunks
+from app.ingest.declaration import Declaration
+from app.patients.models import SensorDevice
+from app.recordings.models import MotionSession
 from estimators import orientation, pipelines
-from estimators.orientation import OrientationResult, SmoothedChunk
+from estimators.conventions import Placement
+from estimators.orientation import DeviceConstants, OrientationResult, SmoothedChunk
 from estimators.pipelines import SessionSetup
 from estimators.recording import ImuChunk
 
@@ -25,8 +32,11 @@ class SmoothedSession:
     def __init__(self, pieces: Iterable[ImuChunk], setup: SessionSetup) -> None:
         self._pieces = list(pieces)
         self._found: OrientationResult | None = None
+        self.constants: tuple[DeviceConstants, ...] = ()
         if self._pieces:
             self._found, self.constants = pipelines.smooth_network(self._pieces, setup)
+        self.learnt = dict(zip(setup.placements, self.constants, strict=False))
+        """What the session taught about each sensor, by placement."""
 
     def __iter__(self) -> Iterator[ImuChunk]:
         """Yield the pieces as they came, with orientation."""
@@ -55,9 +65,29 @@ class SmoothedSession:
         return orientation.with_orientation(piece, found, self.constants)
 
 
+def remember(session: Session, found: MotionSession, learnt: Mapping[Placement, DeviceConstants]) -> None:
+    """Keep what a closed session, smoothed, taught about its sensors; better than what was known while it ran.
+
+    A sensor that another session has taught since, or that tells no serial number, is left alone.
+    """
+    if not found.hello or not learnt:
+        return
+    serials = Declaration.from_dict(found.hello).serial_of
+    rows = session.scalars(
+        select(SensorDevice).where(
+            SensorDevice.clinic_id == found.clinic_id, SensorDevice.session_id == found.id
+        )
+    )
+    by_serial = {row.serial: row for row in rows}
+    for placement, constants in learnt.items():
+        row = by_serial.get(serials.get(placement, ""))
+        if row is not None and row.constants and constants != DeviceConstants():
+            row.constants = constants.to_dict()
+
+
 def smoother_for(filter_name: str) -> str | None:
     """Return the smoother of the same method as a live filter, if there is one."""
     return next((name for name, kind in orientation.smoothers().items() if kind.follows == filter_name), None)
 
 
-__all__ = ["SmoothedSession", "smoother_for"]
+__all__ = ["SmoothedSession", "remember", "smoother_for"]

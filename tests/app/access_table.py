@@ -191,6 +191,12 @@ LINES: tuple[Line, ...] = (
     patient("DELETE", "/api/sessions/{session_id}", TREAT, status=204),
     patient("GET", "/api/sessions/{session_id}/raw", READ),
     patient("POST", "/api/sessions/{session_id}/reprocess", TREAT, body={"orientation": "vqf"}, status=202),
+    patient(
+        "GET",
+        "/api/sessions/{session_id}/sequences",
+        READ,
+        query={"joint": "humerus_forearm", "side": "right", "sequence": "zxy"},
+    ),
     patient("POST", "/api/sessions/{session_id}/reprocess-all", TREAT, body={}, status=202),
     patient(
         "GET",

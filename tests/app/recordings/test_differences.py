@@ -17,6 +17,7 @@ from app.recordings.differences import differences
 from app.recordings.models import Job, Result, SessionEvent
 from app.recordings.reprocess import _last_pose
 from app.recordings.schemas import ReprocessAllIn
+from app.recordings.sequences import in_sequence
 from estimators import orientation
 from estimators.orientation import OrientationFlag
 from estimators.pipelines import FrameLayout, Frames, SessionSetup
@@ -164,3 +165,33 @@ def test_only_a_standing_pose_in_force_is_evaluated_anew(
             )
     with read_only(engine) as session:
         assert _last_pose(session, session_id) == expected
+
+
+def test_a_joint_in_another_sequence_with_its_singular_distance(
+    engine: Engine, new_session: Any, therapist: Subject
+) -> None:
+    session_id = new_session(state="analysed")
+    found = frames(0.0)
+    half = np.radians(40.0) / 2
+    bent = np.array([np.cos(half), 0.0, -np.sin(half), 0.0])
+    q = np.stack((found.q_room_segment[:, 0], np.tile(bent, (TICKS, 1))), axis=1)
+    layout = FrameLayout(("upper_arm_right", "forearm_right"), (), ("flexion", "carrying"))
+    found = replace(
+        found, layout=layout, q_room_segment=q, segment_flags=np.zeros((TICKS, 2), dtype=np.uint8)
+    )
+    result = add_result(engine, session_id, found)
+    with unit_of_work(engine) as session:
+        session.get_one(Result, result).layout = {
+            "segments": list(layout.segments),
+            "points": [],
+            "angles": list(layout.angles),
+            "scalars": [],
+        }
+        out = in_sequence(
+            session, therapist, session_id, "humerus_forearm", "right", "zxy", result, 0.0, 10.0, 50
+        )
+        assert out.names[0] == "humerus_forearm_right_zxy_flexion"
+        assert out.angles_deg[0] == pytest.approx([40.0] * len(out.time_s), abs=0.01)
+        assert out.singular_distance_deg[0] == pytest.approx(90.0, abs=0.01)
+        with pytest.raises(InvalidInput, match="shoulder"):
+            in_sequence(session, therapist, session_id, "humerus_forearm", "right", "yxy", result, 0, 1, 50)

@@ -944,6 +944,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/sessions/{session_id}/sequences": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Sequence
+         * @description Return a joint in another rotation sequence, with its distance to the singularity.
+         */
+        get: operations["get_sequence_api_sessions__session_id__sequences_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/sessions/{session_id}/state": {
         parameters: {
             query?: never;
@@ -2652,6 +2672,20 @@ export interface components {
             residual_percent?: number | null;
             /** Visited */
             visited?: boolean[];
+        };
+        /**
+         * SequenceOut
+         * @description A joint in a rotation sequence; None where there is nothing.
+         */
+        SequenceOut: {
+            /** Angles Deg */
+            angles_deg: (number | null)[][];
+            /** Names */
+            names: string[];
+            /** Singular Distance Deg */
+            singular_distance_deg: (number | null)[];
+            /** Time S */
+            time_s: number[];
         };
         /**
          * SessionDetail
@@ -4789,6 +4823,45 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["DifferencesOut"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+        };
+    };
+    get_sequence_api_sessions__session_id__sequences_get: {
+        parameters: {
+            query: {
+                end_s?: number | null;
+                joint: "thorax_humerus" | "humerus_forearm" | "forearm_hand";
+                max_points?: number;
+                result_id?: string | null;
+                sequence: "xyz" | "xzy" | "yxz" | "yzx" | "zxy" | "zyx" | "yxy";
+                side: "left" | "right";
+                start_s?: number | null;
+            };
+            header?: never;
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SequenceOut"];
                 };
             };
             /** @description Validation Error */
