@@ -13,6 +13,7 @@ from sqlalchemy import Engine, delete, select
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import Conflict, NotFound
 from app.ingest import readers
+from app.patients.models import SensorDevice
 from app.recordings import GroupCommitWriter, read_frames, repository, service
 from app.recordings.jobs import JobContext, JobDone, JobRunner, run_job
 from app.recordings.models import Job, MotionSession, Result, SignalChunk
@@ -21,6 +22,7 @@ from app.recordings.schemas import ReprocessIn
 from app.settings import Settings
 from estimators import orientation, rotation
 from estimators.errors import CalibrationError
+from estimators.orientation import DeviceConstants
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
 
 ARM = ("sternum", "upper_arm_right", "forearm_right")
@@ -162,6 +164,19 @@ def test_a_session_run_with_our_filter_is_smoothed_when_it_closes(
             "orientation": "telemotion",
             "orientation_parameters": {"block_s": 0.25},
         }
+        found.hello = {**found.hello, "serials": ["A", "B", "C"]}
+        live = DeviceConstants(magnetometer_delay_s=0.5)
+        for serial, taught_by in (("A", session_id), ("B", "another session")):
+            session.add(
+                SensorDevice(
+                    clinic_id=found.clinic_id,
+                    serial=serial,
+                    session_id=taught_by,
+                    calibration={},
+                    scores={},
+                    constants=live.to_dict(),
+                )
+            )
     done = run_job(engine, settings, queue(engine, session_id, close=True), reprocess)
     assert done.status == "complete", done.message
     with unit_of_work(engine) as session:
@@ -172,6 +187,14 @@ def test_a_session_run_with_our_filter_is_smoothed_when_it_closes(
         assert main.setup["calibration"]["method"] == "n_pose"
         # What the live filter gives stays to be asked for, beside the smoothed result.
         session.get_one(MotionSession, session_id).state = "analysed"
+        # The smoother knows the sensors better than the live filter; what another session taught stays.
+        rows = {
+            row.serial: DeviceConstants.from_dict(row.constants)
+            for row in session.scalars(select(SensorDevice))
+        }
+        assert set(rows) == {"A", "B"}
+        assert 0.0 < abs(rows["A"].magnetometer_delay_s) < 0.05
+        assert rows["B"] == live
     frames = frames_of(engine, session_id)
     assert np.isfinite(frames.angle_rad).all()
     assert (frames.segment_flags == 0).mean() > 0.9
@@ -181,8 +204,8 @@ def test_a_session_run_with_our_filter_is_smoothed_when_it_closes(
         results = repository.results_of(session, session_id)
         assert [r.orientation for r in results] == ["telemotion_smoother", "telemotion"]
         assert session.get_one(MotionSession, session_id).main_result_id == results[0].id
-        live = read_frames(session, results[1].id)
-    apart = rotation.angle_between(frames.q_room_segment, live.q_room_segment)[500:]
+        other = read_frames(session, results[1].id)
+    apart = rotation.angle_between(frames.q_room_segment, other.q_room_segment)[500:]
     assert 0.0 < np.degrees(np.sqrt(np.mean(apart**2))) < 5.0
 
 
