@@ -266,6 +266,7 @@ def test_the_live_socket_needs_somebody_from_our_own_pages(
     asyncio.run(run())
 
 
+@pytest.mark.slow
 def test_a_device_streams_for_its_own_patient_only_until_it_is_revoked(
     server: Any,
     signed_in: SignedIn,
@@ -303,6 +304,7 @@ def test_a_device_streams_for_its_own_patient_only_until_it_is_revoked(
     asyncio.run(run())
 
 
+@pytest.mark.slow
 def test_a_dashboard_sees_layout_states_health_and_frames_until_its_right_ends(
     signed_in: SignedIn, world: Any, stream: DeviceStream, engine: Engine
 ) -> None:
@@ -425,6 +427,7 @@ def test_other_sensors_in_a_later_hello_are_refused(
     asyncio.run(run())
 
 
+@pytest.mark.slow
 def test_the_same_as_json_for_people_with_curl(signed_in: SignedIn, world: Any, stream: DeviceStream) -> None:
     async def run() -> None:
         async with await signed_in() as client:

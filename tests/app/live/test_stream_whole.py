@@ -207,6 +207,7 @@ def test_a_killed_server_loses_nothing_acknowledged(
     assert len(acknowledged_at_kill) == 2
 
 
+@pytest.mark.slow
 def test_the_database_of_a_running_server_is_consistent(server: Any, settings: Any) -> None:
     path = Path(settings.database_url.removeprefix("sqlite:///"))
     with sqlite3.connect(path) as connection:
