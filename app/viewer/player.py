@@ -164,7 +164,11 @@ class LivePlayer:
     async def run(self) -> None:
         """Draw until cancelled."""
         frames_topic, state_topic = topic(self._session_id, "frames"), topic(self._session_id, "state")
-        with self._bus.subscribe(frames_topic, state_topic, size=8) as subscription:
+        # States have a queue of their own: on a busy machine frames would push the few of them out.
+        with (
+            self._bus.subscribe(frames_topic, size=8) as subscription,
+            self._bus.subscribe(state_topic) as states,
+        ):
             pending: list[Frames] = []
             while True:
                 try:
@@ -172,10 +176,9 @@ class LivePlayer:
                 except TimeoutError:
                     self._show_silence()
                     items = await subscription.wait()
-                for name, message in items:
-                    if name == frames_topic:
-                        pending.append(message)
-                    elif isinstance(message, StateMessage):
+                pending += [message for _, message in items]
+                for _, message in states.take():
+                    if isinstance(message, StateMessage):
                         self._follow(message)
                 if pending:
                     await self._show(pending[-1])

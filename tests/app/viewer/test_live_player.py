@@ -74,7 +74,9 @@ def test_the_ghost_waits_while_the_pose_is_held(
         }
     )
     messages: list[tuple[str, Any]] = [("state", told(then))] if then else []
-    shown = asyncio.run(ghosts_of(few, [*messages, ("frames", few)], is_calibrating=at_first))
+    # More frames than are kept: a word on the state must not be lost among them.
+    messages += 20 * [("frames", few)]
+    shown = asyncio.run(ghosts_of(few, messages, is_calibrating=at_first))
     assert shown
     assert all((phase is not None) == is_shown for phase in shown)
 
