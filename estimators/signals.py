@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import signal
 
 from estimators import rotation
-from estimators._time_base import ON_THE_TICK, TimeBase, interpolate
+from estimators._time_base import ON_THE_TICK, TimeBase, bridge, interpolate
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import SetupError, ShapeError
 from estimators.recording import Float, ImuChunk, Recording, SampleQuality, SensorSignals
@@ -52,9 +52,10 @@ def to_common_ticks(
 
     Notes
     -----
-    A sensor that is even at `rate_hz` passes bit for bit. Otherwise values are interpolated linearly;
-    where the sensor is much faster than the ticks, the mean of that line over one tick is taken, which
-    keeps the angle that the gyroscope turned through.
+    Across a short gap gyroscope and accelerometer follow a cubic with the slopes of the samples beside it
+    (`bridge`), the magnetometer the chord. A sensor that is even at `rate_hz` passes bit for bit. Otherwise
+    values are interpolated linearly; where the sensor is much faster than the ticks, the mean of that line
+    over one tick is taken, which keeps the angle that the gyroscope turned through.
     """
     if not (np.isfinite(rate_hz) and 1.0 <= rate_hz <= 10_000.0):
         raise SetupError(f"rate {rate_hz} Hz; it must lie between 1 and 10000 Hz")
@@ -73,12 +74,12 @@ def to_common_ticks(
         if not sensor.time_s.size:
             continue
         position = (sensor.time_s - start_s) * rate_hz
-        base = TimeBase(position, ticks, bridge_s * rate_hz)
+        base = TimeBase(position, ticks, bridge_s * rate_hz, 1.0 / rate_hz)
         clipped = at_clip(sensor.gyroscope_radps, gyroscope_clip_radps)
         clipped |= at_clip(sensor.accelerometer_mps2, accelerometer_clip_mps2)
         gyroscope[s], accelerometer[s] = (
-            base.take(sensor.gyroscope_radps),
-            base.take(sensor.accelerometer_mps2),
+            base.take(sensor.gyroscope_radps, curved=True),
+            base.take(sensor.accelerometer_mps2, curved=True),
         )
         quality[s] = base.quality(clipped)
         if sensor.magnetometer_t is not None:
@@ -277,6 +278,7 @@ __all__ = [
     "BRIDGE_S",
     "CausalLowPass",
     "at_clip",
+    "bridge",
     "derivative",
     "interpolate",
     "interpolate_rotations",

@@ -17,6 +17,7 @@ from app.ingest.declaration import Declaration
 from app.ingest.packet import Channel, Packet
 from app.ingest.unpack import Unpacker
 from estimators.recording import Float, ImuChunk, SampleQuality
+from estimators.signals import bridge
 
 REORDER_WINDOW_S = 0.150
 BRIDGE_LIMIT_S = 0.200
@@ -62,6 +63,8 @@ class Aligner:
         self._next_tick = first_tick
         self._last_position = 0.0
         self._last_row: Float | None = None
+        self._last_slope: Float | None = None
+        """Change to the last row per tick; None where the packet held only this row."""
         self.gaps: list[Gap] = []
         """Gaps found since the caller last emptied the list."""
         self.late_packets = 0
@@ -151,11 +154,11 @@ class Aligner:
             return []
         if skip > 0:
             first, signals, quality = self._next_tick, signals[:, :, skip:], quality[:, skip:]
-        pieces = self._fill(first, signals[:, :, 0])
+        pieces = self._fill(first, signals[:, :, 0], _slope(signals[:, :, :2]))
         pieces.append(self._chunk(first, signals, quality))
         self._next_tick = first + signals.shape[2]
         self._last_position = self._next_tick - 1.0
-        self._last_row = signals[:, :, -1]
+        self._last_row, self._last_slope = signals[:, :, -1], _slope(signals[:, :, -2:])
         return pieces
 
     def _interpolate(self, position: Float, signals: Float, quality: NDArray[np.uint8]) -> list[ImuChunk]:
@@ -164,13 +167,14 @@ class Aligner:
         spacing = 1.5 * (position[-1] - position[0]) / max(1, position.shape[0] - 1) or 1.5
         last = self._last_row
         if last is None or position[0] - self._last_position - 1.0 > self._bridge_ticks:
-            pieces = self._fill(max(self._next_tick, int(np.ceil(position[0] - 1e-9))), None)
+            pieces = self._fill(max(self._next_tick, int(np.ceil(position[0] - 1e-9))), None, None)
         else:
             position = np.concatenate([[self._last_position], position])
             signals = np.concatenate([last[:, :, np.newaxis], signals], axis=2)
             quality = np.concatenate([np.zeros_like(quality[:, :1]), quality], axis=1)
         tick = np.arange(self._next_tick, int(np.floor(position[-1] + 1e-9)) + 1)
         self._last_position, self._last_row = float(position[-1]), signals[:, :, -1]
+        self._last_slope = None
         if not tick.size:
             return pieces
         left = np.clip(np.searchsorted(position, tick, side="right") - 1, 0, max(0, position.shape[0] - 2))
@@ -190,8 +194,12 @@ class Aligner:
         self._next_tick += tick.size
         return pieces
 
-    def _fill(self, first: int, row: Float | None) -> list[ImuChunk]:
-        """Fill from the next tick up to `first`: with a line to `row` when the gap is short, else nothing."""
+    def _fill(self, first: int, row: Float | None, slope: Float | None) -> list[ImuChunk]:
+        """Fill from the next tick up to `first`: with a curve to `row` when the gap is short, else nothing.
+
+        Gyroscope and accelerometer leave and reach it with the slopes of the rows outside, the magnetometer
+        follows the chord.
+        """
         start, count = self._next_tick, first - self._next_tick
         if count <= 0:
             return []
@@ -203,6 +211,16 @@ class Aligner:
         self.gaps.append(Gap(start, count, True))
         weight = (np.arange(1, count + 1) / (count + 1))[:, np.newaxis]
         signals = last[:, :, np.newaxis] + weight * (row - last)[:, :, np.newaxis]
+        unknown = np.full_like(last[:2], np.nan)
+        signals[:2] = bridge(
+            last[:2, :, np.newaxis],
+            (unknown if self._last_slope is None else self._last_slope[:2])[:, :, np.newaxis],
+            row[:2, :, np.newaxis],
+            (unknown if slope is None else slope[:2])[:, :, np.newaxis],
+            count + 1.0,
+            weight,
+            (count + 1.0) * self._step_us * 1e-6,
+        )
         quality = np.full(signals.shape[1:3], SampleQuality.BRIDGED, dtype=np.uint8)
         nothing = np.isnan(signals[0]).any(axis=2)
         signals[:, nothing] = np.nan
@@ -221,6 +239,11 @@ class Aligner:
     def _chunk(self, first: int, signals: Float, quality: NDArray[np.uint8]) -> ImuChunk:
         magnetometer = signals[2] if signals.shape[0] == 3 else None
         return ImuChunk(first, self._step_us * 1e-6, signals[0], signals[1], magnetometer, quality)
+
+
+def _slope(rows: Float) -> Float | None:
+    """Return the change from the first to the second of two rows, shape (channels, sensors, 2, 3)."""
+    return rows[:, :, 1] - rows[:, :, 0] if rows.shape[2] == 2 else None
 
 
 def align_chunks(
