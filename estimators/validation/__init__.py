@@ -12,9 +12,17 @@ from collections.abc import Callable, Iterable
 
 from estimators.errors import SetupError
 from estimators.recording import Recording
+from estimators.validation._ankle_dynamics import ANKLE_DYNAMICS
 from estimators.validation._broad import BROAD
 from estimators.validation._broad_conditions import BROAD_CONDITIONS
 from estimators.validation._broad_offline import BROAD_OFFLINE
+from estimators.validation._com_mass_centre import (
+    CUTOFFS,
+    FOOT_DISTANCE,
+    LONG_WALK,
+    MASS_CENTRE,
+    STROKE_GAIT,
+)
 from estimators.validation._foot_placement import FOOT_PLACEMENT
 from estimators.validation._foot_recordings import FOOT_LOOPS, FOOT_STAIRS, FOOT_STRIDES, FOOT_WALKS
 from estimators.validation._functional import FUNCTIONAL_CALIBRATION
@@ -70,6 +78,12 @@ _PROTOCOLS = (
     FOOT_STRIDES,
     FOOT_LOOPS,
     FOOT_STAIRS,
+    ANKLE_DYNAMICS,
+    MASS_CENTRE,
+    CUTOFFS,
+    FOOT_DISTANCE,
+    STROKE_GAIT,
+    LONG_WALK,
     BROAD,
     BROAD_CONDITIONS,
     BROAD_OFFLINE,

@@ -102,16 +102,16 @@ def _rate_of(q: Float) -> Float:
 
 
 _FIGURES = (
-    Figure("force", "N/N", 0.012, 0.012),
+    Figure("force", "N/N", 0.012, 0.012, judged_by="median"),
     Figure("force, no sensor errors", "N/N", 0.003),
     Figure("force forward", "N/N", 0.010, 0.019),
-    Figure("force sideways", "N/N", 0.010, 0.007),
+    Figure("force sideways", "N/N", 0.007, 0.007, judged_by="median"),
     Figure("pressure centre", "mm", 2.0, 5.1),
     Figure("pressure centre, as printed", "mm", 7.0, 5.1),
     Figure("heel position", "mm", 6.0, 18.0, judged_by="median"),
     Figure("heel position, as printed", "mm", 55.0, 18.0),
-    Figure("ankle moment", "Nm/N", 0.0025, 0.004),
-    Figure("ankle moment, share", "%", 1.5, 2.3),
+    Figure("ankle moment", "Nm/N", 0.0025, 0.004, judged_by="median"),
+    Figure("ankle moment, share", "%", 1.5, 2.3, judged_by="median"),
     Figure("ankle power, share", "%", 2.0, 14.0),
     Figure("ankle power against markers", "%", 19.0, 14.0),
     Figure("heel rate", "rad/s", 0.05, 0.85),

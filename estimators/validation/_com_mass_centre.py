@@ -169,7 +169,7 @@ FOOT_DISTANCE = Protocol(
     what="The feet start 180 mm apart, which is not told; found from the law of rotation. Mean error and standard "
     "deviation over the seeds. The simulated feet have mass, which the law leaves out.",
     figures=(
-        Figure("distance, mean error", "mm", 20.0),
+        Figure("distance, mean error", "mm", 10.0),
         Figure("distance, standard deviation", "mm", 20.0),
         Figure("distance, mean error, lively trunk", "mm", 40.0),
         Figure("distance, standard deviation, lively trunk", "mm", 25.0),

@@ -24,6 +24,11 @@ SLOW = {
     "disturbance_iron_cylinder": 10,
     "disturbance_steel_case": 20,
     "foot_placement": 1,
+    "ankle_dynamics": 2,
+    "com_mass_centre": 4,
+    "com_cutoffs": 3,
+    "com_foot_distance": 20,
+    "com_long_walk": 2,
 }
 """With how many seeds: where a mean over the trials is judged, as many as it takes."""
 QUICK = {"disturbance_quarter_turns": 20, "disturbance_elbow_flexion": 10}
