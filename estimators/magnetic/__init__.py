@@ -10,6 +10,7 @@ from estimators.magnetic._coil import (
     dipole_gradient,
     perpendicular_source,
 )
+from estimators.magnetic._coil_calibration import CoilCalibration, calibrate_coils, calibrate_moments
 from estimators.magnetic._iron import IronSphere
 from estimators.magnetic._loop_kernel import MU0_TM_PER_A
 from estimators.magnetic._measurement import (
@@ -32,6 +33,7 @@ from estimators.magnetic._relative_pose import (
     RelativePoseFilter,
     RelativeResult,
 )
+from estimators.magnetic._relative_smoother import SmoothedPose, smooth_relative_pose
 from estimators.magnetic._tracker import Fix, TrackerFlag, TrackerLimits, locate
 from estimators.magnetic._validity import (
     PACEMAKER_LIMIT_T,
@@ -50,6 +52,7 @@ __all__ = [
     "PACEMAKER_LIMIT_T",
     "ClosedForm",
     "Coil",
+    "CoilCalibration",
     "EnergyAccount",
     "FieldModel",
     "Fix",
@@ -61,6 +64,7 @@ __all__ = [
     "RelativePoseFilter",
     "RelativePoseParameters",
     "RelativeResult",
+    "SmoothedPose",
     "Source",
     "TrackerFlag",
     "TrackerLimits",
@@ -69,6 +73,8 @@ __all__ = [
     "axial_reach_m",
     "biot_savart",
     "bursts",
+    "calibrate_coils",
+    "calibrate_moments",
     "choose_coil",
     "choose_current",
     "closed_form",
@@ -89,5 +95,6 @@ __all__ = [
     "predict",
     "range_m",
     "required_moment_am2",
+    "smooth_relative_pose",
     "update",
 ]

@@ -159,7 +159,7 @@ class Source:
         ):
             raise ShapeError(f"coils are numbered 0 to {len(self.coils) - 1}")
         shape = np.broadcast_shapes(position.shape[:-1], numbers.shape, np.shape(current_a))
-        flat = np.array(np.broadcast_to(position, (*shape, 3))).reshape(-1, 3)
+        flat = np.array(np.broadcast_to(position, (*shape, 3)), order="C").reshape(-1, 3)
         chosen = np.array(np.broadcast_to(numbers, shape), dtype=np.int64).reshape(-1)
         currents = np.array(np.broadcast_to(current_a, shape), dtype=np.float64).reshape(-1)
         field, gradient = np.empty((len(flat), 3)), np.empty((len(flat), 3, 3))

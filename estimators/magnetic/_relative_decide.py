@@ -26,12 +26,11 @@ _LIMIT_P, _LIMIT_A, _ON, _OFF, _START_ON = (
     at.OFF_TICKS,
     at.START_ON_TICKS,
 )
-_START_OFF, _CURRENT_SET, _LEAST, _TARGET_P, _TARGET_A = (
+_START_OFF, _CURRENT_SET, _LEAST, _CURRENT_SHARE = (
     at.START_OFF_TICKS,
     at.CURRENT_SETTING,
     at.LEAST_CURRENT,
-    at.TARGET_POSITION,
-    at.TARGET_ATTITUDE,
+    at.CURRENT_SHARE,
 )
 _ADAPTIVE, _BY_DISTANCE, _EARTH, _GAIN, _FIXED = (
     at.ADAPTIVE_CURRENT,
@@ -151,10 +150,11 @@ def decide(
                 for i in range(3):
                     out[_O_SCORES + i] = scores[i]
                 if coil > 0 and settings[_ADAPTIVE] > 0.0:
-                    target = 3.0 * (
-                        (settings[_TARGET_P] / settings[_LIMIT_P]) ** 2
-                        + (settings[_TARGET_A] / settings[_LIMIT_A]) ** 2
-                    )
+                    now = 0.0
+                    for i in range(3):
+                        now += p[i, i] / settings[_LIMIT_P] ** 2 + p[6 + i, 6 + i] / settings[_LIMIT_A] ** 2
+                    least = scores[coil - 1]
+                    target = least + (1.0 - settings[_CURRENT_SHARE]) * (now - least)
                     current = choose_current(loops, float(coil - 1), nominal, rates, settings, p, target)
     if coil > 0:
         out[_O_COIL], out[_O_CURRENT], out[_O_TICKS] = float(coil), current, ticks

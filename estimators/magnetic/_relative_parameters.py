@@ -20,7 +20,7 @@ class RelativePoseParameters:
     `position_limit_m` and `attitude_limit_deg` are the sigmas above which a coil is fired; `distance_scaling` makes
     them grow with the distance (F-24). `pulse_s`, `baseline_samples` and `current_a` describe a pulse;
     `start_pulse_s` and `start_baseline_samples` those of the burst that starts the filter. `adaptive_current` takes
-    the least current that brings the score to that of `target_position_m` and `target_attitude_deg`.
+    the least current that brings `current_share` of what the full one would take off the uncertainty (F-23).
     `fixed_interval_s` above zero fires the coils in turn instead, at that interval, whatever the uncertainty.
     `mounting_direction` is where the sensor is from the source, roughly, in source axes; zero for none.
     `passes` of the iterated update, 1 for the published one. `nis_soft` is where outliers begin to weigh less;
@@ -47,8 +47,7 @@ class RelativePoseParameters:
     start_baseline_samples: int = 8
     adaptive_current: bool = False
     least_current_a: float = 0.1
-    target_position_m: float = 0.012
-    target_attitude_deg: float = 2.0
+    current_share: float = 0.85
     fixed_interval_s: float = 0.0
     mounting_direction: tuple[float, float, float] = (0.0, 0.0, 0.0)
     earth_field_t: float = 4.9e-5
@@ -67,7 +66,7 @@ class RelativePoseParameters:
     field_norm_limit: float = 0.05
     field_dip_limit_deg: float = 3.0
     disturbed_factor: float = 100.0
-    retry_s: float = 5.0
+    retry_s: float = 2.0
     response_s: float = 0.1
     alarm_hold_s: float = 1.0
     inconsistent_deg: float = 20.0
@@ -132,8 +131,7 @@ def to_settings(p: RelativePoseParameters, time_step_s: float, coils: int) -> Fl
         (at.START_OFF_TICKS, p.start_baseline_samples),
         (at.CURRENT_SETTING, p.current_a),
         (at.LEAST_CURRENT, p.least_current_a),
-        (at.TARGET_POSITION, p.target_position_m),
-        (at.TARGET_ATTITUDE, math.radians(p.target_attitude_deg)),
+        (at.CURRENT_SHARE, min(p.current_share, 1.0)),
         (at.ADAPTIVE_CURRENT, float(p.adaptive_current)),
         (at.SCALE_BY_DISTANCE, float(p.distance_scaling)),
         (at.EARTH_FIELD, p.earth_field_t),

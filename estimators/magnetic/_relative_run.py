@@ -61,10 +61,14 @@ _ALARM, _PUBLISHED, _COILS, _USE_INCLINATION, _O_P = (
 )
 _O_Q, _O_U, _O_COV, _O_NIS, _O_FLAGS = at.O_ATTITUDE, at.O_VELOCITY, at.O_COVARIANCE, at.O_NIS, at.O_FLAGS
 
-_GAP_FORCE, _GAP_RATE = 5.0, 1.0
-"""Noise of a held sample: an arm in motion may do this much while nothing is heard of it."""
-_WINDOW_LIMIT = 37.7
-"""99.9 % point of chi-square with the 15 degrees of freedom of five pulses."""
+_GAP_LENGTH, _TRACK = at.GAP_LENGTH, at.TRACK
+_GAP_FORCE, _GAP_RATE = 30.0, 8.0
+"""White noise of a held sample that stands for 3 m/s^2 and 1 rad/s held wrongly over some tenths of a second."""
+_LONG_GAP_S = 0.3
+"""After this the pose is asked for anew."""
+_ALONE_FACTOR = 10.0
+_PAIR_LIMIT, _WINDOW_LIMIT = 22.46, 37.7
+"""99.9 % points of chi-square with the degrees of freedom of two and of five pulses."""
 
 
 @kernel(
@@ -122,7 +126,8 @@ def end_pulse(
         memory[_WINDOW + i] = memory[_WINDOW + i + 1]
         total += memory[_WINDOW + i]
     memory[_WINDOW + _LENGTH - 1] = nis
-    if nis > settings[_NIS_SOFT] or total > _WINDOW_LIMIT:
+    pair = nis + memory[_WINDOW + _LENGTH - 2]
+    if nis > settings[_NIS_SOFT] or pair > _PAIR_LIMIT or total > _WINDOW_LIMIT:
         counters[_ALARM_UNTIL] = counters[_TICK] + int(settings[_ALARM])
     counters[_STREAK] = counters[_STREAK] + 1 if nis > settings[_NIS_STREAK] else 0
     if counters[_STREAK] >= 3:
@@ -158,14 +163,18 @@ def tick(
     for i in range(_SAMPLE):
         row[i] = sample[i]
     last = memory[_LAST : _LAST + 15]
-    if not whole:
-        # Held values keep the pulse extraction going; what they may hide goes into the noise.
-        for i in range(6):
-            row[i] = last[i]
-        for i in range(9, 15):
-            row[i] = last[i]
+    if whole:
+        if counters[_GAP_LENGTH] * settings[_T] > _LONG_GAP_S and counters[_PHASE] == _TRACK:
+            counters[_PHASE] = _GATHER
+            counters[_BURST_COIL] = 0
+            counters[_FAILURES] = 0
+        counters[_GAP_LENGTH] = 0
+    else:
+        counters[_GAP_LENGTH] += 1
+        # No pulse may be read across what the gyroscope did not see.
+        row[0] = math.nan
     signals, rates = np.empty(12), np.empty(6)
-    corrected(nominal, last, row, signals)
+    corrected(nominal, last, row if whole else last, signals)
     if counters[_STARTED] > 0:
         force = settings[_FORCE] if whole else _GAP_FORCE
         rate = settings[_RATE] if whole else _GAP_RATE
@@ -177,7 +186,8 @@ def tick(
     inclined = counters[_STARTED] > 0 and static and settings[_USE_INCLINATION] > 0.0
     if inclined and counters[_TICK] % int(settings[_INCLINE]) == 0:
         corrected(nominal, row, row, signals)
-        update_inclination(nominal, signals, settings, p, work[0])
+        factor = 1.0 if counters[_PHASE] == _TRACK else _ALONE_FACTOR
+        update_inclination(nominal, signals, settings, factor, p, work[0])
     out[:] = 0.0
     out[_O_NIS] = math.nan
     coil, before = (
@@ -225,8 +235,9 @@ def tick(
         counters[_FAILURES] = 0
         counters[_PENDING] = 0
     decide(loops, settings, rates, nominal, p, counters, out)
-    for i in range(15):
-        last[i] = row[i]
+    if whole:
+        for i in range(15):
+            last[i] = row[i]
     for i in range(3):
         out[_O_P + i], out[_O_U + i] = nominal[_P + i], nominal[_U + i]
     for i in range(4):

@@ -13,9 +13,8 @@ from estimators.magnetic import _relative_layout as at
 from estimators.magnetic._coil import Source
 from estimators.magnetic._relative_motion import corrected, dynamics, inject, mechanise, predict
 from estimators.magnetic._relative_pose import RelativeChunk, RelativePoseFilter, RelativeResult
-from estimators.magnetic._small_algebra import cholesky, solve_rows, symmetrise
+from estimators.magnetic._small_algebra import cholesky, multiply_turned, solve_rows, symmetrise
 from estimators.magnetic._small_algebra import multiply as matrix_multiply
-from estimators.magnetic._small_algebra import multiply_turned
 from estimators.recording import Float
 
 _T, _DECAY, _PUBLISHED, _FORCE, _RATE = (

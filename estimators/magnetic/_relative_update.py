@@ -16,7 +16,13 @@ _BA, _BG, _BAC, _BGC = at.FORCE_BIAS, at.RATE_BIAS, at.SOURCE_FORCE_BIAS, at.SOU
 _EP, _EU, _ET, _EA, _EAC = at.E_POSITION, at.E_VELOCITY, at.E_ATTITUDE, at.E_FORCE, at.E_SOURCE_FORCE
 _GYR, _FIELD, _COIL, _CURRENT, _RING = at.GYROSCOPE, at.FIELD, at.COIL, at.CURRENT, at.RING
 _FIELD_SIGMA, _RATE_SIGMA, _TIME_STEP, _EARTH = at.FIELD_SIGMA, at.RATE_SIGMA, at.TIME_STEP, at.EARTH_FIELD
-_GAIN_SIGMA, _PASSES, _FULL_SCALE, _NIS_SOFT = at.GAIN_SIGMA, at.PASSES, at.FULL_SCALE, at.NIS_SOFT
+_GAIN_SIGMA, _PASSES, _FULL_SCALE, _NIS_SOFT, _NIS_STREAK = (
+    at.GAIN_SIGMA,
+    at.PASSES,
+    at.FULL_SCALE,
+    at.NIS_SOFT,
+    at.NIS_STREAK,
+)
 _INCLINATION_SIGMA = at.INCLINATION_SIGMA
 _DONE = 1e-7
 
@@ -221,6 +227,9 @@ def update_pulse(
             return -1.0
         if number == 0:
             first = nis
+            if nis > settings[_NIS_STREAK]:
+                # Nothing that the filter believes possible: three of these in a row ask for a new burst instead.
+                return first
             if nis > settings[_NIS_SOFT]:
                 # R += (NIS / limit - 1) S: an outlier weighs less the farther out it is, but is never shut out.
                 share = nis / settings[_NIS_SOFT] - 1.0
@@ -256,9 +265,15 @@ def update_pulse(
     return first
 
 
-@kernel("void(float64[::1], float64[::1], float64[::1], float64[:, ::1], float64[:, ::1])")
-def update_inclination(nominal: Float, signals: Float, settings: Float, p: Float, work: Float) -> None:
-    """Correct by the gravity that both modules see while quasi-static: R^T f_c = f_s (method page 3.9b)."""
+@kernel("void(float64[::1], float64[::1], float64[::1], float64, float64[:, ::1], float64[:, ::1])")
+def update_inclination(
+    nominal: Float, signals: Float, settings: Float, factor: float, p: Float, work: Float
+) -> None:
+    """Correct by the gravity that both modules see while quasi-static: R^T f_c = f_s (method page 3.9b).
+
+    `factor` scales the variance: accelerations last for longer than the interval between updates, which matters
+    once no pulse corrects what that overstates.
+    """
     n = p.shape[0]
     h, gain, noise = np.zeros((3, n)), np.empty((n, 3)), np.zeros((3, 3))
     innovation, correction, r = np.empty(3), np.empty(n), np.empty((3, 3))
@@ -268,7 +283,7 @@ def update_inclination(nominal: Float, signals: Float, settings: Float, p: Float
     )
     for i in range(3):
         innovation[i] = seen[i] - signals[3 + i]
-        noise[i, i] = settings[_INCLINATION_SIGMA] ** 2
+        noise[i, i] = factor * settings[_INCLINATION_SIGMA] ** 2
         h[i, _EA + i] = -1.0
         for j in range(3):
             h[i, _EAC + j] = r[j, i]

@@ -188,7 +188,7 @@ def _search(
     position, q = seed.position_m, seed.q_source_sensor
     loops, weight = source.loops, 1.0 / noise**2
     found: list[_Solution] = []
-    concentric = all(bool(np.linalg.norm(coil.centre_m) < 1e-6) for coil in source.coils)
+    concentric = not offset.any() and all(bool(np.linalg.norm(coil.centre_m) < 1e-6) for coil in source.coils)
     for sign in (1.0, -1.0):
         if concentric and sign < 0.0 and found:
             # The mirror image fits exactly as well, with the same orientation.
@@ -208,7 +208,7 @@ def _search(
                 )
                 if np.isfinite(cost) and np.linalg.cond(information) < 1e14:
                     found.append((float(cost), pose, information))
-            if found and min(found)[0] < bounds.chi_square and concentric:
+            if found and min(cost for cost, _, _ in found) < bounds.chi_square and concentric:
                 break
     return found
 

@@ -1,0 +1,154 @@
+"""Finding out what a source really is: moments, places and directions of its coils from known poses."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import least_squares
+
+from estimators.errors import CalibrationError, ShapeError
+from estimators.magnetic._coil import Source
+from estimators.magnetic._measurement import predict
+from estimators.recording import Float
+
+_PER_COIL = 6
+"""Unknowns: relative moment, place (3), tilt of the axis (2)."""
+_LEAST_POSES = 4
+_TILT_M = 0.1
+"""Lever that brings tilts to the scale of places."""
+
+
+@dataclass(frozen=True)
+class CoilCalibration:
+    """What was found.
+
+    Attributes
+    ----------
+    source : Source
+        With corrected turns (they carry the moment), centres and axes.
+    moment_sigma : ndarray, shape (C,)
+        Relative standard error of each moment.
+    place_sigma_m : ndarray, shape (C,)
+        Largest standard error of each centre along any axis.
+    direction_sigma_rad : ndarray, shape (C,)
+    residual_t : float
+        Root mean square of what the pulses leave.
+    """
+
+    source: Source
+    moment_sigma: Float
+    place_sigma_m: Float
+    direction_sigma_rad: Float
+    residual_t: float
+
+
+def calibrate_moments(source: Source, distance_m: float, strength_t: ArrayLike, current_a: float) -> Source:
+    """Set the moments from one coaxial measurement each (Roetenberg eq. 5.18; method page 2.9).
+
+    Parameters
+    ----------
+    distance_m : float
+        From the centre of each coil, on its axis.
+    strength_t : array_like, shape (C,)
+        Field measured along the axis.
+    """
+    found = np.asarray(strength_t, dtype=np.float64)
+    if found.shape != (len(source.coils),) or not (found > 0.0).all() or not distance_m > 0.0:
+        raise ShapeError("one field above zero for each coil is needed, and a distance above zero")
+    coils = []
+    for number, coil in enumerate(source.coils):
+        point = np.asarray(coil.centre_m) + distance_m * coil.unit_axis
+        expected = float(source.field(number, current_a, point) @ coil.unit_axis)
+        coils.append(replace(coil, turns=coil.turns * float(found[number]) / expected))
+    return replace(source, coils=tuple(coils))
+
+
+def calibrate_coils(
+    source: Source,
+    position_m: ArrayLike,
+    q_source_sensor: ArrayLike,
+    pulses_t: ArrayLike,
+    current_a: ArrayLike,
+    sigma_t: float,
+) -> CoilCalibration:
+    """Fit moment, place and direction of every coil to pulses at known poses.
+
+    Parameters
+    ----------
+    source : Source
+        As designed.
+    position_m, q_source_sensor : array_like, shape (N, 3) and (N, 4)
+        Poses from a reference; four or more, spread in direction, some near.
+    pulses_t : array_like, shape (N, C, 3)
+        Pulse values in sensor axes.
+    current_a : array_like, shape (N, C) or scalar
+    sigma_t : float
+        Noise of a pulse value.
+
+    Raises
+    ------
+    CalibrationError
+        If the poses do not tell all unknowns, or the fit does not explain the pulses.
+    """
+    position = np.asarray(position_m, dtype=np.float64)
+    q = np.asarray(q_source_sensor, dtype=np.float64)
+    pulses = np.asarray(pulses_t, dtype=np.float64)
+    count, coils = len(position), len(source.coils)
+    if pulses.shape != (count, coils, 3) or q.shape != (count, 4):
+        raise ShapeError(f"{count} poses of {coils} coils need pulses of shape ({count}, {coils}, 3)")
+    if count < _LEAST_POSES:
+        raise CalibrationError(f"{count} poses; place the sensor in {_LEAST_POSES} or more, spread around")
+    currents = np.broadcast_to(np.asarray(current_a, dtype=np.float64), (count, coils))
+    found, moments, places, tilts = [], [], [], []
+    total = 0.0
+    for number in range(coils):
+
+        def residuals(x: Float, number: int = number) -> Float:
+            trial = _changed(source, number, x)
+            seen = predict(trial, number, currents[:, number], position, q).field_sensor_t
+            return np.asarray((seen - pulses[:, number]).reshape(-1) / sigma_t)
+
+        fit = least_squares(residuals, np.zeros(_PER_COIL), x_scale=[0.02, 0.01, 0.01, 0.01, 0.01, 0.01])
+        jacobian = np.asarray(fit.jac, dtype=np.float64)
+        information = jacobian.T @ jacobian
+        scale = np.sqrt(np.diag(information))
+        if (scale == 0.0).any() or np.linalg.cond(information / np.outer(scale, scale)) > 1e8:
+            raise CalibrationError(
+                f"the poses do not tell where coil {number + 1} is; take some nearer and in other directions"
+            )
+        freedom = 3 * count - _PER_COIL
+        if 2.0 * fit.cost > freedom + 6.0 * np.sqrt(2.0 * freedom):
+            raise CalibrationError(
+                f"no coil explains the pulses of coil {number + 1}: check the poses, look for iron, and repeat"
+            )
+        sigma = np.sqrt(np.diag(np.linalg.inv(information)))
+        found.append(_changed(source, number, fit.x).coils[number])
+        moments.append(float(sigma[0]))
+        places.append(float(sigma[1:4].max()))
+        tilts.append(float(np.hypot(*sigma[4:]) / _TILT_M))
+        total += 2.0 * fit.cost
+    return CoilCalibration(
+        replace(source, coils=tuple(found)),
+        np.array(moments),
+        np.array(places),
+        np.array(tilts),
+        sigma_t * float(np.sqrt(total / pulses.size)),
+    )
+
+
+def _changed(source: Source, number: int, x: Float) -> Source:
+    coil = source.coils[number]
+    axis = coil.unit_axis
+    first = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    first /= np.linalg.norm(first)
+    turned = axis + (x[4] * first + x[5] * np.cross(axis, first)) / _TILT_M
+    other = replace(
+        coil,
+        turns=coil.turns * (1.0 + float(x[0])),
+        centre_m=tuple((np.asarray(coil.centre_m) + x[1:4]).tolist()),
+        axis=tuple(turned.tolist()),
+    )
+    return replace(source, coils=(*source.coils[:number], other, *source.coils[number + 1 :]))
+
+
+__all__ = ["CoilCalibration", "calibrate_coils", "calibrate_moments"]
