@@ -7,7 +7,8 @@ import { aligned, type Line } from './scales';
 const DASHES: (readonly number[] | undefined)[] = [undefined, [9, 5], [3, 4], [12, 4, 3, 4], [6, 3], [2, 3]];
 const COLOURS = 6;
 
-const dashOf = (index: number) => DASHES[index % DASHES.length];
+/** With more lines than colours a colour comes again, but never with the same stroke. */
+const dashOf = (index: number) => DASHES[(index + Math.floor(index / COLOURS)) % DASHES.length];
 const colourOf = (index: number): `--tm-${string}` => `--tm-series-${(index % COLOURS) + 1}`;
 
 export interface LineChartProps {

@@ -39,7 +39,7 @@ export function LiveButtons({ sessionId, state, isRecording }: LiveButtonsProps)
     <section className="live-buttons card" aria-label={t('live.controls')}>
       <Group gap="sm">
         {isRecording ? (
-          <Button size="lg" color="dark.6" autoContrast leftSection={<IconPlayerStopFilled size={20} aria-hidden />} loading={deed.isPending && deed.variables === 'stop'} onClick={() => deed.mutate('stop')}>
+          <Button size="lg" className="stop-button" leftSection={<IconPlayerStopFilled size={20} aria-hidden />} loading={deed.isPending && deed.variables === 'stop'} onClick={() => deed.mutate('stop')}>
             {t('live.stop')}
           </Button>
         ) : (
