@@ -172,11 +172,11 @@ def process(
     recording: Annotated[Path, typer.Argument(help="A recording file.", exists=True, dir_okay=False)],
     out: Annotated[Path, typer.Option(help="Folder for the results; made when absent.")],
     pipeline: Annotated[
-        str, typer.Option(help="arm (joint angles) or orientation (single sensors).")
+        str, typer.Option(help="arm (joint angles), gait (feet and strides) or orientation (single sensors).")
     ] = "arm",
     orientation: Annotated[str, typer.Option(help="Orientation estimator, e.g. vqf.")] = "vqf",
     format: Annotated[
-        str, typer.Option(help="auto, packet_log, csv, qmt_mat, broad (.mat or .hdf5).")
+        str, typer.Option(help="auto, packet_log, csv, qmt_mat, broad, pyshoe, gait_tracking or gaitmap.")
     ] = "auto",
     mapping: Annotated[
         Path | None, typer.Option(help="JSON file that says which CSV columns hold what.")

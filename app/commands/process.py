@@ -10,6 +10,7 @@ import pyarrow.csv
 import pyarrow.parquet
 import typer
 
+from app.commands.process_walk import write_walk
 from app.errors import InvalidInput
 from app.ingest import readers
 from app.ingest.upload import estimated
@@ -81,9 +82,16 @@ def process(
         orientation=orientation,
         orientation_parameters=json.loads(parameters),
     )
-    _check(measured, setup, force=force, hemisphere=hemisphere)
-    frames, used = pipelines.run(measured, setup, pose, elbows_from_movement=pipeline == "arm")
-    out.mkdir(parents=True, exist_ok=True)
+    if pipeline == "gait":
+        # A foot in full walk is rarely still: what a resting sensor must show is no measure of it.
+        walk = pipelines.analyse_walk(measured, setup)
+        frames, used = walk.frames, setup
+        out.mkdir(parents=True, exist_ok=True)
+        write_walk(walk, out)
+    else:
+        _check(measured, setup, force=force, hemisphere=hemisphere)
+        frames, used = pipelines.run(measured, setup, pose, elbows_from_movement=pipeline == "arm")
+        out.mkdir(parents=True, exist_ok=True)
     table = frames_table(frames)
     pyarrow.parquet.write_table(table, out / "frames.parquet")
     pyarrow.csv.write_csv(table, out / "frames.csv")
