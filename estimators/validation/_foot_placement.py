@@ -7,6 +7,7 @@ import numpy as np
 
 from estimators.conventions import SIDES
 from estimators.gait import find_strides, foot_placement, smooth
+from estimators.kinetics import shoe_contact, shoe_pose
 from estimators.recording import Float
 from estimators.simulation import gait_preset, simulate_gait
 from estimators.validation._protocol import Data, Figure, Protocol, Values
@@ -104,12 +105,44 @@ _TABLE: tuple[tuple[str, str, float | None, tuple[float | None, float | None], b
 )
 
 
+def _published_errors(seed: int) -> dict[str, Float]:
+    """Return errors of stride length of the strapdown methods between force events, one trial, both feet, m."""
+    scenario = replace(gait_preset("placement", 1000 * seed), rate_hz=_RATE_HZ)
+    walk = simulate_gait(scenario)
+    errors: dict[str, list[Float]] = {"flat": [], "published": []}
+    for side in SIDES:
+        heel, forefoot = (walk.recording.sensors[f"{part}_{side}"] for part in ("heel", "forefoot"))
+        if heel.force_n is None or forefoot.force_n is None:
+            raise ValueError("simulated shoes have load cells")
+        contact = shoe_contact(heel.force_n[:, 2], forefoot.force_n[:, 2], _RATE_HZ)
+        true = walk.truth.feet[side].foothold_m[:, :2]
+        for mode, found in errors.items():
+            pose = shoe_pose(
+                (heel.gyroscope_radps, heel.accelerometer_mps2),
+                (forefoot.gyroscope_radps, forefoot.accelerometer_mps2),
+                contact,
+                _RATE_HZ,
+                scenario.shoe,
+                mode="flat" if mode == "flat" else "published",
+            )
+            holds = np.array([pose.heel_m[a:b, :2].mean(axis=0) for a, b in contact.core])
+            if len(holds) != len(true):
+                return {name: np.full(1, np.nan) for name in errors}
+            length = np.linalg.norm(np.diff(holds, axis=0), axis=1)
+            found.append(length - np.linalg.norm(np.diff(true, axis=0), axis=1))
+    return {mode: np.concatenate(found)[1:-1] for mode, found in errors.items()}
+
+
 def _placement(seeds: Sequence[int], data: Data) -> Values:
     found: dict[str, list[float]] = {}
     for seed in seeds:
         for model, errors in _MODELS.items():
             for name, value in _scores(subject(seed, errors)).items():
                 found.setdefault(f"{name}, {model}", []).append(value)
+        for mode, error in _published_errors(seed).items():
+            found.setdefault(f"stride length, mean error of the {mode} strapdown", []).append(
+                float(error.mean())
+            )
     ideal = _windows(subject(10_000, "ideal"), 3)
     exact = {
         "lateral placement, rms error without sensor errors": np.array([_rms(ideal[0] - ideal[1])]),
@@ -131,6 +164,8 @@ FOOT_PLACEMENT = Protocol(
             for i, model in enumerate(_MODELS)
             for name, unit, published, limits, at_most in _TABLE
         ),
+        Figure("stride length, mean error of the flat strapdown", "m", 0.003, judged_by="median"),
+        Figure("stride length, mean error of the published strapdown", "m", -0.020, judged_by="median"),
         Figure("lateral placement, rms error without sensor errors", "m", 0.0002),
         Figure("stride length, rms error without sensor errors", "m", 0.001),
     ),
