@@ -23,5 +23,7 @@ export default defineConfig({
     include: ['tests/**/*.test.{ts,tsx}'],
     setupFiles: ['tests/setup.ts'],
     restoreMocks: true,
+    // On a machine that is busy with something else a test may wait long for its turn.
+    testTimeout: 20_000,
   },
 });
