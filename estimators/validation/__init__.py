@@ -23,6 +23,7 @@ from estimators.validation._com_mass_centre import (
     MASS_CENTRE,
     STROKE_GAIT,
 )
+from estimators.validation._foot_conditions import FOOT_CONDITIONS
 from estimators.validation._foot_placement import FOOT_PLACEMENT
 from estimators.validation._foot_recordings import FOOT_LOOPS, FOOT_STAIRS, FOOT_STRIDES, FOOT_WALKS
 from estimators.validation._functional import FUNCTIONAL_CALIBRATION
@@ -32,6 +33,8 @@ from estimators.validation._luinge_consistency import CONSISTENCY
 from estimators.validation._luinge_offset import OFFSET_RECOVERY, STILL_SENSOR
 from estimators.validation._luinge_tasks import INCLINATION_TASKS
 from estimators.validation._magnetic import MAGNETIC_CALIBRATION
+from estimators.validation._magnetic_tracker import MAGNETIC_MOVEMENTS, MAGNETIC_TRACKER
+from estimators.validation._magnetic_tracker_model import MAGNETIC_BENCH, MAGNETIC_MAPS, MAGNETIC_UPDATES
 from estimators.validation._protocol import (
     Curve,
     Data,
@@ -41,6 +44,22 @@ from estimators.validation._protocol import (
     Protocol,
     ProtocolResult,
     run_protocol,
+)
+from estimators.validation._relative_pose import (
+    RELATIVE_POSE_SMOOTHING,
+    RELATIVE_POSE_START,
+    RELATIVE_POSE_TABLE,
+)
+from estimators.validation._relative_pose_actuation import (
+    RELATIVE_POSE_ACTUATION,
+    RELATIVE_POSE_ENERGY,
+    RELATIVE_POSE_FEET,
+    RELATIVE_POSE_MODELS,
+)
+from estimators.validation._relative_pose_faults import (
+    RELATIVE_POSE_FAULTS,
+    RELATIVE_POSE_IRON,
+    RELATIVE_POSE_TEN_HOURS,
 )
 from estimators.validation._render import to_data, to_json, to_table
 from estimators.validation._roetenberg_case import STEEL_CASE
@@ -74,6 +93,7 @@ _PROTOCOLS = (
     ELBOW_FLEXION,
     STEEL_CASE,
     FOOT_PLACEMENT,
+    FOOT_CONDITIONS,
     FOOT_WALKS,
     FOOT_STRIDES,
     FOOT_LOOPS,
@@ -84,6 +104,21 @@ _PROTOCOLS = (
     FOOT_DISTANCE,
     STROKE_GAIT,
     LONG_WALK,
+    MAGNETIC_BENCH,
+    MAGNETIC_MAPS,
+    MAGNETIC_UPDATES,
+    MAGNETIC_TRACKER,
+    MAGNETIC_MOVEMENTS,
+    RELATIVE_POSE_TABLE,
+    RELATIVE_POSE_SMOOTHING,
+    RELATIVE_POSE_START,
+    RELATIVE_POSE_ACTUATION,
+    RELATIVE_POSE_ENERGY,
+    RELATIVE_POSE_MODELS,
+    RELATIVE_POSE_FEET,
+    RELATIVE_POSE_IRON,
+    RELATIVE_POSE_FAULTS,
+    RELATIVE_POSE_TEN_HOURS,
     BROAD,
     BROAD_CONDITIONS,
     BROAD_OFFLINE,

@@ -24,6 +24,7 @@ SLOW = {
     "disturbance_iron_cylinder": 20,
     "disturbance_steel_case": 20,
     "foot_placement": 1,
+    "foot_placement_conditions": 1,
     "ankle_dynamics": 2,
     "com_mass_centre": 4,
     "com_cutoffs": 3,
