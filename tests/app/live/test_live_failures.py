@@ -15,6 +15,7 @@ from sqlalchemy import Engine, update
 from app.database.unit_of_work import unit_of_work
 from app.errors import Conflict
 from app.gateway import DeviceStream, stream_of
+from app.ingest import websocket as ingest_websocket
 from app.live import manager as live_manager
 from app.live import repository
 from app.live.bus import MemoryBus
@@ -108,9 +109,27 @@ def test_a_failed_estimation_keeps_storing_and_leaves_the_others_alone(
     assert "error" in {event["kind"] for event in found["events"]}
 
 
+@pytest.mark.parametrize(
+    ("check_every_s", "is_told"),
+    [
+        # The right is checked at a random moment within this time: practically never before the store fails ...
+        (1e6, lambda message: message.get("state") == "failed"),
+        # ... or at once: then the gateway is told that there is no such session.
+        (0.0, lambda message: message["type"] == "error" and message["closing"]),
+    ],
+    ids=["store", "right"],
+)
 def test_a_session_that_is_erased_while_it_streams_harms_nobody(
-    therapist: Any, world: Any, stream: DeviceStream, engine: Engine
+    therapist: Any,
+    world: Any,
+    stream: DeviceStream,
+    engine: Engine,
+    monkeypatch: pytest.MonkeyPatch,
+    check_every_s: float,
+    is_told: Callable[[dict[str, Any]], bool],
 ) -> None:
+    """Whichever notices first, storing or the check of the right, tells the gateway."""
+    monkeypatch.setattr(ingest_websocket, "CHECK_RIGHT_EVERY_S", check_every_s)
     erased = new_session(therapist, world.patient_id, stream)
     sound = new_session(therapist, world.other_patient_id, stream)
     with (
@@ -120,13 +139,14 @@ def test_a_session_that_is_erased_while_it_streams_harms_nobody(
         socket.send_text(hello(therapist, erased, stream))
         neighbour.send_text(hello(therapist, sound, stream))
         receive_until(socket, lambda message: message["type"] == "acknowledge")
+        receive_until(neighbour, lambda message: message["type"] == "acknowledge")
         with engine.begin() as connection:
             connection.exec_driver_sql("DELETE FROM motion_session WHERE id = ?", (erased,))
         for number in range(5):
             socket.send_bytes(stream.packet(number))
             neighbour.send_bytes(stream.packet(number))
         receive_until(neighbour, lambda message: message.get("acknowledged") == 4)
-        receive_until(socket, lambda message: message.get("state") == "failed")
+        receive_until(socket, is_told)
 
 
 def test_an_interrupted_session_is_taken_note_of_and_closed_when_nobody_comes_back(
