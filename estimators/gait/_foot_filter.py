@@ -138,16 +138,17 @@ class Records:
             self.spread[place],
         )
 
-    def forget(self, count: int, total: int) -> None:
-        """Drop the first `count` of `total` records."""
+    def move_to_front(self, start: int, stop: int) -> None:
+        """Keep the records `[start, stop)` only, at the start of the arrays."""
         for name in _KEPT:
             values = getattr(self, name)
-            values[: total - count] = values[count:total]
+            values[: stop - start] = values[start:stop]
 
-    def backward(self, first: int, stop: int, adjoint: Float, smooth: Float) -> None:
-        """Smooth the records `[first, stop)` into `smooth`, updating the adjoint."""
+    def backward(self, first: int, wanted: int, stop: int, adjoint: Float, smooth: Float) -> None:
+        """Go back over the records `[first, stop)`, smooth `[first, wanted)`, and update the adjoint."""
         _foot_kernel.backward(
             first,
+            wanted,
             stop,
             self.prior,
             self.prior_p,

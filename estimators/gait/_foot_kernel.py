@@ -401,11 +401,12 @@ def forward(
 
 
 @kernel(
-    "void(int64, int64, float64[:, ::1], float64[:, :, ::1], float64[:, ::1], int64[::1], float64[:, :, ::1],"
-    " float64[:, :, ::1], float64[:, ::1], float64[::1], float64[:, ::1])"
+    "void(int64, int64, int64, float64[:, ::1], float64[:, :, ::1], float64[:, ::1], int64[::1],"
+    " float64[:, :, ::1], float64[:, :, ::1], float64[:, ::1], float64[::1], float64[:, ::1])"
 )
 def backward(
     first: int,
+    wanted: int,
     stop: int,
     prior: Float,
     prior_p: Float,
@@ -421,12 +422,13 @@ def backward(
 
     Parameters
     ----------
-    first, stop : int
+    first, wanted, stop : int
+        States are written for `[first, wanted)`; further ones only tell these what came later.
     prior, prior_p, steps, row_count, rows, gains, ratios : ndarray
         As `forward` left them.
     adjoint : ndarray, shape (ERRORS,)
         What later samples say; zeros at the end of what is known. Input and output.
-    smooth : ndarray, shape (K, STATE)
+    smooth : ndarray, shape (wanted - first, STATE)
         Output.
     """
     error = np.empty(_N)
@@ -437,12 +439,13 @@ def backward(
                 scale -= gains[k, m, i] * adjoint[i]
             for i in range(_N):
                 adjoint[i] += rows[k, m, i] * scale
-        for i in range(_N):
-            value = 0.0
-            for j in range(_N):
-                value += prior_p[k, i, j] * adjoint[j]
-            error[i] = value
-        _correct(prior[k], error, smooth[k])
+        if k < wanted:
+            for i in range(_N):
+                value = 0.0
+                for j in range(_N):
+                    value += prior_p[k, i, j] * adjoint[j]
+                error[i] = value
+            _correct(prior[k], error, smooth[k - first])
         step = steps[k]
         h = step[_H]
         wx = 0.5 * h * adjoint[0] + adjoint[_EV]

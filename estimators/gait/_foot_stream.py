@@ -27,6 +27,10 @@ BRIDGED, MISSING, CLIPPED, FIELD = 1, 2, 4, 8
 COLUMNS = at.STATE + 6 + 2
 """What is released of a sample: state, sigma of position and attitude, T, and whether it is stance."""
 _RAW = 9
+_ROOM = 18
+"""Blocks of records beyond the lag, so that they are moved rarely."""
+_NO_STANCE, _INVALID = int(FootFlag.NO_STANCE), int(FootFlag.INVALID)
+_BRIDGED, _SATURATED = int(FootFlag.BRIDGED), int(FootFlag.SATURATED)
 _UPRIGHT = np.array([0.0, 0.0, GRAVITY_MPS2])
 
 
@@ -48,7 +52,8 @@ class FootStream:
         self.block = max(1, round(parameters.release_s * rate_hz))
         self.lag = self.block * max(1, round(parameters.lag_s / parameters.release_s))
         self._settings = settings_of(parameters)
-        self._records = Records(self.lag + 2 * self.block)
+        self._records = Records(self.lag + _ROOM * self.block)
+        self._base = 0  # record of the first tick not yet released
         self.first = -1  # no measured sample yet
         self.origin = 0  # tick of the first buffered sample
         self.stop = 0  # ticks taken
@@ -177,6 +182,8 @@ class FootStream:
     def _gap_s(self, first: int, end: int) -> Float:
         """Return for ticks `[first - 1, end]` the length of the gap they fill, as far as may be known."""
         filled = (self._kind & (BRIDGED | MISSING)) != 0
+        if not filled.any():
+            return np.zeros(end + 2 - first)
         count = len(filled)
         places = np.arange(count)
         before = places - np.maximum.accumulate(np.where(filled, -1, places))
@@ -211,7 +218,7 @@ class FootStream:
         raw = self._raw[start - self.origin : stop - self.origin]
         bits = inputs[:, 1].astype(np.uint8)
         self._records.forward(
-            slice(start - origin, stop - origin),
+            slice(self._base + start - origin, self._base + stop - origin),
             np.full(stop - start, 1.0 / self.rate_hz),
             np.ascontiguousarray(raw[:, 0:3]),
             np.ascontiguousarray(raw[:, 3:6]),
@@ -233,22 +240,26 @@ class FootStream:
         values = np.zeros((count, COLUMNS))
         values[:, at.Q] = 1.0
         values[:, at.STATE : at.STATE + 6] = np.inf
-        flags = np.full(count, int(FootFlag.INVALID | FootFlag.NO_STANCE), dtype=np.uint8)
+        flags = np.full(count, _INVALID | _NO_STANCE, dtype=np.uint8)
         known = max(self.released, self.first)
         if self.first >= 0 and upto > known:
             origin = self.origin_of_inputs
             given = upto - known
-            state = np.empty((boundary - origin, at.STATE))
-            self._records.backward(0, boundary - origin, np.zeros(at.ERRORS), state)
+            state = np.empty((given, at.STATE))
+            base, end = self._base, self._base + boundary - origin
+            self._records.backward(base, base + given, end, np.zeros(at.ERRORS), state)
             inputs = self._inputs[: boundary - origin]
             place = slice(count - given, count)
-            values[place, : at.STATE] = state[:given]
-            values[place, at.STATE : at.STATE + 6] = root(self._records.spread[:given])
+            values[place, : at.STATE] = state
+            values[place, at.STATE : at.STATE + 6] = root(self._records.spread[base : base + given])
             values[place, at.STATE + 6] = inputs[:given, 2]
             values[place, at.STATE + 7] = _stands(inputs[:given])
             kind = self._kind[known - self.origin : upto - self.origin]
             flags[place] = self._flags(known, upto, inputs, kind)
-            self._records.forget(given, boundary - origin)
+            self._base += given
+            if self._base + self.lag + 2 * self.block > len(self._records.spread):
+                self._records.move_to_front(self._base, end)
+                self._base = 0
             self._inputs = self._inputs[given:]
         self.released = upto
         while len(self._marks) > 1 and self._marks[1][0] <= upto:
@@ -262,10 +273,8 @@ class FootStream:
         last = np.maximum.accumulate(np.where(stands, ticks, self._last_stance))[: stop - first]
         lost = (last < 0) | (ticks[: stop - first] - last > COAST_S * self.rate_hz)
         self._last_stance = int(last[-1])
-        flags = lost * FootFlag.NO_STANCE + missing * FootFlag.INVALID
-        flags = (
-            flags + ((kind & BRIDGED) != 0) * FootFlag.BRIDGED + ((kind & CLIPPED) != 0) * FootFlag.SATURATED
-        )
+        flags = lost * _NO_STANCE + missing * _INVALID
+        flags = flags + ((kind & BRIDGED) != 0) * _BRIDGED + ((kind & CLIPPED) != 0) * _SATURATED
         return np.asarray(flags, dtype=np.uint8)
 
     def _trim(self) -> None:
@@ -315,7 +324,7 @@ class FootStream:
         self._statistic, self._inputs = np.array(state["statistic"]), np.array(state["inputs"])
         self._last_good = np.array(state["last_good"])
         self._x, self._p, self._memory = (np.array(state[name]) for name in ("x", "p", "memory"))
-        self._marks = []
+        self._marks, self._base = [], 0
         self.judged = mark
         if judged > mark:
             self._filter(judged)

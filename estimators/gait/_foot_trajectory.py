@@ -182,7 +182,7 @@ class _Run:
             if piece.stop < samples:
                 self._forward(records, piece, *mark)
             count = piece.stop - piece.start
-            records.backward(0, count, adjoint, self.smooth[piece])
+            records.backward(0, count, count, adjoint, self.smooth[piece])
             self.spread[piece] = records.spread[:count]
         first = self.smooth[0]
         kept = slice(at.V, at.PIVOT)
