@@ -179,8 +179,8 @@ def _updates(seeds: Sequence[int], data: Data) -> Values:
     at = np.array([0.1, 0.1, 0.0])
     bent = clean + sphere.disturbance(BENCH.field(0, _CURRENT_A, at), _POINT - at)
     share, plain, nis, same = [], [], [], True
-    for sign in (1.0, -1.0):
-        error = np.array([0.01] * 3 + [sign * 0.01] * 3)
+    for turned in (0.01, -0.01):
+        error = np.array([0.01] * 3 + [turned] * 3)
         start = (_POINT + error[:3], rotation.exp(error[3:]))
         disturbed = update(BENCH, 0, _CURRENT_A, *start, prior, bent, noise, 1)
         undisturbed = update(BENCH, 0, _CURRENT_A, *start, prior, clean, noise, 1)
