@@ -107,7 +107,7 @@ class FootParameters:
     field_sigma_rad: float = 0.1
     field_tolerance: float = 0.1
     lag_s: float = 0.3
-    release_s: float = 0.075
+    release_s: float = 0.1
 
 
 def foot_parameters(values: "Mapping[str, Any] | FootParameters | None" = None) -> FootParameters:

@@ -119,6 +119,8 @@ class FootStream:
         """
         end = self.stop if is_end else max(self.stop - self.windows.ahead, 0)
         values, flags = [], []
+        if not is_end and end < self.released + self.lag + self.block:
+            return np.empty((0, COLUMNS)), np.empty(0, dtype=np.uint8)
         if self.first >= 0 and end > max(self.judged, self.first):
             self._find(end, is_end)
         while self.released < self.stop:
