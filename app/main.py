@@ -42,6 +42,7 @@ from app.patients.endpoints import router as patients_router
 from app.recordings import GroupCommitWriter
 from app.recordings.endpoints import router as sessions_router
 from app.recordings.jobs import Handler, JobRunner
+from app.recordings.point_endpoints import router as points_router
 from app.recordings.reprocess import reprocess
 from app.recordings.service import queue_closing
 from app.services import Services, services_of
@@ -171,6 +172,7 @@ def all_routers() -> list[APIRouter]:
         patients_router,
         exercises_router,
         sessions_router,
+        points_router,
         replay_router,
         live_router,
         watch_router,

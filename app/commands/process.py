@@ -92,7 +92,7 @@ def process(
         _check(measured, setup, force=force, hemisphere=hemisphere)
         frames, used = pipelines.run(measured, setup, pose, elbows_from_movement=pipeline == "arm")
         out.mkdir(parents=True, exist_ok=True)
-    table = frames_table(frames)
+    table = frames_table(frames, used.body if pipeline == "arm" else None)
     pyarrow.parquet.write_table(table, out / "frames.parquet")
     pyarrow.csv.write_csv(table, out / "frames.csv")
     (out / "setup.json").write_text(json.dumps(used.to_dict(), indent=2) + "\n")

@@ -23,6 +23,7 @@ from app.ingest._multipart import UploadReceiver, too_large
 from app.recordings import repository, service
 from app.recordings.models import Job, MotionSession
 from app.recordings.schemas import JobOut, UploadIn
+from app.recordings.walks import PIPELINE as WALKING
 from app.services import services_of
 from app.settings import Settings
 from estimators.conventions import Placement
@@ -30,6 +31,7 @@ from estimators.pipelines import SessionSetup
 
 MULTIPART_SLACK_BYTES: Final = 1 << 20
 _LEGS: Final = ("thigh_", "shank_", "foot_")
+_WALKS: Final = ("pyshoe", "gait_tracking", "gaitmap")
 
 router = APIRouter(prefix="/api", tags=["sessions"])
 
@@ -175,10 +177,11 @@ def register(
         patient = repository.patient_of(
             session, subject, declaration.patient_id, repository.recording_level(declaration.purpose)
         )
+        kind = pipeline_of(declaration)
         setup = service.checked(
             SessionSetup(
-                pipeline="arm",
-                placements=estimated(placements),
+                pipeline=kind,
+                placements=estimated(placements, kind),
                 rate_hz=rate_hz,
                 orientation=declaration.orientation,
                 body=service.body_of(patient),
@@ -202,8 +205,18 @@ def register(
         return service.job_out(repository.add_job(session, found, "upload", arguments, subject))
 
 
-def estimated(placements: Iterable[Placement]) -> tuple[Placement, ...]:
-    """Return the sensors that the arm pipeline uses: all but the legs, which stay in the raw data."""
+def pipeline_of(declaration: UploadIn) -> str:
+    """Return the pipeline of an upload: recordings of feet are walks whatever is declared."""
+    return WALKING if declaration.format in _WALKS else declaration.pipeline
+
+
+def estimated(placements: Iterable[Placement], pipeline: str = "arm") -> tuple[Placement, ...]:
+    """Return the sensors that a pipeline uses; the others stay in the raw data.
+
+    Of a walk the feet; otherwise all but the legs.
+    """
+    if pipeline == WALKING:
+        return tuple(name for name in placements if name in ("foot_left", "foot_right"))
     return tuple(name for name in placements if not name.startswith(_LEGS))
 
 
@@ -215,8 +228,18 @@ def _announced(declaration: UploadIn, path: Path) -> tuple[list[Placement], floa
     if declaration.csv is not None:
         names = list(dict.fromkeys(signal.placement for signal in declaration.csv.signals))
         return names, declaration.csv.rate_hz or 100.0
+    if declaration.format in _WALKS:
+        return ["foot_left", "foot_right"], 100.0
     # Those that any whole-body recording has; the task replaces them by what the file holds.
     return list(readers.PLACEMENT_OF.values()), 100.0
 
 
-__all__ = ["estimated", "parse_declaration", "register", "remove_orphans", "router", "upload_folder"]
+__all__ = [
+    "estimated",
+    "parse_declaration",
+    "pipeline_of",
+    "register",
+    "remove_orphans",
+    "router",
+    "upload_folder",
+]

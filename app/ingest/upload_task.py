@@ -13,13 +13,14 @@ from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import RecordingFormatError
 from app.ingest import readers
 from app.ingest.declaration import Declaration
-from app.ingest.upload import estimated, upload_folder
+from app.ingest.upload import estimated, pipeline_of, upload_folder
 from app.recordings._rows import insert_chunk
 from app.recordings.chunks import RAW_STREAM, EncodedChunk, RawPacket, encode_packets
 from app.recordings.jobs import JobContext
 from app.recordings.models import MotionSession, SessionEvent, SignalChunk
 from app.recordings.reprocess import Analysis, analyse, beginning, count_session, enqueue_comparison
 from app.recordings.schemas import UploadIn
+from app.recordings.walks import PIPELINE as WALKING
 from estimators.calibration import SEARCHED_S, check_first_seconds, in_words
 from estimators.pipelines import SessionSetup
 
@@ -43,7 +44,9 @@ def upload(context: JobContext) -> str:
         if not path.exists():
             raise RecordingFormatError("The uploaded file is gone; upload it again.")
         notes = _store(context, declaration, path)
-        notes += _check(context, declaration)
+        if pipeline_of(declaration) != WALKING:
+            # A foot in full walk is rarely still: what a resting sensor must show is no measure of it.
+            notes += _check(context, declaration)
         analysis = _analyse(context, declaration)
     except RecordingFormatError:
         path.unlink(missing_ok=True)
@@ -133,7 +136,7 @@ def _declare(context: JobContext, network: Declaration) -> None:
         found.hello = network.to_dict()
         found.setup = replace(
             SessionSetup.from_dict(found.setup),
-            placements=estimated(network.placements),
+            placements=estimated(network.placements, str(found.setup["pipeline"])),
             rate_hz=network.rate_hz,
         ).to_dict()
         found.started_at = found.started_at or utc_now()

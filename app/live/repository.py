@@ -24,6 +24,7 @@ from app.patients.models import Mounting
 from app.recordings.chunks import frames_stream
 from app.recordings.models import MotionSession, Result, SignalChunk
 from app.recordings.schemas import SessionState
+from app.recordings.walks import estimator_of
 from estimators import orientation
 from estimators.pipelines import Calibration, FrameLayout, Pipeline, SessionSetup
 
@@ -161,13 +162,15 @@ def begin_stream(
             select(Result).where(Result.session_id == session_id, Result.kind == "live")
         ).first()
         if result is None:
+            version = orientation.available()[pipeline.setup.orientation].version
+            estimator, version = estimator_of(pipeline.setup, pipeline, version)
             result = Result(
                 session_id=session_id,
                 kind="live",
                 pipeline=pipeline.name,
                 pipeline_version=pipeline.version,
-                orientation=pipeline.setup.orientation,
-                orientation_version=orientation.available()[pipeline.setup.orientation].version,
+                orientation=estimator,
+                orientation_version=version,
                 setup=pipeline.setup.to_dict(),
                 layout=layout_dict(pipeline.layout),
                 status="running",

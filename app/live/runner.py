@@ -8,7 +8,7 @@ import asyncio
 import contextlib
 import logging
 import time
-from dataclasses import fields
+from dataclasses import fields, replace
 from functools import partial
 
 from sqlalchemy import Engine
@@ -182,7 +182,8 @@ class LiveSession(CalibratedSession):
         if frames.first_tick >= self._unstored_tick:
             with contextlib.suppress(Conflict, Unavailable):
                 # A session that cannot be stored is told so once, by `on_store_failure`.
-                self._writer.append_frames(self.id, self.result_id, frames)
+                # Sigmas of segments are kept of what is analysed afterwards; live they would cost a third more.
+                self._writer.append_frames(self.id, self.result_id, replace(frames, segment_sigma_rad=None))
 
     def _tell_changes(self, chunk: ImuChunk) -> None:
         changes = self.health.add_chunk(chunk)

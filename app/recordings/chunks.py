@@ -6,7 +6,7 @@ bytes of its payload and every field of its header, so each packet can be made a
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -218,6 +218,8 @@ def frames_stream(result_id: str) -> str:
 def encode_frames(frames: Frames) -> EncodedChunk:
     """Encode the frames of consecutive ticks as one chunk; its sequence is `frames.first_tick`."""
     ticks = frames.tick_count
+    sigma = frames.segment_sigma_rad
+    has_sigma = sigma is not None and bool(np.isfinite(sigma).any())
     floats = np.concatenate(
         [
             frames.q_room_segment.reshape(ticks, -1),
@@ -225,6 +227,7 @@ def encode_frames(frames: Frames) -> EncodedChunk:
             frames.angle_rad,
             frames.angle_sigma_rad,
             frames.scalar,
+            *([] if sigma is None or not has_sigma else [_coarse(sigma).reshape(ticks, -1)]),
         ],
         axis=1,
     ).astype(np.float32)
@@ -241,10 +244,16 @@ def encode_frames(frames: Frames) -> EncodedChunk:
             "head_bytes": len(head),
             "floats": int(floats.shape[1]),
             "flags": int(flags.shape[1]),
+            **({"segment_sigma": True} if has_sigma else {}),
         },
         crc=codecs.checksum(data),
         data=data,
     )
+
+
+def _coarse(sigma: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return a sigma to one part in 2000: it is no better known, and short numbers take little room."""
+    return sigma.astype(np.float16).astype(np.float64)
 
 
 def decode_frames(chunk: EncodedChunk | SignalChunk, layout: FrameLayout) -> Frames:
@@ -256,10 +265,11 @@ def decode_frames(chunk: EncodedChunk | SignalChunk, layout: FrameLayout) -> Fra
     flags = codecs.decode_flags(chunk.data[split:], ticks, scale["flags"])
     segments, points = len(layout.segments), len(layout.points)
     angles, scalars = len(layout.angles), len(layout.scalars)
+    has_sigma = bool(scale.get("segment_sigma"))
     ends = np.cumsum([4 * segments, 3 * points, angles, angles, scalars])
-    if int(ends[-1]) != scale["floats"] or segments + angles != scale["flags"]:
+    if int(ends[-1]) + 3 * segments * has_sigma != scale["floats"] or segments + angles != scale["flags"]:
         raise codecs.DamagedChunkError("stored frames do not fit the layout of their result")
-    q, p, a, s, c, _ = np.split(floats, ends, axis=1)
+    q, p, a, s, c, sigma = np.split(floats, ends, axis=1)
     return Frames(
         layout=layout,
         first_tick=scale["first_tick"],
@@ -271,6 +281,7 @@ def decode_frames(chunk: EncodedChunk | SignalChunk, layout: FrameLayout) -> Fra
         scalar=c,
         segment_flags=flags[:, :segments],
         angle_flags=flags[:, segments:],
+        segment_sigma_rad=sigma.reshape(ticks, segments, 3) if has_sigma else None,
     )
 
 
@@ -292,7 +303,15 @@ def merge_frames(parts: Sequence[Frames], layout: FrameLayout, time_step_s: floa
         rows = slice(part.first_tick - first, part.first_tick - first + part.tick_count)
         for name in _FRAME_ARRAYS:
             getattr(merged, name)[rows] = getattr(part, name)
-    return merged
+    if all(part.segment_sigma_rad is None for part in parts):
+        return merged
+    sigma = np.full((*merged.segment_flags.shape, 3), np.nan)
+    for part in parts:
+        if part.segment_sigma_rad is not None:
+            sigma[part.first_tick - first : part.first_tick - first + part.tick_count] = (
+                part.segment_sigma_rad
+            )
+    return replace(merged, segment_sigma_rad=sigma)
 
 
 _FRAME_ARRAYS: Final = (
@@ -330,6 +349,7 @@ def slice_frames(frames: Frames, start: int, stop: int) -> Frames:
         first_tick=frames.first_tick + start,
         time_step_s=frames.time_step_s,
         **{name: getattr(frames, name)[start:stop] for name in _FRAME_ARRAYS},
+        segment_sigma_rad=None if frames.segment_sigma_rad is None else frames.segment_sigma_rad[start:stop],
     )
 
 

@@ -3,21 +3,27 @@
 import numpy as np
 import pyarrow as pa
 
+from app.recordings.points import described
+from estimators.body import BodyDimensions
 from estimators.pipelines import Frames
 
 
-def frames_table(frames: Frames) -> pa.Table:
+def frames_table(frames: Frames, body: BodyDimensions | None = None) -> pa.Table:
     """Return frames as one table.
 
     Parameters
     ----------
     frames : Frames
+    body : BodyDimensions, optional
+        Of their setup: elbows, wrists and hands then come with uncertainty, velocity and acceleration; frames at
+        full rate.
 
     Returns
     -------
     pyarrow.Table
         `time_s`; `<angle>_rad`, `<angle>_sigma_rad`, `<angle>_flags`; scalars; `<point>_x_m` ...; `<segment>_q_w` ...
-        and `<segment>_flags`. NaN where there is no estimate.
+        and `<segment>_flags`; with `body` `<point>_sigma_x_m`, `<point>_velocity_x_mps`,
+        `<point>_acceleration_x_mps2` ... NaN where there is no estimate.
     """
     columns: dict[str, np.ndarray] = {"time_s": frames.time_s}
     layout = frames.layout
@@ -34,6 +40,17 @@ def frames_table(frames: Frames) -> pa.Table:
         for part, letter in enumerate("wxyz"):
             columns[f"{name}_q_{letter}"] = frames.q_room_segment[:, index, part]
         columns[f"{name}_flags"] = frames.segment_flags[:, index]
+    if body is not None:
+        found = described(frames, body)
+        kinds = (
+            ("sigma", "m", found.sigma_m),
+            ("velocity", "mps", found.velocity_mps),
+            ("acceleration", "mps2", found.acceleration_mps2),
+        )
+        for index, name in enumerate(found.names):
+            for kind, unit, values in kinds:
+                for axis, letter in enumerate("xyz"):
+                    columns[f"{name}_{kind}_{letter}_{unit}"] = values[:, index, axis]
     return pa.table(columns)
 
 

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
-from sqlalchemy import delete, func, select
+from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from app.database.base import utc_now
@@ -17,13 +17,21 @@ from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput, NotFound
 from app.ingest.alignment import align_chunks, joined_chunks
 from app.ingest.packet import Packet
-from app.recordings._rows import insert_chunk
-from app.recordings.chunks import RAW_STREAM, EncodedChunk, RawPacket, encode_frames, frames_stream
+from app.recordings.chunks import (
+    RAW_STREAM,
+    EncodedChunk,
+    RawPacket,
+    encode_frames,
+)
+from app.recordings.elbows import with_elbows
 from app.recordings.jobs import JobContext
 from app.recordings.models import Job, MotionSession, Result, SessionEvent, SignalChunk
+from app.recordings.result_rows import CHUNKS_A_COMMIT, new_result, write_frames
 from app.recordings.smoothing import SmoothedSession, remember, smoother_for
 from app.recordings.store import Source, read_packets_in_order, stored_ranges
-from estimators import orientation, pipelines
+from app.recordings.walk_analysis import follow_feet
+from app.recordings.walks import PIPELINE as WALKING
+from estimators import pipelines
 from estimators.conventions import Placement
 from estimators.errors import CalibrationError
 from estimators.orientation import DeviceConstants
@@ -31,7 +39,6 @@ from estimators.pipelines import SessionSetup
 from estimators.recording import ImuChunk
 
 PIECE_TICKS: Final = 1000
-_CHUNKS_A_COMMIT: Final = 8
 _POSE_SEARCH_S: Final = 120.0
 _TELL_MOUNTING: Final = ("t_pose", "functional", "passive")
 
@@ -116,7 +123,7 @@ def reprocess(context: JobContext) -> str:
         found = session.get_one(MotionSession, context.session_id)
         setup = SessionSetup.from_dict(found.setup)
         pose_s = _last_pose(session, found.id)
-    follower = smoother_for(setup.orientation)
+    follower = None if setup.pipeline == WALKING else smoother_for(setup.orientation)
     wanted = context.arguments.get("orientation") or (closing and follower) or setup.orientation
     parameters = context.arguments.get("orientation_parameters", setup.orientation_parameters)
     is_other = wanted != setup.orientation or parameters != setup.orientation_parameters
@@ -176,6 +183,12 @@ def analyse(
     progress_from : float
         Where on the task's scale of 0 to 1 this work begins.
     """
+    if setup.pipeline == WALKING:
+        with read_only(context.engine) as session:
+            hello = session.get_one(MotionSession, context.session_id).hello
+        context.progress(progress_from, "Reading the walk")
+        pieces = aligned(context.engine, context.session_id, hello, setup.placements)
+        return Analysis(*follow_feet(context, setup, pieces, hello, progress_from), setup, None, "")
     message = ""
     known = _smoothed(context, setup) if pipelines.is_offline(setup) else None
     if setup.calibration is None and (pose_s is not None or search_pose):
@@ -185,10 +198,11 @@ def analyse(
             message = f"Not calibrated, so there are no joint angles: {error}"
     elif setup.calibration is None:
         message = "Not calibrated, so there are no joint angles: no calibration pose was recorded."
+    if setup.calibration is not None and pose_s is not None:
+        setup = with_elbows(setup, pose_s, _pieces(context, setup, known))
     pipeline = pipelines.create(setup)
-    result_id = _new_result(context, setup, pipeline)
+    result_id = new_result(context, setup, pipeline)
     with read_only(context.engine) as session:
-        hello = session.get_one(MotionSession, context.session_id).hello
         total = session.scalar(
             select(func.sum(SignalChunk.ticks)).where(
                 SignalChunk.session_id == context.session_id, SignalChunk.stream == RAW_STREAM
@@ -196,18 +210,15 @@ def analyse(
         )
     ticks = 0
     waiting: list[EncodedChunk] = []
-    pieces: Iterable[ImuChunk] = (
-        known if known is not None else aligned(context.engine, context.session_id, hello, setup.placements)
-    )
-    for piece in pieces:
+    for piece in _pieces(context, setup, known):
         waiting.append(encode_frames(pipeline.step(piece)))
         ticks = piece.first_tick + piece.tick_count
-        if len(waiting) >= _CHUNKS_A_COMMIT:
-            _write(context, result_id, waiting)
+        if len(waiting) >= CHUNKS_A_COMMIT:
+            write_frames(context, result_id, waiting)
             waiting = []
         done = min(1.0, ticks / max(1, total or 1))
         context.progress(progress_from + (1 - progress_from) * done, "Estimating the movement")
-    _write(context, result_id, waiting)
+    write_frames(context, result_id, waiting)
     if not ticks:
         message = "The session holds no packets that can be estimated."
     with unit_of_work(context.engine) as session:
@@ -222,10 +233,18 @@ def analyse(
 
 def _smoothed(context: JobContext, setup: SessionSetup) -> SmoothedSession:
     """Read the whole session and smooth it."""
+    pieces = _pieces(context, setup, None)
+    context.progress(0.0, "Estimating the movement, forward and backward")
+    return SmoothedSession(pieces, setup)
+
+
+def _pieces(context: JobContext, setup: SessionSetup, known: SmoothedSession | None) -> Iterable[ImuChunk]:
+    """Return the whole session from its first tick on, smoothed where that was done."""
+    if known is not None:
+        return known
     with read_only(context.engine) as session:
         hello = session.get_one(MotionSession, context.session_id).hello
-    context.progress(0.0, "Estimating the movement, forward and backward")
-    return SmoothedSession(aligned(context.engine, context.session_id, hello, setup.placements), setup)
+    return aligned(context.engine, context.session_id, hello, setup.placements)
 
 
 def calibrated(
@@ -302,54 +321,6 @@ def _last_pose(session: Session, session_id: str) -> tuple[float, float] | None:
         if kind in _TELL_MOUNTING:
             return None
     return None
-
-
-def _new_result(context: JobContext, setup: SessionSetup, pipeline: pipelines.Pipeline) -> str:
-    """Make the row of a new result; what an interrupted attempt left is removed."""
-    layout = pipeline.layout
-    with unit_of_work(context.engine) as session:
-        earlier = context.arguments.get("result_id")
-        if isinstance(earlier, str):
-            _forget(session, context.session_id, earlier)
-        result = Result(
-            session_id=context.session_id,
-            kind="offline",
-            pipeline=setup.pipeline,
-            pipeline_version=pipeline.version,
-            orientation=setup.orientation,
-            orientation_version=orientation.available(with_offline=True)[setup.orientation].version,
-            setup=setup.to_dict(),
-            layout={
-                "segments": list(layout.segments),
-                "points": list(layout.points),
-                "angles": list(layout.angles),
-                "scalars": list(layout.scalars),
-            },
-        )
-        session.add(result)
-        session.flush()
-        result_id = result.id
-    context.remember(result_id=result_id)
-    return result_id
-
-
-def _forget(session: Session, session_id: str, result_id: str) -> None:
-    session.execute(
-        delete(SignalChunk).where(
-            SignalChunk.session_id == session_id, SignalChunk.stream == frames_stream(result_id)
-        )
-    )
-    session.execute(delete(Result).where(Result.id == result_id))
-
-
-def _write(context: JobContext, result_id: str, chunks: list[EncodedChunk]) -> None:
-    if not chunks:
-        return
-    with unit_of_work(context.engine) as session:
-        for chunk in chunks:
-            insert_chunk(
-                session, context.session_id, frames_stream(result_id), chunk.scale["first_tick"], chunk
-            )
 
 
 __all__ = [

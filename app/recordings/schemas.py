@@ -20,7 +20,8 @@ class SessionIn(Schema):
     exercise_id: str | None = None
     prescription_id: str | None = None
     purpose: Literal["exercise", "template"] = "exercise"
-    pipeline: Literal["arm"] = "arm"
+    pipeline: Literal["arm", "gait"] = "arm"
+    """`gait` follows sensors on the feet; nothing is to be calibrated."""
     placements: list[Placement] = Field(min_length=1, max_length=17)
     rate_hz: float = Field(default=100.0, ge=10, le=1000)
     orientation: str = "vqf"
@@ -98,6 +99,8 @@ class CalibrationOut(Schema):
 class SessionDetail(SessionOut):
     """A session with what was done with it."""
 
+    pipeline: str
+    """`arm` or `gait`."""
     placements: list[Placement]
     rate_hz: float
     orientation: str
@@ -162,7 +165,9 @@ class UploadIn(Schema):
     exercise_id: str | None = None
     prescription_id: str | None = None
     purpose: Literal["exercise", "template"] = "exercise"
-    format: Literal["packet_log", "csv", "qmt_mat"]
+    format: Literal["packet_log", "csv", "qmt_mat", "pyshoe", "gait_tracking", "gaitmap"]
+    pipeline: Literal["arm", "gait"] = "arm"
+    """What a packet log or CSV file holds; the last three formats are always walks."""
     csv: CsvMapping | None = None
     orientation: str = "vqf"
     calibration_pose_s: tuple[float, float] | None = None

@@ -85,7 +85,7 @@ def create(session: Session, subject: Subject, wanted: SessionIn) -> SessionDeta
             field="orientation",
         )
     calibration = None
-    if wanted.use_mounting:
+    if wanted.use_mounting and wanted.pipeline == "arm":
         calibration = _remembered(session, patient.id, tuple(wanted.placements))
     setup = checked(
         SessionSetup(
@@ -158,6 +158,7 @@ def describe(session: Session, subject: Subject, found: MotionSession) -> Sessio
     setup = found.setup
     return SessionDetail(
         **_row(found, repository.exercise_name(session, found)),
+        pipeline=setup["pipeline"],
         placements=list(setup["placements"]),
         rate_hz=setup["rate_hz"],
         orientation=setup["orientation"],
@@ -277,6 +278,7 @@ def thinned(frames_: Frames, max_points: int) -> Frames:
         scalar=frames_.scalar[starts],
         segment_flags=np.bitwise_or.reduceat(frames_.segment_flags, starts, axis=0),
         angle_flags=np.bitwise_or.reduceat(frames_.angle_flags, starts, axis=0),
+        segment_sigma_rad=None if frames_.segment_sigma_rad is None else frames_.segment_sigma_rad[starts],
     )
 
 
@@ -309,12 +311,18 @@ def queue_reprocess(session: Session, subject: Subject, session_id: str, wanted:
     if found.state not in {"analysed", "failed"}:
         raise Conflict("This session is not finished; wait until it is analysed.", state=found.state)
     setup = SessionSetup.from_dict(found.setup)
+    _not_a_walk(setup)
     checked(
         replace(
             setup, orientation=wanted.orientation, orientation_parameters=dict(wanted.orientation_parameters)
         )
     )
     return job_out(repository.add_job(session, found, "reprocess", wanted.model_dump(), subject))
+
+
+def _not_a_walk(setup: SessionSetup) -> None:
+    if setup.pipeline == "gait":
+        raise Conflict("A walk has one estimator, which has run already; there is no other to choose.")
 
 
 def queue_closing(session: Session, session_id: str) -> str:
@@ -356,6 +364,7 @@ def queue_reprocess_all(
             f"There is no estimator {', '.join(unknown)}; known are {', '.join(known)}.", field="orientations"
         )
     found = repository.get_session(session, subject, session_id, "treat", action="")
+    _not_a_walk(SessionSetup.from_dict(found.setup))
     present = {
         (result.orientation, result.orientation_version)
         for result in repository.results_of(session, found.id)

@@ -66,6 +66,7 @@ from estimators.arm._joint_angles import (
 from estimators.arm._kernel import SIGMA_CEILING_RAD, SINGULAR_MARGIN_RAD
 from estimators.arm._model import ArmModel, ArmResult, model_lengths
 from estimators.arm._motion import (
+    ACCELERATION_WINDOW_S,
     PointMotion,
     angular_velocity,
     point_motion,
@@ -108,6 +109,7 @@ from estimators.arm._uncertainty import joint_angle_sigma
 from estimators.body import BodyDimensions, body_from_stature
 
 __all__ = [
+    "ACCELERATION_WINDOW_S",
     "ARM_CHAIN_ENDS",
     "JOINTS",
     "KINEMATIC_METHODS",

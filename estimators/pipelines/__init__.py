@@ -10,7 +10,7 @@ from estimators.pipelines._contract import (
     Pipeline,
     SessionSetup,
 )
-from estimators.pipelines._elbows import refine_elbows
+from estimators.pipelines._elbows import elbows_to_refine, refine_elbows
 from estimators.pipelines._gait import GaitPipeline, Walk, analyse_walk
 from estimators.pipelines._offline import is_offline, smooth_network, smoothed_chunk
 from estimators.pipelines._orientation import OrientationPipeline
@@ -32,6 +32,7 @@ __all__ = [
     "available",
     "concatenate",
     "create",
+    "elbows_to_refine",
     "find_pose",
     "is_offline",
     "refine_elbows",

@@ -128,6 +128,7 @@ class ArmPipeline(Pipeline):
             scalar=found.scalar,
             segment_flags=flags,
             angle_flags=found.angle_flags,
+            segment_sigma_rad=sigma,
         )
 
     def calibrate(self, pose: ImuChunk, method: str = "n_pose") -> Calibration:

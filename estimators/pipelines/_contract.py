@@ -138,6 +138,9 @@ class Frames:
         `OrientationFlag` bits of the sensor that drives the segment.
     angle_flags : ndarray of uint8, shape (K, A)
         `OrientationFlag` bits; SINGULAR where the sequence is near its singularity.
+    segment_sigma_rad : ndarray, shape (K, G, 3), or None
+        One-sigma of each segment's orientation about the room axes, NaN where the method tells none. Not kept of
+        live results.
     """
 
     layout: FrameLayout
@@ -150,6 +153,7 @@ class Frames:
     scalar: Float
     segment_flags: NDArray[np.uint8]
     angle_flags: NDArray[np.uint8]
+    segment_sigma_rad: Float | None = None
 
     @property
     def tick_count(self) -> int:

@@ -2,16 +2,32 @@
 
 import math
 from dataclasses import replace
+from typing import Final
 
 import numpy as np
 
 from estimators import rotation
 from estimators.calibration import OrdinaryElbow, elbow_from_movement
-from estimators.conventions import SIDES, Placement
+from estimators.conventions import SIDES, Placement, Side
 from estimators.errors import CalibrationError
 from estimators.orientation import OrientationFlag
 from estimators.pipelines._contract import Frames, SessionSetup
 from estimators.recording import Float
+
+WORST_SIGMA_RAD: Final = math.radians(12.0)
+"""Told worse than this, the mounting rule, which people keep to about ten degrees, stands."""
+
+
+def elbows_to_refine(setup: SessionSetup) -> tuple[Side, ...]:
+    """Return the arms whose mounting a standing pose left to the mounting rule, for want of compasses."""
+    found = setup.calibration
+    if found is None or "pose" not in found.method or "elbows" in found.method:
+        return ()
+    return tuple(
+        side
+        for side in SIDES
+        if {f"upper_arm_{side}", f"forearm_{side}"} <= found.heading_offset_rad.keys() & set(setup.placements)
+    )
 
 
 def refine_elbows(frames: Frames, setup: SessionSetup, pose_s: float) -> SessionSetup:
@@ -29,19 +45,19 @@ def refine_elbows(frames: Frames, setup: SessionSetup, pose_s: float) -> Session
     Returns
     -------
     SessionSetup
-        With a corrected calibration, and elbows and wrists bounding what drifts afterwards. The same one where no
-        arm has sensors on upper arm and forearm without a compass, or the elbows were hardly bent.
+        With a corrected calibration, whose reasons say how well it is known, and elbows and wrists bounding what
+        drifts afterwards. The mounting rule stands, and the reasons say so, where the elbows were hardly bent or
+        tell it worse than to `WORST_SIGMA_RAD`; the same setup where no arm has sensors on upper arm and forearm
+        without a compass, or movements have told the mounting already.
     """
     found = setup.calibration
     if found is None:
         return setup
     mounted, offsets = dict(found.q_sensor_segment), dict(found.heading_offset_rad)
     reasons = list(found.reasons)
-    for side in SIDES:
+    for side in elbows_to_refine(setup):
         upper: Placement = "upper_arm_left" if side == "left" else "upper_arm_right"
         fore: Placement = "forearm_left" if side == "left" else "forearm_right"
-        if upper not in offsets or fore not in offsets:
-            continue
         columns = [frames.layout.segments.index(p) for p in (upper, fore)]
         lost = (frames.segment_flags[:, columns] & int(OrientationFlag.INVALID)) != 0
         try:
@@ -56,6 +72,16 @@ def refine_elbows(frames: Frames, setup: SessionSetup, pose_s: float) -> Session
         except CalibrationError as error:
             reasons.append(f"{side} arm: {error}")
             continue
+        if elbow.sigma_rad > WORST_SIGMA_RAD:
+            reasons.append(
+                f"{side} arm: how its sensors face is as the mounting rule says; the movement told it only to "
+                f"{math.degrees(elbow.sigma_rad):.0f} degrees"
+            )
+            continue
+        reasons.append(
+            f"{side} arm: how its sensors face was told by bending the elbow, to about "
+            f"{math.degrees(elbow.sigma_rad):.0f} degrees"
+        )
         turned = _turn_at(elbow, pose_s)
         # The hand's sensor was put on with the forearm's, and the wrist does not turn: it takes the turn along.
         hand: Placement = "hand_left" if side == "left" else "hand_right"
@@ -67,7 +93,8 @@ def refine_elbows(frames: Frames, setup: SessionSetup, pose_s: float) -> Session
             offsets[placement] = math.remainder(offsets[placement] + turn, 2.0 * math.pi)
             mounted[placement] = _corrected(mounted[placement], correction)
     if offsets == found.heading_offset_rad:
-        return setup
+        told = tuple(reasons)
+        return setup if told == found.reasons else replace(setup, calibration=replace(found, reasons=told))
     refined = replace(
         found,
         q_sensor_segment=mounted,
@@ -88,4 +115,4 @@ def _corrected(q: tuple[float, float, float, float], correction: Float) -> tuple
     return w, x, y, z
 
 
-__all__ = ["refine_elbows"]
+__all__ = ["WORST_SIGMA_RAD", "elbows_to_refine", "refine_elbows"]

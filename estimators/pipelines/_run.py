@@ -9,13 +9,15 @@ from estimators import signals
 from estimators.errors import CalibrationError, SetupError, ShapeError
 from estimators.pipelines._arm import ArmPipeline
 from estimators.pipelines._contract import Frames, Pipeline, SessionSetup
-from estimators.pipelines._elbows import refine_elbows
+from estimators.pipelines._elbows import elbows_to_refine, refine_elbows
 from estimators.pipelines._gait import GaitPipeline, analyse_walk
 from estimators.pipelines._offline import smoothed_chunk
 from estimators.pipelines._orientation import OrientationPipeline
-from estimators.recording import ImuChunk, Recording
+from estimators.recording import Float, ImuChunk, Recording
 
-_REGISTRY: dict[str, type[Pipeline]] = {kind.name: kind for kind in (ArmPipeline, OrientationPipeline, GaitPipeline)}
+_REGISTRY: dict[str, type[Pipeline]] = {
+    kind.name: kind for kind in (ArmPipeline, OrientationPipeline, GaitPipeline)
+}
 _POSE_S = 3.0
 _SHORTEST_POSE_S = 1.5
 _BLOCK = 6000
@@ -77,8 +79,10 @@ def concatenate(parts: Sequence[Frames]) -> Frames:
         expected += part.tick_count
     if len(parts) == 1:
         return first
+    sigmas = [part.segment_sigma_rad for part in parts]
     return replace(
         first,
+        segment_sigma_rad=_together(sigmas, parts),
         q_room_segment=np.concatenate([part.q_room_segment for part in parts]),
         point_room_m=np.concatenate([part.point_room_m for part in parts]),
         angle_rad=np.concatenate([part.angle_rad for part in parts]),
@@ -86,6 +90,18 @@ def concatenate(parts: Sequence[Frames]) -> Frames:
         scalar=np.concatenate([part.scalar for part in parts]),
         segment_flags=np.concatenate([part.segment_flags for part in parts]),
         angle_flags=np.concatenate([part.angle_flags for part in parts]),
+    )
+
+
+def _together(sigmas: Sequence[Float | None], parts: Sequence[Frames]) -> Float | None:
+    """Put sigmas of segments together; parts that have none (not calibrated yet) give NaN."""
+    if all(sigma is None for sigma in sigmas):
+        return None
+    return np.concatenate(
+        [
+            np.full((*part.segment_flags.shape, 3), np.nan) if sigma is None else sigma
+            for sigma, part in zip(sigmas, parts, strict=True)
+        ]
     )
 
 
@@ -148,8 +164,9 @@ def run(
     if elbows_from_movement:
         middle_s = (chunk.first_tick + 0.5 * (first + stop)) * chunk.time_step_s
         refined = refine_elbows(frames, setup, middle_s)
-        if refined is not setup:
+        if elbows_to_refine(refined) != elbows_to_refine(setup):
             return step_through(create(refined), chunk), refined
+        setup = refined
     return frames, setup
 
 

@@ -204,10 +204,13 @@ LINES: tuple[Line, ...] = (
         READ,
         query={"result_a": "{result_id}", "result_b": "{result_id}"},
     ),
+    # Ada's session moves an arm: who may read it learns that it is no walk.
+    patient("GET", "/api/sessions/{session_id}/gait", READ, status=409),
     patient("GET", "/api/sessions/{session_id}/jobs", STATUS),
     patient("GET", "/api/jobs/{job_id}", STATUS),
     patient("GET", "/api/sessions/{session_id}/frames", READ),
     patient("GET", "/api/sessions/{session_id}/layout", READ),
+    patient("GET", "/api/sessions/{session_id}/points", READ),
     patient("POST", "/api/uploads", RECORD, body=UPLOAD, files=True, status=202),
     Line("GET", "/api/estimators", "signed_in"),
     # --- live ---

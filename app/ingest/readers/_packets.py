@@ -94,8 +94,12 @@ def packets_of(recording: Recording) -> RecordingPackets:
     first = recording.sensors[ours[0]]
     if any(not np.array_equal(recording.sensors[name].time_s, first.time_s) for name in ours):
         raise RecordingFormatError("The sensors have different time stamps; bring them to one time column.")
+    clip_radps = recording.metadata.get("gyroscope_clip_radps")
     declaration = Declaration(
-        placements=check_placements(ours), rate_hz=recording.nominal_rate_hz, device=recording.origin[:100]
+        placements=check_placements(ours),
+        rate_hz=recording.nominal_rate_hz,
+        device=recording.origin[:100],
+        clip_gyroscope_radps=None if clip_radps is None else float(clip_radps),
     )
     left_out = tuple(name for name in recording.sensors if name not in PLACEMENTS)
     more = recording.metadata.get("left_out")

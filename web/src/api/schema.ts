@@ -784,6 +784,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/sessions/{session_id}/gait": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Gait
+         * @description Return a walk: footprints, strides, numbers of each foot with uncertainty and count, and their asymmetry.
+         */
+        get: operations["get_gait_api_sessions__session_id__gait_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/sessions/{session_id}/jobs": {
         parameters: {
             query?: never;
@@ -838,6 +858,26 @@ export interface paths {
          * @description Put a note on the time line at the present session time.
          */
         post: operations["mark_api_sessions__session_id__mark_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session_id}/points": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Points
+         * @description Return elbows, wrists and hands with their uncertainty, speed and acceleration.
+         */
+        get: operations["get_points_api_sessions__session_id__points_get"];
+        put?: never;
+        post?: never;
         delete?: never;
         options?: never;
         head?: never;
@@ -1801,6 +1841,25 @@ export interface components {
             name: string;
         };
         /**
+         * CycleCurve
+         * @description One quantity over the gait cycle, from a contact of the foot (0 %) to its next (100 %).
+         */
+        CycleCurve: {
+            /** Cycle Count */
+            cycle_count: number;
+            /** Mean */
+            mean: number[];
+            /**
+             * Name
+             * @enum {string}
+             */
+            name: "height" | "speed";
+            /** Spread */
+            spread: number[];
+            /** Unit */
+            unit: string;
+        };
+        /**
          * DeviceTokenIn
          * @description A new gateway credential.
          */
@@ -1979,6 +2038,47 @@ export interface components {
             side?: "left" | "right";
         };
         /**
+         * FootholdOut
+         * @description Where a foot stood, in the room of the frames: x along the walk, z up.
+         */
+        FootholdOut: {
+            /** Heading Rad */
+            heading_rad: number;
+            /** Sigma M */
+            sigma_m: number;
+            /** Start S */
+            start_s: number;
+            /** Stop S */
+            stop_s: number;
+            /** X M */
+            x_m: number;
+            /** Y M */
+            y_m: number;
+            /** Z M */
+            z_m: number;
+        };
+        /**
+         * FootOut
+         * @description One foot.
+         */
+        FootOut: {
+            /** Curves */
+            curves: components["schemas"]["CycleCurve"][];
+            /** Footholds */
+            footholds: components["schemas"]["FootholdOut"][];
+            /** Measures */
+            measures: components["schemas"]["WalkMeasure"][];
+            /** Path M */
+            path_m: number[][];
+            /**
+             * Side
+             * @enum {string}
+             */
+            side: "left" | "right";
+            /** Strides */
+            strides: components["schemas"]["StrideOut"][];
+        };
+        /**
          * FrameLayoutOut
          * @description Columns of the frames.
          */
@@ -1991,6 +2091,29 @@ export interface components {
             scalars: string[];
             /** Segments */
             segments: string[];
+        };
+        /**
+         * GaitOut
+         * @description The walk of a result.
+         */
+        GaitOut: {
+            /** Asymmetry */
+            asymmetry: components["schemas"]["WalkMeasure"][];
+            /** Both */
+            both: components["schemas"]["WalkMeasure"][];
+            /** Bout Count */
+            bout_count: number;
+            /** Feet */
+            feet: components["schemas"]["FootOut"][];
+            /** Has Step Width */
+            has_step_width: boolean;
+            /** Reasons */
+            reasons: string[];
+            result: components["schemas"]["ResultOut"];
+            /** Session Id */
+            session_id: string;
+            /** Turn Count */
+            turn_count: number;
         };
         /**
          * GrantIn
@@ -2365,6 +2488,34 @@ export interface components {
             type?: "player_state";
         };
         /**
+         * PointCurve
+         * @description One point over time; None where there is nothing.
+         */
+        PointCurve: {
+            /** Acceleration Mps2 */
+            acceleration_mps2: (number | null)[];
+            /** Name */
+            name: string;
+            /** Position M */
+            position_m: (number | null)[][];
+            /** Sigma M */
+            sigma_m: (number | null)[][];
+            /** Speed Mps */
+            speed_mps: (number | null)[];
+        };
+        /**
+         * PointsOut
+         * @description Elbows, wrists and hands of a result.
+         */
+        PointsOut: {
+            /** Points */
+            points: components["schemas"]["PointCurve"][];
+            /** Result Id */
+            result_id: string;
+            /** Time S */
+            time_s: number[];
+        };
+        /**
          * PrescriptionIn
          * @description Prescribe an exercise.
          */
@@ -2729,6 +2880,8 @@ export interface components {
             packets_stored: number;
             /** Patient Id */
             patient_id: string;
+            /** Pipeline */
+            pipeline: string;
             /** Placements */
             placements: ("head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right")[];
             /** Prescription Id */
@@ -2803,9 +2956,9 @@ export interface components {
             /**
              * Pipeline
              * @default arm
-             * @constant
+             * @enum {string}
              */
-            pipeline?: "arm";
+            pipeline?: "arm" | "gait";
             /** Placements */
             placements: ("head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right")[];
             /** Prescription Id */
@@ -2917,6 +3070,52 @@ export interface components {
              * @constant
              */
             type?: "state";
+        };
+        /**
+         * StrideOut
+         * @description One stride, from a foothold to the next of the same foot; None where it is not known.
+         */
+        StrideOut: {
+            /** Bout */
+            bout: number;
+            /** Circumduction M */
+            circumduction_m: number | null;
+            /** Clearance M */
+            clearance_m: number | null;
+            /** Contact Pitch Rad */
+            contact_pitch_rad: number | null;
+            /** Contact S */
+            contact_s: number | null;
+            /** Duration S */
+            duration_s: number | null;
+            /** Is Counted */
+            is_counted: boolean;
+            /** Is Initiation */
+            is_initiation: boolean;
+            /** Is Termination */
+            is_termination: boolean;
+            /** Length M */
+            length_m: number | null;
+            /** Length Sigma M */
+            length_sigma_m: number | null;
+            /** Number */
+            number: number;
+            /** Peak Speed Mps */
+            peak_speed_mps: number | null;
+            /** Rise M */
+            rise_m: number | null;
+            /** Stance S */
+            stance_s: number | null;
+            /** Swing S */
+            swing_s: number | null;
+            /** Toe Off Pitch Rad */
+            toe_off_pitch_rad: number | null;
+            /** Toe Off S */
+            toe_off_s: number | null;
+            /** Toe Out Rad */
+            toe_out_rad: number | null;
+            /** Turn Rad */
+            turn_rad: number | null;
         };
         /**
          * TemplateContent
@@ -3091,7 +3290,7 @@ export interface components {
              * Format
              * @enum {string}
              */
-            format: "packet_log" | "csv" | "qmt_mat";
+            format: "packet_log" | "csv" | "qmt_mat" | "pyshoe" | "gait_tracking" | "gaitmap";
             /**
              * Hemisphere
              * @default north
@@ -3105,6 +3304,12 @@ export interface components {
             orientation?: string;
             /** Patient Id */
             patient_id: string;
+            /**
+             * Pipeline
+             * @default arm
+             * @enum {string}
+             */
+            pipeline?: "arm" | "gait";
             /**
              * Prescription Id
              * @default null
@@ -3161,6 +3366,24 @@ export interface components {
             id: string;
             /** Page Path */
             page_path: string;
+        };
+        /**
+         * WalkMeasure
+         * @description One number of a walk; None where it is not known.
+         */
+        WalkMeasure: {
+            /** Count */
+            count: number;
+            /** Measure */
+            measure: string;
+            /** Sigma */
+            sigma: number | null;
+            /** Spread */
+            spread: number | null;
+            /** Unit */
+            unit: string;
+            /** Value */
+            value: number | null;
         };
     };
     responses: never;
@@ -4572,6 +4795,39 @@ export interface operations {
             };
         };
     };
+    get_gait_api_sessions__session_id__gait_get: {
+        parameters: {
+            query?: {
+                result_id?: string | null;
+            };
+            header?: never;
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["GaitOut"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+        };
+    };
     list_jobs_api_sessions__session_id__jobs_get: {
         parameters: {
             query?: never;
@@ -4658,6 +4914,42 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["StateMessage"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+        };
+    };
+    get_points_api_sessions__session_id__points_get: {
+        parameters: {
+            query?: {
+                end_s?: number | null;
+                max_points?: number;
+                result_id?: string | null;
+                start_s?: number | null;
+            };
+            header?: never;
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PointsOut"];
                 };
             };
             /** @description Validation Error */

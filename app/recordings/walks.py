@@ -1,0 +1,227 @@
+"""Walks: what a gait result keeps beside its frames, and how it is read back.
+
+Footholds, strides and numbers are stored as one row of the signal table, stream `gait/<result id>`: they belong to
+the result, are erased with it, and are small (a ten-minute walk about 100 kB).
+"""
+
+import zlib
+from collections.abc import Iterable, Mapping
+from typing import Any, Final
+
+import numpy as np
+from sqlalchemy import delete, select
+from sqlalchemy.orm import Session
+
+from app.accounts.subject import Subject
+from app.errors import Conflict
+from app.recordings import repository, service
+from app.recordings._rows import insert_chunk
+from app.recordings.chunks import EncodedChunk
+from app.recordings.codecs import DamagedChunkError, checksum
+from app.recordings.models import SignalChunk
+from app.recordings.walk_curves import cycle_curves
+from app.recordings.walk_schemas import FootholdOut, FootOut, GaitOut, StrideOut, WalkContent, WalkMeasure
+from estimators.gait import Measure, Strides, steady
+from estimators.pipelines import Pipeline, SessionSetup, Walk
+from estimators.recording import Float, ImuChunk, Recording, SampleQuality, SensorSignals
+
+PIPELINE: Final = "gait"
+ESTIMATOR: Final = "foot"
+"""Stands where other results name their orientation estimator: feet are followed by a filter of their own."""
+_CODEC: Final = "json.zlib"
+_PATH_HZ: Final = 20.0
+
+
+def estimator_of(setup: SessionSetup, pipeline: Pipeline, version: str) -> tuple[str, str]:
+    """Return name and version of what estimated a session, given the version of its orientation estimator."""
+    return (ESTIMATOR, pipeline.version) if setup.pipeline == PIPELINE else (setup.orientation, version)
+
+
+def recording_of(
+    pieces: Iterable[ImuChunk], setup: SessionSetup, clip_radps: float | None = None
+) -> Recording:
+    """Put the pieces of a session together; ticks that were not measured are left out.
+
+    Parameters
+    ----------
+    pieces : iterable of ImuChunk
+        Consecutive, sensors in the order of the setup.
+    setup : SessionSetup
+    clip_radps : float, optional
+        Where the gyroscopes clip.
+    """
+    parts = list(pieces)
+    time_s = np.concatenate([part.time_s for part in parts]) if parts else np.zeros(0)
+    sensors = {}
+    for row, name in enumerate(setup.placements):
+        quality = np.concatenate([part.quality[row] for part in parts]) if parts else np.zeros(0, np.uint8)
+        measured = (quality & (SampleQuality.MISSING | SampleQuality.BRIDGED)) == 0
+        gyroscope, accelerometer = (
+            np.concatenate([getattr(part, field)[row] for part in parts])[measured]
+            if parts
+            else np.zeros((0, 3))
+            for field in ("gyroscope_radps", "accelerometer_mps2")
+        )
+        sensors[str(name)] = SensorSignals(time_s[measured], gyroscope, accelerometer)
+    known = {} if clip_radps is None else {"gyroscope_clip_radps": str(clip_radps)}
+    return Recording(sensors, setup.rate_hz, origin="session", metadata=known)
+
+
+def content_of(walk: Walk) -> WalkContent:
+    """Return what is kept of a walk beside its frames.
+
+    Parameters
+    ----------
+    walk : Walk
+
+    Returns
+    -------
+    WalkContent
+        Places are those of the frames: x along the walk, feet drawn apart.
+    """
+    feet = []
+    for side, strides in walk.strides.items():
+        name = f"foot_{side}"
+        column, time_s = walk.frames.layout.points.index(name), walk.frames.time_s
+        place, turn = walk.frames.point_room_m[:, column], walk.frames.q_room_segment[:, column]
+        # A path is drawn, not measured from: 20 places a second are enough.
+        thin = max(1, round(1.0 / (walk.frames.time_step_s * _PATH_HZ)))
+        counted = steady(strides)
+        feet.append(
+            FootOut(
+                side=side,
+                measures=_measures(walk.summary.feet[side]),
+                footholds=_footholds(strides, time_s, place, turn),
+                strides=[_stride(strides, k, bool(counted[k])) for k in range(strides.count)],
+                path_m=[[round(float(x), 4), round(float(y), 4)] for x, y in place[::thin, :2]],
+                curves=cycle_curves(walk.trajectories[side], strides, counted),
+            )
+        )
+    return WalkContent(
+        feet=feet,
+        both=_measures(walk.summary.both),
+        asymmetry=_measures(walk.summary.asymmetry),
+        turn_count=walk.summary.turn_count,
+        bout_count=walk.summary.bout_count,
+        reasons=list(walk.summary.reasons),
+        has_step_width=False,
+    )
+
+
+def store_walk(session: Session, session_id: str, result_id: str, content: WalkContent) -> None:
+    """Keep the walk of a result."""
+    data = zlib.compress(content.model_dump_json().encode(), 6)
+    chunk = EncodedChunk(0, len(content.feet), _CODEC, {"version": 1}, checksum(data), data)
+    insert_chunk(session, session_id, walk_stream(result_id), 0, chunk)
+
+
+def forget_walk(session: Session, session_id: str, result_id: str) -> None:
+    """Remove the walk of a result."""
+    session.execute(
+        delete(SignalChunk).where(
+            SignalChunk.session_id == session_id, SignalChunk.stream == walk_stream(result_id)
+        )
+    )
+
+
+def gait(session: Session, subject: Subject, session_id: str, result_id: str | None) -> GaitOut:
+    """Return the walk of a result, by default of the main one.
+
+    Raises
+    ------
+    NotFound
+        No such session or result.
+    Conflict
+        The session holds no walk, or it is not analysed yet.
+    """
+    found = repository.get_session(
+        session, subject, session_id, action="session.gait", details={"result": result_id or "main"}
+    )
+    if found.setup["pipeline"] != PIPELINE:
+        raise Conflict("This session is no walk; record or upload one with sensors on the feet.")
+    result = repository.result_of(session, found, result_id)
+    row = session.scalar(
+        select(SignalChunk).where(
+            SignalChunk.session_id == session_id, SignalChunk.stream == walk_stream(result.id)
+        )
+    )
+    if row is None:
+        raise Conflict(
+            "The strides of this result are not known: a live result has none, and an analysis may still run."
+        )
+    if checksum(row.data) != row.crc:
+        raise DamagedChunkError("a stored walk has a wrong checksum; restore it from the backup")
+    content = WalkContent.model_validate_json(zlib.decompress(row.data))
+    return GaitOut(session_id=session_id, result=service.result_out(result), **content.model_dump())
+
+
+def walk_stream(result_id: str) -> str:
+    """Return the name of the stream that holds the walk of a result."""
+    return f"gait/{result_id}"
+
+
+def _measures(found: Mapping[str, Measure]) -> list[WalkMeasure]:
+    return [
+        WalkMeasure(
+            measure=name,
+            value=_plain(one.value),
+            sigma=_plain(one.sigma),
+            spread=_plain(one.spread),
+            count=one.count,
+            unit=one.unit,
+        )
+        for name, one in found.items()
+    ]
+
+
+def _footholds(strides: Strides, time_s: Float, place: Float, turn: Float) -> list[FootholdOut]:
+    holds = strides.footholds
+    rows = np.clip(np.searchsorted(time_s, holds.quietest_s), 0, len(time_s) - 1)
+    w, x, y, z = turn[rows].T
+    heading = np.arctan2(2.0 * (x * y + w * z), 1.0 - 2.0 * (y * y + z * z))
+    sigma = np.sqrt(holds.variance_m2[:, :2].max(axis=1))
+    return [
+        FootholdOut(
+            start_s=round(float(holds.start_s[k]), 3),
+            stop_s=round(float(holds.stop_s[k]), 3),
+            x_m=round(float(place[row, 0]), 4),
+            y_m=round(float(place[row, 1]), 4),
+            z_m=round(float(place[row, 2]), 4),
+            heading_rad=round(float(heading[k]), 4),
+            sigma_m=round(float(sigma[k]), 4),
+        )
+        for k, row in enumerate(rows.tolist())
+    ]
+
+
+def _stride(strides: Strides, k: int, is_counted: bool) -> StrideOut:
+    plain: dict[str, Any] = {
+        name: _plain(getattr(strides, name)[k])
+        for name in StrideOut.model_fields
+        if name not in {"number", "is_counted", "is_initiation", "is_termination", "bout"}
+    }
+    return StrideOut(
+        number=k + 1,
+        bout=int(strides.bout[k]) + 1,
+        is_counted=is_counted,
+        is_initiation=bool(strides.is_initiation[k]),
+        is_termination=bool(strides.is_termination[k]),
+        **plain,
+    )
+
+
+def _plain(value: Any) -> float | None:
+    return round(float(value), 5) if np.isfinite(value) else None
+
+
+__all__ = [
+    "ESTIMATOR",
+    "PIPELINE",
+    "content_of",
+    "estimator_of",
+    "forget_walk",
+    "gait",
+    "recording_of",
+    "store_walk",
+    "walk_stream",
+]
