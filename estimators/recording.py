@@ -47,6 +47,9 @@ class ImuChunk:
         Sensor axes, tesla; None when no sensor of the network has one. A sensor without one has NaN.
     quality : ndarray of uint8, shape (S, K)
         `SampleQuality` bits.
+    coil_state : ndarray, shape (S, K), or None
+        What a sensor with coils does at this tick: 0 for nothing, else `estimators.magnetic.coil_state`. None when
+        the network has no source.
     """
 
     first_tick: int
@@ -55,6 +58,7 @@ class ImuChunk:
     accelerometer_mps2: Float
     magnetometer_t: Float | None
     quality: NDArray[np.uint8]
+    coil_state: Float | None = field(default=None, kw_only=True)
 
     @property
     def sensor_count(self) -> int:
@@ -82,6 +86,7 @@ class ImuChunk:
             accelerometer_mps2=self.accelerometer_mps2[:, start:stop],
             magnetometer_t=magnetometer,
             quality=self.quality[:, start:stop],
+            coil_state=None if self.coil_state is None else self.coil_state[:, start:stop],
         )
 
 

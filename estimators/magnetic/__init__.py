@@ -11,6 +11,7 @@ from estimators.magnetic._coil import (
     perpendicular_source,
 )
 from estimators.magnetic._coil_calibration import CoilCalibration, calibrate_coils, calibrate_moments
+from estimators.magnetic._coil_state import coil_state, read_coil_state
 from estimators.magnetic._iron import IronSphere
 from estimators.magnetic._loop_kernel import MU0_TM_PER_A
 from estimators.magnetic._measurement import (
@@ -79,6 +80,7 @@ __all__ = [
     "choose_current",
     "closed_form",
     "closed_form_published",
+    "coil_state",
     "curvature_per_m2",
     "dipole_covariance",
     "dipole_field",
@@ -94,6 +96,7 @@ __all__ = [
     "posterior_covariance",
     "predict",
     "range_m",
+    "read_coil_state",
     "required_moment_am2",
     "smooth_relative_pose",
     "update",

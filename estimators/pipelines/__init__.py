@@ -14,6 +14,7 @@ from estimators.pipelines._elbows import elbows_to_refine, refine_elbows
 from estimators.pipelines._gait import GaitPipeline, Walk, analyse_walk
 from estimators.pipelines._offline import is_offline, smooth_network, smoothed_chunk
 from estimators.pipelines._orientation import OrientationPipeline
+from estimators.pipelines._relative_pose import RelativePosePipeline
 from estimators.pipelines._run import available, concatenate, create, find_pose, run, step_through
 
 __all__ = [
@@ -26,6 +27,7 @@ __all__ = [
     "GaitPipeline",
     "OrientationPipeline",
     "Pipeline",
+    "RelativePosePipeline",
     "SessionSetup",
     "Walk",
     "analyse_walk",

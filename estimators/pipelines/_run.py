@@ -13,10 +13,11 @@ from estimators.pipelines._elbows import elbows_to_refine, refine_elbows
 from estimators.pipelines._gait import GaitPipeline, analyse_walk
 from estimators.pipelines._offline import smoothed_chunk
 from estimators.pipelines._orientation import OrientationPipeline
+from estimators.pipelines._relative_pose import RelativePosePipeline
 from estimators.recording import Float, ImuChunk, Recording
 
 _REGISTRY: dict[str, type[Pipeline]] = {
-    kind.name: kind for kind in (ArmPipeline, OrientationPipeline, GaitPipeline)
+    kind.name: kind for kind in (ArmPipeline, OrientationPipeline, GaitPipeline, RelativePosePipeline)
 }
 _POSE_S = 3.0
 _SHORTEST_POSE_S = 1.5
@@ -156,7 +157,8 @@ def run(
     worn = replace(recording, sensors={name: recording.sensors[name] for name in setup.placements})
     chunk = smoothed_chunk(signals.to_common_ticks(worn, setup.rate_hz), setup)
     is_mounted = setup.calibration is not None and bool(setup.calibration.q_sensor_segment)
-    if is_mounted or (setup.pipeline == OrientationPipeline.name and pose_s is None):
+    needs_no_pose = setup.pipeline == OrientationPipeline.name and pose_s is None
+    if is_mounted or needs_no_pose or setup.pipeline == RelativePosePipeline.name:
         return step_through(create(setup), chunk), setup
     first, stop = find_pose(chunk) if pose_s is None else _ticks_of(chunk, pose_s)
     setup = _calibrated(chunk, setup, first, stop)

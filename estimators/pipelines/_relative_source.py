@@ -1,0 +1,104 @@
+"""What a relative-pose session is told about its source: where it is worn, its coils, and where sensors are from it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any, Final
+
+import numpy as np
+
+from estimators.conventions import PLACEMENTS, Placement
+from estimators.errors import SetupError
+from estimators.magnetic import RelativePoseParameters, Source, perpendicular_source
+from estimators.pipelines._contract import SessionSetup
+from estimators.recording import Float
+
+_USUAL_SOURCES: Final[tuple[Placement, ...]] = ("pelvis", "sternum", "foot_left")
+_PLACE_M: Final[dict[str, tuple[float, float, float]]] = {
+    "head": (0.05, 0.0, 1.65),
+    "sternum": (0.10, 0.0, 1.30),
+    "pelvis": (-0.10, 0.0, 1.00),
+    "shoulder": (0.0, 0.15, 1.40),
+    "upper_arm": (0.0, 0.25, 1.20),
+    "forearm": (0.05, 0.28, 0.95),
+    "hand": (0.08, 0.28, 0.78),
+    "thigh": (0.08, 0.13, 0.75),
+    "shank": (0.05, 0.10, 0.30),
+    "foot": (0.10, 0.09, 0.06),
+}
+"""Where modules sit on a standing person with hanging arms, left side: x forward, y left, z up. Only the direction
+from the source to a sensor is used, to choose between a place and its mirror image through the source."""
+ROUND_TRIP_S: Final = 0.5
+"""A request is given up after this: the way to the network and back takes a good tenth of a second."""
+
+
+@dataclass(frozen=True)
+class SourceSettings:
+    """The part of the setup's `orientation_parameters` that is not the filter's own.
+
+    `source` is the placement that carries the coils; by default the pelvis, else the sternum, else the left foot.
+    Coils are along the axes of their module, their centres `coil_offset_m` out. The source is worn with x forward
+    and z up.
+    """
+
+    source: str = ""
+    coil_offset_m: float = 0.06
+    coil_turns: float = 50.0
+    coil_radius_m: float = 0.055
+    current_limit_a: float = 1.5
+
+    @property
+    def coils(self) -> Source:
+        """The source that the settings describe."""
+        return perpendicular_source(
+            self.coil_offset_m, self.coil_turns, self.coil_radius_m, self.current_limit_a
+        )
+
+
+def settings_of(setup: SessionSetup) -> tuple[SourceSettings, dict[str, Any]]:
+    """Return what the setup says of the source, and the overrides of the filter.
+
+    Raises
+    ------
+    SetupError
+        For placements without a source and a sensor, and parameters that do not exist.
+    """
+    given: Mapping[str, Any] = setup.orientation_parameters
+    own = {field.name for field in fields(SourceSettings)}
+    filters = {field.name for field in fields(RelativePoseParameters)}
+    if unknown := sorted(set(given) - own - filters):
+        raise SetupError(f"no parameter {', '.join(unknown)}; known are {', '.join(sorted(own | filters))}")
+    settings = SourceSettings(**{name: value for name, value in given.items() if name in own})
+    if len(setup.placements) < 2 or len(set(setup.placements)) != len(setup.placements):
+        raise SetupError("relative pose needs a source and at least one sensor, each at its own placement")
+    source = settings.source or next((name for name in _USUAL_SOURCES if name in setup.placements), "")
+    if source not in setup.placements:
+        raise SetupError(
+            f"say which placement carries the coils: parameter source, one of {', '.join(setup.placements)}"
+        )
+    numbers = (settings.coil_turns, settings.coil_radius_m, settings.current_limit_a)
+    if min(numbers) <= 0.0 or settings.coil_offset_m < 0.0:
+        raise SetupError("turns, radius and current limit of the coils must be above zero")
+    return (
+        SourceSettings(**{**{f: getattr(settings, f) for f in own}, "source": source}),
+        {name: value for name, value in given.items() if name in filters},
+    )
+
+
+def direction_between(source: str, sensor: str) -> tuple[float, float, float]:
+    """Return the rough direction from one placement to another on a standing person; zero for unknown names."""
+    if source not in PLACEMENTS or sensor not in PLACEMENTS:
+        return (0.0, 0.0, 0.0)
+    way = _place(sensor) - _place(source)
+    x, y, z = (way / np.linalg.norm(way)).tolist()
+    return x, y, z
+
+
+def _place(name: str) -> Float:
+    base, _, side = name.rpartition("_")
+    if side not in ("left", "right"):
+        return np.array(_PLACE_M[name])
+    mirror = -1.0 if side == "right" else 1.0
+    return np.asarray(np.array(_PLACE_M[base]) * np.array([1.0, mirror, 1.0]))
+
+
+__all__ = ["ROUND_TRIP_S", "SourceSettings", "direction_between", "settings_of"]
