@@ -99,7 +99,9 @@ def simulate(
     patient_kind: Annotated[
         str, typer.Option(help="therapist_template, mild_stroke or moderate_stroke.")
     ] = "mild_stroke",
-    orientation: Annotated[str, typer.Option(help="Orientation estimator of the session.")] = "vqf",
+    orientation: Annotated[
+        str, typer.Option(help="Orientation estimator of the session; empty for the default.")
+    ] = "",
     errors: Annotated[str, typer.Option(help="Sensor errors: nominal, marzouk_2009 or ideal.")] = "nominal",
     speed: Annotated[
         float, typer.Option(help="1 is real time, 10 ten times faster.", min=0.1, max=1000)
@@ -174,7 +176,9 @@ def process(
     pipeline: Annotated[
         str, typer.Option(help="arm (joint angles), gait (feet and strides) or orientation (single sensors).")
     ] = "arm",
-    orientation: Annotated[str, typer.Option(help="Orientation estimator, e.g. vqf.")] = "vqf",
+    orientation: Annotated[
+        str, typer.Option(help="Orientation estimator, e.g. vqf; empty for the default.")
+    ] = "",
     format: Annotated[
         str, typer.Option(help="auto, packet_log, csv, qmt_mat, broad, pyshoe, gait_tracking or gaitmap.")
     ] = "auto",

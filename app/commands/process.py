@@ -68,6 +68,7 @@ def process(
     InvalidInput
         When a word is unknown, the file cannot be read as declared, or its readings are implausible.
     """
+    orientation = orientation or orientations.DEFAULT
     known = orientations.available(with_offline=True)
     if orientation not in known:
         raise InvalidInput(f"no estimator {orientation!r}; choose one of {', '.join(known)}")

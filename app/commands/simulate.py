@@ -10,6 +10,7 @@ import typer
 from app.errors import InvalidInput, TelemotionError
 from app.gateway import DeviceStream, GatewayClient, GatewayReport, Milestone, ServiceClient, stream_of
 from app.recordings.schemas import SessionIn
+from estimators.orientation import DEFAULT
 from estimators.simulation import (
     SENSOR_PRESETS,
     ArmScenario,
@@ -46,7 +47,7 @@ class Options:
     repetitions: int = 10
     patient_kind: str = "mild_stroke"
     progress: float = 0.0
-    orientation: str = "vqf"
+    orientation: str = ""
     errors: str = "nominal"
     speed: float | None = 1.0
     loss_percent: float = 0.0
@@ -85,7 +86,10 @@ def scenario_of(options: Options) -> ArmScenario:
     if options.loss_percent or options.breaks:
         scenario = replace(scenario, schedule=replace(scenario.schedule, n_pose_s=LOSSY_POSE_S))
     return replace(
-        scenario, both_arms=options.arms == "both", errors=options.errors, orientation=options.orientation
+        scenario,
+        both_arms=options.arms == "both",
+        errors=options.errors,
+        orientation=options.orientation or DEFAULT,
     )
 
 
@@ -128,7 +132,7 @@ async def stream(
             purpose="template" if options.purpose == "template" else "exercise",
             placements=list(simulated.setup.placements),
             rate_hz=scenario.rate_hz,
-            orientation=options.orientation,
+            orientation=options.orientation or DEFAULT,
             use_mounting=False,
         )
     )

@@ -13,6 +13,7 @@ from app.gateway.service import ServiceClient
 from app.live.calibration_messages import CalibrationIn, CalibrationKind, CalibrationMessage
 from app.recordings.schemas import SessionIn
 from estimators.conventions import Placement
+from estimators.orientation import DEFAULT
 from estimators.recording import Recording
 from estimators.simulation import (
     CALIBRATION_STYLE,
@@ -99,7 +100,7 @@ async def rehearse(
     shown: Rehearsal,
     *,
     speed: float | None = None,
-    orientation: str = "vqf",
+    orientation: str = DEFAULT,
     say: Callable[[str], None] = lambda text: None,
 ) -> tuple[str, CalibrationMessage]:
     """Create a session, stream the performance, and steer its calibration to the end.

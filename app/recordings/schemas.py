@@ -7,6 +7,7 @@ from pydantic import Field
 
 from app.schemas import Schema
 from estimators.conventions import Placement
+from estimators.orientation import DEFAULT
 
 SessionState = Literal[
     "created", "calibrating", "ready", "recording", "link_lost", "closing", "analysed", "failed"
@@ -24,7 +25,7 @@ class SessionIn(Schema):
     """`gait` follows sensors on the feet; nothing is to be calibrated."""
     placements: list[Placement] = Field(min_length=1, max_length=17)
     rate_hz: float = Field(default=100.0, ge=10, le=1000)
-    orientation: str = "vqf"
+    orientation: str = DEFAULT
     orientation_parameters: dict[str, Any] = Field(default_factory=dict)
     constrain_joint_headings: bool = False
     """Let elbows and wrists bound heading drift: for sensors without magnetometers or near iron."""
@@ -169,7 +170,7 @@ class UploadIn(Schema):
     pipeline: Literal["arm", "gait"] = "arm"
     """What a packet log or CSV file holds; the last three formats are always walks."""
     csv: CsvMapping | None = None
-    orientation: str = "vqf"
+    orientation: str = DEFAULT
     calibration_pose_s: tuple[float, float] | None = None
     """Half-open interval in which the patient stands in N-pose; None looks for stillness at the start."""
     hemisphere: Literal["north", "south", "unknown"] = "north"

@@ -1,7 +1,7 @@
 """Orientation of each sensor in the earth frame: one filter a file, one contract, one registry."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Final
 
 from estimators.errors import SetupError
 from estimators.orientation._contract import OrientationEstimator, OrientationFlag, OrientationResult
@@ -25,6 +25,9 @@ from estimators.orientation._smoothers import (
 )
 from estimators.orientation._telemotion import TelemotionEstimator
 from estimators.orientation._vqf import VqfEstimator
+
+DEFAULT: Final = VqfEstimator.name
+"""The estimator of whoever names none."""
 
 _REGISTRY: dict[str, type[OrientationEstimator]] = {
     kind.name: kind
@@ -77,6 +80,7 @@ def create(
 
 
 __all__ = [
+    "DEFAULT",
     "DeviceConstants",
     "OrientationErrors",
     "OrientationEstimator",

@@ -18,6 +18,7 @@ from estimators.calibration import DeviceCalibration as DeviceCalibration
 from estimators.calibration import FunctionalResult as FunctionalResult
 from estimators.conventions import Placement
 from estimators.errors import SetupError
+from estimators.orientation import DEFAULT
 from estimators.orientation import DeviceConstants as DeviceConstants
 from estimators.recording import Float, ImuChunk
 
@@ -47,18 +48,22 @@ class SessionSetup:
         By placement: what was calibrated in the hand about the sensor worn there, applied before everything.
     device_constants : dict of DeviceConstants
         By placement: what earlier sessions learnt about the sensor worn there. Sensors not named start unknown.
+    feet_apart_m, feet_apart_end_m : float or None
+        Of a walk: distance of the feet side by side at its start and at its end, where somebody measured it.
     """
 
     pipeline: str
     placements: tuple[Placement, ...]
     rate_hz: float
-    orientation: str = "vqf"
+    orientation: str = DEFAULT
     orientation_parameters: dict[str, Any] = field(default_factory=dict)
     body: BodyDimensions = field(default_factory=BodyDimensions)
     calibration: Calibration | None = None
     constrain_joint_headings: bool = False
     devices: dict[Placement, DeviceCalibration] = field(default_factory=dict)
     device_constants: dict[Placement, DeviceConstants] = field(default_factory=dict)
+    feet_apart_m: float | None = None
+    feet_apart_end_m: float | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON types; `from_dict` reverses it exactly."""

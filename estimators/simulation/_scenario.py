@@ -11,6 +11,7 @@ from estimators.arm import ArmModel
 from estimators.body import BodyDimensions
 from estimators.conventions import PLACEMENTS, Placement, Side
 from estimators.errors import SetupError
+from estimators.orientation import DEFAULT
 from estimators.pipelines._contract import FrameLayout, Frames, SessionSetup
 from estimators.recording import Recording, SensorSignals
 from estimators.simulation._body import MovingBody, SegmentMotion
@@ -101,7 +102,7 @@ class ArmScenario:
     has_magnetometer: bool = True
     sway_rad: float = 0.003
     n_pose_error_rad: float = 0.0
-    orientation: str = "vqf"
+    orientation: str = DEFAULT
     seed: int = 0
 
 
