@@ -18,7 +18,15 @@ from estimators.gait._foot_filter import (
 )
 from estimators.gait._foot_parameters import FootParameters
 from estimators.gait._foot_trajectory import COAST_S, LOST_SIGMA_MPS, FootFlag
-from estimators.gait._stance import UNREST, Windows, judge, noise, write_statistic
+from estimators.gait._stance import (
+    UNREST,
+    Windows,
+    decide,
+    decision_settings,
+    noise_settings,
+    write_statistic,
+)
+from estimators.gait._stance_kernel import noise_densities
 from estimators.recording import Float
 
 BRIDGED, MISSING, CLIPPED, FIELD = 1, 2, 4, 8
@@ -26,7 +34,7 @@ BRIDGED, MISSING, CLIPPED, FIELD = 1, 2, 4, 8
 
 COLUMNS = at.STATE + 6 + 2
 """What is released of a sample: state, sigma of position and attitude, T, and whether it is stance."""
-_RAW = 9
+_ALL_MEASURED = np.empty(0)
 _ROOM = 18
 """Blocks of records beyond the lag, so that they are moved rarely."""
 _NO_STANCE, _INVALID = int(FootFlag.NO_STANCE), int(FootFlag.INVALID)
@@ -59,12 +67,16 @@ class FootStream:
         self.stop = 0  # ticks taken
         self.judged = 0  # ticks filtered
         self.released = 0
-        self._raw = np.empty((0, _RAW))
+        self._gyroscope, self._force, self._field = (np.empty((0, 3)) for _ in range(3))
         self._kind = np.empty(0, dtype=np.uint8)
         self._statistic = np.empty(0)
         self._last_good = _UPRIGHT.copy()
-        # Judged and not yet released: standard deviation, bits, T, noise of force (1) and turning (3).
-        self._inputs = np.empty((0, 7))
+        # Judged and not yet released: standard deviation, T, noise of force; bits; noise of turning.
+        self._inputs = np.empty((3, 0))
+        self._bits = np.empty(0, dtype=np.uint8)
+        self._rate_variance = np.empty((0, 3))
+        self._decision = decision_settings(rate_hz, parameters)
+        self._noise = noise_settings(parameters)
         self._x, self._p, self._memory = np.zeros(at.STATE), np.zeros((at.ERRORS,) * 2), np.zeros(at.MEMORY)
         self._marks: list[tuple[int, Float, Float, Float]] = []
         self._last_stance = -1
@@ -79,34 +91,34 @@ class FootStream:
     ) -> None:
         """Append samples, each (K, 3), that are measured, bridged or missing."""
         count = len(kind)
-        raw = np.zeros((count, _RAW))
-        raw[:, 0:3], raw[:, 3:6] = gyroscope, accelerometer
         if field is not None:
-            has_field = np.isfinite(field).all(axis=1)
-            raw[has_field, 6:9] = field[has_field]
+            has_field = np.asarray(np.isfinite(field).all(axis=1))
+            field = np.where(has_field[:, None], field, 0.0)
             kind = np.asarray(kind | has_field * np.uint8(FIELD))
+        else:
+            field = np.zeros((count, 3))
         is_missing = (kind & MISSING) != 0
         if is_missing.any():
-            for k in np.flatnonzero(is_missing):
+            gyroscope, accelerometer = gyroscope.copy(), accelerometer.copy()
+            for k in np.flatnonzero(is_missing).tolist():
                 if k and not is_missing[k - 1]:
-                    self._last_good = accelerometer[k - 1] * (
-                        GRAVITY_MPS2 / max(float(np.linalg.norm(accelerometer[k - 1])), 1.0)
-                    )
-                raw[k, 0:3], raw[k, 3:6] = 0.0, self._last_good
+                    self._last_good = _at_rest(accelerometer[k - 1])
+                gyroscope[k], accelerometer[k] = 0.0, self._last_good
         if count and not is_missing[-1]:
-            norm = max(float(np.linalg.norm(accelerometer[-1])), 1.0)
-            self._last_good = accelerometer[-1] * (GRAVITY_MPS2 / norm)
+            self._last_good = _at_rest(accelerometer[-1])
+        skipped = 0
         if self.first < 0:
             measured = np.flatnonzero(~is_missing)
             skipped = int(measured[0]) if len(measured) else count
-            raw, kind = raw[skipped:], kind[skipped:]
             self.stop += skipped
             self.origin = self.judged = self.stop
             if len(measured):
                 self.first = self.stop
-        self._raw = np.concatenate([self._raw, raw])
-        self._kind = np.concatenate([self._kind, kind])
-        self.stop += len(kind)
+        self._gyroscope = np.concatenate([self._gyroscope, gyroscope[skipped:]])
+        self._force = np.concatenate([self._force, accelerometer[skipped:]])
+        self._field = np.concatenate([self._field, field[skipped:]])
+        self._kind = np.concatenate([self._kind, kind[skipped:]])
+        self.stop += count - skipped
 
     def advance(self, is_end: bool) -> tuple[Float, NDArray[np.uint8]]:
         """Estimate as far as the samples taken allow, and return what is released.
@@ -147,45 +159,68 @@ class FootStream:
         if stop > known:
             grown = np.empty(stop - self.origin)
             grown[: len(self._statistic)] = self._statistic
-            gyroscope = np.ascontiguousarray(self._raw[:, 0:3])
-            force = np.ascontiguousarray(self._raw[:, 3:6])
             missing = (self._kind & MISSING) != 0
             span = (known - self.origin, stop - self.origin)
-            write_statistic(gyroscope, force, missing, *span, self.windows, self.parameters, grown)
+            write_statistic(
+                self._gyroscope, self._force, missing, *span, self.windows, self.parameters, grown
+            )
             self._statistic = grown
-        first = max(self.first, self.origin_of_inputs + len(self._inputs))
+        first = max(self.first, self.origin_of_inputs + len(self._bits))
         if end <= first:
             return
+        count = end - first
         # Nothing beyond the ticks that every chunking has seen may count.
         horizon = min(len(self._statistic), end - self.origin + self.windows.ahead - self.windows.half)
-        found = judge(
-            self._statistic[:horizon], self.origin, first, end, self.rate_hz, self.windows, self.parameters
+        inputs, reference = np.empty((3, count)), np.empty(count)
+        bits, rate_variance = np.empty(count, dtype=np.uint8), np.empty((count, 3))
+        place = slice(first - self.origin, end - self.origin)
+        sigma = inputs[0]
+        decide(
+            self._statistic[:horizon],
+            self.origin,
+            first,
+            end,
+            self.windows,
+            self._decision,
+            reference,
+            sigma,
+            bits,
         )
-        near = np.clip(np.arange(first - 1, end + 1) - self.origin, 0, len(self._raw) - 1)
-        force_variance, rate_variance = noise(
-            self._raw[near, 0:3], self._raw[near, 3:6], self._gap_s(first, end), self.parameters
+        inputs[1] = self._statistic[place]
+        noise_densities(
+            self._gyroscope,
+            self._force,
+            self._gap_root(first, end),
+            place.start,
+            place.stop,
+            self._noise,
+            inputs[2],
+            rate_variance,
         )
-        inputs = np.empty((end - first, 7))
-        bits, sigma = found.bits, found.sigma_mps.copy()
-        has_field = self._kind[first - self.origin : end - self.origin] & FIELD != 0
-        bits = np.asarray(bits | (has_field & found.is_stance) * np.uint8(at.HEADING))
-        missing = (self._kind[first - self.origin : end - self.origin] & MISSING) != 0
-        bits[missing] = at.STANCE
-        sigma[missing] = LOST_SIGMA_MPS
-        inputs[:, 0], inputs[:, 1], inputs[:, 2] = sigma, bits, found.statistic
-        inputs[:, 3], inputs[:, 4:7] = force_variance, rate_variance
-        self._inputs = np.concatenate([self._inputs, inputs])
+        kind = self._kind[place]
+        if kind.any():
+            has_field = (kind & FIELD != 0) & (bits & at.STANCE != 0)
+            missing = (kind & MISSING) != 0
+            bits |= has_field * np.uint8(at.HEADING)
+            bits[missing] = at.STANCE
+            sigma[missing] = LOST_SIGMA_MPS
+        self._inputs = np.concatenate([self._inputs, inputs], axis=1)
+        self._bits = np.concatenate([self._bits, bits])
+        self._rate_variance = np.concatenate([self._rate_variance, rate_variance])
 
     @property
     def origin_of_inputs(self) -> int:
         """Tick of the first judged sample that is kept."""
         return max(self.released, self.first)
 
-    def _gap_s(self, first: int, end: int) -> Float:
-        """Return for ticks `[first - 1, end]` the length of the gap they fill, as far as may be known."""
+    def _gap_root(self, first: int, end: int) -> Float:
+        """Return the root of the length of the gaps that ticks fill, as far as may be known; for all buffered ticks.
+
+        Right for the ticks `[first - 1, end]`.
+        """
         filled = (self._kind & (BRIDGED | MISSING)) != 0
         if not filled.any():
-            return np.zeros(end + 2 - first)
+            return _ALL_MEASURED
         count = len(filled)
         places = np.arange(count)
         before = places - np.maximum.accumulate(np.where(filled, -1, places))
@@ -196,8 +231,7 @@ class FootStream:
             np.minimum(before, self.windows.back) + np.minimum(ahead - 1, self.windows.half),
             0,
         )
-        near = np.clip(np.arange(first - 1, end + 1) - self.origin, 0, count - 1)
-        return np.asarray(length[near] / self.rate_hz)
+        return np.asarray(np.sqrt(length / (self.rate_hz * self.parameters.gap_scale_s)))
 
     def _filter(self, boundary: int) -> None:
         """Run the filter up to a boundary."""
@@ -205,7 +239,7 @@ class FootStream:
         if start == self.first and not self._memory[at.STARTED]:
             count = max(1, round(START_S * self.rate_hz))
             head = slice(self.first - self.origin, self.first - self.origin + count)
-            self._x[:] = start_state(self._raw[head, 3:6].mean(axis=0), np.zeros(3))
+            self._x[:] = start_state(self._force[head].mean(axis=0), np.zeros(3))
             self._p[:] = start_covariance(float(self._statistic[head].mean()), self.parameters)
         while start < boundary:
             # Block by block, so that a stored state can start again at the first sample not yet released.
@@ -216,25 +250,22 @@ class FootStream:
 
     def _forward(self, start: int, stop: int) -> None:
         origin = self.origin_of_inputs
-        inputs = self._inputs[start - origin : stop - origin]
-        raw = self._raw[start - self.origin : stop - self.origin]
-        bits = inputs[:, 1].astype(np.uint8)
+        place, raw = slice(start - origin, stop - origin), slice(start - self.origin, stop - self.origin)
         self._records.forward(
-            slice(self._base + start - origin, self._base + stop - origin),
+            slice(self._base + place.start, self._base + place.stop),
             np.full(stop - start, 1.0 / self.rate_hz),
-            np.ascontiguousarray(raw[:, 0:3]),
-            np.ascontiguousarray(raw[:, 3:6]),
-            np.ascontiguousarray(inputs[:, 0]),
-            bits,
-            np.ascontiguousarray(inputs[:, 3]),
-            np.ascontiguousarray(inputs[:, 4:7]),
-            np.ascontiguousarray(raw[:, 6:9]),
+            self._gyroscope[raw],
+            self._force[raw],
+            self._inputs[0, place],
+            self._bits[place],
+            self._inputs[2, place],
+            self._rate_variance[place],
+            self._field[raw],
             self._settings,
             self._memory,
             self._x,
             self._p,
         )
-        inputs[:, 1] = bits
 
     def _release(self, boundary: int, upto: int) -> tuple[Float, NDArray[np.uint8]]:
         """Smooth back from a boundary and give away the ticks up to `upto`."""
@@ -250,46 +281,53 @@ class FootStream:
             state = np.empty((given, at.STATE))
             base, end = self._base, self._base + boundary - origin
             self._records.backward(base, base + given, end, np.zeros(at.ERRORS), state)
-            inputs = self._inputs[: boundary - origin]
+            stands = self._stands(boundary - origin)
             place = slice(count - given, count)
             values[place, : at.STATE] = state
             values[place, at.STATE : at.STATE + 6] = root(self._records.spread[base : base + given])
-            values[place, at.STATE + 6] = inputs[:given, 2]
-            values[place, at.STATE + 7] = _stands(inputs[:given])
+            values[place, at.STATE + 6] = self._inputs[1, :given]
+            values[place, at.STATE + 7] = stands[:given]
             kind = self._kind[known - self.origin : upto - self.origin]
-            flags[place] = self._flags(known, upto, inputs, kind)
+            flags[place] = self._flags(known, upto, stands, kind)
             self._base += given
             if self._base + self.lag + 2 * self.block > len(self._records.spread):
                 self._records.move_to_front(self._base, end)
                 self._base = 0
-            self._inputs = self._inputs[given:]
+            self._inputs, self._bits = self._inputs[:, given:], self._bits[given:]
+            self._rate_variance = self._rate_variance[given:]
         self.released = upto
         while len(self._marks) > 1 and self._marks[1][0] <= upto:
             self._marks.pop(0)
         return values, flags
 
-    def _flags(self, first: int, stop: int, inputs: Float, kind: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        missing = (kind & MISSING) != 0
-        stands = _stands(inputs)
+    def _stands(self, count: int) -> NDArray[np.bool_]:
+        """Return for the first ticks not yet released whether a stance was measured and believed."""
+        return np.asarray(((self._bits[:count] & at.STANCE) != 0) & (self._inputs[1, :count] < UNREST))
+
+    def _flags(
+        self, first: int, stop: int, stands: NDArray[np.bool_], kind: NDArray[np.uint8]
+    ) -> NDArray[np.uint8]:
         ticks = np.arange(first, first + len(stands))
         last = np.maximum.accumulate(np.where(stands, ticks, self._last_stance))[: stop - first]
         lost = (last < 0) | (ticks[: stop - first] - last > COAST_S * self.rate_hz)
         self._last_stance = int(last[-1])
-        flags = lost * _NO_STANCE + missing * _INVALID
-        flags = flags + ((kind & BRIDGED) != 0) * _BRIDGED + ((kind & CLIPPED) != 0) * _SATURATED
+        flags = lost * np.uint8(_NO_STANCE)
+        if kind.any():
+            flags = flags + ((kind & MISSING) != 0) * np.uint8(_INVALID)
+            flags = flags + ((kind & BRIDGED) != 0) * np.uint8(_BRIDGED)
+            flags = flags + ((kind & CLIPPED) != 0) * np.uint8(_SATURATED)
         return np.asarray(flags, dtype=np.uint8)
 
     def _trim(self) -> None:
         """Forget samples that nothing to come looks back at."""
         if self.first < 0:
             return
-        needed = (
-            min(self.released, self.judged, self.origin_of_inputs + len(self._inputs)) - self.windows.back
-        )
+        needed = min(self.released, self.judged, self.origin_of_inputs + len(self._bits)) - self.windows.back
         # At least a few of the first samples are kept until the filter has started from them.
         drop = min(needed - 1, self._marks[0][0] if self._marks else self.first) - self.origin
         if drop > 0:
-            self._raw, self._kind = self._raw[drop:], self._kind[drop:]
+            self._gyroscope, self._force = self._gyroscope[drop:], self._force[drop:]
+            self._field, self._kind = self._field[drop:], self._kind[drop:]
             self._statistic = self._statistic[drop:]
             self.origin += drop
 
@@ -307,10 +345,12 @@ class FootStream:
         )
         return {
             "counters": np.array(counters, dtype=np.int64),
-            "raw": self._raw.copy(),
+            "raw": np.concatenate([self._gyroscope, self._force, self._field], axis=1),
             "kind": self._kind.copy(),
             "statistic": self._statistic.copy(),
             "inputs": self._inputs.copy(),
+            "bits": self._bits.copy(),
+            "rate_variance": self._rate_variance.copy(),
             "last_good": self._last_good.copy(),
             "x": mark[1].copy(),
             "p": mark[2].copy(),
@@ -322,8 +362,12 @@ class FootStream:
         first, origin, stop, judged, released, last_stance, mark = (int(v) for v in state["counters"])
         self.first, self.origin, self.stop, self.released = first, origin, stop, released
         self._last_stance = last_stance
-        self._raw, self._kind = np.array(state["raw"]), np.array(state["kind"])
-        self._statistic, self._inputs = np.array(state["statistic"]), np.array(state["inputs"])
+        self._gyroscope, self._force, self._field = (
+            np.ascontiguousarray(state["raw"][:, i : i + 3]) for i in (0, 3, 6)
+        )
+        self._kind, self._statistic = np.array(state["kind"]), np.array(state["statistic"])
+        self._inputs, self._bits = np.array(state["inputs"]), np.array(state["bits"])
+        self._rate_variance = np.array(state["rate_variance"])
         self._last_good = np.array(state["last_good"])
         self._x, self._p, self._memory = (np.array(state[name]) for name in ("x", "p", "memory"))
         self._marks, self._base = [], 0
@@ -332,8 +376,9 @@ class FootStream:
             self._filter(judged)
 
 
-def _stands(inputs: Float) -> NDArray[np.bool_]:
-    return np.asarray(((inputs[:, 1].astype(np.uint8) & at.STANCE) != 0) & (inputs[:, 2] < UNREST))
+def _at_rest(accelerometer: Float) -> Float:
+    """Return the specific force of a foot that rests the way it was last seen."""
+    return np.asarray(accelerometer * (GRAVITY_MPS2 / max(float(np.linalg.norm(accelerometer)), 1.0)))
 
 
 __all__ = ["BRIDGED", "CLIPPED", "COLUMNS", "MISSING", "FootStream"]

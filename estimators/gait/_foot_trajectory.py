@@ -146,9 +146,8 @@ class _Run:
         missing = filled.is_missing
         self.stance = find_stance(gyroscope, self.accelerometer, rate_hz, parameters, missing)
         self.sigma_mps = np.where(missing, LOST_SIGMA_MPS, self.stance.sigma_mps)
-        padded = [0, *range(samples), samples - 1]
         self.force_variance, self.rate_variance = noise(
-            gyroscope[padded], self.accelerometer[padded], filled.gap_s[padded], parameters
+            gyroscope, self.accelerometer, filled.gap_s, parameters
         )
         self.wanted = self.stance.bits
         # Where nothing is known the foot is taken to go nowhere, loosely.

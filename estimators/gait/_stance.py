@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from estimators.conventions import GRAVITY_MPS2
 from estimators.gait import _foot_layout as at
+from estimators.gait import _stance_kernel as kernels
 from estimators.gait._foot_parameters import FootParameters
-from estimators.gait._stance_kernel import local_minimum, moving_percentile, stance_statistic
 from estimators.recording import Float
 
 Bool = NDArray[np.bool_]
@@ -143,7 +143,7 @@ def write_statistic(
     statistic: Float,
 ) -> None:
     """Write T of the samples `[first, stop)` of contiguous arrays; what was never measured is unrest."""
-    stance_statistic(
+    kernels.stance_statistic(
         gyroscope_radps,
         accelerometer_mps2,
         first,
@@ -170,8 +170,33 @@ def judge(
     parameters: FootParameters,
 ) -> Stance:
     """Decide about the samples `[first, stop)` of a record from T of its samples from `origin` on."""
-    reference = np.empty(len(statistic))
-    moving_percentile(
+    count = stop - first
+    reference, sigma, bits = np.empty(count), np.empty(count), np.empty(count, dtype=np.uint8)
+    settings = decision_settings(rate_hz, parameters)
+    decide(statistic, origin, first, stop, windows, settings, reference, sigma, bits)
+    return Stance(
+        statistic[first - origin : stop - origin],
+        reference,
+        (bits & at.STANCE) != 0,
+        (bits & at.STANDSTILL) != 0,
+        (bits & at.HEIGHT) != 0,
+        sigma,
+    )
+
+
+def decide(
+    statistic: Float,
+    origin: int,
+    first: int,
+    stop: int,
+    windows: Windows,
+    settings: Float,
+    reference: Float,
+    sigma_mps: Float,
+    bits: NDArray[np.uint8],
+) -> None:
+    """Write what `judge` finds into arrays of `stop - first` values."""
+    kernels.decide(
         statistic,
         origin,
         first,
@@ -179,31 +204,44 @@ def judge(
         windows.stride,
         windows.before,
         windows.after,
-        0.01 * parameters.reference_percentile,
+        windows.alone,
+        settings,
         reference,
-    )
-    place = slice(first - origin, stop - origin)
-    chosen = statistic[place]
-    floored = np.maximum(reference[place], parameters.reference_floor)
-    is_stance = (chosen < parameters.stance_ratio * floored) & (chosen < parameters.stance_limit)
-    allowed, lowest = np.zeros((2, len(statistic)), dtype=np.bool_)
-    allowed[place] = is_stance
-    local_minimum(statistic, allowed, place.start, place.stop, windows.alone, lowest)
-    return Stance(
-        chosen,
-        floored,
-        is_stance,
-        is_stance & (chosen < parameters.standstill_limit),
-        lowest[place],
-        stance_sigma(chosen, rate_hz, parameters),
+        sigma_mps,
+        bits,
     )
 
 
-def stance_sigma(statistic: Float, rate_hz: float, parameters: FootParameters) -> Float:
-    """Return the standard deviation of the contact point's velocity, eq. (5), in m/s."""
-    base = parameters.velocity_sigma_slope_mps * statistic**parameters.velocity_sigma_exponent
+def decision_settings(rate_hz: float, parameters: FootParameters) -> Float:
+    """Return the constants of the detector in the order of its kernel."""
     # The noise of neighbouring samples is one and the same: at a higher rate each of them says less.
-    return (parameters.velocity_sigma_floor_mps + base) * math.sqrt(rate_hz / _REFERENCE_RATE_HZ)
+    scale = math.sqrt(rate_hz / _REFERENCE_RATE_HZ)
+    settings = np.zeros(kernels.DECIDE)
+    settings[kernels.RATIO] = parameters.stance_ratio
+    settings[kernels.FLOOR] = parameters.reference_floor
+    settings[kernels.LIMIT] = parameters.stance_limit
+    settings[kernels.STILL] = parameters.standstill_limit
+    settings[kernels.SIGMA_FLOOR] = scale * parameters.velocity_sigma_floor_mps
+    settings[kernels.SIGMA_SLOPE] = scale * parameters.velocity_sigma_slope_mps
+    settings[kernels.SIGMA_EXPONENT] = parameters.velocity_sigma_exponent
+    settings[kernels.SHARE] = 0.01 * parameters.reference_percentile
+    return settings
+
+
+def noise_settings(parameters: FootParameters) -> Float:
+    """Return the constants of the noise in the order of its kernel."""
+    settings = np.zeros(kernels.NOISE)
+    settings[kernels.SHOCK] = min(parameters.shock_mps2, 0.97 * parameters.accelerometer_clip_mps2)
+    settings[kernels.SHOCK_DENSITY] = parameters.shock_density
+    settings[kernels.FORCE_DENSITY] = parameters.accelerometer_density
+    settings[kernels.FORCE_JERK] = parameters.accelerometer_jerk_share
+    settings[kernels.CLIP] = 0.99 * parameters.gyroscope_clip_radps
+    settings[kernels.CLIP_DENSITY] = parameters.clip_density
+    settings[kernels.RATE_DENSITY] = parameters.gyroscope_density
+    settings[kernels.RATE_JERK] = parameters.gyroscope_jerk_share
+    settings[kernels.GAP_FORCE] = parameters.gap_accelerometer_density
+    settings[kernels.GAP_RATE] = parameters.gap_gyroscope_density
+    return settings
 
 
 def runs(mask: Bool) -> list[tuple[int, int]]:
@@ -215,19 +253,19 @@ def runs(mask: Bool) -> list[tuple[int, int]]:
 def noise(
     gyroscope_radps: Float, accelerometer_mps2: Float, gap_s: Float, parameters: FootParameters
 ) -> tuple[Float, Float]:
-    """Return the noise densities squared of each sample that has a neighbour on either side.
+    """Return the noise densities squared of each sample.
 
     Parameters
     ----------
-    gyroscope_radps, accelerometer_mps2 : ndarray, shape (K + 2, 3)
-    gap_s : ndarray, shape (K + 2,)
+    gyroscope_radps, accelerometer_mps2 : ndarray, shape (N, 3)
+    gap_s : ndarray, shape (N,)
         Length of the gap that a sample was filled into; zero where it was measured.
 
     Returns
     -------
-    force_variance : ndarray, shape (K,)
+    force_variance : ndarray, shape (N,)
         (m/s)^2/s
-    rate_variance : ndarray, shape (K, 3)
+    rate_variance : ndarray, shape (N, 3)
         rad^2/s
 
     Notes
@@ -235,26 +273,19 @@ def noise(
     Eq. (11) and (12). Impacts that the accelerometer cannot follow spoil the length of a stride, and a gyroscope
     at its clip level the heading; both are known from the samples themselves.
     """
-    shock = min(parameters.shock_mps2, 0.97 * parameters.accelerometer_clip_mps2)
-    is_shock = _near(np.asarray((np.abs(accelerometer_mps2) > shock).any(axis=1)))
-    is_clipped = _near(np.abs(gyroscope_radps) > 0.99 * parameters.gyroscope_clip_radps)
-    filled = np.sqrt(gap_s[1:-1] / parameters.gap_scale_s)
-    force_density = np.where(is_shock, parameters.shock_density, parameters.accelerometer_density)
-    force_density = np.maximum(force_density, parameters.gap_accelerometer_density * filled)
-    rate_density = np.where(is_clipped, parameters.clip_density, parameters.gyroscope_density)
-    rate_density = np.maximum(rate_density, parameters.gap_gyroscope_density * filled[:, None])
-    force_change = 0.5 * (accelerometer_mps2[2:] - accelerometer_mps2[:-2])
-    rate_change = 0.5 * (gyroscope_radps[2:] - gyroscope_radps[:-2])
-    force_jerk2 = parameters.accelerometer_jerk_share**2 * (force_change**2).sum(axis=1)
-    return (
-        np.ascontiguousarray(force_density**2 + force_jerk2),
-        np.ascontiguousarray(rate_density**2 + (parameters.gyroscope_jerk_share * rate_change) ** 2),
+    samples = len(gyroscope_radps)
+    force_variance, rate_variance = np.empty(samples), np.empty((samples, 3))
+    kernels.noise_densities(
+        np.ascontiguousarray(gyroscope_radps),
+        np.ascontiguousarray(accelerometer_mps2),
+        np.sqrt(gap_s / parameters.gap_scale_s),
+        0,
+        samples,
+        noise_settings(parameters),
+        force_variance,
+        rate_variance,
     )
-
-
-def _near(mask: Bool) -> Bool:
-    """Return where a mask is true on the sample or one of its neighbours, without the outermost samples."""
-    return np.asarray(mask[1:-1] | mask[:-2] | mask[2:])
+    return force_variance, rate_variance
 
 
 def gravity_scale(gyroscope_radps: Float, accelerometer_mps2: Float, rate_hz: float) -> float:
@@ -295,12 +326,14 @@ __all__ = [
     "UNREST",
     "Stance",
     "Windows",
+    "decide",
+    "decision_settings",
     "find_stance",
     "gravity_scale",
     "judge",
     "noise",
+    "noise_settings",
     "resting_bias",
     "runs",
-    "stance_sigma",
     "write_statistic",
 ]

@@ -11,8 +11,14 @@ from numpy.typing import NDArray
 
 from estimators._kernels import kernel
 from estimators.conventions import GRAVITY_MPS2
+from estimators.gait import _foot_layout as at
 from estimators.recording import Float
 
+_STANCE, _STANDSTILL, _HEIGHT = at.STANCE, at.STANDSTILL, at.HEIGHT
+# Constants of `decide` and of `noise_densities`, in the order they read them.
+RATIO, FLOOR, LIMIT, STILL, SIGMA_FLOOR, SIGMA_SLOPE, SIGMA_EXPONENT, SHARE, DECIDE = range(9)
+SHOCK, SHOCK_DENSITY, FORCE_DENSITY, FORCE_JERK, CLIP, CLIP_DENSITY, RATE_DENSITY, RATE_JERK = range(8)
+GAP_FORCE, GAP_RATE, NOISE = 8, 9, 10
 _G = GRAVITY_MPS2
 _GRID_MOST = 512
 
@@ -152,4 +158,111 @@ def local_minimum(
         found[k] = is_lowest
 
 
-__all__ = ["local_minimum", "moving_percentile", "stance_statistic"]
+@kernel(
+    "void(float64[::1], int64, int64, int64, int64, int64, int64, int64, float64[::1], float64[::1],"
+    " float64[::1], uint8[::1])"
+)
+def decide(
+    statistic: Float,
+    origin: int,
+    first: int,
+    stop: int,
+    stride: int,
+    before: int,
+    after: int,
+    alone: int,
+    settings: Float,
+    reference: Float,
+    sigma_mps: Float,
+    bits: NDArray[np.uint8],
+) -> None:
+    """Decide which of the samples `[first, stop)` of a record are stance, eq. (3) to (6) of the method page.
+
+    Parameters
+    ----------
+    statistic : ndarray, shape (N,)
+        T of the record's samples `origin` to `origin + N - 1`.
+    origin, first, stop, stride, before, after : int
+        As `moving_percentile` takes them.
+    alone : int
+        As `local_minimum` takes it.
+    settings : ndarray, shape (DECIDE,)
+    reference, sigma_mps : ndarray, shape (stop - first,)
+        Output: the floored low percentile of T, and the contact point's standard deviation of velocity.
+    bits : ndarray of uint8, shape (stop - first,)
+        Output: STANCE, STANDSTILL and HEIGHT.
+    """
+    samples = statistic.shape[0]
+    lowest = np.empty(samples)
+    moving_percentile(statistic, origin, first, stop, stride, before, after, settings[SHARE], lowest)
+    allowed = np.zeros(samples, dtype=np.bool_)
+    for i in range(stop - first):
+        k = first - origin + i
+        t = statistic[k]
+        reference[i] = max(lowest[k], settings[FLOOR])
+        sigma_mps[i] = settings[SIGMA_FLOOR] + settings[SIGMA_SLOPE] * t ** settings[SIGMA_EXPONENT]
+        allowed[k] = t < settings[RATIO] * reference[i] and t < settings[LIMIT]
+        bits[i] = 0
+        if allowed[k]:
+            bits[i] = _STANCE | _STANDSTILL if t < settings[STILL] else _STANCE
+    found = np.zeros(samples, dtype=np.bool_)
+    local_minimum(statistic, allowed, first - origin, stop - origin, alone, found)
+    for i in range(stop - first):
+        if found[first - origin + i]:
+            bits[i] |= _HEIGHT
+
+
+@kernel(
+    "void(float64[:, ::1], float64[:, ::1], float64[::1], int64, int64, float64[::1], float64[::1],"
+    " float64[:, ::1])"
+)
+def noise_densities(
+    gyroscope_radps: Float,
+    accelerometer_mps2: Float,
+    gap_root: Float,
+    first: int,
+    stop: int,
+    settings: Float,
+    force_variance: Float,
+    rate_variance: Float,
+) -> None:
+    """Write the noise densities squared of the samples `[first, stop)`, eq. (11) and (12) of the method page.
+
+    Parameters
+    ----------
+    gyroscope_radps, accelerometer_mps2 : ndarray, shape (N, 3)
+        The outermost samples are their own neighbours.
+    gap_root : ndarray, shape (N,) or (0,)
+        Root of the length of the gap that a sample was filled into over the scale; none: all were measured.
+    first, stop : int
+    settings : ndarray, shape (NOISE,)
+    force_variance : ndarray, shape (stop - first,)
+        Output, (m/s)^2/s.
+    rate_variance : ndarray, shape (stop - first, 3)
+        Output, rad^2/s.
+    """
+    last = gyroscope_radps.shape[0] - 1
+    for i in range(stop - first):
+        k = first + i
+        before, after = max(k - 1, 0), min(k + 1, last)
+        filled = gap_root[k] if gap_root.shape[0] else 0.0
+        is_shock = False
+        jerk2 = 0.0
+        for axis in range(3):
+            level, turning = 0.0, 0.0
+            for j in range(before, after + 1):
+                level = max(level, abs(accelerometer_mps2[j, axis]))
+                turning = max(turning, abs(gyroscope_radps[j, axis]))
+            is_shock = is_shock or level > settings[SHOCK]
+            change = 0.5 * (accelerometer_mps2[after, axis] - accelerometer_mps2[before, axis])
+            jerk2 += change * change
+            density = settings[CLIP_DENSITY] if turning > settings[CLIP] else settings[RATE_DENSITY]
+            density = max(density, settings[GAP_RATE] * filled)
+            change = 0.5 * (gyroscope_radps[after, axis] - gyroscope_radps[before, axis])
+            rate_variance[i, axis] = density * density + (settings[RATE_JERK] * change) ** 2
+        density = settings[SHOCK_DENSITY] if is_shock else settings[FORCE_DENSITY]
+        density = max(density, settings[GAP_FORCE] * filled)
+        force_variance[i] = density * density + settings[FORCE_JERK] ** 2 * jerk2
+
+
+__all__ = ["decide", "local_minimum", "moving_percentile", "noise_densities", "stance_statistic"]
