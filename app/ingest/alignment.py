@@ -65,6 +65,7 @@ class Aligner:
         self._last_row: Float | None = None
         self._last_slope: Float | None = None
         """Change to the last row per tick; None where the packet held only this row."""
+        self._last_coil: Float | None = None
         self.gaps: list[Gap] = []
         """Gaps found since the caller last emptied the list."""
         self.late_packets = 0
@@ -142,26 +143,31 @@ class Aligner:
         self._next_sequence = sequence + 1
         self._released_end_us = time_us + ticks * packet.tick_interval_us
         signals, quality = self._unpacker.unpack(packet)
+        coil = self._unpacker.coil_state(packet)
         position = time_us / self._step_us
         spacing = packet.tick_interval_us / self._step_us
         first = round(position)
         drift = (ticks - 1) * (spacing - 1.0)
         if abs(position - first) > _SNAP_TICKS or abs(position + drift - first) > _SNAP_TICKS:
             positions: Float = position + spacing * np.arange(ticks, dtype=np.float64)
-            return self._interpolate(positions, signals, quality)
+            return self._interpolate(positions, signals, quality, coil)
         skip = self._next_tick - first
         if skip >= ticks:
             return []
         if skip > 0:
             first, signals, quality = self._next_tick, signals[:, :, skip:], quality[:, skip:]
+            coil = None if coil is None else coil[:, skip:]
         pieces = self._fill(first, signals[:, :, 0], _slope(signals[:, :, :2]))
-        pieces.append(self._chunk(first, signals, quality))
+        pieces.append(self._chunk(first, signals, quality, coil))
+        self._last_coil = None if coil is None else coil[:, -1:]
         self._next_tick = first + signals.shape[2]
         self._last_position = self._next_tick - 1.0
         self._last_row, self._last_slope = signals[:, :, -1], _slope(signals[:, :, -2:])
         return pieces
 
-    def _interpolate(self, position: Float, signals: Float, quality: NDArray[np.uint8]) -> list[ImuChunk]:
+    def _interpolate(
+        self, position: Float, signals: Float, quality: NDArray[np.uint8], coil: Float | None
+    ) -> list[ImuChunk]:
         """Place samples that lie between common ticks, at `position` ticks, shape (K,)."""
         pieces: list[ImuChunk] = []
         spacing = 1.5 * (position[-1] - position[0]) / max(1, position.shape[0] - 1) or 1.5
@@ -172,9 +178,12 @@ class Aligner:
             position = np.concatenate([[self._last_position], position])
             signals = np.concatenate([last[:, :, np.newaxis], signals], axis=2)
             quality = np.concatenate([np.zeros_like(quality[:, :1]), quality], axis=1)
+            if coil is not None:
+                before = np.zeros_like(coil[:, :1]) if self._last_coil is None else self._last_coil
+                coil = np.concatenate([before, coil], axis=1)
         tick = np.arange(self._next_tick, int(np.floor(position[-1] + 1e-9)) + 1)
         self._last_position, self._last_row = float(position[-1]), signals[:, :, -1]
-        self._last_slope = None
+        self._last_slope, self._last_coil = None, None if coil is None else coil[:, -1:]
         if not tick.size:
             return pieces
         left = np.clip(np.searchsorted(position, tick, side="right") - 1, 0, max(0, position.shape[0] - 2))
@@ -190,7 +199,9 @@ class Aligner:
         nothing = np.isnan(values[0]).any(axis=2)
         values[:, nothing] = np.nan
         flags[nothing] = (flags[nothing] & ~np.uint8(SampleQuality.BRIDGED)) | np.uint8(SampleQuality.MISSING)
-        pieces.append(self._chunk(self._next_tick, values, flags))
+        # A coil is on or off: its state is that of the nearest sample, never a mean.
+        nearest = np.where(weight[:, 0] < 0.5, left, right)
+        pieces.append(self._chunk(self._next_tick, values, flags, None if coil is None else coil[:, nearest]))
         self._next_tick += tick.size
         return pieces
 
@@ -236,9 +247,13 @@ class Aligner:
             ticks = min(_PIECE_TICKS, count - offset)
             yield self._chunk(start + offset, nothing[:, :, :ticks], quality[:, :ticks])
 
-    def _chunk(self, first: int, signals: Float, quality: NDArray[np.uint8]) -> ImuChunk:
+    def _chunk(
+        self, first: int, signals: Float, quality: NDArray[np.uint8], coil: Float | None = None
+    ) -> ImuChunk:
         magnetometer = signals[2] if signals.shape[0] == 3 else None
-        return ImuChunk(first, self._step_us * 1e-6, signals[0], signals[1], magnetometer, quality)
+        return ImuChunk(
+            first, self._step_us * 1e-6, signals[0], signals[1], magnetometer, quality, coil_state=coil
+        )
 
 
 def _slope(rows: Float) -> Float | None:
@@ -311,6 +326,16 @@ def joined_chunks(chunks: list[ImuChunk]) -> ImuChunk:
         np.concatenate([c.accelerometer_mps2 for c in chunks], axis=1),
         magnetometer,
         np.concatenate([c.quality for c in chunks], axis=1),
+        coil_state=_coil_states(chunks),
+    )
+
+
+def _coil_states(chunks: list[ImuChunk]) -> Float | None:
+    """Join coil states; chunks that have none (nothing came, or no source then) give NaN."""
+    if all(chunk.coil_state is None for chunk in chunks):
+        return None
+    return np.concatenate(
+        [np.full(c.quality.shape, np.nan) if c.coil_state is None else c.coil_state for c in chunks], axis=1
     )
 
 

@@ -74,6 +74,17 @@ class Unpacker:
             quality |= np.uint8(SampleQuality.BACKFILLED)
         return signals, quality
 
+    @staticmethod
+    def coil_state(packet: Packet) -> Float | None:
+        """Return what each sensor's coils did, shape (S, K), NaN where the sensor gave nothing; None without bit 6."""
+        sent = packet.channel(Channel.COIL_STATE)
+        if sent is None:
+            return None
+        state = np.array(sent[:, :, 0].T, dtype=np.float64)
+        nothing = ~packet.values[:, :, :6].any(axis=2).T
+        state[nothing] = np.nan
+        return state
+
     def _mark_saturated(self, packet: Packet, signals: Float, quality: NDArray[np.uint8]) -> None:
         found = False
         clips = self._count_clips if packet.encoding == INT16 else self._clips

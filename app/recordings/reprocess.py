@@ -109,6 +109,7 @@ def _picked(chunk: ImuChunk, rows: list[int]) -> ImuChunk:
         accelerometer_mps2=chunk.accelerometer_mps2[rows],
         magnetometer_t=magnetometer,
         quality=chunk.quality[rows],
+        coil_state=None if chunk.coil_state is None else chunk.coil_state[rows],
     )
 
 
