@@ -29,6 +29,10 @@ from estimators.simulation import (
 POSE_S: Final = 9.0
 """The filters settle for three seconds, and three still seconds are needed."""
 _IN_HAND: Final[tuple[Placement, ...]] = ("upper_arm_right", "forearm_right")
+_IN_HAND_KINDS: Final[tuple[CalibrationKind, ...]] = ("six_position", "magnetometer")
+_LEFT_S: Final = 0.1
+"""Of the performance is sent after it was judged."""
+_LINGER_S: Final = 20.0
 _LATEST_S: Final = 60.0
 _POLL_S: Final = 0.05
 
@@ -148,18 +152,31 @@ async def rehearse(
             message = await service.calibration(created.id, "next")
             say(message.hint or "evaluating")
 
+    async def settled(tries: int) -> CalibrationMessage | None:
+        for _ in range(tries):
+            found = await service.calibration_state(created.id)
+            if found is not None and found.kind == shown.wanted.kind and found.phase in ("done", "redo"):
+                return found
+            await asyncio.sleep(_POLL_S)
+        return None
+
+    async def linger() -> None:
+        """Stay connected: what is looked at once a second would be cancelled with the connection."""
+        await settled(round(_LINGER_S / _POLL_S))
+
     sender = GatewayClient(service.ingest_url, partial(service.ticket, created.id), device.hello, pace=speed)
     milestones = [Milestone(0.4, pose)] if shown.first_pose else []
     milestones.append(Milestone(shown.start_s, start))
     milestones += [Milestone(at_s, partial(end_step, at_s)) for at_s in shown.next_s]
+    if shown.wanted.kind in _IN_HAND_KINDS:
+        end_s = max(float(sensor.time_s[-1]) for sensor in shown.recording.sensors.values())
+        milestones.append(Milestone(end_s - _LEFT_S, linger))
     await sender.run(device.deliveries(device.plan()), milestones=milestones, goodbye=False)
-    for _ in range(round(_LATEST_S / _POLL_S)):
-        found = await service.calibration_state(created.id)
-        if found is not None and found.kind == shown.wanted.kind and found.phase in ("done", "redo"):
-            say(f"{found.phase}, score {found.score}" + "".join(f"; {reason}" for reason in found.reasons))
-            return created.id, found
-        await asyncio.sleep(_POLL_S)
-    raise Conflict("The calibration came to no end.", session_id=created.id)
+    found = await settled(round(_LATEST_S / _POLL_S))
+    if found is None:
+        raise Conflict("The calibration came to no end.", session_id=created.id)
+    say(f"{found.phase}, score {found.score}" + "".join(f"; {reason}" for reason in found.reasons))
+    return created.id, found
 
 
 __all__ = ["Rehearsal", "rehearsal_of", "rehearse"]

@@ -159,6 +159,7 @@ def _check(context: JobContext, declaration: UploadIn) -> list[str]:
     findings = check_first_seconds(chunk, setup.placements, hemisphere=declaration.hemisphere)
     refused = [finding for finding in findings if finding.severity == "refuse"]
     if refused and not declaration.accept_implausible:
+        context.remember(implausible=[finding.code for finding in refused])
         raise RecordingFormatError(
             f"The readings cannot be right. {in_words(refused)} Declare the file rightly and upload it again,"
             " or declare `accept_implausible` to estimate it as it is.",

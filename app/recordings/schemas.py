@@ -138,6 +138,8 @@ class JobOut(Schema):
     status: Literal["queued", "running", "complete", "failed"]
     progress: float
     message: str
+    is_implausible: bool
+    """Failed because the readings of an upload cannot be right; see `accept_implausible`."""
 
 
 class CsvColumn(Schema):

@@ -300,13 +300,9 @@ def packet_log(engine: Engine, subject: Subject, session_id: str) -> Iterator[by
 
 def queue_reprocess(session: Session, subject: Subject, session_id: str, wanted: ReprocessIn) -> JobOut:
     """Queue another estimate of a stored session; the earlier results stay."""
+    asked = {"orientation": wanted.orientation}
     found = repository.get_session(
-        session,
-        subject,
-        session_id,
-        "treat",
-        action="session.reprocess",
-        details={"orientation": wanted.orientation},
+        session, subject, session_id, "treat", action="session.reprocess", details=asked
     )
     if found.state not in {"analysed", "failed"}:
         raise Conflict("This session is not finished; wait until it is analysed.", state=found.state)
@@ -351,6 +347,7 @@ def job_out(job: Job) -> JobOut:
         status=cast(Any, job.status),
         progress=job.progress,
         message=job.message,
+        is_implausible=job.status == "failed" and bool(job.arguments.get("implausible")),
     )
 
 

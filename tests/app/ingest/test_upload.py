@@ -19,10 +19,11 @@ from app.ingest import readers
 from app.ingest.upload import register, remove_orphans, upload_folder
 from app.ingest.upload_task import upload
 from app.recordings import read_frames, read_packets, stored_ranges
-from app.recordings.jobs import run_job
+from app.recordings.jobs import JobDone, run_job
 from app.recordings.models import Job, MotionSession, Result, SessionEvent
 from app.recordings.packet_log import write_log
-from app.recordings.schemas import UploadIn
+from app.recordings.schemas import JobOut, UploadIn
+from app.recordings.service import job_out
 from app.settings import Settings
 from estimators import pipelines
 from estimators.simulation import ArmScenario, Schedule, SimulatedSession, simulate_arm
@@ -439,6 +440,11 @@ def test_every_format_is_analysed_like_a_stream(
     assert np.degrees(np.sqrt(np.nanmean(error**2))) < (2.0 if write is as_csv else 6.0)
 
 
+def shown(engine: Engine, done: JobDone) -> JobOut:
+    with read_only(engine) as session:
+        return job_out(session.get_one(Job, done.job_id))
+
+
 def test_a_csv_with_a_missing_column_fails_in_words(
     engine: Engine, settings: Settings, world: Any, queue: Any, tmp_path: Path, simulated: SimulatedSession
 ) -> None:
@@ -449,6 +455,7 @@ def test_a_csv_with_a_missing_column_fails_in_words(
     done = run_job(engine, settings, job_id, upload)
     assert done.status == "failed"
     assert "no column not there" in done.message
+    assert not shown(engine, done).is_implausible
     assert session_of(engine, job_id).state == "failed"
 
 
@@ -466,9 +473,11 @@ def test_wrong_axes_fail_in_words_until_they_are_declared_or_accepted(
     done = run_job(engine, settings, queue(path, declare(world, **declared)), upload)
     assert done.status == "failed"
     assert "forearm_right: the gyroscope's axes do not fit" in done.message
+    assert shown(engine, done).is_implausible
     accepted = run_job(
         engine, settings, queue(path, declare(world, **declared, accept_implausible=True)), upload
     )
+    assert not shown(engine, accepted).is_implausible
     assert accepted.status == "complete"
     assert "forearm_right: the gyroscope's axes do not fit" in accepted.message
 
@@ -481,8 +490,8 @@ def test_the_running_service_takes_an_upload_to_its_end(therapist: Any, world: A
     while therapist.get(f"/api/sessions/{job['session_id']}").json()["state"] == "closing":
         assert time.monotonic() < deadline
         time.sleep(0.2)
-    shown = therapist.get(f"/api/sessions/{job['session_id']}").json()
-    assert (shown["state"], shown["results"][0]["status"]) == ("analysed", "complete")
+    found = therapist.get(f"/api/sessions/{job['session_id']}").json()
+    assert (found["state"], found["results"][0]["status"]) == ("analysed", "complete")
     jobs = therapist.get(f"/api/sessions/{job['session_id']}/jobs").json()
     assert {(j["kind"], j["status"], j["progress"]) for j in jobs} == {
         ("upload", "complete", 1.0),

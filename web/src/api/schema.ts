@@ -2191,6 +2191,8 @@ export interface components {
         JobOut: {
             /** Id */
             id: string;
+            /** Is Implausible */
+            is_implausible: boolean;
             /**
              * Kind
              * @enum {string}

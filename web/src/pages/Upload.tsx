@@ -1,5 +1,5 @@
 // A whole recording from a file: which file, whose, in which format; then two bars, for sending and for working it out.
-import { Button, FileButton, Group, NumberInput, Progress, Select, Switch } from '@mantine/core';
+import { Button, Checkbox, FileButton, Group, NumberInput, Progress, Select, Switch } from '@mantine/core';
 import { IconArrowRight, IconFileUpload } from '@tabler/icons-react';
 import { useMutation } from '@tanstack/react-query';
 import { useState, type DragEvent, type FormEvent } from 'react';
@@ -19,6 +19,8 @@ import { JobProgress } from './session/AnalysisWait';
 const PLACEMENTS: Placement[] = ['sternum', 'upper_arm_right', 'forearm_right', 'hand_right', 'upper_arm_left', 'forearm_left', 'hand_left', 'pelvis', 'head', 'shoulder_left', 'shoulder_right'];
 const HEAD_BYTES = 64 * 1024;
 type Format = UploadIn['format'];
+type Hemisphere = NonNullable<UploadIn['hemisphere']>;
+const HEMISPHERES: Hemisphere[] = ['north', 'south', 'unknown'];
 
 function formatOf(name: string): Format {
   if (/\.(csv|tsv|txt)$/i.test(name)) return 'csv';
@@ -78,6 +80,8 @@ export function UploadPage() {
   const [mapping, setMapping] = useState<CsvMapping | null>(null);
   const [knowsPose, setKnowsPose] = useState(false);
   const [pose, setPose] = useState<[number, number]>([0, 3]);
+  const [hemisphere, setHemisphere] = useState<Hemisphere>('north');
+  const [accepts, setAccepts] = useState(false);
   const [sent, setSent] = useState(0);
   const send = useMutation({
     mutationFn: (form: FormData) => upload<Job>('/api/uploads', form, setSent),
@@ -93,6 +97,7 @@ export function UploadPage() {
   };
   const take = (chosen: File) => {
     setFile(chosen);
+    setAccepts(false);
     send.reset();
     const guessed = formatOf(chosen.name);
     setFormat(guessed);
@@ -114,6 +119,8 @@ export function UploadPage() {
       csv: format === 'csv' ? mapping : null,
       orientation,
       calibration_pose_s: knowsPose ? pose : null,
+      hemisphere,
+      accept_implausible: accepts,
     };
     const form = new FormData();
     form.set('declaration', JSON.stringify(declaration));
@@ -121,6 +128,8 @@ export function UploadPage() {
     send.mutate(form);
   };
   const isDone = job.data?.status === 'complete';
+  const hasFailed = job.data?.status === 'failed';
+  const isRefused = hasFailed && job.data?.is_implausible === true;
   return (
     <Page narrow title={t('upload.heading')} lead={t('upload.lead')}>
       <form className="stack" onSubmit={submit}>
@@ -175,6 +184,20 @@ export function UploadPage() {
             </div>
             {job.data && <JobProgress job={job.data} />}
             {job.error && <Problem error={job.error} />}
+            {isRefused && (
+              <>
+                <Select
+                  label={t('upload.hemisphere')}
+                  description={t('upload.hemisphereHelp')}
+                  maw={480}
+                  allowDeselect={false}
+                  data={HEMISPHERES.map((value) => ({ value, label: t(`upload.hemisphere.${value}`) }))}
+                  value={hemisphere}
+                  onChange={(value) => setHemisphere(value ?? 'north')}
+                />
+                <Checkbox label={t('upload.accept')} description={t('upload.acceptHelp')} checked={accepts} onChange={(event) => setAccepts(event.currentTarget.checked)} />
+              </>
+            )}
             {isDone && job.data && (
               <div>
                 <Button size="lg" component={Link} to={`/sessions/${job.data.session_id}`} rightSection={<IconArrowRight size={19} aria-hidden />}>
@@ -185,8 +208,8 @@ export function UploadPage() {
           </section>
         )}
         <Group justify="flex-end">
-          <Button type="submit" size="lg" disabled={!isReady || send.isSuccess} loading={send.isPending}>
-            {t('upload.send')}
+          <Button type="submit" size="lg" disabled={!isReady || (send.isSuccess && !hasFailed)} loading={send.isPending}>
+            {t(hasFailed ? 'upload.again' : 'upload.send')}
           </Button>
         </Group>
       </form>

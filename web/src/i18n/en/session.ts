@@ -113,6 +113,7 @@ export const session = {
   'event.sensor_back': 'A sensor is back',
   'event.calibration': 'Calibration',
   'event.error': 'Error',
+  'event.implausible': 'Readings that cannot be right',
 
   'analysis.title': 'The session is being analysed',
   'analysis.text': 'This takes a few seconds. You may leave this page; it goes on.',
@@ -316,6 +317,14 @@ export const session = {
   'upload.knowsPoseHelp': 'Otherwise the service looks for stillness at the start.',
   'upload.poseFrom': 'From',
   'upload.poseUntil': 'Until',
+  'upload.hemisphere': 'Recorded',
+  'upload.hemisphere.north': 'North of the equator',
+  'upload.hemisphere.south': 'South of the equator',
+  'upload.hemisphere.unknown': 'Near the equator, or not known',
+  'upload.hemisphereHelp': 'The magnetic field points into the ground in the north and out of it in the south: so a turned sensor is noticed.',
+  'upload.accept': 'Estimate it as it is',
+  'upload.acceptHelp': 'Only if you know why the readings look wrong; angles may mean nothing. Otherwise correct the declaration above.',
+  'upload.again': 'Upload again',
   'upload.sending': 'Sending the file',
   'upload.send': 'Upload',
 
