@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from estimators._kernels import kernel
 from estimators.magnetic import _relative_layout as at
-from estimators.magnetic._relative_update import innovate, predict_pulse
+from estimators.magnetic._relative_pulse import predict_pulse
+from estimators.magnetic._relative_update import innovate
 from estimators.recording import Float
 
 _P, _TICK, _PHASE, _PULSE_LENGTH, _QUIET = at.POSITION, at.TICK, at.PHASE, at.PULSE_LENGTH, at.QUIET

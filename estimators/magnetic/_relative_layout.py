@@ -29,6 +29,11 @@ GYROSCOPE, ACCELEROMETER, FIELD, SOURCE_GYROSCOPE, SOURCE_ACCELEROMETER, COIL, C
 SAMPLE = 17
 RING = 128
 """Samples kept: the longest pulse and its baseline must fit."""
+KEPT_POSITION, KEPT_ATTITUDE = SAMPLE, SAMPLE + 3
+RING_COLUMNS = SAMPLE + 7
+"""With each sample the pose that was predicted for it: where the sensor was at every moment of a pulse."""
+PATH, PATH_COLUMNS = 16, 7
+"""Samples of a pulse that are predicted one by one at most; place, and turn from the source to the middle's axes."""
 
 # Memory: last used sample, sums of the standstill, references, burst, monitoring, account.
 LAST = 0

@@ -200,7 +200,7 @@ class RelativePoseFilter:
     """
 
     name: ClassVar[str] = "relative_pose"
-    version: ClassVar[str] = "1"
+    version: ClassVar[str] = "2"
 
     def __init__(
         self, source: Source, time_step_s: float, parameters: Mapping[str, Any] | None = None
@@ -220,7 +220,7 @@ class RelativePoseFilter:
         self._covariance = np.zeros((at.ERRORS, at.ERRORS))
         self._memory = np.zeros(at.MEMORY)
         self._counters = np.zeros(at.COUNTERS, dtype=np.int64)
-        self._ring = np.zeros((at.RING, at.SAMPLE))
+        self._ring = np.zeros((at.RING, at.RING_COLUMNS))
 
     def update(self, chunk: RelativeChunk) -> RelativeResult:
         """Take the next ticks; `chunk.first_tick` must continue the last one.

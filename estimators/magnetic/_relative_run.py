@@ -9,7 +9,8 @@ from estimators._kernels import kernel
 from estimators.magnetic import _relative_layout as at
 from estimators.magnetic._relative_decide import decide
 from estimators.magnetic._relative_motion import corrected, mechanise, predict
-from estimators.magnetic._relative_update import pulse_value, update_inclination, update_pulse
+from estimators.magnetic._relative_pulse import pulse_value
+from estimators.magnetic._relative_update import update_inclination, update_pulse
 from estimators.magnetic._relative_watch import calibrate, keep_pulse, quasi_static, tell, watch_field
 from estimators.recording import Float
 
@@ -61,6 +62,7 @@ _ALARM, _PUBLISHED, _COILS, _USE_INCLINATION, _O_P = (
 )
 _O_Q, _O_U, _O_COV, _O_NIS, _O_FLAGS = at.O_ATTITUDE, at.O_VELOCITY, at.O_COVARIANCE, at.O_NIS, at.O_FLAGS
 
+_KEPT_P, _KEPT_Q, _PATH, _PATH_COLUMNS = at.KEPT_POSITION, at.KEPT_ATTITUDE, at.PATH, at.PATH_COLUMNS
 _GAP_LENGTH, _TRACK = at.GAP_LENGTH, at.TRACK
 _GAP_FORCE, _GAP_RATE = 30.0, 8.0
 """White noise of a held sample that stands for 3 m/s^2 and 1 rad/s held wrongly over some tenths of a second."""
@@ -90,14 +92,14 @@ def end_pulse(
 ) -> float:
     """Use a pulse that has just ended; return its normalised innovation squared, NaN when it corrected nothing."""
     phase = counters[_PHASE]
-    pulse = np.empty(6)
+    pulse, path = np.empty(7), np.empty((_PATH, _PATH_COLUMNS))
     gathering = phase == _GATHER
     off = int(settings[_START_OFF] if gathering else settings[_OFF])
     counters[_PULSES] += 1
     counters[_MISSED_RUN] = 0
     if phase in (_CALIBRATE, _WAIT):
         return math.nan
-    status = pulse_value(ring, counters[_TICK] - 1, length, off, nominal, settings, pulse)
+    status = pulse_value(ring, counters[_TICK] - 1, length, off, nominal, settings, pulse, path)
     pulse[5] += 1.0
     if status != 0:
         if status == 2:
@@ -110,7 +112,8 @@ def end_pulse(
         return math.nan
     if gathering:
         if coil == counters[_BURST_COIL] + 1:
-            keep_pulse(pulse, rates, settings, nominal, memory, coil - 1)
+            middle = ring[(counters[_TICK] - int(pulse[5])) % _RING]
+            keep_pulse(pulse, middle, memory, coil - 1)
             counters[_BURST_COIL] += 1
             counters[_FAILURES] = 0
             if counters[_BURST_COIL] == 3:
@@ -120,7 +123,7 @@ def end_pulse(
         counters[_ALARM_UNTIL] = counters[_TICK] + int(settings[_ALARM])
         return math.nan
     inflation = settings[_FACTOR] if counters[_FIELD_BAD] >= 5 else 1.0
-    nis = update_pulse(loops, float(coil - 1), pulse, rates, settings, inflation, nominal, p, work)
+    nis = update_pulse(loops, float(coil - 1), pulse, path, rates, settings, inflation, nominal, p, work)
     total = nis
     for i in range(_LENGTH - 1):
         memory[_WINDOW + i] = memory[_WINDOW + i + 1]
@@ -181,19 +184,22 @@ def tick(
         predict(nominal, signals, settings, force, rate, p, work)
         mechanise(nominal, signals, settings[_T], settings[_PUBLISHED] > 0.0)
     for i in range(3):
+        row[_KEPT_P + i] = nominal[_P + i]
         rates[i], rates[3 + i] = signals[i], signals[6 + i]
+    for i in range(4):
+        row[_KEPT_Q + i] = nominal[_Q + i]
+    coil = int(sample[_COIL])
+    before = int(ring[(counters[_TICK] - 1) % _RING, _COIL]) if counters[_TICK] > 0 else 0
     static = whole and quasi_static(signals, settings)
     inclined = counters[_STARTED] > 0 and static and settings[_USE_INCLINATION] > 0.0
+    # Not while a pulse is read: its way must be one piece.
+    inclined = inclined and coil == 0 and before == 0
     if inclined and counters[_TICK] % int(settings[_INCLINE]) == 0:
         corrected(nominal, row, row, signals)
         factor = 1.0 if counters[_PHASE] == _TRACK else _ALONE_FACTOR
         update_inclination(nominal, signals, settings, factor, p, work[0])
     out[:] = 0.0
     out[_O_NIS] = math.nan
-    coil, before = (
-        int(sample[_COIL]),
-        int(ring[(counters[_TICK] - 1) % _RING, _COIL]) if counters[_TICK] > 0 else 0,
-    )
     if before > 0 and coil != before:
         out[_O_NIS] = end_pulse(
             before,

@@ -5,12 +5,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators._kernels import exponential, kernel, multiply
+from estimators._kernels import kernel
 from estimators.magnetic import _relative_layout as at
-from estimators.magnetic._relative_motion import cross
 from estimators.recording import Float
 
-_P, _U, _Q, _BG, _BGC = at.POSITION, at.VELOCITY, at.ATTITUDE, at.RATE_BIAS, at.SOURCE_RATE_BIAS
+_BG, _BGC, _KEPT_P = at.RATE_BIAS, at.SOURCE_RATE_BIAS, at.KEPT_POSITION
 _GYR, _ACC, _FIELD, _GYR_C, _ACC_C = (
     at.GYROSCOPE,
     at.ACCELEROMETER,
@@ -148,24 +147,14 @@ def watch_field(
         counters[_ALARM_UNTIL] = counters[_TICK] + int(settings[_ALARM])
 
 
-@kernel("void(float64[::1], float64[::1], float64[::1], float64[::1], float64[::1], int64)")
-def keep_pulse(
-    pulse: Float, rates: Float, settings: Float, nominal: Float, memory: Float, number: int
-) -> None:
-    """Keep a pulse of the first burst with the nominal pose at its middle."""
+@kernel("void(float64[::1], float64[::1], float64[::1], int64)")
+def keep_pulse(pulse: Float, middle: Float, memory: Float, number: int) -> None:
+    """Keep a pulse of a burst with the pose that was predicted for its middle, a row of the ring."""
     row = _BURST + number * _COLUMNS
-    delay = pulse[5] * settings[_T]
-    cp = cross(rates[3], rates[4], rates[5], nominal[_P], nominal[_P + 1], nominal[_P + 2])
-    ahead = exponential(delay * rates[3], delay * rates[4], delay * rates[5])
-    turn = exponential(-delay * rates[0], -delay * rates[1], -delay * rates[2])
-    q = multiply(
-        ahead[0], ahead[1], ahead[2], ahead[3], nominal[_Q], nominal[_Q + 1], nominal[_Q + 2], nominal[_Q + 3]
-    )
-    q = multiply(q[0], q[1], q[2], q[3], turn[0], turn[1], turn[2], turn[3])
     for i in range(3):
         memory[row + i] = pulse[i]
-        memory[row + 3 + i] = nominal[_P + i] - delay * (nominal[_U + i] - cp[i])
-    memory[row + 6], memory[row + 7], memory[row + 8], memory[row + 9] = q
+    for i in range(7):
+        memory[row + 3 + i] = middle[_KEPT_P + i]
     memory[row + 10] = pulse[4]
 
 

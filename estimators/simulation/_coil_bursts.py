@@ -10,7 +10,17 @@ from estimators.recording import Float
 from estimators.simulation._coil import RelativeScene
 from estimators.simulation._coil_motion import RelativeMotion, smoothstep
 
-BURST_MOVEMENTS = ("bench", "flexion", "lateral", "rotation", "arm", "walk_leg")
+BURST_MOVEMENTS = (
+    "bench",
+    "flexion",
+    "lateral",
+    "rotation",
+    "walk_back",
+    "arm",
+    "arm_flexion",
+    "walk_arm",
+    "walk_leg",
+)
 _PI2 = 2.0 * np.pi
 
 
@@ -40,30 +50,51 @@ def burst_motion(movement: str, duration_s: float, seed: int) -> RelativeMotion:
         place_source = 0.05 * np.stack([np.sin(0.5 * angle), zero, np.cos(0.5 * angle) - 1.0], axis=1)
         along = sensor.apply(np.tile([0.06, -0.05, 0.45], (len(t), 1)))
         place = place_source + along * (1.0 + 0.04 * np.sin(angle))[:, None]
-    elif movement == "arm":
+    elif movement in ("arm", "arm_flexion"):
+        # Abduction about the forward axis, flexion about the axis to the left.
         angle = np.radians(45.0) * (1.0 - np.cos(_PI2 * 0.2 * t + phase)) * g
         sway = _PI2 * 0.25 * t
         source = Rotation.from_euler("x", (np.radians(3.0) * np.sin(sway) * g)[:, None])
         place_source = 0.01 * (g * np.sin(sway))[:, None] * np.array([1.0, 1.0, 0.5])
-        offset = np.stack([0.05 + zero, 0.20 + 0.13 * np.sin(angle), 0.42 - 0.13 * np.cos(angle)], axis=1)
+        away, down = 0.13 * np.sin(angle), 0.42 - 0.13 * np.cos(angle)
+        if movement == "arm":
+            offset = np.stack([0.05 + zero, 0.20 + away, down], axis=1)
+            sensor = source * Rotation.from_euler("x", angle[:, None])
+        else:
+            offset = np.stack([0.05 + away, 0.20 + zero, down], axis=1)
+            sensor = source * Rotation.from_euler("y", -angle[:, None])
         place = place_source + source.apply(offset)
-        sensor = source * Rotation.from_euler("x", angle[:, None])
     else:
         w = _PI2 * 0.9 * t + phase
-        angle = np.radians(22.0) * np.sin(w) * g
         turns = np.radians(np.stack([4.0 * np.sin(w), 3.0 * np.sin(2 * w), 6.0 * np.cos(w)], 1)) * g[:, None]
         source = Rotation.from_euler("ZYX", turns[:, ::-1])
         walked = 1.2 * np.concatenate([[0.0], np.cumsum(0.5 * (g[1:] + g[:-1]) * 0.02)])
         place_source = np.stack([walked, zero, 0.025 * np.sin(2 * w) * g], axis=1)
-        offset = np.stack([0.12 + 0.38 * np.sin(angle), -0.12 + zero, -0.12 - 0.38 * np.cos(angle)], axis=1)
+        sensor, offset = _walking(movement, w, g, source)
         place = place_source + offset
-        sensor = Rotation.from_euler("y", (-angle)[:, None])
     return RelativeMotion(
         RotationSpline(t, source),
         make_interp_spline(t, place_source, k=5),
         RotationSpline(t, sensor),
         make_interp_spline(t, place, k=5),
     )
+
+
+def _walking(movement: str, w: Float, g: Float, source: Rotation) -> tuple[Rotation, Float]:
+    """Return attitude of the sensor and where it is from the source, in the world, at phases `w` of the stride."""
+    zero = np.zeros_like(w)
+    if movement == "walk_leg":
+        angle = np.radians(22.0) * np.sin(w) * g
+        offset = np.stack([0.12 + 0.38 * np.sin(angle), -0.12 + zero, -0.12 - 0.38 * np.cos(angle)], axis=1)
+        return Rotation.from_euler("y", (-angle)[:, None]), offset
+    if movement == "walk_back":
+        # The trunk turns against the pelvis and nods twice a stride.
+        angles = np.stack([-4.0 * np.sin(w), 2.0 * np.sin(2 * w + 0.5), -2.0 * np.cos(w)], axis=1)
+        trunk = Rotation.from_euler("ZYX", np.radians(angles) * g[:, None])
+        return trunk, trunk.apply(np.tile([0.06, -0.05, 0.45], (len(w), 1)))
+    arm = Rotation.from_euler("y", (np.radians(-25.0) * np.sin(w) * g)[:, None])
+    shoulder = source.apply(np.tile([0.05, 0.20, 0.42], (len(w), 1)))
+    return arm, shoulder + arm.apply(np.tile([0.0, 0.0, -0.13], (len(w), 1)))
 
 
 def fire_bursts(

@@ -136,7 +136,8 @@ def _foot(t: Float, g: Float, phase: float, side: float, rest: float) -> tuple[R
     landed = np.where(number >= 1.0, -20.0 + 20.0 * smoothstep((part + 0.05) / 0.1), 0.0)
     pitch = np.where(part < 0.05, np.where(number >= 1.0, landed, 0.0), pitch)
     active = (cycle > 0.0) & (t > begun)
-    pitch, z = np.where(active, pitch, 0.0), np.where(active, z, 0.0)
+    # The foot that begins within its stance is not thrown into its pitch.
+    pitch, z = np.where(active, pitch * smoothstep((t - begun) / 0.6), 0.0), np.where(active, z, 0.0)
     rotation = Rotation.from_euler(
         "ZY", np.stack([np.full_like(t, np.radians(7.0 * side)), np.radians(pitch)], 1)
     )

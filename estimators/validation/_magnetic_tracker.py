@@ -113,7 +113,10 @@ _ROWS = {
     "flexion": (5.9, 5.9, 4.9, 4.9),
     "lateral": (6.3, 6.3, 5.2, 5.2),
     "rotation": (5.9, 5.9, 5.1, 5.1),
+    "walk_back": (8.6, 8.6, 6.8, 6.8),
+    "arm_flexion": (7.8, 7.8, 6.6, 6.6),
     "arm": (7.2, 7.2, 6.6, 6.2),
+    "walk_arm": (11.7, 11.7, 7.4, 7.4),
     "walk_leg": (15.0, 15.0, 8.7, 8.7),
 }
 _TITLES = {
@@ -121,7 +124,10 @@ _TITLES = {
     "flexion": "back, flexion",
     "lateral": "back, lateral flexion",
     "rotation": "back, rotation",
+    "walk_back": "back, walking",
+    "arm_flexion": "arm, flexion",
     "arm": "arm, abduction",
+    "walk_arm": "arm, walking",
     "walk_leg": "leg, walking",
 }
 

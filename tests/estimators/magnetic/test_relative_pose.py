@@ -12,7 +12,7 @@ from estimators.errors import SetupError, ShapeError
 from estimators.magnetic import RelativeFlag, RelativePoseFilter, Source, perpendicular_source
 from estimators.magnetic import _relative_layout as at
 from estimators.magnetic import _relative_motion as motion
-from estimators.magnetic import _relative_update as updates
+from estimators.magnetic import _relative_pulse as pulses
 from estimators.magnetic._relative_smoother import difference, smooth_relative_pose, smooth_table
 from estimators.simulation.coils import SourceFaults, relative_motion, relative_scene
 from tests.estimators.magnetic.relative_scenes import SOURCE, as_chunk, closed_loop
@@ -137,24 +137,38 @@ def test_error_dynamics_are_the_numeric_ones(published):
         assert np.abs(numeric - exact)[kept, at.E_SOURCE_FORCE :].max() < 2e-2
 
 
-def test_the_pulse_jacobian_is_the_numeric_one():
+def pulse_fields(nominal, trial, rates, delay, h, along):
+    """Predict a pulse at its middle, or along three samples of a fast way."""
+    value, loops = np.empty(3), SOURCE.loops
+    if not along:
+        pulses.predict_pulse(loops, 1.0, 1.3, delay, trial, rates, value, h)
+        return value
+    path = np.zeros((at.PATH, at.PATH_COLUMNS))
+    for k, share in enumerate((-1.0, 0.0, 1.0)):
+        path[k, :3] = nominal[:3] + share * np.array([0.03, -0.01, 0.02])
+        turn = rotation.exp(share * np.array([0.05, 0.1, -0.02]))
+        path[k, 3:] = rotation.multiply(turn, rotation.conjugate(nominal[at.ATTITUDE : at.ATTITUDE + 4]))
+    pulse = np.array([0.0, 0.0, 0.0, 0.0, 1.3, 2.0, 3.0])
+    pulses.predict_path(loops, 1.0, pulse, path, delay, nominal, trial, rates, value, h)
+    return value
+
+
+@pytest.mark.parametrize("along", [False, True])
+def test_the_pulse_jacobian_is_the_numeric_one(along):
     nominal, signals = random_state(9)
     nominal[:3] = (0.3, -0.2, 0.25)
     rates, delay = np.concatenate([signals[:3], signals[6:9]]), 0.02
-    loops = SOURCE.loops
-    h, value = np.zeros((3, at.ERRORS)), np.empty(3)
-    updates.predict_pulse(loops, 1.0, 1.3, delay, nominal, rates, value, h)
+    h = np.zeros((3, at.ERRORS))
+    pulse_fields(nominal, nominal, rates, delay, h, along)
     numeric = np.zeros_like(h)
     for i in range(9):
         found = []
         for sign in (1.0, -1.0):
             error = np.zeros(at.ERRORS)
             error[i] = sign * 1e-5
-            y = np.empty(3)
-            updates.predict_pulse(
-                loops, 1.0, 1.3, delay, disturbed(nominal, error), rates, y, np.zeros_like(h)
+            found.append(
+                pulse_fields(nominal, disturbed(nominal, error), rates, delay, np.zeros_like(h), along)
             )
-            found.append(y.copy())
         numeric[:, i] = (found[0] - found[1]) / 2e-5
     assert np.abs(h - numeric).max() / np.abs(numeric).max() < 1e-6
 
