@@ -29,10 +29,10 @@ class ErrorStateParameters(SharedParameters):
 
 
 class MarzoukErrorStateEstimator(MarzoukEstimator):
-    """State: attitude error and bias (6); gravity corrects tilt and the field corrects heading only."""
+    """State: attitude error (in U) and bias (6); gravity corrects tilt and the field corrects heading only."""
 
     name: ClassVar[str] = "marzouk_error_state_ekf"
-    version: ClassVar[str] = "1"
+    version: ClassVar[str] = "2"
     title: ClassVar[str] = "Error-state Kalman filter"
     description: ClassVar[str] = (
         "A Kalman filter without singular positions whose inclination never follows a magnet; "

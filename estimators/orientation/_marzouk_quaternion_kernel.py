@@ -5,10 +5,21 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators._kernels import exponential, kernel, multiply, normalized, wrapped
+from estimators._kernels import Scalars3, Scalars4, kernel, multiply
 from estimators.orientation import _marzouk_steps as steps
 from estimators.orientation._contract import OrientationFlag
-from estimators.orientation._marzouk_steps import prepare, set_heading, start_variance, store
+from estimators.orientation._marzouk_quaternion_covariance import (
+    UPPER,
+    Upper,
+    keep,
+    lessened,
+    loaded,
+    predicted,
+    quadratic,
+    seen,
+)
+from estimators.orientation._marzouk_steps import direction, prepare, set_heading, start_variance, store
+from estimators.orientation._strapdown_steps import turn
 from estimators.recording import Float
 
 # Positions in the settings, after the shared ones; triples start at the number given.
@@ -29,15 +40,18 @@ _STEEP = 0.25
 """Squared cosine of the pitch (60 degrees) from which roll and yaw measurements lose weight."""
 
 
+_ROW, _QUATERNION, _VECTOR = "UniTuple(float64, 7)", "UniTuple(float64, 4)", "UniTuple(float64, 3)"
+_STATE = f"Tuple(({UPPER}, {_QUATERNION}, {_VECTOR}))"
+Row = tuple[float, float, float, float, float, float, float]
+"""Sine and cosine of an angle, times any positive number; a length D; D times the angle's derivative by w, x, y, z."""
+State = tuple[Upper, Scalars4, Scalars3]
+
+
 @kernel(
-    "void(float64[:, ::1], float64[:, ::1], float64[:, :, ::1], int64, float64[::1], float64[::1],"
-    "float64[:, ::1])"
+    f"{UPPER}(float64[:, ::1], float64[:, ::1], {UPPER}, int64, float64[::1], float64[::1])", inlined=True
 )
-def predict(
-    q: Float, bias: Float, covariance: Float, s: int, sample: Float, settings: Float, work: Float
-) -> None:
+def predict(q: Float, bias: Float, p: Upper, s: int, sample: Float, settings: Float) -> Upper:
     """Turn by the rate and carry the covariance, Phi P Phi' + Ts Qc (A9.1 to A9.3)."""
-    p = covariance[s]
     step = settings[_STEP_S]
     w, x, y, z = q[s, 0], q[s, 1], q[s, 2], q[s, 3]
     rx = (sample[_RATE] - bias[s, 0]) * step
@@ -46,171 +60,151 @@ def predict(
     # Upper left block of Phi: a + (r x) structure; Omega^2 = -|u|^2 I.
     a = 1.0 - (rx * rx + ry * ry + rz * rz) / 8.0
     hx, hy, hz = 0.5 * rx, 0.5 * ry, 0.5 * rz
-    phi, xi = work[0:4], work[4:8]
-    phi[0, 0], phi[0, 1], phi[0, 2], phi[0, 3] = a, -hx, -hy, -hz
-    phi[1, 0], phi[1, 1], phi[1, 2], phi[1, 3] = hx, a, hz, -hy
-    phi[2, 0], phi[2, 1], phi[2, 2], phi[2, 3] = hy, -hz, a, hx
-    phi[3, 0], phi[3, 1], phi[3, 2], phi[3, 3] = hz, hy, -hx, a
-    xi[0, 0], xi[0, 1], xi[0, 2] = -x, -y, -z
-    xi[1, 0], xi[1, 1], xi[1, 2] = w, -z, y
-    xi[2, 0], xi[2, 1], xi[2, 2] = z, w, -x
-    xi[3, 0], xi[3, 1], xi[3, 2] = -y, x, w
-    # Upper right block: -Ts/2 (I + Ts/4 Omega) Xi.
-    right = work[8:12]
-    for c in range(3):
-        v0, v1, v2, v3 = xi[0, c], xi[1, c], xi[2, c], xi[3, c]
-        right[0, c] = -0.5 * step * (v0 + 0.5 * (-hx * v1 - hy * v2 - hz * v3))
-        right[1, c] = -0.5 * step * (v1 + 0.5 * (hx * v0 + hz * v2 - hy * v3))
-        right[2, c] = -0.5 * step * (v2 + 0.5 * (hy * v0 - hz * v1 + hx * v3))
-        right[3, c] = -0.5 * step * (v3 + 0.5 * (hz * v0 + hy * v1 - hx * v2))
-    left, cross = work[12:16], work[16:20]
-    for i in range(4):
-        for j in range(4):
-            left[i, j] = (
-                phi[i, 0] * p[0, j] + phi[i, 1] * p[1, j] + phi[i, 2] * p[2, j] + phi[i, 3] * p[3, j]
-            ) + (right[i, 0] * p[4, j] + right[i, 1] * p[5, j] + right[i, 2] * p[6, j])
-        for j in range(3):
-            cross[i, j] = (
-                phi[i, 0] * p[0, 4 + j]
-                + phi[i, 1] * p[1, 4 + j]
-                + phi[i, 2] * p[2, 4 + j]
-                + phi[i, 3] * p[3, 4 + j]
-            ) + (right[i, 0] * p[4, 4 + j] + right[i, 1] * p[5, 4 + j] + right[i, 2] * p[6, 4 + j])
+    # Upper right block -Ts/2 (I + Ts/4 Omega) Xi: columns q (0, e) (1, r/4) of e = e_x, e_y, e_z.
+    half = -0.5 * step
+    hw, hx2, hy2, hz2 = half * w, half * x, half * y, half * z
+    kx, ky, kz = 0.5 * hx, 0.5 * hy, 0.5 * hz
+    right = (
+        -hx2 - kx * hw + kz * hy2 - ky * hz2,
+        -hy2 - ky * hw + kx * hz2 - kz * hx2,
+        -hz2 - kz * hw + ky * hx2 - kx * hy2,
+        hw - kx * hx2 + kz * hz2 + ky * hy2,
+        -hz2 - ky * hx2 - kx * hy2 + kz * hw,
+        hy2 - kz * hx2 - kx * hz2 - ky * hw,
+        hz2 - kx * hy2 - ky * hx2 - kz * hw,
+        hw - ky * hy2 + kz * hz2 + kx * hx2,
+        -hx2 - kz * hy2 - ky * hz2 + kx * hw,
+        -hy2 - kx * hz2 - kz * hx2 + ky * hw,
+        hx2 - ky * hz2 - kz * hy2 - kx * hw,
+        hw - kz * hz2 + ky * hy2 + kx * hx2,
+    )
     gap = 0.25 * sample[_GAP_VARIANCE]
     quarter = 0.25 * step * step
-    noise_x = quarter * settings[RATE_VARIANCE] + gap
-    noise_y = quarter * settings[RATE_VARIANCE + 1] + gap
-    noise_z = quarter * settings[RATE_VARIANCE + 2] + gap
-    for i in range(4):
-        for j in range(i, 4):
-            value = (
-                left[i, 0] * phi[j, 0]
-                + left[i, 1] * phi[j, 1]
-                + left[i, 2] * phi[j, 2]
-                + left[i, 3] * phi[j, 3]
-            ) + (cross[i, 0] * right[j, 0] + cross[i, 1] * right[j, 1] + cross[i, 2] * right[j, 2])
-            value += (
-                noise_x * xi[i, 0] * xi[j, 0] + noise_y * xi[i, 1] * xi[j, 1] + noise_z * xi[i, 2] * xi[j, 2]
-            )
-            p[i, j] = p[j, i] = value
-        for j in range(3):
-            p[i, 4 + j] = p[4 + j, i] = cross[i, j]
-    for axis in range(3):
-        p[4 + axis, 4 + axis] += step * settings[BIAS_DRIFT + axis]
-    turn = exponential(rx, ry, rz)
-    turned = multiply(w, x, y, z, turn[0], turn[1], turn[2], turn[3])
-    for i in range(4):
-        q[s, i] = turned[i]
+    nx = quarter * settings[RATE_VARIANCE] + gap
+    ny = quarter * settings[RATE_VARIANCE + 1] + gap
+    nz = quarter * settings[RATE_VARIANCE + 2] + gap
+    # Xi diag(n) Xi' by rows, Xi = columns q (0, e).
+    ww, xx, yy, zz = w * w, x * x, y * y, z * z
+    nxx, nyy, nzz = nx * x, ny * y, nz * z
+    nxw, nyw, nzw = nx * w, ny * w, nz * w
+    noise = (
+        nxx * x + nyy * y + nzz * z,
+        -nxx * w + nyy * z - nzz * y,
+        -nxx * z - nyy * w + nzz * x,
+        nxx * y - nyy * x - nzz * w,
+        nx * ww + ny * zz + nz * yy,
+        nxw * z - nyw * z - nz * x * y,
+        -nxw * y - ny * x * z + nzw * y,
+        nx * zz + ny * ww + nz * xx,
+        -nx * y * z + nyw * x - nzw * x,
+        nx * yy + ny * xx + nz * ww,
+    )
+    drift = (
+        step * settings[BIAS_DRIFT],
+        step * settings[BIAS_DRIFT + 1],
+        step * settings[BIAS_DRIFT + 2],
+    )
+    tw, tx, ty, tz = turn(rx, ry, rz)
+    q[s, 0], q[s, 1], q[s, 2], q[s, 3] = multiply(w, x, y, z, tw, tx, ty, tz)
+    return predicted(p, (a, hx, hy, hz), right, noise, drift)
 
 
-@kernel("UniTuple(float64, 6)(int64, float64, float64, float64, float64)")
-def angle_row(
-    which: int, w: float, x: float, y: float, z: float
-) -> tuple[float, float, float, float, float, float]:
-    """Return the angle, its row of the measurement matrix and the squared cosine of the pitch.
-
-    `which` is 0 for roll, 1 for pitch, 2 for yaw (A7.3 and A9.4, guarded at the singularity).
-    """
+@kernel("float64(float64, float64, float64, float64)", inlined=True)
+def steepness(w: float, x: float, y: float, z: float) -> float:
+    """Return the factor of the variance of roll and yaw: as noisy as one over the cosine of a steep pitch."""
     c13 = 2.0 * (x * z - w * y)
     cosine_squared = 1.0 - c13 * c13
-    if which == 0:
-        c23, c33 = 2.0 * (y * z + w * x), w * w - x * x - y * y + z * z
-        f = 2.0 / max(c23 * c23 + c33 * c33, _GUARD)
-        return (
-            math.atan2(c23, c33),
-            f * x * c33,
-            f * (w * c33 + 2.0 * x * c23),
-            f * (z * c33 + 2.0 * y * c23),
-            f * y * c33,
-            cosine_squared,
-        )
-    if which == 1:
-        f = 2.0 / max(math.sqrt(max(cosine_squared, 0.0)), _GUARD)
-        return -math.asin(min(max(c13, -1.0), 1.0)), f * y, -f * z, f * w, -f * x, cosine_squared
-    c11, c12 = w * w + x * x - y * y - z * z, 2.0 * (x * y + w * z)
-    f = 2.0 / max(c11 * c11 + c12 * c12, _GUARD)
-    return (
-        math.atan2(c12, c11),
-        f * z * c11,
-        f * y * c11,
-        f * (x * c11 + 2.0 * y * c12),
-        f * (w * c11 + 2.0 * z * c12),
-        cosine_squared,
-    )
+    return 1.0 if cosine_squared >= _STEEP else _STEEP / max(cosine_squared, _GUARD)
+
+
+@kernel(f"{_ROW}(float64, float64, float64, float64)", inlined=True)
+def roll_row(w: float, x: float, y: float, z: float) -> Row:
+    """Return the row of the roll (A7.3 and A9.4, guarded at the singularity; see `absorb`)."""
+    c23, c33 = 2.0 * (y * z + w * x), (w * w - x * x) - (y * y - z * z)
+    length = 0.5 * max(c23 * c23 + c33 * c33, _GUARD)
+    return c23, c33, length, x * c33 - w * c23, w * c33 + x * c23, z * c33 + y * c23, y * c33 - z * c23
+
+
+@kernel(f"{_ROW}(float64, float64, float64, float64)", inlined=True)
+def pitch_row(w: float, x: float, y: float, z: float) -> Row:
+    """Return the row of the pitch (A7.3 and A9.4, guarded at the singularity; see `absorb`)."""
+    c13 = min(max(2.0 * (x * z - w * y), -1.0), 1.0)
+    cosine = math.sqrt(1.0 - c13 * c13)
+    return -c13, cosine, 0.5 * max(cosine, _GUARD), y + c13 * w, c13 * x - z, w + c13 * y, c13 * z - x
+
+
+@kernel(f"{_ROW}(float64, float64, float64, float64)", inlined=True)
+def yaw_row(w: float, x: float, y: float, z: float) -> Row:
+    """Return the row of the yaw (A7.3 and A9.4, guarded at the singularity; see `absorb`)."""
+    c12, c11 = 2.0 * (x * y + w * z), (w * w + x * x) - (y * y + z * z)
+    length = 0.5 * max(c11 * c11 + c12 * c12, _GUARD)
+    return c12, c11, length, z * c11 - w * c12, y * c11 - x * c12, x * c11 + y * c12, w * c11 + z * c12
+
+
+@kernel(f"{_QUATERNION}(float64, float64, float64, float64)", inlined=True)
+def renormalized(w: float, x: float, y: float, z: float) -> Scalars4:
+    """Return a quaternion at unit norm; one that nearly is by a series exact to 1e-16."""
+    off = (w * w + x * x) + (y * y + z * z) - 1.0
+    scale = 1.0 - off * (1 / 2 - off * (3 / 8 - off * (5 / 16)))
+    if abs(off) > 1e-5:
+        scale = 1.0 / math.sqrt(off + 1.0)
+    return w * scale, x * scale, y * scale, z * scale
+
+
+@kernel(f"{_STATE}({_STATE}, {_ROW}, float64, float64, float64)", inlined=True)
+def absorb(state: State, row: Row, sine: float, cosine: float, variance: float) -> State:
+    """Correct by an angle measured as sine and cosine (times any positive number).
+
+    The rows of A9.4 are right along the unit sphere only. Their part along q says that the norm were measured, which
+    it is not; left in, it makes a heading without magnetometer look known. Those here lack it.
+    """
+    p, (w, x, y, z), (bx, by, bz) = state
+    now_sine, now_cosine, length, h0, h1, h2, h3 = row
+    g = seen(p, (h0, h1, h2, h3))
+    # Row and gain over the length save its division: 1 / S = inverse length^2.
+    inverse = 1.0 / ((h0 * g[0] + h1 * g[1]) + (h2 * g[2] + h3 * g[3]) + variance * length * length)
+    # The difference of two angles is that of their complex numbers; it comes within half a turn.
+    found = direction(sine * now_cosine - cosine * now_sine, cosine * now_cosine + sine * now_sine)
+    step = inverse * (length * found)
+    turned = renormalized(w + g[0] * step, x + g[1] * step, y + g[2] * step, z + g[3] * step)
+    return lessened(p, inverse, g), turned, (bx + g[4] * step, by + g[5] * step, bz + g[6] * step)
 
 
 @kernel(
-    "void(float64[:, ::1], float64[:, ::1], float64[:, :, ::1], int64, float64[::1], float64[::1],"
-    "float64[:, ::1])"
+    f"{UPPER}(float64[:, ::1], float64[:, ::1], {UPPER}, int64, float64[::1], float64[::1])", inlined=True
 )
-def correct(
-    q: Float, bias: Float, covariance: Float, s: int, sample: Float, settings: Float, work: Float
-) -> None:
+def correct(q: Float, bias: Float, p: Upper, s: int, sample: Float, settings: Float) -> Upper:
     """Correct by roll, pitch and tilt-compensated magnetic yaw, one after the other (A4, A5, A9.4)."""
-    p = covariance[s]
     sx, sy, sz = sample[_GRAVITY], sample[_GRAVITY + 1], sample[_GRAVITY + 2]
+    norm = sample[_GRAVITY_NORM]
+    across = math.sqrt(sy * sy + sz * sz)
     weight = 1.0
     if settings[MOTION_SCALE_G] > 0.0:
-        weight += ((sample[_GRAVITY_NORM] - 1.0) / settings[MOTION_SCALE_G]) ** 2
-    ph = work[0]
-    ph_bias = work[1]
-    for which in range(3):
-        if which == 0:
-            measured = math.atan2(sy, sz)
-        elif which == 1:
-            measured = math.atan2(-sx, math.sqrt(sy * sy + sz * sz))
-        else:
-            if sample[_HAS_FIELD] == 0.0:
-                break
-            mx, my, mz = sample[_FIELD], sample[_FIELD + 1], sample[_FIELD + 2]
-            px, py, pz = my * sz - mz * sy, mz * sx - mx * sz, mx * sy - my * sx
-            # The page's A5 lacks the norm of s; without it the yaw is wrong whenever the arm is pushed.
-            measured = math.atan2(-px * sample[_GRAVITY_NORM], sy * pz - sz * py)
-        angle, h0, h1, h2, h3, cosine_squared = angle_row(which, q[s, 0], q[s, 1], q[s, 2], q[s, 3])
-        # The rows are right along the unit sphere only. Their part along q says that the norm were measured,
-        # which it is not; left in, it makes a heading without magnetometer look known.
-        radial = h0 * q[s, 0] + h1 * q[s, 1] + h2 * q[s, 2] + h3 * q[s, 3]
-        h0, h1, h2, h3 = (
-            h0 - radial * q[s, 0],
-            h1 - radial * q[s, 1],
-            h2 - radial * q[s, 2],
-            h3 - radial * q[s, 3],
-        )
-        variance = weight * settings[ANGLE_VARIANCE + which]
-        if which != 1 and settings[SINGULAR_WEIGHTING] > 0.0:
-            # Roll and yaw of a nearly vertical x axis are as noisy as one over the cosine of the pitch.
-            variance *= max(1.0, _STEEP / max(cosine_squared, _GUARD))
-        for i in range(4):
-            ph[i] = h0 * p[i, 0] + h1 * p[i, 1] + h2 * p[i, 2] + h3 * p[i, 3]
-        for i in range(3):
-            ph_bias[i] = h0 * p[4 + i, 0] + h1 * p[4 + i, 1] + h2 * p[4 + i, 2] + h3 * p[4 + i, 3]
-        inverse = 1.0 / (h0 * ph[0] + h1 * ph[1] + h2 * ph[2] + h3 * ph[3] + variance)
-        step = inverse * wrapped(measured - angle)
-        w, x, y, z = normalized(
-            q[s, 0] + ph[0] * step, q[s, 1] + ph[1] * step, q[s, 2] + ph[2] * step, q[s, 3] + ph[3] * step
-        )
-        q[s, 0], q[s, 1], q[s, 2], q[s, 3] = w, x, y, z
-        for i in range(3):
-            bias[s, i] += ph_bias[i] * step
-        # K H P = (P h)(P h)' / S is symmetric to the last bit.
-        for i in range(4):
-            for j in range(4):
-                p[i, j] -= inverse * (ph[i] * ph[j])
-            for j in range(3):
-                change = inverse * (ph[i] * ph_bias[j])
-                p[i, 4 + j] -= change
-                p[4 + j, i] -= change
-        for i in range(3):
-            for j in range(3):
-                p[4 + i, 4 + j] -= inverse * (ph_bias[i] * ph_bias[j])
-
-
-@kernel("float64(float64[:, ::1], float64, float64, float64, float64)")
-def quadratic(p: Float, g0: float, g1: float, g2: float, g3: float) -> float:
-    """Return g' P g over the quaternion block."""
-    first = g0 * (g0 * p[0, 0] + 2.0 * (g1 * p[0, 1] + g2 * p[0, 2] + g3 * p[0, 3]))
-    second = g1 * (g1 * p[1, 1] + 2.0 * (g2 * p[1, 2] + g3 * p[1, 3]))
-    return float(first + second + g2 * (g2 * p[2, 2] + 2.0 * g3 * p[2, 3]) + g3 * g3 * p[3, 3])
+        push = (norm - 1.0) / settings[MOTION_SCALE_G]
+        weight += push * push
+    roll_variance = weight * settings[ANGLE_VARIANCE]
+    pitch_variance = weight * settings[ANGLE_VARIANCE + 1]
+    yaw_variance = weight * settings[ANGLE_VARIANCE + 2]
+    weighted = settings[SINGULAR_WEIGHTING] > 0.0
+    w, x, y, z = q[s, 0], q[s, 1], q[s, 2], q[s, 3]
+    if weighted:
+        roll_variance *= steepness(w, x, y, z)
+    state = p, (w, x, y, z), (bias[s, 0], bias[s, 1], bias[s, 2])
+    state = absorb(state, roll_row(w, x, y, z), sy, sz, roll_variance)
+    w, x, y, z = state[1]
+    state = absorb(state, pitch_row(w, x, y, z), -sx, across, pitch_variance)
+    if sample[_HAS_FIELD] != 0.0:
+        mx, my, mz = sample[_FIELD], sample[_FIELD + 1], sample[_FIELD + 2]
+        px, py, pz = my * sz - mz * sy, mz * sx - mx * sz, mx * sy - my * sx
+        w, x, y, z = state[1]
+        if weighted:
+            yaw_variance *= steepness(w, x, y, z)
+        # The page's A5 lacks the norm of s; without it the yaw is wrong whenever the arm is pushed.
+        state = absorb(state, yaw_row(w, x, y, z), -px * norm, sy * pz - sz * py, yaw_variance)
+    p, (w, x, y, z), (bx, by, bz) = state
+    q[s, 0], q[s, 1], q[s, 2], q[s, 3] = w, x, y, z
+    bias[s, 0], bias[s, 1], bias[s, 2] = bx, by, bz
+    return p
 
 
 @kernel(
@@ -236,8 +230,9 @@ def run(
 ) -> None:
     """Filter K ticks of S sensors; states `q`, `bias`, `covariance` (S, 7, 7) and counts are carried on."""
     sample = np.zeros(_SAMPLE)
-    work = np.zeros((20, 4))
     for s in range(quality.shape[0]):
+        kept = covariance[s]
+        p = loaded(kept)
         for k in range(quality.shape[1]):
             action = prepare(
                 s,
@@ -253,22 +248,23 @@ def run(
                 sample,
             )
             if action == _BEGIN:
-                covariance[s, :4, :] = 0.0
-                covariance[s, :, :4] = 0.0
+                keep(kept, p)
+                kept[:4, :] = 0.0
+                kept[:, :4] = 0.0
                 # A turn by d moves the quaternion by d/2.
                 variance = 0.25 * start_variance(s, memory, counters, settings)
                 for i in range(4):
-                    covariance[s, i, i] = variance
+                    kept[i, i] = variance
+                p = loaded(kept)
             elif action != _HOLD:
-                predict(q, bias, covariance, s, sample, settings, work)
+                p = predict(q, bias, p, s, sample, settings)
                 if action == _FILTER:
-                    if sample[_HAS_FIELD] > 0.0 and not counters[s, _HEADING_KNOWN]:
+                    if sample[_HAS_FIELD] > 0.0 and counters[s, _HEADING_KNOWN] == 0:
                         set_heading(s, q, sample, counters)
-                    correct(q, bias, covariance, s, sample, settings, work)
+                    p = correct(q, bias, p, s, sample, settings)
             w, x, y, z = q[s, 0], q[s, 1], q[s, 2], q[s, 3]
             own = _SINGULAR if abs(2.0 * (x * z - w * y)) > _SINGULAR_SINE else 0
             # Rotation error in U: twice the vector part of dq * conj(q).
-            p = covariance[s]
             store(
                 s,
                 k,
@@ -288,3 +284,7 @@ def run(
                 sigma_rad,
                 flags,
             )
+        keep(kept, p)
+
+
+__all__ = ["SETTINGS", "pitch_row", "roll_row", "run", "yaw_row"]

@@ -60,6 +60,18 @@ _SAMPLE_MISSING = int(SampleQuality.MISSING)
 _SAMPLE_SATURATED = int(SampleQuality.SATURATED)
 
 
+@kernel("float64(float64, float64)", inlined=True)
+def direction(y: float, x: float) -> float:
+    """Return atan2(y, x); up to seven degrees, as innovations are, by a series exact to 1e-16."""
+    if abs(y) < 0.125 * x:
+        t = y / x
+        s = t * t
+        s2 = s * s
+        near = (1.0 - s * (1 / 3)) + s2 * (1 / 5 - s * (1 / 7))
+        return t * (near + s2 * s2 * ((1 / 9 - s * (1 / 11)) + s2 * (1 / 13 - s * (1 / 15))))
+    return math.atan2(y, x)
+
+
 @kernel("UniTuple(float64, 4)(float64[::1], int64, float64[::1], int64)")
 def attitude_from_vectors(gravity: Float, g: int, field: Float, f: int) -> Scalars4:
     """Return q_U_sensor from gravity and field in the sensor frame (A4 and A5); all zero if parallel.
@@ -109,44 +121,30 @@ def tilted_to_gravity(w: float, x: float, y: float, z: float, gravity: Float, g:
 
 
 @kernel(
-    "int64(int64, int64, float64[:, :, ::1], float64[:, :, ::1], float64[:, :, ::1], uint8[:, ::1],"
-    "float64[::1], float64[:, ::1], float64[:, ::1], int64[:, ::1], float64[::1])"
+    "int64(int64, uint8, float64[::1], float64[:, ::1], float64[:, ::1], int64[:, ::1], float64[::1], float64)"
 )
-def prepare(
+def prepare_unusual(
     s: int,
-    k: int,
-    gyroscope_radps: Float,
-    accelerometer_mps2: Float,
-    magnetometer_t: Float,
-    quality: NDArray[np.uint8],
+    quality: int,
     settings: Float,
     q: Float,
     memory: Float,
     counters: NDArray[np.int64],
     sample: Float,
+    field_norm: float,
 ) -> int:
-    """Read one tick into `sample`, run start and gaps, and say what the filter is to do.
+    """Start from the mean of the first samples (A11), coast short gaps, hold long ones.
 
-    Start (A11): attitude from the mean of the first samples. A gap is coasted at the last rate, with an
-    error that grows with `GAP_RATE_SIGMA`, for `BRIDGE_TICKS`; after that the filter starts again, with
-    its bias and, lacking a field, its heading.
+    A gap is coasted at the last rate, with an error that grows with `GAP_RATE_SIGMA`, for `BRIDGE_TICKS`;
+    after that the filter starts again, with its bias and, lacking a field, its heading.
     """
-    count = counters[s]
-    kept = memory[s]
-    usable = (quality[s, k] & _SAMPLE_MISSING) == 0
-    gravity_norm = 0.0
+    count, kept = counters[s], memory[s]
+    usable = (quality & _SAMPLE_MISSING) == 0 and sample[GRAVITY_NORM] > 0.0
     for axis in range(3):
-        sample[RATE + axis] = gyroscope_radps[s, k, axis]
-        sample[GRAVITY + axis] = accelerometer_mps2[s, k, axis] * (-1.0 / GRAVITY_MPS2)
-        gravity_norm += sample[GRAVITY + axis] ** 2
         usable &= math.isfinite(sample[RATE + axis]) and math.isfinite(sample[GRAVITY + axis])
-    sample[GRAVITY_NORM] = math.sqrt(gravity_norm)
-    sample[HAS_FIELD] = 0.0
-    sample[FIELD_NORM] = 1.0
-    sample[GAP_VARIANCE] = 0.0
-    step_s = settings[STEP_S]
-    growth = (settings[GAP_RATE_SIGMA] * step_s) ** 2
-    if not usable or sample[GRAVITY_NORM] == 0.0:
+    growth = (settings[GAP_RATE_SIGMA] * settings[STEP_S]) ** 2
+    if not usable:
+        sample[HAS_FIELD] = 0.0
         count[GAP] += 1
         if count[RUNNING] and count[GAP] <= settings[BRIDGE_TICKS]:
             for axis in range(3):
@@ -162,56 +160,100 @@ def prepare(
         return HOLD
     count[GAP] = 0
     count[SINCE_START] = count[SINCE_START] + 1 if count[RUNNING] or count[COLLECTED] else 0
-    if quality[s, k] & _SAMPLE_SATURATED:
+    if quality & _SAMPLE_SATURATED:
         sample[GAP_VARIANCE] = growth
-    norm = 0.0
-    if magnetometer_t.shape[0] > 0:
-        for axis in range(3):
-            sample[FIELD + axis] = magnetometer_t[s, k, axis]
-            norm += sample[FIELD + axis] ** 2
-        norm = math.sqrt(norm)
-        if math.isfinite(norm) and norm > 0.0:
-            sample[HAS_FIELD] = 1.0
-    if not count[RUNNING]:
-        count[COLLECTED] += 1
-        count[STARTED] = 1
-        for axis in range(3):
-            kept[LAST_RATE + axis] = sample[RATE + axis]
-            kept[SUM_RATE + axis] += sample[RATE + axis]
-            kept[SUM_GRAVITY + axis] += sample[GRAVITY + axis]
-            if sample[HAS_FIELD] > 0.0:
-                kept[SUM_FIELD + axis] += sample[FIELD + axis]
-        w, x, y, z = 0.0, 0.0, 0.0, 0.0
-        if sample[HAS_FIELD] > 0.0:
-            count[FIELD_COLLECTED] += 1
-            kept[SUM_FIELD_NORM] += norm
-        if count[FIELD_COLLECTED] > 0:
-            w, x, y, z = attitude_from_vectors(kept, SUM_GRAVITY, kept, SUM_FIELD)
-        if w == 0.0 and x == 0.0 and y == 0.0 and z == 0.0:
-            w, x, y, z = tilted_to_gravity(q[s, 0], q[s, 1], q[s, 2], q[s, 3], kept, SUM_GRAVITY)
-        else:
-            count[HEADING_KNOWN] = 1
-        q[s, 0], q[s, 1], q[s, 2], q[s, 3] = w, x, y, z
-        if count[COLLECTED] < settings[START_SAMPLES]:
-            return HOLD
-        if kept[FIELD_REFERENCE] == 0.0 and count[FIELD_COLLECTED]:
-            kept[FIELD_REFERENCE] = kept[SUM_FIELD_NORM] / count[FIELD_COLLECTED]
-        count[RUNNING] = 1
-        return BEGIN
+    if count[RUNNING]:
+        return FILTER
+    count[COLLECTED] += 1
+    count[STARTED] = 1
     for axis in range(3):
-        now = sample[RATE + axis]
-        if settings[MIDPOINT] > 0.0:
-            sample[RATE + axis] = 0.5 * (kept[LAST_RATE + axis] + now)
-        kept[LAST_RATE + axis] = now
+        kept[LAST_RATE + axis] = sample[RATE + axis]
+        kept[SUM_RATE + axis] += sample[RATE + axis]
+        kept[SUM_GRAVITY + axis] += sample[GRAVITY + axis]
+        if sample[HAS_FIELD] > 0.0:
+            kept[SUM_FIELD + axis] += sample[FIELD + axis]
+    w, x, y, z = 0.0, 0.0, 0.0, 0.0
     if sample[HAS_FIELD] > 0.0:
-        if kept[FIELD_REFERENCE] == 0.0:
-            kept[FIELD_REFERENCE] = norm
-        sample[FIELD_NORM] = norm / kept[FIELD_REFERENCE]
-        if abs(sample[FIELD_NORM] - 1.0) > settings[FIELD_TOLERANCE]:
-            count[DISTURBED] += 1
+        count[FIELD_COLLECTED] += 1
+        kept[SUM_FIELD_NORM] += field_norm
+    if count[FIELD_COLLECTED] > 0:
+        w, x, y, z = attitude_from_vectors(kept, SUM_GRAVITY, kept, SUM_FIELD)
+    if w == 0.0 and x == 0.0 and y == 0.0 and z == 0.0:
+        w, x, y, z = tilted_to_gravity(q[s, 0], q[s, 1], q[s, 2], q[s, 3], kept, SUM_GRAVITY)
+    else:
+        count[HEADING_KNOWN] = 1
+    q[s, 0], q[s, 1], q[s, 2], q[s, 3] = w, x, y, z
+    if count[COLLECTED] < settings[START_SAMPLES]:
+        return HOLD
+    if kept[FIELD_REFERENCE] == 0.0 and count[FIELD_COLLECTED]:
+        kept[FIELD_REFERENCE] = kept[SUM_FIELD_NORM] / count[FIELD_COLLECTED]
+    count[RUNNING] = 1
+    return BEGIN
+
+
+@kernel(
+    "int64(int64, int64, float64[:, :, ::1], float64[:, :, ::1], float64[:, :, ::1], uint8[:, ::1],"
+    "float64[::1], float64[:, ::1], float64[:, ::1], int64[:, ::1], float64[::1])",
+    inlined=True,
+)
+def prepare(
+    s: int,
+    k: int,
+    gyroscope_radps: Float,
+    accelerometer_mps2: Float,
+    magnetometer_t: Float,
+    quality: NDArray[np.uint8],
+    settings: Float,
+    q: Float,
+    memory: Float,
+    counters: NDArray[np.int64],
+    sample: Float,
+) -> int:
+    """Read one tick into `sample` and say what the filter is to do."""
+    rx, ry, rz = gyroscope_radps[s, k, 0], gyroscope_radps[s, k, 1], gyroscope_radps[s, k, 2]
+    sx = accelerometer_mps2[s, k, 0] * (-1.0 / GRAVITY_MPS2)
+    sy = accelerometer_mps2[s, k, 1] * (-1.0 / GRAVITY_MPS2)
+    sz = accelerometer_mps2[s, k, 2] * (-1.0 / GRAVITY_MPS2)
+    square = sx * sx + sy * sy + sz * sz
+    # Zero if all are finite, and not a number otherwise.
+    finite = 0.0 * (rx + ry + rz + square)
+    sample[RATE], sample[RATE + 1], sample[RATE + 2] = rx, ry, rz
+    sample[GRAVITY], sample[GRAVITY + 1], sample[GRAVITY + 2] = sx, sy, sz
+    sample[GRAVITY_NORM] = math.sqrt(square)
+    sample[GAP_VARIANCE] = 0.0
+    sample[FIELD_NORM] = 1.0
+    norm, has_field = 0.0, 0.0
+    if magnetometer_t.shape[0] > 0:
+        mx, my, mz = magnetometer_t[s, k, 0], magnetometer_t[s, k, 1], magnetometer_t[s, k, 2]
+        norm = math.sqrt(mx * mx + my * my + mz * mz)
+        sample[FIELD], sample[FIELD + 1], sample[FIELD + 2] = mx, my, mz
+        has_field = 1.0 if 0.0 < norm < math.inf else 0.0
+    sample[HAS_FIELD] = has_field
+    mark = quality[s, k]
+    flawed = mark & (_SAMPLE_MISSING | _SAMPLE_SATURATED)
+    if finite != 0.0 or flawed != 0 or counters[s, RUNNING] == 0 or square == 0.0:
+        action = prepare_unusual(s, mark, settings, q, memory, counters, sample, norm)
+        if action != FILTER:
+            return action
+    else:
+        counters[s, GAP] = 0
+        counters[s, SINCE_START] += 1
+    if settings[MIDPOINT] > 0.0:
+        sample[RATE] = 0.5 * (memory[s, LAST_RATE] + rx)
+        sample[RATE + 1] = 0.5 * (memory[s, LAST_RATE + 1] + ry)
+        sample[RATE + 2] = 0.5 * (memory[s, LAST_RATE + 2] + rz)
+    memory[s, LAST_RATE], memory[s, LAST_RATE + 1], memory[s, LAST_RATE + 2] = rx, ry, rz
+    if has_field > 0.0:
+        reference = memory[s, FIELD_REFERENCE]
+        if reference == 0.0:
+            memory[s, FIELD_REFERENCE] = reference = norm
+        share = norm / reference
+        sample[FIELD_NORM] = share
+        if abs(share - 1.0) > settings[FIELD_TOLERANCE]:
+            counters[s, DISTURBED] += 1
         else:
-            count[DISTURBED] = 0
-            kept[FIELD_REFERENCE] += settings[FIELD_REFERENCE_GAIN] * (norm - kept[FIELD_REFERENCE])
+            counters[s, DISTURBED] = 0
+            memory[s, FIELD_REFERENCE] = reference + settings[FIELD_REFERENCE_GAIN] * (norm - reference)
     return FILTER
 
 
@@ -241,7 +283,8 @@ def start_variance(s: int, memory: Float, counters: NDArray[np.int64], settings:
 @kernel(
     "void(int64, int64, int64, int64, float64, float64, float64, uint8[:, ::1], float64[::1],"
     "float64[:, ::1], float64[:, ::1], int64[:, ::1], float64[::1], float64[:, :, ::1], float64[:, :, ::1],"
-    "float64[:, :, ::1], uint8[:, ::1])"
+    "float64[:, :, ::1], uint8[:, ::1])",
+    inlined=True,
 )
 def store(
     s: int,
@@ -263,40 +306,46 @@ def store(
     flags: NDArray[np.uint8],
 ) -> None:
     """Write the estimate in the product's earth frame with sigma and flags; `own_flag` is the filter's."""
-    count = counters[s]
     # Rotation from north-east-down to east-north-up: half a turn about the line between x and y.
-    out = multiply(0.0, _HALF_ROOT, _HALF_ROOT, 0.0, q[s, 0], q[s, 1], q[s, 2], q[s, 3])
-    for i in range(4):
-        q_earth_sensor[s, k, i] = out[i]
+    w, x, y, z = _HALF_ROOT * q[s, 0], _HALF_ROOT * q[s, 1], _HALF_ROOT * q[s, 2], _HALF_ROOT * q[s, 3]
+    q_earth_sensor[s, k, 0] = -x - y
+    q_earth_sensor[s, k, 1] = w + z
+    q_earth_sensor[s, k, 2] = w - z
+    q_earth_sensor[s, k, 3] = y - x
     for axis in range(3):
         bias_out[s, k, axis] = bias[s, axis]
     flag = own_flag
-    if quality[s, k] & _SAMPLE_BRIDGED:
-        flag |= _BRIDGED
-    if quality[s, k] & _SAMPLE_SATURATED:
-        flag |= _SATURATED
-    if action == HOLD and count[COLLECTED] == 0:
-        flags[s, k] = flag | _INVALID | _NO_HEADING
-        for axis in range(3):
-            sigma_rad[s, k, axis] = math.pi
-        return
-    if not count[RUNNING]:
+    mark = quality[s, k]
+    if mark != 0:
+        if mark & _SAMPLE_BRIDGED:
+            flag |= _BRIDGED
+        if mark & _SAMPLE_SATURATED:
+            flag |= _SATURATED
+    running = counters[s, RUNNING] != 0
+    if not running:
+        if action == HOLD and counters[s, COLLECTED] == 0:
+            flags[s, k] = flag | _INVALID | _NO_HEADING
+            for axis in range(3):
+                sigma_rad[s, k, axis] = math.pi
+            return
         variance_north = variance_east = variance_down = settings[ATTITUDE_SIGMA] ** 2
+    sigma_down = min(math.sqrt(max(variance_down, 0.0)), math.pi)
     sigma_rad[s, k, 0] = min(math.sqrt(max(variance_east, 0.0)), math.pi)
     sigma_rad[s, k, 1] = min(math.sqrt(max(variance_north, 0.0)), math.pi)
-    sigma_rad[s, k, 2] = min(math.sqrt(max(variance_down, 0.0)), math.pi)
+    sigma_rad[s, k, 2] = sigma_down
     if action == COAST:
         flag |= _BRIDGED
     elif abs(sample[GRAVITY_NORM] - 1.0) > settings[ACCELERATION_TOLERANCE_G]:
         flag |= _ACCELERATION
-    if count[SINCE_START] < settings[CONVERGENCE_TICKS]:
+    if counters[s, SINCE_START] < settings[CONVERGENCE_TICKS]:
         flag |= _CONVERGING
-    if count[DISTURBED] > 0:
+    disturbed = counters[s, DISTURBED]
+    if disturbed > 0:
         flag |= _DISTURBANCE
     if (
-        not count[HEADING_KNOWN]
-        or count[DISTURBED] > settings[DISTURBED_TICKS]
-        or sigma_rad[s, k, 2] > settings[HEADING_LOST]
+        counters[s, HEADING_KNOWN] == 0
+        or disturbed > settings[DISTURBED_TICKS]
+        or sigma_down > settings[HEADING_LOST]
     ):
         flag |= _NO_HEADING
     flags[s, k] = flag

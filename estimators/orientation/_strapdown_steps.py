@@ -65,19 +65,28 @@ _SAMPLE_SATURATED = int(SampleQuality.SATURATED)
 def turn(rx: float, ry: float, rz: float) -> Scalars4:
     """Return the unit quaternion of a rotation vector; below half a radian by series exact to 1e-16."""
     square = 0.25 * (rx * rx + ry * ry + rz * rz)
+    # sin(x)/x and cos(x) of x^2 = square; the terms left out are below 1e-16.
+    if square < 1e-3:
+        # Most samples and nearly all corrections: shorter series, of which attitude waits for the next.
+        scale = 0.5 + square * (-1 / 12 + square * (1 / 240 - square * (1 / 10080)))
+        cosine = 1.0 + square * (-1 / 2 + square * (1 / 24 + square * (-1 / 720 + square * (1 / 40320))))
+        return cosine, rx * scale, ry * scale, rz * scale
     if square < 0.0625:
-        # sin(x)/x and cos(x) of x^2 = square; the terms left out are below 1e-16.
         scale = 0.5 * (
             1.0
             + square
-            * (-1 / 6 + square * (1 / 120 + square * (-1 / 5040 + square * (1 / 362880 - square / 39916800))))
+            * (
+                -1 / 6
+                + square * (1 / 120 + square * (-1 / 5040 + square * (1 / 362880 - square * (1 / 39916800))))
+            )
         )
         cosine = 1.0 + square * (
             -1 / 2
             + square
             * (
                 1 / 24
-                + square * (-1 / 720 + square * (1 / 40320 + square * (-1 / 3628800 + square / 479001600)))
+                + square
+                * (-1 / 720 + square * (1 / 40320 + square * (-1 / 3628800 + square * (1 / 479001600))))
             )
         )
         return cosine, rx * scale, ry * scale, rz * scale

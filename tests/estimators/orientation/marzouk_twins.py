@@ -170,7 +170,11 @@ def error_state_filter(
     attitude_sigma=2 * DEG,
     gate=True,
 ):
-    """A9m over one record; returns q (K, 4), bias (K, 3), covariance (K, 6, 6)."""
+    """A9m over one record; returns q (K, 4), bias (K, 3), covariance (K, 6, 6) of the error in the sensor frame.
+
+    A correction turns the frame of that error. The page leaves the covariance as it is; here it is kept to U, as in
+    the kernel. Truth lies half-way: the error after a correction d is (I - d x / 2) times the one before.
+    """
     sigma_g, sigma_b, sigma_a, sigma_h = 0.54 * DEG, 1e-3 * DEG, 0.034, 2.56 * DEG
     q, b = start(gravity, field, samples), np.zeros(3)
     p = np.diag(np.concatenate((np.full(3, attitude_sigma**2), np.full(3, bias_sigma**2))))
@@ -201,6 +205,9 @@ def error_state_filter(
                 q, b = product(q, exponential(step[:3])), b + step[3:]
                 keep = np.eye(6) - gain @ h
                 p = keep @ p @ keep.T + gain @ r @ gain.T
+                corrected = np.eye(6)
+                corrected[:3, :3] = passive(exponential(step[:3]))
+                p = corrected @ p @ corrected.T
         out_q.append(q), out_b.append(b), out_p.append(p)
     return np.array(out_q), np.array(out_b), np.array(out_p)
 

@@ -9,7 +9,7 @@ from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import SetupError
 from estimators.orientation import OrientationFlag
 from estimators.orientation._marzouk_quaternion import PUBLISHED_TUNING
-from estimators.orientation._marzouk_quaternion_kernel import angle_row
+from estimators.orientation._marzouk_quaternion_kernel import pitch_row, roll_row, yaw_row
 from estimators.recording import ImuChunk, SampleQuality
 from tests.estimators.orientation import marzouk_twins as twins
 from tests.estimators.orientation import thesis_scene as scenes
@@ -154,17 +154,21 @@ class TestQuaternionFilter(MarzoukContract):
         attitudes = Rotation.random(300, rng=np.random.default_rng(8))
         attitudes = attitudes[np.abs(attitudes.as_euler("ZYX")[:, 1]) < 80 * DEG]
         for q in rotation.from_scipy(attitudes):
-            for which, index in ((0, 2), (1, 1), (2, 0)):
-                angle, *row, cosine_squared = angle_row(which, *q)
-                assert angle == pytest.approx(rotation.to_scipy(q).as_euler("ZYX")[index], abs=1e-12)
-                assert cosine_squared == pytest.approx(
-                    np.cos(rotation.to_scipy(q).as_euler("ZYX")[1]) ** 2, abs=1e-12
+            for angle_row, index in ((roll_row, 2), (pitch_row, 1), (yaw_row, 0)):
+                sine, cosine, length, *row = angle_row(*q)
+                assert np.arctan2(sine, cosine) == pytest.approx(
+                    rotation.to_scipy(q).as_euler("ZYX")[index], abs=1e-12
                 )
+                row = np.array(row) / length
+                # The part of the page's row along q, which says that the norm were measured, is left out.
+                page = twins.angle_rows(q)[2 - index]
+                np.testing.assert_allclose(row, page - (page @ q) * q, atol=1e-11 * np.linalg.norm(page))
                 for tangent in twins.xi(q).T:
                     h = 1e-5
-                    plus, minus = ((q + s * h * tangent) / np.hypot(1, h) for s in (1, -1))
-                    difference = twins.wrap(angle_row(which, *plus)[0] - angle_row(which, *minus)[0])
-                    numeric = difference / (2 * np.arctan(h))
+                    angles = [
+                        np.arctan2(*angle_row(*((q + s * h * tangent) / np.hypot(1, h)))[:2]) for s in (1, -1)
+                    ]
+                    numeric = twins.wrap(angles[0] - angles[1]) / (2 * np.arctan(h))
                     assert numeric == pytest.approx(row @ tangent, rel=1e-7, abs=1e-7)
 
     def test_transition_is_the_derivative_of_the_propagation(self):
@@ -264,6 +268,9 @@ class TestErrorStateFilter(MarzoukContract):
             attitude_sigma=start_sigma(given),
             gate=False,
         )
+        to_earth = np.eye(6)
+        to_earth[:3, :3] = twins.passive(q[-1]).T
+        covariance[-1] = to_earth @ covariance[-1] @ to_earth.T
         assert_equal_after_start(result, found, estimator, q, bias, covariance)
 
     @pytest.mark.parametrize(
