@@ -18,10 +18,10 @@ class Exercise(Identified, Base):
     name: Mapped[str] = mapped_column(String(200))
     description: Mapped[str] = mapped_column(String(2000), default="")
     movement: Mapped[str] = mapped_column(String(40))
-    """Kind, e.g. `reaching`, `drinking`, `abduction`, `flexion`, `pronation`, `other`."""
+    """Kind, e.g. `reaching`, `drinking`, `abduction`, `flexion`, `pronation`, `other`, or a walking test."""
     side: Mapped[str] = mapped_column(String(10), default="right")
     primary_angle: Mapped[str] = mapped_column(String(80))
-    """Joint angle whose range is the main measure of progress."""
+    """Joint angle whose range is the main measure of progress; empty for walks."""
 
 
 class Template(Identified, Base):

@@ -13,6 +13,7 @@ from app.exercises.models import Exercise, Prescription, Template
 from app.exercises.schemas import ExerciseIn, PrescriptionIn
 from app.patients.access import require_patient
 from estimators.arm import MODEL_ANGLES
+from estimators.gait import GUIDED_KINDS
 
 NO_SUCH_PRESCRIPTION = "There is no such prescription, or you have no right to know."
 
@@ -68,10 +69,12 @@ def create_exercise(session: Session, subject: Subject, body: ExerciseIn) -> Exe
     """
     if subject.role not in {"therapist", "administrator", "system"}:
         raise NotAllowed("Only therapists and administrators can create exercises.")
-    known = joint_angles(body.side)
+    known = [""] if body.movement in GUIDED_KINDS else joint_angles(body.side)
     if body.primary_angle not in known:
         raise InvalidInput(
-            f"The primary angle is not a joint angle of the {body.side} side; take one of the list.",
+            "A walk has no primary angle; leave it empty."
+            if known == [""]
+            else f"The primary angle is not a joint angle of the {body.side} side; take one of the list.",
             field="primary_angle",
             allowed=known,
         )

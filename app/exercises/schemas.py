@@ -13,9 +13,20 @@ class ExerciseIn(Schema):
 
     name: str = Field(min_length=1, max_length=200)
     description: str = Field(default="", max_length=2000)
-    movement: Literal["reaching", "drinking", "abduction", "flexion", "pronation", "other"]
+    movement: Literal[
+        "reaching",
+        "drinking",
+        "abduction",
+        "flexion",
+        "pronation",
+        "other",
+        "walk",
+        "timed_up_and_go",
+        "six_minute_walk",
+    ]
     side: Literal["left", "right"] = "right"
-    primary_angle: str = Field(max_length=80)
+    primary_angle: str = Field(default="", max_length=80)
+    """Empty for walks, which are judged by time and distance."""
 
 
 class ExerciseOut(ExerciseIn):

@@ -31,7 +31,7 @@ from estimators.pipelines import SessionSetup
 
 MULTIPART_SLACK_BYTES: Final = 1 << 20
 _LEGS: Final = ("thigh_", "shank_", "foot_")
-_WALKS: Final = ("pyshoe", "gait_tracking", "gaitmap")
+_WALKS: Final = ("pyshoe", "gait_tracking", "gaitmap", "instrumented_shoe")
 
 router = APIRouter(prefix="/api", tags=["sessions"])
 
@@ -185,6 +185,8 @@ def register(
                 rate_hz=rate_hz,
                 orientation=declaration.orientation,
                 body=service.body_of(patient),
+                feet_apart_m=declaration.feet_apart_m,
+                feet_apart_end_m=declaration.feet_apart_end_m,
             )
         )
         found = repository.create_session(

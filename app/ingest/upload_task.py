@@ -20,9 +20,11 @@ from app.recordings.jobs import JobContext
 from app.recordings.models import MotionSession, SessionEvent, SignalChunk
 from app.recordings.reprocess import Analysis, analyse, beginning, count_session, enqueue_comparison
 from app.recordings.schemas import UploadIn
+from app.recordings.walk_shoes import store_shoes
 from app.recordings.walks import PIPELINE as WALKING
 from estimators.calibration import SEARCHED_S, check_first_seconds, in_words
-from estimators.pipelines import SessionSetup
+from estimators.pipelines import SessionSetup, has_shoes
+from estimators.recording import Recording
 
 _CHUNK_TICKS: Final = 100
 _CHUNKS_A_COMMIT: Final = 16
@@ -72,6 +74,10 @@ def _store(context: JobContext, declaration: UploadIn, path: Path) -> list[str]:
             notes.append(f"{log.damaged} damaged packets were left out.")
     else:
         recording = readers.read(path, declaration.format, declaration.csv)
+        if has_shoes(recording):
+            with unit_of_work(context.engine) as session:
+                store_shoes(session, context.session_id, recording)
+            recording = _as_feet(recording)
         prepared = readers.packets_of(recording)
         network = prepared.declaration
         total = prepared.tick_count
@@ -84,6 +90,16 @@ def _store(context: JobContext, declaration: UploadIn, path: Path) -> list[str]:
         raise RecordingFormatError("The file holds no sound packet.")
     _declare(context, network)
     return notes
+
+
+def _as_feet(recording: Recording) -> Recording:
+    """Return what packets can hold of two shoes: the heel's sensor as the foot's, and the lower legs."""
+    named = {
+        name.replace("heel", "foot"): replace(sensor, force_n=None, moment_nm=None)
+        for name, sensor in recording.sensors.items()
+        if not name.startswith("forefoot")
+    }
+    return replace(recording, sensors=named)
 
 
 def _forget_raw(context: JobContext) -> None:

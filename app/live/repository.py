@@ -23,10 +23,11 @@ from app.patients.access import Level, require_patient
 from app.patients.models import Mounting
 from app.recordings.chunks import frames_stream
 from app.recordings.models import MotionSession, Result, SignalChunk
+from app.recordings.result_rows import layout_dict
 from app.recordings.schemas import SessionState
 from app.recordings.walks import estimator_of
 from estimators import orientation
-from estimators.pipelines import Calibration, FrameLayout, Pipeline, SessionSetup
+from estimators.pipelines import Calibration, Pipeline, SessionSetup
 
 NO_SUCH_SESSION = "There is no such session, or you have no right to know."
 
@@ -262,16 +263,6 @@ def interrupted(engine: Engine) -> list[StoredSession]:
             select(MotionSession).where(MotionSession.state.in_(states), MotionSession.source == "stream")
         )
         return [_stored(row) for row in rows]
-
-
-def layout_dict(layout: FrameLayout) -> dict[str, list[str]]:
-    """Return a layout as `Result.layout` stores it."""
-    return {
-        "segments": list(layout.segments),
-        "points": list(layout.points),
-        "angles": list(layout.angles),
-        "scalars": list(layout.scalars),
-    }
 
 
 def calibration_of(setup: dict[str, Any]) -> Calibration | None:

@@ -2,8 +2,10 @@
 
 from typing import Any, Final
 
+from app.errors import Conflict
 from app.recordings.schemas import EstimatorOut, ParameterOut
 from estimators import orientation
+from estimators.pipelines import SessionSetup
 
 _UNITS: Final[tuple[tuple[str, str], ...]] = (
     ("_degps_per_sqrt_s", "deg/s/√s"),
@@ -27,6 +29,18 @@ _UNITS: Final[tuple[tuple[str, str], ...]] = (
     ("_s", "s"),
 )
 """Suffix of a parameter's name and the unit it stands for; the longest that fits counts."""
+
+
+def refuse_walk(setup: SessionSetup) -> None:
+    """Refuse other estimators for a walk.
+
+    Raises
+    ------
+    Conflict
+        The setup is that of a walk.
+    """
+    if setup.pipeline == "gait":
+        raise Conflict("A walk has one estimator, which has run already; there is no other to choose.")
 
 
 def estimators_out() -> list[EstimatorOut]:

@@ -12,7 +12,7 @@ from app.recordings.jobs import JobContext
 from app.recordings.models import Result, SignalChunk
 from app.recordings.walks import estimator_of, forget_walk
 from estimators import orientation, pipelines
-from estimators.pipelines import SessionSetup
+from estimators.pipelines import FrameLayout, SessionSetup
 
 CHUNKS_A_COMMIT: Final = 8
 
@@ -34,18 +34,23 @@ def new_result(context: JobContext, setup: SessionSetup, pipeline: pipelines.Pip
             orientation=estimator,
             orientation_version=version,
             setup=setup.to_dict(),
-            layout={
-                "segments": list(layout.segments),
-                "points": list(layout.points),
-                "angles": list(layout.angles),
-                "scalars": list(layout.scalars),
-            },
+            layout=layout_dict(layout),
         )
         session.add(result)
         session.flush()
         result_id = result.id
     context.remember(result_id=result_id)
     return result_id
+
+
+def layout_dict(layout: FrameLayout) -> dict[str, list[str]]:
+    """Return the names of the columns of frames as a result keeps them."""
+    return {
+        "segments": list(layout.segments),
+        "points": list(layout.points),
+        "angles": list(layout.angles),
+        "scalars": list(layout.scalars),
+    }
 
 
 def forget(session: Session, session_id: str, result_id: str) -> None:
@@ -70,4 +75,4 @@ def write_frames(context: JobContext, result_id: str, chunks: list[EncodedChunk]
             )
 
 
-__all__ = ["CHUNKS_A_COMMIT", "forget", "new_result", "write_frames"]
+__all__ = ["CHUNKS_A_COMMIT", "forget", "layout_dict", "new_result", "write_frames"]

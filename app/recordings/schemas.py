@@ -21,9 +21,12 @@ class SessionIn(Schema):
     exercise_id: str | None = None
     prescription_id: str | None = None
     purpose: Literal["exercise", "template"] = "exercise"
-    pipeline: Literal["arm", "gait"] = "arm"
-    """`gait` follows sensors on the feet; nothing is to be calibrated."""
+    pipeline: Literal["arm", "gait", "relative_pose"] = "arm"
+    """`gait` follows sensors on the feet; `relative_pose` a worn magnetic source and the sensors around it. Neither
+    is to be calibrated."""
     placements: list[Placement] = Field(min_length=1, max_length=17)
+    feet_apart_m: float | None = Field(default=None, ge=0.0, le=0.6)
+    """Of a walk: distance of the feet side by side at its start, where somebody measured it."""
     rate_hz: float = Field(default=100.0, ge=10, le=1000)
     orientation: str = DEFAULT
     orientation_parameters: dict[str, Any] = Field(default_factory=dict)
@@ -101,7 +104,7 @@ class SessionDetail(SessionOut):
     """A session with what was done with it."""
 
     pipeline: str
-    """`arm` or `gait`."""
+    """`arm`, `gait` or `relative_pose`."""
     placements: list[Placement]
     rate_hz: float
     orientation: str
@@ -168,15 +171,18 @@ class UploadIn(Schema):
     exercise_id: str | None = None
     prescription_id: str | None = None
     purpose: Literal["exercise", "template"] = "exercise"
-    format: Literal["packet_log", "csv", "qmt_mat", "pyshoe", "gait_tracking", "gaitmap"]
+    format: Literal["packet_log", "csv", "qmt_mat", "pyshoe", "gait_tracking", "gaitmap", "instrumented_shoe"]
     pipeline: Literal["arm", "gait"] = "arm"
-    """What a packet log or CSV file holds; the last three formats are always walks."""
+    """What a packet log or CSV file holds; the last four formats are always walks."""
     csv: CsvMapping | None = None
     orientation: str = DEFAULT
     calibration_pose_s: tuple[float, float] | None = None
     """Half-open interval in which the patient stands in N-pose; None looks for stillness at the start."""
     hemisphere: Literal["north", "south", "unknown"] = "north"
     """Where it was recorded: the magnetic field tells a reversed accelerometer."""
+    feet_apart_m: float | None = Field(default=None, ge=0.0, le=0.6)
+    feet_apart_end_m: float | None = Field(default=None, ge=0.0, le=0.6)
+    """Of a walk: distance of the feet side by side at its start and its end, where somebody measured it."""
     accept_implausible: bool = False
     """Estimate although units, axes or signs cannot be right; a first attempt says what was found."""
 

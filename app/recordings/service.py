@@ -15,6 +15,7 @@ from app.patients.access import levels
 from app.patients.models import Patient
 from app.recordings import repository
 from app.recordings.chunks import layout_from_dict
+from app.recordings.estimator_choice import refuse_walk
 from app.recordings.models import Job, MotionSession, Result
 from app.recordings.packet_log import write_log
 from app.recordings.schemas import (
@@ -84,9 +85,8 @@ def create(session: Session, subject: Subject, wanted: SessionIn) -> SessionDeta
             f"{wanted.orientation} needs the whole session; record with {live}, it follows when the session closes.",
             field="orientation",
         )
-    calibration = None
-    if wanted.use_mounting and wanted.pipeline == "arm":
-        calibration = _remembered(session, patient.id, tuple(wanted.placements))
+    remembers = wanted.use_mounting and wanted.pipeline == "arm"
+    calibration = _remembered(session, patient.id, tuple(wanted.placements)) if remembers else None
     setup = checked(
         SessionSetup(
             pipeline=wanted.pipeline,
@@ -97,6 +97,7 @@ def create(session: Session, subject: Subject, wanted: SessionIn) -> SessionDeta
             constrain_joint_headings=wanted.constrain_joint_headings,
             body=body_of(patient),
             calibration=calibration,
+            feet_apart_m=wanted.feet_apart_m,
         )
     )
     found = repository.create_session(
@@ -307,18 +308,13 @@ def queue_reprocess(session: Session, subject: Subject, session_id: str, wanted:
     if found.state not in {"analysed", "failed"}:
         raise Conflict("This session is not finished; wait until it is analysed.", state=found.state)
     setup = SessionSetup.from_dict(found.setup)
-    _not_a_walk(setup)
+    refuse_walk(setup)
     checked(
         replace(
             setup, orientation=wanted.orientation, orientation_parameters=dict(wanted.orientation_parameters)
         )
     )
     return job_out(repository.add_job(session, found, "reprocess", wanted.model_dump(), subject))
-
-
-def _not_a_walk(setup: SessionSetup) -> None:
-    if setup.pipeline == "gait":
-        raise Conflict("A walk has one estimator, which has run already; there is no other to choose.")
 
 
 def queue_closing(session: Session, session_id: str) -> str:
@@ -361,7 +357,7 @@ def queue_reprocess_all(
             f"There is no estimator {', '.join(unknown)}; known are {', '.join(known)}.", field="orientations"
         )
     found = repository.get_session(session, subject, session_id, "treat", action="")
-    _not_a_walk(SessionSetup.from_dict(found.setup))
+    refuse_walk(SessionSetup.from_dict(found.setup))
     present = {
         (result.orientation, result.orientation_version)
         for result in repository.results_of(session, found.id)

@@ -4,16 +4,17 @@ from collections.abc import Iterable
 from typing import Any, Final
 
 from app.database.base import utc_now
-from app.database.unit_of_work import unit_of_work
+from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput
 from app.recordings.chunks import encode_frames, slice_frames
 from app.recordings.jobs import JobContext
-from app.recordings.models import Result
-from app.recordings.result_rows import CHUNKS_A_COMMIT, new_result, write_frames
-from app.recordings.walks import content_of, recording_of, store_walk
+from app.recordings.models import MotionSession, Result
+from app.recordings.result_rows import CHUNKS_A_COMMIT, layout_dict, new_result, write_frames
+from app.recordings.walk_shoes import load_shoes
+from app.recordings.walks import content_of, kind_of, recording_of, store_walk
 from estimators import pipelines
 from estimators.errors import EstimationError
-from estimators.pipelines import SessionSetup
+from estimators.pipelines import SessionSetup, ShoeWalk, Walk
 from estimators.recording import ImuChunk
 
 _PIECE_TICKS: Final = 1000
@@ -58,6 +59,9 @@ def follow_feet(
         walk = pipelines.analyse_walk(measured, setup)
     except EstimationError as error:
         raise InvalidInput(str(error)) from error
+    shoes, note = _with_forces(context, setup, walk)
+    if shoes is not None:
+        walk = pipelines.with_shoes(walk, shoes)
     frames = walk.frames
     starts = range(0, frames.tick_count, _PIECE_TICKS)
     for first in range(0, len(starts), CHUNKS_A_COMMIT):
@@ -66,12 +70,31 @@ def follow_feet(
             context, result_id, [encode_frames(slice_frames(frames, i, i + _PIECE_TICKS)) for i in group]
         )
     with unit_of_work(context.engine) as session:
-        store_walk(session, context.session_id, result_id, content_of(walk))
+        kind = kind_of(session, session.get_one(MotionSession, context.session_id).exercise_id)
+        content = content_of(walk, shoes, kind)
+        content.reasons += [note] if note else []
+        store_walk(session, context.session_id, result_id, content)
         result = session.get_one(Result, result_id)
         result.status, result.progress = "complete", 1.0
-        result.message = " ".join(walk.summary.reasons)[:500]
+        result.layout = layout_dict(frames.layout)
+        result.message = "; ".join(content.reasons)[:500]
         result.completed_at = utc_now()
     return result_id, frames.first_tick + frames.tick_count
+
+
+def _with_forces(context: JobContext, setup: SessionSetup, walk: Walk) -> tuple[ShoeWalk | None, str]:
+    """Analyse the shoes where the session has them; otherwise say why not."""
+    with read_only(context.engine) as session:
+        recording = load_shoes(session, context.session_id)
+    if recording is None:
+        return None, ""
+    if walk.summary.turn_count:
+        return None, "forces are analysed on straight courses only, and this walk turns"
+    context.progress(0.7, "Forces and balance")
+    try:
+        return pipelines.analyse_shoes(recording, setup), ""
+    except EstimationError as error:
+        return None, f"no forces: {error}"
 
 
 __all__ = ["follow_feet"]

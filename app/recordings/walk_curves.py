@@ -1,12 +1,17 @@
-"""Height and speed of a foot over its gait cycle: mean and spread of the strides that count."""
+"""Curves over the gait cycle: mean and spread of the strides that count."""
 
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from app.recordings.walk_schemas import CycleCurve
+from app.recordings.walk_schemas import CurveName, CycleCurve
+from estimators import rotation
+from estimators.conventions import GRAVITY_MPS2, Side
 from estimators.gait import FootTrajectory, Strides
+from estimators.kinetics import JointLoad
+from estimators.pipelines import ShoeWalk
+from estimators.recording import Float
 
 PHASES: Final = 51
 """Points of a curve: 0, 2, ... 100 % of the cycle."""
@@ -31,31 +36,70 @@ def cycle_curves(
     list of CycleCurve
         Height above the straight line between the footholds, and speed; none with fewer than three cycles.
     """
-    known = np.flatnonzero(counted & np.isfinite(strides.duration_s))
-    if len(known) < _LEAST:
+    cycles = _cycles(strides, counted)
+    if cycles is None:
         return []
-    holds = strides.footholds
-    floor_m = np.interp(trajectory.time_s, holds.quietest_s, holds.position_m[:, 2])
-    shown = {
-        "height": trajectory.position_m[:, 2] - floor_m,
-        "speed": np.linalg.norm(trajectory.velocity_mps, axis=1),
-    }
-    begin_s = strides.contact_s[known] - strides.duration_s[known]
-    phase = np.linspace(0.0, 1.0, PHASES)
-    time_s = begin_s[:, None] + phase * strides.duration_s[known][:, None]
-    curves = []
-    for name, values in shown.items():
-        cycles = np.interp(time_s, trajectory.time_s, values)
-        curves.append(
-            CycleCurve(
-                name="height" if name == "height" else "speed",
-                unit="m" if name == "height" else "m/s",
-                mean=[round(float(v), 5) for v in cycles.mean(axis=0)],
-                spread=[round(float(v), 5) for v in cycles.std(axis=0, ddof=1)],
-                cycle_count=len(known),
-            )
-        )
+    holds, time_s = strides.footholds, trajectory.time_s
+    floor_m = np.interp(time_s, holds.quietest_s, holds.position_m[:, 2])
+    speed_mps = np.linalg.norm(trajectory.velocity_mps, axis=1)
+    return [
+        _curve("height", "m", time_s, trajectory.position_m[:, 2] - floor_m, cycles),
+        _curve("speed", "m/s", time_s, speed_mps, cycles),
+    ]
+
+
+def force_curves(
+    shoes: ShoeWalk, side: Side, strides: Strides, counted: NDArray[np.bool_]
+) -> list[CycleCurve]:
+    """Lay forces, moments and power of one foot over each other.
+
+    Forces are parts of body weight (vertical, and forward along the course); moments about the foot's own left
+    axis, pressing the toes down, and power are for each kilogram.
+    """
+    cycles = _cycles(strides, counted)
+    if cycles is None:
+        return []
+    shoe, time_s, mass_kg = shoes.shoes[side], shoes.time_s, shoes.mass_kg
+    force = shoes.feet.reaction[side].force_n / (mass_kg * GRAVITY_MPS2)
+    curves = [
+        _curve("force_vertical", "1", time_s, force[:, 2], cycles),
+        _curve("force_forward", "1", time_s, force[:, 0], cycles),
+    ]
+    # A hinge turns about its own foot's axis, wherever that points.
+    to_foot = rotation.conjugate(shoe.pose.q_room_heel)
+    loads: list[tuple[JointLoad | None, CurveName, CurveName]] = [
+        (shoe.ankle, "ankle_moment", "ankle_power"),
+        (shoe.hinge, "toe_moment", "toe_power"),
+    ]
+    for load, moment, power in loads:
+        if load is not None:
+            about = rotation.rotate(to_foot, np.nan_to_num(load.moment_nm))[:, 1]
+            curves += [
+                _curve(moment, "Nm/kg", time_s, about / mass_kg, cycles),
+                _curve(power, "W/kg", time_s, np.nan_to_num(load.power_w) / mass_kg, cycles),
+            ]
     return curves
 
 
-__all__ = ["PHASES", "cycle_curves"]
+def _cycles(strides: Strides, counted: NDArray[np.bool_]) -> Float | None:
+    """Return the moments of every phase of every cycle, shape (C, PHASES)."""
+    known = np.flatnonzero(counted & np.isfinite(strides.duration_s))
+    if len(known) < _LEAST:
+        return None
+    begin_s = strides.contact_s[known] - strides.duration_s[known]
+    phase = np.linspace(0.0, 1.0, PHASES)
+    return np.asarray(begin_s[:, None] + phase * strides.duration_s[known][:, None])
+
+
+def _curve(name: CurveName, unit: str, time_s: Float, values: Float, cycles: Float) -> CycleCurve:
+    found = np.interp(cycles, time_s, values)
+    return CycleCurve(
+        name=name,
+        unit=unit,
+        mean=[round(float(v), 5) for v in found.mean(axis=0)],
+        spread=[round(float(v), 5) for v in found.std(axis=0, ddof=1)],
+        cycle_count=len(cycles),
+    )
+
+
+__all__ = ["PHASES", "cycle_curves", "force_curves"]

@@ -5,6 +5,17 @@ from typing import Literal
 from app.recordings.schemas import ResultOut
 from app.schemas import Schema
 
+CurveName = Literal[
+    "height",
+    "speed",
+    "force_vertical",
+    "force_forward",
+    "ankle_moment",
+    "ankle_power",
+    "toe_moment",
+    "toe_power",
+]
+
 
 class WalkMeasure(Schema):
     """One number of a walk; None where it is not known."""
@@ -63,7 +74,7 @@ class StrideOut(Schema):
 class CycleCurve(Schema):
     """One quantity over the gait cycle, from a contact of the foot (0 %) to its next (100 %)."""
 
-    name: Literal["height", "speed"]
+    name: CurveName
     unit: str
     mean: list[float]
     """At 0, 2, ... 100 %."""
@@ -85,6 +96,56 @@ class FootOut(Schema):
     curves: list[CycleCurve]
 
 
+class SupportOut(Schema):
+    """The base of support at one moment: the hull of all that stands on the floor."""
+
+    time_s: float
+    outline_m: list[list[float]]
+    """x and y, counter-clockwise; empty while nobody stands."""
+
+
+class BalanceOut(Schema):
+    """Centre of mass and pressure of a walk on instrumented shoes, in the room of the frames."""
+
+    mass_kg: float
+    apart_m: float
+    apart_source: Literal["measured", "forces", "usual"]
+    """Who says how far the feet stand apart at the start: a person, the forces, or nobody."""
+    measures: list[WalkMeasure]
+    time_s: list[float]
+    """20 a second."""
+    centre_m: list[list[float]]
+    """x, y and z of the centre of mass."""
+    centre_sigma_m: list[float]
+    pressure_m: list[list[float]]
+    """x and y of the centre of pressure of both feet."""
+    margin_m: list[float | None]
+    """Margin of stability: positive while the extrapolated centre of mass is over the base of support."""
+    support: list[SupportOut]
+    """About five a second."""
+
+
+class WalkTestOut(Schema):
+    """Result of a walking test, found off-line."""
+
+    kind: Literal["walk", "timed_up_and_go", "six_minute_walk"]
+    start_s: float
+    end_s: float
+    time_s: float
+    """From the first step to the last that counts."""
+    distance_m: float
+    distance_sigma_m: float
+    speed_mps: float | None
+    step_count: int
+    turn_count: int
+    pause_count: int
+    turn_s: float | None
+    """Spent turning about; None without such a turn."""
+    minutes_m: list[float]
+    """Distance within each minute begun."""
+    reasons: list[str]
+
+
 class WalkContent(Schema):
     """What is kept of a walk with its result."""
 
@@ -97,6 +158,10 @@ class WalkContent(Schema):
     """What could not be given, and why."""
     has_step_width: bool
     """Whether the sideways distance of the feet is measured; otherwise they are drawn 15 cm apart."""
+    test: WalkTestOut | None = None
+    """None when nobody took a stride."""
+    balance: BalanceOut | None = None
+    """None without forces of both feet."""
 
 
 class GaitOut(WalkContent):
@@ -106,4 +171,16 @@ class GaitOut(WalkContent):
     result: ResultOut
 
 
-__all__ = ["CycleCurve", "FootOut", "FootholdOut", "GaitOut", "StrideOut", "WalkContent", "WalkMeasure"]
+__all__ = [
+    "BalanceOut",
+    "CurveName",
+    "CycleCurve",
+    "FootOut",
+    "FootholdOut",
+    "GaitOut",
+    "StrideOut",
+    "SupportOut",
+    "WalkContent",
+    "WalkMeasure",
+    "WalkTestOut",
+]

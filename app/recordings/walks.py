@@ -14,15 +14,25 @@ from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
 from app.errors import Conflict
+from app.exercises.models import Exercise
 from app.recordings import repository, service
 from app.recordings._rows import insert_chunk
 from app.recordings.chunks import EncodedChunk
 from app.recordings.codecs import DamagedChunkError, checksum
 from app.recordings.models import SignalChunk
-from app.recordings.walk_curves import cycle_curves
-from app.recordings.walk_schemas import FootholdOut, FootOut, GaitOut, StrideOut, WalkContent, WalkMeasure
-from estimators.gait import Measure, Strides, steady
-from estimators.pipelines import Pipeline, SessionSetup, Walk
+from app.recordings.walk_balance import balance_of
+from app.recordings.walk_curves import cycle_curves, force_curves
+from app.recordings.walk_schemas import (
+    FootholdOut,
+    FootOut,
+    GaitOut,
+    StrideOut,
+    WalkContent,
+    WalkMeasure,
+    WalkTestOut,
+)
+from estimators.gait import GUIDED_KINDS, GuidedKind, Measure, Strides, guided_test, steady
+from estimators.pipelines import Pipeline, SessionSetup, ShoeWalk, Walk
 from estimators.recording import Float, ImuChunk, Recording, SampleQuality, SensorSignals
 
 PIPELINE: Final = "gait"
@@ -67,12 +77,16 @@ def recording_of(
     return Recording(sensors, setup.rate_hz, origin="session", metadata=known)
 
 
-def content_of(walk: Walk) -> WalkContent:
+def content_of(walk: Walk, shoes: ShoeWalk | None = None, test: GuidedKind = "walk") -> WalkContent:
     """Return what is kept of a walk beside its frames.
 
     Parameters
     ----------
     walk : Walk
+        In the room of the shoes where there are any.
+    shoes : ShoeWalk, optional
+    test : str
+        Which walking test it was.
 
     Returns
     -------
@@ -87,6 +101,9 @@ def content_of(walk: Walk) -> WalkContent:
         # A path is drawn, not measured from: 20 places a second are enough.
         thin = max(1, round(1.0 / (walk.frames.time_step_s * _PATH_HZ)))
         counted = steady(strides)
+        curves = cycle_curves(walk.trajectories[side], strides, counted)
+        if shoes is not None:
+            curves += force_curves(shoes, side, strides, counted)
         feet.append(
             FootOut(
                 side=side,
@@ -94,17 +111,19 @@ def content_of(walk: Walk) -> WalkContent:
                 footholds=_footholds(strides, time_s, place, turn),
                 strides=[_stride(strides, k, bool(counted[k])) for k in range(strides.count)],
                 path_m=[[round(float(x), 4), round(float(y), 4)] for x, y in place[::thin, :2]],
-                curves=cycle_curves(walk.trajectories[side], strides, counted),
+                curves=curves,
             )
         )
     return WalkContent(
         feet=feet,
-        both=_measures(walk.summary.both),
+        both=_measures({**walk.summary.both, **(walk.steps or {})}),
         asymmetry=_measures(walk.summary.asymmetry),
         turn_count=walk.summary.turn_count,
         bout_count=walk.summary.bout_count,
         reasons=list(walk.summary.reasons),
-        has_step_width=False,
+        has_step_width=walk.steps is not None,
+        test=_test(walk, test),
+        balance=None if shoes is None else balance_of(shoes),
     )
 
 
@@ -174,6 +193,34 @@ def _measures(found: Mapping[str, Measure]) -> list[WalkMeasure]:
     ]
 
 
+def _test(walk: Walk, kind: GuidedKind) -> WalkTestOut | None:
+    found = guided_test(walk.strides, kind)
+    if found is None:
+        return None
+    return WalkTestOut(
+        kind=found.kind,
+        start_s=round(found.start_s, 3),
+        end_s=round(found.end_s, 3),
+        time_s=round(found.time_s, 3),
+        distance_m=round(found.distance_m, 3),
+        distance_sigma_m=round(found.distance_sigma_m, 3),
+        speed_mps=_plain(found.speed_mps),
+        step_count=found.step_count,
+        turn_count=found.turn_count,
+        pause_count=found.pause_count,
+        turn_s=_plain(found.turn_s),
+        minutes_m=[round(float(way), 2) for way in found.minutes_m],
+        reasons=list(found.reasons),
+    )
+
+
+def kind_of(session: Session, exercise_id: str | None) -> GuidedKind:
+    """Return which walking test an exercise is; any other is a walk."""
+    exercise = session.get(Exercise, exercise_id) if exercise_id is not None else None
+    found: dict[str, GuidedKind] = {kind: kind for kind in GUIDED_KINDS}
+    return "walk" if exercise is None else found.get(exercise.movement, "walk")
+
+
 def _footholds(strides: Strides, time_s: Float, place: Float, turn: Float) -> list[FootholdOut]:
     holds = strides.footholds
     rows = np.clip(np.searchsorted(time_s, holds.quietest_s), 0, len(time_s) - 1)
@@ -221,6 +268,7 @@ __all__ = [
     "estimator_of",
     "forget_walk",
     "gait",
+    "kind_of",
     "recording_of",
     "store_walk",
     "walk_stream",

@@ -15,12 +15,14 @@ from estimators.gait._contact import ForceEvents, force_events
 from estimators.gait._foot_live import FootChunk, FootTracker
 from estimators.gait._foot_parameters import FootParameters, foot_parameters
 from estimators.gait._foot_trajectory import FootFlag, FootTrajectory, smooth
+from estimators.gait._guided_tests import GUIDED_KINDS, GuidedKind, GuidedTest, guided_test
 from estimators.gait._placement import Placement, Steps, foot_placement, steps_between
 from estimators.gait._stance import Stance, find_stance
 from estimators.gait._strides import Footholds, Strides, find_strides
-from estimators.gait._summary import GaitSummary, Measure, steady, summarise, turns
+from estimators.gait._summary import GaitSummary, Measure, measure_steps, steady, summarise, turns
 
 __all__ = [
+    "GUIDED_KINDS",
     "FootChunk",
     "FootFlag",
     "FootParameters",
@@ -29,6 +31,8 @@ __all__ = [
     "Footholds",
     "ForceEvents",
     "GaitSummary",
+    "GuidedKind",
+    "GuidedTest",
     "Measure",
     "Placement",
     "Stance",
@@ -39,6 +43,8 @@ __all__ = [
     "foot_parameters",
     "foot_placement",
     "force_events",
+    "guided_test",
+    "measure_steps",
     "smooth",
     "steady",
     "steps_between",

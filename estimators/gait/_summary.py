@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.conventions import Side
-from estimators.gait._placement import foot_placement
+from estimators.gait._placement import foot_placement, steps_between
 from estimators.gait._strides import Strides
 from estimators.recording import Float
 
@@ -51,8 +51,9 @@ class GaitSummary:
     ----------
     feet : dict of Side to dict of str to Measure
         Per foot: `stride_length`, `stride_time`, `stance_share`, `swing_time`, `speed`, `cadence`, `clearance`,
-        `circumduction`, `contact_pitch`, `toe_off_pitch`, `toe_out`, `lateral_placement` (rms spread against
-        the sliding path), `stride_length_variation` and `stride_time_variation` (coefficients of variation).
+        `step_time` (with both feet), `circumduction`, `contact_pitch`, `toe_off_pitch`, `toe_out`,
+        `lateral_placement` (rms spread against the sliding path), `stride_length_variation` and
+        `stride_time_variation` (coefficients of variation).
     both : dict of str to Measure
         `double_support` per step and `double_support_share` of a stride; empty with one foot.
     asymmetry : dict of str to Measure
@@ -102,7 +103,9 @@ def summarise(feet: Mapping[Side, Strides]) -> GaitSummary:
     asymmetry: dict[str, Measure] = {}
     if set(feet) == {"left", "right"}:
         both = _double_support(feet["left"], feet["right"])
-        for name in ("stride_length", "stance_share", "swing_time", "clearance"):
+        numbers["left"]["step_time"] = _step_time(feet["left"], feet["right"])
+        numbers["right"]["step_time"] = _step_time(feet["right"], feet["left"])
+        for name in ("stride_length", "step_time", "stance_share", "swing_time", "clearance"):
             asymmetry[name] = _difference(numbers["left"][name], numbers["right"][name])
     else:
         reasons.append("one foot only: no double support and no asymmetry")
@@ -155,6 +158,33 @@ def measure(values: Float, unit: str, sigma: Float | float = 0.0) -> Measure:
     # The spread over strides already holds what the sensors add to each; with few strides only that is known.
     error = max(spread, sensors) if np.isfinite(spread) else sensors
     return Measure(float(chosen.mean()), error / np.sqrt(count), spread, count, unit)
+
+
+def measure_steps(
+    left_m: Float, left_s: Float, right_m: Float, right_s: Float, right_from_left_m: Float
+) -> dict[str, Measure]:
+    """Measure steps between feet that can be related; see `steps_between` for the arguments.
+
+    Returns
+    -------
+    dict of str to Measure
+        `step_width`, `step_length_left` and `step_length_right` (of the foot that lands), without the first and the
+        last step of each foot.
+
+    Raises
+    ------
+    ShapeError
+        With fewer than two footholds of a foot.
+    """
+    steps = steps_between(left_m, left_s, right_m, right_s, right_from_left_m)
+    inner = np.ones(len(steps.is_left), dtype=np.bool_)
+    inner[:1], inner[-2:] = False, False
+    # Footholds of both feet scatter by as much as two instants of one stance differ.
+    return {
+        "step_width": measure(steps.width_m[inner], "m", 0.01),
+        "step_length_left": measure(steps.length_m[inner & steps.is_left], "m", 0.01),
+        "step_length_right": measure(steps.length_m[inner & ~steps.is_left], "m", 0.01),
+    }
 
 
 def _foot(strides: Strides) -> dict[str, Measure]:
@@ -230,6 +260,16 @@ def _double_support(left: Strides, right: Strides) -> dict[str, Measure]:
     }
 
 
+def _step_time(one: Strides, other: Strides) -> Measure:
+    """From the contact of the other foot to that of this one."""
+    times = []
+    for k in np.flatnonzero(steady(one)):
+        before = other.contact_s[other.contact_s < one.contact_s[k]]
+        if len(before) and one.contact_s[k] - before[-1] < one.duration_s[k]:
+            times.append(one.contact_s[k] - before[-1])
+    return measure(np.array(times), "s", np.sqrt(2.0) * EVENT_SIGMA_S)
+
+
 def _difference(left: Measure, right: Measure) -> Measure:
     mean = 0.5 * (left.value + right.value)
     value = (left.value - right.value) / mean if mean else float("nan")
@@ -237,4 +277,4 @@ def _difference(left: Measure, right: Measure) -> Measure:
     return Measure(value, sigma, float("nan"), min(left.count, right.count), "1")
 
 
-__all__ = ["GaitSummary", "Measure", "measure", "steady", "summarise", "turns"]
+__all__ = ["GaitSummary", "Measure", "measure", "measure_steps", "steady", "summarise", "turns"]

@@ -16,6 +16,7 @@ from estimators.pipelines._offline import is_offline, smooth_network, smoothed_c
 from estimators.pipelines._orientation import OrientationPipeline
 from estimators.pipelines._relative_pose import RelativePosePipeline
 from estimators.pipelines._run import available, concatenate, create, find_pose, run, step_through
+from estimators.pipelines._shoes import ShoeWalk, analyse_shoes, has_shoes, with_shoes
 
 __all__ = [
     "ArmPipeline",
@@ -29,17 +30,21 @@ __all__ = [
     "Pipeline",
     "RelativePosePipeline",
     "SessionSetup",
+    "ShoeWalk",
     "Walk",
+    "analyse_shoes",
     "analyse_walk",
     "available",
     "concatenate",
     "create",
     "elbows_to_refine",
     "find_pose",
+    "has_shoes",
     "is_offline",
     "refine_elbows",
     "run",
     "smooth_network",
     "smoothed_chunk",
     "step_through",
+    "with_shoes",
 ]

@@ -16,9 +16,11 @@ from estimators.gait import (
     FootTracker,
     FootTrajectory,
     GaitSummary,
+    Measure,
     Strides,
     find_strides,
     foot_parameters,
+    measure_steps,
     smooth,
     summarise,
 )
@@ -32,6 +34,7 @@ WORN: tuple[str, ...] = ("foot_left", "foot_right", "heel_left", "heel_right")
 SCALARS = ("stance", "contact", "toe_off", "speed_mps", "stride_length_m", "stride_time_s", "clearance_m")
 """Per foot, named `foot_left_stance` and so on. Stance, contact and toe-off are 0 or 1; lengths and times are those
 of the stride that the last contact ended, NaN before the first, and off-line only."""
+_LEAST_COURSE_M = 3.0
 _STEP_WIDTH_M = 0.15
 """Feet are drawn this far apart: how far they are cannot be told from two inertial sensors."""
 
@@ -185,12 +188,15 @@ class Walk:
         On the sensors' own stamps, each in its own world.
     strides : dict of Side to Strides
     summary : GaitSummary
+    steps : dict of str to Measure, or None
+        Step width and lengths, where somebody or something tells how far the feet are apart.
     """
 
     frames: Frames
     trajectories: Mapping[Side, FootTrajectory]
     strides: Mapping[Side, Strides]
     summary: GaitSummary
+    steps: Mapping[str, Measure] | None = None
 
 
 def analyse_walk(recording: Recording, setup: SessionSetup) -> Walk:
@@ -230,7 +236,22 @@ def analyse_walk(recording: Recording, setup: SessionSetup) -> Walk:
         np.concatenate([part[2] for part in parts], axis=1),
         np.stack([part[3] for part in parts], axis=1),
     )
-    return Walk(frames, paths, strides, summarise(strides))
+    summary = summarise(strides)
+    return Walk(frames, paths, strides, summary, _steps(strides, summary, setup.feet_apart_m))
+
+
+def _steps(
+    strides: Mapping[Side, Strides], summary: GaitSummary, apart_m: float | None
+) -> Mapping[str, Measure] | None:
+    """Return steps between the feet: their worlds can be related on a straight course from a known distance."""
+    if apart_m is None or set(strides) != {"left", "right"} or summary.turn_count:
+        return None
+    left, right = strides["left"].footholds, strides["right"].footholds
+    ways = [np.linalg.norm(holds.position_m[-1] - holds.position_m[0]) for holds in (left, right)]
+    if min(ways) < _LEAST_COURSE_M:
+        return None
+    beside = np.array([0.0, -apart_m])
+    return measure_steps(left.position_m, left.quietest_s, right.position_m, right.quietest_s, beside)
 
 
 def layout_of(sides: tuple[Side, ...]) -> FrameLayout:

@@ -6,11 +6,12 @@ Every reader takes a path and raises `RecordingFormatError` that says what is wr
 from pathlib import Path
 
 from app.errors import InvalidInput, RecordingFormatError
-from app.ingest.readers import _gait_tracking, _gaitmap, _pyshoe
+from app.ingest.readers import _gait_tracking, _gaitmap, _instrumented_shoe, _pyshoe
 from app.ingest.readers._broad import read_broad
 from app.ingest.readers._csv import read_csv
 from app.ingest.readers._gait_tracking import read_gait_tracking
 from app.ingest.readers._gaitmap import read_gaitmap
+from app.ingest.readers._instrumented_shoe import read_instrumented_shoe, write_instrumented_shoe
 from app.ingest.readers._mat import variables
 from app.ingest.readers._packet_log import LogReader, read_packet_log
 from app.ingest.readers._packets import RecordingPackets, packets_of
@@ -19,7 +20,7 @@ from app.ingest.readers._qmt import PLACEMENT_OF, read_qmt
 from app.recordings.schemas import CsvMapping
 from estimators.recording import Recording
 
-FORMATS = ("packet_log", "csv", "qmt_mat", "broad", "pyshoe", "gait_tracking", "gaitmap")
+FORMATS = ("packet_log", "csv", "qmt_mat", "broad", "pyshoe", "gait_tracking", "gaitmap", "instrumented_shoe")
 _TEXT = {".csv", ".txt", ".tsv"}
 
 
@@ -64,6 +65,8 @@ def read(path: Path, format: str = "auto", csv: CsvMapping | None = None) -> Rec
             return read_gait_tracking(path)
         case "gaitmap":
             return read_gaitmap(path)
+        case "instrumented_shoe":
+            return read_instrumented_shoe(path)
     raise InvalidInput(f"The format {format!r} is unknown; use one of {', '.join(FORMATS)}.", field="format")
 
 
@@ -89,6 +92,8 @@ def guess(path: Path) -> str:
     if path.suffix.lower() in _TEXT:
         if _gait_tracking.looks_like(path):
             return "gait_tracking"
+        if _instrumented_shoe.looks_like(path):
+            return "instrumented_shoe"
         return "gaitmap" if _gaitmap.looks_like(path) else "csv"
     raise RecordingFormatError(
         f"The format of a file ending in {path.suffix[:10] or 'nothing'} cannot be told; name it:"
@@ -108,7 +113,9 @@ __all__ = [
     "read_csv",
     "read_gait_tracking",
     "read_gaitmap",
+    "read_instrumented_shoe",
     "read_packet_log",
     "read_pyshoe",
     "read_qmt",
+    "write_instrumented_shoe",
 ]

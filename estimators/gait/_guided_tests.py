@@ -1,0 +1,151 @@
+"""Walking tests of the clinic from the strides of both feet: a walk, timed up and go, six minutes."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+
+from estimators.conventions import Side
+from estimators.errors import SetupError
+from estimators.gait._strides import Strides
+from estimators.gait._summary import turns
+from estimators.recording import Float
+
+GuidedKind = Literal["walk", "timed_up_and_go", "six_minute_walk"]
+GUIDED_KINDS: Final[tuple[GuidedKind, ...]] = ("walk", "timed_up_and_go", "six_minute_walk")
+SIX_MINUTES_S: Final = 360.0
+_ABOUT_TURN_RAD: Final = np.deg2rad(120.0)
+_LEAST_OF_SIX: Final = 0.98
+
+
+@dataclass(frozen=True)
+class GuidedTest:
+    """Result of a walking test.
+
+    Attributes
+    ----------
+    kind : {"walk", "timed_up_and_go", "six_minute_walk"}
+    start_s, end_s : float
+        First toe-off and last contact that count, on the recording's clock.
+    distance_m, distance_sigma_m : float
+        Way of the feet, mean of both, and its standard deviation from that of the strides.
+    step_count, turn_count, pause_count : int
+        Steps of both feet (twice those of one, when one is worn); turns as in `GaitSummary`; halts between bouts.
+    turn_s : float
+        Spent on turns by at least 120 degrees; NaN without one.
+    minutes_m : ndarray
+        Distance within each minute begun, for what fatigue does.
+    reasons : tuple of str
+        What the sensors cannot tell, or why the test is not complete.
+    """
+
+    kind: GuidedKind
+    start_s: float
+    end_s: float
+    distance_m: float
+    distance_sigma_m: float
+    step_count: int
+    turn_count: int
+    pause_count: int
+    turn_s: float
+    minutes_m: Float
+    reasons: tuple[str, ...]
+
+    @property
+    def time_s(self) -> float:
+        """From the first step to the last."""
+        return self.end_s - self.start_s
+
+    @property
+    def speed_mps(self) -> float:
+        """Distance over time, halts and turns included."""
+        return self.distance_m / self.time_s if self.time_s > 0.0 else float("nan")
+
+
+def guided_test(feet: Mapping[Side, Strides], kind: GuidedKind = "walk") -> GuidedTest | None:
+    """Score a walking test.
+
+    Parameters
+    ----------
+    feet : mapping of Side to Strides
+    kind : str
+        A six-minute walk counts no more than six minutes from the first step.
+
+    Returns
+    -------
+    GuidedTest or None
+        None when nobody took a stride.
+
+    Raises
+    ------
+    SetupError
+        For an unknown kind.
+    """
+    if kind not in GUIDED_KINDS:
+        raise SetupError(f"no walking test is named {kind!r}; known: {', '.join(GUIDED_KINDS)}")
+    walked = {side: strides for side, strides in feet.items() if strides.count}
+    if not walked:
+        return None
+    start_s = min(float(strides.toe_off_s[0]) for strides in walked.values())
+    end_s = max(float(strides.contact_s[-1]) for strides in walked.values())
+    reasons = []
+    if kind == "six_minute_walk":
+        end_s = min(end_s, start_s + SIX_MINUTES_S)
+        if end_s - start_s < _LEAST_OF_SIX * SIX_MINUTES_S:
+            reasons.append(f"walked {(end_s - start_s) / 60.0:.1f} of six minutes")
+    within = {side: strides.contact_s <= end_s for side, strides in walked.items()}
+    ways = [float(strides.length_m[within[side]].sum()) for side, strides in walked.items()]
+    variances = [
+        float(np.square(strides.length_sigma_m[within[side]]).sum()) for side, strides in walked.items()
+    ]
+    counts = [int(np.count_nonzero(use)) for use in within.values()]
+    if len(walked) == 1:
+        reasons.append("one foot only: the other is taken to have made as many steps")
+        counts *= 2
+    found = [
+        [turn for turn in turns(strides) if strides.contact_s[turn[0]] <= end_s]
+        for strides in walked.values()
+    ]
+    most = max(range(len(found)), key=lambda k: len(found[k]))
+    about = [
+        float(strides.contact_s[stop - 1] - strides.toe_off_s[start])
+        for strides in [list(walked.values())[most]]
+        for start, stop, angle in found[most]
+        if abs(angle) >= _ABOUT_TURN_RAD
+    ]
+    if kind == "timed_up_and_go":
+        reasons.append(
+            "getting up and sitting down are not felt by the feet; time is from first step to last"
+        )
+        if not about:
+            reasons.append("no turn about was found")
+    bouts = max(int(strides.bout[within[side]].max(initial=0)) for side, strides in walked.items())
+    return GuidedTest(
+        kind=kind,
+        start_s=start_s,
+        end_s=end_s,
+        distance_m=float(np.mean(ways)),
+        distance_sigma_m=float(np.sqrt(np.sum(variances))) / len(ways),
+        step_count=sum(counts),
+        turn_count=len(found[most]),
+        pause_count=bouts,
+        turn_s=float(np.sum(about)) if about else float("nan"),
+        minutes_m=_minutes(walked, start_s, end_s),
+        reasons=tuple(reasons),
+    )
+
+
+def _minutes(feet: Mapping[Side, Strides], start_s: float, end_s: float) -> Float:
+    """Return the distance within each minute begun: every stride evenly over its swing."""
+    edges = np.arange(start_s, end_s, 60.0)
+    edges = np.append(edges, end_s)
+    way = np.zeros(len(edges))
+    for strides in feet.values():
+        gone = np.concatenate([[0.0], np.cumsum(strides.length_m)])
+        at = np.stack([strides.toe_off_s, strides.contact_s], axis=1).reshape(-1)
+        way += np.interp(edges, at, np.stack([gone[:-1], gone[1:]], axis=1).reshape(-1))
+    return np.diff(way) / len(feet)
+
+
+__all__ = ["GUIDED_KINDS", "GuidedKind", "GuidedTest", "guided_test"]

@@ -1,0 +1,259 @@
+"""A walk on two instrumented shoes: forces, joint loads and the centre of mass beside the movement of the feet."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.balance import (
+    BothFeet,
+    MassCentre,
+    StabilityMargin,
+    body_mass,
+    combine_feet,
+    distance_between_feet,
+    smooth_mass_centre,
+    sole_corners,
+    stability_margin,
+)
+from estimators.conventions import GRAVITY_MPS2, SIDES, Side
+from estimators.errors import SetupError, ShapeError
+from estimators.gait import Measure, Strides, measure_steps, summarise
+from estimators.kinetics import ShoeContact, ShoeGeometry, ShoeKinetics, ShoeParameters, analyse_shoe
+from estimators.orientation import OrientationFlag
+from estimators.pipelines._contract import SessionSetup
+from estimators.pipelines._gait import Walk
+from estimators.recording import Float, Recording
+
+ApartSource = Literal["measured", "forces", "usual"]
+BALANCE_POINTS: Final = ("centre_of_mass", "centre_of_pressure", "extrapolated_centre")
+"""Points of the frames beside the feet; the last two lie on the floor."""
+BALANCE_SCALARS: Final = ("margin_of_stability_m",)
+CENTRE_PER_STATURE: Final = 0.55
+"""Height of the centre of mass of somebody who stands."""
+_USUAL_WIDTH_M: Final = 0.15
+_WIDTH_RANGE_M: Final = (0.03, 0.45)
+_SUPPORT_HZ: Final = 25.0
+_SAME_EVENT_S: Final = 0.25
+
+
+@dataclass(frozen=True)
+class ShoeWalk:
+    """What two instrumented shoes tell of a walk over N samples of their own.
+
+    Attributes
+    ----------
+    time_s : ndarray, shape (N,)
+    shoes : dict of Side to ShoeKinetics
+    feet : BothFeet
+    mass_kg : float
+        As the shoes feel it.
+    centre : MassCentre
+    support_s : ndarray, shape (M,)
+        Every few samples: when the base of support was looked at.
+    margin : StabilityMargin
+        At those M moments.
+    apart_m, apart_source
+        How far the feet stood apart at the start, and whether that was `measured`, told by the `forces`, or is
+        `usual` only.
+    """
+
+    time_s: Float
+    shoes: Mapping[Side, ShoeKinetics]
+    feet: BothFeet
+    mass_kg: float
+    centre: MassCentre
+    support_s: Float
+    margin: StabilityMargin
+    apart_m: float
+    apart_source: ApartSource
+
+
+def has_shoes(recording: Recording) -> bool:
+    """Return whether both feet have heel and forefoot sensors with load cells."""
+    return all(
+        f"{part}_{side}" in recording.sensors and recording.sensors[f"{part}_{side}"].force_n is not None
+        for side in SIDES
+        for part in ("heel", "forefoot")
+    )
+
+
+def analyse_shoes(recording: Recording, setup: SessionSetup) -> ShoeWalk:
+    """Analyse both shoes of a walk off-line, up to the margin of stability.
+
+    Parameters
+    ----------
+    recording : Recording
+        With sensors `heel_left`, `forefoot_left` and so on, in segment axes, on one even time base.
+    setup : SessionSetup
+        Stature tells the mean height of the centre of mass; `feet_apart_m` and `feet_apart_end_m` relate the feet.
+
+    Raises
+    ------
+    SetupError, ShapeError
+        A sensor is missing, or no stance was found; the message says which.
+    """
+    if not has_shoes(recording):
+        raise SetupError("forces need heel and forefoot load cells under both feet")
+    sensors = recording.sensors
+    chosen = ShoeParameters(position_mode="pivot")
+    shoes: dict[Side, ShoeKinetics] = {
+        side: analyse_shoe(
+            sensors[f"heel_{side}"], sensors[f"forefoot_{side}"], sensors.get(f"shank_{side}"), chosen
+        )
+        for side in SIDES
+    }
+    height_m = CENTRE_PER_STATURE * setup.body.stature_m
+    apart_m, source = _apart(shoes, setup, height_m)
+    feet = combine_feet(shoes["left"], shoes["right"], apart_m, end_width_m=setup.feet_apart_end_m)
+    mass_kg = _mass(feet)
+    centre = smooth_mass_centre(feet.force_n, feet.cop_m, feet.rate_hz, mass_kg, height_m, feet.is_standing)
+    corners = {
+        side: sole_corners(
+            feet.pose[side], chosen.geometry, shoes[side].contact.heel, shoes[side].contact.forefoot
+        )
+        for side in SIDES
+    }
+    # The hull of the soles changes with steps, not with samples.
+    thin = slice(None, None, max(1, round(feet.rate_hz / _SUPPORT_HZ)))
+    margin = stability_margin(
+        centre.position_m[thin],
+        centre.velocity_mps[thin],
+        {side: part[thin] for side, part in corners.items()},
+    )
+    time_s = sensors["heel_left"].time_s
+    return ShoeWalk(time_s, shoes, feet, mass_kg, centre, time_s[thin], margin, apart_m, source)
+
+
+def with_shoes(walk: Walk, found: ShoeWalk) -> Walk:
+    """Put a walk into the room that the shoes share, and add centre of mass, pressure and margin to its frames.
+
+    Parameters
+    ----------
+    walk : Walk
+        Of the same recording.
+    found : ShoeWalk
+
+    Returns
+    -------
+    Walk
+        Its frames have feet a true distance apart, `BALANCE_POINTS` and `BALANCE_SCALARS`; its events are those of
+        the forces.
+
+    Raises
+    ------
+    SetupError
+        If a foot is missing.
+    """
+    frames = walk.frames
+    if set(frames.layout.points) != {"foot_left", "foot_right"}:
+        raise SetupError("the walk has not both feet; forces of both cannot be laid over it")
+    nearest = np.searchsorted(found.time_s, frames.time_s - 0.5 / found.feet.rate_hz)
+    rows = np.clip(nearest, 0, len(found.time_s) - 1)
+    poses = [found.feet.pose[_side(name)] for name in frames.layout.points]
+    soles = [pose.heel_m[rows] - [0.0, 0.0, ShoeGeometry().sensor_height_m] for pose in poses]
+    strides = {
+        side: _by_force(foot, found.shoes[side].contact, found.time_s) for side, foot in walk.strides.items()
+    }
+    going = np.stack(
+        [np.interp(frames.time_s, found.support_s, part) for part in found.margin.extrapolated_m.T], axis=1
+    )
+    unknown = np.stack([~pose.is_known[rows] for pose in poses], axis=1)
+    flags = frames.segment_flags | (unknown * np.uint8(OrientationFlag.INVALID))
+    told = np.interp(frames.time_s, found.support_s, found.margin.margin_m)
+    return replace(
+        walk,
+        strides=strides,
+        summary=summarise(strides),
+        steps=_steps(strides, found),
+        frames=replace(
+            frames,
+            layout=replace(
+                frames.layout,
+                points=(*frames.layout.points, *BALANCE_POINTS),
+                scalars=(*frames.layout.scalars, *BALANCE_SCALARS),
+            ),
+            q_room_segment=np.ascontiguousarray(np.stack([pose.q_room_heel[rows] for pose in poses], axis=1)),
+            point_room_m=np.ascontiguousarray(
+                np.stack([*soles, found.centre.position_m[rows], found.feet.cop_m[rows], going], axis=1)
+            ),
+            scalar=np.column_stack([frames.scalar, told]),
+            segment_flags=np.asarray(flags, dtype=np.uint8),
+        ),
+    )
+
+
+def _steps(strides: Mapping[Side, Strides], found: ShoeWalk) -> Mapping[str, Measure] | None:
+    """Measure steps in the room of both shoes, unless nobody told how far they are apart."""
+    if found.apart_source == "usual" or min(foot.count for foot in strides.values()) < 2:
+        return None
+    places, times = {}, {}
+    for side, foot in strides.items():
+        times[side] = foot.footholds.quietest_s
+        rows = np.clip(np.searchsorted(found.time_s, times[side]), 0, len(found.time_s) - 1)
+        places[side] = found.feet.pose[side].heel_m[rows]
+    beside = (places["right"][0] - places["left"][0])[:2]
+    return measure_steps(places["left"], times["left"], places["right"], times["right"], beside)
+
+
+def _by_force(strides: Strides, contact: ShoeContact, time_s: Float) -> Strides:
+    """Take contacts and toe-offs from the forces, which feel them where inertial signals guess."""
+    landed = _nearest(strides.contact_s, time_s[np.minimum(contact.land, len(time_s) - 1)])
+    lifted = _nearest(strides.toe_off_s, time_s[np.minimum(contact.lift, len(time_s) - 1)])
+    before = np.concatenate([[np.nan], landed[:-1]])
+    known = np.isfinite(strides.duration_s)
+    return replace(
+        strides,
+        contact_s=landed,
+        toe_off_s=lifted,
+        duration_s=np.where(known, landed - before, np.nan),
+        stance_s=np.where(known, lifted - before, np.nan),
+        swing_s=np.where(known, landed - lifted, np.nan),
+    )
+
+
+def _nearest(guessed_s: Float, felt_s: Float) -> Float:
+    if not len(felt_s):
+        return guessed_s
+    nearest = felt_s[np.argmin(np.abs(guessed_s[:, None] - felt_s[None]), axis=1)]
+    return np.where(np.abs(nearest - guessed_s) < _SAME_EVENT_S, nearest, guessed_s)
+
+
+def _side(point: str) -> Side:
+    return "left" if point.endswith("left") else "right"
+
+
+def _apart(
+    shoes: Mapping[Side, ShoeKinetics], setup: SessionSetup, height_m: float
+) -> tuple[float, ApartSource]:
+    """Return how far the feet stand apart at the start, and who says so."""
+    if setup.feet_apart_m is not None:
+        return setup.feet_apart_m, "measured"
+    alone = combine_feet(shoes["left"], shoes["right"], 0.0)
+    try:
+        told = distance_between_feet(
+            alone.reaction,
+            alone.rate_hz,
+            _mass(alone),
+            height_m,
+            is_walking=_walking(alone.is_standing),
+        )
+    except (ShapeError, SetupError):
+        return _USUAL_WIDTH_M, "usual"
+    return (told, "forces") if _WIDTH_RANGE_M[0] <= told <= _WIDTH_RANGE_M[1] else (_USUAL_WIDTH_M, "usual")
+
+
+def _walking(is_standing: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    return ~is_standing if not is_standing.all() else np.ones_like(is_standing)
+
+
+def _mass(feet: BothFeet) -> float:
+    if feet.is_standing.any():
+        return body_mass(feet.force_n, feet.is_standing)
+    # Over whole strides the ground carries the weight and nothing else.
+    return float(feet.force_n[:, 2].mean() / GRAVITY_MPS2)
+
+
+__all__ = ["BALANCE_POINTS", "BALANCE_SCALARS", "ShoeWalk", "analyse_shoes", "has_shoes", "with_shoes"]
