@@ -75,7 +75,7 @@ export function UploadPage() {
   const [format, setFormat] = useState<Format>('packet_log');
   const [patientId, setPatientId] = useState<string | null>(search.get('patient'));
   const [exerciseId, setExerciseId] = useState<string | null>(null);
-  const [orientation, setOrientation] = useState('vqf');
+  const [wantedEstimator, setWantedEstimator] = useState<string | null>(null);
   const [head, setHead] = useState<CsvHead | null>(null);
   const [mapping, setMapping] = useState<CsvMapping | null>(null);
   const [knowsPose, setKnowsPose] = useState(false);
@@ -107,10 +107,11 @@ export function UploadPage() {
     setFormat(chosen);
     if (chosen === 'csv' && file) void readCsv(file);
   };
-  const isReady = file !== null && patientId !== null && (format !== 'csv' || (mapping !== null && mappingProblems(mapping).length === 0));
+  const orientation = wantedEstimator ?? estimators.data?.[0]?.name;
+  const isReady = file !== null && patientId !== null && orientation !== undefined && (format !== 'csv' || (mapping !== null && mappingProblems(mapping).length === 0));
   const submit = (event: FormEvent) => {
     event.preventDefault();
-    if (!isReady || !file || !patientId) return;
+    if (!isReady || !file || !patientId || !orientation) return;
     const declaration: UploadIn = {
       patient_id: patientId,
       exercise_id: exerciseId,
@@ -160,8 +161,8 @@ export function UploadPage() {
             label={t('newSession.estimator')}
             maw={480}
             data={(estimators.data ?? []).map((one) => ({ value: one.name, label: one.title }))}
-            value={orientation}
-            onChange={(value) => setOrientation(value ?? 'vqf')}
+            value={orientation ?? null}
+            onChange={setWantedEstimator}
             description={estimators.data?.find((one) => one.name === orientation)?.description}
           />
           <Switch label={t('upload.knowsPose')} description={t('upload.knowsPoseHelp')} checked={knowsPose} onChange={(event) => setKnowsPose(event.currentTarget.checked)} />
