@@ -5,10 +5,22 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators._kernels import Scalars3, Scalars4, kernel, wrapped
+from estimators._kernels import kernel, wrapped
 from estimators.orientation import _marzouk_steps as steps
 from estimators.orientation._contract import OrientationFlag
-from estimators.orientation._marzouk_steps import prepare, set_heading, start_variance, store
+from estimators.orientation._marzouk_angles import (
+    attitude,
+    doubled,
+    euler,
+    halves,
+    moved,
+    quaternion,
+    variances,
+    wrap,
+)
+from estimators.orientation._marzouk_covariance import ERRORS, UPPER, Errors, Upper, keep, lessened, loaded
+from estimators.orientation._marzouk_steps import direction, prepare, set_heading, start_variance, store
+from estimators.orientation._strapdown_kernel import mirror
 from estimators.recording import Float
 
 # Positions in the settings, after the shared ones; triples start at the number given.
@@ -30,173 +42,190 @@ _SINGULAR = int(OrientationFlag.SINGULAR | OrientationFlag.HEADING_NOT_TRUSTED)
 _STEEPEST = math.radians(85.0)
 _UNKNOWN = math.pi * math.pi / 3.0
 """Variance of an angle that may be anything."""
+_BOTH = f"Tuple(({UPPER}, {ERRORS}))"
 
 
-@kernel("UniTuple(float64, 4)(float64, float64, float64)")
-def quaternion(roll: float, pitch: float, yaw: float) -> Scalars4:
-    """Return q_U_sensor of Rz(yaw) Ry(pitch) Rx(roll) (A7.1)."""
-    cr, sr = math.cos(0.5 * roll), math.sin(0.5 * roll)
-    cp, sp = math.cos(0.5 * pitch), math.sin(0.5 * pitch)
-    cy, sy = math.cos(0.5 * yaw), math.sin(0.5 * yaw)
-    return (
-        cr * cp * cy + sr * sp * sy,
-        sr * cp * cy - cr * sp * sy,
-        cr * sp * cy + sr * cp * sy,
-        cr * cp * sy - sr * sp * cy,
-    )
-
-
-@kernel("UniTuple(float64, 3)(float64, float64, float64, float64)")
-def euler(w: float, x: float, y: float, z: float) -> Scalars3:
-    """Return roll, pitch and yaw of a unit quaternion (A7.2, A7.3)."""
-    c13 = 2.0 * (x * z - w * y)
-    return (
-        math.atan2(2.0 * (y * z + w * x), w * w - x * x - y * y + z * z),
-        -math.asin(min(max(c13, -1.0), 1.0)),
-        math.atan2(2.0 * (x * y + w * z), w * w + x * x - y * y - z * z),
-    )
-
-
-@kernel("void(float64[::1], float64[:, ::1], int64, float64[:, ::1], float64[::1], float64[::1])")
-def predict(e: Float, bias: Float, s: int, p: Float, sample: Float, settings: Float) -> None:
-    """Carry the angles by the rate and the covariance by I + Ts A (A8.1 to A8.4).
+@kernel(
+    f"{_BOTH}({UPPER}, float64[::1], float64[:, ::1], int64, {ERRORS}, float64[::1], float64[::1])",
+    inlined=True,
+)
+def predict(
+    p: Upper, e: Float, bias: Float, s: int, half: Errors, sample: Float, settings: Float
+) -> tuple[Upper, Errors]:
+    """Carry the angles by the rate and the covariance by I + Ts A (A8.1 to A8.4); also return sines and cosines.
 
     The page's P + Ts (A P + P A' + Qc) is kept positive by the term Ts^2 A P A' of the second order.
     Beyond 85 degrees of pitch, where roll and yaw are held, they are unknown.
     """
     step = settings[_STEP_S]
     ux, uy, uz = sample[_RATE] - bias[s, 0], sample[_RATE + 1] - bias[s, 1], sample[_RATE + 2] - bias[s, 2]
-    cr, sr = math.cos(e[0]), math.sin(e[0])
+    sr, cr, sp, cp, sy, cy = doubled(half)
     gap = sample[_GAP_VARIANCE]
+    drift = (step * settings[BIAS_DRIFT], step * settings[BIAS_DRIFT + 1], step * settings[BIAS_DRIFT + 2])
+    a00, a01, a02, a11, a12, a22 = p[:6]
+    c00, c01, c02, c10, c11, c12, c20, c21, c22 = p[6:15]
+    b00, b01, b02, b11, b12, b22 = p[15:]
+    along = uy * cr - uz * sr
     if abs(e[1]) > _STEEPEST:
-        for i in range(0, 3, 2):
-            for j in range(6):
-                p[i, j] = p[j, i] = 0.0
-            p[i, i] = _UNKNOWN
-        e[1] += step * (uy * cr - uz * sr)
+        by = step * along
+        e[1] += by
+        sp, cp = moved(sp, cp, by)
         # Which axis pitches is unknown with the roll.
-        p[1, 1] += step * (settings[ANGLE_DRIFT + 1] + step * (uy * uy + uz * uz)) + gap
-    else:
-        cp, sp = math.cos(e[1]), math.sin(e[1])
-        tangent, secant = sp / cp, 1.0 / cp
-        across, along = uy * sr + uz * cr, uy * cr - uz * sr
-        w01, w02 = step * sr * tangent, step * cr * tangent
-        w11, w12 = step * cr, -step * sr
-        w21, w22 = step * sr * secant, step * cr * secant
-        f00, f01 = 1.0 + step * tangent * along, step * across * secant * secant
-        f10 = -step * across
-        f20, f21 = step * along * secant, step * across * tangent * secant
-        e[0] += step * ux + w01 * uy + w02 * uz
-        e[1] += step * along
-        e[2] += w21 * uy + w22 * uz
-        # Columns of F P, the last three first: they are the new covariance of angles and bias.
-        for j in range(3, 6):
-            a, b, c = p[0, j], p[1, j], p[2, j]
-            bx, by, bz = p[3, j], p[4, j], p[5, j]
-            p[0, j] = f00 * a + f01 * b - step * bx - w01 * by - w02 * bz
-            p[1, j] = f10 * a + b - w11 * by - w12 * bz
-            p[2, j] = f20 * a + f21 * b + c - w21 * by - w22 * bz
-        # Then rows of the angle block: (F_angles P_angles - W P_bias,angles) F' with the old cross terms.
-        p00, p01, p02, p11, p12, p22 = p[0, 0], p[0, 1], p[0, 2], p[1, 1], p[1, 2], p[2, 2]
-        k00 = f00 * p00 + f01 * p01 - step * p[3, 0] - w01 * p[4, 0] - w02 * p[5, 0]
-        k01 = f00 * p01 + f01 * p11 - step * p[3, 1] - w01 * p[4, 1] - w02 * p[5, 1]
-        k02 = f00 * p02 + f01 * p12 - step * p[3, 2] - w01 * p[4, 2] - w02 * p[5, 2]
-        k10 = f10 * p00 + p01 - w11 * p[4, 0] - w12 * p[5, 0]
-        k11 = f10 * p01 + p11 - w11 * p[4, 1] - w12 * p[5, 1]
-        k12 = f10 * p02 + p12 - w11 * p[4, 2] - w12 * p[5, 2]
-        k20 = f20 * p00 + f21 * p01 + p02 - w21 * p[4, 0] - w22 * p[5, 0]
-        k21 = f20 * p01 + f21 * p11 + p12 - w21 * p[4, 1] - w22 * p[5, 1]
-        k22 = f20 * p02 + f21 * p12 + p22 - w21 * p[4, 2] - w22 * p[5, 2]
-        drift = (
-            step * settings[ANGLE_DRIFT],
-            step * settings[ANGLE_DRIFT + 1],
-            step * settings[ANGLE_DRIFT + 2],
+        grown = a11 + step * (settings[ANGLE_DRIFT + 1] + step * (uy * uy + uz * uz)) + gap
+        upper = (
+            _UNKNOWN,
+            0.0,
+            0.0,
+            grown,
+            0.0,
+            _UNKNOWN,
+            0.0,
+            0.0,
+            0.0,
+            c10,
+            c11,
+            c12,
+            0.0,
+            0.0,
+            0.0,
+            b00 + drift[0],
+            b01,
+            b02,
+            b11 + drift[1],
+            b12,
+            b22 + drift[2],
         )
-        p[0, 0] = f00 * k00 + f01 * k01 - step * p[0, 3] - w01 * p[0, 4] - w02 * p[0, 5] + drift[0] + gap
-        p[0, 1] = p[1, 0] = f10 * k00 + k01 - w11 * p[0, 4] - w12 * p[0, 5]
-        p[0, 2] = p[2, 0] = f20 * k00 + f21 * k01 + k02 - w21 * p[0, 4] - w22 * p[0, 5]
-        p[1, 1] = f10 * k10 + k11 - w11 * p[1, 4] - w12 * p[1, 5] + drift[1] + gap
-        p[1, 2] = p[2, 1] = f20 * k10 + f21 * k11 + k12 - w21 * p[1, 4] - w22 * p[1, 5]
-        p[2, 2] = f20 * k20 + f21 * k21 + k22 - w21 * p[2, 4] - w22 * p[2, 5] + drift[2]
-        p[2, 2] += gap * secant * secant
-        for j in range(3, 6):
-            p[j, 0], p[j, 1], p[j, 2] = p[0, j], p[1, j], p[2, j]
-    for axis in range(3):
-        p[3 + axis, 3 + axis] += step * settings[BIAS_DRIFT + axis]
+        return upper, (sr, cr, sp, cp, sy, cy)
+    secant = 1.0 / cp
+    tangent = sp * secant
+    across = uy * sr + uz * cr
+    w01, w02 = step * sr * tangent, step * cr * tangent
+    w11, w12 = step * cr, -step * sr
+    w21, w22 = step * sr * secant, step * cr * secant
+    f00, f01 = 1.0 + step * tangent * along, step * across * secant * secant
+    f10 = -step * across
+    f20, f21 = step * along * secant, step * across * tangent * secant
+    roll, pitch, yaw = step * ux + w01 * uy + w02 * uz, step * along, w21 * uy + w22 * uz
+    e[0] += roll
+    e[1] += pitch
+    e[2] += yaw
+    sr, cr = moved(sr, cr, roll)
+    sp, cp = moved(sp, cp, pitch)
+    sy, cy = moved(sy, cy, yaw)
+    # G = F C of the angles alone, then N = G - W B: the new cross terms.
+    g00, g01, g02 = f00 * c00 + f01 * c10, f00 * c01 + f01 * c11, f00 * c02 + f01 * c12
+    g10, g11, g12 = f10 * c00 + c10, f10 * c01 + c11, f10 * c02 + c12
+    g20 = f20 * c00 + f21 * c10 + c20
+    g21 = f20 * c01 + f21 * c11 + c21
+    g22 = f20 * c02 + f21 * c12 + c22
+    n00 = g00 - (step * b00 + w01 * b01 + w02 * b02)
+    n01 = g01 - (step * b01 + w01 * b11 + w02 * b12)
+    n02 = g02 - (step * b02 + w01 * b12 + w02 * b22)
+    n10 = g10 - (w11 * b01 + w12 * b02)
+    n11 = g11 - (w11 * b11 + w12 * b12)
+    n12 = g12 - (w11 * b12 + w12 * b22)
+    n20 = g20 - (w21 * b01 + w22 * b02)
+    n21 = g21 - (w21 * b11 + w22 * b12)
+    n22 = g22 - (w21 * b12 + w22 * b22)
+    # F A F' - N W' - W G'.
+    k00, k01 = f00 * a00 + f01 * a01, f00 * a01 + f01 * a11
+    k02 = f00 * a02 + f01 * a12
+    k10, k11, k12 = f10 * a00 + a01, f10 * a01 + a11, f10 * a02 + a12
+    k20 = f20 * a00 + f21 * a01 + a02
+    k21 = f20 * a01 + f21 * a11 + a12
+    k22 = f20 * a02 + f21 * a12 + a22
+    upper = (
+        f00 * k00
+        + f01 * k01
+        - (step * (n00 + g00) + w01 * (n01 + g01) + w02 * (n02 + g02))
+        + (step * settings[ANGLE_DRIFT] + gap),
+        f10 * k00 + k01 - (n01 * w11 + n02 * w12) - (step * g10 + w01 * g11 + w02 * g12),
+        f20 * k00 + f21 * k01 + k02 - (n01 * w21 + n02 * w22) - (step * g20 + w01 * g21 + w02 * g22),
+        f10 * k10 + k11 - (w11 * (n11 + g11) + w12 * (n12 + g12)) + (step * settings[ANGLE_DRIFT + 1] + gap),
+        f20 * k10 + f21 * k11 + k12 - (n11 * w21 + n12 * w22) - (w11 * g21 + w12 * g22),
+        f20 * k20
+        + f21 * k21
+        + k22
+        - (w21 * (n21 + g21) + w22 * (n22 + g22))
+        + (step * settings[ANGLE_DRIFT + 2] + gap * secant * secant),
+        n00,
+        n01,
+        n02,
+        n10,
+        n11,
+        n12,
+        n20,
+        n21,
+        n22,
+        b00 + drift[0],
+        b01,
+        b02,
+        b11 + drift[1],
+        b12,
+        b22 + drift[2],
+    )
+    return upper, (sr, cr, sp, cp, sy, cy)
 
 
-@kernel("void(float64[:, ::1], float64[::1], int64, float64, float64)")
-def absorb(p: Float, error: Float, i: int, innovation: float, variance: float) -> None:
-    """Take the measurement of the angle `i` into `error` (6) and `p` (6, 6)."""
-    h0, h1, h2, h3, h4, h5 = p[i, 0], p[i, 1], p[i, 2], p[i, 3], p[i, 4], p[i, 5]
-    inverse = 1.0 / (p[i, i] + variance)
-    step = inverse * (innovation - error[i])
-    error[0] += h0 * step
-    error[1] += h1 * step
-    error[2] += h2 * step
-    error[3] += h3 * step
-    error[4] += h4 * step
-    error[5] += h5 * step
-    for j, h in enumerate((h0, h1, h2, h3, h4, h5)):
-        # This order of products keeps the last bits symmetric.
-        p[j, 0] -= inverse * (h * h0)
-        p[j, 1] -= inverse * (h * h1)
-        p[j, 2] -= inverse * (h * h2)
-        p[j, 3] -= inverse * (h * h3)
-        p[j, 4] -= inverse * (h * h4)
-        p[j, 5] -= inverse * (h * h5)
+@kernel(f"{_BOTH}({UPPER}, {ERRORS}, {ERRORS}, float64, float64, float64)", inlined=True)
+def absorb(
+    p: Upper, error: Errors, h: Errors, own: float, innovation: float, variance: float
+) -> tuple[Upper, Errors]:
+    """Take the measurement of an angle into the error found so far; h is its column of `p`, `own` its part of both."""
+    inverse = 1.0 / (own + variance)
+    gain = inverse * innovation
+    found = (
+        error[0] + h[0] * gain,
+        error[1] + h[1] * gain,
+        error[2] + h[2] * gain,
+        error[3] + h[3] * gain,
+        error[4] + h[4] * gain,
+        error[5] + h[5] * gain,
+    )
+    return lessened(p, inverse, h), found
 
 
 @kernel(
-    "void(float64[::1], float64[:, ::1], int64, float64[:, ::1], float64[::1], float64[::1], float64[::1])"
+    f"{UPPER}({UPPER}, float64[::1], float64[:, ::1], int64, {ERRORS}, float64[::1], float64[::1])",
+    inlined=True,
 )
-def correct(e: Float, bias: Float, s: int, p: Float, sample: Float, settings: Float, error: Float) -> None:
-    """Correct by measured roll, pitch and tilt-compensated magnetic yaw (A4, A5, A8.5)."""
+def correct(p: Upper, e: Float, bias: Float, s: int, circle: Errors, sample: Float, settings: Float) -> Upper:
+    """Correct by measured roll, pitch and tilt-compensated magnetic yaw (A4, A5, A8.5).
+
+    The difference of a measured and a predicted angle is that of their complex numbers.
+    """
+    sr, cr, sp, cp, s_yaw, c_yaw = circle
     sx, sy, sz = sample[_GRAVITY], sample[_GRAVITY + 1], sample[_GRAVITY + 2]
+    norm = sample[_GRAVITY_NORM]
     weight = 1.0
     if settings[MOTION_SCALE_G] > 0.0:
-        weight += ((sample[_GRAVITY_NORM] - 1.0) / settings[MOTION_SCALE_G]) ** 2
-    for i in range(6):
-        error[i] = 0.0
+        push = (norm - 1.0) / settings[MOTION_SCALE_G]
+        weight += push * push
     held = abs(e[1]) > _STEEPEST
-    across = sy * sy + sz * sz
+    across = math.sqrt(sy * sy + sz * sz)
+    error = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     if not held:
-        absorb(p, error, 0, wrapped(math.atan2(sy, sz) - e[0]), weight * settings[ANGLE_VARIANCE])
-    absorb(p, error, 1, math.atan2(-sx, math.sqrt(across)) - e[1], weight * settings[ANGLE_VARIANCE + 1])
+        innovation = direction(sy * cr - sz * sr, sz * cr + sy * sr)
+        h = (p[0], p[1], p[2], p[6], p[7], p[8])
+        p, error = absorb(p, error, h, p[0], innovation, weight * settings[ANGLE_VARIANCE])
+    innovation = direction(-sx * cp - across * sp, across * cp - sx * sp)
+    h = (p[1], p[3], p[4], p[9], p[10], p[11])
+    p, error = absorb(p, error, h, p[3], innovation - error[1], weight * settings[ANGLE_VARIANCE + 1])
     if sample[_HAS_FIELD] > 0.0 and not held:
         mx, my, mz = sample[_FIELD], sample[_FIELD + 1], sample[_FIELD + 2]
         # P = m x s; the page's A5 lacks the norm of s.
         px, py, pz = my * sz - mz * sy, mz * sx - mx * sz, mx * sy - my * sx
-        yaw = math.atan2(-px * sample[_GRAVITY_NORM], sy * pz - sz * py)
-        absorb(p, error, 2, wrapped(yaw - e[2]), weight * settings[ANGLE_VARIANCE + 2])
-    for i in range(3):
-        e[i] += error[i]
-        bias[s, i] += error[3 + i]
-
-
-@kernel("void(float64[::1])")
-def wrap(e: Float) -> None:
-    """Bring the angles to their intervals; beyond the pole roll and yaw are half a turn further."""
-    e[1] = wrapped(e[1])
-    if abs(e[1]) > 0.5 * math.pi:
-        e[1] = math.copysign(math.pi, e[1]) - e[1]
-        e[0] += math.pi
-        e[2] += math.pi
-    e[0], e[2] = wrapped(e[0]), wrapped(e[2])
-
-
-@kernel("UniTuple(float64, 3)(float64[::1], float64[:, ::1])")
-def variances(e: Float, p: Float) -> Scalars3:
-    """Return the variance of the rotation error about north, east and down.
-
-    A small change of the angles turns by d_roll Rz Ry e_x + d_pitch Rz e_y + d_yaw e_z.
-    """
-    cp, sp, cy, sy = math.cos(e[1]), math.sin(e[1]), math.cos(e[2]), math.sin(e[2])
-    n0, n1, d0 = cy * cp, sy * cp, -sp
-    north = n0 * n0 * p[0, 0] - 2.0 * n0 * sy * p[0, 1] + sy * sy * p[1, 1]
-    east = n1 * n1 * p[0, 0] + 2.0 * n1 * cy * p[0, 1] + cy * cy * p[1, 1]
-    down = d0 * d0 * p[0, 0] + 2.0 * d0 * p[0, 2] + p[2, 2]
-    return north, east, down
+        east, north = -px * norm, sy * pz - sz * py
+        innovation = direction(east * c_yaw - north * s_yaw, north * c_yaw + east * s_yaw)
+        h = (p[2], p[4], p[5], p[12], p[13], p[14])
+        p, error = absorb(p, error, h, p[5], innovation - error[2], weight * settings[ANGLE_VARIANCE + 2])
+    e[0] += error[0]
+    e[1] += error[1]
+    e[2] += error[2]
+    bias[s, 0] += error[3]
+    bias[s, 1] += error[4]
+    bias[s, 2] += error[5]
+    return p
 
 
 @kernel(
@@ -222,10 +251,11 @@ def run(
 ) -> None:
     """Filter K ticks of S sensors; `q`, `bias`, `covariance` (S, 6, 6), angles and counts are carried on."""
     sample = np.zeros(_SAMPLE)
-    error = np.zeros(6)
     for s in range(quality.shape[0]):
-        p = covariance[s]
+        kept = covariance[s]
+        p = loaded(kept)
         e = memory[s, _ANGLES:]
+        half = halves(e[0], e[1], e[2])
         for k in range(quality.shape[1]):
             action = prepare(
                 s,
@@ -242,22 +272,29 @@ def run(
             )
             if action == _BEGIN:
                 e[0], e[1], e[2] = euler(q[s, 0], q[s, 1], q[s, 2], q[s, 3])
+                half = halves(e[0], e[1], e[2])
+                keep(kept, p)
                 variance = start_variance(s, memory, counters, settings)
                 for i in range(3):
-                    for j in range(6):
-                        p[i, j] = p[j, i] = 0.0
-                    p[i, i] = variance
+                    for j in range(i, 6):
+                        kept[i, j] = 0.0
+                    kept[i, i] = variance
+                p = loaded(kept)
             elif action != _HOLD:
-                predict(e, bias, s, p, sample, settings)
+                p, circle = predict(p, e, bias, s, half, sample, settings)
                 if action == _FILTER:
-                    if sample[_HAS_FIELD] > 0.0 and not counters[s, _HEADING_KNOWN]:
-                        q[s, 0], q[s, 1], q[s, 2], q[s, 3] = quaternion(e[0], e[1], e[2])
+                    if sample[_HAS_FIELD] > 0.0 and counters[s, _HEADING_KNOWN] == 0:
+                        q[s, 0], q[s, 1], q[s, 2], q[s, 3] = quaternion(wrapped(e[0]), e[1], wrapped(e[2]))
                         set_heading(s, q, sample, counters)
                         e[0], e[1], e[2] = euler(q[s, 0], q[s, 1], q[s, 2], q[s, 3])
-                    correct(e, bias, s, p, sample, settings, error)
-                wrap(e)
-                q[s, 0], q[s, 1], q[s, 2], q[s, 3] = quaternion(e[0], e[1], e[2])
-            north, east, down = variances(e, p)
+                        half = halves(e[0], e[1], e[2])
+                        circle = doubled(half)
+                    p = correct(p, e, bias, s, circle, sample, settings)
+                if abs(e[0]) >= math.pi or abs(e[1]) > 0.5 * math.pi or abs(e[2]) >= math.pi:
+                    wrap(e)
+                half = halves(e[0], e[1], e[2])
+                q[s, 0], q[s, 1], q[s, 2], q[s, 3] = attitude(half)
+            north, east, down = variances(half, p)
             store(
                 s,
                 k,
@@ -277,6 +314,8 @@ def run(
                 sigma_rad,
                 flags,
             )
+        keep(kept, p)
+        mirror(kept)
 
 
 __all__ = ["MEMORY", "SETTINGS", "run"]
