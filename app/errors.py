@@ -8,6 +8,7 @@
     ├── SignInRequired             401
     ├── TooManyAttempts            429  with Retry-After
     ├── Conflict                   409  wrong state, or already there
+    │   └── SafetyUnconfirmed      a magnetic source, and nobody has said that it is safe
     ├── InvalidInput               422  with the field and what to do
     │   ├── PacketError            the wire format; see app.ingest.packet
     │   ├── RecordingFormatError   an uploaded file that cannot be read as declared
@@ -67,6 +68,12 @@ class Conflict(TelemotionError):
     """The thing is in another state than the request needs."""
 
     status, code = 409, "conflict"
+
+
+class SafetyUnconfirmed(Conflict):
+    """A session with a magnetic source was not confirmed to be safe for people with implants."""
+
+    code = "safety_unconfirmed"
 
 
 class InvalidInput(TelemotionError):

@@ -42,9 +42,11 @@ from app.patients.endpoints import router as patients_router
 from app.recordings import GroupCommitWriter
 from app.recordings.endpoints import router as sessions_router
 from app.recordings.jobs import Handler, JobRunner
+from app.recordings.magnetic_endpoints import router as magnetic_router
 from app.recordings.point_endpoints import router as points_router
 from app.recordings.reprocess import reprocess
 from app.recordings.service import queue_closing
+from app.recordings.walk_endpoints import router as walks_router
 from app.services import Services, services_of
 from app.settings import Settings
 from app.viewer import open_viewer
@@ -173,6 +175,8 @@ def all_routers() -> list[APIRouter]:
         exercises_router,
         sessions_router,
         points_router,
+        walks_router,
+        magnetic_router,
         replay_router,
         live_router,
         watch_router,

@@ -24,6 +24,7 @@ from app.errors import (
     NotAllowed,
     NotFound,
     PacketError,
+    SafetyUnconfirmed,
     SignInRequired,
     TelemotionError,
     Unavailable,
@@ -45,6 +46,7 @@ _FATAL: dict[str, type[TelemotionError]] = {
     NotAllowed.code: NotAllowed,
     NotFound.code: NotFound,
     Conflict.code: Conflict,
+    SafetyUnconfirmed.code: SafetyUnconfirmed,
     InvalidInput.code: InvalidInput,
     PacketError.code: PacketError,
 }

@@ -14,6 +14,7 @@ from app.live.collectors import Outcome
 from app.live.device_rows import save_device_calibrations
 from app.live.estimation import EstimationLine
 from app.live.messages import LayoutMessage
+from app.recordings.magnetic import PIPELINE as MAGNETIC
 from app.recordings.walks import PIPELINE as WALKING
 from estimators.pipelines import Pipeline
 
@@ -50,7 +51,7 @@ class CalibratedSession(SessionBook):
     @property
     def is_calibrated(self) -> bool:
         """Whether joint angles mean anything; not when only biases are known. Walks need no calibration."""
-        if self.pipeline.setup.pipeline == WALKING:
+        if self.pipeline.setup.pipeline in (WALKING, MAGNETIC):
             return True
         found = self.pipeline.setup.calibration
         return found is not None and bool(found.q_sensor_segment)
@@ -76,6 +77,8 @@ class CalibratedSession(SessionBook):
             )
         if self.pipeline.setup.pipeline == WALKING:
             raise Conflict("A walk needs no calibration; stand still for three seconds and walk.")
+        if self.pipeline.setup.pipeline == MAGNETIC:
+            raise Conflict("A magnetic session needs no calibration pose; stand still for three seconds.")
         message = self._calibration.start(wanted)
         self._change("calibrating", message.steps[0].title + ".")
         return message

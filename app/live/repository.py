@@ -22,6 +22,7 @@ from app.live.states import OPEN
 from app.patients.access import Level, require_patient
 from app.patients.models import Mounting
 from app.recordings.chunks import frames_stream
+from app.recordings.magnetic import require_confirmed
 from app.recordings.models import MotionSession, Result, SignalChunk
 from app.recordings.result_rows import layout_dict
 from app.recordings.schemas import SessionState
@@ -88,9 +89,12 @@ def open_by_ticket(engine: Engine, ticket: str) -> tuple[Subject, StoredSession]
         The ticket is not valid.
     NotFound, NotAllowed
         The right to the patient was lost since it was issued.
+    SafetyUnconfirmed
+        The session has a magnetic source that nobody has confirmed to be safe.
     """
     with unit_of_work(engine) as session:
         redeemed: Redeemed = redeem_ticket(session, ticket, "ingest")
+        require_confirmed(session, _row(session, redeemed.session_id))
     return redeemed.subject, authorise(
         engine, redeemed.subject, redeemed.session_id, "record", "session.stream"
     )
@@ -110,6 +114,8 @@ def give_ticket(engine: Engine, subject: Subject, session_id: str, purpose: str)
             require_patient(session, subject, row.patient_id, "record" if purpose == "ingest" else "read")
         except NotFound as error:
             raise NotFound(NO_SUCH_SESSION) from error
+        if purpose == "ingest":
+            require_confirmed(session, row)
         record(session, subject, "session.ticket", row.patient_id, session_id, {"purpose": purpose})
         token, ticket = issue_ticket(
             session, subject, "ingest" if purpose == "ingest" else "live", session_id

@@ -37,10 +37,12 @@ def refuse_walk(setup: SessionSetup) -> None:
     Raises
     ------
     Conflict
-        The setup is that of a walk.
+        The setup is that of a walk or of a magnetic source.
     """
     if setup.pipeline == "gait":
         raise Conflict("A walk has one estimator, which has run already; there is no other to choose.")
+    if setup.pipeline == "relative_pose":
+        raise Conflict("A session with a magnetic source has one estimator, which has run already.")
 
 
 def estimators_out() -> list[EstimatorOut]:

@@ -25,6 +25,7 @@ from app.recordings.chunks import (
 )
 from app.recordings.elbows import with_elbows
 from app.recordings.jobs import JobContext
+from app.recordings.magnetic import PIPELINE as MAGNETIC
 from app.recordings.models import Job, MotionSession, Result, SessionEvent, SignalChunk
 from app.recordings.result_rows import CHUNKS_A_COMMIT, new_result, write_frames
 from app.recordings.smoothing import SmoothedSession, remember, smoother_for
@@ -124,7 +125,8 @@ def reprocess(context: JobContext) -> str:
         found = session.get_one(MotionSession, context.session_id)
         setup = SessionSetup.from_dict(found.setup)
         pose_s = _last_pose(session, found.id)
-    follower = None if setup.pipeline == WALKING else smoother_for(setup.orientation)
+    own = setup.pipeline in (WALKING, MAGNETIC)
+    follower = None if own else smoother_for(setup.orientation)
     wanted = context.arguments.get("orientation") or (closing and follower) or setup.orientation
     parameters = context.arguments.get("orientation_parameters", setup.orientation_parameters)
     is_other = wanted != setup.orientation or parameters != setup.orientation_parameters
@@ -197,7 +199,7 @@ def analyse(
             setup, pose_s = calibrated(context, setup, pose_s, known)
         except CalibrationError as error:
             message = f"Not calibrated, so there are no joint angles: {error}"
-    elif setup.calibration is None:
+    elif setup.calibration is None and setup.pipeline != MAGNETIC:
         message = "Not calibrated, so there are no joint angles: no calibration pose was recorded."
     if setup.calibration is not None and pose_s is not None:
         setup = with_elbows(setup, pose_s, _pieces(context, setup, known))

@@ -32,7 +32,7 @@ from app.recordings.walk_schemas import (
     WalkTestOut,
 )
 from estimators.gait import GUIDED_KINDS, GuidedKind, Measure, Strides, guided_test, steady
-from estimators.pipelines import Pipeline, SessionSetup, ShoeWalk, Walk
+from estimators.pipelines import Pipeline, RelativePosePipeline, SessionSetup, ShoeWalk, Walk
 from estimators.recording import Float, ImuChunk, Recording, SampleQuality, SensorSignals
 
 PIPELINE: Final = "gait"
@@ -44,6 +44,8 @@ _PATH_HZ: Final = 20.0
 
 def estimator_of(setup: SessionSetup, pipeline: Pipeline, version: str) -> tuple[str, str]:
     """Return name and version of what estimated a session, given the version of its orientation estimator."""
+    if setup.pipeline == RelativePosePipeline.name:
+        return pipeline.name, pipeline.version
     return (ESTIMATOR, pipeline.version) if setup.pipeline == PIPELINE else (setup.orientation, version)
 
 

@@ -15,6 +15,7 @@ from estimators.pipelines._gait import GaitPipeline, Walk, analyse_walk
 from estimators.pipelines._offline import is_offline, smooth_network, smoothed_chunk
 from estimators.pipelines._orientation import OrientationPipeline
 from estimators.pipelines._relative_pose import RelativePosePipeline
+from estimators.pipelines._relative_source import relative_source
 from estimators.pipelines._run import available, concatenate, create, find_pose, run, step_through
 from estimators.pipelines._shoes import ShoeWalk, analyse_shoes, has_shoes, with_shoes
 
@@ -42,6 +43,7 @@ __all__ = [
     "has_shoes",
     "is_offline",
     "refine_elbows",
+    "relative_source",
     "run",
     "smooth_network",
     "smoothed_chunk",

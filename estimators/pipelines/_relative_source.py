@@ -84,6 +84,11 @@ def settings_of(setup: SessionSetup) -> tuple[SourceSettings, dict[str, Any]]:
     )
 
 
+def relative_source(setup: SessionSetup) -> SourceSettings:
+    """Return where a relative-pose session wears its source, and its coils; `SetupError` as `settings_of`."""
+    return settings_of(setup)[0]
+
+
 def direction_between(source: str, sensor: str) -> tuple[float, float, float]:
     """Return the rough direction from one placement to another on a standing person; zero for unknown names."""
     if source not in PLACEMENTS or sensor not in PLACEMENTS:
@@ -101,4 +106,4 @@ def _place(name: str) -> Float:
     return np.asarray(np.array(_PLACE_M[base]) * np.array([1.0, mirror, 1.0]))
 
 
-__all__ = ["ROUND_TRIP_S", "SourceSettings", "direction_between", "settings_of"]
+__all__ = ["ROUND_TRIP_S", "SourceSettings", "direction_between", "relative_source", "settings_of"]

@@ -206,6 +206,25 @@ LINES: tuple[Line, ...] = (
     ),
     # Ada's session moves an arm: who may read it learns that it is no walk.
     patient("GET", "/api/sessions/{session_id}/gait", READ, status=409),
+    patient("GET", "/api/patients/{patient_id}/walks", READ),
+    # The same session twice: who may read Ada learns that.
+    patient(
+        "POST",
+        "/api/patients/{patient_id}/walks/comparison",
+        READ,
+        body={"a": ["{session_id}"], "b": ["{session_id}"]},
+        status=422,
+    ),
+    # Nor has it a magnetic source.
+    patient("GET", "/api/sessions/{session_id}/magnetic-safety", READ),
+    patient(
+        "POST",
+        "/api/sessions/{session_id}/magnetic-safety",
+        TREAT,
+        body={"patient_has_no_implant": True, "people_nearby_have_none": True},
+        status=409,
+    ),
+    patient("GET", "/api/sessions/{session_id}/source-use", READ, status=409),
     patient("GET", "/api/sessions/{session_id}/jobs", STATUS),
     patient("GET", "/api/jobs/{job_id}", STATUS),
     patient("GET", "/api/sessions/{session_id}/frames", READ),

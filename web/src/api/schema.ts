@@ -551,6 +551,46 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/patients/{patient_id}/walks": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Walks
+         * @description Return the analysed walks of a patient, newest first.
+         */
+        get: operations["list_walks_api_patients__patient_id__walks_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/patients/{patient_id}/walks/comparison": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Compare Walks
+         * @description Compare the walks of one condition with those of another, measure by measure; nothing is stored.
+         */
+        post: operations["compare_walks_api_patients__patient_id__walks_comparison_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/prescriptions/{prescription_id}": {
         parameters: {
             query?: never;
@@ -844,6 +884,32 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/sessions/{session_id}/magnetic-safety": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Safety
+         * @description Return whether the session has a magnetic source, and whether somebody confirmed that it may fire.
+         */
+        get: operations["get_safety_api_sessions__session_id__magnetic_safety_get"];
+        put?: never;
+        /**
+         * Confirm Safety
+         * @description Confirm that neither the patient nor people close by wear a pacemaker or a similar implant.
+         *
+         *     Needs the right to treat. Audited: who, when, for which session.
+         */
+        post: operations["confirm_safety_api_sessions__session_id__magnetic_safety_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/sessions/{session_id}/mark": {
         parameters: {
             query?: never;
@@ -996,6 +1062,26 @@ export interface paths {
          * @description Return a joint in another rotation sequence, with its distance to the singularity.
          */
         get: operations["get_sequence_api_sessions__session_id__sequences_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session_id}/source-use": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Source Use
+         * @description Return what the source of a session did, its energy account, and the accuracy that it bought.
+         */
+        get: operations["get_source_use_api_sessions__session_id__source_use_get"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1466,6 +1552,35 @@ export interface components {
             sigma_deg: number;
         };
         /**
+         * BalanceOut
+         * @description Centre of mass and pressure of a walk on instrumented shoes, in the room of the frames.
+         */
+        BalanceOut: {
+            /** Apart M */
+            apart_m: number;
+            /**
+             * Apart Source
+             * @enum {string}
+             */
+            apart_source: "measured" | "forces" | "usual";
+            /** Centre M */
+            centre_m: number[][];
+            /** Centre Sigma M */
+            centre_sigma_m: number[];
+            /** Margin M */
+            margin_m: (number | null)[];
+            /** Mass Kg */
+            mass_kg: number;
+            /** Measures */
+            measures: components["schemas"]["WalkMeasure"][];
+            /** Pressure M */
+            pressure_m: number[][];
+            /** Support */
+            support: components["schemas"]["SupportOut"][];
+            /** Time S */
+            time_s: number[];
+        };
+        /**
          * BodyDimensionsIn
          * @description Measured lengths between joint centres, in metres; what is absent is scaled from stature.
          */
@@ -1745,6 +1860,29 @@ export interface components {
             template_version_id: string;
         };
         /**
+         * ConditionsIn
+         * @description Which walks are which condition; as many of both, two at least, are taken as pairs in this order.
+         */
+        ConditionsIn: {
+            /** A */
+            a: string[];
+            /** B */
+            b: string[];
+        };
+        /**
+         * ConditionsOut
+         * @description Two conditions compared.
+         */
+        ConditionsOut: {
+            /** Changes */
+            changes: components["schemas"]["MeasureChange"][];
+            /**
+             * Method
+             * @enum {string}
+             */
+            method: "pairs" | "strides";
+        };
+        /**
          * ConsentIn
          * @description Yes or no to one purpose.
          */
@@ -1853,7 +1991,7 @@ export interface components {
              * Name
              * @enum {string}
              */
-            name: "height" | "speed";
+            name: "height" | "speed" | "force_vertical" | "force_forward" | "ankle_moment" | "ankle_power" | "toe_moment" | "toe_power";
             /** Spread */
             spread: number[];
             /** Unit */
@@ -1997,11 +2135,14 @@ export interface components {
              * Movement
              * @enum {string}
              */
-            movement: "reaching" | "drinking" | "abduction" | "flexion" | "pronation" | "other";
+            movement: "reaching" | "drinking" | "abduction" | "flexion" | "pronation" | "other" | "walk" | "timed_up_and_go" | "six_minute_walk";
             /** Name */
             name: string;
-            /** Primary Angle */
-            primary_angle: string;
+            /**
+             * Primary Angle
+             * @default
+             */
+            primary_angle?: string;
             /**
              * Side
              * @default right
@@ -2025,11 +2166,14 @@ export interface components {
              * Movement
              * @enum {string}
              */
-            movement: "reaching" | "drinking" | "abduction" | "flexion" | "pronation" | "other";
+            movement: "reaching" | "drinking" | "abduction" | "flexion" | "pronation" | "other" | "walk" | "timed_up_and_go" | "six_minute_walk";
             /** Name */
             name: string;
-            /** Primary Angle */
-            primary_angle: string;
+            /**
+             * Primary Angle
+             * @default
+             */
+            primary_angle?: string;
             /**
              * Side
              * @default right
@@ -2099,6 +2243,7 @@ export interface components {
         GaitOut: {
             /** Asymmetry */
             asymmetry: components["schemas"]["WalkMeasure"][];
+            balance?: components["schemas"]["BalanceOut"] | null;
             /** Both */
             both: components["schemas"]["WalkMeasure"][];
             /** Bout Count */
@@ -2112,6 +2257,7 @@ export interface components {
             result: components["schemas"]["ResultOut"];
             /** Session Id */
             session_id: string;
+            test?: components["schemas"]["WalkTestOut"] | null;
             /** Turn Count */
             turn_count: number;
         };
@@ -2235,6 +2381,44 @@ export interface components {
             type?: "layout";
         };
         /**
+         * MagneticSafetyIn
+         * @description The therapist's word; both must be said.
+         */
+        MagneticSafetyIn: {
+            /**
+             * Patient Has No Implant
+             * @constant
+             */
+            patient_has_no_implant: true;
+            /**
+             * People Nearby Have None
+             * @constant
+             */
+            people_nearby_have_none: true;
+        };
+        /**
+         * MagneticSafetyOut
+         * @description Whether a session may let its source fire.
+         */
+        MagneticSafetyOut: {
+            /** Confirmed */
+            confirmed: boolean;
+            /** Confirmed At */
+            confirmed_at: string | null;
+            /** Confirmed By */
+            confirmed_by: string | null;
+            /** Keep Away M */
+            keep_away_m: number | null;
+            /** Limit T */
+            limit_t: number;
+            /** Required */
+            required: boolean;
+            /** Source */
+            source: string | null;
+            /** Warning */
+            warning: string;
+        };
+        /**
          * MarkIn
          * @description A note on the time line, at the present session time.
          */
@@ -2268,6 +2452,40 @@ export interface components {
              * @enum {string}
              */
             role: "administrator" | "therapist" | "patient" | "integrator";
+        };
+        /**
+         * MeasureChange
+         * @description What the condition changes in one measure of one foot, or of both.
+         */
+        MeasureChange: {
+            /** A */
+            a: number;
+            /** B */
+            b: number;
+            /** Count */
+            count: number;
+            /** Difference */
+            difference: number;
+            /** Effect */
+            effect: number | null;
+            /**
+             * Foot
+             * @enum {string}
+             */
+            foot: "left" | "right" | "both";
+            /** Measure */
+            measure: string;
+            /**
+             * Method
+             * @enum {string}
+             */
+            method: "pairs" | "strides";
+            /** P */
+            p: number | null;
+            /** Sigma */
+            sigma: number | null;
+            /** Unit */
+            unit: string;
         };
         /**
          * MeasureValue
@@ -2944,6 +3162,8 @@ export interface components {
             constrain_joint_headings?: boolean;
             /** Exercise Id */
             exercise_id?: string | null;
+            /** Feet Apart M */
+            feet_apart_m?: number | null;
             /**
              * Orientation
              * @default vqf
@@ -2960,7 +3180,7 @@ export interface components {
              * @default arm
              * @enum {string}
              */
-            pipeline?: "arm" | "gait";
+            pipeline?: "arm" | "gait" | "relative_pose";
             /** Placements */
             placements: ("head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right")[];
             /** Prescription Id */
@@ -3043,6 +3263,54 @@ export interface components {
             password: string;
         };
         /**
+         * SourceUseOut
+         * @description What the source of a session did: its pulses in order, and their sum.
+         */
+        SourceUseOut: {
+            /** Asked Count */
+            asked_count: number;
+            /** Charge As */
+            charge_as: number;
+            /** Charge Curve As */
+            charge_curve_as: number[];
+            /** Coil */
+            coil: number[];
+            /** Current A */
+            current_a: number[];
+            /** Current Squared A2S */
+            current_squared_a2s: number;
+            /** Distance M */
+            distance_m: {
+                [key: string]: (number | null)[];
+            };
+            /** Duration S */
+            duration_s: number;
+            /** Inertial Only S */
+            inertial_only_s: {
+                [key: string]: number;
+            };
+            /** Length S */
+            length_s: number[];
+            /** On Time S */
+            on_time_s: number;
+            /** Pulse Count */
+            pulse_count: number;
+            /** Result Id */
+            result_id: string;
+            /** Sigma M */
+            sigma_m: {
+                [key: string]: (number | null)[];
+            };
+            /** Start S */
+            start_s: number[];
+            /** State */
+            state: {
+                [key: string]: number[];
+            };
+            /** Time S */
+            time_s: number[];
+        };
+        /**
          * StateMessage
          * @description The session's state machine, on change and on connecting.
          */
@@ -3118,6 +3386,16 @@ export interface components {
             toe_out_rad: number | null;
             /** Turn Rad */
             turn_rad: number | null;
+        };
+        /**
+         * SupportOut
+         * @description The base of support at one moment: the hull of all that stands on the floor.
+         */
+        SupportOut: {
+            /** Outline M */
+            outline_m: number[][];
+            /** Time S */
+            time_s: number;
         };
         /**
          * TemplateContent
@@ -3289,10 +3567,20 @@ export interface components {
              */
             exercise_id?: string | null;
             /**
+             * Feet Apart End M
+             * @default null
+             */
+            feet_apart_end_m?: number | null;
+            /**
+             * Feet Apart M
+             * @default null
+             */
+            feet_apart_m?: number | null;
+            /**
              * Format
              * @enum {string}
              */
-            format: "packet_log" | "csv" | "qmt_mat" | "pyshoe" | "gait_tracking" | "gaitmap";
+            format: "packet_log" | "csv" | "qmt_mat" | "pyshoe" | "gait_tracking" | "gaitmap" | "instrumented_shoe";
             /**
              * Hemisphere
              * @default north
@@ -3386,6 +3674,69 @@ export interface components {
             unit: string;
             /** Value */
             value: number | null;
+        };
+        /**
+         * WalkRow
+         * @description One walk in the list of a patient.
+         */
+        WalkRow: {
+            /** Distance M */
+            distance_m: number | null;
+            /** Exercise Name */
+            exercise_name: string | null;
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "walk" | "timed_up_and_go" | "six_minute_walk";
+            /** Session Id */
+            session_id: string;
+            /** Speed Mps */
+            speed_mps: number | null;
+            /**
+             * Started At
+             * Format: date-time
+             */
+            started_at: string;
+            /** Stride Count */
+            stride_count: number;
+            /** Time S */
+            time_s: number | null;
+        };
+        /**
+         * WalkTestOut
+         * @description Result of a walking test, found off-line.
+         */
+        WalkTestOut: {
+            /** Distance M */
+            distance_m: number;
+            /** Distance Sigma M */
+            distance_sigma_m: number;
+            /** End S */
+            end_s: number;
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "walk" | "timed_up_and_go" | "six_minute_walk";
+            /** Minutes M */
+            minutes_m: number[];
+            /** Pause Count */
+            pause_count: number;
+            /** Reasons */
+            reasons: string[];
+            /** Speed Mps */
+            speed_mps: number | null;
+            /** Start S */
+            start_s: number;
+            /** Step Count */
+            step_count: number;
+            /** Time S */
+            time_s: number;
+            /** Turn Count */
+            turn_count: number;
+            /** Turn S */
+            turn_s: number | null;
         };
     };
     responses: never;
@@ -4383,6 +4734,72 @@ export interface operations {
             };
         };
     };
+    list_walks_api_patients__patient_id__walks_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                patient_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["WalkRow"][];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+        };
+    };
+    compare_walks_api_patients__patient_id__walks_comparison_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                patient_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ConditionsIn"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ConditionsOut"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+        };
+    };
     delete_prescription_api_prescriptions__prescription_id__delete: {
         parameters: {
             query?: never;
@@ -4894,6 +5311,72 @@ export interface operations {
             };
         };
     };
+    get_safety_api_sessions__session_id__magnetic_safety_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MagneticSafetyOut"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+        };
+    };
+    confirm_safety_api_sessions__session_id__magnetic_safety_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["MagneticSafetyIn"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MagneticSafetyOut"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+        };
+    };
     mark_api_sessions__session_id__mark_post: {
         parameters: {
             query?: never;
@@ -5156,6 +5639,39 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["SequenceOut"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+        };
+    };
+    get_source_use_api_sessions__session_id__source_use_get: {
+        parameters: {
+            query?: {
+                result_id?: string | null;
+            };
+            header?: never;
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SourceUseOut"];
                 };
             };
             /** @description Validation Error */

@@ -1,0 +1,39 @@
+"""HTTP of sessions with a magnetic source."""
+
+from fastapi import APIRouter
+
+from app.accounts.dependencies import CurrentSubject
+from app.database.dependencies import ReadSession, WriteSession
+from app.recordings import magnetic
+from app.recordings.magnetic_schemas import MagneticSafetyIn, MagneticSafetyOut, SourceUseOut
+from app.recordings.magnetic_use import source_use
+
+router = APIRouter(prefix="/api", tags=["sessions"])
+
+
+@router.get("/sessions/{session_id}/magnetic-safety")
+def get_safety(session_id: str, session: ReadSession, subject: CurrentSubject) -> MagneticSafetyOut:
+    """Return whether the session has a magnetic source, and whether somebody confirmed that it may fire."""
+    return magnetic.safety(session, subject, session_id)
+
+
+@router.post("/sessions/{session_id}/magnetic-safety")
+def confirm_safety(
+    session_id: str, wanted: MagneticSafetyIn, session: WriteSession, subject: CurrentSubject
+) -> MagneticSafetyOut:
+    """Confirm that neither the patient nor people close by wear a pacemaker or a similar implant.
+
+    Needs the right to treat. Audited: who, when, for which session.
+    """
+    return magnetic.confirm(session, subject, session_id, wanted)
+
+
+@router.get("/sessions/{session_id}/source-use")
+def get_source_use(
+    session_id: str, session: ReadSession, subject: CurrentSubject, result_id: str | None = None
+) -> SourceUseOut:
+    """Return what the source of a session did, its energy account, and the accuracy that it bought."""
+    return source_use(session, subject, session_id, result_id)
+
+
+__all__ = ["router"]
