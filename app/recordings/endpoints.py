@@ -22,8 +22,6 @@ from app.recordings.schemas import (
     SessionOut,
 )
 from app.recordings.sequences import in_sequence
-from app.recordings.walk_schemas import GaitOut
-from app.recordings.walks import gait
 from app.services import services_of
 from estimators.arm import Joint, Sequence
 from estimators.conventions import Side
@@ -122,14 +120,6 @@ def get_sequence(
     return in_sequence(
         session, subject, session_id, joint, side, sequence, result_id, start_s, end_s, max_points
     )
-
-
-@router.get("/sessions/{session_id}/gait")
-def get_gait(
-    session_id: str, session: ReadSession, subject: CurrentSubject, result_id: str | None = None
-) -> GaitOut:
-    """Return a walk: footprints, strides, numbers of each foot with uncertainty and count, and their asymmetry."""
-    return gait(session, subject, session_id, result_id)
 
 
 @router.get("/sessions/{session_id}/jobs")

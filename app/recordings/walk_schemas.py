@@ -1,6 +1,9 @@
 """Wire types of a walk: footprints, strides, numbers and curves over the gait cycle."""
 
+from datetime import datetime
 from typing import Literal
+
+from pydantic import Field
 
 from app.recordings.schemas import ResultOut
 from app.schemas import Schema
@@ -164,6 +167,55 @@ class WalkContent(Schema):
     """None without forces of both feet."""
 
 
+class WalkRow(Schema):
+    """One walk in the list of a patient."""
+
+    session_id: str
+    started_at: datetime
+    exercise_name: str | None
+    kind: Literal["walk", "timed_up_and_go", "six_minute_walk"]
+    time_s: float | None
+    distance_m: float | None
+    speed_mps: float | None
+    stride_count: int
+
+
+class ConditionsIn(Schema):
+    """Which walks are which condition; as many of both, two at least, are taken as pairs in this order."""
+
+    a: list[str] = Field(min_length=1, max_length=50)
+    b: list[str] = Field(min_length=1, max_length=50)
+
+
+class MeasureChange(Schema):
+    """What the condition changes in one measure of one foot, or of both."""
+
+    measure: str
+    foot: Literal["left", "right", "both"]
+    unit: str
+    a: float
+    b: float
+    difference: float
+    """B less A."""
+    sigma: float | None
+    """Standard error of the difference."""
+    p: float | None
+    """Probability of such a difference by chance."""
+    effect: float | None
+    """Difference over its standard deviation."""
+    count: int
+    """Pairs, or strides."""
+    method: Literal["pairs", "strides"]
+
+
+class ConditionsOut(Schema):
+    """Two conditions compared."""
+
+    method: Literal["pairs", "strides"]
+    """`pairs`: repeated-measures model over pairs of walks. `strides`: all strides of a condition, Welch's test."""
+    changes: list[MeasureChange]
+
+
 class GaitOut(WalkContent):
     """The walk of a result."""
 
@@ -173,14 +225,18 @@ class GaitOut(WalkContent):
 
 __all__ = [
     "BalanceOut",
+    "ConditionsIn",
+    "ConditionsOut",
     "CurveName",
     "CycleCurve",
     "FootOut",
     "FootholdOut",
     "GaitOut",
+    "MeasureChange",
     "StrideOut",
     "SupportOut",
     "WalkContent",
     "WalkMeasure",
+    "WalkRow",
     "WalkTestOut",
 ]

@@ -1,6 +1,7 @@
 """Balance: the centre of mass, where it is going, and how far that is from the edge of the feet."""
 
 from estimators.balance._both_feet import BothFeet, body_mass, combine_feet, standing, total_reaction
+from estimators.balance._conditions import Change, Sample, compare_conditions
 from estimators.balance._foot_distance import distance_between_feet
 from estimators.balance._mass_centre import (
     PUBLISHED_CUTOFF_HZ,
@@ -36,10 +37,12 @@ __all__ = [
     "PUBLISHED_CUTOFF_HZ",
     "BodySegments",
     "BothFeet",
+    "Change",
     "Effect",
     "LiveMassCentre",
     "MassCentre",
     "MassCentreParameters",
+    "Sample",
     "SegmentalMassCentre",
     "StabilityMargin",
     "WalkingWork",
@@ -48,6 +51,7 @@ __all__ = [
     "body_mass",
     "body_segments",
     "combine_feet",
+    "compare_conditions",
     "distance_between_feet",
     "extrapolated_mass_centre",
     "integrate_twice",

@@ -176,3 +176,27 @@ def test_a_live_walk_needs_no_calibration_and_refuses_one(therapist: Any, world:
     refused = therapist.post("/api/sessions", json=wanted | {"placements": ["sternum"]})
     assert refused.status_code == 422
     assert "sensor on a foot" in refused.json()["message"]
+
+
+def test_walks_of_a_patient_are_listed_and_compared(
+    uploaded: Any, therapist: Any, world: Any, tmp_path: Path
+) -> None:
+    gaitmap_csv(tmp_path / "walk.csv")
+    first, second = (uploaded(tmp_path / "walk.csv", format="gaitmap").session_id for _ in range(2))
+    listed = therapist.get(f"/api/patients/{world.patient_id}/walks").json()
+    assert {row["session_id"] for row in listed} == {first, second}
+    assert all(row["kind"] == "walk" and row["distance_m"] > 10.0 for row in listed)
+    path = f"/api/patients/{world.patient_id}/walks/comparison"
+    answer = therapist.post(path, json={"a": [first], "b": [second]})
+    assert answer.status_code == 200, answer.text
+    found = answer.json()
+    assert found["method"] == "strides"
+    of_length = [one for one in found["changes"] if one["measure"] == "stride_length"]
+    assert {one["foot"] for one in of_length} == {"left", "right"}
+    # The same walk twice: nothing changes, and chance explains it.
+    assert all(one["difference"] == 0.0 and one["p"] == pytest.approx(1.0) for one in of_length)
+    twice = therapist.post(path, json={"a": [first], "b": [first]})
+    assert twice.status_code == 422
+    stranger = therapist.post(path, json={"a": [first], "b": ["nothing"]})
+    assert stranger.status_code == 422
+    assert stranger.json()["details"]["field"] == "b"

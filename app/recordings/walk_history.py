@@ -1,0 +1,166 @@
+"""Walks of a patient side by side: the list, and two conditions or two times compared."""
+
+import zlib
+from collections.abc import Iterable, Sequence
+from typing import Final
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from app.accounts import audit
+from app.accounts.subject import Subject
+from app.errors import InvalidInput
+from app.recordings import repository
+from app.recordings.models import MotionSession, SignalChunk
+from app.recordings.walk_schemas import (
+    ConditionsIn,
+    ConditionsOut,
+    MeasureChange,
+    WalkContent,
+    WalkMeasure,
+    WalkRow,
+)
+from app.recordings.walks import PIPELINE, walk_stream
+from estimators.balance import Sample, compare_conditions
+from estimators.errors import ShapeError
+
+_FEET: Final = (
+    "stride_length",
+    "stride_time",
+    "speed",
+    "cadence",
+    "stance_share",
+    "clearance",
+    "toe_out",
+    "lateral_placement",
+    "step_time",
+)
+_BOTH: Final = ("double_support_share", "step_width")
+
+
+def walks_of(session: Session, subject: Subject, patient_id: str) -> list[WalkRow]:
+    """Return the analysed walks of a patient, newest first.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+        May read the patient.
+    patient_id : str
+    """
+    rows = []
+    for found, exercise in repository.list_sessions(session, subject, patient_id):
+        content = _content(session, found)
+        if content is None:
+            continue
+        test = content.test
+        rows.append(
+            WalkRow(
+                session_id=found.id,
+                started_at=found.started_at or found.created_at,
+                exercise_name=exercise,
+                kind=test.kind if test else "walk",
+                time_s=test.time_s if test else None,
+                distance_m=test.distance_m if test else None,
+                speed_mps=test.speed_mps if test else None,
+                stride_count=sum(len(foot.strides) for foot in content.feet),
+            )
+        )
+    return rows
+
+
+def compare(session: Session, subject: Subject, patient_id: str, wanted: ConditionsIn) -> ConditionsOut:
+    """Compare the walks of one condition with those of another.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+    patient_id : str
+    wanted : ConditionsIn
+
+    Raises
+    ------
+    InvalidInput
+        A session is no analysed walk of this patient, or is in both conditions.
+    """
+    found = repository.list_sessions(session, subject, patient_id)
+    audit.record(session, subject, "walks.compare", patient_id)
+    if set(wanted.a) & set(wanted.b):
+        raise InvalidInput("A walk is in both conditions; choose other ones.", field="b")
+    known = {one.id: one for one, _ in found}
+    sides: list[list[WalkContent]] = []
+    for field, ids in (("a", wanted.a), ("b", wanted.b)):
+        chosen = [_content(session, known[one]) if one in known else None for one in ids]
+        contents = [content for content in chosen if content is not None]
+        if len(contents) != len(ids):
+            raise InvalidInput("A session chosen is no analysed walk of this patient.", field=field)
+        sides.append(contents)
+    changes = [
+        *_changes(sides, "left", _FEET),
+        *_changes(sides, "right", _FEET),
+        *_changes(sides, "both", _BOTH),
+    ]
+    is_paired = len(wanted.a) == len(wanted.b) >= 2
+    return ConditionsOut(method="pairs" if is_paired else "strides", changes=changes)
+
+
+def _changes(
+    sides: Sequence[Sequence[WalkContent]], foot: str, names: Iterable[str]
+) -> Iterable[MeasureChange]:
+    for name in names:
+        samples = [[_sample(content, foot, name) for content in side] for side in sides]
+        try:
+            found = compare_conditions(*samples)
+        except ShapeError:
+            continue
+        yield MeasureChange(
+            measure=name,
+            foot=foot,
+            unit=_unit(sides, foot, name),
+            a=found.mean_a,
+            b=found.mean_b,
+            difference=found.difference,
+            sigma=_plain(found.sigma),
+            p=_plain(found.p),
+            effect=_plain(found.effect),
+            count=found.count,
+            method=found.method,
+        )
+
+
+def _measures(content: WalkContent, foot: str) -> list[WalkMeasure]:
+    if foot == "both":
+        return content.both
+    return next((one.measures for one in content.feet if one.side == foot), [])
+
+
+def _sample(content: WalkContent, foot: str, name: str) -> Sample:
+    nan = float("nan")
+    for one in _measures(content, foot):
+        if one.measure == name and one.value is not None:
+            return Sample(one.value, nan if one.spread is None else one.spread, one.count)
+    return Sample(nan, nan, 0)
+
+
+def _unit(sides: Sequence[Sequence[WalkContent]], foot: str, name: str) -> str:
+    found = (one.unit for one in _measures(sides[0][0], foot) if one.measure == name)
+    return next(found, "")
+
+
+def _content(session: Session, found: MotionSession) -> WalkContent | None:
+    if found.setup["pipeline"] != PIPELINE or found.main_result_id is None:
+        return None
+    row = session.scalar(
+        select(SignalChunk).where(
+            SignalChunk.session_id == found.id, SignalChunk.stream == walk_stream(found.main_result_id)
+        )
+    )
+    return None if row is None else WalkContent.model_validate_json(zlib.decompress(row.data))
+
+
+def _plain(value: float) -> float | None:
+    return value if value == value else None
+
+
+__all__ = ["compare", "walks_of"]
