@@ -35,6 +35,7 @@ from estimators.magnetic._relative_pose import (
     RelativeResult,
 )
 from estimators.magnetic._relative_smoother import SmoothedPose, smooth_relative_pose
+from estimators.magnetic._shoes import SHOE_PARAMETERS, shoe_source
 from estimators.magnetic._tracker import Fix, TrackerFlag, TrackerLimits, locate
 from estimators.magnetic._validity import (
     PACEMAKER_LIMIT_T,
@@ -51,6 +52,7 @@ __all__ = [
     "MAGNETOMETER_SIGMA_T",
     "MU0_TM_PER_A",
     "PACEMAKER_LIMIT_T",
+    "SHOE_PARAMETERS",
     "ClosedForm",
     "Coil",
     "CoilCalibration",
@@ -98,6 +100,7 @@ __all__ = [
     "range_m",
     "read_coil_state",
     "required_moment_am2",
+    "shoe_source",
     "smooth_relative_pose",
     "update",
 ]

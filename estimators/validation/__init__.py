@@ -53,7 +53,6 @@ from estimators.validation._relative_pose import (
 from estimators.validation._relative_pose_actuation import (
     RELATIVE_POSE_ACTUATION,
     RELATIVE_POSE_ENERGY,
-    RELATIVE_POSE_FEET,
     RELATIVE_POSE_MODELS,
 )
 from estimators.validation._relative_pose_faults import (
@@ -61,6 +60,7 @@ from estimators.validation._relative_pose_faults import (
     RELATIVE_POSE_IRON,
     RELATIVE_POSE_TEN_HOURS,
 )
+from estimators.validation._relative_pose_feet import RELATIVE_POSE_FEET
 from estimators.validation._render import to_data, to_json, to_table
 from estimators.validation._roetenberg_case import STEEL_CASE
 from estimators.validation._roetenberg_elbow import ELBOW_FLEXION

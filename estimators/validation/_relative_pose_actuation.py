@@ -1,16 +1,15 @@
 """When and what to fire: intervals, choice of coil, energy, and models of the coil (Schepers 2009, chapter 6)."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from estimators import rotation
-from estimators.magnetic import Coil, Source, choose_coil
+from estimators.magnetic import choose_coil
 from estimators.recording import Float
 from estimators.simulation.coils import ModuleErrors
 from estimators.validation._protocol import Data, Figure, Protocol, Values
-from estimators.validation._relative_pose_runs import SOURCE, mean_nees, rms, session
+from estimators.validation._relative_pose_runs import SOURCE, rms, session
 
 _PUBLISHED_FIXED = {"fixed_interval_s": 0.2, "pulse_s": 0.06, "current_a": 1.5}
 """The predecessor: three pulses of 60 ms at 1.5 A every 600 ms, here one coil every 200 ms."""
@@ -122,41 +121,6 @@ def _models(seeds: Sequence[int], data: Data) -> Values:
     }
 
 
-_SHOE_COILS = Source(
-    tuple(Coil(50.0, 0.075, tuple((0.06 * axis).tolist()), tuple(axis.tolist())) for axis in np.eye(3)),
-    current_limit_a=1.5,
-)
-
-
-def _feet(seeds: Sequence[int], data: Data) -> Values:
-    position, attitude, width, interval, nees = [], [], [], [], []
-    for seed in seeds:
-        run = session("feet", seed, 64.0, {"current_a": 1.36}, source=_SHOE_COILS)
-        on = replace(run, scored=run.scene.time_s >= 5.0)
-        position.append(on.position_rms_m)
-        attitude.append(on.attitude_rms_deg)
-        interval.append(on.interval_s)
-        errors = np.concatenate([on.position_error_m, on.attitude_error_rad], axis=1)[on.scored]
-        nees.append(mean_nees(errors, on.result.covariance[on.scored]))
-        # Step width: across the walk, while both feet stand; from the source foot turned out by 7 degrees.
-        world = rotation.rotate(run.scene.q_world_source, run.position_error_m)[:, 1]
-        stand = (run.scene.time_s >= 6.0) & (np.ptp(_stance_window(run.scene.position_m), axis=0) < 1e-4)
-        width.append(float(np.sqrt(np.mean(world[stand] ** 2))))
-    return {
-        "position": np.array(position),
-        "orientation": np.array(attitude),
-        "step width while both feet stand, filter": np.array(width),
-        "interval": np.array(interval),
-        "NEES per state": _one(float(np.mean(nees))),
-    }
-
-
-def _stance_window(position: Float) -> Float:
-    """Horizontal distance at a sample and its two neighbours, shape (3, K)."""
-    size = np.linalg.norm(position, axis=1)
-    return np.stack([np.roll(size, 1), size, np.roll(size, -1)])
-
-
 RELATIVE_POSE_ACTUATION = Protocol(
     name="relative_pose_actuation",
     title="When and which coil: rest, location, duty",
@@ -204,19 +168,4 @@ RELATIVE_POSE_MODELS = Protocol(
         Figure("walking two minutes, second half over first", "1", 1.2),
     ),
     measure=_models,
-)
-RELATIVE_POSE_FEET = Protocol(
-    name="relative_pose_feet",
-    title="Foot to foot, one minute of walking",
-    source="Schepers 2009, 6.4, 7.2 (F-35); method page 7.4",
-    what="Source on the left foot (coils of 7.5 cm, 1.36 A), sensor on the right; a minute of walking, live filter "
-    "without zero-velocity updates.",
-    figures=(
-        Figure("position", "m", 0.030, judged_by="median"),
-        Figure("orientation", "deg", 2.5, judged_by="median"),
-        Figure("step width while both feet stand, filter", "m"),
-        Figure("interval", "s"),
-        Figure("NEES per state", "1"),
-    ),
-    measure=_feet,
 )

@@ -22,6 +22,7 @@ _CAREFUL = {
 """Where 30 mm matter the sigma limit must be well below: at 20 mm an error of 40 mm needs no iron."""
 _ALARM_ERROR_M = 0.030
 _BEGIN_S, _PASS_S = 12.0, 4.0
+_LONG_H, _SHORTER_H = 10.0, 0.5
 
 
 def _one(value: float) -> Float:
@@ -162,21 +163,23 @@ def _faults(seeds: Sequence[int], data: Data) -> Values:
 
 
 def _ten_hours(seeds: Sequence[int], data: Data) -> Values:
-    """One session of ten hours in blocks of five minutes; the filter goes through without a restart."""
+    """Run ten hours with the first seed, a shorter one with each of the others; no filter is started anew."""
     from estimators.validation._relative_pose_long import long_session
 
-    worst, nees, last, first = [], [], [], []
-    for seed in seeds[:1]:
-        errors, consistency = long_session(10.0, seed)
+    worst, nees, ends = [], [], []
+    for number, seed in enumerate(seeds):
+        errors, consistency = long_session(_LONG_H if number == 0 else _SHORTER_H, seed)
         worst.append(max(float(np.linalg.norm(block, axis=1).max()) for block in errors))
-        first.append(rms(np.concatenate(errors[: len(errors) // 10])))
-        last.append(rms(np.concatenate(errors[-len(errors) // 10 :])))
         nees.append(float(np.mean(consistency)))
+        tenth = max(1, len(errors) // 10)
+        ends.append((rms(np.concatenate(errors[:tenth])), rms(np.concatenate(errors[-tenth:]))))
+    first, last = np.array(ends).T
     return {
         "largest position error": np.array(worst),
-        "position, last hour": np.array(last),
-        "last hour over first hour": np.array(last) / np.array(first),
-        "NEES per state": np.array(nees),
+        "position, last tenth": last,
+        "ten hours, last hour over first": last[:1] / first[:1],
+        "NEES per state, at most": np.array(nees),
+        "NEES per state, at least": np.array(nees),
     }
 
 
@@ -220,12 +223,14 @@ RELATIVE_POSE_TEN_HOURS = Protocol(
     name="relative_pose_ten_hours",
     title="Ten hours without divergence",
     source="issue",
-    what="One simulated session of ten hours (the first seed only): trunk flexion with rests, at 100 Hz.",
+    what="Trunk flexion with rests at 100 Hz: ten hours with the first seed, half an hour with each other; the modules "
+    "keep their offsets, the gyroscopes wander. Each figure over all runs, the ratio over the long one.",
     figures=(
         Figure("largest position error", "m", 0.15),
-        Figure("position, last hour", "m", 0.022),
-        Figure("last hour over first hour", "1", 1.2),
-        Figure("NEES per state", "1", 1.4),
+        Figure("position, last tenth", "m", 0.022),
+        Figure("ten hours, last hour over first", "1", 1.2),
+        Figure("NEES per state, at most", "1", 1.4),
+        Figure("NEES per state, at least", "1", 0.6, at_most=False),
     ),
     measure=_ten_hours,
 )
