@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from estimators import rotation, signals
 from estimators.arm import two_link_joint_angles, two_link_pose
-from estimators.orientation._marzouk_quaternion_kernel import angle_row
+from estimators.orientation._marzouk_quaternion_kernel import pitch_row, roll_row, yaw_row
 from estimators.recording import Float
 from estimators.validation._protocol import Data, Figure, Protocol, Values
 from estimators.validation._thesis import (
@@ -53,10 +53,11 @@ def _jacobian_error(q: Float) -> float:
     # The twisting directions q * (0, axis) span the tangent space.
     for axis in np.eye(3):
         tangent = rotation.multiply(q, np.array([0.0, *axis]))
-        for which in range(3):
-            row = np.array(angle_row(which, *q)[1:5])
+        for angle_row in (roll_row, pitch_row, yaw_row):
+            _, _, length, *derivative = angle_row(*q)
+            row = np.array(derivative) / length
             ahead, behind = (
-                angle_row(which, *rotation.normalize(q + sign * step * tangent))[0] for sign in (1, -1)
+                np.arctan2(*angle_row(*rotation.normalize(q + sign * step * tangent))[:2]) for sign in (1, -1)
             )
             slope = np.remainder(ahead - behind + np.pi, 2 * np.pi) - np.pi
             worst = max(worst, abs(slope / (2 * step) - row @ tangent) / max(float(np.linalg.norm(row)), 1.0))
