@@ -44,7 +44,7 @@ _FORCE_UNITS: Final = (
 )
 _REST_RATE_RADPS: Final = math.radians(15.0)
 _FASTEST_RADPS: Final = 70.0
-_SMALLEST_RATE_RANGE_RADPS: Final = math.radians(60.0)
+_SMALLEST_RATE_RANGE_RADPS: Final = math.radians(30.0)
 _SMALLEST_FORCE_RANGE_MPS2: Final = 1.5 * GRAVITY_MPS2
 _FIELD_RANGE_T: Final = (20e-6, 75e-6)
 _FIELD_UNITS: Final = (

@@ -9,6 +9,7 @@ import pytest
 
 from estimators import signals
 from estimators.calibration import check_plausibility
+from estimators.calibration._clipping import find_plateau
 from estimators.errors import ShapeError
 from estimators.recording import ImuChunk, Recording, SampleQuality, SensorSignals
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
@@ -98,6 +99,19 @@ FAULTS = {
 def test_every_fault_is_named_on_its_sensor_and_no_other(fault, seed):
     changes, expected = FAULTS[fault]
     assert codes(only(simulated(seed=seed), **changes)) == expected
+
+
+def test_peaks_of_two_samples_are_known_for_clipped_by_repeating():
+    """At 50 Hz a swing cut off at 400 degrees/s: a sample or two at every turn, no three in a row."""
+    time_s = np.arange(500) / 50.0
+    soft = np.stack([np.sin(7.9 * time_s), np.cos(5.3 * time_s), 0.2 * np.sin(time_s)], axis=-1)
+    level = np.radians(400.0)
+    spiky = 1.03 * level * np.sign(soft) * np.abs(soft) ** 8
+    assert find_plateau(spiky, np.radians(30.0)) is None
+    cut = np.clip(spiky, -level, level)
+    runs = np.abs(cut) == level
+    assert not (runs[:-2] & runs[1:-1] & runs[2:]).any()
+    assert find_plateau(cut, np.radians(30.0)) == pytest.approx(level)
 
 
 def test_messages_say_what_to_do(sound):
