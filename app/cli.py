@@ -115,6 +115,16 @@ def simulate(
     seed: Annotated[int, typer.Option(help="Same seed, same signals.")] = 1,
     purpose: Annotated[str, typer.Option(help="exercise or template.")] = "exercise",
     forever: Annotated[bool, typer.Option(help="Begin again with a new session when one ends.")] = False,
+    relative: Annotated[
+        str,
+        typer.Option(
+            help="Instead of an arm, a magnetic source: flexion, rotation, walk_back, shoulder, hip, walk_leg or feet."
+        ),
+    ] = "",
+    seconds: Annotated[float, typer.Option(help="Length of a --relative session.", min=10, max=1800)] = 60.0,
+    no_implants: Annotated[
+        bool, typer.Option(help="Confirm that nobody near the source has a pacemaker or similar implant.")
+    ] = False,
 ) -> None:
     """Stream a simulated patient to a service over the real socket, in real time or faster.
 
@@ -122,6 +132,15 @@ def simulate(
 
     telemotion simulate --email therapist@demo.example --password ... --patient ID --movement drinking --loss-percent 5
     """
+    if relative:
+        from app.commands import simulate_relative as magnetic
+
+        magnetic.simulate_relative(
+            magnetic.RelativeOptions(
+                server, email, password, patient, relative, seconds, speed, seed, no_implants
+            )
+        )
+        return
     from app.commands import simulate as command
 
     command.simulate(

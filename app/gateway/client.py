@@ -13,8 +13,9 @@ import random
 import time
 from collections.abc import Awaitable, Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from typing import Annotated
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import Field, TypeAdapter, ValidationError
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidHandshake
 
@@ -29,7 +30,14 @@ from app.errors import (
     TelemotionError,
     Unavailable,
 )
-from app.ingest.messages import AcknowledgeMessage, ErrorMessage, GoodbyeMessage, HelloMessage
+from app.ingest.messages import (
+    AcknowledgeMessage,
+    ActuateMessage,
+    ActuationPlanMessage,
+    ErrorMessage,
+    GoodbyeMessage,
+    HelloMessage,
+)
 from app.ingest.packet import PacketFlag, with_flags
 
 logger = logging.getLogger(__name__)
@@ -40,7 +48,8 @@ FIRST_WAIT_S = 0.1
 LONGEST_WAIT_S = 5.0
 KEPT_PACKETS = 200_000
 
-_answer: TypeAdapter[AcknowledgeMessage | ErrorMessage] = TypeAdapter(AcknowledgeMessage | ErrorMessage)
+Answer = AcknowledgeMessage | ErrorMessage | ActuateMessage | ActuationPlanMessage
+_answer: TypeAdapter[Answer] = TypeAdapter(Annotated[Answer, Field(discriminator="type")])
 _FATAL: dict[str, type[TelemotionError]] = {
     SignInRequired.code: SignInRequired,
     NotAllowed.code: NotAllowed,
@@ -112,6 +121,8 @@ class GatewayClient:
         Seconds of the session per second; None sends as fast as the server takes it.
     give_up_s : float
         Longest time without a connection.
+    heard : callable(message), optional
+        Called with every message of the server: a magnetic source is told so what to do, and that it is not alone.
     """
 
     def __init__(
@@ -122,10 +133,12 @@ class GatewayClient:
         *,
         pace: float | None = 1.0,
         give_up_s: float = 120.0,
+        heard: Callable[[Answer], None] | None = None,
     ) -> None:
         self._url, self._ticket, self._hello = url, ticket, hello
         self._pace = pace
         self._give_up_s = give_up_s
+        self._heard = heard or (lambda message: None)
         self._kept: dict[int, bytes] = {}
         self._sent_s: dict[int, float] = {}
         self._connection: ClientConnection | None = None
@@ -284,6 +297,9 @@ class GatewayClient:
         if isinstance(answer, ErrorMessage):
             await connection.close()
             raise _as_error(answer)
+        if not isinstance(answer, AcknowledgeMessage):
+            connection.transport.abort()
+            raise Unavailable("The server answered a hello with something else than an acknowledgement.")
         self.report.connections += 1
         self._connection = connection
         self._take(answer)
@@ -303,6 +319,9 @@ class GatewayClient:
         try:
             async for text in connection:
                 answer = _answer.validate_json(text)
+                self._heard(answer)
+                if isinstance(answer, ActuateMessage | ActuationPlanMessage):
+                    continue
                 if isinstance(answer, AcknowledgeMessage):
                     self._take(answer)
                     await self._send_missing(connection, answer)

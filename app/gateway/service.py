@@ -18,6 +18,7 @@ from app.errors import (
     Unavailable,
 )
 from app.live.messages import CalibrationMessage, StateMessage
+from app.recordings.magnetic_schemas import MagneticSafetyIn, MagneticSafetyOut, SourceUseOut
 from app.recordings.schemas import JobOut, SessionDetail, SessionIn
 
 _BY_STATUS: dict[int, type[TelemotionError]] = {
@@ -88,6 +89,15 @@ class ServiceClient:
         """Get a one-use right to open a socket."""
         content = await self._call("POST", f"/api/sessions/{session_id}/ticket", {"purpose": purpose})
         return TicketOut.model_validate(content).ticket
+
+    async def confirm_no_implants(self, session_id: str, said: MagneticSafetyIn) -> MagneticSafetyOut:
+        """Say that neither the patient nor people close by wear an implant that a magnetic source disturbs."""
+        content = await self._call("POST", f"/api/sessions/{session_id}/magnetic-safety", said.model_dump())
+        return MagneticSafetyOut.model_validate(content)
+
+    async def source_use(self, session_id: str) -> SourceUseOut:
+        """Get what the magnetic source of a session did."""
+        return SourceUseOut.model_validate(await self._call("GET", f"/api/sessions/{session_id}/source-use"))
 
     async def state(self, session_id: str) -> StateMessage:
         """Get the state of a session."""

@@ -72,6 +72,40 @@ class JsonPacket(Schema):
     sensors: list[JsonSensor]
 
 
+class ActuationPlanMessage(Schema):
+    """Server to the gateway of a magnetic source, once after each hello: what to do when the link is lost."""
+
+    type: Literal["actuation_plan"] = "actuation_plan"
+    coils: list[int]
+    """Fired in this order, numbered from 1."""
+    current_a: float
+    on_ticks: int
+    off_ticks: int
+    """Of silence after each pulse."""
+    cycle_ticks: int
+    """From the start of one round to the next."""
+    after_s: float
+    """When nothing came from the server for so long, fire rounds until something comes."""
+    current_limit_a: float
+    """Never above this, whatever is asked."""
+
+
+class ActuateMessage(Schema):
+    """Server to the gateway of a magnetic source: the next pulse. The coil states in the packets are the answer."""
+
+    type: Literal["actuate"] = "actuate"
+    number: int
+    """Counts up; ignore one that is not above the last."""
+    coil: int
+    """From 1."""
+    current_a: float
+    on_ticks: int
+    not_before_us: int
+    """Device time; begin with the first tick at or after it, at once when it is past."""
+    not_after_us: int
+    """Device time; forget it when this is past before the pulse began."""
+
+
 class GoodbyeMessage(Schema):
     """Gateway: no more packets; `last_sequence` lets the server know what is missing."""
 

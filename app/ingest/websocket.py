@@ -19,8 +19,17 @@ from starlette.websockets import WebSocketDisconnect, WebSocketDisconnected, Web
 
 from app.errors import InvalidInput, PacketError, TelemotionError, Unavailable
 from app.ingest.declaration import Declaration, check_hello
-from app.ingest.messages import AcknowledgeMessage, ErrorMessage, GoodbyeMessage, HelloMessage, JsonPacket
+from app.ingest.messages import (
+    AcknowledgeMessage,
+    ActuateMessage,
+    ActuationPlanMessage,
+    ErrorMessage,
+    GoodbyeMessage,
+    HelloMessage,
+    JsonPacket,
+)
 from app.ingest.packet import MAX_PACKET_BYTES, Packet, decode_packet, packet_from_json
+from app.schemas import Schema
 from app.services import services_of
 
 HELLO_TIMEOUT_S = 10.0
@@ -71,6 +80,9 @@ class Intake(Protocol):
 
     async def check_right(self) -> None:
         """Raise when the gateway has lost its right since it connected."""
+
+    async def next_order(self) -> ActuateMessage | ActuationPlanMessage:
+        """Wait for what the magnetic source is to do next; for ever where there is none."""
 
     def detach(self) -> None:
         """Note that the connection has ended."""
@@ -161,19 +173,25 @@ class IngestConnection:
         """Receive until the gateway leaves, while acknowledging; the first that ends, ends both."""
         receiving = asyncio.create_task(self._receive_all(intake), name="ingest receive")
         acknowledging = asyncio.create_task(self._acknowledge(intake), name="ingest acknowledge")
+        ordering = asyncio.create_task(self._order(intake), name="ingest order")
+        tasks = {receiving, acknowledging, ordering}
         try:
-            done, _ = await asyncio.wait({receiving, acknowledging}, return_when=asyncio.FIRST_COMPLETED)
+            done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
             for task in done:
                 task.result()
         except TelemotionError as error:
             await self._end(error)
         finally:
-            for task in (receiving, acknowledging):
+            for task in tasks:
                 task.cancel()
-            await asyncio.gather(receiving, acknowledging, return_exceptions=True)
+            await asyncio.gather(*tasks, return_exceptions=True)
         if self._websocket.application_state is WebSocketState.CONNECTED:
             with contextlib.suppress(WebSocketDisconnect, WebSocketDisconnected):
                 await self._websocket.close()
+
+    async def _order(self, intake: Intake) -> None:
+        while True:
+            await self._send(await intake.next_order())
 
     async def _receive_all(self, intake: Intake) -> None:
         turn_s = time.monotonic()
@@ -277,7 +295,7 @@ class IngestConnection:
             await self._send(as_message(error, closing=True))
             await self._websocket.close(code=1008 if error.status < 500 else 1013, reason=error.code)
 
-    async def _send(self, message: AcknowledgeMessage | ErrorMessage) -> None:
+    async def _send(self, message: Schema) -> None:
         await self._send_text(message.model_dump_json())
 
     async def _send_text(self, text: str) -> None:

@@ -8,6 +8,7 @@ from app.errors import Conflict, TelemotionError, Unavailable
 from app.ingest.declaration import Declaration
 from app.ingest.messages import AcknowledgeMessage
 from app.ingest.packet import Packet
+from app.live.actuation import Order
 from app.live.runner import LiveSession
 from app.live.states import OPEN
 
@@ -32,6 +33,7 @@ class Intake:
             "The service is stopping; connect again.", reason="stopping"
         )
         self._reviewed_s = time.monotonic()
+        self._orders = None if session.actuation is None else session.actuation.connect()
 
     @property
     def session_id(self) -> str:
@@ -78,6 +80,13 @@ class Intake:
     async def check_right(self) -> None:
         """Raise when the gateway has lost its right since it connected."""
         await self._check_right()
+
+    async def next_order(self) -> Order:
+        """Wait for what the magnetic source is to do next; for ever where there is none."""
+        if self._orders is None:
+            await asyncio.Event().wait()
+            raise AssertionError
+        return await self._orders.get()
 
     def detach(self) -> None:
         """Note that the connection has ended."""

@@ -19,6 +19,7 @@ from app.ingest.clock import PacketClock, SkewEstimator
 from app.ingest.declaration import Declaration
 from app.ingest.packet import Packet, PacketFlag
 from app.live import repository
+from app.live.actuation import Actuation
 from app.live.blocks import PublishedFrames, layout_message
 from app.live.bus import Bus
 from app.live.calibrated_session import CalibratedSession
@@ -88,6 +89,10 @@ class LiveSession(CalibratedSession):
         self._unstored_tick = first_unstored_tick
         self._epochs_saved = len(declaration.clock_epochs)
         self.line = EstimationLine(pipeline, self._after, self._fail)
+        self.actuation = Actuation.of(
+            pipeline,
+            lambda kind, at_s, placement, text: self.add_event(kind, at_s, placement=placement, text=text),
+        )
         self.prepare_calibration()
         self._first_seconds = FirstSeconds(declaration.placements, self._implausible)
         self._loop = asyncio.get_running_loop()
@@ -161,6 +166,8 @@ class LiveSession(CalibratedSession):
         self._bus.publish(self._topics["frames"], frames)
         if arrival_s is not None:
             self.health.latencies_s.append(time.monotonic() - arrival_s)
+        if self.actuation is not None and self.machine.state in STREAMING:
+            self.actuation.take(frames, self.declaration, is_live=arrival_s is not None)
         self.store_frames(frames)
         self.health.set_flags(frames.layout.segments, frames.segment_flags[-1])
         self._tell_changes(chunk)

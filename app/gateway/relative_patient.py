@@ -1,0 +1,145 @@
+"""A simulated person with a magnetic source: measured as it is sent, because what the source does is asked for."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+import numpy as np
+
+from app.errors import InvalidInput
+from app.gateway.client import Delivery
+from app.gateway.encoding import EPOCH_US
+from app.gateway.source import SourceControl
+from app.ingest.messages import PROTOCOL_VERSION, HelloMessage
+from app.ingest.packet import Channel, encode_packet
+from estimators.conventions import Placement
+from estimators.magnetic import coil_state
+from estimators.pipelines import SessionSetup, relative_source
+from estimators.simulation.coils import RelativeScene, relative_motion, relative_scene
+
+RELATIVE_MOVEMENTS: Final[dict[str, tuple[Placement, Placement]]] = {
+    "flexion": ("pelvis", "sternum"),
+    "rotation": ("pelvis", "sternum"),
+    "walk_back": ("pelvis", "sternum"),
+    "shoulder": ("pelvis", "upper_arm_left"),
+    "hip": ("pelvis", "thigh_left"),
+    "walk_leg": ("pelvis", "thigh_left"),
+    "feet": ("foot_left", "foot_right"),
+}
+"""Movements of `estimators.simulation.coils`, and where source and sensor are worn in them."""
+_SHOE: Final = {"coil_radius_m": 0.075, "current_a": 1.36}
+_MASK: Final = Channel.GYROSCOPE | Channel.ACCELEROMETER | Channel.MAGNETOMETER | Channel.COIL_STATE
+_FULL_SCALE_T: Final = 8e-4
+
+
+@dataclass(frozen=True)
+class RelativeFaults:
+    """What goes wrong, session times in seconds.
+
+    `dead_s`: the coils are said to be on and are not. `silent_s`: the source does nothing and says so.
+    `exchanged_s`: the numbers of the first two coils are exchanged. Each until its end.
+    """
+
+    dead_s: tuple[float, float] = (np.inf, np.inf)
+    silent_s: tuple[float, float] = (np.inf, np.inf)
+    exchanged_s: tuple[float, float] = (np.inf, np.inf)
+
+
+@dataclass
+class RelativePatient:
+    """One session of a simulated person; what the source is told comes in through `control`.
+
+    Parameters
+    ----------
+    movement : str
+        A key of `RELATIVE_MOVEMENTS`.
+    duration_s : float
+    rate_hz : float
+    seed : int
+    faults : RelativeFaults
+    ticks_per_packet : int
+    """
+
+    movement: str = "flexion"
+    duration_s: float = 60.0
+    rate_hz: float = 120.0
+    seed: int = 1
+    faults: RelativeFaults = field(default_factory=RelativeFaults)
+    ticks_per_packet: int = 5
+
+    def __post_init__(self) -> None:
+        if self.movement not in RELATIVE_MOVEMENTS:
+            raise InvalidInput(
+                f"--relative is {self.movement!r}; choose one of {', '.join(RELATIVE_MOVEMENTS)}"
+            )
+        self.control = SourceControl(1e6 / self.rate_hz)
+        settings = relative_source(
+            SessionSetup(
+                "relative_pose", self.placements, self.rate_hz, orientation_parameters=self.parameters
+            )
+        )
+        self.scene: RelativeScene = relative_scene(
+            settings.coils,
+            relative_motion(self.movement, self.duration_s, self.seed),
+            self.duration_s,
+            self.rate_hz,
+            seed=self.seed,
+        )
+
+    @property
+    def placements(self) -> tuple[Placement, Placement]:
+        """Source, then sensor."""
+        return RELATIVE_MOVEMENTS[self.movement]
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """What the session must be told of the source."""
+        return dict(_SHOE) if self.movement == "feet" else {}
+
+    def hello(self, ticket: str) -> HelloMessage:
+        """Return the first message of a connection."""
+        return HelloMessage(
+            protocol_version=PROTOCOL_VERSION,
+            ticket=ticket,
+            placements=list(self.placements),
+            rate_hz=self.rate_hz,
+            device="telemotion simulator with a magnetic source",
+            firmware="1",
+        )
+
+    def deliveries(self) -> Iterator[Delivery]:
+        """Yield packets; each is measured when it is asked for, with the coils as they are then."""
+        count, size = len(self.scene.time_s), self.ticks_per_packet
+        for number in range(count // size):
+            first = number * size
+            data = encode_packet(
+                np.stack([self._tick(k) for k in range(first, first + size)]).astype("<f4"),
+                sequence=number,
+                device_time_us=EPOCH_US + round(1e6 * first / self.rate_hz),
+                tick_interval_us=round(1e6 / self.rate_hz),
+                channels=_MASK,
+            )
+            yield Delivery(number, data, (first + size) / self.rate_hz)
+
+    def _tick(self, k: int) -> np.ndarray[Any, np.dtype[np.float64]]:
+        scene, time_s = self.scene, float(self.scene.time_s[k])
+        coil, current = self.control.tick(EPOCH_US + 1e6 * time_s)
+        faults = self.faults
+        if faults.silent_s[0] <= time_s < faults.silent_s[1]:
+            coil, current = 0, 0.0
+        field_t = scene.ambient_t[k].copy()
+        if coil and not faults.dead_s[0] <= time_s < faults.dead_s[1]:
+            fired = coil - 1
+            if faults.exchanged_s[0] <= time_s < faults.exchanged_s[1]:
+                fired = {0: 1, 1: 0}.get(fired, fired)
+            field_t += current * scene.per_ampere_t[k, fired]
+        values = np.zeros((2, 10))
+        values[0, :3], values[0, 3:6] = scene.source_gyroscope_radps[k], scene.source_accelerometer_mps2[k]
+        values[0, 6:9] = np.clip(scene.source_ambient_t[k], -_FULL_SCALE_T, _FULL_SCALE_T)
+        values[0, 9] = coil_state(coil, current)
+        values[1, :3], values[1, 3:6] = scene.gyroscope_radps[k], scene.accelerometer_mps2[k]
+        values[1, 6:9] = np.clip(field_t, -_FULL_SCALE_T, _FULL_SCALE_T)
+        return values
+
+
+__all__ = ["RELATIVE_MOVEMENTS", "RelativeFaults", "RelativePatient"]

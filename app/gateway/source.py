@@ -1,0 +1,100 @@
+"""The source's side of the actuation messages: one pulse at a time, as asked; a fixed plan when nobody is heard.
+
+This is the reference for makers of sources: the rules are in `docs/packet.md`. It knows nothing of coils and
+amplifiers; it says for each tick which coil is to be on, with which current.
+"""
+
+from dataclasses import dataclass
+
+from app.ingest.messages import ActuateMessage, ActuationPlanMessage
+
+
+@dataclass
+class SourceAccount:
+    """What a source did: pulses asked for by the service, pulses of the fixed plan, and what was not done."""
+
+    asked: int = 0
+    by_plan: int = 0
+    too_late: int = 0
+    while_on: int = 0
+
+
+class SourceControl:
+    """Decides for each tick what the coils do.
+
+    Parameters
+    ----------
+    tick_us : float
+        Tick interval.
+    """
+
+    def __init__(self, tick_us: float) -> None:
+        self._tick_us = tick_us
+        self._plan: ActuationPlanMessage | None = None
+        self._next: ActuateMessage | None = None
+        self._last_number = 0
+        self._was_heard = False
+        self._heard_us: float | None = None
+        self._coil, self._current_a, self._left = 0, 0.0, 0
+        self._round_us: float | None = None
+        self._to_fire: list[int] = []
+        self._silent_until_us = 0.0
+        self.account = SourceAccount()
+
+    def hear(self, message: object) -> None:
+        """Take any message of the service: that something came counts too."""
+        self._was_heard = True
+        if isinstance(message, ActuationPlanMessage):
+            # Numbers begin anew with a service that was restarted.
+            self._plan, self._last_number = message, 0
+        elif isinstance(message, ActuateMessage) and message.number > self._last_number:
+            self._last_number = message.number
+            if self._left > 0:
+                self.account.while_on += 1
+            else:
+                self._next = message
+
+    def tick(self, now_us: float) -> tuple[int, float]:
+        """Return coil (from 1, 0 for none) and current at this tick of the device's clock.
+
+        Nothing is fired before a plan came: the service gives one only to sessions that are confirmed to be safe.
+        """
+        if self._was_heard:
+            self._was_heard, self._heard_us = False, now_us
+            self._round_us, self._to_fire = None, []
+        plan = self._plan
+        if plan is None:
+            return 0, 0.0
+        if self._left == 0:
+            self._begin(plan, now_us)
+        if self._left == 0:
+            return 0, 0.0
+        self._left -= 1
+        if self._left == 0:
+            self._silent_until_us = now_us + (1 + plan.off_ticks) * self._tick_us
+        return self._coil, self._current_a
+
+    def _begin(self, plan: ActuationPlanMessage, now_us: float) -> None:
+        wanted, self._next = self._next, None
+        if wanted is not None:
+            if now_us > wanted.not_after_us:
+                self.account.too_late += 1
+            elif now_us < wanted.not_before_us - 0.5 * self._tick_us:
+                self._next = wanted
+            else:
+                limit = plan.current_limit_a
+                self._coil, self._left = wanted.coil, wanted.on_ticks
+                self._current_a = min(max(wanted.current_a, -limit), limit)
+                self.account.asked += 1
+            return
+        if self._heard_us is None or now_us - self._heard_us < 1e6 * plan.after_s:
+            return
+        if self._round_us is None or now_us - self._round_us >= (plan.cycle_ticks - 0.5) * self._tick_us:
+            self._round_us, self._to_fire = now_us, list(plan.coils)
+        if self._to_fire and now_us >= self._silent_until_us - 0.5 * self._tick_us:
+            self._coil, self._current_a = self._to_fire.pop(0), min(plan.current_a, plan.current_limit_a)
+            self._left = plan.on_ticks
+            self.account.by_plan += 1
+
+
+__all__ = ["SourceAccount", "SourceControl"]
