@@ -28,6 +28,7 @@ from estimators.validation._foot_placement import FOOT_PLACEMENT
 from estimators.validation._foot_recordings import FOOT_LOOPS, FOOT_STAIRS, FOOT_STRIDES, FOOT_WALKS
 from estimators.validation._functional import FUNCTIONAL_CALIBRATION
 from estimators.validation._hand_motion import BIAS_STATES, HAND_MOTION, SINGULARITY
+from estimators.validation._joint_headings import JOINT_HEADINGS
 from estimators.validation._kinematics import CONVERSIONS, ELBOW_POSITION, KINEMATIC_IDENTITY
 from estimators.validation._luinge_consistency import CONSISTENCY
 from estimators.validation._luinge_offset import OFFSET_RECOVERY, STILL_SENSOR
@@ -35,6 +36,8 @@ from estimators.validation._luinge_tasks import INCLINATION_TASKS
 from estimators.validation._magnetic import MAGNETIC_CALIBRATION
 from estimators.validation._magnetic_tracker import MAGNETIC_MOVEMENTS, MAGNETIC_TRACKER
 from estimators.validation._magnetic_tracker_model import MAGNETIC_BENCH, MAGNETIC_MAPS, MAGNETIC_UPDATES
+from estimators.validation._optical import OPTICAL_GAIT, OPTICAL_GAPS, OPTICAL_RATES
+from estimators.validation._optical_recording import OPTICAL_CONSISTENCY, OPTICAL_RECORDING
 from estimators.validation._protocol import (
     Curve,
     Data,
@@ -84,6 +87,7 @@ _PROTOCOLS = (
     REPETITIONS,
     ARM_SESSION,
     FUNCTIONAL_CALIBRATION,
+    JOINT_HEADINGS,
     INCLINATION_TASKS,
     OFFSET_RECOVERY,
     STILL_SENSOR,
@@ -119,6 +123,11 @@ _PROTOCOLS = (
     RELATIVE_POSE_IRON,
     RELATIVE_POSE_FAULTS,
     RELATIVE_POSE_TEN_HOURS,
+    OPTICAL_GAPS,
+    OPTICAL_RATES,
+    OPTICAL_GAIT,
+    OPTICAL_RECORDING,
+    OPTICAL_CONSISTENCY,
     BROAD,
     BROAD_CONDITIONS,
     BROAD_OFFLINE,

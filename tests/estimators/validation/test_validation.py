@@ -39,6 +39,11 @@ SLOW = {
     "relative_pose_feet": 4,
     "relative_pose_iron": 4,
     "relative_pose_faults": 2,
+    "optical_gaps": 4,
+    "optical_rates": 2,
+    "optical_gait": 1,
+    "optical_recording": 2,
+    "optical_consistency": 8,
 }
 """With how many seeds: where a mean over the trials is judged, as many as it takes."""
 QUICK = {

@@ -1,0 +1,34 @@
+"""Marker positions and an inertial module together: gap filling, higher rate, smoothing."""
+
+from estimators.optical._alignment import Alignment, align_cluster, align_markers
+from estimators.optical._contract import (
+    OpticalChunk,
+    OpticalParameters,
+    OpticalResult,
+    OpticalStart,
+    Provenance,
+)
+from estimators.optical._fusion import OpticalInertialFilter, smooth_optical
+from estimators.optical._gaps import WITHHELD_M, Gap, fill_by_spline, gap_report
+from estimators.optical._recording import OpticalFusion, fuse_markers
+from estimators.optical._stretch import GapCheck
+
+__all__ = [
+    "WITHHELD_M",
+    "Alignment",
+    "Gap",
+    "GapCheck",
+    "OpticalChunk",
+    "OpticalFusion",
+    "OpticalInertialFilter",
+    "OpticalParameters",
+    "OpticalResult",
+    "OpticalStart",
+    "Provenance",
+    "align_cluster",
+    "align_markers",
+    "fill_by_spline",
+    "fuse_markers",
+    "gap_report",
+    "smooth_optical",
+]

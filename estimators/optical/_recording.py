@@ -1,0 +1,234 @@
+"""Markers and an inertial module of one recording: clocks, heading, lever arm, fusion and a report, all off-line."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators import rotation
+from estimators.errors import ComparisonError, ShapeError
+from estimators.optical._alignment import Alignment, align_cluster, align_markers
+from estimators.optical._contract import OpticalResult, Provenance
+from estimators.optical._fusion import OpticalInertialFilter
+from estimators.optical._gaps import Gap, fill_by_spline, gap_report
+from estimators.optical._stretch import GapCheck, Stretch, check_gaps, onto_ticks, prepare
+from estimators.recording import Float
+
+_ROUNDS = 4
+
+
+@dataclass(frozen=True)
+class OpticalFusion:
+    """A fused recording.
+
+    Attributes
+    ----------
+    first_tick : int
+        Of `result`; ticks of the inertial recording.
+    time_step_s : float
+    alignment : Alignment
+    result : OpticalResult
+        Smoothed; NaN where there was nothing to fuse.
+    marker_m : ndarray, shape (K, 3)
+        The frames, each at its nearest tick; NaN without one.
+    residual_m : ndarray, shape (K, 3)
+        Marker minus fused marker at the time of the frame; NaN without one, rejected ones included.
+    spline_m : ndarray, shape (K, 3)
+        The markers with gaps filled by quintics, for comparison.
+    gaps : list of Gap
+        Their ticks count from `first_tick`.
+    checks : list of GapCheck
+    lever_arm_m, lever_arm_sigma_m : ndarray, shape (3,)
+        From the accelerometer to the marker, sensor axes.
+    heading_sigma_rad : float
+        Of the start, from the movement.
+    sigma_scale : float
+        By how much all noise was raised so that the innovations fit their covariance; 1 when they did at once.
+    mean_nis : float
+        Of accepted markers; 3 is expected.
+    frame_count, used_count, rejected_count : int
+    reasons : tuple of str
+        What was left out, in words.
+    """
+
+    first_tick: int
+    time_step_s: float
+    alignment: Alignment
+    result: OpticalResult
+    marker_m: Float
+    residual_m: Float
+    spline_m: Float
+    gaps: list[Gap]
+    checks: list[GapCheck]
+    lever_arm_m: Float
+    lever_arm_sigma_m: Float
+    heading_sigma_rad: float
+    sigma_scale: float
+    mean_nis: float
+    frame_count: int
+    used_count: int
+    rejected_count: int
+    reasons: tuple[str, ...]
+
+
+def fuse_markers(
+    camera_time_s: Float,
+    marker_m: Float,
+    time_step_s: float,
+    gyroscope_radps: Float,
+    accelerometer_mps2: Float,
+    *,
+    parameters: Mapping[str, Any] | None = None,
+    lever_arm_m: Float | None = None,
+    cluster_m: Float | None = None,
+    largest_offset_s: float | None = None,
+    gap_checks: bool = True,
+) -> OpticalFusion:
+    """Fuse a marker with the module near it.
+
+    Parameters
+    ----------
+    camera_time_s : ndarray, shape (N,)
+        On the cameras' own clock.
+    marker_m : ndarray, shape (N, 3)
+        Laboratory with z up; NaN in gaps.
+    time_step_s : float
+    gyroscope_radps, accelerometer_mps2 : ndarray, shape (K, 3)
+        Even ticks from time zero; NaN where samples are missing.
+    parameters : mapping, optional
+        Of `OpticalParameters`, what differs from the defaults.
+    lever_arm_m : ndarray, shape (3,), optional
+        From the accelerometer to the marker in sensor axes, when it was measured; otherwise it is found.
+    cluster_m : ndarray, shape (N, M, 3), optional
+        Three or more markers on the same rigid body: clocks can then be aligned by the angular rate too.
+    largest_offset_s : float, optional
+        How far the clocks can be apart; anything by default.
+    gap_checks : bool
+        Also hide seen markers and measure how well they are filled.
+
+    Raises
+    ------
+    ComparisonError
+        The streams do not show the same movement, or too little of it; the message says what to do.
+    """
+    camera_time_s, marker_m = np.asarray(camera_time_s, np.float64), np.asarray(marker_m, np.float64)
+    count = len(gyroscope_radps)
+    ticks = np.arange(count, dtype=np.float64) * time_step_s
+    if accelerometer_mps2.shape != (count, 3) or gyroscope_radps.shape != (count, 3):
+        raise ShapeError(f"gyroscope and accelerometer both need shape ({count}, 3)")
+    samples = gyroscope_radps, accelerometer_mps2
+    found = _best_alignment(
+        camera_time_s, marker_m, ticks, *samples, cluster_m, largest_offset_s, lever_arm_m
+    )
+    for _ in range(_ROUNDS):
+        at = found.inertial_time(camera_time_s)
+        on_ticks, delay = onto_ticks(at, marker_m, time_step_s, count)
+        stretches, reasons = prepare(
+            *samples, time_step_s, on_ticks, delay, at, marker_m, parameters, lever_arm_m
+        )
+        # The lever arm biases the clocks, and the clocks the lever arm.
+        arm, before = stretches[0].mounting.lever_arm_m, found.offset_s
+        found = _best_alignment(camera_time_s, marker_m, ticks, *samples, cluster_m, largest_offset_s, arm)
+        if abs(found.offset_s - before) < 2e-5:
+            break
+    first = stretches[0].first
+    results = [stretch.smoothed() for stretch in stretches]
+    scale = _sigma_scale(results)
+    if scale > 1.2:
+        stretches = [replace(s, parameters=_scaled(s.parameters, scale)) for s in stretches]
+        results = [stretch.smoothed() for stretch in stretches]
+    else:
+        scale = 1.0
+    total = stretches[-1].first + len(stretches[-1].chunk.marker_m) - first
+    result = _joined(stretches, results, first, total)
+    part = slice(first, first + total)
+    turning = rotation.rotate(
+        result.q_room_sensor, np.cross(gyroscope_radps[part] - result.rate_bias_radps, result.lever_arm_m)
+    )
+    d = delay[part, None]
+    there = result.marker_m + d * (result.velocity_mps + turning) + 0.5 * d**2 * result.acceleration_mps2
+    # What the clocks may be apart moves a marker along its path.
+    apart = (ticks[part] - found.reference_s)[:, None] * found.drift_sigma
+    clocks = np.abs(result.velocity_mps) * np.hypot(found.offset_sigma_s, apart)
+    result = replace(result, position_sigma_m=np.hypot(result.position_sigma_m, clocks))
+    last = results[0].lever_arm_m[-1], results[0].lever_arm_sigma_m[-1]
+    accepted = result.provenance == Provenance.MEASURED
+    return OpticalFusion(
+        first,
+        time_step_s,
+        found,
+        result,
+        on_ticks[part],
+        on_ticks[part] - there,
+        fill_by_spline(on_ticks[part], time_step_s),
+        gap_report(result, time_step_s),
+        check_gaps(stretches[0]) if gap_checks else [],
+        last[0],
+        last[1],
+        stretches[0].mounting.heading_sigma_rad,
+        scale,
+        float(np.mean(result.nis[accepted])) if accepted.any() else float("nan"),
+        int(np.isfinite(marker_m).all(axis=1).sum()),
+        int(np.isin(result.provenance, (Provenance.MEASURED, Provenance.RECOVERED)).sum()),
+        int((result.provenance == Provenance.REJECTED).sum()),
+        tuple(reasons),
+    )
+
+
+def _best_alignment(
+    camera_time_s: Float,
+    marker_m: Float,
+    ticks: Float,
+    gyroscope: Float,
+    accelerometer: Float,
+    cluster: Float | None,
+    largest: float | None,
+    arm: Float | None,
+) -> Alignment:
+    found = align_markers(camera_time_s, marker_m, ticks, accelerometer, gyroscope, largest, arm)
+    if cluster is not None:
+        by_rate = align_cluster(camera_time_s, cluster, ticks, gyroscope, largest)
+        if by_rate.is_credible and (not found.is_credible or by_rate.offset_sigma_s < found.offset_sigma_s):
+            found = by_rate
+    if not found.is_credible:
+        raise ComparisonError(
+            f"the markers do not fit this sensor: best correlation {found.correlation:.2f}, elsewhere"
+            f" {found.rival:.2f}. Choose the sensor that wore the marker, or record some irregular movement"
+        )
+    return found
+
+
+def _sigma_scale(results: list[OpticalResult]) -> float:
+    nis = np.concatenate(
+        [r.nis[np.isin(r.provenance, (Provenance.MEASURED, Provenance.REJECTED))] for r in results]
+    )
+    # The median of chi-square with three degrees of freedom is 2.366; ghosts do not move it.
+    return float(np.sqrt(np.median(nis) / 2.366)) if len(nis) > 20 else 1.0
+
+
+def _scaled(parameters: dict[str, Any], scale: float) -> dict[str, Any]:
+    defaults = OpticalInertialFilter(0.01, parameters).parameters
+    names = ("force_sigma_mps2", "rate_sigma_radps", "marker_sigma_m", "force_walk", "rate_walk")
+    return {**parameters, **{name: scale * float(defaults[name]) for name in names}}
+
+
+def _joined(stretches: list[Stretch], results: list[OpticalResult], first: int, total: int) -> OpticalResult:
+    values: dict[str, NDArray[Any]] = {}
+    for field in fields(OpticalResult):
+        one = getattr(results[0], field.name)
+        whole = (
+            np.full((total, *one.shape[1:]), np.nan) if one.dtype.kind == "f" else np.zeros(total, one.dtype)
+        )
+        if field.name == "q_room_sensor":
+            whole[:] = rotation.identity()
+        for stretch, result in zip(stretches, results, strict=True):
+            begin = stretch.first + stretch.start_tick - first
+            part = getattr(result, field.name)
+            whole[begin : begin + len(part)] = part
+        values[field.name] = whole
+    return OpticalResult(**values)
+
+
+__all__ = ["OpticalFusion", "fuse_markers"]
