@@ -56,8 +56,18 @@ def conjugate(q: ArrayLike) -> Float:
 def rotate(q: ArrayLike, vector: ArrayLike) -> Float:
     """Rotate vectors, shape (..., 3), by unit quaternions, shape (..., 4)."""
     q, vector = np.asarray(q, dtype=np.float64), np.asarray(vector, dtype=np.float64)
-    twice_cross = 2.0 * np.cross(q[..., 1:], vector)
-    return np.asarray(vector + q[..., :1] * twice_cross + np.cross(q[..., 1:], twice_cross))
+    w, x, y, z = (q[..., i] for i in range(4))
+    vx, vy, vz = (vector[..., i] for i in range(3))
+    # By components: numpy's cross product costs ten times as much on the few samples of a live chunk.
+    tx, ty, tz = 2.0 * (y * vz - z * vy), 2.0 * (z * vx - x * vz), 2.0 * (x * vy - y * vx)
+    return np.stack(
+        (
+            vx + w * tx + (y * tz - z * ty),
+            vy + w * ty + (z * tx - x * tz),
+            vz + w * tz + (x * ty - y * tx),
+        ),
+        axis=-1,
+    )
 
 
 def exp(rotation_vector_rad: ArrayLike) -> Float:
