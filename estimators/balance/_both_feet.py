@@ -144,11 +144,16 @@ def total_reaction(
     if not carried.any():
         raise ShapeError("the shoes were never loaded; check calibration and units (newton)")
     with np.errstate(invalid="ignore", divide="ignore"):
-        parts = [np.nan_to_num(reactions[side].cop_m) * (size[side] / all_of_it)[:, None] for side in SIDES]
+        parts = [
+            np.where(reactions[side].is_loaded, size[side] / all_of_it, 0.0)[:, None]
+            * np.where(reactions[side].is_loaded[:, None], reactions[side].cop_m, 0.0)
+            for side in SIDES
+        ]
     cop = parts[0] + parts[1]
-    at = np.arange(total.shape[0])
-    for axis in range(3):
-        cop[~carried, axis] = np.interp(at[~carried], at[carried], cop[carried, axis])
+    if not carried.all():
+        at = np.arange(total.shape[0])
+        for axis in range(3):
+            cop[~carried, axis] = np.interp(at[~carried], at[carried], cop[carried, axis])
     return total, cop
 
 

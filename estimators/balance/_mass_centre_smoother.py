@@ -166,7 +166,7 @@ class LiveMassCentre:
         rate = acceleration(force, self._mass_kg)
         height, climb = self._heights(rate[:, 2])
         floor = np.where(usable, cop_m[:, 2], 0.0)
-        anchor = momentum_anchor(force, np.nan_to_num(cop_m), height - floor)
+        anchor = momentum_anchor(force, np.where(usable[:, None], cop_m, 0.0), height - floor)
         bits = np.asarray(usable + 2 * (is_standing & usable), dtype=np.uint8)
         known = np.full(samples, self._settings[5] > 0.0) | np.maximum.accumulate(usable)
         records = _Records(samples)

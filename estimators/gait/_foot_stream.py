@@ -102,10 +102,10 @@ class FootStream:
             gyroscope, accelerometer = gyroscope.copy(), accelerometer.copy()
             for k in np.flatnonzero(is_missing).tolist():
                 if k and not is_missing[k - 1]:
-                    self._last_good = _at_rest(accelerometer[k - 1])
-                gyroscope[k], accelerometer[k] = 0.0, self._last_good
+                    self._last_good = accelerometer[k - 1].copy()
+                gyroscope[k], accelerometer[k] = 0.0, _at_rest(self._last_good)
         if count and not is_missing[-1]:
-            self._last_good = _at_rest(accelerometer[-1])
+            self._last_good = accelerometer[-1].copy()
         skipped = 0
         if self.first < 0:
             measured = np.flatnonzero(~is_missing)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from estimators import rotation
+from estimators.kinetics._ground_kernel import reactions
 from estimators.kinetics._shoe_geometry import ShoeGeometry
 from estimators.kinetics._shoe_pose import ShoePose
 from estimators.recording import Float
@@ -99,27 +100,25 @@ def ground_reaction(
     `x = (z F_x - M_y) / F_z`, `y = (M_x + z F_y) / F_z` on the floor z (E2); and the free moment
     `T = M_z - (x F_y - y F_x)` instead of the moment about the origin (E3).
     """
-    heel_force = rotation.rotate(pose.q_room_heel, loads.heel_force_n)
-    forefoot_force = rotation.rotate(pose.q_room_forefoot, loads.forefoot_force_n)
-    heel_moment = rotation.rotate(pose.q_room_heel, loads.heel_moment_nm) + np.cross(pose.heel_m, heel_force)
-    forefoot_moment = rotation.rotate(pose.q_room_forefoot, loads.forefoot_moment_nm)
-    forefoot_moment = forefoot_moment + np.cross(pose.forefoot_m, forefoot_force)
-    force, moment = heel_force + forefoot_force, heel_moment + forefoot_moment
-    floor = np.broadcast_to(np.asarray(floor_m, dtype=np.float64), force.shape[:1])
-    cop, free = pressure_point(force, moment, floor, least_n)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        share = np.where(force[:, 2] > least_n, forefoot_force[:, 2] / force[:, 2], np.nan)
-    return GroundReaction(
+    samples = len(loads.heel_force_n)
+    force, moment, cop = np.empty((3, 3, samples, 3))
+    free, share = np.empty(samples), np.full(samples, np.nan)
+    reactions(
+        np.array((pose.q_room_heel, pose.q_room_forefoot), dtype=np.float64),
+        np.array((pose.heel_m, pose.forefoot_m), dtype=np.float64),
+        np.array((loads.heel_force_n, loads.forefoot_force_n), dtype=np.float64),
+        np.array((loads.heel_moment_nm, loads.forefoot_moment_nm), dtype=np.float64),
+        np.array(np.broadcast_to(floor_m, (samples,)), dtype=np.float64),
+        least_n,
         force,
         moment,
         cop,
         free,
-        forefoot_force,
-        forefoot_moment,
-        pressure_point(heel_force, heel_moment, floor, least_n)[0],
-        pressure_point(forefoot_force, forefoot_moment, floor, least_n)[0],
-        share,
-        force[:, 2] > least_n,
+    )
+    is_loaded = force[2, :, 2] > least_n
+    np.divide(force[1, :, 2], force[2, :, 2], out=share, where=is_loaded)
+    return GroundReaction(
+        force[2], moment[2], cop[2], free, force[1], moment[1], cop[0], cop[1], share, is_loaded
     )
 
 
@@ -128,21 +127,21 @@ def pressure_point(force_n: Float, moment_nm: Float, floor_m: Float, least_n: fl
 
     Parameters
     ----------
-    force_n, moment_nm : ndarray, shape (N, 3)
+    force_n, moment_nm : ndarray, shape (..., N, 3)
         Moment about the origin of the frame.
     floor_m : ndarray, shape (N,)
     least_n : float
 
     Returns
     -------
-    (ndarray, shape (N, 3), ndarray, shape (N,))
+    (ndarray, shape (..., N, 3), ndarray, shape (..., N))
         NaN where the vertical force is at most `least_n`.
     """
-    vertical = np.where(force_n[:, 2] > least_n, force_n[:, 2], np.nan)
-    x = (floor_m * force_n[:, 0] - moment_nm[:, 1]) / vertical
-    y = (moment_nm[:, 0] + floor_m * force_n[:, 1]) / vertical
-    point = np.column_stack((x, y, np.where(np.isnan(vertical), np.nan, floor_m)))
-    return point, moment_nm[:, 2] - (x * force_n[:, 1] - y * force_n[:, 0])
+    vertical = np.where(force_n[..., 2] > least_n, force_n[..., 2], np.nan)
+    x = (floor_m * force_n[..., 0] - moment_nm[..., 1]) / vertical
+    y = (moment_nm[..., 0] + floor_m * force_n[..., 1]) / vertical
+    point = np.stack((x, y, np.where(np.isnan(vertical), np.nan, floor_m)), axis=-1)
+    return point, moment_nm[..., 2] - (x * force_n[..., 1] - y * force_n[..., 0])
 
 
 def is_inside_sole(

@@ -54,6 +54,25 @@ def scene():
     return pose, ShoeLoads(force[0], moment[0], force[1], moment[1])
 
 
+def test_the_compiled_reaction_equals_plain_numpy(scene):
+    pose, loads = scene
+    floor = np.linspace(-0.1, 0.1, 50)
+    found = ground_reaction(loads, pose, floor_m=floor, least_n=400.0)
+    force = rotation.rotate(pose.q_room_heel, loads.heel_force_n)
+    moment = rotation.rotate(pose.q_room_heel, loads.heel_moment_nm) + np.cross(pose.heel_m, force)
+    np.testing.assert_allclose(found.heel_cop_m, pressure_point(force, moment, floor, 400.0)[0], rtol=1e-10)
+    fore = rotation.rotate(pose.q_room_forefoot, loads.forefoot_force_n)
+    fore_moment = rotation.rotate(pose.q_room_forefoot, loads.forefoot_moment_nm)
+    fore_moment += np.cross(pose.forefoot_m, fore)
+    np.testing.assert_allclose(found.forefoot_moment_nm, fore_moment, rtol=1e-10, atol=1e-9)
+    np.testing.assert_allclose(found.force_n, force + fore, rtol=1e-12, atol=1e-9)
+    cop, free = pressure_point(force + fore, moment + fore_moment, floor, 400.0)
+    np.testing.assert_allclose(found.cop_m, cop, rtol=1e-10)
+    np.testing.assert_allclose(found.free_moment_nm, free, rtol=1e-8)
+    assert 0 < np.isnan(found.heel_cop_m[:, 0]).sum() < 50
+    np.testing.assert_allclose(found.forefoot_share, fore[:, 2] / (force + fore)[:, 2], rtol=1e-10)
+
+
 def test_pressure_point_leaves_only_the_vertical_moment():
     rng = np.random.default_rng(2)
     force, moment = rng.normal(size=(40, 3)) * 50 + [0, 0, 600], rng.normal(size=(40, 3)) * 80
