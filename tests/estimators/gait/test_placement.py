@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from estimators.errors import SetupError, ShapeError
@@ -22,6 +22,7 @@ def test_equal_spacing_of_three_is_the_second_difference():
     np.testing.assert_allclose(found.lateral_m[0], second / 6 * np.array([1, -2, 1]), rtol=1e-4)
 
 
+@settings(deadline=None)
 @given(
     st.lists(st.floats(-0.2, 0.2), min_size=5, max_size=9),
     st.floats(-3.0, 3.0),
