@@ -23,6 +23,8 @@ from estimators.recording import Float, ImuChunk
 
 MICROTESLA_PER_TESLA = 1e6
 _LEAST_VARIANCE = 1e-12
+_SWAY_RADPS = np.deg2rad(0.5)
+"""How far a person's sway moves the mean rate of half a second, until it has been seen."""
 
 
 _GAIN_AGEING, _DELAY_AGEING_S, _IRON_AGEING_UT = 0.003, 0.002, 0.5
@@ -42,7 +44,7 @@ class TelemotionEstimator(KernelEstimator):
     """
 
     name: ClassVar[str] = "telemotion"
-    version: ClassVar[str] = "3"
+    version: ClassVar[str] = "4"
     title: ClassVar[str] = "Telemotion"
     description: ClassVar[str] = (
         "Also learns each sensor's own errors and nearby magnets while it is worn; the most accurate live estimate."
@@ -69,6 +71,8 @@ class TelemotionEstimator(KernelEstimator):
         self._set_variance(at.DELAY, 1, p.delay_sigma_s**2)
         self._set_variance(at.START, 3, p.start_wide_ut**2)
         self._memory[:, at.GRAVITY] = GRAVITY_MPS2
+        self._memory[:, at.QUIET] = p.quiet_ut**2
+        self._memory[:, at.REST_SWAY] = _SWAY_RADPS**2
         self._memory[:, at.CLIP_LEVEL : at.CLIP_LEVEL + 2] = np.inf
         self._memory[:, at.STEADY_FIELD] = np.nan
         self._memory[:, at.CORRECTION] = self._memory[:, at.SHOWN] = 1.0

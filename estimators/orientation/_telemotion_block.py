@@ -26,7 +26,6 @@ from estimators.orientation._telemotion_layout import (
     POSITION_PRIOR,
     RATE_NOISE,
     RATE_NOISE_PER_RATE,
-    REST_BIAS,
     REST_S,
     REST_SPEED,
     SPEED_NOISE,
@@ -43,6 +42,7 @@ from estimators.orientation._telemotion_layout import (
     TURN,
     VELOCITY,
 )
+from estimators.orientation._telemotion_samples import rest_variance
 from estimators.recording import Float
 
 _DIAGONAL = STATES + 1
@@ -223,9 +223,10 @@ def hold_place(
         index[a, 0] = VELOCITY + a
         rows[3, a], rows[4, a] = -memory[VELOCITY + a], settings[REST_SPEED] / time_s
     absorb(p, error, rows, index, value, 1)
+    variance = rest_variance(p, bias, memory, settings, time_s)
     for a in range(3):
         index[a, 0] = BIAS + a
-        rows[3, a], rows[4, a] = memory[MEAN_RATE + a] - bias[a], settings[REST_BIAS] / time_s
+        rows[3, a], rows[4, a] = memory[MEAN_RATE + a] - bias[a], variance
     absorb(p, error, rows, index, value, 1)
 
 

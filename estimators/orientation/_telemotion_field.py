@@ -36,6 +36,10 @@ from estimators.orientation._telemotion_layout import (
     IRON_WINDOW_S,
     MISFIT,
     OPENED,
+    QUIET,
+    QUIET_LEAST,
+    QUIET_LEVEL,
+    QUIET_S,
     REGION,
     REGION_BASE,
     REGION_S,
@@ -112,7 +116,11 @@ def field_variance(
     east = memory[FIELD] + share * memory[START]
     north = memory[FIELD + 1] + share * memory[START + 1]
     across = memory[SUM_FIELD] * per_field * north - memory[SUM_FIELD + 1] * per_field * east
-    squares -= settings[TURN_FREE] * across * across / (east * east + north * north + 1e-9)
+    turned = across * across / (east * east + north * north + 1e-9)
+    if not rest and share < 0.5:
+        seen = -math.expm1(-time_s / settings[QUIET_S])
+        memory[QUIET] += seen * (min(0.5 * (squares - turned), _LARGEST_MISFIT) - memory[QUIET])
+    squares -= settings[TURN_FREE] * turned
     if not rest and share < 0.5:
         seen = -math.expm1(-time_s / settings[REGION_S])
         memory[REGION] += seen * (min(squares / 3.0, _LARGEST_MISFIT) - memory[REGION])
@@ -120,6 +128,7 @@ def field_variance(
     gain = -math.expm1(-time_s / settings[FIELD_LEVEL_S])
     memory[DISTURBANCE] += gain * (min(misfit, _LARGEST_MISFIT) - memory[DISTURBANCE])
     noise = settings[FIELD_NOISE_REST] if rest else settings[FIELD_NOISE_MOVING]
+    noise *= min(max(memory[QUIET] / settings[QUIET_LEVEL], settings[QUIET_LEAST]), 1.0)
     noise += share * (settings[FIELD_NOISE_START] - noise)
     doubt = 1.0 + max(misfit, memory[DISTURBANCE])
     if rest:

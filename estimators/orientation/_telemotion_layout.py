@@ -64,7 +64,11 @@ LARGEST = CLIP_LEVEL + 2
 # mean squared residual of the field where the sensor moves.
 STEADY_FIELD = LARGEST + 2
 STEADY_S, RESTLESS, REGION = STEADY_FIELD + 3, STEADY_FIELD + 4, STEADY_FIELD + 5
-MEMORY = REGION + 1
+# How far the field is from the model's where turning does not explain it, mean square of a component.
+QUIET = REGION + 1
+# Rest: mean rate of this rest, and how far the mean of half a second sways about it, squared.
+REST_MEAN, REST_SWAY = QUIET + 1, QUIET + 4
+MEMORY = REST_SWAY + 1
 
 # Counts of a sensor.
 TICK, PHASE, COUNT, FIELD_COUNT, GAP, PENDING, SINCE_START, CLIPPED, FIELD_KNOWN, OPENED, FILTERED = range(11)
@@ -142,5 +146,11 @@ SAMPLE = 11
     REGION_SHARE,
     REGION_S,
     TURN_FREE,
-) = range(60)
-SETTINGS = 60
+    QUIET_LEVEL,
+    QUIET_S,
+    QUIET_LEAST,
+    REST_SURPRISE,
+    REST_SURE_S,
+    REST_SWAY_S,
+) = range(66)
+SETTINGS = 66

@@ -17,12 +17,19 @@ class TelemotionParameters:
     (errors of scale that change); `gain_sigma` is the spread of scale and axis errors of devices.
     Specific force: the integral of what is left beside gravity must stay near one place:
     `position_prior_m_sqrt_s`, with `speed_noise_mps_per_sqrt_s` for all that bends this.
+    Rest: its rate is the gyroscope's bias, but people who stand still sway, and who hold an arm up lowers it
+    slowly. What the mean rate sways about that of `rest_sure_s` adds to `rest_bias_sigma_degps_sqrt_s`, for
+    `rest_sway_s` each; and when the latter is off the bias by more than its uncertainty and
+    `rest_surprise_degps`, it is doubted.
     Magnetic field (microtesla): `field_noise_*_ut_sqrt_s` stand for errors that last for seconds, hence their
     size; at rest they last as long as the rest. A block whose residual is `field_scale_ut` or more, alone or on
     average over `field_level_s`, loses weight; of a residual that only turns the heading, `field_turn_free` is
     forgiven, for it may be the heading's own. A rest tells once, not on and on: its weight ends after about
     `field_same_s`. North is where the mean field of the surroundings points, which itself is off by `region_ut`
     and by `region_share` of the mean squared residual, seen over `region_s`: so the first place counts too.
+    Where the field fits the model better than `quiet_ut`, as seen over `quiet_s` in what no turn explains, the
+    noise falls with the square of the misfit, down to `quiet_least`: in a field that is the same everywhere the
+    magnetometer is good to its own noise, elsewhere errors last for minutes.
     A field that changes by `steady_change_ut` at the first rest, before it was steady for `steady_trusted_s`,
     is met anew, and no hypothesis is believed. Hard iron and the field at the first resting place are each
     one of three: small (calibrated device, clean place), middle, or wide (a magnet attached, iron next to it),
@@ -50,7 +57,7 @@ class TelemotionParameters:
     gain_sigma: float = 0.005
     rate_noise_deg_per_sqrt_s: float = 0.02
     rate_noise_per_rate_sqrt_s: float = 0.002
-    speed_noise_mps_per_sqrt_s: float = 0.05
+    speed_noise_mps_per_sqrt_s: float = 0.1
     position_noise_m_per_sqrt_s: float = 0.01
     position_prior_m_sqrt_s: float = 0.6
     rest_gyroscope_threshold_degps: float = 2.0
@@ -59,15 +66,21 @@ class TelemotionParameters:
     rest_time_constant_s: float = 0.5
     rest_speed_sigma_mps_sqrt_s: float = 0.0045
     rest_bias_sigma_degps_sqrt_s: float = 0.1
+    rest_sway_s: float = 0.4
+    rest_sure_s: float = 5.0
+    rest_surprise_degps: float = 0.15
     delay_sigma_s: float = 0.02
     field_start_sigma_ut: float = 60.0
     field_noise_moving_ut_sqrt_s: float = 5.0
-    field_noise_rest_ut_sqrt_s: float = 8.0
+    field_noise_rest_ut_sqrt_s: float = 2.0
     field_noise_start_ut_sqrt_s: float = 2.0
     field_scale_ut: float = 1.0
     field_level_s: float = 2.0
     field_same_s: float = 10.0
     field_turn_free: float = 0.7
+    quiet_ut: float = 0.5
+    quiet_s: float = 10.0
+    quiet_least: float = 0.1
     region_ut: float = 0.7
     region_share: float = 0.1
     region_s: float = 30.0
@@ -117,6 +130,10 @@ POSITIVE = (
     "position_prior_m_sqrt_s",
     "rest_speed_sigma_mps_sqrt_s",
     "rest_bias_sigma_degps_sqrt_s",
+    "rest_sure_s",
+    "rest_surprise_degps",
+    "quiet_ut",
+    "quiet_s",
     "field_noise_moving_ut_sqrt_s",
     "field_noise_rest_ut_sqrt_s",
     "field_noise_start_ut_sqrt_s",
@@ -175,6 +192,12 @@ def settings_of(parameters: TelemotionParameters, step_s: float) -> Float:
         at.REGION_SHARE: p.region_share,
         at.REGION_S: p.region_s,
         at.TURN_FREE: p.field_turn_free,
+        at.QUIET_LEVEL: p.quiet_ut**2,
+        at.QUIET_S: p.quiet_s,
+        at.QUIET_LEAST: p.quiet_least,
+        at.REST_SURPRISE: math.radians(p.rest_surprise_degps) ** 2,
+        at.REST_SURE_S: p.rest_sure_s,
+        at.REST_SWAY_S: p.rest_sway_s,
         at.FIELD_LEVEL_S: p.field_level_s,
         at.START_LEAVING_S: p.start_leaving_s,
         at.IRON_WINDOW_S: p.iron_window_s,

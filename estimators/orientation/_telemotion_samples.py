@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from estimators._kernels import Scalars4, exponential, kernel, multiply, normalized, rotate
 from estimators.orientation._telemotion_layout import (
+    BIAS,
     CLIP_FORCE,
     CLIP_RATE,
     CLIPPED,
@@ -25,11 +26,19 @@ from estimators.orientation._telemotion_layout import (
     MEAN_RATE,
     RATE,
     RATE_SPREAD,
+    REST_BIAS,
     REST_FORCE,
     REST_GAIN,
+    REST_MEAN,
+    REST_MINIMUM_S,
     REST_RATE,
     REST_S,
+    REST_SURE_S,
+    REST_SURPRISE,
+    REST_SWAY,
+    REST_SWAY_S,
     SATURATED,
+    STATES,
     STEP_S,
     SUM_DELAY,
     SUM_FIELD,
@@ -42,6 +51,8 @@ from estimators.recording import Float
 
 _REST_MEAN_RATE = math.radians(3.0)
 """A mean rate above this is a slow turn and not the bias of a usable gyroscope."""
+_MOST_DOUBT = 1000.0
+"""So that a bias that has jumped is found again within a minute of rest."""
 
 
 @kernel("UniTuple(float64, 4)(float64, float64, float64)")
@@ -87,6 +98,29 @@ def begin_rest(memory: Float, sample: Float) -> None:
         memory[MEAN_RATE + axis] = sample[RATE + axis]
         memory[MEAN_FORCE + axis] = sample[FORCE + axis]
     memory[RATE_SPREAD] = memory[FORCE_SPREAD] = memory[REST_S] = 0.0
+
+
+@kernel("float64(float64[::1], float64[::1], float64[::1], float64[::1], float64)")
+def rest_variance(p: Float, bias: Float, memory: Float, settings: Float, time_s: float) -> float:
+    """Return the variance of a block's mean rate at rest as a measurement of the bias; learn how a rest sways.
+
+    A person's rest is none of the device's: standing sways to and fro, which averages out, and an arm held up
+    sinks, which does not, but contradicts a bias that is known.
+    """
+    sure_s = max(settings[REST_SURE_S], time_s)
+    gain = time_s / min(max(memory[REST_S] - settings[REST_MINIMUM_S], time_s), sure_s)
+    sway = squares = 0.0
+    known = settings[REST_SURPRISE]
+    for a in range(3):
+        d = memory[MEAN_RATE + a] - memory[REST_MEAN + a]
+        memory[REST_MEAN + a] += gain * d
+        sway += d * d
+        squares += (memory[REST_MEAN + a] - bias[a]) ** 2
+        known += p[(STATES + 1) * (BIAS + a)]
+    if gain < 1.0:  # the first block of a rest begins the mean
+        memory[REST_SWAY] += time_s / sure_s * (sway - memory[REST_SWAY])
+    doubt = 1.0 + min((squares / known) ** 2, _MOST_DOUBT)
+    return float(doubt * (settings[REST_BIAS] + settings[REST_SWAY_S] * memory[REST_SWAY]) / time_s)
 
 
 @kernel("void(float64[::1], float64[::1], float64[::1], int64[::1], float64[::1], float64[::1])")
@@ -183,4 +217,4 @@ def level(q: Float, memory: Float, counts: NDArray[np.int64]) -> None:
         memory[first], memory[first + 1], memory[first + 2] = x, y, z
 
 
-__all__ = ["begin_rest", "clear_sums", "integrate", "level", "to_vertical", "watch_rest"]
+__all__ = ["begin_rest", "clear_sums", "integrate", "level", "rest_variance", "to_vertical", "watch_rest"]

@@ -6,6 +6,9 @@ import pytest
 from estimators import orientation, rotation
 from estimators.conventions import GRAVITY_MPS2
 from estimators.orientation import OrientationFlag
+from estimators.orientation import _telemotion_layout as at
+from estimators.orientation._telemotion_parameters import TelemotionParameters, settings_of
+from estimators.orientation._telemotion_samples import rest_variance
 from estimators.recording import ImuChunk, SampleQuality
 
 STEP_S = 0.01
@@ -212,3 +215,25 @@ def test_nonsense_of_one_sensor_stays_with_it(clean):
         np.testing.assert_array_equal(result.q_earth_sensor[s], whole.q_earth_sensor[s])
     for values in (result.q_earth_sensor, result.sigma_rad, result.gyroscope_bias_radps):
         assert np.isfinite(values[[0, 1, 3, 4, 5]]).all()
+
+
+def _rest_weight(deviation_radps: float, sway_radps: float) -> float:
+    """Variance that a rest of 20 s gives its mean rate, when the bias is known to 0.02 deg/s."""
+    settings = settings_of(TelemotionParameters(), 0.01)
+    memory, bias, p = np.zeros(at.MEMORY), np.zeros(3), np.zeros(at.STATES**2)
+    p[(at.STATES + 1) * at.BIAS :: at.STATES + 1][:3] = np.deg2rad(0.02) ** 2
+    variance = np.nan
+    for block in range(100):
+        memory[at.REST_S] = 0.76 + 0.2 * block
+        memory[at.MEAN_RATE] = deviation_radps + sway_radps * np.sin(2.0 * np.pi * block / 7.0)
+        variance = rest_variance(p, bias, memory, settings, 0.2)
+    return float(variance)
+
+
+def test_a_rest_tells_less_the_more_it_sways_and_contradicts_a_known_bias() -> None:
+    table = _rest_weight(0.0, 0.0)
+    assert table == pytest.approx(np.deg2rad(0.1) ** 2 / 0.2, rel=0.01)
+    swaying = _rest_weight(0.0, np.deg2rad(0.7))
+    assert 3.0 < swaying / table < 100.0
+    sinking = _rest_weight(np.deg2rad(0.5), 0.0)
+    assert sinking > 20.0 * table
