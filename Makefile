@@ -70,8 +70,8 @@ test-quick: $(VENV)/installed ## Under two minutes, no browser
 bench-live: $(VENV)/installed ## 50 live sessions of 17 sensors at 100 Hz; prints latency and load
 	@$(BIN)/python -m tests.benchmarks.bench_live
 
-bench-kernels: $(VENV)/installed ## Orientation kernels beside the vqf package
-	@$(BIN)/python -m tests.benchmarks.bench_kernels
+bench-kernels: $(VENV)/installed ## Orientation kernels beside the vqf package, kinematics, smoother
+	@status=0; for part in kernels kinematics smoother; do $(BIN)/python -m tests.benchmarks.bench_$$part || status=1; done; exit $$status
 
 bench-gait: $(VENV)/installed ## Cost of following feet: off-line by length, live by sensors
 	@$(BIN)/python -m tests.benchmarks.bench_gait
