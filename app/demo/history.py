@@ -6,18 +6,18 @@ from datetime import timedelta
 from pathlib import Path
 from typing import Any, Final
 
-from sqlalchemy import Engine, select, update
+from sqlalchemy import Engine, update
 
-from app.assessment.models import Comparison
 from app.commands.simulate import Options, stream
 from app.commands.upload import finished, send
 from app.database.base import utc_now
 from app.database.unit_of_work import unit_of_work
+from app.demo.dating import date_back
 from app.demo.people import EXERCISES, PATIENTS, DemoPatient
+from app.demo.walks import make_walks
 from app.errors import TelemotionError
 from app.exercises.models import Prescription, Template, TemplateVersion
 from app.gateway import ServiceClient
-from app.recordings.models import MotionSession, Result
 from app.recordings.schemas import UploadIn
 
 REAL_RECORDING: Final = Path(__file__).with_name("data") / "whole_body_excerpt.mat"
@@ -71,7 +71,7 @@ async def make_history(
         Told about progress.
     """
     exercise_ids = {item["movement"]: item["id"] for item in await _get(service, "/api/exercises")}
-    total = sum(len(sessions) + 1 for sessions in PAST.values()) + 1
+    total = sum(len(sessions) + 1 for sessions in PAST.values()) + 2
     done = 0
     for person in PATIENTS:
         patient_id = patient_ids[person.email]
@@ -101,6 +101,8 @@ async def make_history(
     job = await send(service, REAL_RECORDING, declaration)
     await finished(service, job.session_id)
     date_back(engine, job.session_id, 3.0)
+    say(f"preparing past sessions: {done + 1} of {total}")
+    await make_walks(service, engine, patient_ids[PATIENTS[1].email], exercise_ids["walk"])
     say(f"preparing past sessions: {total} of {total}")
 
 
@@ -161,29 +163,6 @@ async def record_template(
             .values(created_at=moment, starts_at=moment)
         )
     return str(prescription["id"])
-
-
-def date_back(engine: Engine, session_id: str, days: float) -> None:
-    """Move a session and what was made of it into the past.
-
-    Parameters
-    ----------
-    engine : Engine
-    session_id : str
-    days : float
-    """
-    shift = timedelta(days=days)
-    with unit_of_work(engine) as session:
-        found = session.get_one(MotionSession, session_id)
-        found.created_at -= shift
-        if found.started_at is not None:
-            found.started_at -= shift
-        if found.ended_at is not None:
-            found.ended_at -= shift
-        for result in session.scalars(select(Result).where(Result.session_id == session_id)):
-            result.created_at -= shift
-        for comparison in session.scalars(select(Comparison).where(Comparison.session_id == session_id)):
-            comparison.created_at -= shift
 
 
 def _options(person: DemoPatient, patient_id: str, exercise_id: str, seed: int) -> Options:

@@ -16,6 +16,7 @@ from app.database.unit_of_work import read_only, unit_of_work
 from app.exercises.models import Exercise
 from app.patients.models import Grant, Patient
 from estimators.conventions import Side
+from estimators.gait import GuidedKind
 from estimators.simulation import ExerciseName
 
 PASSWORD: Final = "telemotion-demo"  # noqa: S105 - printed at the start of the demonstration
@@ -71,6 +72,26 @@ class DemoExercise:
     side: Side
     primary_angle: str
     description: str
+
+
+@dataclass(frozen=True)
+class DemoWalk:
+    """A walking test of the demonstration clinic."""
+
+    name: str
+    kind: GuidedKind
+    description: str
+
+
+WALKS: Final = (
+    DemoWalk(
+        "Walk on level ground", "walk", "Stand still for three seconds, walk to the end, stand still again."
+    ),
+    DemoWalk("Timed up and go", "timed_up_and_go", "Get up, walk three metres, turn, come back, sit down."),
+    DemoWalk(
+        "Six-minute walk", "six_minute_walk", "Walk as far as possible in six minutes; rest when needed."
+    ),
+)
 
 
 EXERCISES: Final = (
@@ -152,6 +173,17 @@ def seed_people(engine: Engine) -> None:
                     movement=exercise.movement,
                     side=exercise.side,
                     primary_angle=exercise.primary_angle,
+                )
+            )
+        for walk in WALKS:
+            session.add(
+                Exercise(
+                    id=new_id(),
+                    clinic_id=clinic.id,
+                    name=walk.name,
+                    description=walk.description,
+                    movement=walk.kind,
+                    primary_angle="",
                 )
             )
 

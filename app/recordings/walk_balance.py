@@ -3,9 +3,13 @@
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.recordings.walk_schemas import BalanceOut, SupportOut, WalkMeasure
+from estimators import rotation
 from estimators.balance import walking_work
+from estimators.conventions import Side
+from estimators.kinetics import ShoeGeometry, ShoePose
 from estimators.pipelines import ShoeWalk
 from estimators.recording import Float
 
@@ -23,9 +27,10 @@ def balance_of(found: ShoeWalk) -> BalanceOut:
     Returns
     -------
     BalanceOut
-        Measures: `weight_on_left` while standing (part of the weight) and `centre_to_left` (how far the centre of
-        mass is left of the middle between the feet, walking), `centre_sway` (its width), `margin` (least of each
-        second), `external_work` (J for each kilogram and metre), `pendulum_recovery`.
+        Measures: `weight_on_left` (part of the weight) and `centre_to_left_standing` while standing;
+        `centre_to_left` (how far the centre of mass is left of the middle between the soles, over whole strides),
+        `centre_sway` (its width), `margin` (least of each second), `external_work` (J for each kilogram and metre),
+        `pendulum_recovery`.
     """
     feet, centre, time_s = found.feet, found.centre, found.time_s
     thin = slice(None, None, max(1, round(feet.rate_hz / _PATH_HZ)))
@@ -61,13 +66,15 @@ def _measures(found: ShoeWalk) -> list[WalkMeasure]:
     if feet.is_standing.any():
         force = [feet.reaction[side].force_n[feet.is_standing, 2].mean() for side in ("left", "right")]
         measures.append(_measure("weight_on_left", force[0] / sum(force), "1"))
+        still = feet.is_standing
+        middle = 0.5 * (_sole(left)[still, 1] + _sole(right)[still, 1])
+        aside = float(np.mean(centre.position_m[still, 1] - middle))
+        measures.append(_measure("centre_to_left_standing", aside, "m", _sigma(found, still)))
     if walking.any():
-        middle = 0.5 * (left.heel_m[:, 1] + right.heel_m[:, 1])
-        aside = centre.position_m[walking, 1] - middle[walking]
-        sigma = centre.position_sigma_m
-        measures.append(
-            _measure("centre_to_left", aside.mean(), "m", None if sigma is None else sigma[walking, 1].mean())
-        )
+        strides = _whole_strides(found, walking)
+        middle_m = 0.5 * (_stood(found, "left") + _stood(found, "right"))
+        aside = float(np.mean(centre.position_m[strides, 1])) - middle_m
+        measures.append(_measure("centre_to_left", aside, "m", _sigma(found, strides)))
         low, high = np.percentile(centre.position_m[walking, 1], [2.5, 97.5])
         measures.append(_measure("centre_sway", high - low, "m"))
         work = walking_work(centre.position_m[walking], centre.velocity_mps[walking], found.mass_kg)
@@ -86,6 +93,36 @@ def _measures(found: ShoeWalk) -> list[WalkMeasure]:
             )
         )
     return measures
+
+
+def _sole(pose: ShoePose) -> Float:
+    """Return the middle of a sole, shape (N, 3)."""
+    geometry = ShoeGeometry()
+    ahead = 0.5 * (geometry.rear_edge_m + geometry.hinge_m + geometry.toe_edge_m)
+    return np.asarray(pose.heel_m + rotation.rotate(pose.q_room_heel, np.array([ahead, 0.0, 0.0])))
+
+
+def _stood(found: ShoeWalk, side: Side) -> float:
+    """Return how far left the sole of a foot stood, mean of its rests but the first and the last."""
+    rests = found.shoes[side].contact.core.mean(axis=1).astype(int)
+    inner = rests[1:-1] if len(rests) > 2 else rests
+    return float(_sole(found.feet.pose[side])[inner, 1].mean())
+
+
+def _whole_strides(found: ShoeWalk, walking: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return the samples of whole strides of the left foot: part of a stride leans to one side."""
+    lands = found.shoes["left"].contact.land
+    lands = lands[walking[np.minimum(lands, len(walking) - 1)]]
+    if len(lands) < 3:
+        return walking
+    chosen = np.zeros_like(walking)
+    chosen[lands[0] : lands[-2]] = True
+    return chosen
+
+
+def _sigma(found: ShoeWalk, chosen: NDArray[np.bool_]) -> float | None:
+    sigma = found.centre.position_sigma_m
+    return None if sigma is None else float(sigma[chosen, 1].mean())
 
 
 def _least_of_seconds(time_s: Float, margin_m: Float) -> Float:

@@ -20,6 +20,7 @@ from app.commands.simulate import Options, stream
 from app.database import engine as engines
 from app.database import migrate
 from app.demo import history
+from app.demo.dating import date_back
 from app.demo.people import ADMINISTRATOR, PASSWORD, PATIENTS, THERAPIST, seed_people
 from app.gateway import ServiceClient
 
@@ -143,7 +144,7 @@ async def furnish(address: str, engine: engines.Engine) -> House:
             session_id, _ = await stream(
                 service, replace(options, progress=progress, seed=int(days_ago)), lambda text: None
             )
-            history.date_back(engine, session_id, days_ago)
+            date_back(engine, session_id, days_ago)
         return House(address, patient_id, exercise_id, prescription_id, sessions[0]["id"], session_id)
 
 

@@ -7,6 +7,7 @@ import './styles/base.css';
 import './styles/content.css';
 import './styles/motion.css';
 import './styles/adapt.css';
+import './styles/gait.css';
 import './styles/sheets.css';
 import { MantineProvider } from '@mantine/core';
 import { Notifications } from '@mantine/notifications';

@@ -23,6 +23,9 @@ export const keys = {
   session: (id: string) => ['sessions', id] as const,
   sessionJobs: (id: string) => ['sessions', id, 'jobs'] as const,
   comparisons: (id: string) => ['sessions', id, 'comparisons'] as const,
+  gait: (id: string) => ['sessions', id, 'gait'] as const,
+  walks: (id: string) => ['patients', id, 'walks'] as const,
+  conditions: (id: string, a: readonly string[], b: readonly string[]) => ['patients', id, 'walks', 'conditions', a, b] as const,
   comparison: (id: string) => ['comparisons', id] as const,
   estimators: ['estimators'] as const,
   differences: (id: string, a: string, b: string) => ['sessions', id, 'differences', a, b] as const,
@@ -226,3 +229,13 @@ export const useCompare = (id: string) =>
   );
 export const useSaveTemplate = () =>
   useChange((input: Wire.TemplateIn) => api.post<Wire.TemplateVersionDetail>('/api/templates', input), () => [['templates']]);
+
+export const useGait = (id: string | null) => useGet<Wire.Gait>(keys.gait(id ?? ''), `/api/sessions/${id}/gait`, { enabled: id !== null && id !== '', staleTime: 60_000 });
+export const useWalks = (patientId: string) => useGet<Wire.WalkRow[]>(keys.walks(patientId), `/api/patients/${patientId}/walks`, { enabled: patientId !== '' });
+/** Two conditions compared; asked anew whenever the choice of walks changes. */
+export const useConditions = (patientId: string, a: readonly string[], b: readonly string[]) =>
+  useQuery({
+    queryKey: keys.conditions(patientId, a, b),
+    queryFn: () => api.post<Wire.Conditions>(`/api/patients/${patientId}/walks/comparison`, { a, b }),
+    enabled: a.length > 0 && b.length > 0,
+  });

@@ -87,3 +87,14 @@ export type LiveMessage = LayoutMessage | StateMessage | HealthMessage | EventMe
 export type PlayerCommand = Schemas['PlayerCommand'];
 export type CameraCommand = Schemas['CameraCommand'];
 export type PlayerState = Schemas['PlayerState'];
+
+export type Gait = Schemas['GaitOut'];
+export type GaitFoot = Schemas['FootOut'];
+export type Stride = Schemas['StrideOut'];
+export type CycleCurve = Schemas['CycleCurve'];
+export type WalkMeasure = Schemas['WalkMeasure'];
+export type WalkTest = Schemas['WalkTestOut'];
+export type WalkRow = Schemas['WalkRow'];
+export type ConditionsIn = Schemas['ConditionsIn'];
+export type Conditions = Schemas['ConditionsOut'];
+export type MeasureChange = Schemas['MeasureChange'];

@@ -7,5 +7,6 @@ import { patient } from './en/patient';
 import { report } from './en/report';
 import { research } from './en/research';
 import { session } from './en/session';
+import { walking } from './en/walking';
 
-export const en = { ...calibration, ...clinic, ...common, ...motion, ...patient, ...report, ...research, ...session } as const;
+export const en = { ...calibration, ...clinic, ...common, ...motion, ...patient, ...report, ...research, ...session, ...walking } as const;

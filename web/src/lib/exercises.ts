@@ -19,3 +19,10 @@ export function usualAngle(movement: ExerciseIn['movement'], side: 'left' | 'rig
   if (movement === 'pronation') return `humerus_forearm_${side}_zxy_pronation`;
   return `humerus_forearm_${side}_zxy_flexion`;
 }
+
+const WALKS: readonly string[] = ['walk', 'timed_up_and_go', 'six_minute_walk'];
+
+/** Whether an exercise is a walking test: judged by time and distance, recorded with sensors on the feet. */
+export function isWalk(movement: string | undefined): boolean {
+  return movement !== undefined && WALKS.includes(movement);
+}

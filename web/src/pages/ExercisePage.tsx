@@ -7,6 +7,7 @@ import type { Template } from '../api/types';
 import { PhaseChart, PhaseLegend } from '../charts/PhaseChart';
 import { Answer, Empty, Problem } from '../components/Feedback';
 import { Page } from '../components/Page';
+import { isWalk } from '../lib/exercises';
 import { t } from '../i18n';
 import { channelLabel } from '../lib/channels';
 import { pickCurves } from '../lib/comparison';
@@ -64,7 +65,7 @@ export function ExercisePage() {
   return (
     <Page
       title={exercise?.name ?? t('exercise.one')}
-      lead={exercise && (exercise.description || t('exercise.judgedBy', { angle: channelLabel(exercise.primary_angle).text }))}
+      lead={exercise && (exercise.description || (isWalk(exercise.movement) ? t('exercise.judgedByWalk') : t('exercise.judgedBy', { angle: channelLabel(exercise.primary_angle ?? '').text })))}
       crumbs={[
         { to: '/exercises', text: t('nav.exercises') },
         ...(patient.data ? [{ to: `/patients/${patient.data.id}`, text: `${patient.data.given_name} ${patient.data.family_name}` }] : []),

@@ -10,9 +10,9 @@ import { Answer, Empty, Problem } from '../components/Feedback';
 import { Page } from '../components/Page';
 import { t } from '../i18n';
 import { channelLabel } from '../lib/channels';
-import { primaryAngles, usualAngle } from '../lib/exercises';
+import { isWalk, primaryAngles, usualAngle } from '../lib/exercises';
 
-const MOVEMENTS = ['reaching', 'drinking', 'abduction', 'flexion', 'pronation', 'other'] as const;
+const MOVEMENTS = ['reaching', 'drinking', 'abduction', 'flexion', 'pronation', 'walk', 'timed_up_and_go', 'six_minute_walk', 'other'] as const;
 
 function NewExercise({ onDone }: { onDone: () => void }) {
   const add = useAddExercise();
@@ -24,7 +24,7 @@ function NewExercise({ onDone }: { onDone: () => void }) {
   const primary = angle && angle.includes(`_${side}_`) ? angle : usualAngle(movement, side);
   const submit = (event: FormEvent) => {
     event.preventDefault();
-    add.mutate({ name: name.trim(), description, movement, side, primary_angle: primary }, { onSuccess: onDone });
+    add.mutate({ name: name.trim(), description, movement, side, primary_angle: isWalk(movement) ? '' : primary }, { onSuccess: onDone });
   };
   return (
     <form className="stack" onSubmit={submit}>
@@ -32,14 +32,18 @@ function NewExercise({ onDone }: { onDone: () => void }) {
       <TextInput label={t('exercise.name')} required withAsterisk={false} maxLength={200} value={name} onChange={(event) => setName(event.currentTarget.value)} data-autofocus />
       <Textarea label={t('exercise.description')} description={t('exercise.descriptionHelp')} autosize minRows={2} maxLength={2000} value={description} onChange={(event) => setDescription(event.currentTarget.value)} />
       <Select label={t('exercise.movement')} data={MOVEMENTS.map((value) => ({ value, label: t(`movement.${value}`) }))} value={movement} onChange={(value) => setMovement(value as ExerciseIn['movement'])} />
-      <RadioCards
-        legend={t('exercise.side')}
-        value={side}
-        onChange={setSide}
-        columns={2}
-        options={(['left', 'right'] as const).map((value) => ({ value, title: t(`exercise.arm.${value}`) }))}
-      />
-      <Select label={t('exercise.angle')} description={t('exercise.angleHelp')} data={primaryAngles(side).map((value) => ({ value, label: channelLabel(value).text }))} value={primary} onChange={setAngle} />
+      {!isWalk(movement) && (
+        <>
+          <RadioCards
+            legend={t('exercise.side')}
+            value={side}
+            onChange={setSide}
+            columns={2}
+            options={(['left', 'right'] as const).map((value) => ({ value, title: t(`exercise.arm.${value}`) }))}
+          />
+          <Select label={t('exercise.angle')} description={t('exercise.angleHelp')} data={primaryAngles(side).map((value) => ({ value, label: channelLabel(value).text }))} value={primary} onChange={setAngle} />
+        </>
+      )}
       <Group justify="flex-end">
         <Button variant="default" onClick={onDone}>
           {t('action.cancel')}
@@ -59,10 +63,11 @@ function Card({ exercise }: { exercise: Exercise }) {
         <Link to={`/exercises/${exercise.id}`}>{exercise.name}</Link>
       </h2>
       <p className="muted small">
-        {t(`movement.${exercise.movement}`)} · {t(`exercise.arm.${exercise.side ?? 'right'}`)}
+        {t(`movement.${exercise.movement}`)}
+        {!isWalk(exercise.movement) && ` · ${t(`exercise.arm.${exercise.side ?? 'right'}`)}`}
       </p>
       {exercise.description && <p>{exercise.description}</p>}
-      <p className="small muted">{t('exercise.judgedBy', { angle: channelLabel(exercise.primary_angle).text })}</p>
+      <p className="small muted">{isWalk(exercise.movement) ? t('exercise.judgedByWalk') : t('exercise.judgedBy', { angle: channelLabel(exercise.primary_angle ?? '').text })}</p>
     </li>
   );
 }

@@ -19,6 +19,7 @@ import { JobProgress } from './session/AnalysisWait';
 const PLACEMENTS: Placement[] = ['sternum', 'upper_arm_right', 'forearm_right', 'hand_right', 'upper_arm_left', 'forearm_left', 'hand_left', 'pelvis', 'head', 'shoulder_left', 'shoulder_right'];
 const HEAD_BYTES = 64 * 1024;
 type Format = UploadIn['format'];
+const FORMATS = ['packet_log', 'csv', 'qmt_mat', 'gaitmap', 'instrumented_shoe', 'pyshoe', 'gait_tracking'] as const;
 type Hemisphere = NonNullable<UploadIn['hemisphere']>;
 const HEMISPHERES: Hemisphere[] = ['north', 'south', 'unknown'];
 
@@ -141,7 +142,7 @@ export function UploadPage() {
               legend={t('upload.format')}
               value={format}
               onChange={chooseFormat}
-              options={(['packet_log', 'csv', 'qmt_mat'] as const).map((value) => ({ value, title: t(`upload.format.${value}`), text: t(`upload.format.${value}.text`) }))}
+              options={FORMATS.map((value) => ({ value, title: t(`upload.format.${value}`), text: t(`upload.format.${value}.text`) }))}
             />
           )}
           {format === 'csv' && head && mapping && <CsvMappingForm head={head} placements={PLACEMENTS} value={mapping} onChange={setMapping} />}

@@ -1,7 +1,7 @@
 import { Button } from '@mantine/core';
 import { useState } from 'react';
 import { Link } from 'react-router';
-import { usePatientSessions } from '../../api/queries';
+import { usePatientSessions, useWalks } from '../../api/queries';
 import type { Patient, Session } from '../../api/types';
 import { Answer } from '../../components/Feedback';
 import { StateMark } from '../../components/Marks';
@@ -32,11 +32,17 @@ function Line({ session }: { session: Session }) {
 
 export function SessionPanel({ patient }: { patient: Patient }) {
   const sessions = usePatientSessions(patient.id);
+  const walks = useWalks(patient.id);
   const [showsAll, setShowsAll] = useState(false);
   return (
     <section className="card" aria-labelledby="sessions">
       <div className="card-head">
         <h2 id="sessions">{t('session.list')}</h2>
+        {(walks.data?.length ?? 0) > 1 && (
+          <Link className="end" to={`/patients/${patient.id}/walks`}>
+            {t('before.link')}
+          </Link>
+        )}
       </div>
       <Answer of={sessions} lines={5}>
         {(list) =>

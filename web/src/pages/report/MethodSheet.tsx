@@ -20,7 +20,7 @@ export function MethodSheet({ session, patient, comparison, template, estimators
   const dropped = (comparison?.repetitions ?? []).filter((one) => !one.repetition.is_kept);
   const gaps = session.events.filter((event) => event.kind === 'gap');
   const lost = session.events.filter((event) => event.kind === 'sensor_lost');
-  const { text, convention } = exercise ? channelLabel(exercise.primary_angle) : { text: '', convention: '' };
+  const { text, convention } = exercise?.primary_angle ? channelLabel(exercise.primary_angle) : { text: '', convention: '' };
   const lines: [string, string][] = [
     [t('details.sensors'), `${session.placements.map(placementLabel).join(', ')}; ${number(session.rate_hz)} Hz`],
     [t('details.calibration'), session.calibration ? [scoreText(session.calibration.score), ...session.calibration.reasons].join(' · ') : t('report.noCalibration')],

@@ -6,7 +6,7 @@ import { useParams } from 'react-router';
 import { keys, useExercises, usePatient, useSession } from '../../api/queries';
 import type { SessionDetail, SessionEvent, SessionState } from '../../api/types';
 import { ChannelPicker } from '../../components/ChannelPicker';
-import { Answer, Problem } from '../../components/Feedback';
+import { Answer, Notice, Problem } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { Viewer3D } from '../../components/Viewer3D';
 import { useSignedIn } from '../../components/useSignedIn';
@@ -90,7 +90,9 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
   // Without a calibration the way to one is the first thing; later it comes when asked for, or when one runs.
   const [isAsked, setAsked] = useState(false);
   const calibration = message ? message.calibration : session.calibration;
-  const mayCalibrate = state === 'calibrating' || state === 'ready';
+  const isWalk = session.pipeline === 'gait';
+  const feet = session.layout.scalars.filter((name) => name.endsWith('_speed_mps'));
+  const mayCalibrate = !isWalk && (state === 'calibrating' || state === 'ready');
   return (
     <>
       <div className="live-head">
@@ -142,7 +144,14 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
           )}
           {state !== 'created' && mayRecord && <LiveButtons sessionId={session.id} state={state} isRecording={isRecording} />}
           {state !== 'created' && <Viewer3D sessionId={session.id} request={LIVE} title={t('viewer.liveTitle')} />}
-          {snapshot.columns && state !== 'created' && (
+          {isWalk && <Notice>{t('live.walkHelp')}</Notice>}
+          {isWalk && snapshot.columns && state !== 'created' && (
+            <section className="card" aria-labelledby="feet">
+              <h2 id="feet">{t('live.walk')}</h2>
+              <Traces player={player} channels={feet} />
+            </section>
+          )}
+          {!isWalk && snapshot.columns && state !== 'created' && (
             <section className="card" aria-labelledby="angles">
               <h2 id="angles" className="visually-hidden">
                 {t('traces.title')}
@@ -153,7 +162,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
         </div>
         <div className="stack">
           <HealthPanel health={snapshot.health} placements={session.placements} />
-          {state === 'ready' && calibration && mayRecord && <InForce sessionId={session.id} calibration={calibration} placements={session.placements} onAgain={() => setAsked(true)} />}
+          {state === 'ready' && !isWalk && calibration && mayRecord && <InForce sessionId={session.id} calibration={calibration} placements={session.placements} onAgain={() => setAsked(true)} />}
           <Happened events={snapshot.events.length ? snapshot.events : session.events} />
         </div>
       </div>

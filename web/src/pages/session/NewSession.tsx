@@ -1,4 +1,4 @@
-import { Button, Group, Select, Switch } from '@mantine/core';
+import { Button, Group, NumberInput, Select, Switch } from '@mantine/core';
 import { useState, type FormEvent } from 'react';
 import { useNavigate, useParams, useSearchParams } from 'react-router';
 import { useEstimators, useExercises, useNewSession, usePatient, usePrescriptions } from '../../api/queries';
@@ -9,11 +9,13 @@ import { Page } from '../../components/Page';
 import { PlacementChoice } from '../../components/PlacementChoice';
 import { t } from '../../i18n';
 import { placementLabel } from '../../lib/channels';
+import { isWalk as isWalking } from '../../lib/exercises';
 import { day } from '../../lib/format';
 import { placementProblem, suggestedPlacements } from '../../lib/placements';
 
 /** Those a therapist chooses between; the others are for comparison. */
 const SHOWN_FIRST = 2;
+const FEET: Placement[] = ['foot_left', 'foot_right'];
 
 function Form({ patient }: { patient: Patient }) {
   const navigate = useNavigate();
@@ -30,7 +32,12 @@ function Form({ patient }: { patient: Patient }) {
   const [orientation, setOrientation] = useState<string | null>(null);
   const [constrain, setConstrain] = useState(false);
   const [useMounting, setUseMounting] = useState(patient.has_mounting);
-  const problem = placementProblem(placements);
+  const walking = (exercises.data ?? []).find((one) => one.id === exerciseId)?.movement;
+  const [kind, setKind] = useState<'arm' | 'gait' | null>(null);
+  const pipeline = kind ?? (isWalking(walking) ? 'gait' : 'arm');
+  const isWalk = pipeline === 'gait';
+  const [apartCm, setApartCm] = useState<number | null>(null);
+  const problem = isWalk ? null : placementProblem(placements);
   const names = new Map((exercises.data ?? []).map((one) => [one.id, one.name]));
   const prescribedIds = new Set(prescribed.map((one) => one.exercise_id));
   const groups = [
@@ -47,7 +54,9 @@ function Form({ patient }: { patient: Patient }) {
         exercise_id: exerciseId,
         prescription_id: purpose === 'exercise' ? (prescribed.find((one) => one.exercise_id === exerciseId)?.id ?? null) : null,
         purpose,
-        placements,
+        pipeline,
+        placements: isWalk ? FEET : placements,
+        ...(isWalk && apartCm !== null ? { feet_apart_m: apartCm / 100 } : {}),
         ...(orientation ? { orientation } : {}),
         constrain_joint_headings: constrain,
         use_mounting: useMounting,
@@ -68,13 +77,33 @@ function Form({ patient }: { patient: Patient }) {
         nothingFoundMessage={t('newSession.noExercise')}
         maw={480}
       />
-      <PlacementChoice value={placements} onChange={setPlacements} />
+      <RadioCards
+        legend={t('newSession.kind')}
+        value={pipeline}
+        onChange={(value) => setKind(value === 'gait' ? 'gait' : 'arm')}
+        options={[
+          { value: 'arm', title: t('newSession.arms'), text: t('newSession.armsText') },
+          { value: 'gait', title: t('newSession.feet'), text: t('newSession.feetText') },
+        ]}
+      />
+      {isWalk && (
+        <NumberInput
+          label={t('newSession.apart')}
+          description={t('newSession.apartHelp')}
+          value={apartCm ?? ''}
+          onChange={(value) => setApartCm(typeof value === 'number' ? value : null)}
+          min={0}
+          max={60}
+          maw={480}
+        />
+      )}
+      {!isWalk && <PlacementChoice value={placements} onChange={setPlacements} />}
       {problem && (
         <p className="alert-text" role="alert">
           {t(problem)}
         </p>
       )}
-      <Answer of={estimators} lines={2}>
+      {!isWalk && <Answer of={estimators} lines={2}>
         {(list) => {
           const live = list.filter((one) => !one.is_offline);
           const card = (one: Estimator) => ({ value: one.name, title: one.title, text: one.description });
@@ -91,9 +120,9 @@ function Form({ patient }: { patient: Patient }) {
             </div>
           );
         }}
-      </Answer>
-      <Switch label={t('newSession.constrain')} description={t('newSession.constrainHelp')} checked={constrain} onChange={(event) => setConstrain(event.currentTarget.checked)} />
-      {patient.has_mounting && (
+      </Answer>}
+      {!isWalk && <Switch label={t('newSession.constrain')} description={t('newSession.constrainHelp')} checked={constrain} onChange={(event) => setConstrain(event.currentTarget.checked)} />}
+      {!isWalk && patient.has_mounting && (
         <Switch
           label={t('newSession.mounting')}
           description={t('newSession.mountingHelp') + (patient.mounting ? ` ${t('newSession.mountingOf', { day: day(patient.mounting.updated_at), places: patient.mounting.placements.map(placementLabel).join(', ') })}` : '')}

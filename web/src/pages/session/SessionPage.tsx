@@ -1,6 +1,6 @@
 // Replay and compare on one page: the 3D and the time line stay, the words and curves beside them say what differs.
 import { Button, Select, Switch, Tabs } from '@mantine/core';
-import { IconArrowRight, IconFileText } from '@tabler/icons-react';
+import { IconArrowRight, IconFileText, IconShoe } from '@tabler/icons-react';
 import { useCallback, useEffect, useMemo, useRef, useState, type KeyboardEvent } from 'react';
 import { Link, Navigate, useParams, useSearchParams } from 'react-router';
 import { useComparison, useComparisons, useEstimators, useExercises, usePatient, useSession, useTemplateVersion } from '../../api/queries';
@@ -22,6 +22,7 @@ import type { ReplayPlayer } from '../../player/replay';
 import type { PlayerState } from '../../api/types';
 import { ComparisonPanel } from './ComparisonPanel';
 import { DetailsPanel, resultLabel } from './DetailsPanel';
+import { WalkPanel } from './WalkPanel';
 import { RepetitionTable } from './RepetitionTable';
 
 interface ReplayProps {
@@ -84,7 +85,8 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
       else player.play();
     }
   };
-  const tab = search.get('show') ?? (hasComparison ? 'compare' : 'angles');
+  const isWalk = session.pipeline === 'gait';
+  const tab = search.get('show') ?? (isWalk ? 'walk' : hasComparison ? 'compare' : 'angles');
   return (
     <>
       {snapshot.problem && <Problem error={new Error(snapshot.problem)} title={t('replay.failed')} />}
@@ -121,10 +123,14 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
           keepMounted={false}
         >
           <Tabs.List aria-label={t('replay.tabs')}>
-            <Tabs.Tab value="compare">{t('compare.title')}</Tabs.Tab>
-            <Tabs.Tab value="angles">{t('traces.title')}</Tabs.Tab>
+            {isWalk && <Tabs.Tab value="walk">{t('walk.result')}</Tabs.Tab>}
+            {!isWalk && <Tabs.Tab value="compare">{t('compare.title')}</Tabs.Tab>}
+            {!isWalk && <Tabs.Tab value="angles">{t('traces.title')}</Tabs.Tab>}
             <Tabs.Tab value="details">{t('details.title')}</Tabs.Tab>
           </Tabs.List>
+          <Tabs.Panel value="walk">
+            <WalkPanel sessionId={session.id} />
+          </Tabs.Panel>
           <Tabs.Panel value="compare">
             <h2 className="visually-hidden">{t('compare.title')}</h2>
             <ComparisonPanel session={session} resultId={resultId} comparison={comparison} hasComparison={hasComparison} selected={selected} onSelect={setSelected} onPhase={jumpTo} />
@@ -214,7 +220,11 @@ export function SessionPage() {
         ...(session.data && name ? [{ to: `/patients/${session.data.patient_id}`, text: name }] : []),
       ]}
       actions={
-        session.data?.state === 'analysed' ? (
+        session.data?.state === 'analysed' && session.data.pipeline === 'gait' ? (
+          <Button component={Link} to={`/sessions/${sessionId}/gait`} leftSection={<IconShoe size={18} aria-hidden />}>
+            {t('walk.open')}
+          </Button>
+        ) : session.data?.state === 'analysed' ? (
           <>
             {session.data.may_treat && (
               <Button

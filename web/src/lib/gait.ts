@@ -1,0 +1,84 @@
+// A walk as its page shows it: measures in words and units, rows of the tables, the frame of the map.
+import type { Gait, GaitFoot, WalkMeasure } from '../api/types';
+import { tOr } from '../i18n';
+import { number, quantity, uncertain } from './format';
+
+/** Seen first; all others when asked for. */
+export const MAIN_MEASURES = ['speed', 'stride_length', 'cadence', 'step_time', 'stance_share', 'swing_time', 'clearance', 'toe_out', 'circumduction'];
+
+/** A measure in plain words. */
+export function measureLabel(name: string): string {
+  const words = name.replaceAll('_', ' ');
+  return tOr(`measure.${name}`, words.charAt(0).toUpperCase() + words.slice(1));
+}
+
+/** Parts of one are shown in per cent, everything else in its usual unit. */
+export function measureText(value: number | null | undefined, unit: string, sigma: number | null = null): string {
+  if (value === null || value === undefined) return '–';
+  if (unit === '1') return uncertain(value * 100, sigma === null ? null : sigma * 100, '%');
+  if (unit === 'steps/min') return `${number(value)} /min${sigma === null ? '' : ` ± ${number(sigma)}`}`;
+  if (unit === 's') return `${number(value, 2)} s${sigma === null ? '' : ` ± ${number(sigma, 2)}`}`;
+  return uncertain(value, sigma, unit);
+}
+
+/** The foot of a side, when it was worn. */
+export function footOf(gait: Gait, side: 'left' | 'right'): GaitFoot | undefined {
+  return gait.feet.find((one) => one.side === side);
+}
+
+export function findMeasure(measures: readonly WalkMeasure[] | undefined, name: string): WalkMeasure | undefined {
+  return measures?.find((one) => one.measure === name);
+}
+
+/** Names of all measures of the feet, the main ones first. */
+export function measureNames(gait: Gait, all: boolean): string[] {
+  const known = [...new Set(gait.feet.flatMap((foot) => foot.measures.map((one) => one.measure)))];
+  const main = MAIN_MEASURES.filter((name) => known.includes(name));
+  return all ? [...main, ...known.filter((name) => !main.includes(name))] : main;
+}
+
+export interface MapFrame {
+  minX: number;
+  maxX: number;
+  minY: number;
+  maxY: number;
+  /** Pixels for a metre. */
+  scale: number;
+}
+
+const AROUND_M = 0.3;
+
+/** The part of the floor that the map shows: all footprints and paths, at a scale that fits a page. */
+export function mapFrame(gait: Gait, width: number): MapFrame {
+  const xs: number[] = [];
+  const ys: number[] = [];
+  for (const foot of gait.feet) {
+    for (const hold of foot.footholds) {
+      xs.push(hold.x_m);
+      ys.push(hold.y_m);
+    }
+  }
+  for (const [x, y] of gait.balance?.centre_m ?? []) {
+    xs.push(x ?? 0);
+    ys.push(y ?? 0);
+  }
+  if (xs.length === 0) return { minX: -AROUND_M, maxX: AROUND_M, minY: -AROUND_M, maxY: AROUND_M, scale: 100 };
+  const minX = Math.min(...xs) - AROUND_M;
+  const maxX = Math.max(...xs) + AROUND_M;
+  const scale = Math.min(240, Math.max(110, width / (maxX - minX)));
+  return { minX, maxX, minY: Math.min(...ys) - AROUND_M, maxY: Math.max(...ys) + AROUND_M, scale };
+}
+
+/** A path on the floor for SVG. */
+export function floorPath(points: readonly (readonly number[])[], frame: MapFrame): string {
+  return points.map(([x = 0, y = 0], index) => `${index === 0 ? 'M' : 'L'}${((x - frame.minX) * frame.scale).toFixed(1)} ${((frame.maxY - y) * frame.scale).toFixed(1)}`).join('');
+}
+
+/** Where the centre of mass is carried, in words that a person would use. */
+export function leaning(measures: readonly WalkMeasure[], name: 'centre_to_left' | 'centre_to_left_standing'): { side: 'left' | 'right' | 'middle'; distance: string } | null {
+  const found = findMeasure(measures, name);
+  if (!found || found.value === null) return null;
+  const { value } = found;
+  const side = Math.abs(value) < Math.max(0.005, found.sigma ?? 0) ? 'middle' : value > 0 ? 'left' : 'right';
+  return { side, distance: quantity(Math.abs(value), 'm') };
+}

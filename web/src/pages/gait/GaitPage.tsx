@@ -1,0 +1,163 @@
+// A walk: its result, the footprints with mass and pressure, left beside right, curves over the cycle, every stride.
+import { Button, Checkbox, Group, Select } from '@mantine/core';
+import { IconArrowsDiff, IconCube, IconShoe } from '@tabler/icons-react';
+import { useState } from 'react';
+import { Link, useParams, useSearchParams } from 'react-router';
+import { useGait, usePatient, useSession, useWalks } from '../../api/queries';
+import type { CycleCurve, Gait, Patient } from '../../api/types';
+import { CycleChart, CycleLegend } from '../../charts/CycleChart';
+import { FootprintMap, MapLegend, type MapParts } from '../../charts/FootprintMap';
+import { Answer, Empty, Problem } from '../../components/Feedback';
+import { Page } from '../../components/Page';
+import { t } from '../../i18n';
+import { dateTime, number, quantity } from '../../lib/format';
+import { footOf, leaning } from '../../lib/gait';
+import { StrideTable, type ChosenStride } from './StrideTable';
+import { TestResult } from './TestResult';
+import { WalkNumbers } from './WalkNumbers';
+
+const LEANS = [
+  ['centre_to_left_standing', 'standing'],
+  ['centre_to_left', 'walking'],
+] as const;
+const PARTS = ['mass', 'pressure', 'support'] as const;
+
+function MapCard({ gait, selected }: { gait: Gait; selected: ChosenStride | null }) {
+  const [parts, setParts] = useState<MapParts>({ mass: true, pressure: true, support: false });
+  const { balance } = gait;
+  const leans = LEANS.flatMap(([name, when]) => (balance ? [{ when, lean: leaning(balance.measures, name) }] : []));
+  return (
+    <section className="card" aria-labelledby="footprints">
+      <div className="card-head">
+        <h2 id="footprints">{t('map.title')}</h2>
+        {balance && (
+          <Group className="end" gap="md" role="group" aria-label={t('map.show')}>
+            {PARTS.map((part) => (
+              <Checkbox key={part} label={t(`map.${part}`)} checked={parts[part]} onChange={(event) => setParts({ ...parts, [part]: event.currentTarget.checked })} />
+            ))}
+          </Group>
+        )}
+      </div>
+      <FootprintMap gait={gait} parts={parts} selected={selected} />
+      <MapLegend hasBalance={balance !== null} />
+      {balance && (
+        <>
+          <p className="strong">{t('balance.where')}</p>
+          <ul>
+            {leans.map(({ when, lean }) => lean && <li key={when}>{lean.side === 'middle' ? t(`balance.${when}.middle`) : t(`balance.${when}.${lean.side}`, { distance: lean.distance })}</li>)}
+          </ul>
+          <p className="muted small">{t('balance.mass', { mass: number(balance.mass_kg, 1) })}</p>
+        </>
+      )}
+      {balance ? <p className="muted small">{t(`map.apart.${balance.apart_source}`, { width: quantity(balance.apart_m, 'm') })}</p> : !gait.has_step_width && gait.feet.length > 1 && <p className="muted small">{t('map.drawnApart')}</p>}
+    </section>
+  );
+}
+
+function Curves({ gait, before }: { gait: Gait; before: Gait | null }) {
+  const names = [...new Set(gait.feet.flatMap((foot) => foot.curves.map((curve) => curve.name)))];
+  const of = (walk: Gait | null, side: 'left' | 'right', name: CycleCurve['name']) => (walk ? footOf(walk, side)?.curves.find((one) => one.name === name) : undefined);
+  return (
+    <section className="card" aria-labelledby="curves">
+      <div className="card-head">
+        <h2 id="curves">{t('cycle.title')}</h2>
+      </div>
+      {names.length === 0 ? (
+        <p className="muted">{t('cycle.few')}</p>
+      ) : (
+        <>
+          <div className="cycle-grid">
+            {names.map((name) => (
+              <CycleChart key={name} name={t(`cycle.${name}`)} left={of(gait, 'left', name)} right={of(gait, 'right', name)} beforeLeft={of(before, 'left', name)} beforeRight={of(before, 'right', name)} />
+            ))}
+          </div>
+          <CycleLegend hasBefore={before !== null} />
+          <p className="muted small">{t('cycle.help')}</p>
+        </>
+      )}
+    </section>
+  );
+}
+
+function Loaded({ gait, patient }: { gait: Gait; patient: Patient | undefined }) {
+  const [search, setSearch] = useSearchParams();
+  const walks = useWalks(patient?.id ?? '');
+  const others = (walks.data ?? []).filter((one) => one.session_id !== gait.session_id);
+  const wanted = others.find((one) => one.session_id === search.get('before'))?.session_id ?? null;
+  const before = useGait(wanted);
+  const [selected, setSelected] = useState<ChosenStride | null>(null);
+  const earlier = wanted === null ? null : (before.data ?? null);
+  const hasStrides = gait.feet.some((foot) => foot.strides.length > 0);
+  if (!hasStrides) {
+    return (
+      <div className="stack">
+        <Empty icon={<IconShoe size={42} aria-hidden />} title={t('walk.none')}>
+          {t('walk.noneText')}
+        </Empty>
+        {gait.reasons.length > 0 && (
+          <ul className="card">
+            {gait.reasons.map((reason) => (
+              <li key={reason}>{reason}</li>
+            ))}
+          </ul>
+        )}
+      </div>
+    );
+  }
+  return (
+    <div className="stack">
+      {patient && others.length > 0 && (
+        <div className="before-choice">
+          <Select
+            label={t('before.choose')}
+            clearable
+            placeholder={t('before.none')}
+            value={wanted}
+            onChange={(value) => setSearch((now) => (value ? now.set('before', value) : now.delete('before'), now), { replace: true })}
+            data={others.map((one) => ({ value: one.session_id, label: `${dateTime(one.started_at)} · ${one.exercise_name ?? t(`walk.kind.${one.kind}`)}${one.speed_mps === null ? '' : ` · ${number(one.speed_mps, 2)} m/s`}` }))}
+            w={460}
+            maw="100%"
+          />
+          <Button component={Link} variant="default" to={`/patients/${patient.id}/walks`} leftSection={<IconArrowsDiff size={18} aria-hidden />}>
+            {t('before.conditions')}
+          </Button>
+        </div>
+      )}
+      {before.error && <Problem error={before.error} />}
+      <TestResult gait={gait} />
+      <MapCard gait={gait} selected={selected} />
+      <WalkNumbers gait={gait} before={earlier} affected={patient?.affected_side ?? null} />
+      <Curves gait={gait} before={earlier} />
+      <StrideTable gait={gait} selected={selected} onSelect={setSelected} />
+    </div>
+  );
+}
+
+export function GaitPage() {
+  const { sessionId = '' } = useParams();
+  const session = useSession(sessionId);
+  const gait = useGait(sessionId);
+  const patient = usePatient(session.data?.patient_id ?? '');
+  const name = patient.data ? `${patient.data.given_name} ${patient.data.family_name}` : '';
+  const started = session.data?.started_at ?? session.data?.created_at;
+  return (
+    <Page
+      compact
+      title={session.data?.exercise_name ?? t('walk.title')}
+      lead={session.data && started ? `${name} · ${dateTime(started)}` : undefined}
+      crumbs={[
+        { to: '/', text: t('nav.caseload') },
+        ...(session.data && name ? [{ to: `/patients/${session.data.patient_id}`, text: name }] : []),
+      ]}
+      actions={
+        <Button component={Link} variant="default" to={`/sessions/${sessionId}`} leftSection={<IconCube size={18} aria-hidden />}>
+          {t('walk.replay')}
+        </Button>
+      }
+    >
+      <Answer of={gait} lines={8} height={50}>
+        {(data) => <Loaded key={data.session_id} gait={data} patient={patient.data} />}
+      </Answer>
+    </Page>
+  );
+}
