@@ -1,8 +1,8 @@
 """The one decorator of compiled loops, and scalar quaternion helpers that they inline.
 
 A kernel is compiled when its module is imported, for one explicit signature over C-contiguous float64,
-and kept in numba's cache beside the source (`NUMBA_CACHE_DIR` in a read-only installation). Numba does
-not see a change of a helper in another file: after editing this file, delete `__pycache__/*.nb?`.
+and kept in numba's cache beside the source (`NUMBA_CACHE_DIR` in a read-only installation) until its file, or
+one that it imports, changes.
 
 Helpers take and give scalars in tuples, so that no array is made inside a loop. Quaternions are wxyz.
 """
@@ -13,7 +13,11 @@ from typing import Any, TypeVar, cast
 
 import numba
 
+from estimators import _kernel_cache
+
 F = TypeVar("F", bound=Callable[..., Any])
+
+_kernel_cache.use()
 
 
 def kernel(signature: str, *, inlined: bool = False) -> Callable[[F], F]:

@@ -1,0 +1,99 @@
+"""Where compiled kernels are kept, and when they are out of date.
+
+Numba keeps a compiled function until its own file changes. Ours put helpers and constants of other files into
+themselves, so an edited helper would leave old machine code behind that still runs and gives old numbers. The
+locators here make a kernel as old as the youngest file that it imports, directly or through others.
+"""
+
+import ast
+import functools
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, Final
+
+import numba
+from numba.core import caching
+
+_ROOT: Final = Path(__file__).parents[1]
+
+
+@functools.cache
+def imported_files(file: Path, root: Path = _ROOT) -> tuple[Path, ...]:
+    """Return the files under `root` that a Python file imports, directly or through others, and itself.
+
+    Parameters
+    ----------
+    file : Path
+        A module under `root`.
+    root : Path
+        Folder that holds the packages; what lies elsewhere (numba, numpy) has versions and does not count.
+
+    Returns
+    -------
+    tuple of Path
+        Sorted.
+    """
+    found: set[Path] = set()
+    waiting = [file]
+    while waiting:
+        one = waiting.pop()
+        if one not in found:
+            found.add(one)
+            waiting.extend(_direct(one, root))
+    return tuple(sorted(found))
+
+
+def _direct(file: Path, root: Path) -> tuple[Path, ...]:
+    found: set[Path] = set()
+    for node in ast.walk(ast.parse(file.read_bytes())):
+        if isinstance(node, ast.Import):
+            found.update(path for name in node.names for path in _module(name.name, root))
+        elif isinstance(node, ast.ImportFrom) and node.module and node.level == 0:
+            for name in node.names:
+                # A module taken out of its package, or else a name that the package's own file defines.
+                found.update(_module(f"{node.module}.{name.name}", root) or _module(node.module, root))
+    return tuple(found)
+
+
+def _module(name: str, root: Path) -> tuple[Path, ...]:
+    place = root.joinpath(*name.split("."))
+    return tuple(path for path in (place.with_suffix(".py"), place / "__init__.py") if path.is_file())
+
+
+class _WithImports:
+    """Adds what a kernel's file imports to the stamp by which its compiled code is known."""
+
+    _py_file: str
+    from_function: Callable[..., Any]
+
+    def get_source_stamp(self) -> tuple[bytes, ...]:
+        return tuple(_digests(imported_files(Path(self._py_file))))
+
+
+def _digests(files: tuple[Path, ...]) -> Iterator[bytes]:
+    for file in files:
+        state = file.stat()
+        yield caching._hash_source_file(str(file), state.st_mtime, state.st_size)
+
+
+class ProvidedLocator(_WithImports, caching.UserProvidedCacheLocator):  # type: ignore[misc]
+    """In the folder that `NUMBA_CACHE_DIR` names."""
+
+
+class InTreeLocator(_WithImports, caching.InTreeCacheLocator):  # type: ignore[misc]
+    """Beside the source."""
+
+
+class UserWideLocator(_WithImports, caching.UserWideCacheLocator):  # type: ignore[misc]
+    """In the user's own cache folder, when the installation is read-only."""
+
+
+def use() -> None:
+    """Let numba keep kernels by the locators here, unless the surroundings name others."""
+    if not numba.config.CACHE_LOCATOR_CLASSES:
+        numba.config.CACHE_LOCATOR_CLASSES = ",".join(
+            f"{__name__}.{kind.__name__}" for kind in (ProvidedLocator, InTreeLocator, UserWideLocator)
+        )
+
+
+__all__ = ["imported_files", "use"]

@@ -1,0 +1,68 @@
+"""Compiled kernels are out of date when anything changes that went into them."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from estimators import _kernel_cache
+from estimators._kernel_cache import imported_files
+
+
+def tree(root: Path) -> Path:
+    room = root / "room"
+    room.mkdir()
+    (room / "__init__.py").write_text("from room.outside import something\n")
+    (room / "outside.py").write_text("something = 1\n")
+    (room / "layout.py").write_text("PLACE = 3\n")
+    (room / "helper.py").write_text("import math\nfrom room import layout\n")
+    (room / "kernel.py").write_text("import numpy as np\nfrom room.helper import step\n")
+    return room
+
+
+def test_imports_are_followed_and_no_further(tmp_path):
+    room = tree(tmp_path)
+    assert imported_files(room / "kernel.py", tmp_path) == tuple(
+        room / name for name in ("helper.py", "kernel.py", "layout.py")
+    )
+    (room / "other.py").write_text("from room import something\n")
+    assert imported_files(room / "other.py", tmp_path) == tuple(
+        room / name for name in ("__init__.py", "other.py", "outside.py")
+    )
+
+
+def test_modules_that_import_each_other_end(tmp_path):
+    room = tree(tmp_path)
+    (room / "layout.py").write_text("import room.helper\n")
+    assert room / "helper.py" in imported_files(room / "helper.py", tmp_path)
+
+
+@pytest.mark.slow
+def test_an_edited_helper_is_compiled_again(tmp_path):
+    """In processes of their own, as after an update of the service."""
+    package = tmp_path / "estimators"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    for name in ("_kernels.py", "_kernel_cache.py"):
+        (package / name).write_bytes((Path(_kernel_cache.__file__).parent / name).read_bytes())
+    (package / "helper.py").write_text("PLACE = 3.0\n")
+    (package / "work.py").write_text(
+        "from estimators._kernels import kernel\n"
+        "from estimators.helper import PLACE\n\n\n"
+        '@kernel("float64(float64)")\n'
+        "def shifted(x):\n"
+        "    return x + PLACE\n"
+    )
+
+    def run() -> list[str]:
+        code = "from estimators.work import shifted as s; print(s(1.0), sum(s.stats.cache_hits.values()))"
+        done = subprocess.run(
+            [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
+        )
+        return done.stdout.split()
+
+    assert run() == ["4.0", "0"]
+    assert run() == ["4.0", "1"]
+    (package / "helper.py").write_text("PLACE = 5.0\n")
+    assert run() == ["6.0", "0"]
