@@ -213,7 +213,8 @@ class LivePlayer:
             self._scene.draw_ghost(phase, with_path=is_example)
 
     def _show_silence(self) -> None:
-        if self._last is None:
+        # Modules say themselves that they go on without news; there is no figure to grey.
+        if self._last is None or self._last.modules is not None:
             return
         lost = np.ones_like(self._last.lost[-1:])
         silent = PoseTrack(

@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from app.viewer.modules import ModuleTrack, modules_of
 from app.viewer.proportions import hip_height_m
 from estimators import rotation
 from estimators.body import BodyDimensions
@@ -74,6 +75,8 @@ class PoseTrack:
         Two standard deviations of the position of elbow and hand, per side; zero where unknown.
     lost : ndarray of bool, shape (K, S)
         The segment's sensor gives nothing now; the rotation is the last one known.
+    modules : ModuleTrack or None
+        Of a magnetic session: drawn instead of the figure.
     """
 
     time_s: NDArray[np.float64]
@@ -82,6 +85,7 @@ class PoseTrack:
     hand_m: Float32
     halo_m: Float32
     lost: NDArray[np.bool_]
+    modules: ModuleTrack | None = None
 
     def __len__(self) -> int:
         """Return the number of ticks K."""
@@ -98,7 +102,7 @@ def is_posed(frames: Frames) -> NDArray[np.bool_]:
 
     Before the calibration sensors do not know how they sit: there is nothing yet to show but a standing figure.
     """
-    if "pelvis" not in frames.layout.points:
+    if "pelvis" not in frames.layout.points or "source_coil" in frames.layout.scalars:
         return np.ones(frames.tick_count, dtype=bool)
     return np.isfinite(frames.point_room_m[:, frames.layout.points.index("pelvis"), 0])
 
@@ -136,6 +140,7 @@ def track_from_frames(frames: Frames, body: BodyDimensions) -> PoseTrack:
         hand_m=_hands(points, ticks),
         halo_m=_halo(frames, body),
         lost=lost,
+        modules=modules_of(frames),
     )
 
 

@@ -62,6 +62,8 @@ class Contents:
     ghost_clock: GhostClock | None
     track: PoseTrack | None
     is_calibrating: bool = False
+    has_source: bool = False
+    """A magnetic session: modules are shown, which want a nearer camera."""
 
 
 def find_target(engine: Engine, subject: Subject, session_id: str, wanted: ViewIn) -> ViewTarget:
@@ -152,6 +154,7 @@ def load_contents(engine: Engine, target: ViewTarget) -> Contents:
             ghost_clock=clock,
             track=track,
             is_calibrating=found.state in {"created", "calibrating"},
+            has_source=setup.pipeline == "relative_pose",
         )
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from app.viewer import nodes, palette
 from app.viewer.body_mesh import build_figure
 from app.viewer.ghost_node import GhostNode
+from app.viewer.modules import ModuleLayer, ModuleTrack
 from app.viewer.pose import PARENT, SEGMENTS, PoseTrack
 from app.viewer.proportions import hip_height_m
 from estimators.body import BodyDimensions
@@ -79,6 +80,7 @@ class BodyScene:
             }
             self._trails = [nodes.Trail(server, f"/trail/{side}") for side in SIDES]
             self._ghost = GhostNode(server, ghost, body, ghost_side) if ghost is not None else None
+        self._modules: ModuleLayer | None = None
         self._lost = np.zeros(len(SEGMENTS), dtype=bool)
         self._unsure = np.zeros(len(SIDES), dtype=bool)
 
@@ -115,6 +117,9 @@ class BodyScene:
             Past positions of the left and right hand up to this tick; None leaves the trails as they are.
         """
         with self._server.atomic():
+            if track.modules is not None:
+                self._draw_modules(track.modules, tick)
+                return
             self._solid.show(track.wxyz[tick], track.shoulder_m[tick])
             unsure = track.halo_m[tick, :, 1] > nodes.HALO_MOST_M
             if not np.array_equal(unsure, self._unsure):
@@ -127,6 +132,13 @@ class BodyScene:
             if trail is not None:
                 for number, line in enumerate(self._trails):
                     line.show(trail[:, number])
+
+    def _draw_modules(self, track: ModuleTrack, tick: int) -> None:
+        """Show source and sensors, and no figure: where a body is, they do not tell."""
+        if self._modules is None or self._modules.names != track.names:
+            self._solid.visible(False)
+            self._modules = ModuleLayer(self._server, track.names)
+        self._modules.show(track, tick)
 
     def draw_ghost(self, phase: float | None, *, with_path: bool = True) -> None:
         """Show the template at a phase from 0 to 100 (interpolated), or hide it.

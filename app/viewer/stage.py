@@ -19,6 +19,7 @@ from app.viewer.scene import BodyScene
 logger = logging.getLogger(__name__)
 
 LOOPBACK: Final = "127.0.0.1"
+_ON_FEET: Final = frozenset({"foot_left", "foot_right"})
 
 
 class LoopbackServer(viser.ViserServer):  # type: ignore[misc]  # viser is not typed here
@@ -71,6 +72,10 @@ class Stage:
         camera = preset("start", contents.body, contents.side, aspect=1.4)
         self._server.initial_camera.position = camera.position_m
         self._server.initial_camera.look_at = camera.look_at_m
+        if contents.has_source:
+            height_m = 0.1 if contents.measured <= _ON_FEET else 1.15
+            self._server.initial_camera.position = (1.3, -1.1, height_m + 0.45)
+            self._server.initial_camera.look_at = (0.0, 0.0, height_m)
         self._server.initial_camera.fov = FIELD_OF_VIEW_RAD
         self.player: Player
         if contents.track is not None:

@@ -1,0 +1,194 @@
+"""The modules of a magnetic session: the source with its coils, the sensors around it, how well their place is known.
+
+They are drawn instead of the body: what is measured is where one module is from another, not where the body is.
+"""
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from app.viewer import palette
+from app.viewer.palette import Rgb
+from estimators import rotation
+from estimators.magnetic import RelativeFlag
+from estimators.pipelines import Frames
+
+Float32 = NDArray[np.float32]
+
+COILS: Final[tuple[Rgb, Rgb, Rgb]] = ((196, 98, 74), (92, 148, 92), (84, 118, 186))
+"""Along x, y and z of the source."""
+_COIL_ON: Final[Rgb] = (250, 214, 96)
+_CASE: Final[Rgb] = (92, 90, 94)
+_SENSOR: Final[Rgb] = (236, 232, 226)
+_LINK: Final[Rgb] = (140, 140, 146)
+_COIL_RADIUS_M: Final = 0.055
+_COIL_OFFSET_M: Final = 0.06
+_SIGMAS: Final = 2.0
+_ELLIPSE_LEAST_M: Final = 0.004
+_ELLIPSE_MOST_M: Final = 0.6
+_LONE: Final = int(RelativeFlag.INERTIAL_ONLY | RelativeFlag.FAULT | RelativeFlag.INVALID)
+
+
+@dataclass(frozen=True)
+class ModuleTrack:
+    """Source and sensors over K ticks.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Placements, the source first.
+    place_m : ndarray of float32, shape (K, N, 3)
+        In the room; NaN where it is not known.
+    wxyz : ndarray of float32, shape (K, N, 4)
+    ellipse_m : ndarray of float32, shape (K, N - 1, 3)
+        Half axes of two standard deviations of a sensor's place.
+    ellipse_wxyz : ndarray of float32, shape (K, N - 1, 4)
+        Their directions in the room.
+    lone : ndarray of bool, shape (K, N - 1)
+        The place goes on without the source.
+    coil : ndarray of int, shape (K,)
+        Which coil is on, from 1; 0 for none.
+    """
+
+    names: tuple[str, ...]
+    place_m: Float32
+    wxyz: Float32
+    ellipse_m: Float32
+    ellipse_wxyz: Float32
+    lone: NDArray[np.bool_]
+    coil: NDArray[np.int64]
+
+
+def modules_of(frames: Frames) -> ModuleTrack | None:
+    """Return the modules in frames; None when they are of another pipeline."""
+    scalars = frames.layout.scalars
+    if "source_coil" not in scalars:
+        return None
+
+    def column(name: str) -> NDArray[np.float64]:
+        return frames.scalar[:, scalars.index(name)]
+
+    axes, turns, lone = [], [], []
+    for name in frames.layout.segments[1:]:
+        sigma = np.stack([column(f"{name}_{axis}_sigma_m") for axis in "xyz"], axis=1)
+        covariance = sigma[:, :, None] * sigma[:, None, :]
+        for a, b in ((0, 1), (0, 2), (1, 2)):
+            shared = column(f"{name}_{'xyz'[a]}{'xyz'[b]}_correlation")
+            covariance[:, a, b] *= shared
+            covariance[:, b, a] *= shared
+        known = np.asarray(np.isfinite(covariance).all(axis=(1, 2)))
+        variance, vectors = np.linalg.eigh(np.where(known[:, None, None], covariance, np.eye(3) * 1e-8))
+        # Right-handed, so that it is a rotation.
+        vectors[:, :, 2] *= np.sign(np.linalg.det(vectors))[:, None]
+        axes.append(np.where(known[:, None], _SIGMAS * np.sqrt(np.maximum(variance, 0.0)), 0.0))
+        turns.append(rotation.multiply(frames.q_room_segment[:, 0], rotation.from_matrix(vectors)))
+        lone.append((np.nan_to_num(column(f"{name}_state"), nan=1.0).astype(np.int64) & _LONE) != 0)
+    return ModuleTrack(
+        names=frames.layout.segments,
+        place_m=frames.point_room_m.astype(np.float32),
+        wxyz=np.nan_to_num(frames.q_room_segment).astype(np.float32),
+        ellipse_m=np.stack(axes, axis=1).astype(np.float32),
+        ellipse_wxyz=np.stack(turns, axis=1).astype(np.float32),
+        lone=np.stack(lone, axis=1),
+        coil=np.nan_to_num(column("source_coil")).astype(np.int64),
+    )
+
+
+class ModuleLayer:
+    """The nodes of source and sensors in one scene.
+
+    Parameters
+    ----------
+    server : viser.ViserServer
+    names : tuple of str
+        Placements, the source first.
+    """
+
+    def __init__(self, server: viser.ViserServer, names: tuple[str, ...]) -> None:
+        scene = server.scene
+        self.names = names
+        self._source = scene.add_frame("/modules/source", show_axes=False)
+        scene.add_box("/modules/source/case", color=_CASE, dimensions=(0.05, 0.05, 0.03))
+        self._coils = [_add_coil(server, number) for number in range(3)]
+        self._coil_on = 0
+        self._sensors: list[Any] = []
+        self._cases: list[Any] = []
+        self._ellipses: list[Any] = []
+        self._links: list[Any] = []
+        for number, _ in enumerate(names[1:]):
+            path = f"/modules/sensor{number}"
+            self._sensors.append(scene.add_frame(path, axes_length=0.07, axes_radius=0.0025))
+            self._cases.append(scene.add_box(f"{path}/case", color=_SENSOR, dimensions=(0.05, 0.036, 0.014)))
+            self._ellipses.append(
+                scene.add_icosphere(
+                    f"/modules/ellipse{number}",
+                    radius=1.0,
+                    color=palette.HALO,
+                    opacity=0.35,
+                    cast_shadow=False,
+                    receive_shadow=False,
+                    visible=False,
+                )
+            )
+            self._links.append(
+                scene.add_line_segments(
+                    f"/modules/link{number}",
+                    np.zeros((1, 2, 3), dtype=np.float32),
+                    colors=_LINK,
+                    thickness=2.0,
+                    thickness_units="screen",
+                    visible=False,
+                )
+            )
+
+    def show(self, track: ModuleTrack, tick: int) -> None:
+        """Show one tick."""
+        place, turn = track.place_m[tick], track.wxyz[tick]
+        self._source.position, self._source.wxyz = place[0], turn[0]
+        coil = int(track.coil[tick])
+        if coil != self._coil_on:
+            for number, ring in enumerate(self._coils):
+                ring.colors = np.array(_COIL_ON if number + 1 == coil else COILS[number], dtype=np.uint8)
+            self._coil_on = coil
+        for i, sensor in enumerate(self._sensors):
+            known = bool(np.isfinite(place[i + 1]).all())
+            lone = bool(track.lone[tick, i])
+            ellipse, link = self._ellipses[i], self._links[i]
+            axes = np.clip(track.ellipse_m[tick, i], 0.0, _ELLIPSE_MOST_M)
+            is_wide = bool(axes.max() > _ELLIPSE_LEAST_M)
+            for node, on in ((sensor, known), (link, known), (ellipse, known and is_wide)):
+                if node.visible != on:
+                    node.visible = on
+            if not known:
+                continue
+            sensor.position, sensor.wxyz = place[i + 1], turn[i + 1]
+            colour = palette.LOST if lone else _SENSOR
+            if tuple(self._cases[i].color) != colour:
+                self._cases[i].color = colour
+            link.points = np.stack([place[0], place[i + 1]])[None]
+            if ellipse.visible:
+                ellipse.position, ellipse.wxyz = place[i + 1], track.ellipse_wxyz[tick, i]
+                x, y, z = np.maximum(axes, 1e-3).tolist()
+                ellipse.scale = (x, y, z)
+
+
+def _add_coil(server: viser.ViserServer, number: int) -> Any:
+    """Draw a coil as a thick ring, its axis along x, y or z of the source, out where it is worn."""
+    angle = np.linspace(0.0, 2.0 * np.pi, 49)
+    ring = np.zeros((49, 3), dtype=np.float32)
+    ring[:, (number + 1) % 3] = _COIL_RADIUS_M * np.cos(angle)
+    ring[:, (number + 2) % 3] = _COIL_RADIUS_M * np.sin(angle)
+    ring[:, number] = _COIL_OFFSET_M
+    return server.scene.add_line_segments(
+        f"/modules/source/coil{number}",
+        np.stack([ring[:-1], ring[1:]], axis=1),
+        colors=COILS[number],
+        thickness=6.0,
+        thickness_units="screen",
+    )
+
+
+__all__ = ["COILS", "ModuleLayer", "ModuleTrack", "modules_of"]
