@@ -24,6 +24,7 @@ from estimators.validation._com_mass_centre import (
     STROKE_GAIT,
 )
 from estimators.validation._foot_conditions import FOOT_CONDITIONS
+from estimators.validation._foot_events import FOOT_EVENTS
 from estimators.validation._foot_placement import FOOT_PLACEMENT
 from estimators.validation._foot_recordings import FOOT_LOOPS, FOOT_STAIRS, FOOT_STRIDES, FOOT_WALKS
 from estimators.validation._functional import FUNCTIONAL_CALIBRATION
@@ -98,6 +99,7 @@ _PROTOCOLS = (
     STEEL_CASE,
     FOOT_PLACEMENT,
     FOOT_CONDITIONS,
+    FOOT_EVENTS,
     FOOT_WALKS,
     FOOT_STRIDES,
     FOOT_LOOPS,

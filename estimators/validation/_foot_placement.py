@@ -2,14 +2,15 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
 from estimators.conventions import SIDES
 from estimators.gait import find_strides, foot_placement, smooth
-from estimators.kinetics import shoe_contact, shoe_pose
+from estimators.kinetics import ShoeGeometry, shoe_contact, shoe_pose
 from estimators.recording import Float
-from estimators.simulation import gait_preset, simulate_gait
+from estimators.simulation import SimulatedWalk, gait_preset, simulate_gait
 from estimators.validation._protocol import Data, Figure, Protocol, Values
 
 _TRIALS = 3
@@ -26,12 +27,18 @@ class Feet:
     true: Float
 
 
+@lru_cache(maxsize=2 * _TRIALS)
+def _trial(seed: int, trial: int, errors: str) -> SimulatedWalk:
+    """Walk one trial; kept for the methods that are compared on it."""
+    scenario = gait_preset("placement", 1000 * seed + trial)
+    return simulate_gait(replace(scenario, rate_hz=_RATE_HZ, errors=errors))
+
+
 def subject(seed: int, errors: str) -> list[Feet]:
     """Walk some trials as one person and find the footholds of both feet."""
     result = []
     for trial in range(_TRIALS):
-        scenario = gait_preset("placement", 1000 * seed + trial)
-        walk = simulate_gait(replace(scenario, rate_hz=_RATE_HZ, errors=errors))
+        walk = _trial(seed, trial, errors)
         for side in SIDES:
             strides = find_strides(smooth(walk.recording.sensors[f"heel_{side}"]), side)
             true = walk.truth.feet[side].foothold_m[:, :2]
@@ -107,8 +114,7 @@ _TABLE: tuple[tuple[str, str, float | None, tuple[float | None, float | None], b
 
 def _published_errors(seed: int) -> dict[str, Float]:
     """Return errors of stride length of the strapdown methods between force events, one trial, both feet, m."""
-    scenario = replace(gait_preset("placement", 1000 * seed), rate_hz=_RATE_HZ)
-    walk = simulate_gait(scenario)
+    walk = _trial(seed, 0, _MODELS["nominal"])
     errors: dict[str, list[Float]] = {"flat": [], "published": []}
     for side in SIDES:
         heel, forefoot = (walk.recording.sensors[f"{part}_{side}"] for part in ("heel", "forefoot"))
@@ -122,7 +128,7 @@ def _published_errors(seed: int) -> dict[str, Float]:
                 (forefoot.gyroscope_radps, forefoot.accelerometer_mps2),
                 contact,
                 _RATE_HZ,
-                scenario.shoe,
+                ShoeGeometry(),
                 mode="flat" if mode == "flat" else "published",
             )
             holds = np.array([pose.heel_m[a:b, :2].mean(axis=0) for a, b in contact.core])
