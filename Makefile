@@ -10,7 +10,7 @@ export PYTHONDONTWRITEBYTECODE :=
 # One thread a process for linear algebra: the service scales over sessions, not inside one.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: help run test test-quick lint types web web-test bench-live bench-kernels bench-gait bench-viewer validate lock wheel check-versions browser clean
+.PHONY: help run test test-quick checks lint types web web-test bench-live bench-kernels bench-gait bench-viewer validate lock wheel check-versions browser clean
 
 help: ## This list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk 'BEGIN {FS = ":.*## "} {printf "  make %-14s %s\n", $$1, $$2}'
@@ -24,6 +24,13 @@ $(VENV)/installed: requirements.lock pyproject.toml
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $@
+
+# Numba compiles a changed kernel where it is first imported, one process at a time: here once, for all that follow.
+KERNELS := $(shell find estimators -name '*.py' 2>/dev/null)
+$(VENV)/compiled: $(VENV)/installed $(KERNELS)
+	@echo "Compiling the numerical kernels (two minutes the first time) ..."
+	@$(BIN)/python -c "import app.main"
 	@touch $@
 
 web/node_modules/installed: web/package-lock.json
@@ -41,7 +48,8 @@ web/dist/index.html: web/node_modules/installed $(WEB_SOURCES)
 
 web: web/dist/index.html ## Build the browser client
 
-run: $(VENV)/installed web/dist/index.html ## Start the service with a demonstration clinic and a simulated patient
+run: ## Start the service with a demonstration clinic and a simulated patient
+	@$(MAKE) --no-print-directory -j2 $(VENV)/compiled web/dist/index.html
 	@$(BIN)/telemotion demo --port $(PORT)
 
 browser: ## Install Debian's Chromium when it is absent and this is root
@@ -60,11 +68,14 @@ types: $(VENV)/installed
 web-test: $(VENV)/installed web/node_modules/installed
 	@cd web && npm run --silent check && npm run --silent api:check && npm test --silent
 
-test: lint types web-test web/dist/index.html browser ## Everything: lint, types, browser client, unit, service, database and browser tests
+checks: lint types web-test web/dist/index.html browser
+
+test: ## Everything: lint, types, browser client, unit, service, database and browser tests
+	@$(MAKE) --no-print-directory -j2 checks $(VENV)/compiled
 	@$(BIN)/python -m pytest -m "not e2e" $(TWO_AT_ONCE) --cov --cov-report= --durations=15
 	@$(BIN)/python -m pytest -m e2e --cov --cov-append --cov-report=term:skip-covered
 
-test-quick: $(VENV)/installed ## Under two minutes, no browser
+test-quick: $(VENV)/compiled ## Under two minutes, no browser
 	@$(BIN)/python -m pytest -m "not slow and not e2e and not postgres" $(TWO_AT_ONCE)
 
 bench-live: $(VENV)/installed ## 50 live sessions of 17 sensors at 100 Hz; prints latency and load
