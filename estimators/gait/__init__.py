@@ -5,7 +5,7 @@
     trajectory = smooth(recording.sensors["foot_left"])        # off-line
     strides = find_strides(trajectory, "left")
     print(summarise({"left": strides}).feet["left"]["stride_length"])
-    released = FootTracker(2, 0.01).update(chunk)              # live, up to 0.94 s old
+    released = FootTracker(2, 0.01).update(chunk)              # live, up to 0.96 s old
 
 Sensors may sit anywhere on the shoe, any way round. Without a magnetometer the heading of the world is that of the
 first sample, for each foot its own.
