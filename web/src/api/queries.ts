@@ -23,6 +23,8 @@ export const keys = {
   session: (id: string) => ['sessions', id] as const,
   sessionJobs: (id: string) => ['sessions', id, 'jobs'] as const,
   comparisons: (id: string) => ['sessions', id, 'comparisons'] as const,
+  magneticSafety: (id: string) => ['sessions', id, 'magnetic-safety'] as const,
+  sourceUse: (id: string, resultId: string | null) => ['sessions', id, 'source-use', resultId] as const,
   gait: (id: string) => ['sessions', id, 'gait'] as const,
   walks: (id: string) => ['patients', id, 'walks'] as const,
   conditions: (id: string, a: readonly string[], b: readonly string[]) => ['patients', id, 'walks', 'conditions', a, b] as const,
@@ -230,6 +232,15 @@ export const useCompare = (id: string) =>
 export const useSaveTemplate = () =>
   useChange((input: Wire.TemplateIn) => api.post<Wire.TemplateVersionDetail>('/api/templates', input), () => [['templates']]);
 
+export const useMagneticSafety = (id: string, enabled: boolean) =>
+  useGet<Wire.MagneticSafety>(keys.magneticSafety(id), `/api/sessions/${id}/magnetic-safety`, { enabled });
+export const useConfirmNoImplants = (id: string) =>
+  useChange(
+    () => api.post<Wire.MagneticSafety>(`/api/sessions/${id}/magnetic-safety`, { patient_has_no_implant: true, people_nearby_have_none: true }),
+    () => [keys.magneticSafety(id), keys.session(id)],
+  );
+export const useSourceUse = (id: string, resultId: string | null) =>
+  useGet<Wire.SourceUse>(keys.sourceUse(id, resultId), withQuery(`/api/sessions/${id}/source-use`, { result_id: resultId }), { staleTime: 60_000 });
 export const useGait = (id: string | null) => useGet<Wire.Gait>(keys.gait(id ?? ''), `/api/sessions/${id}/gait`, { enabled: id !== null && id !== '', staleTime: 60_000 });
 export const useWalks = (patientId: string) => useGet<Wire.WalkRow[]>(keys.walks(patientId), `/api/patients/${patientId}/walks`, { enabled: patientId !== '' });
 /** Two conditions compared; asked anew whenever the choice of walks changes. */

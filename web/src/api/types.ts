@@ -88,6 +88,9 @@ export type PlayerCommand = Schemas['PlayerCommand'];
 export type CameraCommand = Schemas['CameraCommand'];
 export type PlayerState = Schemas['PlayerState'];
 
+export type MagneticSafety = Schemas['MagneticSafetyOut'];
+export type SourceUse = Schemas['SourceUseOut'];
+
 export type Gait = Schemas['GaitOut'];
 export type GaitFoot = Schemas['FootOut'];
 export type Stride = Schemas['StrideOut'];

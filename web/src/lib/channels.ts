@@ -1,6 +1,7 @@
 // Names of angles, scalars, points and placements in plain words, with the convention beside them.
 import { t, tOr } from '../i18n';
 import type { Placement } from '../api/types';
+import { pairOf } from './magnetic';
 
 /** A channel of the frames as people and experts read it. */
 export interface ChannelLabel {
@@ -13,6 +14,8 @@ export interface ChannelLabel {
 }
 
 const ANGLE = /^(thorax_humerus|humerus_forearm|forearm_hand)_(left|right)_([a-z]{3})_([a-z_]+)$/;
+const RELATIVE = /^(.+)_zyx_(rotation|flexion|lateral)$/;
+const DISTANCE = /^(.+)_distance(_sigma)?_m$/;
 const SCALAR = /^(.*?)(?:_(left|right))?_(rad|m|mps|s|radps)$/;
 const POINT = /^([a-z]+)(?:_(left|right))?\.([xyz])$/;
 const SUFFIX_UNITS: Record<string, string> = { rad: 'rad', m: 'm', mps: 'm/s', s: 's', radps: 'rad/s' };
@@ -41,6 +44,16 @@ export function channelLabel(name: string): ChannelLabel {
       side: side as 'left' | 'right',
     };
   }
+  const relative = RELATIVE.exec(name);
+  const pair = relative ? pairOf(relative[1] ?? '') : null;
+  if (relative && pair) {
+    return {
+      text: t('magnetic.angleOf', { angle: t(`magnetic.angle.${relative[2] as 'rotation' | 'flexion' | 'lateral'}`), place: placementLabel(pair.sensor) }),
+      convention: t('magnetic.against', { source: placementLabel(pair.source) }),
+      unit: 'rad',
+      side: null,
+    };
+  }
   const point = POINT.exec(name);
   if (point) {
     const [, place = '', side, axis = ''] = point;
@@ -50,6 +63,11 @@ export function channelLabel(name: string): ChannelLabel {
       unit: 'm',
       side: (side as 'left' | 'right' | undefined) ?? null,
     };
+  }
+  const distance = DISTANCE.exec(name);
+  if (distance) {
+    const [, place = '', sigma] = distance;
+    return { text: t(sigma ? 'magnetic.sigmaOf' : 'magnetic.distanceOf', { place: placementLabel(place) }), convention: '', unit: 'm', side: null };
   }
   const scalar = SCALAR.exec(name);
   if (scalar) {

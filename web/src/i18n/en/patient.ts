@@ -87,6 +87,8 @@ export const patient = {
   'audit.session.reprocess': 'estimated a session again',
   'audit.session.stop': 'stopped recording',
   'audit.session.stream': 'sent data of a session',
+  'audit.session.implants_excluded': 'confirmed that nobody near the magnetic source has an implant',
+  'audit.session.source_use': 'looked at what the magnetic source did',
   'audit.session.ticket': 'connected to a session',
   'audit.session.view': 'opened the 3D view of a session',
   'audit.session.watch': 'watched a session live',

@@ -19,6 +19,8 @@ import { useLivePlayer, useSnapshot } from '../../player/hooks';
 import type { LivePlayer, LiveSnapshot } from '../../player/live';
 import { CalibrationPanel } from '../calibration/CalibrationPanel';
 import { InForce } from '../calibration/InForce';
+import { LiveSource } from '../magnetic/LiveSource';
+import { SafetyCard } from '../magnetic/SafetyCard';
 import { AnalysisWait } from './AnalysisWait';
 import { ConnectHelp } from './ConnectHelp';
 import { HealthPanel } from './HealthPanel';
@@ -91,8 +93,12 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
   const [isAsked, setAsked] = useState(false);
   const calibration = message ? message.calibration : session.calibration;
   const isWalk = session.pipeline === 'gait';
+  const isMagnetic = session.pipeline === 'relative_pose';
+  const modules = session.layout.segments.slice(1);
+  const isSelfCalibrated = isWalk || isMagnetic;
   const feet = session.layout.scalars.filter((name) => name.endsWith('_speed_mps'));
-  const mayCalibrate = !isWalk && (state === 'calibrating' || state === 'ready');
+  const distances = useMemo(() => session.layout.scalars.filter((name) => name.endsWith('_distance_m')), [session.layout.scalars]);
+  const mayCalibrate = !isSelfCalibrated && (state === 'calibrating' || state === 'ready');
   return (
     <>
       <div className="live-head">
@@ -129,6 +135,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
       ) : (
       <div className="live-grid">
         <div className="stack">
+          {isMagnetic && <SafetyCard session={session} />}
           {state === 'created' && <ConnectHelp session={session} />}
           {mayCalibrate && (
             <CalibrationPanel
@@ -145,6 +152,13 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
           {state !== 'created' && mayRecord && <LiveButtons sessionId={session.id} state={state} isRecording={isRecording} />}
           {state !== 'created' && <Viewer3D sessionId={session.id} request={LIVE} title={t('viewer.liveTitle')} />}
           {isWalk && <Notice>{t('live.walkHelp')}</Notice>}
+          {isMagnetic && state !== 'created' && <Notice>{t('magnetic.help')}</Notice>}
+          {isMagnetic && snapshot.columns && state !== 'created' && (
+            <section className="card" aria-labelledby="distances">
+              <h2 id="distances">{t('magnetic.distances')}</h2>
+              <Traces player={player} channels={distances} />
+            </section>
+          )}
           {isWalk && snapshot.columns && state !== 'created' && (
             <section className="card" aria-labelledby="feet">
               <h2 id="feet">{t('live.walk')}</h2>
@@ -161,8 +175,9 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
           )}
         </div>
         <div className="stack">
+          {isMagnetic && state !== 'created' && <LiveSource player={player} sensors={modules} />}
           <HealthPanel health={snapshot.health} placements={session.placements} />
-          {state === 'ready' && !isWalk && calibration && mayRecord && <InForce sessionId={session.id} calibration={calibration} placements={session.placements} onAgain={() => setAsked(true)} />}
+          {state === 'ready' && !isSelfCalibrated && calibration && mayRecord && <InForce sessionId={session.id} calibration={calibration} placements={session.placements} onAgain={() => setAsked(true)} />}
           <Happened events={snapshot.events.length ? snapshot.events : session.events} />
         </div>
       </div>

@@ -20,6 +20,7 @@ import { timeAtTemplatePhase } from '../../lib/warp';
 import { useReplayPlayer, useSnapshot } from '../../player/hooks';
 import type { ReplayPlayer } from '../../player/replay';
 import type { PlayerState } from '../../api/types';
+import { SourcePanel } from '../magnetic/SourcePanel';
 import { ComparisonPanel } from './ComparisonPanel';
 import { DetailsPanel, resultLabel } from './DetailsPanel';
 import { WalkPanel } from './WalkPanel';
@@ -86,7 +87,8 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
     }
   };
   const isWalk = session.pipeline === 'gait';
-  const tab = search.get('show') ?? (isWalk ? 'walk' : hasComparison ? 'compare' : 'angles');
+  const isMagnetic = session.pipeline === 'relative_pose';
+  const tab = search.get('show') ?? (isWalk ? 'walk' : isMagnetic ? 'source' : hasComparison ? 'compare' : 'angles');
   return (
     <>
       {snapshot.problem && <Problem error={new Error(snapshot.problem)} title={t('replay.failed')} />}
@@ -123,13 +125,17 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
           keepMounted={false}
         >
           <Tabs.List aria-label={t('replay.tabs')}>
+            {isMagnetic && <Tabs.Tab value="source">{t('magnetic.title')}</Tabs.Tab>}
             {isWalk && <Tabs.Tab value="walk">{t('walk.result')}</Tabs.Tab>}
-            {!isWalk && <Tabs.Tab value="compare">{t('compare.title')}</Tabs.Tab>}
+            {!isWalk && !isMagnetic && <Tabs.Tab value="compare">{t('compare.title')}</Tabs.Tab>}
             {!isWalk && <Tabs.Tab value="angles">{t('traces.title')}</Tabs.Tab>}
             <Tabs.Tab value="details">{t('details.title')}</Tabs.Tab>
           </Tabs.List>
           <Tabs.Panel value="walk">
             <WalkPanel sessionId={session.id} />
+          </Tabs.Panel>
+          <Tabs.Panel value="source">
+            <SourcePanel sessionId={session.id} resultId={resultId} />
           </Tabs.Panel>
           <Tabs.Panel value="compare">
             <h2 className="visually-hidden">{t('compare.title')}</h2>
@@ -224,7 +230,7 @@ export function SessionPage() {
           <Button component={Link} to={`/sessions/${sessionId}/gait`} leftSection={<IconShoe size={18} aria-hidden />}>
             {t('walk.open')}
           </Button>
-        ) : session.data?.state === 'analysed' ? (
+        ) : session.data?.state === 'analysed' && session.data.pipeline !== 'relative_pose' ? (
           <>
             {session.data.may_treat && (
               <Button

@@ -1,0 +1,82 @@
+// A magnetic session while it happens: how far each sensor is and how well that is known, and what the source does.
+import { IconAlertTriangle, IconCheck } from '@tabler/icons-react';
+import { useEffect, useState } from 'react';
+import { t } from '../../i18n';
+import { placementLabel } from '../../lib/channels';
+import { number, quantity } from '../../lib/format';
+import { needsHand, pulsesIn, stateKeys, type Pulse } from '../../lib/magnetic';
+import type { Player } from '../../player/types';
+import { PulseTimeline } from './PulseTimeline';
+
+const WINDOW_S = 20;
+const REFRESH_MS = 250;
+
+interface Reading {
+  pulses: Pulse[];
+  fromS: number;
+  untilS: number;
+  onTimeS: number;
+  chargeAs: number;
+  sensors: { name: string; distanceM: number; sigmaM: number; bits: number }[];
+}
+
+/** The newest of everything, and the pulses of the last seconds. */
+export function readSource(player: Player, sensors: readonly string[]): Reading | null {
+  const { timeS } = player.clock();
+  const own = sensors.flatMap((name) => [`${name}_distance_m`, `${name}_distance_sigma_m`, `${name}_state`]);
+  const read = player.read(timeS - WINDOW_S, timeS + 1e-6, ['source_coil', 'source_current_a', 'source_on_time_s', 'source_charge_as', ...own], 8000);
+  const last = read.timeS.length - 1;
+  if (last < 0) return null;
+  const at = (column: number) => read.values[column]?.[last] ?? NaN;
+  return {
+    pulses: pulsesIn(read.timeS, read.values[0] ?? [], read.values[1] ?? []),
+    fromS: Math.max(0, timeS - WINDOW_S),
+    untilS: timeS,
+    onTimeS: at(2),
+    chargeAs: at(3),
+    sensors: sensors.map((name, index) => ({ name, distanceM: at(4 + 3 * index), sigmaM: at(5 + 3 * index), bits: at(6 + 3 * index) || 0 })),
+  };
+}
+
+export function LiveSource({ player, sensors }: { player: Player; sensors: readonly string[] }) {
+  const [reading, setReading] = useState<Reading | null>(null);
+  const names = sensors.join();
+  useEffect(() => {
+    const timer = setInterval(() => setReading(readSource(player, names.split(','))), REFRESH_MS);
+    return () => clearInterval(timer);
+  }, [player, names]);
+  if (!reading) return null;
+  const timeS = Math.max(reading.untilS, 1e-6);
+  return (
+    <section className="card" aria-labelledby="source">
+      <h2 id="source">{t('magnetic.title')}</h2>
+      <ul className="plain-list lines">
+        {reading.sensors.map((one) => {
+          const isBad = needsHand(one.bits);
+          return (
+            <li key={one.name}>
+              <span className="strong">{placementLabel(one.name)}</span>{' '}
+              <span className="number strong" data-testid={`distance-${one.name}`}>
+                {quantity(one.distanceM, 'm')}
+              </span>{' '}
+              <span className="number muted">{t('magnetic.spread', { value: quantity(one.sigmaM, 'm') })}</span>
+              <span className={isBad ? 'alert-text small' : 'muted small'} style={{ display: 'block' }}>
+                {isBad ? <IconAlertTriangle size={16} aria-hidden /> : <IconCheck size={16} aria-hidden />} {stateKeys(one.bits).map((key) => t(key as 'magnetic.sound')).join('. ')}
+              </span>
+            </li>
+          );
+        })}
+      </ul>
+      <h3>{t('magnetic.actuation')}</h3>
+      <PulseTimeline pulses={reading.pulses} fromS={reading.fromS} untilS={reading.untilS} />
+      <dl className="facts">
+        <dt>{t('magnetic.onTime')}</dt>
+        <dd className="number">
+          {quantity(reading.onTimeS, 's')} · {t('magnetic.share', { percent: number((100 * reading.onTimeS) / timeS, 1) })}
+        </dd>
+        <dt>{t('magnetic.charge')}</dt>
+        <dd className="number" data-testid="charge">{`${number(reading.chargeAs, 2)} A s`}</dd>
+      </dl>
+    </section>
+  );
+}
