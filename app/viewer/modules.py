@@ -24,6 +24,8 @@ _COIL_ON: Final[Rgb] = (250, 214, 96)
 _CASE: Final[Rgb] = (92, 90, 94)
 _SENSOR: Final[Rgb] = (236, 232, 226)
 _LINK: Final[Rgb] = (140, 140, 146)
+_LINK_M: Final = 0.003
+_ALONG: Final = np.array([1.0, 0.0, 0.0])
 _COIL_RADIUS_M: Final = 0.055
 _COIL_OFFSET_M: Final = 0.06
 _SIGMAS: Final = 2.0
@@ -134,12 +136,11 @@ class ModuleLayer:
                 )
             )
             self._links.append(
-                scene.add_line_segments(
+                scene.add_box(
                     f"/modules/link{number}",
-                    np.zeros((1, 2, 3), dtype=np.float32),
-                    colors=_LINK,
-                    thickness=2.0,
-                    thickness_units="screen",
+                    color=_LINK,
+                    dimensions=(1.0, _LINK_M, _LINK_M),
+                    cast_shadow=False,
                     visible=False,
                 )
             )
@@ -168,7 +169,12 @@ class ModuleLayer:
             colour = palette.LOST if lone else _SENSOR
             if tuple(self._cases[i].color) != colour:
                 self._cases[i].color = colour
-            link.points = np.stack([place[0], place[i + 1]])[None]
+            way = place[i + 1] - place[0]
+            link.position, link.scale = (
+                place[0] + 0.5 * way,
+                (max(float(np.linalg.norm(way)), 1e-3), 1.0, 1.0),
+            )
+            link.wxyz = rotation.shortest(_ALONG, way.astype(np.float64))
             if ellipse.visible:
                 ellipse.position, ellipse.wxyz = place[i + 1], track.ellipse_wxyz[tick, i]
                 x, y, z = np.maximum(axes, 1e-3).tolist()

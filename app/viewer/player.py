@@ -7,6 +7,7 @@ import asyncio
 import logging
 import time
 from collections import deque
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -188,7 +189,10 @@ class LivePlayer:
         if not frames.tick_count:
             return
         self._scene.show_measured(measured_segments(frames))
-        track = self._last = track_from_frames(frames, self._body)
+        track = track_from_frames(frames, self._body)
+        if track.feet is not None:
+            track = replace(track, feet=replace(track.feet, prints=None))
+        self._last = track
         self._is_posed = bool(is_posed(frames)[-1])
         step = max(1, round(PICTURE_S / frames.time_step_s))
         # The last tick is always among those shown; a little less than real time, so that no delay piles up.
@@ -213,8 +217,8 @@ class LivePlayer:
             self._scene.draw_ghost(phase, with_path=is_example)
 
     def _show_silence(self) -> None:
-        # Modules say themselves that they go on without news; there is no figure to grey.
-        if self._last is None or self._last.modules is not None:
+        # Modules and feet say themselves that they go on without news; there is no figure to grey.
+        if self._last is None or self._last.modules is not None or self._last.feet is not None:
             return
         lost = np.ones_like(self._last.lost[-1:])
         silent = PoseTrack(

@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from app.viewer.feet import FeetTrack, feet_of
 from app.viewer.modules import ModuleTrack, modules_of
 from app.viewer.proportions import hip_height_m
 from estimators import rotation
@@ -77,6 +78,8 @@ class PoseTrack:
         The segment's sensor gives nothing now; the rotation is the last one known.
     modules : ModuleTrack or None
         Of a magnetic session: drawn instead of the figure.
+    feet : FeetTrack or None
+        Of a walk: drawn instead of the figure.
     """
 
     time_s: NDArray[np.float64]
@@ -86,6 +89,7 @@ class PoseTrack:
     halo_m: Float32
     lost: NDArray[np.bool_]
     modules: ModuleTrack | None = None
+    feet: FeetTrack | None = None
 
     def __len__(self) -> int:
         """Return the number of ticks K."""
@@ -141,6 +145,7 @@ def track_from_frames(frames: Frames, body: BodyDimensions) -> PoseTrack:
         halo_m=_halo(frames, body),
         lost=lost,
         modules=modules_of(frames),
+        feet=feet_of(frames),
     )
 
 

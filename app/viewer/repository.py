@@ -64,6 +64,8 @@ class Contents:
     is_calibrating: bool = False
     has_source: bool = False
     """A magnetic session: modules are shown, which want a nearer camera."""
+    has_feet: bool = False
+    """A walk: feet are shown, which want a lower camera."""
 
 
 def find_target(engine: Engine, subject: Subject, session_id: str, wanted: ViewIn) -> ViewTarget:
@@ -155,6 +157,7 @@ def load_contents(engine: Engine, target: ViewTarget) -> Contents:
             track=track,
             is_calibrating=found.state in {"created", "calibrating"},
             has_source=setup.pipeline == "relative_pose",
+            has_feet=setup.pipeline == "gait",
         )
 
 

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from app.viewer import nodes, palette
 from app.viewer.body_mesh import build_figure
+from app.viewer.feet import FeetTrack
+from app.viewer.feet_layer import FeetLayer
 from app.viewer.ghost_node import GhostNode
 from app.viewer.modules import ModuleLayer, ModuleTrack
 from app.viewer.pose import PARENT, SEGMENTS, PoseTrack
@@ -81,6 +83,7 @@ class BodyScene:
             self._trails = [nodes.Trail(server, f"/trail/{side}") for side in SIDES]
             self._ghost = GhostNode(server, ghost, body, ghost_side) if ghost is not None else None
         self._modules: ModuleLayer | None = None
+        self._feet: FeetLayer | None = None
         self._lost = np.zeros(len(SEGMENTS), dtype=bool)
         self._unsure = np.zeros(len(SIDES), dtype=bool)
 
@@ -120,6 +123,9 @@ class BodyScene:
             if track.modules is not None:
                 self._draw_modules(track.modules, tick)
                 return
+            if track.feet is not None:
+                self._draw_feet(track.feet, tick)
+                return
             self._solid.show(track.wxyz[tick], track.shoulder_m[tick])
             unsure = track.halo_m[tick, :, 1] > nodes.HALO_MOST_M
             if not np.array_equal(unsure, self._unsure):
@@ -132,6 +138,13 @@ class BodyScene:
             if trail is not None:
                 for number, line in enumerate(self._trails):
                     line.show(trail[:, number])
+
+    def _draw_feet(self, track: FeetTrack, tick: int) -> None:
+        """Show the feet of a walk, and no figure: nothing tells how the rest of the body moves."""
+        if self._feet is None or self._feet.sides != track.sides:
+            self._solid.visible(False)
+            self._feet = FeetLayer(self._server, track)
+        self._feet.show(track, tick)
 
     def _draw_modules(self, track: ModuleTrack, tick: int) -> None:
         """Show source and sensors, and no figure: where a body is, they do not tell."""

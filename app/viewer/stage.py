@@ -3,6 +3,7 @@
 import asyncio
 import logging
 import time
+from dataclasses import replace
 from typing import Any, Final
 
 import rich
@@ -19,6 +20,7 @@ from app.viewer.scene import BodyScene
 logger = logging.getLogger(__name__)
 
 LOOPBACK: Final = "127.0.0.1"
+_WALK_HEIGHT_M: Final = 1.15
 _ON_FEET: Final = frozenset({"foot_left", "foot_right"})
 
 
@@ -53,7 +55,8 @@ class Stage:
 
     def __init__(self, target: ViewTarget, contents: Contents, bus: Bus) -> None:
         self.target = target
-        self.body = contents.body
+        # Points of view are those of somebody smaller: a walk happens on and near the floor.
+        self.body = replace(contents.body, stature_m=_WALK_HEIGHT_M) if contents.has_feet else contents.body
         self.side = contents.side
         self._server = LoopbackServer()
         ghost = contents.ghost
@@ -69,7 +72,7 @@ class Stage:
         except BaseException:
             self._server.stop()
             raise
-        camera = preset("start", contents.body, contents.side, aspect=1.4)
+        camera = preset("start", self.body, contents.side, aspect=1.4)
         self._server.initial_camera.position = camera.position_m
         self._server.initial_camera.look_at = camera.look_at_m
         if contents.has_source:
