@@ -5,6 +5,7 @@ session, that neither the patient nor people close by have one, no gateway gets 
 The confirmation is an event of the session and in the audit trail: who, when, for which session.
 """
 
+import math
 from typing import Any, Final
 
 from sqlalchemy import select
@@ -116,8 +117,10 @@ def _told(session: Session, subject: Subject, found: MotionSession) -> MagneticS
 def _source_of(setup: dict[str, Any]) -> tuple[str | None, float | None]:
     try:
         settings = relative_source(SessionSetup.from_dict(setup))
-        # To the next centimetre above: a distance that is told to people must not be too short.
-        return settings.source, (int(100.0 * keep_away_distance_m(settings.coils)) + 1) / 100.0
+        source = settings.coils
+        out_m = max(math.dist(coil.centre_m, (0.0, 0.0, 0.0)) for coil in source.coils)
+        # From the middle of the source, to the next centimetre: what is told to people must not be too short.
+        return settings.source, math.ceil(100.0 * (out_m + keep_away_distance_m(source))) / 100.0
     except SetupError:
         return None, None
 

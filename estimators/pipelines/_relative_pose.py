@@ -16,6 +16,7 @@ from estimators.magnetic import (
     RelativeResult,
     read_coil_state,
 )
+from estimators.orientation import OrientationFlag
 from estimators.pipelines._contract import Calibration, FrameLayout, Frames, Pipeline, SessionSetup
 from estimators.pipelines._relative_columns import (
     angle_flags,
@@ -128,7 +129,8 @@ class RelativePosePipeline(Pipeline):
         q, point = np.empty((ticks, segments, 4)), np.empty((ticks, segments, 3))
         flags = np.empty((ticks, segments), dtype=np.uint8)
         sigma = np.full((ticks, segments, 3), np.nan)
-        q[:, 0], flags[:, 0] = q_source, levelled.flags[0]
+        # Its heading is that of the room, so that it cannot be wrong.
+        q[:, 0], flags[:, 0] = q_source, levelled.flags[0] & ~np.uint8(OrientationFlag.HEADING_NOT_TRUSTED)
         point[:, 0] = [0.0, 0.0, _SHOE_HEIGHT_M if "foot" in self._settings.source else _HEIGHT_M]
         scalars, angles, spreads = [], [], []
         for i, result in enumerate(found):

@@ -68,7 +68,7 @@ export function LiveSource({ player, sensors }: { player: Player; sensors: reado
         })}
       </ul>
       <h3>{t('magnetic.actuation')}</h3>
-      <PulseTimeline pulses={reading.pulses} fromS={reading.fromS} untilS={reading.untilS} />
+      <PulseTimeline pulses={reading.pulses} fromS={reading.fromS} untilS={reading.untilS} width={300} />
       <dl className="facts">
         <dt>{t('magnetic.onTime')}</dt>
         <dd className="number">

@@ -4,21 +4,20 @@ import { number } from '../../lib/format';
 import type { Pulse } from '../../lib/magnetic';
 
 const COLOURS = ['--tm-series-1', '--tm-series-2', '--tm-series-3'] as const;
-const WIDTH = 600;
 const LANE = 26;
 const LEFT = 64;
 /** A pulse of 30 ms must be seen in a picture of half an hour. */
 const LEAST = 2;
 
-export function PulseTimeline({ pulses, fromS, untilS, nowS }: { pulses: readonly Pulse[]; fromS: number; untilS: number; nowS?: number }) {
+export function PulseTimeline({ pulses, fromS, untilS, nowS, width = 600 }: { pulses: readonly Pulse[]; fromS: number; untilS: number; nowS?: number; width?: number }) {
   const spanS = Math.max(untilS - fromS, 1e-6);
-  const x = (atS: number) => LEFT + ((atS - fromS) / spanS) * (WIDTH - LEFT);
+  const x = (atS: number) => LEFT + ((atS - fromS) / spanS) * (width - LEFT);
   const shown = pulses.filter((one) => one.endS > fromS && one.startS < untilS);
   const lanes = [1, 2, 3];
   return (
     <div data-testid="pulses">
       <svg
-        viewBox={`0 0 ${WIDTH} ${LANE * lanes.length + 20}`}
+        viewBox={`0 0 ${width} ${LANE * lanes.length + 20}`}
         width="100%"
         role="img"
         aria-label={t('magnetic.timeline', { seconds: number(spanS, 0), count: shown.length })}
@@ -28,7 +27,7 @@ export function PulseTimeline({ pulses, fromS, untilS, nowS }: { pulses: readonl
             <text x={0} y={LANE * (coil - 1) + 18} fontSize="14" fill="var(--tm-muted)">
               {t('magnetic.coil', { number: coil })}
             </text>
-            <line x1={LEFT} x2={WIDTH} y1={LANE * coil - 2} y2={LANE * coil - 2} stroke="var(--tm-line)" />
+            <line x1={LEFT} x2={width} y1={LANE * coil - 2} y2={LANE * coil - 2} stroke="var(--tm-line)" />
           </g>
         ))}
         {shown.map((one) => {
@@ -50,7 +49,7 @@ export function PulseTimeline({ pulses, fromS, untilS, nowS }: { pulses: readonl
         <text x={LEFT} y={LANE * lanes.length + 16} fontSize="13" fill="var(--tm-muted)">
           {`${number(fromS, 0)} s`}
         </text>
-        <text x={WIDTH} y={LANE * lanes.length + 16} fontSize="13" textAnchor="end" fill="var(--tm-muted)">
+        <text x={width} y={LANE * lanes.length + 16} fontSize="13" textAnchor="end" fill="var(--tm-muted)">
           {`${number(untilS, 0)} s`}
         </text>
       </svg>

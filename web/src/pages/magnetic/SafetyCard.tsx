@@ -25,7 +25,7 @@ export function SafetyCard({ session }: { session: SessionDetail }) {
         ) : (
           <section className="card" aria-labelledby="safety">
             <div className="banner banner-alert">
-              <IconHeartOff size={28} aria-hidden />
+              <IconHeartOff size={28} style={{ flexShrink: 0 }} aria-hidden />
               <div>
                 <h2 id="safety">{t('magnetic.safety')}</h2>
                 <p className="strong">{t('magnetic.warning')}</p>
