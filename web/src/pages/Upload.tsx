@@ -20,6 +20,7 @@ const PLACEMENTS: Placement[] = ['sternum', 'upper_arm_right', 'forearm_right', 
 const HEAD_BYTES = 64 * 1024;
 type Format = UploadIn['format'];
 const FORMATS = ['packet_log', 'csv', 'qmt_mat', 'gaitmap', 'instrumented_shoe', 'pyshoe', 'gait_tracking'] as const;
+const WALKS: readonly Format[] = ['gaitmap', 'instrumented_shoe', 'pyshoe', 'gait_tracking'];
 type Hemisphere = NonNullable<UploadIn['hemisphere']>;
 const HEMISPHERES: Hemisphere[] = ['north', 'south', 'unknown'];
 
@@ -79,6 +80,8 @@ export function UploadPage() {
   const [wantedEstimator, setWantedEstimator] = useState<string | null>(null);
   const [head, setHead] = useState<CsvHead | null>(null);
   const [mapping, setMapping] = useState<CsvMapping | null>(null);
+  const [apartCm, setApartCm] = useState<number | null>(null);
+  const isWalk = WALKS.includes(format);
   const [knowsPose, setKnowsPose] = useState(false);
   const [pose, setPose] = useState<[number, number]>([0, 3]);
   const [hemisphere, setHemisphere] = useState<Hemisphere>('north');
@@ -120,7 +123,8 @@ export function UploadPage() {
       format,
       csv: format === 'csv' ? mapping : null,
       orientation,
-      calibration_pose_s: knowsPose ? pose : null,
+      calibration_pose_s: knowsPose && !isWalk ? pose : null,
+      feet_apart_m: isWalk && apartCm !== null ? apartCm / 100 : null,
       hemisphere,
       accept_implausible: accepts,
     };
@@ -158,16 +162,30 @@ export function UploadPage() {
           />
           {patients.error && <Problem error={patients.error} />}
           <Select label={t('upload.exercise')} searchable clearable maw={480} data={(exercises.data ?? []).map((one) => ({ value: one.id, label: one.name }))} value={exerciseId} onChange={setExerciseId} />
-          <Select
-            label={t('newSession.estimator')}
-            maw={480}
-            data={(estimators.data ?? []).map((one) => ({ value: one.name, label: one.title }))}
-            value={orientation ?? null}
-            onChange={setWantedEstimator}
-            description={estimators.data?.find((one) => one.name === orientation)?.description}
-          />
-          <Switch label={t('upload.knowsPose')} description={t('upload.knowsPoseHelp')} checked={knowsPose} onChange={(event) => setKnowsPose(event.currentTarget.checked)} />
-          {knowsPose && (
+          {isWalk ? (
+            <NumberInput
+              label={t('newSession.apart')}
+              description={t('newSession.apartHelp')}
+              value={apartCm ?? ''}
+              onChange={(value) => setApartCm(typeof value === 'number' ? value : null)}
+              min={0}
+              max={60}
+              maw={480}
+            />
+          ) : (
+            <>
+              <Select
+                label={t('newSession.estimator')}
+                maw={480}
+                data={(estimators.data ?? []).map((one) => ({ value: one.name, label: one.title }))}
+                value={orientation ?? null}
+                onChange={setWantedEstimator}
+                description={estimators.data?.find((one) => one.name === orientation)?.description}
+              />
+              <Switch label={t('upload.knowsPose')} description={t('upload.knowsPoseHelp')} checked={knowsPose} onChange={(event) => setKnowsPose(event.currentTarget.checked)} />
+            </>
+          )}
+          {knowsPose && !isWalk && (
             <Group>
               <NumberInput label={t('upload.poseFrom')} suffix=" s" min={0} w={140} value={pose[0]} onChange={(value) => setPose([Number(value) || 0, pose[1]])} />
               <NumberInput label={t('upload.poseUntil')} suffix=" s" min={0} w={140} value={pose[1]} onChange={(value) => setPose([pose[0], Number(value) || 0])} />

@@ -41,7 +41,7 @@ async function send(failed: Job) {
     answers: {
       '/api/patients': [{ id: 'p', given_name: 'Amara', family_name: 'Okafor', may_treat: true }],
       '/api/exercises': [],
-      '/api/estimators': [],
+      '/api/estimators': [{ name: 'vqf', version: '1', title: 'VQF', description: '', parameters: [], is_offline: false }],
       '/api/jobs/j': failed,
     },
   });
