@@ -10,7 +10,7 @@ export PYTHONDONTWRITEBYTECODE :=
 # One thread a process for linear algebra: the service scales over sessions, not inside one.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: help run test test-quick checks lint types web web-test bench-live bench-kernels bench-gait bench-viewer validate lock wheel check-versions browser clean
+.PHONY: help run test test-quick checks lint types web web-test bench-live bench-kernels bench-gait bench-magnetic bench-viewer validate lock wheel check-versions browser clean
 
 help: ## This list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk 'BEGIN {FS = ":.*## "} {printf "  make %-14s %s\n", $$1, $$2}'
@@ -86,6 +86,9 @@ bench-kernels: $(VENV)/installed ## Orientation kernels beside the vqf package, 
 
 bench-gait: $(VENV)/installed ## Cost of following feet: off-line by length, live by sensors
 	@$(BIN)/python -m tests.benchmarks.bench_gait
+
+bench-magnetic: $(VENV)/installed ## Fields a second, and a core's share of a relative-pose session
+	@$(BIN)/python -m tests.benchmarks.bench_magnetic
 
 bench-viewer: $(VENV)/installed ## Processor cost of the 3D scene
 	@$(BIN)/python -m tests.benchmarks.bench_viewer

@@ -37,6 +37,13 @@ from estimators.magnetic._relative_pose import (
 from estimators.magnetic._relative_smoother import SmoothedPose, smooth_relative_pose
 from estimators.magnetic._shoes import SHOE_PARAMETERS, shoe_source
 from estimators.magnetic._tracker import Fix, TrackerFlag, TrackerLimits, locate
+from estimators.magnetic._tracker_fusion import (
+    TrackerFusion,
+    TrackerFusionChunk,
+    TrackerFusionParameters,
+    TrackerFusionResult,
+)
+from estimators.magnetic._tracker_fusion_smoother import smooth_tracker_fusion
 from estimators.magnetic._validity import (
     PACEMAKER_LIMIT_T,
     axial_dipole_error,
@@ -70,6 +77,10 @@ __all__ = [
     "SmoothedPose",
     "Source",
     "TrackerFlag",
+    "TrackerFusion",
+    "TrackerFusionChunk",
+    "TrackerFusionParameters",
+    "TrackerFusionResult",
     "TrackerLimits",
     "Updated",
     "axial_dipole_error",
@@ -102,5 +113,6 @@ __all__ = [
     "required_moment_am2",
     "shoe_source",
     "smooth_relative_pose",
+    "smooth_tracker_fusion",
     "update",
 ]

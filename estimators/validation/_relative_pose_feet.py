@@ -83,8 +83,8 @@ RELATIVE_POSE_FEET = Protocol(
     title="Foot to foot, ten minutes of walking",
     source="Schepers 2009, 6.4, 7.2 (F-35); method page 7.4; issue: step width",
     what="Source on the left shoe (coils of 7.5 cm, 1.36 A), sensor on the right; the live filter starts by itself "
-    "from standing. The left foot is followed by its own sensor, the right foot's placements are put into its frame; step "
-    "width is across the line through the left footholds.",
+    "from standing. The left foot is followed by its own sensor, the right foot's placements are put into its frame; "
+    "step width is across the line through the left footholds.",
     figures=(
         Figure("position", "m", 0.030),
         Figure("orientation", "deg", 2.5),

@@ -1,0 +1,173 @@
+"""The complementary filter over the tracker's fixes: contract, dynamics, the white states, both orientations."""
+
+import functools
+from dataclasses import fields
+
+import numpy as np
+import pytest
+
+from estimators import rotation
+from estimators.errors import SetupError, ShapeError
+from estimators.magnetic import TrackerFusion, TrackerFusionChunk, perpendicular_source, smooth_tracker_fusion
+from estimators.magnetic import _tracker_fusion_kernel as kernel
+from estimators.magnetic import _tracker_fusion_layout as at
+from estimators.magnetic._tracker_fusion_run import difference
+from estimators.simulation.coils import ModuleErrors, burst_motion, relative_scene
+
+SIGMAS = np.array([0.006] * 3 + [0.03] * 3)
+
+
+@functools.cache
+def scene_and_chunk():
+    """Six seconds of trunk flexion at 120 Hz with a noisy fix every 0.6 s; shared, do not write to it."""
+    scene = relative_scene(
+        perpendicular_source(), burst_motion("flexion", 6.0, 1), 6.0, 120.0, ModuleErrors(0.05, 0.01), 1
+    )
+    rng, count = np.random.default_rng(5), len(scene.time_s)
+    position, q = np.full((count, 3), np.nan), np.full((count, 4), np.nan)
+    covariance = np.full((count, 6, 6), np.nan)
+    ticks = np.arange(120, count, 72)
+    noise = rng.normal(0.0, SIGMAS, (len(ticks), 6))
+    position[ticks] = scene.position_m[ticks] + noise[:, :3]
+    q[ticks] = rotation.multiply(scene.q_source_sensor[ticks], rotation.exp(noise[:, 3:]))
+    covariance[ticks] = np.diag(SIGMAS**2)
+    chunk = TrackerFusionChunk(
+        0,
+        scene.time_step_s,
+        scene.gyroscope_radps - scene.gyroscope_radps[:120].mean(axis=0),
+        scene.accelerometer_mps2,
+        scene.source_accelerometer_mps2,
+        scene.q_world_source,
+        rotation.multiply(scene.q_world_source, scene.q_source_sensor),
+        position,
+        q,
+        covariance,
+    )
+    return scene, chunk
+
+
+def same(a, b):
+    for field in fields(a):
+        np.testing.assert_array_equal(getattr(a, field.name), getattr(b, field.name), err_msg=field.name)
+
+
+def test_stream_chunks_and_restored_state_are_the_batch():
+    scene, chunk = scene_and_chunk()
+    whole = TrackerFusion(scene.time_step_s).update(chunk)
+    parts, state, start = [], None, 0
+    # In the standstill, on a fix, single samples, and the rest.
+    for stop in (50, 120, 121, 122, 400, chunk.tick_count):
+        fusion = TrackerFusion(scene.time_step_s)
+        if state is not None:
+            fusion.restore(state)
+        parts.append(fusion.update(chunk.ticks(start, stop)))
+        state, start = fusion.state(), stop
+    joined = type(whole)(
+        *(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(whole))
+    )
+    same(joined, whole)
+    with pytest.raises(ShapeError, match="follow"):
+        TrackerFusion(scene.time_step_s).update(chunk.ticks(3, 5))
+    with pytest.raises(ShapeError, match="stored state"):
+        TrackerFusion(scene.time_step_s).restore({})
+    with pytest.raises(SetupError, match="no parameter"):
+        TrackerFusion(scene.time_step_s, {"nonsense": 1.0})
+    with pytest.raises(SetupError, match="gate"):
+        TrackerFusion(scene.time_step_s, {"gate": 0.0})
+
+
+def test_smoothing_beats_the_filter_and_both_are_honest():
+    scene, chunk = scene_and_chunk()
+    smoothed, filtered = smooth_tracker_fusion(chunk)
+    same(filtered, TrackerFusion(scene.time_step_s).update(chunk))
+    np.testing.assert_array_equal(smoothed.position_m[-1], filtered.position_m[-1])
+    assert not filtered.valid[:120].any()
+    assert filtered.valid[120:].all()
+    on = scene.time_s > 2.0
+    errors = []
+    for result in (smoothed, filtered):
+        turn = rotation.log(
+            rotation.multiply(rotation.conjugate(scene.q_source_sensor), result.q_source_sensor)
+        )
+        error = np.concatenate([result.position_m - scene.position_m, turn], axis=1)[on]
+        errors.append(np.sqrt(np.mean(np.sum(error[:, :3] ** 2, axis=1))))
+        covariance = result.covariance[on]
+        assert np.linalg.eigvalsh(covariance).min() > 0.0
+        np.testing.assert_array_equal(covariance, np.swapaxes(covariance, 1, 2))
+        nees = np.mean(np.sum(error * np.linalg.solve(covariance, error[..., None])[..., 0], axis=1)) / 6.0
+        assert nees < 2.0
+    assert errors[0] < 0.6 * errors[1]
+    assert errors[1] < 0.03
+
+
+def test_error_dynamics_are_the_numeric_ones():
+    rng = np.random.default_rng(3)
+    settings = TrackerFusion(0.01).arrays()[0]
+    nominal = rng.normal(0.0, 0.3, at.NOMINAL)
+    nominal[at.ATTITUDE : at.ATTITUDE + 4] = rotation.normalize(rng.standard_normal(4))
+    before = rng.normal(0.0, 2.0, at.FILTER_ATTITUDE)
+    before[at.SOURCE_ATTITUDE :] = rotation.normalize(rng.standard_normal(4))
+    now = before + rng.normal(0.0, 0.01, at.FILTER_ATTITUDE)
+    now[at.SOURCE_ATTITUDE :] = rotation.normalize(now[at.SOURCE_ATTITUDE :])
+    a, unused = np.empty((at.ERRORS, at.ERRORS)), np.empty((at.ERRORS, at.ERRORS))
+    numeric, estimate = np.zeros_like(a), nominal.copy()
+    kernel.propagate(estimate, before, now, settings, a)
+    for i in (*range(at.E_FIX_POSITION), *range(at.E_LEAK, at.ERRORS)):
+        found = []
+        for sign in (1.0, -1.0):
+            truth, error = nominal.copy(), np.zeros(at.ERRORS)
+            error[i] = sign * 1e-6
+            kernel.inject(truth, error)
+            kernel.propagate(truth, before, now, settings, unused)
+            difference(truth, estimate, error)
+            found.append(error)
+        numeric[:, i] = (found[0] - found[1]) / 2e-6
+    kept = np.r_[: at.E_FIX_POSITION, at.E_LEAK : at.ERRORS]
+    # First order in the step: what turns within it is left out.
+    assert np.abs(numeric - a)[np.ix_(kept, kept)].max() < 1e-3
+    assert not a[at.E_FIX_POSITION : at.E_LEAK].any()
+
+
+def test_white_states_are_measurement_noise():
+    """Check 9 of the page: 21 states with white errors of the fix equal 15 with their covariance in R."""
+    rng = np.random.default_rng(7)
+    root = rng.normal(0.0, 0.1, (at.ERRORS, at.ERRORS))
+    p = root @ root.T
+    white = slice(at.E_FIX_POSITION, at.E_LEAK)
+    p[white] = p[:, white] = 0.0
+    r, z = np.diag([1e-4, 2e-4, 3e-4]), np.array([0.01, -0.02, 0.005])
+    h, work = np.zeros((3, at.ERRORS)), np.empty((at.ERRORS, at.ERRORS))
+    h[:, :3] = np.eye(3)
+    outcomes = []
+    for folded in (True, False):
+        covariance, rows, nominal = p.copy(), h.copy(), np.zeros(at.NOMINAL)
+        nominal[at.ATTITUDE] = 1.0
+        if not folded:
+            rows[:, at.E_FIX_POSITION : at.E_FIX_POSITION + 3] = np.eye(3)
+            covariance[
+                at.E_FIX_POSITION : at.E_FIX_POSITION + 3, at.E_FIX_POSITION : at.E_FIX_POSITION + 3
+            ] = r
+        noise = r if folded else 1e-16 * np.eye(3)
+        nis = kernel.correct(covariance, rows, noise, z, np.inf, nominal, work)
+        covariance[white] = covariance[:, white] = 0.0
+        outcomes.append((nis, nominal, covariance))
+    for one, other in zip(*outcomes, strict=True):
+        np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-9)
+
+
+def test_a_wrong_fix_is_left_out_and_three_start_anew():
+    scene, chunk = scene_and_chunk()
+    position = chunk.fix_position_m.copy()
+    ticks = np.flatnonzero(np.isfinite(position[:, 0]))
+    position[ticks[2]] += 0.5
+    position[ticks[4:]] += 0.5
+    moved = TrackerFusionChunk(
+        *(position if f.name == "fix_position_m" else getattr(chunk, f.name) for f in fields(chunk))
+    )
+    # Without a leak the uncertainty stays small enough to know better for three fixes.
+    result = TrackerFusion(scene.time_step_s, {"leak_sigma_mps2": 0.0}).update(moved)
+    assert result.gated[ticks[[2, 4, 5, 6]]].all()
+    assert not result.gated[ticks[[1, 3]]].any()
+    assert np.linalg.norm(result.position_m - scene.position_m, axis=1)[ticks[3]] < 0.05
+    # The third in a row is believed.
+    np.testing.assert_allclose(result.position_m[ticks[6]], position[ticks[6]], atol=1e-9)
