@@ -24,6 +24,14 @@ _PRESETS: Final[dict[Preset, tuple[float, float, float, float, float]]] = {
     "top": (180.0, 86.0, 0.60, 1.05, 1.05),
     "arm": (38.0, 14.0, 0.74, 0.62, 0.70),
 }
+# A walk happens on the floor: seen from higher, its middle at the knees; `arm` comes near to the feet.
+_WALK_PRESETS: Final[dict[Preset, tuple[float, float, float, float, float]]] = {
+    "start": (52.0, 24.0, 0.20, 1.00, 1.05),
+    "front": (6.0, 16.0, 0.24, 0.90, 0.90),
+    "side": (90.0, 9.0, 0.26, 0.90, 1.05),
+    "top": (180.0, 86.0, 0.00, 1.05, 1.25),
+    "arm": (46.0, 24.0, 0.03, 0.45, 0.50),
+}
 
 
 @dataclass(frozen=True)
@@ -66,7 +74,7 @@ class Camera:
         return math.degrees(math.atan2(y, x)), math.degrees(math.asin(z / distance)), distance
 
 
-def preset(name: Preset, body: BodyDimensions, side: str, aspect: float) -> Camera:
+def preset(name: Preset, body: BodyDimensions, side: str, aspect: float, *, is_walk: bool = False) -> Camera:
     """Return a preset for this person and this picture.
 
     Parameters
@@ -78,11 +86,13 @@ def preset(name: Preset, body: BodyDimensions, side: str, aspect: float) -> Came
         `left` or `right`: the arm that matters; it is turned toward the camera.
     aspect : float
         Width over height of the picture; a narrow one needs more distance.
+    is_walk : bool
+        Whether feet and footprints are shown instead of the figure.
     """
-    azimuth, elevation, middle, height, width = _PRESETS[name]
+    azimuth, elevation, middle, height, width = (_WALK_PRESETS if is_walk else _PRESETS)[name]
     toward = 1.0 if side == "left" else -1.0
-    sideways = toward * 0.5 * body.shoulder_width_m if name == "arm" else 0.0
-    forward = 0.12 * body.stature_m if name in {"side", "top"} else 0.0
+    sideways = toward * 0.5 * body.shoulder_width_m if name == "arm" and not is_walk else 0.0
+    forward = 0.12 * body.stature_m if name in {"side", "top"} and not is_walk else 0.0
     tangent = math.tan(0.5 * FIELD_OF_VIEW_RAD)
     distance = 0.5 * body.stature_m * max(height / tangent, width / (tangent * max(aspect, 0.2)))
     look_at = (forward, sideways, middle * body.stature_m)

@@ -43,8 +43,8 @@ class FeetTrack:
     stands, lost : ndarray of bool, shape (K, F)
     followed_m : ndarray of float32, shape (K, 2)
         What the picture goes along with: the middle of the feet, without their steps.
-    prints : tuple of Footprint, or None
-        Of the whole recording; None live, where they are those seen so far.
+    prints : tuple of Footprint
+        Of the whole recording; live those seen so far.
     mass_m, pressure_m, going_m : ndarray of float32, shape (K, 3), or None
         Centre of mass, centre of pressure and extrapolated centre of mass; None without forces.
     """
@@ -55,7 +55,7 @@ class FeetTrack:
     stands: NDArray[np.bool_]
     lost: NDArray[np.bool_]
     followed_m: Float32
-    prints: tuple[Footprint, ...] | None
+    prints: tuple[Footprint, ...]
     mass_m: Float32 | None
     pressure_m: Float32 | None
     going_m: Float32 | None

@@ -8,8 +8,8 @@ import viser
 from numpy.typing import NDArray
 
 from app.viewer import palette
-from app.viewer.feet import FeetTrack, Footprint, has_moved, heading_of, support_outline
-from app.viewer.nodes import FLOOR
+from app.viewer.feet import FeetTrack, Footprint, support_outline
+from app.viewer.nodes import FLOOR, SCALES
 from app.viewer.palette import Rgb
 
 Float32 = NDArray[np.float32]
@@ -104,7 +104,6 @@ class FeetLayer:
                 ]
             )
         self._shown: list[list[Footprint]] = [[] for _ in track.sides]
-        self._live: list[Footprint] = []
         self._lost = np.zeros(len(track.sides), dtype=bool)
         self._balance = _Balance(server) if self.has_balance else None
 
@@ -128,17 +127,14 @@ class FeetLayer:
         shift = -np.mod(middle_m.astype(np.float64), 1.0)
         if np.abs(shift - self._floor_m).max() > 1e-3:
             self._floor_m = shift
-            grid = self._server.scene.get_handle_by_name(FLOOR)
-            if grid is not None:
-                grid.position = (float(shift[0]), float(shift[1]), 0.0)
+            for name in (FLOOR, *SCALES):
+                node = self._server.scene.get_handle_by_name(name)
+                if node is not None:
+                    node.position = (float(shift[0]), float(shift[1]), 0.0)
 
     def _leave_prints(self, track: FeetTrack, tick: int) -> None:
         for foot, pool in enumerate(self._prints):
-            if track.prints is None:
-                self._notice(track, tick, foot)
-                known = [one for one in self._live if one.foot == foot]
-            else:
-                known = [one for one in track.prints if one.foot == foot and one.tick <= tick]
+            known = [one for one in track.prints if one.foot == foot and one.tick <= tick]
             wanted = known[-len(pool) :]
             if wanted == self._shown[foot]:
                 continue
@@ -151,26 +147,22 @@ class FeetLayer:
                     node.wxyz = (np.cos(0.5 * one.heading_rad), 0.0, 0.0, np.sin(0.5 * one.heading_rad))
             self._shown[foot] = wanted
 
-    def _notice(self, track: FeetTrack, tick: int, foot: int) -> None:
-        """Remember where a foot stands now, if it is elsewhere than before."""
-        if not track.stands[tick, foot] or track.lost[tick, foot]:
-            return
-        place = track.place_m[tick, foot]
-        before = next((one for one in reversed(self._live) if one.foot == foot), None)
-        if has_moved(before, place):
-            x, y, z = (float(v) for v in place)
-            self._live.append(Footprint(tick, foot, (x, y, z), heading_of(track.wxyz[tick, foot])))
-            del self._live[: -2 * _PRINTS_SHOWN]
-
 
 class _Balance:
     """Centre of mass with its plumb line and path, pressure with its path, base of support."""
 
     def __init__(self, server: viser.ViserServer) -> None:
         scene = server.scene
-        self._mass = scene.add_icosphere("/walk/mass", radius=0.045, color=_MASS, subdivisions=3)
-        self._pressure = scene.add_icosphere("/walk/pressure", radius=0.018, color=_PRESSURE, subdivisions=2)
-        self._going = scene.add_icosphere("/walk/going", radius=0.018, color=_GOING, subdivisions=2)
+
+        def ball(name: str, radius_m: float, colour: Rgb) -> Any:
+            # Without a shadow: a shadow far from its foot would be taken for a place on the floor.
+            return scene.add_icosphere(
+                f"/walk/{name}", radius=radius_m, color=colour, subdivisions=3, cast_shadow=False
+            )
+
+        self._mass = ball("mass", 0.045, _MASS)
+        self._pressure = ball("pressure", 0.018, _PRESSURE)
+        self._going = ball("going", 0.018, _GOING)
 
         def line(name: str, colour: Rgb, thickness: float) -> Any:
             nothing = np.zeros((1, 2, 3), dtype=np.float32)

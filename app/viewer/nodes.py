@@ -129,6 +129,9 @@ def _scale(theme: Theme) -> str:
     return f"/room/scale/{theme}"
 
 
+SCALES: Final = tuple(_scale(theme) for theme in PALETTES)
+
+
 def theme_updates(name: Theme) -> list[Any]:
     """Return the viser messages that give floor and lights the colours of a theme."""
     sky, key, fill = _LIGHTS

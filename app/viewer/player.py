@@ -14,6 +14,7 @@ import numpy as np
 
 from app.live.bus import Bus, topic
 from app.live.messages import PlayerCommand, PlayerState, StateMessage
+from app.viewer.feet_live import LiveCourse
 from app.viewer.ghost import GhostClock
 from app.viewer.pose import PoseTrack, is_posed, measured_segments, track_from_frames
 from app.viewer.scene import BodyScene
@@ -143,6 +144,7 @@ class LivePlayer:
         self._is_calibrating = is_calibrating
         self._trail: deque[np.ndarray] = deque(maxlen=int(TRAIL_S * LIVE_TRAIL_RATE_HZ))
         self._last: PoseTrack | None = None
+        self._course = LiveCourse()
         self._is_posed = False
         self._chunks = 0
 
@@ -191,7 +193,7 @@ class LivePlayer:
         self._scene.show_measured(measured_segments(frames))
         track = track_from_frames(frames, self._body)
         if track.feet is not None:
-            track = replace(track, feet=replace(track.feet, prints=None))
+            track = replace(track, feet=self._course.turned(track.feet))
         self._last = track
         self._is_posed = bool(is_posed(frames)[-1])
         step = max(1, round(PICTURE_S / frames.time_step_s))

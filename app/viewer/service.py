@@ -22,7 +22,7 @@ from app.live.bus import Bus
 from app.live.messages import CameraCommand, PlayerCommand, PlayerState
 from app.recordings.schemas import ViewIn, ViewOut
 from app.viewer import repository, wire
-from app.viewer.camera import Camera, preset
+from app.viewer.camera import Camera
 from app.viewer.ghost_node import ghost_visibility
 from app.viewer.repository import ViewTarget
 from app.viewer.stage import Stage, theme_messages
@@ -226,7 +226,7 @@ class Viewer:
 
     def greeting(self, view: View, stage: Stage) -> list[Any]:
         """Return the messages that give a page that has just connected this view's own look."""
-        camera = view.camera or preset("start", stage.body, stage.side, view.aspect)
+        camera = view.camera or stage.look("start", view.aspect)
         messages = camera.messages()
         if view.is_dark:
             messages += theme_messages(dark=True)
@@ -236,9 +236,9 @@ class Viewer:
 
     def _look(self, view: View, stage: Stage, command: CameraCommand) -> None:
         messages: list[Any] = []
-        camera = view.camera or preset("start", stage.body, stage.side, view.aspect)
+        camera = view.camera or stage.look("start", view.aspect)
         if command.preset is not None:
-            camera = preset(command.preset, stage.body, stage.side, view.aspect)
+            camera = stage.look(command.preset, view.aspect)
         if command.turn_deg or command.tilt_deg or command.zoom != 1.0:
             camera = camera.stepped(command.turn_deg, command.tilt_deg, command.zoom)
         if camera is not view.camera:

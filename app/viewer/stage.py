@@ -3,7 +3,6 @@
 import asyncio
 import logging
 import time
-from dataclasses import replace
 from typing import Any, Final
 
 import rich
@@ -11,7 +10,7 @@ import viser
 from viser import _messages as viser_messages
 
 from app.live.bus import Bus
-from app.viewer.camera import FIELD_OF_VIEW_RAD, preset
+from app.viewer.camera import FIELD_OF_VIEW_RAD, Camera, Preset, preset
 from app.viewer.nodes import theme_updates
 from app.viewer.player import LivePlayer, Player, ReplayPlayer
 from app.viewer.repository import Contents, ViewTarget
@@ -20,7 +19,6 @@ from app.viewer.scene import BodyScene
 logger = logging.getLogger(__name__)
 
 LOOPBACK: Final = "127.0.0.1"
-_WALK_HEIGHT_M: Final = 1.15
 _ON_FEET: Final = frozenset({"foot_left", "foot_right"})
 
 
@@ -55,8 +53,8 @@ class Stage:
 
     def __init__(self, target: ViewTarget, contents: Contents, bus: Bus) -> None:
         self.target = target
-        # Points of view are those of somebody smaller: a walk happens on and near the floor.
-        self.body = replace(contents.body, stature_m=_WALK_HEIGHT_M) if contents.has_feet else contents.body
+        self.body = contents.body
+        self._is_walk = contents.has_feet
         self.side = contents.side
         self._server = LoopbackServer()
         ghost = contents.ghost
@@ -72,7 +70,7 @@ class Stage:
         except BaseException:
             self._server.stop()
             raise
-        camera = preset("start", self.body, contents.side, aspect=1.4)
+        camera = self.look("start", aspect=1.4)
         self._server.initial_camera.position = camera.position_m
         self._server.initial_camera.look_at = camera.look_at_m
         if contents.has_source:
@@ -91,6 +89,10 @@ class Stage:
         self._task: asyncio.Task[None] | None = None
         self._watchers = 0
         self.unwatched_since = time.monotonic()
+
+    def look(self, name: Preset, aspect: float) -> Camera:
+        """Return a point of view that fits what is shown; see `preset`."""
+        return preset(name, self.body, self.side, aspect, is_walk=self._is_walk)
 
     @property
     def address(self) -> str:

@@ -7,6 +7,7 @@ import pytest
 
 from app.viewer.feet import feet_of, support_outline
 from app.viewer.feet_layer import shoe_mesh
+from app.viewer.feet_live import LiveCourse
 from app.viewer.surface import Mesh
 from estimators import rotation
 from estimators.pipelines import Frames, SessionSetup, create
@@ -53,7 +54,7 @@ def test_every_place_where_a_foot_stood_has_one_print(frames: Frames) -> None:
     assert track is not None
     assert track.sides == ("left", "right")
     for foot in range(2):
-        prints = [one for one in track.prints or () if one.foot == foot]
+        prints = [one for one in track.prints if one.foot == foot]
         assert [one.place_m[0] for one in prints] == pytest.approx([STEP_M * k for k in range(STEPS + 1)])
         assert [one.heading_rad for one in prints] == pytest.approx([HEADING] * (STEPS + 1))
     # The picture goes along without the steps.
@@ -71,6 +72,37 @@ def test_the_base_of_support_spans_the_feet_that_stand(frames: Frames) -> None:
     assert swing[:, 1].max() < 0.1
     nobody = replace(track, stands=np.zeros_like(track.stands))
     assert len(support_outline(nobody, 0)) == 0
+
+
+def test_live_feet_walk_one_course_wherever_their_sensors_point(frames: Frames) -> None:
+    """Each foot's world is turned by its own angle, and the sensors sit askew on the shoes."""
+    place, q = frames.point_room_m.copy(), frames.q_room_segment.copy()
+    askew = rotation.exp([0.4, -0.2, 1.1])
+    for foot, angle in enumerate((0.5, -0.8)):
+        turn = rotation.about_z(angle)
+        place[:, foot] = rotation.rotate(turn, place[:, foot])
+        q[:, foot] = rotation.multiply(rotation.multiply(turn, q[:, foot]), askew)
+    course = LiveCourse()
+    for start in range(0, frames.tick_count, 7):
+        part = slice(start, start + 7)
+        chunk = replace(
+            frames,
+            first_tick=start,
+            point_room_m=place[part],
+            q_room_segment=q[part],
+            scalar=frames.scalar[part],
+            segment_flags=frames.segment_flags[part],
+        )
+        track = feet_of(chunk)
+        assert track is not None
+        shown = course.turned(track)
+    for foot in range(2):
+        prints = [one for one in shown.prints if one.foot == foot]
+        way = np.array(prints[-1].place_m) - np.array(prints[0].place_m)
+        assert way[:2] == pytest.approx([STEPS * STEP_M, 0.0], abs=1e-5)
+        # The shoe lies flat and points along the course, as it did when it first stood.
+        assert shown.wxyz[-1, foot] == pytest.approx([1.0, 0.0, 0.0, 0.0], abs=1e-5)
+        assert shown.place_m[-1, foot] == pytest.approx(prints[-1].place_m, abs=1e-5)
 
 
 def test_shoes_are_closed_and_mirrored() -> None:
