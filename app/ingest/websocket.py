@@ -18,6 +18,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 from starlette.websockets import WebSocketDisconnect, WebSocketDisconnected, WebSocketState
 
 from app.errors import InvalidInput, PacketError, TelemotionError, Unavailable
+from app.ingest.conversation import until_first_ends
 from app.ingest.declaration import Declaration, check_hello
 from app.ingest.messages import (
     AcknowledgeMessage,
@@ -171,20 +172,15 @@ class IngestConnection:
 
     async def _converse(self, intake: Intake) -> None:
         """Receive until the gateway leaves, while acknowledging; the first that ends, ends both."""
-        receiving = asyncio.create_task(self._receive_all(intake), name="ingest receive")
-        acknowledging = asyncio.create_task(self._acknowledge(intake), name="ingest acknowledge")
-        ordering = asyncio.create_task(self._order(intake), name="ingest order")
-        tasks = {receiving, acknowledging, ordering}
+        sides = (
+            asyncio.create_task(self._receive_all(intake), name="ingest receive"),
+            asyncio.create_task(self._acknowledge(intake), name="ingest acknowledge"),
+            asyncio.create_task(self._order(intake), name="ingest order"),
+        )
         try:
-            done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
-            for task in done:
-                task.result()
+            await until_first_ends(sides)
         except TelemotionError as error:
             await self._end(error)
-        finally:
-            for task in tasks:
-                task.cancel()
-            await asyncio.gather(*tasks, return_exceptions=True)
         if self._websocket.application_state is WebSocketState.CONNECTED:
             with contextlib.suppress(WebSocketDisconnect, WebSocketDisconnected):
                 await self._websocket.close()

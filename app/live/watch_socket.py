@@ -20,6 +20,7 @@ from app.accounts.dependencies import current_subject, websocket_subject
 from app.accounts.sign_in import COOKIE
 from app.accounts.subject import Subject
 from app.errors import InvalidInput, SignInRequired, TelemotionError
+from app.ingest.conversation import until_first_ends
 from app.ingest.messages import ErrorMessage
 from app.live import repository
 from app.live.blocks import PublishedFrames
@@ -115,14 +116,7 @@ async def _serve(
             asyncio.create_task(_receive(websocket), name="watch receive"),
             asyncio.create_task(_keep_checking(websocket, live, check), name="watch right"),
         ]
-        try:
-            done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
-            for task in done:
-                task.result()
-        finally:
-            for task in tasks:
-                task.cancel()
-            await asyncio.gather(*tasks, return_exceptions=True)
+        await until_first_ends(tasks)
 
 
 async def _send_frames(websocket: WebSocket, frames: Subscription) -> None:
