@@ -29,6 +29,9 @@ from app.edge.client import client_router
 from app.edge.documentation import router as documentation_router
 from app.edge.middleware import AccessLog, BodyLimit, SecurityHeaders, UnexpectedErrors
 from app.exercises.endpoints import router as exercises_router
+from app.ingest.marker_task import fuse
+from app.ingest.markers import FILE_LIMIT_BYTES as MARKER_LIMIT_BYTES
+from app.ingest.markers import router as markers_router
 from app.ingest.upload import MULTIPART_SLACK_BYTES, remove_orphans
 from app.ingest.upload import router as upload_router
 from app.ingest.upload_task import upload
@@ -96,7 +99,10 @@ def create_app(settings: Settings | None = None, *, passwords: Passwords | None 
     app.add_middleware(
         BodyLimit,
         default_bytes=settings.request_limit_bytes,
-        by_path={"/api/uploads": settings.upload_limit_bytes + MULTIPART_SLACK_BYTES},
+        by_path={
+            "/api/uploads": settings.upload_limit_bytes + MULTIPART_SLACK_BYTES,
+            "/api/sessions/*/markers": MARKER_LIMIT_BYTES + MULTIPART_SLACK_BYTES,
+        },
     )
     app.add_middleware(UnexpectedErrors)
     app.add_middleware(SecurityHeaders, settings=settings)
@@ -162,7 +168,7 @@ async def open_services(
 
 def job_handlers() -> dict[str, Handler]:
     """Return what can be done in the background, by kind of task."""
-    return {"reprocess": reprocess, "upload": upload, "compare": compare_task}
+    return {"reprocess": reprocess, "upload": upload, "compare": compare_task, "markers": fuse}
 
 
 def all_routers() -> list[APIRouter]:
@@ -182,6 +188,7 @@ def all_routers() -> list[APIRouter]:
         watch_router,
         ingest_router,
         upload_router,
+        markers_router,
         assessment_router,
         follow_up_router,
         accuracy_router,

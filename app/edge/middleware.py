@@ -103,20 +103,29 @@ class BodyLimit:
     app : ASGIApp
     default_bytes : int
     by_path : mapping of path to bytes
-        Routes with a larger limit.
+        Routes with a larger limit; a path with one `*` holds for any text there.
     """
 
     def __init__(self, app: ASGIApp, default_bytes: int, by_path: Mapping[str, int]) -> None:
         self.app = app
         self._default = default_bytes
-        self._by_path = dict(by_path)
+        self._by_path = {path: most for path, most in by_path.items() if "*" not in path}
+        self._by_ends: list[tuple[str, str, int]] = []
+        for path, most in by_path.items():
+            start, star, end = path.partition("*")
+            if star:
+                self._by_ends.append((start, end, most))
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, counting its body."""
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
-        limit = self._by_path.get(scope["path"], self._default)
+        path = scope["path"]
+        limit = self._by_path.get(path, self._default)
+        for start, end, most in self._by_ends:
+            if path.startswith(start) and path.endswith(end):
+                limit = most
         for name, value in scope["headers"]:
             if name == b"content-length" and value.isdigit() and int(value) > limit:
                 error = BodyTooLarge(limit)

@@ -109,7 +109,7 @@ class Job(Identified, Base):
 
     session_id: Mapped[str] = mapped_column(ForeignKey("motion_session.id", ondelete="CASCADE"), index=True)
     kind: Mapped[str] = mapped_column(String(20))
-    """`upload`, `reprocess` or `compare`."""
+    """`upload`, `reprocess`, `compare` or `markers`."""
     arguments: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
     status: Mapped[str] = mapped_column(String(20), default="queued")
     """queued, running, complete, failed."""

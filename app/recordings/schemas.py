@@ -137,7 +137,7 @@ class JobOut(Schema):
 
     id: str
     session_id: str
-    kind: Literal["upload", "reprocess", "compare"]
+    kind: Literal["upload", "reprocess", "compare", "markers"]
     status: Literal["queued", "running", "complete", "failed"]
     progress: float
     message: str

@@ -20,7 +20,7 @@ from estimators.optical._alignment_signals import (
 from estimators.optical._attitude import strapdown
 from estimators.recording import Float
 
-LEAST_CORRELATION = 0.6
+LEAST_CORRELATION = 0.7
 """Below this the two streams do not show the same movement."""
 _LEAST_OVERLAP_S = 3.0
 _DRIFT_SIGMA = 200e-6

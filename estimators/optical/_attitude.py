@@ -15,6 +15,7 @@ from estimators.recording import Float, ImuChunk
 
 _LONGEST_S = 60.0
 _LEAST_S = 2.0
+_LEAST_EXPLAINED = 0.5
 
 
 @kernel("void(float64[:, ::1], float64, float64[:, ::1])")
@@ -63,6 +64,23 @@ class Mounting:
     explained: float
 
 
+def level_attitude(
+    gyroscope_radps: Float, accelerometer_mps2: Float, time_step_s: float
+) -> tuple[Float, Float]:
+    """Return attitude level by gravity, any heading, and gyroscope bias; shapes (K, 4) and (K, 3)."""
+    chunk = ImuChunk(
+        0,
+        time_step_s,
+        np.ascontiguousarray(gyroscope_radps[None]),
+        np.ascontiguousarray(accelerometer_mps2[None]),
+        None,
+        np.zeros((1, len(gyroscope_radps)), np.uint8),
+    )
+    # Both ways: a filter alone is tilted for seconds when it begins amid movement.
+    found = orientation.smooth("telemotion_smoother", chunk).orientation
+    return found.q_earth_sensor[0], found.gyroscope_bias_radps[0]
+
+
 def find_mounting(
     gyroscope_radps: Float,
     accelerometer_mps2: Float,
@@ -70,6 +88,7 @@ def find_mounting(
     camera_time_s: Float,
     marker_m: Float,
     lever_arm_m: Float | None = None,
+    attitude: tuple[Float, Float] | None = None,
 ) -> Mounting:
     """Find heading and lever arm from movement.
 
@@ -83,6 +102,8 @@ def find_mounting(
         Laboratory, z up; NaN in gaps.
     lever_arm_m : ndarray, shape (3,), optional
         When it was measured; otherwise it is found.
+    attitude : tuple of ndarray, optional
+        What `level_attitude` gave for these samples, when it is known already.
 
     Raises
     ------
@@ -95,17 +116,7 @@ def find_mounting(
     for a given heading linear in r. The heading is found on a circle of trials and refined by the same least squares.
     """
     count = len(gyroscope_radps)
-    chunk = ImuChunk(
-        0,
-        time_step_s,
-        np.ascontiguousarray(gyroscope_radps[None]),
-        np.ascontiguousarray(accelerometer_mps2[None]),
-        None,
-        np.zeros((1, count), np.uint8),
-    )
-    # Both ways: a filter alone is tilted for seconds when it begins amid movement.
-    found = orientation.smooth("telemotion_smoother", chunk).orientation
-    q, bias = found.q_earth_sensor[0], found.gyroscope_bias_radps[0]
+    q, bias = attitude or level_attitude(gyroscope_radps, accelerometer_mps2, time_step_s)
     spacing = float(np.median(np.diff(camera_time_s)))
     reach = max(1, round(max(HALF_WIDTH_S, spacing) / time_step_s))
     if count <= 2 * reach + 1:
@@ -182,6 +193,11 @@ def _solved(q: Float, bias: Float, seen: Float, felt: Float, arm: Float, given: 
         )
     rest, _ = residuals(psi, lever)
     explained = 1.0 - float(np.median(rest**2) / max(float(np.median((seen - seen.mean(0)) ** 2)), 1e-12))
+    if explained < _LEAST_EXPLAINED:
+        raise ComparisonError(
+            f"the markers do not fit this sensor: it explains {100 * max(explained, 0.0):.0f} % of their acceleration."
+            " Choose the sensor that wore the marker"
+        )
     return Mounting(
         rotation.multiply(rotation.about_z(psi), q),
         bias,
@@ -232,4 +248,4 @@ def start_at(
     )
 
 
-__all__ = ["Mounting", "find_mounting", "integrate", "start_at", "strapdown"]
+__all__ = ["Mounting", "find_mounting", "integrate", "level_attitude", "start_at", "strapdown"]

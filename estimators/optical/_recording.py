@@ -17,6 +17,7 @@ from estimators.optical._stretch import GapCheck, Stretch, check_gaps, onto_tick
 from estimators.recording import Float
 
 _ROUNDS = 4
+_SHUT_OUT, _WIDE_GATE = 0.02, 200.0
 
 
 @dataclass(frozen=True)
@@ -122,11 +123,12 @@ def fuse_markers(
     found = _best_alignment(
         camera_time_s, marker_m, ticks, *samples, cluster_m, largest_offset_s, lever_arm_m
     )
+    attitudes: dict[tuple[int, int], tuple[Float, Float]] = {}
     for _ in range(_ROUNDS):
         at = found.inertial_time(camera_time_s)
         on_ticks, delay = onto_ticks(at, marker_m, time_step_s, count)
         stretches, reasons = prepare(
-            *samples, time_step_s, on_ticks, delay, at, marker_m, parameters, lever_arm_m
+            *samples, time_step_s, on_ticks, delay, at, marker_m, parameters, lever_arm_m, attitudes
         )
         # The lever arm biases the clocks, and the clocks the lever arm.
         arm, before = stretches[0].mounting.lever_arm_m, found.offset_s
@@ -134,7 +136,12 @@ def fuse_markers(
         if abs(found.offset_s - before) < 2e-5:
             break
     first = stretches[0].first
+    spacing = max(float(np.median(np.diff(camera_time_s))), 0.7 * time_step_s)
     results = [stretch.smoothed() for stretch in stretches]
+    if _shut_out(results) > _SHUT_OUT:
+        # A start that was worse than thought shuts sound markers out; ghosts lie much farther off.
+        stretches = [replace(s, parameters={**s.parameters, "gate": _WIDE_GATE}) for s in stretches]
+        results = [stretch.smoothed() for stretch in stretches]
     scale = _sigma_scale(results)
     if scale > 1.2:
         stretches = [replace(s, parameters=_scaled(s.parameters, scale)) for s in stretches]
@@ -163,7 +170,8 @@ def fuse_markers(
         on_ticks[part],
         on_ticks[part] - there,
         fill_by_spline(on_ticks[part], time_step_s),
-        gap_report(result, time_step_s),
+        # Between two frames of slow cameras there is no gap.
+        [gap for gap in gap_report(result, time_step_s) if gap.length_s > 1.6 * spacing],
         check_gaps(stretches[0]) if gap_checks else [],
         last[0],
         last[1],
@@ -198,6 +206,12 @@ def _best_alignment(
             f" {found.rival:.2f}. Choose the sensor that wore the marker, or record some irregular movement"
         )
     return found
+
+
+def _shut_out(results: list[OpticalResult]) -> float:
+    provenance = np.concatenate([r.provenance for r in results])
+    seen = np.isin(provenance, (Provenance.MEASURED, Provenance.REJECTED, Provenance.RECOVERED)).sum()
+    return float((provenance == Provenance.REJECTED).sum() / max(seen, 1))
 
 
 def _sigma_scale(results: list[OpticalResult]) -> float:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from estimators import rotation
 from estimators.errors import ComparisonError
-from estimators.optical._attitude import Mounting, find_mounting, start_at
+from estimators.optical._attitude import Mounting, find_mounting, level_attitude, start_at
 from estimators.optical._contract import OpticalChunk, OpticalResult
 from estimators.optical._fusion import OpticalInertialFilter, smooth_optical
 from estimators.optical._gaps import fill_by_spline
@@ -94,8 +94,9 @@ def prepare(
     marker: Float,
     parameters: Mapping[str, Any] | None,
     lever: Float | None,
+    attitudes: dict[tuple[int, int], tuple[Float, Float]],
 ) -> tuple[list[Stretch], list[str]]:
-    """Return what can be fused, and of the rest why not."""
+    """Return what can be fused, and of the rest why not; attitudes of stretches are remembered for a next time."""
     seen = np.flatnonzero(np.isfinite(on_ticks).all(axis=1))
     if not len(seen):
         raise ComparisonError("no marker falls into the inertial recording")
@@ -104,7 +105,7 @@ def prepare(
         part = slice(first, stop)
         chunk = OpticalChunk(0, step, gyroscope[part], accelerometer[part], on_ticks[part], delay[part])
         try:
-            stretches.append(_prepared(first, chunk, at, marker, parameters, lever))
+            stretches.append(_prepared(first, chunk, at, marker, parameters, lever, attitudes))
         except ComparisonError as error:
             reasons.append(f"{first * step:.1f} to {stop * step:.1f} s: {error}")
     if not stretches:
@@ -119,6 +120,7 @@ def _prepared(
     marker_m: Float,
     parameters: Mapping[str, Any] | None,
     lever_arm_m: Float | None,
+    attitudes: dict[tuple[int, int], tuple[Float, Float]],
 ) -> Stretch:
     step = chunk.time_step_s
     count = len(chunk.marker_m)
@@ -127,7 +129,12 @@ def _prepared(
     time = camera_inertial_s - first * step
     inside = (time >= 0.0) & (time <= (count - 1) * step)
     time, marker = time[inside], marker_m[inside]
-    mounting = find_mounting(chunk.gyroscope_radps, chunk.accelerometer_mps2, step, time, marker, lever_arm_m)
+    key = first, first + count
+    if key not in attitudes:
+        attitudes[key] = level_attitude(chunk.gyroscope_radps, chunk.accelerometer_mps2, step)
+    mounting = find_mounting(
+        chunk.gyroscope_radps, chunk.accelerometer_mps2, step, time, marker, lever_arm_m, attitudes[key]
+    )
     given = dict(parameters or {})
     given["lever_arm_m"] = tuple(float(x) for x in mounting.lever_arm_m)
     if lever_arm_m is None:

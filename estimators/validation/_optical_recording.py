@@ -55,6 +55,7 @@ def _recordings(seeds: Sequence[int], data: Data) -> Values:
             chunk.gyroscope_radps,
             chunk.accelerometer_mps2,
             parameters=PARAMETERS,
+            gap_checks=False,
         )
         by_rate = align_cluster(camera_s, cluster, scene.time_s, chunk.gyroscope_radps)
         for name, aligned in (("", found.alignment), ("by rate: ", by_rate)):
@@ -213,7 +214,7 @@ OPTICAL_CONSISTENCY = Protocol(
         Figure("p of Jarque-Bera", "1", 0.01, at_most=False),
         Figure("NIS, distance of its mean from 3", "1", 0.2),
         Figure("NEES of position, by 3", "1"),
-        Figure("heading sigma at rest, largest fall a second", "deg/s", 1e-3),
+        Figure("heading sigma at rest, largest fall a second", "deg/s", 0.01),
         Figure("heading sigma after 5 s of movement", "deg", 1.0),
         Figure("cyclic, ratio 50: own attitude", "mm"),
         Figure("cyclic, ratio 50: attitude of an orientation filter", "mm"),

@@ -230,6 +230,17 @@ LINES: tuple[Line, ...] = (
     patient("GET", "/api/sessions/{session_id}/frames", READ),
     patient("GET", "/api/sessions/{session_id}/layout", READ),
     patient("GET", "/api/sessions/{session_id}/points", READ),
+    patient(
+        "POST",
+        "/api/sessions/{session_id}/markers",
+        TREAT,
+        body={"segment": "forearm_right", "format": "c3d"},
+        files=True,
+        status=422,
+        note="(the file of the seed holds none)",
+    ),
+    patient("GET", "/api/sessions/{session_id}/markers", READ),
+    patient("GET", "/api/sessions/{session_id}/markers/motion", READ, status=404),
     patient("POST", "/api/uploads", RECORD, body=UPLOAD, files=True, status=202),
     Line("GET", "/api/estimators", "signed_in"),
     # --- live ---

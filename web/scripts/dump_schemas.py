@@ -16,11 +16,12 @@ from pydantic.json_schema import models_json_schema
 
 from app.live import messages
 from app.main import create_app
+from app.recordings import marker_schemas
 from app.recordings import schemas as recordings
 from app.settings import Settings
 
 SENT_BY_BROWSERS = ("PlayerCommand", "CameraCommand")
-FORM_PARTS = ("UploadIn",)
+FORM_PARTS = (recordings.UploadIn, marker_schemas.MarkerUploadIn)
 """JSON parts of multipart forms, which OpenAPI shows as plain text."""
 SENT_TO_BROWSERS = (
     "LayoutMessage", "StateMessage", "HealthMessage", "EventMessage", "ErrorMessage", "PlayerState",
@@ -32,7 +33,7 @@ def socket_schemas() -> dict[str, Any]:
     """Return the schemas of the messages; what browsers send has its optional fields optional."""
     models: list[tuple[type[BaseModel], Any]] = [
         *((getattr(messages, name), "validation") for name in SENT_BY_BROWSERS),
-        *((getattr(recordings, name), "validation") for name in FORM_PARTS),
+        *((part, "validation") for part in FORM_PARTS),
         *((getattr(messages, name), "serialization") for name in SENT_TO_BROWSERS),
     ]
     _, schema = models_json_schema(models, ref_template="#/components/schemas/{model}")

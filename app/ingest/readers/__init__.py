@@ -8,10 +8,12 @@ from pathlib import Path
 from app.errors import InvalidInput, RecordingFormatError
 from app.ingest.readers import _gait_tracking, _gaitmap, _instrumented_shoe, _pyshoe
 from app.ingest.readers._broad import read_broad
+from app.ingest.readers._c3d import C3dPoints, read_c3d
 from app.ingest.readers._csv import read_csv
 from app.ingest.readers._gait_tracking import read_gait_tracking
 from app.ingest.readers._gaitmap import read_gaitmap
 from app.ingest.readers._instrumented_shoe import read_instrumented_shoe, write_instrumented_shoe
+from app.ingest.readers._markers import MarkerTracks, read_markers
 from app.ingest.readers._mat import variables
 from app.ingest.readers._packet_log import LogReader, read_packet_log
 from app.ingest.readers._packets import RecordingPackets, packets_of
@@ -104,16 +106,20 @@ def guess(path: Path) -> str:
 __all__ = [
     "FORMATS",
     "PLACEMENT_OF",
+    "C3dPoints",
     "LogReader",
+    "MarkerTracks",
     "RecordingPackets",
     "guess",
     "packets_of",
     "read",
     "read_broad",
+    "read_c3d",
     "read_csv",
     "read_gait_tracking",
     "read_gaitmap",
     "read_instrumented_shoe",
+    "read_markers",
     "read_packet_log",
     "read_pyshoe",
     "read_qmt",

@@ -25,6 +25,7 @@ export const keys = {
   comparisons: (id: string) => ['sessions', id, 'comparisons'] as const,
   magneticSafety: (id: string) => ['sessions', id, 'magnetic-safety'] as const,
   sourceUse: (id: string, resultId: string | null) => ['sessions', id, 'source-use', resultId] as const,
+  markers: (id: string) => ['sessions', id, 'markers'] as const,
   gait: (id: string) => ['sessions', id, 'gait'] as const,
   walks: (id: string) => ['patients', id, 'walks'] as const,
   conditions: (id: string, a: readonly string[], b: readonly string[]) => ['patients', id, 'walks', 'conditions', a, b] as const,
@@ -130,6 +131,7 @@ export const useSession = (id: string, refetchInterval?: number) =>
   useGet<Wire.SessionDetail>(keys.session(id), `/api/sessions/${id}`, { enabled: id !== '', refetchInterval });
 export const useSessionJobs = (id: string, refetchInterval?: number) =>
   useGet<Wire.Job[]>(keys.sessionJobs(id), `/api/sessions/${id}/jobs`, { refetchInterval, enabled: id !== '' });
+export const useMarkers = (id: string) => useGet<Wire.Markers[]>(keys.markers(id), `/api/sessions/${id}/markers`);
 export const useComparisons = (id: string) => useGet<Wire.Comparison[]>(keys.comparisons(id), `/api/sessions/${id}/comparisons`);
 export const useComparison = (id: string | null) =>
   useGet<Wire.ComparisonDetail>(keys.comparison(id ?? ''), `/api/comparisons/${id}`, { enabled: id !== null, staleTime: Infinity });

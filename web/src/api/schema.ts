@@ -930,6 +930,53 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/sessions/{session_id}/markers": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Markers
+         * @description Return uploaded markers, newest first, with alignment, residuals and gaps of each.
+         */
+        get: operations["list_markers_api_sessions__session_id__markers_get"];
+        put?: never;
+        /**
+         * Upload Markers
+         * @description Upload marker trajectories, C3D or CSV, of somebody who wore the sensors of an analysed session.
+         *
+         *     The JSON part `declaration` (`MarkerUploadIn`) comes first, then the part `file`. A task aligns the clocks and
+         *     fuses the marker with the named sensor.
+         */
+        post: operations["upload_markers_api_sessions__session_id__markers_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session_id}/markers/motion": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Motion
+         * @description Return place, velocity, acceleration and attitude at the rate of the sensor as CSV; the newest by default.
+         */
+        get: operations["get_motion_api_sessions__session_id__markers_motion_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/sessions/{session_id}/points": {
         parameters: {
             query?: never;
@@ -2343,7 +2390,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "upload" | "reprocess" | "compare";
+            kind: "upload" | "reprocess" | "compare" | "markers";
             /** Message */
             message: string;
             /** Progress */
@@ -2417,6 +2464,193 @@ export interface components {
             source: string | null;
             /** Warning */
             warning: string;
+        };
+        /**
+         * MarkerCurves
+         * @description For a plot: of each stretch of ticks the one with the largest value.
+         */
+        MarkerCurves: {
+            /** Residual M */
+            residual_m: (number | null)[];
+            /** Sigma M */
+            sigma_m: (number | null)[];
+            /** Speed Mps */
+            speed_mps: (number | null)[];
+            /** Time S */
+            time_s: number[];
+        };
+        /**
+         * MarkerGap
+         * @description A stretch without the marker, filled by the sensor.
+         */
+        MarkerGap: {
+            /** Length S */
+            length_s: number;
+            /** Sigma M */
+            sigma_m: number;
+            /** Start S */
+            start_s: number;
+            /** Withheld */
+            withheld: boolean;
+        };
+        /**
+         * MarkerGapCheck
+         * @description Seen markers were hidden, filled and compared with what was seen.
+         */
+        MarkerGapCheck: {
+            /** Count */
+            count: number;
+            /** Inertial M */
+            inertial_m: number;
+            /** Length S */
+            length_s: number;
+            /** Spline M */
+            spline_m: number | null;
+            /** Within Three Sigma */
+            within_three_sigma: number;
+        };
+        /**
+         * MarkerReport
+         * @description How markers and a sensor fit.
+         */
+        MarkerReport: {
+            /**
+             * Aligned By
+             * @enum {string}
+             */
+            aligned_by: "acceleration" | "rate";
+            /** Checks */
+            checks: components["schemas"]["MarkerGapCheck"][];
+            /** Correlation */
+            correlation: number;
+            curves: components["schemas"]["MarkerCurves"];
+            /** Drift Ppm */
+            drift_ppm: number;
+            /** Drift Sigma Ppm */
+            drift_sigma_ppm: number;
+            /** Frame Count */
+            frame_count: number;
+            /** Gap Count */
+            gap_count: number;
+            /** Gaps */
+            gaps: components["schemas"]["MarkerGap"][];
+            /** Heading Sigma Rad */
+            heading_sigma_rad: number;
+            /** Lever Arm M */
+            lever_arm_m: number[];
+            /** Lever Arm Sigma M */
+            lever_arm_sigma_m: number[];
+            /** Marker */
+            marker: string;
+            /** Mean Nis */
+            mean_nis: number | null;
+            /** Offset S */
+            offset_s: number;
+            /** Offset Sigma S */
+            offset_sigma_s: number;
+            /** Overlap S */
+            overlap_s: number;
+            /** Reasons */
+            reasons: string[];
+            /** Rejected Count */
+            rejected_count: number;
+            /** Residual Rms M */
+            residual_rms_m: number[];
+            /** Rival */
+            rival: number;
+            /** Sigma Scale */
+            sigma_scale: number;
+            /** Used Count */
+            used_count: number;
+        };
+        /**
+         * MarkersOut
+         * @description Uploaded trajectories with what became of them.
+         */
+        MarkersOut: {
+            /** File Bytes */
+            file_bytes: number;
+            /**
+             * Format
+             * @enum {string}
+             */
+            format: "c3d" | "csv";
+            /** Id */
+            id: string;
+            /** Message */
+            message: string;
+            report: components["schemas"]["MarkerReport"] | null;
+            /** Segment */
+            segment: string;
+            /** Session Id */
+            session_id: string;
+            /**
+             * Status
+             * @enum {string}
+             */
+            status: "queued" | "running" | "complete" | "failed";
+            /** Uploaded At */
+            uploaded_at: string | null;
+        };
+        /**
+         * MarkerUploadIn
+         * @description The JSON part `declaration` of uploaded marker trajectories; the file is the other part.
+         */
+        MarkerUploadIn: {
+            /** Cluster */
+            cluster?: string[];
+            /**
+             * Delimiter
+             * @default ,
+             * @enum {string}
+             */
+            delimiter?: "," | ";" | "\t";
+            /**
+             * Format
+             * @enum {string}
+             */
+            format: "c3d" | "csv";
+            /**
+             * Largest Offset S
+             * @default null
+             */
+            largest_offset_s?: number | null;
+            /**
+             * Lever Arm M
+             * @default null
+             */
+            lever_arm_m?: [
+                number,
+                number,
+                number
+            ] | null;
+            /**
+             * Marker
+             * @default null
+             */
+            marker?: string | null;
+            /**
+             * Rate Hz
+             * @default null
+             */
+            rate_hz?: number | null;
+            /**
+             * Segment
+             * @enum {string}
+             */
+            segment: "head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right";
+            /**
+             * Unit
+             * @default mm
+             * @enum {string}
+             */
+            unit?: "m" | "mm";
+            /**
+             * Up
+             * @default z
+             * @enum {string}
+             */
+            up?: "x" | "y" | "z" | "-x" | "-y" | "-z";
         };
         /**
          * MarkIn
@@ -5400,6 +5634,108 @@ export interface operations {
                 content: {
                     "application/json": components["schemas"]["StateMessage"];
                 };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+        };
+    };
+    list_markers_api_sessions__session_id__markers_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MarkersOut"][];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+        };
+    };
+    upload_markers_api_sessions__session_id__markers_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "multipart/form-data": {
+                    /** @description MarkerUploadIn as JSON; must come before the file. */
+                    declaration: string;
+                    /** Format: binary */
+                    file: string;
+                };
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["JobOut"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+        };
+    };
+    get_motion_api_sessions__session_id__markers_motion_get: {
+        parameters: {
+            query?: {
+                markers_id?: string | null;
+            };
+            header?: never;
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
             };
             /** @description Validation Error */
             422: {

@@ -101,3 +101,6 @@ export type WalkRow = Schemas['WalkRow'];
 export type ConditionsIn = Schemas['ConditionsIn'];
 export type Conditions = Schemas['ConditionsOut'];
 export type MeasureChange = Schemas['MeasureChange'];
+export type Markers = Schemas['MarkersOut'];
+export type MarkerReport = Schemas['MarkerReport'];
+export type MarkerUploadIn = Schemas['MarkerUploadIn'];

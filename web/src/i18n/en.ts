@@ -3,6 +3,7 @@ import { calibration } from './en/calibration';
 import { clinic } from './en/clinic';
 import { common } from './en/common';
 import { magnetic } from './en/magnetic';
+import { markers } from './en/markers';
 import { motion } from './en/motion';
 import { patient } from './en/patient';
 import { report } from './en/report';
@@ -10,4 +11,4 @@ import { research } from './en/research';
 import { session } from './en/session';
 import { walking } from './en/walking';
 
-export const en = { ...calibration, ...clinic, ...common, ...magnetic, ...motion, ...patient, ...report, ...research, ...session, ...walking } as const;
+export const en = { ...calibration, ...clinic, ...common, ...magnetic, ...markers, ...motion, ...patient, ...report, ...research, ...session, ...walking } as const;

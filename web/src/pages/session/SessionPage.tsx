@@ -23,6 +23,7 @@ import type { PlayerState } from '../../api/types';
 import { SourcePanel } from '../magnetic/SourcePanel';
 import { ComparisonPanel } from './ComparisonPanel';
 import { DetailsPanel, resultLabel } from './DetailsPanel';
+import { MarkersPanel } from './MarkersPanel';
 import { WalkPanel } from './WalkPanel';
 import { RepetitionTable } from './RepetitionTable';
 
@@ -100,6 +101,7 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
             sessionId={session.id}
             request={{ mode: 'replay', result_id: resultId, template_version_id: comparison?.template_version_id ?? null }}
             title={t('viewer.replayTitle')}
+            near={isWalk ? 'feet' : 'arm'}
             player={player}
             ghost={ghost}
             onShown={setShown}
@@ -154,6 +156,7 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
           <Tabs.Panel value="details">
             <h2 className="visually-hidden">{t('details.title')}</h2>
             <DetailsPanel session={session} resultId={resultId} />
+            <MarkersPanel session={session} />
           </Tabs.Panel>
         </Tabs>
       </div>

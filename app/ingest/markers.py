@@ -1,0 +1,140 @@
+"""HTTP of marker trajectories: uploaded to an analysed session, fused by a task, reported."""
+
+from pathlib import Path
+from typing import Any, Final
+
+from anyio import to_thread
+from fastapi import APIRouter, Request
+from fastapi.responses import StreamingResponse
+from pydantic import ValidationError
+from sqlalchemy import Engine
+
+from app.accounts.dependencies import CurrentSubject
+from app.accounts.subject import Subject
+from app.database.base import new_id
+from app.database.dependencies import ReadSession
+from app.database.unit_of_work import read_only, unit_of_work
+from app.errors import InvalidInput, TooLarge
+from app.ingest._multipart import UploadReceiver
+from app.ingest.readers import read_markers
+from app.ingest.upload import upload_folder
+from app.recordings import markers, service
+from app.recordings.marker_schemas import MarkersOut, MarkerUploadIn
+from app.recordings.schemas import JobOut
+from app.services import services_of
+
+FILE_LIMIT_BYTES: Final = 64 << 20
+SESSION_LIMIT_BYTES: Final = 256 << 20
+"""All marker files of one session together."""
+
+router = APIRouter(prefix="/api", tags=["sessions"])
+
+_BODY: Final[dict[str, Any]] = {
+    "requestBody": {
+        "required": True,
+        "content": {
+            "multipart/form-data": {
+                "schema": {
+                    "type": "object",
+                    "required": ["declaration", "file"],
+                    "properties": {
+                        "declaration": {
+                            "type": "string",
+                            "contentMediaType": "application/json",
+                            "description": "MarkerUploadIn as JSON; must come before the file.",
+                        },
+                        "file": {"type": "string", "format": "binary"},
+                    },
+                }
+            }
+        },
+    }
+}
+
+
+@router.post("/sessions/{session_id}/markers", status_code=202, openapi_extra=_BODY)
+async def upload_markers(session_id: str, request: Request, subject: CurrentSubject) -> JobOut:
+    """Upload marker trajectories, C3D or CSV, of somebody who wore the sensors of an analysed session.
+
+    The JSON part `declaration` (`MarkerUploadIn`) comes first, then the part `file`. A task aligns the clocks and
+    fuses the marker with the named sensor.
+    """
+    services = services_of(request)
+    declared: list[MarkerUploadIn] = []
+
+    async def check(text: bytes) -> None:
+        declaration = _declaration(text)
+        await to_thread.run_sync(_check, services.engine, subject, session_id, declaration)
+        declared.append(declaration)
+
+    path = upload_folder(services.settings) / f"{new_id()}.part"
+    receiver = UploadReceiver(request.headers.get("content-type", ""), path, FILE_LIMIT_BYTES, check)
+    try:
+        await receiver.receive(request.stream())
+        job = await to_thread.run_sync(register, services.engine, subject, session_id, declared[0], path)
+    finally:
+        # The database has it now, whole, or nobody has.
+        path.unlink(missing_ok=True)
+    if services.jobs is not None:
+        services.jobs.wake()
+    return job
+
+
+@router.get("/sessions/{session_id}/markers")
+def list_markers(session_id: str, session: ReadSession, subject: CurrentSubject) -> list[MarkersOut]:
+    """Return uploaded markers, newest first, with alignment, residuals and gaps of each."""
+    return markers.markers_of(session, subject, session_id)
+
+
+@router.get("/sessions/{session_id}/markers/motion", response_class=StreamingResponse)
+def get_motion(
+    session_id: str, session: ReadSession, subject: CurrentSubject, markers_id: str | None = None
+) -> StreamingResponse:
+    """Return place, velocity, acceleration and attitude at the rate of the sensor as CSV; the newest by default."""
+    lines = markers.motion_csv(session, subject, session_id, markers_id)
+    return StreamingResponse(
+        lines,
+        media_type="text/csv",
+        headers={
+            "Content-Disposition": f'attachment; filename="markers-{session_id[:8]}.csv"',
+            "Cache-Control": "no-store",
+        },
+    )
+
+
+def register(
+    engine: Engine, subject: Subject, session_id: str, declaration: MarkerUploadIn, path: Path
+) -> JobOut:
+    """Keep an uploaded file with its session and queue its fusion.
+
+    Raises
+    ------
+    RecordingFormatError
+        The file is not what it was declared to be.
+    """
+    read_markers(path, declaration)
+    with unit_of_work(engine) as session:
+        found = markers.session_for(session, subject, session_id, declaration.segment)
+        if markers.stored_bytes(session, session_id) + path.stat().st_size > SESSION_LIMIT_BYTES:
+            raise TooLarge("This session holds as many marker files as it can.", limit=SESSION_LIMIT_BYTES)
+        return service.job_out(markers.store_file(session, found, declaration, path, subject))
+
+
+def _check(engine: Engine, subject: Subject, session_id: str, declaration: MarkerUploadIn) -> None:
+    with read_only(engine) as session:
+        markers.session_for(session, subject, session_id, declaration.segment)
+
+
+def _declaration(text: bytes) -> MarkerUploadIn:
+    try:
+        return MarkerUploadIn.model_validate_json(text)
+    except ValidationError as error:
+        problems = [
+            {"field": ".".join(str(part) for part in item["loc"]), "problem": item["msg"]}
+            for item in error.errors()
+        ][:20]
+        names = ", ".join(dict.fromkeys(item["field"] or "declaration" for item in problems))
+        raise InvalidInput(f"The declaration is wrong in: {names}.", problems=problems) from error
+
+
+__all__ = ["FILE_LIMIT_BYTES", "register", "router"]

@@ -1,0 +1,238 @@
+"""Uploaded marker trajectories: the file as it came, and what fusing it with a sensor gave.
+
+Kept as rows of the signal table, erased with their session: stream `markers/<id>` holds the file in pieces,
+`optical/<id>` the fused motion at full rate, and `optical_report/<id>` the report.
+"""
+
+import zlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from sqlalchemy import delete, func, select
+from sqlalchemy.orm import Session
+
+from app.accounts.subject import Subject
+from app.database.base import new_id, utc_now
+from app.errors import Conflict, NotFound
+from app.recordings import codecs, repository
+from app.recordings._rows import insert_chunk
+from app.recordings.chunks import EncodedChunk
+from app.recordings.marker_schemas import MarkerReport, MarkersOut, MarkerUploadIn
+from app.recordings.models import Job, MotionSession, SignalChunk
+
+KIND: Final = "markers"
+_PIECE_BYTES: Final = 4 << 20
+_PIECE_TICKS: Final = 6000
+_FILE, _MOTION, _REPORT = "markers/", "optical/", "optical_report/"
+COLUMNS: Final = (
+    *(f"position_{axis}_m" for axis in "xyz"),
+    *(f"velocity_{axis}_mps" for axis in "xyz"),
+    *(f"acceleration_{axis}_mps2" for axis in "xyz"),
+    *(f"q_room_sensor_{part}" for part in "wxyz"),
+    *(f"marker_{axis}_m" for axis in "xyz"),
+    *(f"position_sigma_{axis}_m" for axis in "xyz"),
+    "provenance",
+)
+"""Of the fused motion: of the accelerometer, but `marker` of the marker; laboratory, z up."""
+
+
+def session_for(session: Session, subject: Subject, session_id: str, segment: str) -> MotionSession:
+    """Return an analysed session whose network had a sensor.
+
+    Raises
+    ------
+    NotFound
+        No such session.
+    NotAllowed
+        The subject may not analyse it.
+    Conflict
+        It is still live, or had no such sensor.
+    """
+    found = repository.get_session(session, subject, session_id, "treat", action="session.markers.upload")
+    if found.state != "analysed":
+        raise Conflict("Markers are added to a session that is closed and analysed.", state=found.state)
+    sent = list((found.hello or {}).get("placements", []))
+    if segment not in sent:
+        raise Conflict(
+            f"This session had no sensor {segment}; choose one of {', '.join(sent) or 'none'}.",
+            field="segment",
+        )
+    return found
+
+
+def store_file(
+    session: Session, found: MotionSession, declared: MarkerUploadIn, path: Path, subject: Subject
+) -> Job:
+    """Keep an uploaded file whole and queue its fusion."""
+    markers_id = new_id()
+    size = path.stat().st_size
+    told = {
+        "declaration": declared.model_dump(mode="json"),
+        "bytes": size,
+        "uploaded_at": utc_now().isoformat(),
+    }
+    with path.open("rb") as file:
+        for sequence, raw in enumerate(iter(lambda: file.read(_PIECE_BYTES), b"")):
+            data = zlib.compress(raw, 6)
+            chunk = EncodedChunk(0, 0, "file.zlib", told, codecs.checksum(data), data)
+            insert_chunk(session, found.id, _FILE + markers_id, sequence, chunk)
+    return repository.add_job(session, found, KIND, {"markers_id": markers_id}, subject)
+
+
+def write_file(session: Session, session_id: str, markers_id: str, path: Path) -> MarkerUploadIn:
+    """Write an uploaded file out again; return what was declared of it."""
+    rows = _rows(session, session_id, _FILE + markers_id)
+    declared = None
+    with path.open("wb") as file:
+        for row in rows:
+            declared = row.scale["declaration"]
+            file.write(zlib.decompress(_sound(row)))
+    if declared is None:
+        raise NotFound("The uploaded markers are gone; upload them again.")
+    return MarkerUploadIn.model_validate(declared)
+
+
+def store_fusion(
+    session: Session,
+    session_id: str,
+    markers_id: str,
+    report: MarkerReport,
+    first_tick: int,
+    time_step_s: float,
+    motion: NDArray[np.float32],
+) -> None:
+    """Keep report and motion, shape (K, len(COLUMNS)); an earlier attempt's are replaced."""
+    for stream in (_MOTION, _REPORT):
+        session.execute(
+            delete(SignalChunk).where(
+                SignalChunk.session_id == session_id, SignalChunk.stream == stream + markers_id
+            )
+        )
+    for start in range(0, len(motion), _PIECE_TICKS):
+        part = motion[start : start + _PIECE_TICKS]
+        data = codecs.encode_floats(part)
+        scale = {"first_tick": first_tick + start, "time_step_s": time_step_s, "columns": list(COLUMNS)}
+        at_ns = round((first_tick + start) * time_step_s * 1e9)
+        chunk = EncodedChunk(at_ns, len(part), codecs.FLOATS_CODEC, scale, codecs.checksum(data), data)
+        insert_chunk(session, session_id, _MOTION + markers_id, first_tick + start, chunk)
+    data = zlib.compress(report.model_dump_json().encode(), 6)
+    chunk = EncodedChunk(0, 0, "json.zlib", {"version": 1}, codecs.checksum(data), data)
+    insert_chunk(session, session_id, _REPORT + markers_id, 0, chunk)
+
+
+def markers_of(session: Session, subject: Subject, session_id: str) -> list[MarkersOut]:
+    """Return uploaded markers with their reports, newest first."""
+    repository.get_session(session, subject, session_id, action="session.markers")
+    jobs = session.scalars(
+        select(Job)
+        .where(Job.session_id == session_id, Job.kind == KIND)
+        .order_by(Job.created_at.desc(), Job.id)
+    )
+    found = []
+    for job in jobs:
+        markers_id = str(job.arguments["markers_id"])
+        first = session.scalar(
+            select(SignalChunk.scale)
+            .where(SignalChunk.session_id == session_id, SignalChunk.stream == _FILE + markers_id)
+            .limit(1)
+        )
+        told: dict[str, Any] = first or {}
+        declared = told.get("declaration", {})
+        row = session.get(SignalChunk, (session_id, _REPORT + markers_id, 0))
+        found.append(
+            MarkersOut(
+                id=markers_id,
+                session_id=session_id,
+                segment=declared.get("segment", ""),
+                format=declared.get("format", "csv"),
+                file_bytes=told.get("bytes", 0),
+                uploaded_at=told.get("uploaded_at"),
+                status=job.status,
+                message=job.message,
+                report=None
+                if row is None
+                else MarkerReport.model_validate_json(zlib.decompress(_sound(row))),
+            )
+        )
+    return found
+
+
+def motion_csv(session: Session, subject: Subject, session_id: str, markers_id: str | None) -> Iterator[str]:
+    """Return the fused motion at the rate of the sensor as lines of CSV; the newest by default.
+
+    Raises
+    ------
+    NotFound
+        There is none.
+    """
+    repository.get_session(
+        session,
+        subject,
+        session_id,
+        action="session.markers.export",
+        details={"markers": markers_id or "newest"},
+    )
+    if markers_id is None:
+        ids = [
+            str(job.arguments["markers_id"])
+            for job in session.scalars(
+                select(Job)
+                .where(Job.session_id == session_id, Job.kind == KIND, Job.status == "complete")
+                .order_by(Job.created_at.desc(), Job.id)
+                .limit(1)
+            )
+        ]
+        markers_id = ids[0] if ids else ""
+    rows = _rows(session, session_id, _MOTION + markers_id)
+    if not rows:
+        raise NotFound("This session has no fused markers yet.")
+    lines = [",".join(("time_s", *COLUMNS)) + "\n"]
+    for row in rows:
+        values = codecs.decode_floats(_sound(row), row.ticks, len(row.scale["columns"]))
+        step = row.scale["time_step_s"]
+        for number, line in enumerate(values.tolist()):
+            numbers = ",".join("" if value != value else f"{value:.7g}" for value in line)
+            lines.append(f"{(row.scale['first_tick'] + number) * step:.5f},{numbers}\n")
+    return iter(lines)
+
+
+def stored_bytes(session: Session, session_id: str) -> int:
+    """Return how much room the uploaded marker files of a session take."""
+    total = session.scalar(
+        select(func.sum(func.length(SignalChunk.data))).where(
+            SignalChunk.session_id == session_id, SignalChunk.stream.startswith(_FILE)
+        )
+    )
+    return int(total or 0)
+
+
+def _rows(session: Session, session_id: str, stream: str) -> list[SignalChunk]:
+    return list(
+        session.scalars(
+            select(SignalChunk)
+            .where(SignalChunk.session_id == session_id, SignalChunk.stream == stream)
+            .order_by(SignalChunk.sequence)
+        )
+    )
+
+
+def _sound(row: SignalChunk) -> bytes:
+    if codecs.checksum(row.data) != row.crc:
+        raise codecs.DamagedChunkError("stored markers have a wrong checksum; restore them from the backup")
+    return row.data
+
+
+__all__ = [
+    "COLUMNS",
+    "KIND",
+    "markers_of",
+    "motion_csv",
+    "session_for",
+    "store_file",
+    "store_fusion",
+    "stored_bytes",
+    "write_file",
+]
