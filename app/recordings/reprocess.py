@@ -5,6 +5,7 @@ are read by rising sequence. Earlier results stay; the new one names the version
 with.
 """
 
+import logging
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
@@ -34,10 +35,12 @@ from app.recordings.walk_analysis import follow_feet
 from app.recordings.walks import PIPELINE as WALKING
 from estimators import pipelines
 from estimators.conventions import Placement
-from estimators.errors import CalibrationError
+from estimators.errors import CalibrationError, EstimationError
 from estimators.orientation import DeviceConstants
-from estimators.pipelines import SessionSetup
+from estimators.pipelines import FEET, SessionSetup, relative_feet
 from estimators.recording import ImuChunk
+
+logger = logging.getLogger(__name__)
 
 PIECE_TICKS: Final = 1000
 _POSE_SEARCH_S: Final = 120.0
@@ -138,6 +141,8 @@ def reprocess(context: JobContext) -> str:
         # Another filter has another heading to begin with: the pose is evaluated with its own orientation.
         setup = replace(setup, calibration=None)
     analysis = analyse(context, setup, pose_s)
+    if closing and setup.pipeline == MAGNETIC and set(setup.placements) == set(FEET):
+        _walk_too(context, setup)
     with unit_of_work(context.engine) as session:
         found = session.get_one(MotionSession, context.session_id)
         if closing or found.main_result_id is None:
@@ -147,6 +152,22 @@ def reprocess(context: JobContext) -> str:
             remember(session, found, analysis.learnt)
             enqueue_comparison(session, found)
     return analysis.message
+
+
+def _walk_too(context: JobContext, setup: SessionSetup) -> None:
+    """Analyse a session with a source on one shoe as a walk as well; the message of that result says what failed."""
+    with read_only(context.engine) as session:
+        hello = session.get_one(MotionSession, context.session_id).hello
+    pieces = list(aligned(context.engine, context.session_id, hello, setup.placements))
+    if not pieces:
+        return
+    try:
+        relative = relative_feet(joined_chunks(pieces), setup)
+        walking = replace(setup, pipeline=WALKING, orientation_parameters={})
+        follow_feet(context, walking, pieces, hello, 0.8, relative)
+    except (EstimationError, InvalidInput):
+        # Not a walk: nobody asked for one.
+        logger.info("session %s holds no walk", context.session_id)
 
 
 def enqueue_comparison(session: Session, found: MotionSession) -> None:

@@ -14,6 +14,7 @@ from app.recordings.walk_shoes import load_shoes
 from app.recordings.walks import content_of, kind_of, recording_of, store_walk
 from estimators import pipelines
 from estimators.errors import EstimationError
+from estimators.gait import RelativeFeet
 from estimators.pipelines import SessionSetup, ShoeWalk, Walk
 from estimators.recording import ImuChunk
 
@@ -26,6 +27,7 @@ def follow_feet(
     pieces: Iterable[ImuChunk],
     hello: dict[str, Any] | None,
     progress_from: float,
+    relative: RelativeFeet | None = None,
 ) -> tuple[str, int]:
     """Analyse a walk off-line and keep it.
 
@@ -40,6 +42,8 @@ def follow_feet(
         Of the gateway; may tell where the gyroscopes clip.
     progress_from : float
         Where on the task's scale of 0 to 1 this work begins.
+    relative : RelativeFeet, optional
+        What a magnetic source on one shoe tells of the other.
 
     Returns
     -------
@@ -60,6 +64,11 @@ def follow_feet(
     except EstimationError as error:
         raise InvalidInput(str(error)) from error
     shoes, note = _with_forces(context, setup, walk)
+    if relative is not None:
+        try:
+            walk = pipelines.with_relative_feet(walk, relative)
+        except EstimationError as error:
+            note = f"the feet could not be related: {error}"
     if shoes is not None:
         walk = pipelines.with_shoes(walk, shoes)
     frames = walk.frames

@@ -158,7 +158,11 @@ def gait(session: Session, subject: Subject, session_id: str, result_id: str | N
     found = repository.get_session(
         session, subject, session_id, action="session.gait", details={"result": result_id or "main"}
     )
-    if found.setup["pipeline"] != PIPELINE:
+    if result_id is None and found.setup["pipeline"] == RelativePosePipeline.name:
+        # A source on one shoe: the walk is beside the main result.
+        walked = [one for one in repository.results_of(session, found.id) if one.pipeline == PIPELINE]
+        result_id = walked[-1].id if walked else None
+    if found.setup["pipeline"] != PIPELINE and result_id is None:
         raise Conflict("This session is no walk; record or upload one with sensors on the feet.")
     result = repository.result_of(session, found, result_id)
     row = session.scalar(

@@ -17,9 +17,18 @@ from estimators.gait._foot_parameters import FootParameters, foot_parameters
 from estimators.gait._foot_trajectory import FootFlag, FootTrajectory, smooth
 from estimators.gait._guided_tests import GUIDED_KINDS, GuidedKind, GuidedTest, guided_test
 from estimators.gait._placement import Placement, Steps, foot_placement, steps_between
+from estimators.gait._related_feet import RelatedFeet, RelativeFeet, relate_feet
 from estimators.gait._stance import Stance, find_stance
 from estimators.gait._strides import Footholds, Strides, find_strides
-from estimators.gait._summary import GaitSummary, Measure, measure_steps, steady, summarise, turns
+from estimators.gait._summary import (
+    GaitSummary,
+    Measure,
+    measure_steps,
+    steady,
+    step_measures,
+    summarise,
+    turns,
+)
 
 __all__ = [
     "GUIDED_KINDS",
@@ -35,6 +44,8 @@ __all__ = [
     "GuidedTest",
     "Measure",
     "Placement",
+    "RelatedFeet",
+    "RelativeFeet",
     "Stance",
     "Steps",
     "Strides",
@@ -45,8 +56,10 @@ __all__ = [
     "force_events",
     "guided_test",
     "measure_steps",
+    "relate_feet",
     "smooth",
     "steady",
+    "step_measures",
     "steps_between",
     "summarise",
     "turns",

@@ -150,7 +150,20 @@ def steps_between(
     if min(len(left_m), len(right_m)) < 2:
         raise ShapeError("each foot needs two footholds before the feet can be related")
     left, right = (_along_course(feet) for feet in (left_m[:, :2], right_m[:, :2]))
-    right = right + right_from_left_m
+    return steps_in_one_world(left, left_s, right + right_from_left_m, right_s)
+
+
+def steps_in_one_world(left_m: Float, left_s: Float, right_m: Float, right_s: Float) -> Steps:
+    """Step length and width of footholds that are in one world already.
+
+    Parameters
+    ----------
+    left_m, right_m : ndarray, shape (n, 2 or 3) and (m, 2 or 3)
+        Footholds in walking order; the vertical does not count.
+    left_s, right_s : ndarray, shape (n,) and (m,)
+        Their times.
+    """
+    left, right = left_m[:, :2], right_m[:, :2]
     entries = sorted(
         [(t, True, i) for i, t in enumerate(left_s)] + [(t, False, i) for i, t in enumerate(right_s)]
     )
@@ -186,4 +199,5 @@ __all__ = [
     "Steps",
     "foot_placement",
     "steps_between",
+    "steps_in_one_world",
 ]

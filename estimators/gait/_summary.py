@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.conventions import Side
-from estimators.gait._placement import foot_placement, steps_between
+from estimators.gait._placement import Steps, foot_placement, steps_between
 from estimators.gait._strides import Strides
 from estimators.recording import Float
 
@@ -176,7 +176,11 @@ def measure_steps(
     ShapeError
         With fewer than two footholds of a foot.
     """
-    steps = steps_between(left_m, left_s, right_m, right_s, right_from_left_m)
+    return step_measures(steps_between(left_m, left_s, right_m, right_s, right_from_left_m))
+
+
+def step_measures(steps: Steps) -> dict[str, Measure]:
+    """Measure steps that are found; see `measure_steps`."""
     inner = np.ones(len(steps.is_left), dtype=np.bool_)
     inner[:1], inner[-2:] = False, False
     # Footholds of both feet scatter by as much as two instants of one stance differ.
@@ -277,4 +281,13 @@ def _difference(left: Measure, right: Measure) -> Measure:
     return Measure(value, sigma, float("nan"), min(left.count, right.count), "1")
 
 
-__all__ = ["GaitSummary", "Measure", "measure", "measure_steps", "steady", "summarise", "turns"]
+__all__ = [
+    "GaitSummary",
+    "Measure",
+    "measure",
+    "measure_steps",
+    "steady",
+    "step_measures",
+    "summarise",
+    "turns",
+]

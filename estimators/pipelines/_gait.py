@@ -281,18 +281,21 @@ def _flags(flags: NDArray[np.uint8]) -> NDArray[np.uint8]:
     return np.asarray(bits, dtype=np.uint8)
 
 
+def course_of(strides: Strides) -> float:
+    """Return where a foot's walk went in its own world, rad about z."""
+    holds = strides.footholds
+    way = holds.position_m[-1] - holds.position_m[0] if strides.count else np.array([1.0, 0.0, 0.0])
+    if np.linalg.norm(way[:2]) < 1.0 and strides.count:
+        # There and back: the first stride tells where the walk went.
+        way = holds.position_m[1] - holds.position_m[0]
+    return float(np.arctan2(way[1], way[0]))
+
+
 def _on_ticks(
     path: FootTrajectory, strides: Strides, side: Side, time_s: Float
 ) -> tuple[Float, Float, Float, NDArray[np.uint8]]:
     """Return orientation, position, scalars and flags of one foot on common ticks."""
-    holds = strides.footholds
-    way = holds.position_m[-1] - holds.position_m[0] if strides.count else np.array([1.0, 0.0, 0.0])
-    course = np.arctan2(way[1], way[0])
-    if np.linalg.norm(way[:2]) < 1.0 and strides.count:
-        # There and back: the first stride tells where the walk went.
-        first = holds.position_m[1] - holds.position_m[0]
-        course = np.arctan2(first[1], first[0])
-    turn = rotation.exp([0.0, 0.0, -course])
+    turn = rotation.exp([0.0, 0.0, -course_of(strides)])
     q = rotation.multiply(turn, interpolate_rotations(path.time_s, path.q_world_sensor, time_s))
     q = rotation.multiply(q, strides.q_sensor_foot)
     position, velocity = (
@@ -316,4 +319,4 @@ def _on_ticks(
     return q, _apart(position, side), scalar, flags
 
 
-__all__ = ["SCALARS", "WORN", "GaitPipeline", "Walk", "analyse_walk", "feet_of", "layout_of"]
+__all__ = ["SCALARS", "WORN", "GaitPipeline", "Walk", "analyse_walk", "course_of", "feet_of", "layout_of"]

@@ -1,0 +1,127 @@
+"""A walk with a magnetic source on one shoe: both feet in one frame, steps without a known distance at the start."""
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from estimators import rotation
+from estimators.conventions import Side
+from estimators.errors import SetupError, ShapeError
+from estimators.gait import FootTrajectory, RelativeFeet, relate_feet, step_measures
+from estimators.magnetic import RelativeChunk, RelativeFlag, read_coil_state, smooth_relative_pose
+from estimators.pipelines._contract import SessionSetup
+from estimators.pipelines._gait import Walk, course_of
+from estimators.pipelines._relative_pose import RelativePosePipeline
+from estimators.recording import ImuChunk, SampleQuality
+from estimators.signals import interpolate_rotations
+
+FEET: Final = ("foot_left", "foot_right")
+_LONGEST_SMOOTHED_S: Final = 900.0
+"""Smoothing keeps the covariance of every tick: 0.9 GB in a quarter of an hour. Longer walks take the filter's word."""
+_UNUSABLE: Final = int(
+    RelativeFlag.INVALID | RelativeFlag.INERTIAL_ONLY | RelativeFlag.FAULT | RelativeFlag.GAP
+)
+_NOT_MEASURED: Final = int(SampleQuality.MISSING | SampleQuality.BRIDGED)
+
+
+def relative_feet(chunk: ImuChunk, setup: SessionSetup) -> RelativeFeet:
+    """Find the pose of the right foot against the left one over a whole session, smoothed.
+
+    Parameters
+    ----------
+    chunk : ImuChunk
+        The whole session from tick 0, sensors in the order of the setup, coil states included.
+    setup : SessionSetup
+        Of the pipeline `relative_pose`, with `foot_left` and `foot_right`.
+
+    Raises
+    ------
+    SetupError
+        For a session without both feet.
+    ShapeError
+        For chunks that begin later, or without coil states.
+    """
+    if set(setup.placements) != set(FEET):
+        raise SetupError(
+            "the feet are related by a source on one foot and a sensor on the other, and no others"
+        )
+    if chunk.first_tick != 0 or chunk.coil_state is None:
+        raise ShapeError("give the whole session from its first tick, with its coil states")
+    pipeline = RelativePosePipeline(setup)
+    source = setup.placements.index(pipeline.source.source)
+    sensor = 1 - source
+    one = pipeline.filters[setup.placements[sensor]]
+    lost = ((chunk.quality[source] | chunk.quality[sensor]) & _NOT_MEASURED) != 0
+    coil, current, _ = read_coil_state(np.nan_to_num(chunk.coil_state[source]))
+    field = chunk.magnetometer_t
+    unseen = np.full((chunk.tick_count, 3), np.nan)
+    signals = [
+        np.where(lost[:, None], np.nan, values)
+        for values in (
+            chunk.gyroscope_radps[sensor],
+            chunk.accelerometer_mps2[sensor],
+            unseen if field is None else field[sensor],
+            chunk.gyroscope_radps[source],
+            chunk.accelerometer_mps2[source],
+        )
+    ]
+    a, b, c, d, e = signals
+    whole = RelativeChunk(0, chunk.time_step_s, a, b, c, d, e, coil, current)
+    if chunk.tick_count * chunk.time_step_s <= _LONGEST_SMOOTHED_S:
+        smoothed = smooth_relative_pose(one.source, whole, one.parameters)
+        place, q, covariance = smoothed.position_m, smoothed.q_source_sensor, smoothed.covariance
+        flags = smoothed.filtered.flags
+    else:
+        result = one.update(whole)
+        place, q, covariance, flags = (
+            result.position_m,
+            result.q_source_sensor,
+            result.covariance,
+            result.flags,
+        )
+    sigma = np.sqrt(np.maximum(np.diagonal(covariance, axis1=1, axis2=2)[:, :3], 0.0)).max(axis=1)
+    if setup.placements[source] == "foot_right":
+        q = rotation.conjugate(q)
+        place = -rotation.rotate(q, place)
+    return RelativeFeet(chunk.time_s, place, q, sigma, (flags & _UNUSABLE) == 0)
+
+
+def with_relative_feet(walk: Walk, relative: RelativeFeet) -> Walk:
+    """Return the walk with both feet in one frame, and step width and lengths from it.
+
+    Raises
+    ------
+    ShapeError
+        When the source saw too few footholds.
+    SetupError
+        When only one foot was worn.
+    """
+    if set(walk.strides) != {"left", "right"}:
+        raise SetupError("relating feet takes two of them")
+    left, right = walk.trajectories["left"], walk.trajectories["right"]
+    holds = {side: strides.footholds for side, strides in walk.strides.items()}
+    related = relate_feet(left, right, holds["left"], holds["right"], relative)
+    frames, time_s = walk.frames, walk.frames.time_s
+    turn = rotation.about_z(-course_of(walk.strides["left"]))
+    points, q = frames.point_room_m.copy(), frames.q_room_segment.copy()
+    names = frames.layout.points
+    paths: dict[Side, FootTrajectory] = {"left": left, "right": related.right}
+    for side, path in paths.items():
+        column = names.index(f"foot_{side}")
+        place = rotation.rotate(turn, path.position_m - left.position_m[0])
+        points[:, column] = np.stack([np.interp(time_s, path.time_s, place[:, k]) for k in range(3)], axis=1)
+        turned = rotation.multiply(turn, interpolate_rotations(path.time_s, path.q_world_sensor, time_s))
+        q[:, frames.layout.segments.index(f"foot_{side}")] = rotation.multiply(
+            turned, walk.strides[side].q_sensor_foot
+        )
+    # The middle between the feet at the start is the origin sideways.
+    points[:, :, 1] -= 0.5 * (points[0, :, 1].min() + points[0, :, 1].max())
+    return replace(
+        walk,
+        frames=replace(frames, point_room_m=points, q_room_segment=q),
+        steps=step_measures(related.steps),
+    )
+
+
+__all__ = ["FEET", "relative_feet", "with_relative_feet"]
