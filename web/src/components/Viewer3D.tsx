@@ -18,6 +18,8 @@ export interface Viewer3DProps {
   player?: Player | null;
   ghost?: GhostChoice;
   isReady?: boolean;
+  /** What the nearest point of view shows. */
+  near?: 'arm' | 'feet';
   onShown?: (shown: ViewSnapshot['shown']) => void;
 }
 
@@ -29,7 +31,7 @@ const NOTHING: ViewSnapshot = { status: 'connecting', problem: '', shown: null }
 const never = () => () => undefined;
 
 /** Everything that dragging does, as buttons. */
-function CameraBar({ link }: { link: ViewLink | null }) {
+function CameraBar({ link, near }: { link: ViewLink | null; near: 'arm' | 'feet' }) {
   const [preset, setPreset] = useState<Preset | ''>('');
   const move = (command: Parameters<ViewLink['camera']>[0]) => {
     setPreset('');
@@ -51,7 +53,7 @@ function CameraBar({ link }: { link: ViewLink | null }) {
           setPreset(value as Preset);
           link?.camera({ preset: value as Preset });
         }}
-        data={PRESETS.map((value) => ({ value, label: t(`camera.${value}`) }))}
+        data={PRESETS.map((value) => ({ value, label: t(`camera.${value === 'arm' ? near : value}`) }))}
       />
       <span className="camera-buttons">
         {buttons.map(({ label, Icon, command }) => (
@@ -64,7 +66,7 @@ function CameraBar({ link }: { link: ViewLink | null }) {
   );
 }
 
-export function Viewer3D({ sessionId, request, title, player = null, ghost, isReady = true, onShown }: Viewer3DProps) {
+export function Viewer3D({ sessionId, request, title, player = null, ghost, isReady = true, onShown, near = 'arm' }: Viewer3DProps) {
   const scheme = useComputedColorScheme('light');
   const view = useQuery({
     queryKey: ['view', sessionId, request.mode, request.result_id ?? null, request.template_version_id ?? null],
@@ -123,7 +125,7 @@ export function Viewer3D({ sessionId, request, title, player = null, ghost, isRe
           </div>
         )}
       </div>
-      <CameraBar link={link} />
+      <CameraBar link={link} near={near} />
     </div>
   );
 }

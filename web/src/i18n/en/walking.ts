@@ -26,6 +26,8 @@ export const walking = {
   'walk.noneText': 'No foot was seen to stand and to move on. Record again: stand still for three seconds, then walk at least four strides.',
   'walk.affected': 'affected side',
 
+  'camera.feet': 'Feet',
+
   'map.title': 'Footprints',
   'map.summary': 'Footprints seen from above: {left} of the left foot, {right} of the right, over {length} m. The walk goes to the right.',
   'map.mass': 'Centre of mass',

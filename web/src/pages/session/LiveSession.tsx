@@ -150,7 +150,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
             />
           )}
           {state !== 'created' && mayRecord && <LiveButtons sessionId={session.id} state={state} isRecording={isRecording} />}
-          {state !== 'created' && <Viewer3D sessionId={session.id} request={LIVE} title={t('viewer.liveTitle')} />}
+          {state !== 'created' && <Viewer3D sessionId={session.id} request={LIVE} title={t('viewer.liveTitle')} near={isWalk ? 'feet' : 'arm'} />}
           {isWalk && <Notice>{t('live.walkHelp')}</Notice>}
           {isMagnetic && state !== 'created' && <Notice>{t('magnetic.help')}</Notice>}
           {isMagnetic && snapshot.columns && state !== 'created' && (

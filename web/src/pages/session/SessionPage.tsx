@@ -27,6 +27,10 @@ import { MarkersPanel } from './MarkersPanel';
 import { WalkPanel } from './WalkPanel';
 import { RepetitionTable } from './RepetitionTable';
 
+/** A magnetic source on one shoe and a sensor on the other: analysed as a walk as well. */
+const hasShoeSource = (session: SessionDetail) =>
+  session.pipeline === 'relative_pose' && (['foot_left', 'foot_right'] as const).every((one) => session.placements.includes(one));
+
 interface ReplayProps {
   session: SessionDetail;
   player: ReplayPlayer;
@@ -229,7 +233,7 @@ export function SessionPage() {
         ...(session.data && name ? [{ to: `/patients/${session.data.patient_id}`, text: name }] : []),
       ]}
       actions={
-        session.data?.state === 'analysed' && session.data.pipeline === 'gait' ? (
+        session.data?.state === 'analysed' && (session.data.pipeline === 'gait' || hasShoeSource(session.data)) ? (
           <Button component={Link} to={`/sessions/${sessionId}/gait`} leftSection={<IconShoe size={18} aria-hidden />}>
             {t('walk.open')}
           </Button>
