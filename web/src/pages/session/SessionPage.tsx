@@ -105,6 +105,7 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
             sessionId={session.id}
             request={{ mode: 'replay', result_id: resultId, template_version_id: comparison?.template_version_id ?? null }}
             title={t('viewer.replayTitle')}
+            near={isWalk ? 'feet' : 'arm'}
             player={player}
             ghost={ghost}
             onShown={setShown}
