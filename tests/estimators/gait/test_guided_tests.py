@@ -1,11 +1,15 @@
 """Walking tests from strides whose answer is known by counting."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from estimators.conventions import Side
 from estimators.errors import SetupError
 from estimators.gait import Footholds, Strides, guided_test
+from estimators.pipelines import SessionSetup, analyse_walk
+from estimators.simulation import Bout, Leg, gait_preset, simulate_gait
 
 
 def walked(
@@ -99,3 +103,21 @@ def test_nobody_walked_and_no_such_test() -> None:
     assert guided_test({}) is None
     with pytest.raises(SetupError, match="hop"):
         guided_test({}, "hop")  # type: ignore[arg-type]
+
+
+@pytest.mark.slow
+def test_a_simulated_up_and_go_agrees_with_its_truth() -> None:
+    course = (Bout((Leg(6), Leg(6, turn_rad=float(np.pi), length_scale=0.4), Leg(6))),)
+    walk = simulate_gait(replace(gait_preset("turns", 1), rate_hz=100.0, course=course))
+    strides = analyse_walk(walk.recording, SessionSetup("gait", ("heel_left", "heel_right"), 100.0)).strides
+    found = guided_test(strides, "timed_up_and_go")
+    assert found is not None
+    truth = walk.truth
+    ways = [
+        np.linalg.norm(np.diff(foot.foothold_m[:, :2], axis=0), axis=1).sum() for foot in truth.feet.values()
+    ]
+    assert found.distance_m == pytest.approx(np.mean(ways), rel=0.01)
+    assert found.time_s == pytest.approx(float(np.ptp(truth.active_s[0])), abs=0.1)
+    assert found.step_count == len(truth.step_side)
+    assert found.turn_count == 1
+    assert 1.5 < found.turn_s < 5.0

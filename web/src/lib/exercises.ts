@@ -1,4 +1,4 @@
-import type { ExerciseIn } from '../api/types';
+import type { Exercise, ExerciseIn } from '../api/types';
 
 /** The joint angles whose range can be the main measure of an exercise. */
 export function primaryAngles(side: 'left' | 'right'): string[] {
@@ -25,4 +25,9 @@ const WALKS: readonly string[] = ['walk', 'timed_up_and_go', 'six_minute_walk'];
 /** Whether an exercise is a walking test: judged by time and distance, recorded with sensors on the feet. */
 export function isWalk(movement: string | undefined): boolean {
   return movement !== undefined && WALKS.includes(movement);
+}
+
+/** The kind of an exercise in the list of them all, once that is known. */
+export function movementOf(exercises: readonly Exercise[] | undefined, id: string | null): string | undefined {
+  return exercises?.find((one) => one.id === id)?.movement;
 }

@@ -8,6 +8,7 @@ import type { Patient, Prescription } from '../../api/types';
 import { Confirm } from '../../components/Confirm';
 import { Answer, Problem } from '../../components/Feedback';
 import { t } from '../../i18n';
+import { isWalk, movementOf } from '../../lib/exercises';
 import { date } from '../../lib/format';
 
 /** The dose in words: sets, repetitions, times a week. */
@@ -64,7 +65,7 @@ function PrescribeForm({ patient, onDone }: { patient: Patient; onDone: () => vo
         }}
         data-autofocus
       />
-      {exerciseId && templates.data && (
+      {exerciseId && templates.data && !isWalk(movementOf(exercises.data, exerciseId)) && (
         <Select
           label={t('prescription.template')}
           description={choices.length ? t('prescription.templateHelp') : t('prescription.noTemplateHelp')}
@@ -93,6 +94,8 @@ function PrescribeForm({ patient, onDone }: { patient: Patient; onDone: () => vo
 
 function Line({ prescription, patient }: { prescription: Prescription; patient: Patient }) {
   const end = useEndPrescription(patient.id);
+  const exercises = useExercises();
+  const isTest = isWalk(movementOf(exercises.data, prescription.exercise_id));
   const done = Math.min(prescription.done_this_week, prescription.times_per_week);
   return (
     <li>
@@ -115,7 +118,7 @@ function Line({ prescription, patient }: { prescription: Prescription; patient: 
         <div className="small">
           <Link to={`/exercises/${prescription.exercise_id}?patient=${patient.id}`}>{t('prescription.withTemplate', { name: prescription.template_name })}</Link>
         </div>
-      ) : (
+      ) : isTest ? null : (
         <div className="small missing">
           <IconRouteOff size={16} aria-hidden /> {t('prescription.noTemplate')}{' '}
           {patient.may_treat && <Link to={`/templates/record?patient=${patient.id}&exercise=${prescription.exercise_id}`}>{t('template.record')}</Link>}
