@@ -31,6 +31,8 @@ SLOW = {
     "com_cutoffs": 3,
     "com_foot_distance": 20,
     "com_long_walk": 2,
+    "magnetic_tracker_movements": 2,
+    "magnetic_loose_fusion": 2,
     "relative_pose_accuracy": 8,
     "relative_pose_smoothing": 2,
     "relative_pose_start": 3,
