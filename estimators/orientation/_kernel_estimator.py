@@ -72,7 +72,12 @@ class KernelEstimator(OrientationEstimator):
     def _filter(self, chunk: ImuChunk, field: Float | None, *more: NDArray[Any]) -> OrientationResult:
         """Run the kernel over a chunk that was accepted; `more` are further output arrays of the kernel."""
         shape = (chunk.sensor_count, chunk.tick_count)
-        q, bias, sigma = np.empty((*shape, 4)), np.empty((*shape, 3)), np.empty((*shape, 3))
+        # One piece of memory: the system gives a large one in large pages, which cost less than many small ones.
+        ticks = chunk.sensor_count * chunk.tick_count
+        whole = np.empty(10 * ticks)
+        q = whole[: 4 * ticks].reshape(*shape, 4)
+        bias = whole[4 * ticks : 7 * ticks].reshape(*shape, 3)
+        sigma = whole[7 * ticks :].reshape(*shape, 3)
         flags = np.empty(shape, dtype=np.uint8)
         self._run(
             np.ascontiguousarray(chunk.gyroscope_radps, dtype=np.float64),
