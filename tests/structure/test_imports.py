@@ -150,6 +150,7 @@ def test_modules_import_each_other_in_no_circle() -> None:
     assert circles(module_graph()) == set()
 
 
+@pytest.mark.slow
 def test_circles_are_found() -> None:
     graph = {"a": {"b"}, "b": {"c"}, "c": {"a", "d"}, "d": {"e"}, "e": {"d"}, "f": {"a"}, "g": set()}
     assert circles(graph) == {frozenset("abc"), frozenset("de")}

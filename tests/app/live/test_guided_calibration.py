@@ -85,6 +85,7 @@ def stored_device(engine: Engine, clinic_id: str, placement: str) -> DeviceCalib
         return DeviceCalibration.from_dict(row.calibration)
 
 
+@pytest.mark.slow
 def test_mountings_are_remembered_for_the_patient(signed_in: Any, world: Any, engine: Engine) -> None:
     session_id, _ = perform(signed_in, world.patient_id, rehearsal_of("n_pose"), speed=8.0)
     with read_only(engine) as session:

@@ -148,6 +148,7 @@ def within_the_model(seed, rng):
     return q_parent[:, None], rotation.multiply(rotation.about_z(-missing), q_child)[:, None], missing
 
 
+@pytest.mark.slow
 def test_errors_within_the_model_are_as_large_as_sigma_says():
     """Truth drawn from the filter's own assumptions: mean square of error by sigma is near one.
 
@@ -349,6 +350,7 @@ def open_twin(joint, q_parent, q_child):
     return np.array(offsets), np.array(sigmas)
 
 
+@pytest.mark.slow
 def test_the_filter_is_the_textbook_one():
     q_parent, q_child, _ = spoilt("drinking", 0)
     q_parent, q_child = q_parent[:4000], q_child[:4000]

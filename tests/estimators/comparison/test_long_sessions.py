@@ -6,6 +6,7 @@ from estimators import comparison, pipelines
 from estimators.simulation import demonstration_scenario, simulate_arm
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1000, 1002])
 def test_forty_repetitions_begin_at_rest(seed):
     scenario = demonstration_scenario("moderate_stroke", "reaching", progress=1.0, repetitions=40, seed=seed)

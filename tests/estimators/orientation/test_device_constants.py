@@ -72,6 +72,7 @@ def test_gain_and_delay_are_found_within_their_sigma(learnt):
     assert (np.abs(learnt.array("hard_iron_t")) < 3.0 * learnt.array("hard_iron_sigma_t")).all()
 
 
+@pytest.mark.slow
 def test_next_session_is_better_from_the_first_turn(learnt):
     """The delay alone turns the field by 15 ms of rate, here 2 degrees; a gain of 0.5 % adds up per turn."""
     errors = {}
@@ -106,6 +107,7 @@ def test_nothing_known_is_the_plain_start():
     np.testing.assert_array_equal(plain.update(chunk).q_earth_sensor, empty.update(chunk).q_earth_sensor)
 
 
+@pytest.mark.slow
 def test_clip_level_is_learnt_used_and_unlearnt():
     chunk, _ = turning_sensor(7, seconds=40.0, clip_radps=4.3, pace=1.6)
     estimator = orientation.create("telemotion", 1, STEP_S)

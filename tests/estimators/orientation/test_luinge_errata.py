@@ -12,6 +12,7 @@ from tests.estimators.orientation import strapdown_twins as twins
 from tests.estimators.orientation.test_luinge_filter import DEG, UP, shaken
 
 
+@pytest.mark.slow
 def test_e3_cross_covariance_of_a_step():
     """E-2, E-3, E-5: sampled, cov(theta-, b-) is -T Q_b, and theta turns with the sensor."""
     rng = np.random.default_rng(8)

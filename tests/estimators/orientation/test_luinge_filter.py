@@ -295,6 +295,7 @@ class TestPublishedStructure(LuingeContract):
         )
         assert_equal(estimator.update(chunk.ticks(START, 900)), estimator, expected)
 
+    @pytest.mark.slow
     def test_e1_the_printed_sign_diverges(self):
         chunk, truth = shaken(ticks=2000)
         start = rotation.to_scipy(truth[0, 0])

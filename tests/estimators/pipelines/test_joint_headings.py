@@ -65,6 +65,7 @@ def drifting(setup, deg_per_min):
     return made, run(recording, replace(made.setup, **setup), (3.0, 6.0))[0]
 
 
+@pytest.mark.slow
 def test_a_drifting_forearm_is_brought_back():
     name = "humerus_forearm_right_zxy_carrying"
     errors = {}

@@ -260,6 +260,7 @@ def test_sensors_with_their_own_clocks_sample_at_other_instants():
     np.testing.assert_array_equal(common.truth.frames.angle_rad, own.truth.frames.angle_rad)
 
 
+@pytest.mark.slow
 def test_impairment_shows_in_range_speed_trunk_and_progress_takes_it_back():
     def measures(patient, progress, seed):
         one = simulate_arm(demonstration_scenario(patient, "reaching", progress=progress, seed=seed))
@@ -322,6 +323,7 @@ def test_contradictions_are_refused_in_words():
         demonstration_scenario("mild_stroke", "reaching", progress=2.0)
 
 
+@pytest.mark.slow
 def test_ten_minutes_of_two_arms_take_less_than_twenty_seconds():
     start = time.perf_counter()
     one = simulate_arm(ArmScenario(both_arms=True, schedule=Schedule(repetitions=None, duration_s=600.0)))

@@ -54,6 +54,7 @@ def test_mean_rate_gyroscope_integrates_to_the_true_orientation():
     assert np.max(rotation.angle_between(q, truth[:, -1])) < 1e-10
 
 
+@pytest.mark.slow
 def test_instantaneous_gyroscope_integrates_to_the_true_orientation():
     """The analytic rate itself, by a fourth-order Magnus step over 400 Hz samples: < 1e-4 rad after 60 s.
 

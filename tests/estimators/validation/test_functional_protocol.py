@@ -2,10 +2,13 @@
 
 import numpy as np
 
+import pytest
+
 from estimators.validation import run_protocol
 from estimators.validation._functional import FUNCTIONAL_CALIBRATION
 
 
+@pytest.mark.slow
 def test_angles_keep_the_requirement_and_knowing_the_mounting_is_no_worse():
     found = run_protocol(FUNCTIONAL_CALIBRATION, 2, {})
     for joint in ("shoulder", "elbow"):

@@ -31,7 +31,9 @@ SLOW = {
     "com_cutoffs": 3,
     "com_foot_distance": 20,
     "com_long_walk": 2,
-    "magnetic_tracker_movements": 2,
+    "magnetic_tracker_movements": 8,
+    "foot_events": 2,
+    "disturbance_elbow_flexion": 10,
     "magnetic_loose_fusion": 2,
     "relative_pose_accuracy": 8,
     "relative_pose_smoothing": 2,
@@ -51,7 +53,6 @@ SLOW = {
 """With how many seeds: where a mean over the trials is judged, as many as it takes."""
 QUICK = {
     "disturbance_quarter_turns": 20,
-    "disturbance_elbow_flexion": 10,
     "arm_heading_shift": 20,
     "magnetic_bench": 20,
 }
