@@ -33,7 +33,6 @@ export const markers = {
   'markers.check.count': 'Count',
   'markers.check.inertial': 'With the sensor',
   'markers.check.spline': 'Spline alone',
-  'markers.plot': 'Residual and uncertainty over the session',
   'markers.plotLabel': 'Residual of the marker and one-sigma of the fused place; largest residual {largest} mm.',
   'markers.time': 'Session time (s)',
   'markers.millimetres': 'mm',

@@ -121,6 +121,7 @@ export const session = {
   'job.upload': 'Reading the recording',
   'job.reprocess': 'Estimating the movement',
   'job.compare': 'Comparing with the template',
+  'job.markers': 'Laying the markers over the sensors',
   'job.queued': 'Waiting',
   'job.failed': 'It did not work. Try again, or upload the recording once more.',
 
