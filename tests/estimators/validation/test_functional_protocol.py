@@ -1,7 +1,6 @@
 """Joint angles after calibration by movement, on two seeds; twenty are run by `telemotion validate`."""
 
 import numpy as np
-
 import pytest
 
 from estimators.validation import run_protocol
