@@ -74,8 +74,10 @@ class Stage:
         self._server.initial_camera.position = camera.position_m
         self._server.initial_camera.look_at = camera.look_at_m
         if contents.has_source:
-            height_m = 0.1 if contents.measured <= _ON_FEET else 1.15
-            self._server.initial_camera.position = (1.3, -1.1, height_m + 0.45)
+            # Feet go a step apart.
+            on_feet = contents.measured <= _ON_FEET
+            height_m, far = (0.1, 1.6) if on_feet else (1.15, 1.0)
+            self._server.initial_camera.position = (1.3 * far, -1.1 * far, height_m + 0.45 * far)
             self._server.initial_camera.look_at = (0.0, 0.0, height_m)
         self._server.initial_camera.fov = FIELD_OF_VIEW_RAD
         self.player: Player

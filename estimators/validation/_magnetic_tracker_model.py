@@ -18,6 +18,7 @@ from estimators.magnetic import (
     update,
 )
 from estimators.recording import Float
+from estimators.validation._magnetic_map_plots import map_plots
 from estimators.validation._protocol import Data, Figure, Protocol, Values
 
 BENCH = Source((Coil(axis=(1.0, 0.0, 0.0)),))
@@ -235,6 +236,7 @@ MAGNETIC_MAPS = Protocol(
         Figure("range for a ratio of 2.8, at most", "m", 0.85, 0.80),
     ),
     measure=_maps,
+    plots=map_plots,
 )
 MAGNETIC_UPDATES = Protocol(
     name="magnetic_updates",
