@@ -66,10 +66,7 @@ def sensor_scalars(result: RelativeResult, told: NDArray[np.uint16], known: NDAr
     x, y, z = position.T
     distance = np.sqrt(x * x + y * y + z * z)
     unit = position / np.where(distance > 0.0, distance, 1.0)[:, None]
-    along = np.zeros(len(position))
-    for a in range(3):
-        for b in range(3):
-            along += unit[:, a] * unit[:, b] * cov[:, a, b]
+    along = (unit[:, :, None] * unit[:, None, :] * cov[:, :3, :3]).sum(axis=(1, 2))
     sigma = result.position_sigma_m
     nonzero = np.where(sigma > 0.0, sigma, np.inf)
     columns = [distance, np.sqrt(np.maximum(along, 0.0)), x, y, z, *sigma.T]
@@ -93,16 +90,13 @@ def angles_of(result: RelativeResult, known: NDArray[np.bool_]) -> tuple[Float, 
         (zero, cosine, -sine),
         (one, sine * np.tan(middle), cosine * np.tan(middle)),
     )
-    spreads = []
-    for row in rows:
-        variance = np.zeros_like(sine)
-        for a in range(3):
-            for b in range(3):
-                variance += row[a] * row[b] * result.covariance[:, 3 + a, 3 + b]
-        spreads.append(np.sqrt(np.maximum(variance, 0.0)))
+    row = np.stack([value for one in rows for value in one], axis=1).reshape(-1, 3, 3)
+    cov = result.covariance[:, None, 3:, 3:]
+    variance = (row[:, :, :, None] * row[:, :, None, :] * cov).sum(axis=(2, 3))
+    spread = np.sqrt(np.maximum(variance, 0.0))
     keep = known[:, None]
     found = np.column_stack([about_z, middle, about_x])
-    return np.where(keep, found, np.nan), np.where(keep, np.column_stack(spreads), np.nan)
+    return np.where(keep, found, np.nan), np.where(keep, spread, np.nan)
 
 
 def frame_flags(told: NDArray[np.uint16]) -> NDArray[np.uint8]:
@@ -130,10 +124,8 @@ def angle_flags(flags: NDArray[np.uint8], angle: Float) -> NDArray[np.uint8]:
 
 def room_sigma(q_room_sensor: Float, covariance: Float, known: NDArray[np.bool_]) -> Float:
     """Return one sigma of the orientation about the room axes, (K, 3), from the covariance in sensor axes."""
-    turn, variance = rotation.to_matrix(q_room_sensor), np.zeros((len(known), 3))
-    for a in range(3):
-        for b in range(3):
-            variance += turn[:, :, a] * turn[:, :, b] * covariance[:, 3 + a, 3 + b][:, None]
+    turn, cov = rotation.to_matrix(q_room_sensor), covariance[:, None, 3:, 3:]
+    variance = (turn[:, :, :, None] * turn[:, :, None, :] * cov).sum(axis=(2, 3))
     return np.where(known[:, None], np.sqrt(np.maximum(variance, 0.0)), np.nan)
 
 

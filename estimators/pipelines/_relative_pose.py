@@ -212,14 +212,17 @@ class RelativePosePipeline(Pipeline):
 
     def _unwrapped(self, angle: Float) -> Float:
         """Let angles go on beyond half a turn; unknown ones neither turn nor are remembered."""
-        unwrapped = np.empty_like(angle)
-        for k in range(len(angle)):
-            known = np.isfinite(angle[k])
-            change = angle[k] - self._last_angle
-            self._turns -= np.where(known, np.rint(change / (2.0 * np.pi)), 0.0).astype(np.int64)
-            self._last_angle = np.where(known, angle[k], self._last_angle)
-            unwrapped[k] = angle[k] + 2.0 * np.pi * self._turns
-        return unwrapped
+        known = np.isfinite(angle)
+        rows = np.arange(len(angle))[:, None]
+        # Row of the last known angle at or before each; -1 for the one remembered.
+        last = np.maximum.accumulate(np.where(known, rows, -1), axis=0)
+        held = np.concatenate([self._last_angle[None], angle])
+        filled = np.take_along_axis(held, np.concatenate([np.zeros_like(last[:1]), last + 1]), axis=0)
+        turned = np.rint(np.diff(filled, axis=0) / (2.0 * np.pi)).astype(np.int64)
+        turns = self._turns - np.cumsum(turned, axis=0)
+        if len(angle):
+            self._last_angle, self._turns = filled[-1].copy(), turns[-1].copy()
+        return np.asarray(angle + 2.0 * np.pi * turns)
 
     def calibrate(self, pose: ImuChunk, method: str = "static") -> Calibration:
         """Refuse: the filters calibrate themselves while the person stands still at the start."""
