@@ -43,6 +43,18 @@ at the next tick, and its account since the start."""
 ANGLES: Final = ("rotation", "flexion", "lateral")
 """Of the sensor against the source, `{source}_{sensor}_zyx_rotation` about z (up, to the left positive), then
 `flexion` about y (forward), then `lateral` about x (to the right)."""
+_SINGULAR: Final = np.uint8(int(OrientationFlag.SINGULAR))
+_SHOWN: Final = tuple(
+    (np.uint16(int(own)), np.uint8(int(shown)))
+    for own, shown in (
+        (RelativeFlag.INVALID, OrientationFlag.INVALID),
+        (RelativeFlag.CALIBRATING | RelativeFlag.UNCERTAIN, OrientationFlag.CONVERGING),
+        (RelativeFlag.INERTIAL_ONLY | RelativeFlag.FAULT, OrientationFlag.HEADING_NOT_TRUSTED),
+        (RelativeFlag.DISTURBED, OrientationFlag.MAGNETIC_DISTURBANCE),
+        (RelativeFlag.SATURATED, OrientationFlag.SATURATED),
+        (RelativeFlag.GAP, OrientationFlag.BRIDGED),
+    )
+)
 _SINGULAR_COSINE: Final = float(np.sin(np.radians(10.0)))
 
 
@@ -102,15 +114,10 @@ def angles_of(result: RelativeResult, known: NDArray[np.bool_]) -> tuple[Float, 
 def frame_flags(told: NDArray[np.uint16]) -> NDArray[np.uint8]:
     """Say in the words of frames what the filter says."""
     bits = np.zeros(told.shape, dtype=np.uint8)
-    for own, shown in (
-        (RelativeFlag.INVALID, OrientationFlag.INVALID),
-        (RelativeFlag.CALIBRATING | RelativeFlag.UNCERTAIN, OrientationFlag.CONVERGING),
-        (RelativeFlag.INERTIAL_ONLY | RelativeFlag.FAULT, OrientationFlag.HEADING_NOT_TRUSTED),
-        (RelativeFlag.DISTURBED, OrientationFlag.MAGNETIC_DISTURBANCE),
-        (RelativeFlag.SATURATED, OrientationFlag.SATURATED),
-        (RelativeFlag.GAP, OrientationFlag.BRIDGED),
-    ):
-        bits[(told & own) != 0] |= np.uint8(shown)
+    if not told.any():
+        return bits
+    for own, shown in _SHOWN:
+        bits[(told & own) != 0] |= shown
     return bits
 
 
@@ -118,7 +125,7 @@ def angle_flags(flags: NDArray[np.uint8], angle: Float) -> NDArray[np.uint8]:
     """Return the flags of the angles, (K, A), from those of the segments, (K, G): singular where flexion is near 90."""
     bits = np.repeat(flags[:, 1:], len(ANGLES), axis=1)
     middle = np.repeat(np.cos(angle[:, 1 :: len(ANGLES)]), len(ANGLES), axis=1)
-    bits[np.abs(middle) < _SINGULAR_COSINE] |= np.uint8(OrientationFlag.SINGULAR)
+    bits[np.abs(middle) < _SINGULAR_COSINE] |= _SINGULAR
     return bits
 
 

@@ -130,12 +130,12 @@ class RelativePosePipeline(Pipeline):
         flags = np.empty((ticks, segments), dtype=np.uint8)
         sigma = np.full((ticks, segments, 3), np.nan)
         # Its heading is that of the room, so that it cannot be wrong.
-        q[:, 0], flags[:, 0] = q_source, levelled.flags[0] & ~np.uint8(OrientationFlag.HEADING_NOT_TRUSTED)
+        q[:, 0], flags[:, 0] = q_source, levelled.flags[0] & _NOT_HEADING
         point[:, 0] = [0.0, 0.0, _SHOE_HEIGHT_M if "foot" in self._settings.source else _HEIGHT_M]
         scalars, angles, spreads = [], [], []
         for i, result in enumerate(found):
-            told = result.flags | np.where(wrong, RelativeFlag.FAULT, 0).astype(np.uint16)
-            known = (told & RelativeFlag.INVALID) == 0
+            told = result.flags | np.where(wrong, _FAULT, np.uint16(0))
+            known = (told & _INVALID) == 0
             q[:, i + 1] = rotation.multiply(q_source, result.q_source_sensor)
             away = rotation.rotate(q_source, result.position_m)
             point[:, i + 1] = np.where(known[:, None], point[:, 0] + away, np.nan)
@@ -252,6 +252,8 @@ class RelativePosePipeline(Pipeline):
         self._account = np.array(state["account"], dtype=np.float64)
 
 
+_FAULT, _INVALID = np.uint16(int(RelativeFlag.FAULT)), np.uint16(int(RelativeFlag.INVALID))
+_NOT_HEADING: Final = np.uint8(255 - int(OrientationFlag.HEADING_NOT_TRUSTED))
 _NOT_MEASURED: Final = int(SampleQuality.MISSING | SampleQuality.BRIDGED)
 
 
