@@ -17,6 +17,7 @@ from typing import Any, ClassVar, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.conventions import GRAVITY_MPS2
 from estimators.orientation import _roetenberg_kernel as kernel
 from estimators.orientation import _roetenberg_layout as at
 from estimators.orientation import _strapdown_steps as steps
@@ -109,6 +110,9 @@ class RoetenbergEstimator(StrapdownEstimator):
     def _own_settings(self) -> Float:
         p, step_s = self._parameters, self._guard.time_step_s
         steps_per_reference = step_s * REFERENCE_RATE_HZ
+        # What the share of gravity in the row is divided by, and the variance that this leaves (Luinge page, E-7).
+        lever = 1.0 / (1.0 - self._acceleration_gain)
+        tilt_variance = self._change_variance + (1.0 + self._acceleration_gain**2) * self._force_variance
         settings = np.zeros(at.SETTINGS - steps.SHARED_SETTINGS)
         for position, value in (
             (at.USE_GRAVITY, float(p.use_gravity)),
@@ -134,6 +138,8 @@ class RoetenbergEstimator(StrapdownEstimator):
             (at.GUARD_DIP, math.radians(p.guard_dip_deg)),
             (at.HEADING_LOST, math.radians(p.heading_lost_deg) ** 2),
             (at.TRUST_TICKS, p.magnetic_trust_s / step_s),
+            (at.TILT_LEVER, lever),
+            (at.TILT_VARIANCE, tilt_variance * (lever / GRAVITY_MPS2) ** 2),
         ):
             settings[position - steps.SHARED_SETTINGS] = value
         return settings

@@ -26,8 +26,10 @@ from estimators.orientation import _strapdown_steps as steps
     GUARD_DIP,
     HEADING_LOST,
     TRUST_TICKS,
-) = range(steps.SHARED_SETTINGS, steps.SHARED_SETTINGS + 22)
-SETTINGS = steps.SHARED_SETTINGS + 22
+    TILT_LEVER,
+    TILT_VARIANCE,
+) = range(steps.SHARED_SETTINGS, steps.SHARED_SETTINGS + 24)
+SETTINGS = steps.SHARED_SETTINGS + 24
 
 # Columns of the memory, after the shared ones. Norms are over that of the reference, dips in radians; the
 # reference norm is in tesla, zero until known. SPREAD is Q_a in the earth frame: xx xy yy.
