@@ -114,7 +114,9 @@ def simulate(
     breaks: Annotated[int, typer.Option(help="Times the connection is cut.", min=0, max=20)] = 0,
     seed: Annotated[int, typer.Option(help="Same seed, same signals.")] = 1,
     purpose: Annotated[str, typer.Option(help="exercise or template.")] = "exercise",
-    forever: Annotated[bool, typer.Option(help="Begin again with a new session when one ends.")] = False,
+    forever: Annotated[
+        bool, typer.Option("--forever", help="Begin again with a new session when one ends.")
+    ] = False,
     relative: Annotated[
         str,
         typer.Option(
@@ -123,7 +125,10 @@ def simulate(
     ] = "",
     seconds: Annotated[float, typer.Option(help="Length of a --relative session.", min=10, max=1800)] = 60.0,
     no_implants: Annotated[
-        bool, typer.Option(help="Confirm that nobody near the source has a pacemaker or similar implant.")
+        bool,
+        typer.Option(
+            "--no-implants", help="Confirm that nobody near the source has a pacemaker or the like."
+        ),
     ] = False,
 ) -> None:
     """Stream a simulated patient to a service over the real socket, in real time or faster.
