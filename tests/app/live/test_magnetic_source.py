@@ -80,7 +80,6 @@ class TestSourceControl:
 def test_the_source_does_what_is_asked_and_a_cut_link_does_no_harm(signed_in: SignedIn, world: Any) -> None:
     async def run() -> None:
         async with await signed_in() as service:
-            options = RelativeOptions("", "", "", world.patient_id, duration_s=14.0, no_implants=True)
             with pytest.raises((SafetyUnconfirmed, TelemotionError), match="pacemaker"):
                 await stream(service, RelativeOptions("", "", "", world.patient_id, duration_s=10.0), print)
             options = RelativeOptions(
@@ -88,9 +87,9 @@ def test_the_source_does_what_is_asked_and_a_cut_link_does_no_harm(signed_in: Si
                 "",
                 "",
                 world.patient_id,
-                duration_s=14.0,
+                duration_s=12.0,
                 no_implants=True,
-                breaks_s=((9.0, 11.0),),
+                breaks_s=((9.0, 10.0),),
             )
             session_id, report, patient = await stream(service, options, print)
             account = patient.control.account
@@ -126,17 +125,16 @@ def test_a_source_switched_off_is_told_and_the_session_goes_on(signed_in: Signed
                 "",
                 "",
                 world.patient_id,
-                duration_s=16.0,
+                duration_s=13.0,
                 no_implants=True,
-                faults=RelativeFaults(silent_s=(7.0, 11.0)),
+                faults=RelativeFaults(silent_s=(6.0, 30.0)),
             )
             session_id, _, _ = await stream(service, options, print)
             found = await service.session(session_id)
             told = [(event.kind, event.placement) for event in found.events]
             assert ("source_trouble", "sternum") in told
-            assert ("source_sound", "sternum") in told
             trouble = next(event for event in found.events if event.kind == "source_trouble")
-            assert 7.0 < trouble.time_s < 10.5
+            assert 6.0 < trouble.time_s < 10.0
             assert "switched on" in trouble.text
             use = await service.source_use(session_id)
             assert use.inertial_only_s["sternum"] > 0.5
