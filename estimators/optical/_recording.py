@@ -16,8 +16,8 @@ from estimators.optical._gaps import Gap, fill_by_spline, gap_report
 from estimators.optical._stretch import GapCheck, Stretch, check_gaps, onto_ticks, prepare
 from estimators.recording import Float
 
-_ROUNDS = 4
-_SHUT_OUT, _WIDE_GATE = 0.02, 200.0
+_ROUNDS = 6
+_SAME_CLOCK_S = 5e-5
 
 
 @dataclass(frozen=True)
@@ -131,17 +131,15 @@ def fuse_markers(
             *samples, time_step_s, on_ticks, delay, at, marker_m, parameters, lever_arm_m, attitudes
         )
         # The lever arm biases the clocks, and the clocks the lever arm.
-        arm, before = stretches[0].mounting.lever_arm_m, found.offset_s
+        arm, before = stretches[0].mounting.lever_arm_m, found
         found = _best_alignment(camera_time_s, marker_m, ticks, *samples, cluster_m, largest_offset_s, arm)
-        if abs(found.offset_s - before) < 2e-5:
+        # At both ends too: a drift may turn about a middle that stays.
+        ends = found.reference_s + 0.5 * found.overlap_s * np.array([-1.0, 1.0])
+        if np.abs(found.camera_time(ends) - before.camera_time(ends)).max() < _SAME_CLOCK_S:
             break
     first = stretches[0].first
     spacing = max(float(np.median(np.diff(camera_time_s))), 0.7 * time_step_s)
     results = [stretch.smoothed() for stretch in stretches]
-    if _shut_out(results) > _SHUT_OUT:
-        # A start that was worse than thought shuts sound markers out; ghosts lie much farther off.
-        stretches = [replace(s, parameters={**s.parameters, "gate": _WIDE_GATE}) for s in stretches]
-        results = [stretch.smoothed() for stretch in stretches]
     scale = _sigma_scale(results)
     if scale > 1.2:
         stretches = [replace(s, parameters=_scaled(s.parameters, scale)) for s in stretches]
@@ -206,12 +204,6 @@ def _best_alignment(
             f" {found.rival:.2f}. Choose the sensor that wore the marker, or record some irregular movement"
         )
     return found
-
-
-def _shut_out(results: list[OpticalResult]) -> float:
-    provenance = np.concatenate([r.provenance for r in results])
-    seen = np.isin(provenance, (Provenance.MEASURED, Provenance.REJECTED, Provenance.RECOVERED)).sum()
-    return float((provenance == Provenance.REJECTED).sum() / max(seen, 1))
 
 
 def _sigma_scale(results: list[OpticalResult]) -> float:
