@@ -14,7 +14,7 @@ from estimators.magnetic import _relative_layout as at
 from estimators.magnetic import _relative_motion as motion
 from estimators.magnetic import _relative_pulse as pulses
 from estimators.magnetic._relative_smoother import difference, smooth_relative_pose, smooth_table
-from estimators.simulation.coils import SourceFaults, relative_motion, relative_scene
+from estimators.simulation.coils import SourceFaults, relative_motion, relative_scene, run_closed_loop
 from tests.estimators.magnetic.relative_scenes import SOURCE, as_chunk, closed_loop
 
 
@@ -234,6 +234,24 @@ def test_decisions():
     assert relative.energy.pulses == len(np.flatnonzero(result.fire_coil > 0))
     assert relative.energy.on_time_s == pytest.approx(np.sum(samples[:, at.COIL] > 0) * 0.01)
     assert relative.energy.heat_j(2.0) == pytest.approx(2.0 * np.sum(samples[:, at.CURRENT] ** 2) * 0.01)
+
+
+def test_current_and_limits_by_need():
+    scene = relative_scene(SOURCE, relative_motion("random", 12.0, 4), 12.0, seed=4)
+    found = []
+    for own in ({}, {"adaptive_current": True}, {"distance_scaling": True}):
+        parameters = {"mounting_direction": tuple(scene.position_m[0].tolist())} | own
+        result, _ = run_closed_loop(scene, RelativePoseFilter(SOURCE, 0.01, parameters), seed=4)
+        fired = (result.fire_coil > 0) & (scene.time_s > 4.0)
+        found.append((int(fired.sum()), result.fire_current_a[fired], result.position_sigma_m))
+    currents = found[1][1]
+    assert (found[0][1] == 1.3).all()
+    assert 0.1 <= currents.min() < 1.0
+    assert currents.max() <= 1.3
+    # Nearer than 0.4 m the limit is lower, so that more is fired and less is uncertain.
+    near = (np.linalg.norm(scene.position_m, axis=1) < 0.35) & (scene.time_s > 5.0)
+    assert near.sum() > 50
+    assert found[2][2][near].max() < found[0][2][near].max()
 
 
 def test_without_pulses_the_uncertainty_grows_and_says_so():
