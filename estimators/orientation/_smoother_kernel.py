@@ -15,7 +15,6 @@ from estimators.orientation._telemotion_layout import (
     MEMORY,
     POSITION,
     POSITION_PRIOR,
-    REST_BIAS,
     REST_SPEED,
     START,
     STATES,
@@ -36,7 +35,7 @@ KEPT = 3 * (STATES + 2)
 """What is kept of a measurement: three gains, innovations left over their variance, one over variance."""
 
 # Columns of what is known about a block beside its sums.
-(TICKS, FIELD_TICKS, AT_REST, FIELD_VARIANCE, SHARE, IRON_VARIANCE, RATE, STEP, IRON_STEP) = (
+(TICKS, FIELD_TICKS, AT_REST, FIELD_VARIANCE, SHARE, IRON_VARIANCE, RATE, STEP, IRON_STEP, RATE_VARIANCE) = (
     0,
     1,
     2,
@@ -46,8 +45,9 @@ KEPT = 3 * (STATES + 2)
     6,
     9,
     12,
+    15,
 )
-FACTS = 15
+FACTS = 16
 
 
 @kernel(
@@ -94,7 +94,7 @@ def _measured(
         elif group == 1:
             index[a, 0], rows[4, a] = VELOCITY + a, settings[REST_SPEED] / time_s
         else:
-            index[a, 0], rows[4, a] = BIAS + a, settings[REST_BIAS] / time_s
+            index[a, 0], rows[4, a] = BIAS + a, facts[RATE_VARIANCE]
             rows[3, a] = facts[RATE + a] - nominal[BIAS + a]
     return 1
 

@@ -17,12 +17,14 @@ from estimators.orientation._smoother_kernel import (
     IRON_STEP,
     IRON_VARIANCE,
     KEPT,
+    RATE_VARIANCE,
     SHARE,
     STEP,
     TICKS,
     backward,
     forward,
 )
+from estimators.orientation._smoother_rest import Rests
 from estimators.orientation._smoother_session import SensorSession
 from estimators.orientation._smoother_sweep import SUMS, sweep, turn_on
 from estimators.recording import Float
@@ -32,6 +34,7 @@ _WORST_LEVEL = 10.0
 _LARGEST_MISFIT = 100.0
 _PLACE_VARIANCE = 0.01
 _LEAST_VARIANCE = 1e-12
+_LEAST_FIELD = 1e-9
 
 
 class SensorPasses:
@@ -83,6 +86,9 @@ class SensorPasses:
         self.q: Float = np.empty((len(session.samples), 4))
         self._misfit = self._level = np.zeros(len(session.facts))
         self.log_likelihood, self.largest_gain, self.field_blocks = -math.inf, 0.0, 0
+        self._rests = Rests(session.facts, settings)
+        self._bias_variance = np.full(len(session.facts), np.inf)
+        self.bias = np.tile(nominal[at.BIAS : at.BIAS + 3], (len(session.facts), 1))
 
     def improve(self, last: bool) -> None:
         """Smooth once around the nominal motion and take the result as the next one.
@@ -95,6 +101,7 @@ class SensorPasses:
         facts[:, TICKS : FIELD_TICKS + 1] = self._parts
         facts[:, STEP : STEP + 3] = rotation.log(rotation.multiply(self._q_ends, rotation.conjugate(q_open)))
         facts[:, FIELD_VARIANCE] = self._field_variance(sums, facts)
+        facts[:, RATE_VARIANCE] = self._rests.variance(self.bias, self._bias_variance)
         for change in self._changes:
             facts[change, IRON_VARIANCE] = self._settings[at.IRON_WIDE]
             facts[change, IRON_STEP : IRON_STEP + 3] = self.iron[change - 1] - self.iron[change]
@@ -109,6 +116,7 @@ class SensorPasses:
         forward(
             sums, facts, nominal, error, p, self._session.gravity, self._settings, means, covariances, kept
         )
+        self._bias_variance = self._rests.known(covariances, p)
         seen = facts[:, FIELD_VARIANCE] > 0.0
         raised = 1.0 + np.maximum(self._misfit, self._level)[seen]
         self._weigh(kept[seen, GROUPS - 1, 3 * at.STATES :], facts[seen, FIELD_VARIANCE] / raised)
@@ -163,17 +171,34 @@ class SensorPasses:
         field = sums[:, at.SUM_FIELD - at.SUM_ROTATION :][:, :3] / np.maximum(count, 1.0)[:, None]
         start = facts[:, SHARE, None] * self.nominal[at.START : at.START + 3]
         residual = field - self.nominal[at.FIELD : at.FIELD + 3] - start
+        squares = (residual**2).sum(axis=1)
         scale = 3.0 * self._settings[at.FIELD_SCALE]
-        self._misfit = np.where(seen, (residual**2).sum(axis=1) / scale, 0.0)
+        self._misfit = np.where(seen, squares / scale, 0.0)
         time_s = facts[:, TICKS] * self._settings[at.STEP_S]
         self._level = _level(
             np.minimum(self._misfit, _LARGEST_MISFIT), time_s, self._settings[at.FIELD_LEVEL_S]
         )
         moving, rest = self._settings[at.FIELD_NOISE_MOVING], self._settings[at.FIELD_NOISE_REST]
         noise = np.where(facts[:, AT_REST] > 0.0, rest, moving)
+        noise *= self._quiet(field, squares, facts, seen)
         noise += facts[:, SHARE] * (self._settings[at.FIELD_NOISE_START] - noise)
         variance = noise**2 / time_s * (1.0 + np.maximum(self._misfit, self._level))
         return np.where(seen, variance, 0.0)
+
+    def _quiet(self, field: Float, squares: Float, facts: Float, seen: NDArray[np.bool_]) -> Float:
+        """Return which share of the noise is left where the field has fitted the model, but for a turn, of late."""
+        settings = self._settings
+        mean = (
+            self.nominal[at.FIELD : at.FIELD + 2]
+            + facts[:, SHARE, None] * self.nominal[at.START : at.START + 2]
+        )
+        across = field[:, 0] * mean[:, 1] - field[:, 1] * mean[:, 0]
+        turned = across**2 / ((mean**2).sum(axis=1) + _LEAST_FIELD)
+        tells = seen & (facts[:, AT_REST] == 0.0) & (facts[:, SHARE] < 0.5)
+        misfit = np.minimum(0.5 * (squares - turned), _LARGEST_MISFIT)
+        time_s = np.where(tells, facts[:, TICKS] * settings[at.STEP_S], 0.0)
+        level = _level(misfit, time_s, settings[at.QUIET_S], settings[at.QUIET_LEVEL])
+        return np.asarray(np.clip(level / settings[at.QUIET_LEVEL], settings[at.QUIET_LEAST], 1.0))
 
     def _settle(self, odds: Float) -> None:
         """Give hard iron the prior of its likeliest hypothesis, the start place the mean of their information."""
@@ -242,12 +267,12 @@ class SensorPasses:
         return np.asarray(kept, dtype=np.uint8)
 
 
-def _level(misfit: Float, time_s: Float, time_constant_s: float) -> Float:
+def _level(misfit: Float, time_s: Float, time_constant_s: float, begun: float = 0.0) -> Float:
     """Return the larger of the exponential means of the misfit before and after each block."""
     gain = -np.expm1(-time_s / time_constant_s)
     ways = []
     for order in (slice(None), slice(None, None, -1)):
-        level, out = 0.0, np.empty(len(misfit))
+        level, out = begun, np.empty(len(misfit))
         values, gains = misfit[order], gain[order]
         for i in range(len(misfit)):
             level += gains[i] * (values[i] - level)

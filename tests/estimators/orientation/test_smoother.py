@@ -11,6 +11,10 @@ from estimators import orientation, rotation
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import SetupError, ShapeError
 from estimators.orientation import DeviceConstants, OrientationFlag
+from estimators.orientation._smoother import SmootherParameters
+from estimators.orientation._smoother_kernel import AT_REST, FACTS, RATE
+from estimators.orientation._smoother_rest import Rests
+from estimators.orientation._telemotion_parameters import settings_of
 from estimators.recording import ImuChunk, SampleQuality
 
 NAME = "telemotion_smoother"
@@ -130,10 +134,12 @@ def test_the_covariance_is_honest_where_the_model_is_true():
         "field_noise_moving_ut_sqrt_s": 0.03,
         "field_noise_rest_ut_sqrt_s": 0.03,
         "field_noise_start_ut_sqrt_s": 0.03,
+        "quiet_least": 1.0,
         "start_narrow_ut": 0.001,
         "rate_noise_deg_per_sqrt_s": rate_noise_deg,
         "rate_noise_per_rate_sqrt_s": 0.0,
         "rest_bias_sigma_degps_sqrt_s": rate_noise_deg,
+        "rest_sway_s": 0.0,
         "bias_drift_degps_per_sqrt_s": 1e-5,
         "speed_noise_mps_per_sqrt_s": 0.002,
         "position_noise_m_per_sqrt_s": 1e-6,
@@ -308,3 +314,23 @@ def test_the_smoother_is_listed_as_off_line_only():
     assert orientation.smoothers()[NAME].follows in orientation.available()
     parameters = orientation.create(NAME, 1, 0.01).parameters
     assert parameters["output_lead_s"] == 0.0
+
+
+def _rest_weight(rate_radps: np.ndarray, bias_sigma_radps: float) -> np.ndarray:
+    """Variance that 20 s of rest give the mean rate of each block; the bias is zero."""
+    settings = settings_of(SmootherParameters(), 0.01)
+    facts = np.zeros((len(rate_radps), FACTS))
+    facts[:, AT_REST], facts[:, RATE : RATE + 3] = 1.0, rate_radps
+    known = np.full(len(facts), bias_sigma_radps**2)
+    return Rests(facts, settings).variance(np.zeros((len(facts), 3)), known)
+
+
+def test_a_rest_tells_less_the_more_it_sways_and_contradicts_what_the_session_shows():
+    still = np.zeros((100, 3))
+    table = _rest_weight(still, 0.0)
+    np.testing.assert_allclose(table, np.deg2rad(0.1) ** 2 / 0.2, rtol=0.5)
+    swaying = _rest_weight(np.deg2rad(0.7) * np.sin(2.0 * np.pi * np.arange(100) / 7.0)[:, None] + still, 0.0)
+    assert 3.0 < np.median(swaying) / table[0] < 200.0
+    sinking = _rest_weight(still + np.deg2rad(0.5), 0.0)
+    assert (sinking > 20.0 * table).all()
+    np.testing.assert_allclose(_rest_weight(still + np.deg2rad(0.5), np.inf), table)

@@ -15,6 +15,7 @@ from estimators.orientation._smoother_kernel import (
     IRON_VARIANCE,
     KEPT,
     RATE,
+    RATE_VARIANCE,
     SHARE,
     STEP,
     TICKS,
@@ -55,6 +56,7 @@ class Case:
         facts[5, FIELD_VARIANCE] = 0.0  # a block without field
         facts[:, SHARE] = np.exp(-0.3 * np.arange(BLOCKS))
         facts[:, RATE : RATE + 3] = 0.01 * rng.normal(size=(BLOCKS, 3))
+        facts[:, RATE_VARIANCE] = rng.uniform(1e-5, 1e-4, BLOCKS)
         facts[:, STEP : STEP + 3] = 0.01 * rng.normal(size=(BLOCKS, 3))
         facts[7, IRON_VARIANCE] = 900.0
         facts[7, IRON_STEP : IRON_STEP + 3] = rng.normal(size=3)
@@ -121,7 +123,7 @@ class Case:
             for a in range(3):
                 h.append(unit[at.VELOCITY + a]), z.append(0.0), r.append(settings[at.REST_SPEED] / time_s)
             for a in range(3):
-                h.append(unit[at.BIAS + a]), r.append(settings[at.REST_BIAS] / time_s)
+                h.append(unit[at.BIAS + a]), r.append(facts[RATE_VARIANCE])
                 z.append(facts[RATE + a] - self.nominal[at.BIAS + a])
         if facts[FIELD_VARIANCE] > 0.0:
             field, start = (self.nominal[i : i + 3] for i in (at.FIELD, at.START))
