@@ -38,6 +38,8 @@ _LEFT_OUT = np.uint8(OrientationFlag.SINGULAR | OrientationFlag.INVALID)
 _NAMES = sorted(EXERCISES)
 _POSE_S = (4.0, 9.0)
 _TITLES = {
+    "telemotion": "our filter",
+    "telemotion_smoother": "our smoother",
     "vqf": "VQF",
     "marzouk_error_state_ekf": "error-state filter",
     "marzouk_quaternion_ekf": "quaternion filter",
@@ -144,11 +146,11 @@ def _sessions(seeds: Sequence[int], data: Data) -> Values:
             for joint, parts in _JOINTS.items():
                 error = _joint_rms_deg(frames, truth, parts)
                 values.setdefault(f"{title}, {joint} rotation", []).append(error)
-        frames, _ = run(made.recording, made.setup, _POSE_S)
+        frames, _ = run(made.recording, replace(made.setup, orientation="vqf"), _POSE_S)
         error = _angle_rms_deg(frames, truth)
         values.setdefault("VQF without level calibration, worst angle", []).append(error)
         made = _two_arms(seed, Mounting())
-        frames, _ = run(made.recording, level, _POSE_S)
+        frames, _ = run(made.recording, replace(level, orientation="vqf"), _POSE_S)
         error = _angle_rms_deg(frames, made.truth.frames)
         values.setdefault("VQF, put on by hand to 3 degrees, worst angle", []).append(error)
     return {name: np.array(found) for name, found in values.items()}
