@@ -15,6 +15,7 @@ from estimators.magnetic._small_algebra import (
 )
 from estimators.magnetic._small_algebra import multiply as matrix_multiply
 from estimators.optical import _layout as at
+from estimators.optical._heading import doubt_heading
 from estimators.recording import Float
 
 _P, _V, _Q, _BA, _BG, _R = (
@@ -99,13 +100,9 @@ def predict_state(nominal: Float, before: Float, now: Float, settings: Float, ph
             phi[_EP + i, _EA + j] = -h * column[i]
             phi[_ET + i, _EG + j] = -t * column[i]
         phi[_EP + j, _EV + j] = t
-    # Noise of the force looks like horizontal movement and would make a heading at rest better known: what is within
-    # four sigma of it tells no heading.
-    level = a[0] * a[0] + a[1] * a[1]
-    trust = max(0.0, 1.0 - 16.0 * settings[_FORCE] ** 2 / level) if level > 0.0 else 0.0
     # -[f_G x] of the global attitude error
-    phi[_EV, _ET + 1], phi[_EV, _ET + 2] = t * a[2], -t * a[1] * trust
-    phi[_EV + 1, _ET], phi[_EV + 1, _ET + 2] = -t * a[2], t * a[0] * trust
+    phi[_EV, _ET + 1], phi[_EV, _ET + 2] = t * a[2], -t * a[1]
+    phi[_EV + 1, _ET], phi[_EV + 1, _ET + 2] = -t * a[2], t * a[0]
     phi[_EV + 2, _ET], phi[_EV + 2, _ET + 1] = t * a[1], -t * a[0]
     for i in range(3):
         for j in range(3):
@@ -280,6 +277,7 @@ def run(
         row = samples[k]
         if math.isfinite(memory[_GYR]):
             predict_state(nominal, memory, row, settings, phi)
+            doubt_heading(phi, p, settings)
             predict_covariance(p, phi, settings, work)
         out[k, _O_NIS], out[k, _O_STATE], out[k, _O_GROWTH] = math.nan, _COASTED, 1.0
         memory[_COASTING] += 1.0
@@ -343,6 +341,7 @@ def backward(
             for i in range(len(state)):
                 state[i] = states[k, i]
             predict_state(state, samples[k], samples[k + 1], settings, phi)
+            doubt_heading(phi, p, settings)
             for i in range(n):
                 for j in range(n):
                     prior[i, j] = p[i, j]

@@ -214,7 +214,7 @@ OPTICAL_CONSISTENCY = Protocol(
         Figure("p of Jarque-Bera", "1", 0.01, at_most=False),
         Figure("NIS, distance of its mean from 3", "1", 0.2),
         Figure("NEES of position, by 3", "1"),
-        Figure("heading sigma at rest, largest fall a second", "deg/s", 0.01),
+        Figure("heading sigma at rest, largest fall a second", "deg/s", 0.0),
         Figure("heading sigma after 5 s of movement", "deg", 1.0),
         Figure("cyclic, ratio 50: own attitude", "mm"),
         Figure("cyclic, ratio 50: attitude of an orientation filter", "mm"),
