@@ -14,7 +14,7 @@ from estimators.recording import Float
 
 _WELL_KNOWN_RAD = math.radians(20.0)
 _RESTART_VELOCITY_MPS = 0.5
-"""Sigma of the velocity after a restart in motion: what people do with their limbs."""
+"""Sigma of the velocity after a start in motion: what people do with their limbs."""
 
 
 def start_from_burst(
@@ -45,7 +45,8 @@ def start_from_burst(
     first = np.repeat(
         [
             0.0,
-            0.01,
+            # After a burst that was refused, nobody knows whether the wearer still stands still.
+            0.01 if counters[at.FAILURES] == 0 else _RESTART_VELOCITY_MPS,
             0.0,
             p.force_bias_sigma_mps2,
             rate_sigma,

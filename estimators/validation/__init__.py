@@ -36,6 +36,7 @@ from estimators.validation._luinge_offset import OFFSET_RECOVERY, STILL_SENSOR
 from estimators.validation._luinge_tasks import INCLINATION_TASKS
 from estimators.validation._magnetic import MAGNETIC_CALIBRATION
 from estimators.validation._magnetic_tracker import MAGNETIC_MOVEMENTS, MAGNETIC_TRACKER
+from estimators.validation._magnetic_tracker_fusion import MAGNETIC_FUSION
 from estimators.validation._magnetic_tracker_loose import MAGNETIC_LOOSE_FUSION
 from estimators.validation._magnetic_tracker_model import MAGNETIC_BENCH, MAGNETIC_MAPS, MAGNETIC_UPDATES
 from estimators.validation._optical import OPTICAL_GAIT, OPTICAL_GAPS, OPTICAL_RATES
@@ -116,6 +117,7 @@ _PROTOCOLS = (
     MAGNETIC_UPDATES,
     MAGNETIC_TRACKER,
     MAGNETIC_MOVEMENTS,
+    MAGNETIC_FUSION,
     MAGNETIC_LOOSE_FUSION,
     RELATIVE_POSE_TABLE,
     RELATIVE_POSE_SMOOTHING,
