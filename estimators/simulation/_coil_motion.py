@@ -178,6 +178,7 @@ def relative_motion(
     seed: int,
     pause_s: tuple[float, float] | None = None,
     begin_s: float = 4.0,
+    end_s: float | None = None,
 ) -> RelativeMotion:
     """Return a movement of the method page.
 
@@ -192,11 +193,15 @@ def relative_motion(
         Time stands still between these: the movement slows down within a second, rests, and goes on.
     begin_s : float
         When the movement begins to blend in; it takes a second.
+    end_s : float, optional
+        When it begins to blend out; five seconds later the pose of the beginning is reached, at rest.
     """
     if movement not in MOVEMENTS:
         raise SetupError(f"no movement {movement}; known are {', '.join(MOVEMENTS)}")
     grid = np.arange(0.0, duration_s + 0.2, _GRID_S)
     g = smoothstep(grid - begin_s)
+    if end_s is not None:
+        g *= 1.0 - smoothstep((grid - end_s) / 5.0)
     warped = grid
     if pause_s is not None:
         speed = 1.0 - smoothstep(grid - pause_s[0]) + smoothstep(grid - pause_s[1])

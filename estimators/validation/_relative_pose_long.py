@@ -54,7 +54,7 @@ def _blocks(clean: RelativeScene, seed: int) -> Iterator[RelativeScene]:
 
 def long_session(hours: float, seed: int) -> tuple[list[Float], list[float]]:
     """Return position errors of each block, shape (K, 3), and its NEES per state; one filter goes through."""
-    motion = relative_motion("flexion", _BLOCK_S, seed, pause_s=(_BLOCK_S - 10.0, _BLOCK_S + 10.0))
+    motion = relative_motion("flexion", _BLOCK_S, seed, end_s=_BLOCK_S - 10.0)
     clean = relative_scene(SOURCE, motion, _BLOCK_S, errors=_CLEAN, seed=seed)
     relative = RelativePoseFilter(
         SOURCE, clean.time_step_s, {"mounting_direction": tuple(clean.position_m[0].tolist())}
