@@ -34,7 +34,7 @@ SLOW = {
     "magnetic_tracker_movements": 8,
     "foot_events": 2,
     "disturbance_elbow_flexion": 10,
-    "magnetic_fusion": 1,
+    "magnetic_fusion": 4,
     "magnetic_loose_fusion": 2,
     "relative_pose_accuracy": 8,
     "relative_pose_smoothing": 2,
