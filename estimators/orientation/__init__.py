@@ -26,14 +26,14 @@ from estimators.orientation._smoothers import (
 from estimators.orientation._telemotion import TelemotionEstimator
 from estimators.orientation._vqf import VqfEstimator
 
-DEFAULT: Final = VqfEstimator.name
+DEFAULT: Final = TelemotionEstimator.name
 """The estimator of whoever names none."""
 
 _REGISTRY: dict[str, type[OrientationEstimator]] = {
     kind.name: kind
     for kind in (
-        VqfEstimator,
         TelemotionEstimator,
+        VqfEstimator,
         MarzoukQuaternionEstimator,
         MarzoukErrorStateEstimator,
         MarzoukEulerEstimator,

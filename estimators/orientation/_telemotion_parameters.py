@@ -46,7 +46,7 @@ class TelemotionParameters:
     block_s: float = 0.2
     hypothesis_s: float = 0.6
     start_s: float = 0.05
-    coast_s: float = 0.25
+    coast_s: float = 0.2
     convergence_s: float = 3.0
     tilt_start_sigma_deg: float = 2.0
     tilt_restart_sigma_deg: float = 3.0

@@ -17,6 +17,7 @@ from app.recordings.jobs import run_job
 from app.recordings.models import Job, MotionSession, SignalChunk
 from app.recordings.reprocess import reprocess
 from app.settings import Settings
+from estimators import orientation
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
 
 ARM = ("sternum", "upper_arm_right", "forearm_right")
@@ -207,7 +208,7 @@ def test_a_reader_reads_but_changes_nothing(sign_in: Any, analysed: str) -> None
 
 def test_the_estimators_are_listed_with_their_parameters(therapist: Any) -> None:
     listed = therapist.get("/api/estimators").json()
-    assert listed[0]["name"] == "vqf"
+    assert listed[0]["name"] == orientation.DEFAULT
     assert all(row["parameters"] and row["description"] for row in listed)
     assert [row["name"] for row in listed if row["is_offline"]] == ["telemotion_smoother"]
 

@@ -3,4 +3,4 @@ from tests.estimators.orientation.orientation_contract import OrientationContrac
 
 class TestTelemotion(OrientationContract):
     name = "telemotion"
-    gap_hold_after_ticks = 25
+    gap_hold_after_ticks = 20

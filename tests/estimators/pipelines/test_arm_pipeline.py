@@ -13,7 +13,7 @@ from estimators.orientation import OrientationFlag, available
 from estimators.pipelines import SessionSetup, concatenate, create
 from estimators.recording import SampleQuality
 
-INVALID = int(OrientationFlag.INVALID)
+INVALID, BRIDGED = int(OrientationFlag.INVALID), int(OrientationFlag.BRIDGED)
 
 
 @pytest.mark.parametrize("orientation", sorted(available()))
@@ -215,7 +215,9 @@ def test_a_lost_sensor_holds_flagged_and_comes_back(session, ticks):
     inside = slice(lost.start - 600, lost.stop - 600)
     flexion = layout.angles.index("humerus_forearm_right_zxy_flexion")
     elevation = layout.angles.index("thorax_humerus_right_yxy_elevation")
-    assert (after.angle_flags[inside, flexion] & INVALID).all()
+    assert (after.angle_flags[inside, flexion] & (INVALID | BRIDGED)).all()
+    # What a short gap would be bridged over is over; the rest says nothing.
+    assert (after.angle_flags[inside.start + 20 : inside.stop, flexion] & INVALID).all()
     assert not (after.angle_flags[inside, elevation] & INVALID).any()
     assert not (after.angle_flags[inside.stop :, flexion] & INVALID).any()
     assert np.isnan(after.scalar[inside, layout.scalars.index("hand_speed_right_mps")]).all()

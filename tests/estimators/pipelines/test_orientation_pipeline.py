@@ -39,7 +39,7 @@ class TestContractCalibrated(PipelineContract):
 
 def test_orientation_is_that_of_the_filter(setup, chunk):
     frames = create(setup).step(chunk)
-    alone = orientation.create("vqf", 2, 0.01).update(chunk)
+    alone = orientation.create(orientation.DEFAULT, 2, 0.01).update(chunk)
     assert np.array_equal(frames.q_room_segment, alone.q_earth_sensor.swapaxes(0, 1))
     assert np.array_equal(frames.segment_flags, alone.flags.T)
 

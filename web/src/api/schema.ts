@@ -3400,7 +3400,7 @@ export interface components {
             feet_apart_m?: number | null;
             /**
              * Orientation
-             * @default vqf
+             * @default telemotion
              */
             orientation?: string;
             /** Orientation Parameters */
@@ -3823,7 +3823,7 @@ export interface components {
             hemisphere?: "north" | "south" | "unknown";
             /**
              * Orientation
-             * @default vqf
+             * @default telemotion
              */
             orientation?: string;
             /** Patient Id */
