@@ -14,7 +14,7 @@ from estimators.validation._relative_pose_runs import SOURCE, rms, session
 _PUBLISHED_FIXED = {"fixed_interval_s": 0.2, "pulse_s": 0.06, "current_a": 1.5}
 """The predecessor: three pulses of 60 ms at 1.5 A every 600 ms, here one coil every 200 ms."""
 _ADAPTIVE = {"position_limit_m": 0.0062, "attitude_limit_deg": 2.0}
-"""As accurate as the fixed cycle, with room to both limits: 7 mm is equal on the mean, 6 mm takes 0.47 of the energy."""
+"""As accurate as the fixed cycle, with room to both limits: equal on the mean at 7 mm, 0.47 of the energy at 6 mm."""
 _MIX = ("random", "flexion", "hip", "shoulder", "walk_leg")
 
 
