@@ -234,11 +234,22 @@ export const useCompare = (id: string) =>
 export const useSaveTemplate = () =>
   useChange((input: Wire.TemplateIn) => api.post<Wire.TemplateVersionDetail>('/api/templates', input), () => [['templates']]);
 
+const NO_IMPLANTS = { patient_has_no_implant: true, people_nearby_have_none: true };
+/** A session with a source, and the therapist's word about implants. Should the word be lost, its page asks again. */
+export const useNewSourceSession = () =>
+  useChange(
+    async (input: Wire.SessionIn) => {
+      const session = await api.post<Wire.SessionDetail>('/api/sessions', input);
+      await api.post<Wire.MagneticSafety>(`/api/sessions/${session.id}/magnetic-safety`, NO_IMPLANTS).catch(() => undefined);
+      return session;
+    },
+    (input) => [keys.patientSessions(input.patient_id), keys.caseload],
+  );
 export const useMagneticSafety = (id: string, enabled: boolean) =>
   useGet<Wire.MagneticSafety>(keys.magneticSafety(id), `/api/sessions/${id}/magnetic-safety`, { enabled });
 export const useConfirmNoImplants = (id: string) =>
   useChange(
-    () => api.post<Wire.MagneticSafety>(`/api/sessions/${id}/magnetic-safety`, { patient_has_no_implant: true, people_nearby_have_none: true }),
+    () => api.post<Wire.MagneticSafety>(`/api/sessions/${id}/magnetic-safety`, NO_IMPLANTS),
     () => [keys.magneticSafety(id), keys.session(id)],
   );
 export const useSourceUse = (id: string, resultId: string | null) =>

@@ -1,4 +1,4 @@
-import { screen } from '@testing-library/react';
+import { screen, within } from '@testing-library/react';
 import userEvent from '@testing-library/user-event';
 import { afterEach, expect, it, vi } from 'vitest';
 import type { MagneticSafety, SessionDetail } from '../../src/api/types';
@@ -20,17 +20,21 @@ const SAFETY: MagneticSafety = {
 };
 const session = (may_treat: boolean) => ({ id: 's', may_treat }) as unknown as SessionDetail;
 
-it('asks for both words before it lets a therapist confirm', async () => {
+it('asks both questions before it lets a therapist confirm', async () => {
   const { asked } = renderPage(<SafetyCard session={session(true)} />, {
     answers: { '/api/sessions/s/magnetic-safety': SAFETY, 'POST /api/sessions/s/magnetic-safety': { ...SAFETY, confirmed: true } },
   });
   expect(await screen.findByText(/pacemaker, an implanted/)).toBeTruthy();
   expect(screen.getByText(/Closer than 16 cm/)).toBeTruthy();
   const button = screen.getByRole('button', { name: 'Confirm for this session' });
+  const answer = (question: RegExp, name: string) => userEvent.click(within(screen.getByRole('group', { name: question })).getByLabelText(name));
   expect(button).toHaveProperty('disabled', true);
-  await userEvent.click(screen.getByLabelText(/I asked the patient/));
+  await answer(/Ask the patient/, 'No');
   expect(button).toHaveProperty('disabled', true);
-  await userEvent.click(screen.getByLabelText(/everybody who will be near/));
+  await answer(/everybody who will be near/, 'Yes, or not sure');
+  expect(button).toHaveProperty('disabled', true);
+  expect(screen.getByRole('alert').textContent).toMatch(/Do not use the source/);
+  await answer(/everybody who will be near/, 'No');
   await userEvent.click(button);
   expect(asked.find((one) => one.method === 'POST')?.body).toEqual({ patient_has_no_implant: true, people_nearby_have_none: true });
 });

@@ -31,6 +31,8 @@ export const session = {
   'placements.help': 'Choose what the patient wears. The breastbone sensor shows whether the trunk helps the arm.',
   'placements.trunk': 'Trunk and head',
   'placements.leftArm': 'Left arm',
+  'placements.leftSide': 'Left side',
+  'placements.rightSide': 'Right side',
   'placements.rightArm': 'Right arm',
   'placements.needArm': 'Choose at least the upper arm of one side.',
   'placements.needUpperArm': 'The upper arm sensor is needed for the arm that is measured.',

@@ -9,6 +9,7 @@ import { Problem } from '../../components/Feedback';
 import { useSignedIn } from '../../components/useSignedIn';
 import { t } from '../../i18n';
 import { placementLabel } from '../../lib/channels';
+import { simulatedMovement } from '../../lib/magneticSetup';
 
 /** What to do until packets come: put the sensors on, start the gateway, or try the simulated one. */
 export function ConnectHelp({ session }: { session: SessionDetail }) {
@@ -16,7 +17,11 @@ export function ConnectHelp({ session }: { session: SessionDetail }) {
   const ticket = useMutation({
     mutationFn: () => api.post<Ticket>(`/api/sessions/${session.id}/ticket`, { purpose: 'ingest' }),
   });
-  const simulate = `telemotion simulate --server ${window.location.origin} --email ${me.email} --patient ${session.patient_id}${session.exercise_id ? ` --exercise ${session.exercise_id}` : ''}`;
+  const account = `--server ${window.location.origin} --email ${me.email} --patient ${session.patient_id}`;
+  const simulate =
+    session.pipeline === 'relative_pose'
+      ? `telemotion simulate --relative ${simulatedMovement(session.placements)} --no-implants ${account}`
+      : `telemotion simulate ${account}${session.exercise_id ? ` --exercise ${session.exercise_id}` : ''}`;
   return (
     <section className="card" aria-labelledby="connect">
       <div className="card-head">

@@ -1,8 +1,8 @@
 import { Button, Group, NumberInput, Select, Switch } from '@mantine/core';
 import { useState, type FormEvent } from 'react';
 import { useNavigate, useParams, useSearchParams } from 'react-router';
-import { useEstimators, useExercises, useNewSession, usePatient, usePrescriptions } from '../../api/queries';
-import type { Estimator, Patient, Placement } from '../../api/types';
+import { useEstimators, useExercises, useNewSession, useNewSourceSession, usePatient, usePrescriptions } from '../../api/queries';
+import type { Estimator, Patient, Placement, SessionIn } from '../../api/types';
 import { RadioCards } from '../../components/Choice';
 import { Answer, Problem } from '../../components/Feedback';
 import { Page } from '../../components/Page';
@@ -11,10 +11,14 @@ import { t } from '../../i18n';
 import { placementLabel } from '../../lib/channels';
 import { isWalk as isWalking } from '../../lib/exercises';
 import { day } from '../../lib/format';
+import { isForbidden, isSafe, sourceParameters, UNASKED, USUAL, wornFor, type Use } from '../../lib/magneticSetup';
 import { placementProblem, suggestedPlacements } from '../../lib/placements';
+import { ImplantQuestions } from '../magnetic/ImplantQuestions';
+import { SourceChoice } from '../magnetic/SourceChoice';
 
 /** Those a therapist chooses between; the others are for comparison. */
 const SHOWN_FIRST = 2;
+type Kind = NonNullable<SessionIn['pipeline']>;
 const FEET: Placement[] = ['foot_left', 'foot_right'];
 
 function Form({ patient }: { patient: Patient }) {
@@ -24,7 +28,8 @@ function Form({ patient }: { patient: Patient }) {
   const exercises = useExercises();
   const prescriptions = usePrescriptions(patient.id);
   const estimators = useEstimators();
-  const create = useNewSession();
+  const createPlain = useNewSession();
+  const createWithSource = useNewSourceSession();
   const prescribed = prescriptions.data ?? [];
   const [picked, setPicked] = useState<string | null>(search.get('exercise'));
   const exerciseId = picked ?? prescribed[0]?.exercise_id ?? null;
@@ -33,11 +38,19 @@ function Form({ patient }: { patient: Patient }) {
   const [constrain, setConstrain] = useState(false);
   const [useMounting, setUseMounting] = useState(patient.has_mounting);
   const walking = (exercises.data ?? []).find((one) => one.id === exerciseId)?.movement;
-  const [kind, setKind] = useState<'arm' | 'gait' | null>(null);
+  const [kind, setKind] = useState<Kind | null>(null);
   const pipeline = kind ?? (isWalking(walking) ? 'gait' : 'arm');
   const isWalk = pipeline === 'gait';
+  const isMagnetic = pipeline === 'relative_pose';
+  const isArm = pipeline === 'arm';
+  const create = isMagnetic ? createWithSource : createPlain;
+  const [use, setUse] = useState<Use>('back');
+  const [worn, setWorn] = useState(() => wornFor('back', patient.affected_side));
+  const [coils, setCoils] = useState(USUAL);
+  const [implants, setImplants] = useState(UNASKED);
+  const mayFire = isSafe(implants) && worn.sensors.length > 0;
   const [apartCm, setApartCm] = useState<number | null>(null);
-  const problem = isWalk ? null : placementProblem(placements);
+  const problem = isArm ? placementProblem(placements) : null;
   const names = new Map((exercises.data ?? []).map((one) => [one.id, one.name]));
   const prescribedIds = new Set(prescribed.map((one) => one.exercise_id));
   const groups = [
@@ -47,8 +60,16 @@ function Form({ patient }: { patient: Patient }) {
 
   const submit = (event: FormEvent) => {
     event.preventDefault();
-    if (problem) return;
-    create.mutate(
+    if (problem || (isMagnetic && !mayFire)) return;
+    const goOn = { onSuccess: (session: { id: string }) => void navigate(`/sessions/${session.id}/live`) };
+    if (isMagnetic) {
+      createWithSource.mutate(
+        { patient_id: patient.id, pipeline, placements: [worn.source, ...worn.sensors], orientation_parameters: sourceParameters(worn, coils), use_mounting: false },
+        goOn,
+      );
+      return;
+    }
+    createPlain.mutate(
       {
         patient_id: patient.id,
         exercise_id: exerciseId,
@@ -61,13 +82,13 @@ function Form({ patient }: { patient: Patient }) {
         constrain_joint_headings: constrain,
         use_mounting: useMounting,
       },
-      { onSuccess: (session) => void navigate(`/sessions/${session.id}/live`) },
+      goOn,
     );
   };
   return (
     <form className="card stack form-card" onSubmit={submit}>
       {create.error && <Problem error={create.error} />}
-      <Select
+      {!isMagnetic && <Select
         label={t('newSession.exercise')}
         searchable
         data={groups}
@@ -76,14 +97,15 @@ function Form({ patient }: { patient: Patient }) {
         placeholder={t('prescription.chooseExercise')}
         nothingFoundMessage={t('newSession.noExercise')}
         maw={480}
-      />
-      <RadioCards
+      />}
+      <RadioCards<Kind>
         legend={t('newSession.kind')}
         value={pipeline}
-        onChange={(value) => setKind(value === 'gait' ? 'gait' : 'arm')}
+        onChange={setKind}
         options={[
           { value: 'arm', title: t('newSession.arms'), text: t('newSession.armsText') },
           { value: 'gait', title: t('newSession.feet'), text: t('newSession.feetText') },
+          ...(purpose === 'template' ? [] : [{ value: 'relative_pose' as const, title: t('magnetic.kind'), text: t('magnetic.kindText') }]),
         ]}
       />
       {isWalk && (
@@ -97,13 +119,34 @@ function Form({ patient }: { patient: Patient }) {
           maw={480}
         />
       )}
-      {!isWalk && <PlacementChoice value={placements} onChange={setPlacements} />}
+      {isMagnetic && (
+        <>
+          <SourceChoice
+            use={use}
+            worn={worn}
+            coils={coils}
+            side={patient.affected_side}
+            onUse={(nextUse, nextWorn) => {
+              setUse(nextUse);
+              setWorn(nextWorn);
+            }}
+            onCoils={setCoils}
+          />
+          <section className="stack" aria-labelledby="implants">
+            <h2 id="implants" className="protocol-title">
+              {t('magnetic.safety')}
+            </h2>
+            <ImplantQuestions value={implants} onChange={setImplants} />
+          </section>
+        </>
+      )}
+      {isArm && <PlacementChoice value={placements} onChange={setPlacements} />}
       {problem && (
         <p className="alert-text" role="alert">
           {t(problem)}
         </p>
       )}
-      {!isWalk && <Answer of={estimators} lines={2}>
+      {isArm && <Answer of={estimators} lines={2}>
         {(list) => {
           const live = list.filter((one) => !one.is_offline);
           const card = (one: Estimator) => ({ value: one.name, title: one.title, text: one.description });
@@ -121,8 +164,8 @@ function Form({ patient }: { patient: Patient }) {
           );
         }}
       </Answer>}
-      {!isWalk && <Switch label={t('newSession.constrain')} description={t('newSession.constrainHelp')} checked={constrain} onChange={(event) => setConstrain(event.currentTarget.checked)} />}
-      {!isWalk && patient.has_mounting && (
+      {isArm && <Switch label={t('newSession.constrain')} description={t('newSession.constrainHelp')} checked={constrain} onChange={(event) => setConstrain(event.currentTarget.checked)} />}
+      {isArm && patient.has_mounting && (
         <Switch
           label={t('newSession.mounting')}
           description={t('newSession.mountingHelp') + (patient.mounting ? ` ${t('newSession.mountingOf', { day: day(patient.mounting.updated_at), places: patient.mounting.placements.map(placementLabel).join(', ') })}` : '')}
@@ -130,11 +173,12 @@ function Form({ patient }: { patient: Patient }) {
           onChange={(event) => setUseMounting(event.currentTarget.checked)}
         />
       )}
+      {isMagnetic && !isSafe(implants) && !isForbidden(implants) && <p className="muted">{t('magnetic.askFirst')}</p>}
       <Group justify="flex-end">
         <Button variant="default" onClick={() => void navigate(`/patients/${patient.id}`)}>
           {t('action.cancel')}
         </Button>
-        <Button type="submit" disabled={problem !== null} loading={create.isPending}>
+        <Button type="submit" disabled={problem !== null || (isMagnetic && !mayFire)} loading={create.isPending}>
           {t('newSession.go')}
         </Button>
       </Group>
