@@ -1,58 +1,20 @@
 // A walk: its result, the footprints with mass and pressure, left beside right, curves over the cycle, every stride.
-import { Button, Checkbox, Group, Select } from '@mantine/core';
+import { Button, Select } from '@mantine/core';
 import { IconArrowsDiff, IconCube, IconShoe } from '@tabler/icons-react';
 import { useState } from 'react';
 import { Link, useParams, useSearchParams } from 'react-router';
 import { useGait, usePatient, useSession, useWalks } from '../../api/queries';
 import type { CycleCurve, Gait, Patient } from '../../api/types';
 import { CycleChart, CycleLegend } from '../../charts/CycleChart';
-import { FootprintMap, MapLegend, type MapParts } from '../../charts/FootprintMap';
 import { Answer, Empty, Problem } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { t } from '../../i18n';
-import { dateTime, number, quantity } from '../../lib/format';
-import { footOf, leaning } from '../../lib/gait';
+import { dateTime, number } from '../../lib/format';
+import { footOf } from '../../lib/gait';
+import { MapCard } from './MapCard';
 import { StrideTable, type ChosenStride } from './StrideTable';
 import { TestResult } from './TestResult';
 import { WalkNumbers } from './WalkNumbers';
-
-const LEANS = [
-  ['centre_to_left_standing', 'standing'],
-  ['centre_to_left', 'walking'],
-] as const;
-const PARTS = ['mass', 'pressure', 'support'] as const;
-
-function MapCard({ gait, selected }: { gait: Gait; selected: ChosenStride | null }) {
-  const [parts, setParts] = useState<MapParts>({ mass: true, pressure: true, support: false });
-  const { balance } = gait;
-  const leans = LEANS.flatMap(([name, when]) => (balance ? [{ when, lean: leaning(balance.measures, name) }] : []));
-  return (
-    <section className="card" aria-labelledby="footprints">
-      <div className="card-head">
-        <h2 id="footprints">{t('map.title')}</h2>
-        {balance && (
-          <Group className="end" gap="md" role="group" aria-label={t('map.show')}>
-            {PARTS.map((part) => (
-              <Checkbox key={part} label={t(`map.${part}`)} checked={parts[part]} onChange={(event) => setParts({ ...parts, [part]: event.currentTarget.checked })} />
-            ))}
-          </Group>
-        )}
-      </div>
-      <FootprintMap gait={gait} parts={parts} selected={selected} />
-      <MapLegend hasBalance={balance !== null} />
-      {balance && (
-        <>
-          <p className="strong">{t('balance.where')}</p>
-          <ul>
-            {leans.map(({ when, lean }) => lean && <li key={when}>{lean.side === 'middle' ? t(`balance.${when}.middle`) : t(`balance.${when}.${lean.side}`, { distance: lean.distance })}</li>)}
-          </ul>
-          <p className="muted small">{t('balance.mass', { mass: number(balance.mass_kg, 1) })}</p>
-        </>
-      )}
-      {balance ? <p className="muted small">{t(`map.apart.${balance.apart_source}`, { width: quantity(balance.apart_m, 'm') })}</p> : !gait.has_step_width && gait.feet.length > 1 && <p className="muted small">{t('map.drawnApart')}</p>}
-    </section>
-  );
-}
 
 function Curves({ gait, before }: { gait: Gait; before: Gait | null }) {
   const names = [...new Set(gait.feet.flatMap((foot) => foot.curves.map((curve) => curve.name)))];

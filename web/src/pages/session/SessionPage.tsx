@@ -24,7 +24,7 @@ import { SourcePanel } from '../magnetic/SourcePanel';
 import { ComparisonPanel } from './ComparisonPanel';
 import { DetailsPanel, resultLabel } from './DetailsPanel';
 import { MarkersPanel } from './MarkersPanel';
-import { WalkPanel } from './WalkPanel';
+import { WalkMap, WalkPanel } from './WalkPanel';
 import { RepetitionTable } from './RepetitionTable';
 
 /** A magnetic source on one shoe and a sensor on the other: analysed as a walk as well. */
@@ -111,6 +111,7 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
             onShown={setShown}
           />
           <Timeline player={player} repetitions={repetitions} events={session.events} onRepetition={choose} />
+          {isWalk && <WalkMap sessionId={session.id} />}
           {comparison && (
             <div className="ghost-tools">
               <Switch label={t('replay.ghost')} checked={ghost.ghost} disabled={shown?.has_ghost === false} onChange={(event) => setGhost({ ...ghost, ghost: event.currentTarget.checked })} />
@@ -138,7 +139,7 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
             <Tabs.Tab value="details">{t('details.title')}</Tabs.Tab>
           </Tabs.List>
           <Tabs.Panel value="walk">
-            <WalkPanel sessionId={session.id} />
+            <WalkPanel sessionId={session.id} patientId={session.patient_id} />
           </Tabs.Panel>
           <Tabs.Panel value="source">
             <SourcePanel sessionId={session.id} resultId={resultId} />
