@@ -60,7 +60,8 @@ def to_table(results: Sequence[ProtocolResult]) -> str:
 
 
 def _finite(value: float | None) -> float | None:
-    return None if value is None or not math.isfinite(value) else value
+    """Round to six digits: finer than any limit, and a third of the file."""
+    return None if value is None or not math.isfinite(value) else float(f"{value:.6g}")
 
 
 def to_data(results: Sequence[ProtocolResult]) -> list[dict[str, Any]]:
