@@ -50,6 +50,9 @@ class ImuChunk:
     coil_state : ndarray, shape (S, K), or None
         What a sensor with coils does at this tick: 0 for nothing, else `estimators.magnetic.coil_state`. None when
         the network has no source.
+    force_n, moment_nm : ndarray, shape (S, K, 3), or None
+        Of the ground on a load cell, about its centre, sensor axes; NaN where a cell gave nothing that can be used, and
+        never bridged. None when no sensor of the network has a cell.
     """
 
     first_tick: int
@@ -59,6 +62,8 @@ class ImuChunk:
     magnetometer_t: Float | None
     quality: NDArray[np.uint8]
     coil_state: Float | None = field(default=None, kw_only=True)
+    force_n: Float | None = field(default=None, kw_only=True)
+    moment_nm: Float | None = field(default=None, kw_only=True)
 
     @property
     def sensor_count(self) -> int:
@@ -87,6 +92,8 @@ class ImuChunk:
             magnetometer_t=magnetometer,
             quality=self.quality[:, start:stop],
             coil_state=None if self.coil_state is None else self.coil_state[:, start:stop],
+            force_n=None if self.force_n is None else self.force_n[:, start:stop],
+            moment_nm=None if self.moment_nm is None else self.moment_nm[:, start:stop],
         )
 
 

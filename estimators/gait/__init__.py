@@ -16,6 +16,7 @@ from estimators.gait._foot_live import FootChunk, FootTracker
 from estimators.gait._foot_parameters import FootParameters, foot_parameters
 from estimators.gait._foot_trajectory import FootFlag, FootTrajectory, smooth
 from estimators.gait._guided_tests import GUIDED_KINDS, GuidedKind, GuidedTest, guided_test
+from estimators.gait._live_steps import USUAL_APART_M, LiveSteps, LiveStepTracker
 from estimators.gait._placement import Placement, Steps, foot_placement, steps_between
 from estimators.gait._related_feet import RelatedFeet, RelativeFeet, relate_feet
 from estimators.gait._stance import Stance, find_stance
@@ -32,6 +33,7 @@ from estimators.gait._summary import (
 
 __all__ = [
     "GUIDED_KINDS",
+    "USUAL_APART_M",
     "FootChunk",
     "FootFlag",
     "FootParameters",
@@ -42,6 +44,8 @@ __all__ = [
     "GaitSummary",
     "GuidedKind",
     "GuidedTest",
+    "LiveStepTracker",
+    "LiveSteps",
     "Measure",
     "Placement",
     "RelatedFeet",

@@ -9,13 +9,16 @@ from numpy.typing import NDArray
 
 from estimators import rotation
 from estimators.conventions import Side
-from estimators.errors import CalibrationError, SetupError
+from estimators.errors import CalibrationError
 from estimators.gait import (
+    USUAL_APART_M,
+    FootChunk,
     FootFlag,
     FootParameters,
     FootTracker,
     FootTrajectory,
     GaitSummary,
+    LiveStepTracker,
     Measure,
     Strides,
     find_strides,
@@ -24,65 +27,56 @@ from estimators.gait import (
     smooth,
     summarise,
 )
+from estimators.kinetics import ShoeGeometry
 from estimators.orientation import OrientationFlag
 from estimators.pipelines._contract import Calibration, FrameLayout, Frames, Pipeline, SessionSetup
+from estimators.pipelines._gait_layout import CENTRE_PER_STATURE, SCALARS, WORN, cells_of, feet_of, layout_of
+from estimators.pipelines._live_shoes import LiveShoes
 from estimators.recording import Float, ImuChunk, Recording
 from estimators.signals import interpolate_rotations
 
-WORN: tuple[str, ...] = ("foot_left", "foot_right", "heel_left", "heel_right")
-"""Placements that this pipeline follows; others are left out."""
-SCALARS = ("stance", "contact", "toe_off", "speed_mps", "stride_length_m", "stride_time_s", "clearance_m")
-"""Per foot, named `foot_left_stance` and so on. Stance, contact and toe-off are 0 or 1; lengths and times are those
-of the stride that the last contact ended, NaN before the first, and off-line only."""
 _LEAST_COURSE_M = 3.0
-_STEP_WIDTH_M = 0.15
-"""Feet are drawn this far apart: how far they are cannot be told from two inertial sensors."""
-
-
-def feet_of(setup: SessionSetup) -> dict[Side, int]:
-    """Return which sensor of a setup is on which foot, a whole foot before a heel.
-
-    Raises
-    ------
-    SetupError
-        When there is none.
-    """
-    found: dict[Side, int] = {}
-    for side in ("left", "right"):
-        for name in (f"foot_{side}", f"heel_{side}"):
-            if name in setup.placements and side not in found:
-                found[side] = list(setup.placements).index(name)
-    if not found:
-        raise SetupError(f"the gait pipeline needs a sensor on a foot: {', '.join(WORN)}")
-    return found
+_AHEAD_S = 0.7
+"""So much of the forces to come says whether somebody stands or is about to walk."""
 
 
 class GaitPipeline(Pipeline):
-    """Sensors on one or both feet to poses, stances and speeds, less than a second late.
+    """Sensors on one or both feet to poses, stances, strides and speeds, less than a second late.
 
     Live, the frame of a tick shows the feet as they were `delay_ticks` before it, INVALID until then: a stance is
-    understood only after it. Off-line (`run`) frames show their own ticks. Room is the world of each foot: z up,
-    heading of the sensor at its first sample; the feet are drawn apart. The setup's `orientation_parameters` are
+    understood only after it. Off-line (`run`) frames show their own ticks. The setup's `orientation_parameters` are
     `FootParameters`. Nothing is to be calibrated.
+
+    Feet with one sensor each are drawn apart, each in its own world: z up, heading of the sensor at its first sample.
+    Two instrumented shoes (sensors under both heels and forefeet) share a room, with x along the first strides, the
+    floor at zero, and their forces (`FORCE_SCALARS`, `BALANCE_POINTS`): a foot's own from the first sample on, those of
+    both together once each has made a stride, which tells the course and the zero of its load cells. What is not
+    measured is NaN, and `force_state` says why.
     """
 
     name: ClassVar[str] = "gait"
-    version: ClassVar[str] = "1"
+    version: ClassVar[str] = "2"
     title: ClassVar[str] = "Walking"
 
     def __init__(self, setup: SessionSetup) -> None:
         self._setup = setup
         self._feet = feet_of(setup)
-        self._tracker = FootTracker(len(self._feet), 1.0 / setup.rate_hz, setup.orientation_parameters)
-        self._layout = layout_of(tuple(self._feet))
-        delay, feet = self._tracker.delay_ticks, len(self._feet)
-        # Released and not yet shown; before the first released tick there is nothing to show.
-        self._waiting: dict[str, NDArray[Any]] = {
-            "waiting_q": rotation.identity((delay, feet)),
-            "waiting_position": np.stack([_apart(np.zeros((delay, 3)), side) for side in self._feet], axis=1),
-            "waiting_scalar": np.full((delay, feet, 2), np.nan),
-            "waiting_flags": np.full((delay, feet), int(OrientationFlag.INVALID), dtype=np.uint8),
-        }
+        cells = cells_of(setup)
+        self._rows = list(self._feet.values()) if cells is None else [row for pair in cells for row in pair]
+        self._heels = list(range(len(self._rows))) if cells is None else [0, 2]
+        step_s = 1.0 / setup.rate_hz
+        self._tracker = FootTracker(len(self._rows), step_s, setup.orientation_parameters)
+        self._steps = LiveStepTracker(
+            tuple(self._feet),
+            step_s,
+            setup.feet_apart_m,
+            height_m=0.0 if cells is None else ShoeGeometry().sensor_height_m,
+            has_foot_axes=cells is not None,
+        )
+        self._shoes = None if cells is None else _live_shoes(setup, self._tracker)
+        self._layout = layout_of(tuple(self._feet), with_forces=cells is not None)
+        self._waiting = np.tile(self._nothing(), (self._tracker.delay_ticks, 1))
+        """Released and not yet shown; before the first released tick there is nothing to show."""
 
     @property
     def layout(self) -> FrameLayout:
@@ -101,7 +95,7 @@ class GaitPipeline(Pipeline):
 
     def step(self, chunk: ImuChunk) -> Frames:
         """Take the next ticks of all sensors, in the order of `setup.placements`."""
-        rows = list(self._feet.values())
+        rows, ticks = self._rows, chunk.tick_count
         found = self._tracker.update(
             replace(
                 chunk,
@@ -109,33 +103,76 @@ class GaitPipeline(Pipeline):
                 accelerometer_mps2=chunk.accelerometer_mps2[rows],
                 magnetometer_t=None if chunk.magnetometer_t is None else chunk.magnetometer_t[rows],
                 quality=chunk.quality[rows],
+                force_n=None,
+                moment_nm=None,
             )
         )
-        speed = np.linalg.norm(found.velocity_mps, axis=2)
-        released = {
-            "waiting_q": found.q_world_sensor.transpose(1, 0, 2),
-            "waiting_position": np.stack(
-                [_apart(found.position_m[i], side) for i, side in enumerate(self._feet)], axis=1
-            ),
-            "waiting_scalar": np.stack([found.is_stance.T, speed.T], axis=2),
-            "waiting_flags": _flags(found.flags).T,
-        }
-        ticks = chunk.tick_count
-        shown = {}
-        for name, values in self._waiting.items():
-            together = np.concatenate([values, released[name]])
-            shown[name], self._waiting[name] = together[:ticks], together[ticks:]
-        scalar = np.full((ticks, len(self._layout.scalars)), np.nan)
-        for i in range(len(self._feet)):
-            first = i * len(SCALARS)
-            scalar[:, first], scalar[:, first + 3] = shown["waiting_scalar"][:, i].T
+        if self._shoes is not None:
+            force, moment = chunk.force_n, chunk.moment_nm
+            is_felt = force is not None and moment is not None
+            self._shoes.take(
+                force[rows] if is_felt and force is not None else None,
+                moment[rows] if is_felt and moment is not None else None,
+                ticks,
+            )
+        if found.tick_count:
+            self._waiting = np.concatenate([self._waiting, self._released(found)])
+        shown, self._waiting = self._waiting[:ticks], self._waiting[ticks:]
+        feet, points = len(self._feet), len(self._layout.points)
+        ends = np.cumsum([4 * feet, 3 * points, len(self._layout.scalars)])
         return self._frames(
             chunk.first_tick,
             chunk.time_step_s,
-            np.ascontiguousarray(shown["waiting_q"]),
-            np.ascontiguousarray(shown["waiting_position"]),
-            scalar,
-            np.ascontiguousarray(shown["waiting_flags"]),
+            np.ascontiguousarray(shown[:, : ends[0]]).reshape(ticks, feet, 4),
+            np.ascontiguousarray(shown[:, ends[0] : ends[1]]).reshape(ticks, points, 3),
+            np.ascontiguousarray(shown[:, ends[1] : ends[2]]),
+            shown[:, ends[2] :].astype(np.uint8),
+        )
+
+    def _nothing(self) -> Float:
+        """Return the row of a tick of which nothing is known."""
+        feet = len(self._feet)
+        points = np.full((len(self._layout.points), 3), np.nan)
+        for number, side in enumerate(self._feet):
+            points[number] = _apart(np.zeros(3), side)
+        return np.concatenate(
+            [
+                rotation.identity((feet,)).ravel(),
+                points.ravel(),
+                np.full(len(self._layout.scalars), np.nan),
+                np.full(feet, float(OrientationFlag.INVALID)),
+            ]
+        )
+
+    def _released(self, found: FootChunk) -> Float:
+        """Return the rows of what the tracker gave away."""
+        feet, heels, count = len(self._feet), self._heels, found.tick_count
+        steps = self._steps.update(found, heels)
+        q, position = found.q_world_sensor[heels], found.position_m[heels]
+        scalar = np.full((count, len(self._layout.scalars)), np.nan)
+        each = scalar[:, : feet * len(SCALARS)].reshape(count, feet, len(SCALARS))
+        each[:, :, 0] = found.is_stance[heels].T
+        each[:, :, 3] = np.sqrt(
+            np.einsum("fki,fki->kf", found.velocity_mps[heels], found.velocity_mps[heels])
+        )
+        each[:, :, 4], each[:, :, 7] = steps.stride_length_m, steps.toe_out_rad
+        scalar[:, : feet * len(SCALARS)] = each.reshape(count, -1)
+        if self._shoes is None:
+            points = [_apart(position[i], side) for i, side in enumerate(self._feet)]
+        else:
+            points, forces = self._shoes.release(found, steps)
+            scalar[:, feet * len(SCALARS) :] = forces
+            half = -0.5 * steps.course_rad.T
+            still = np.zeros_like(half)
+            q = rotation.multiply(np.stack([np.cos(half), still, still, np.sin(half)], axis=-1), q)
+        return np.concatenate(
+            [
+                q.transpose(1, 0, 2).reshape(count, -1),
+                *points,
+                scalar,
+                _flags(found.flags[heels]).T,
+            ],
+            axis=1,
         )
 
     def _frames(
@@ -147,19 +184,7 @@ class GaitPipeline(Pipeline):
         scalar: Float,
         flags: NDArray[np.uint8],
     ) -> Frames:
-        ticks = len(q)
-        return Frames(
-            layout=self._layout,
-            first_tick=first_tick,
-            time_step_s=step_s,
-            q_room_segment=q,
-            point_room_m=position,
-            angle_rad=np.empty((ticks, 0)),
-            angle_sigma_rad=np.empty((ticks, 0)),
-            scalar=scalar,
-            segment_flags=flags,
-            angle_flags=np.empty((ticks, 0), dtype=np.uint8),
-        )
+        return frames_of(self._layout, first_tick, step_s, q, position, scalar, flags)
 
     def calibrate(self, pose: ImuChunk, method: str = "static") -> Calibration:
         """Refuse: where a sensor sits on the foot is found from the walk."""
@@ -167,13 +192,52 @@ class GaitPipeline(Pipeline):
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return everything that the next step depends on, as arrays."""
-        return self._tracker.state() | {name: values.copy() for name, values in self._waiting.items()}
+        own = self._steps.state() | {"waiting": self._waiting.copy()}
+        return self._tracker.state() | own | ({} if self._shoes is None else self._shoes.state())
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Continue exactly where the instance that gave `state` stood."""
-        waiting = {name: np.array(state[name]) for name in self._waiting}
-        self._tracker.restore({name: values for name, values in state.items() if name not in waiting})
-        self._waiting = waiting
+        self._waiting = np.array(state["waiting"])
+        self._steps.restore(state)
+        if self._shoes is not None:
+            self._shoes.restore(state)
+        self._tracker.restore(state)
+
+
+def frames_of(
+    layout: FrameLayout,
+    first_tick: int,
+    step_s: float,
+    q: Float,
+    position: Float,
+    scalar: Float,
+    flags: NDArray[np.uint8],
+) -> Frames:
+    """Return frames without angles."""
+    ticks = len(q)
+    return Frames(
+        layout=layout,
+        first_tick=first_tick,
+        time_step_s=step_s,
+        q_room_segment=q,
+        point_room_m=position,
+        angle_rad=np.empty((ticks, 0)),
+        angle_sigma_rad=np.empty((ticks, 0)),
+        scalar=scalar,
+        segment_flags=flags,
+        angle_flags=np.empty((ticks, 0), dtype=np.uint8),
+    )
+
+
+def _live_shoes(setup: SessionSetup, tracker: FootTracker) -> LiveShoes:
+    # What the tracker releases is older than its delay less one release.
+    behind = tracker.delay_ticks - round(tracker.parameters["release_s"] * setup.rate_hz) - 2
+    return LiveShoes(
+        1.0 / setup.rate_hz,
+        CENTRE_PER_STATURE * setup.body.stature_m,
+        is_apart_measured=setup.feet_apart_m is not None,
+        ahead_ticks=max(0, min(round(_AHEAD_S * setup.rate_hz), behind)),
+    )
 
 
 @dataclass(frozen=True)
@@ -227,8 +291,8 @@ def analyse_walk(recording: Recording, setup: SessionSetup) -> Walk:
     ticks = int((end_s - start_s) * setup.rate_hz + 1e-6) + 1
     time_s = start_s + np.arange(ticks) / setup.rate_hz
     parts = [_on_ticks(paths[side], strides[side], side, time_s) for side in feet]
-    pipeline = GaitPipeline(replace(setup, orientation_parameters=given))
-    frames = pipeline._frames(
+    frames = frames_of(
+        layout_of(tuple(feet)),
         round(start_s * setup.rate_hz),
         1.0 / setup.rate_hz,
         np.stack([part[0] for part in parts], axis=1),
@@ -254,19 +318,8 @@ def _steps(
     return measure_steps(left.position_m, left.quietest_s, right.position_m, right.quietest_s, beside)
 
 
-def layout_of(sides: tuple[Side, ...]) -> FrameLayout:
-    """Return the columns of the gait pipeline for the feet that are worn."""
-    names = tuple(f"foot_{side}" for side in sides)
-    return FrameLayout(
-        segments=names,
-        points=names,
-        angles=(),
-        scalars=tuple(f"{name}_{scalar}" for name in names for scalar in SCALARS),
-    )
-
-
 def _apart(position_m: Float, side: Side) -> Float:
-    aside = 0.5 * _STEP_WIDTH_M * (1.0 if side == "left" else -1.0)
+    aside = 0.5 * USUAL_APART_M * (1.0 if side == "left" else -1.0)
     return np.asarray(position_m + np.array([0.0, aside, 0.0]))
 
 
@@ -314,7 +367,8 @@ def _on_ticks(
         scalar[np.minimum(np.searchsorted(time_s, events), len(time_s) - 1), column] = 1.0
     last = np.searchsorted(strides.contact_s, time_s, side="right") - 1
     known = last >= 0
-    for column, values in ((4, strides.length_m), (5, strides.duration_s), (6, strides.clearance_m)):
+    measures = (strides.length_m, strides.duration_s, strides.clearance_m, strides.toe_out_rad)
+    for column, values in enumerate(measures, 4):
         scalar[known, column] = values[last[known]]
     return q, _apart(position, side), scalar, flags
 

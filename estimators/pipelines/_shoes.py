@@ -20,20 +20,15 @@ from estimators.balance import (
 )
 from estimators.conventions import GRAVITY_MPS2, SIDES, Side
 from estimators.errors import SetupError, ShapeError
-from estimators.gait import Measure, Strides, measure_steps, summarise
+from estimators.gait import USUAL_APART_M, Measure, Strides, measure_steps, summarise
 from estimators.kinetics import ShoeContact, ShoeGeometry, ShoeKinetics, ShoeParameters, analyse_shoe
 from estimators.orientation import OrientationFlag
 from estimators.pipelines._contract import SessionSetup
 from estimators.pipelines._gait import Walk
+from estimators.pipelines._gait_layout import BALANCE_POINTS, BALANCE_SCALARS, CENTRE_PER_STATURE
 from estimators.recording import Float, Recording
 
 ApartSource = Literal["measured", "forces", "usual"]
-BALANCE_POINTS: Final = ("centre_of_mass", "centre_of_pressure", "extrapolated_centre")
-"""Points of the frames beside the feet; the last two lie on the floor."""
-BALANCE_SCALARS: Final = ("margin_of_stability_m",)
-CENTRE_PER_STATURE: Final = 0.55
-"""Height of the centre of mass of somebody who stands."""
-_USUAL_WIDTH_M: Final = 0.15
 _WIDTH_RANGE_M: Final = (0.03, 0.45)
 _SUPPORT_HZ: Final = 25.0
 _SAME_EVENT_S: Final = 0.25
@@ -241,8 +236,8 @@ def _apart(
             is_walking=_walking(alone.is_standing),
         )
     except (ShapeError, SetupError):
-        return _USUAL_WIDTH_M, "usual"
-    return (told, "forces") if _WIDTH_RANGE_M[0] <= told <= _WIDTH_RANGE_M[1] else (_USUAL_WIDTH_M, "usual")
+        return USUAL_APART_M, "usual"
+    return (told, "forces") if _WIDTH_RANGE_M[0] <= told <= _WIDTH_RANGE_M[1] else (USUAL_APART_M, "usual")
 
 
 def _walking(is_standing: NDArray[np.bool_]) -> NDArray[np.bool_]:
