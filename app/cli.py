@@ -9,6 +9,17 @@ from typing import Annotated
 
 import typer
 
+from app.commands.words import (
+    Email,
+    Mapping,
+    OutFolder,
+    Password,
+    Port,
+    RecordingFile,
+    RecordingFormat,
+    Server,
+)
+
 cli = typer.Typer(
     name="telemotion",
     help="Telemotion: body-worn sensors in, motion and comparison with the therapist's template out.",
@@ -16,15 +27,6 @@ cli = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=False,
 )
-
-Port = Annotated[int, typer.Option(help="TCP port to listen on.", min=1, max=65535)]
-Server = Annotated[str, typer.Option(help="Address of the service.", envvar="TELEMOTION_SERVER")]
-Email = Annotated[
-    str, typer.Option(help="E-mail of an account that may treat the patient.", envvar="TELEMOTION_EMAIL")
-]
-Password = Annotated[
-    str, typer.Option(help="Its password; better given by TELEMOTION_PASSWORD.", envvar="TELEMOTION_PASSWORD")
-]
 
 
 @cli.command()
@@ -195,20 +197,16 @@ def upload(
 
 @cli.command()
 def process(
-    recording: Annotated[Path, typer.Argument(help="A recording file.", exists=True, dir_okay=False)],
-    out: Annotated[Path, typer.Option(help="Folder for the results; made when absent.")],
+    recording: RecordingFile,
+    out: OutFolder,
     pipeline: Annotated[
         str, typer.Option(help="arm (joint angles), gait (feet and strides) or orientation (single sensors).")
     ] = "arm",
     orientation: Annotated[
         str, typer.Option(help="Orientation estimator, e.g. vqf; empty for the default.")
     ] = "",
-    format: Annotated[
-        str, typer.Option(help="auto, packet_log, csv, qmt_mat, broad, pyshoe, gait_tracking or gaitmap.")
-    ] = "auto",
-    mapping: Annotated[
-        Path | None, typer.Option(help="JSON file that says which CSV columns hold what.")
-    ] = None,
+    format: RecordingFormat = "auto",
+    mapping: Mapping = None,
     rate: Annotated[
         float | None, typer.Option(help="Common tick rate in Hz; default: the recording's.")
     ] = None,
@@ -233,6 +231,70 @@ def process(
 
     command.process(
         recording, out, pipeline, orientation, format, mapping, rate, pose, parameters, force, hemisphere
+    )
+
+
+@cli.command()
+def fuse(
+    recording: RecordingFile,
+    markers: Annotated[
+        Path, typer.Argument(help="Markers of a camera system: C3D or CSV.", exists=True, dir_okay=False)
+    ],
+    out: OutFolder,
+    sensor: Annotated[
+        str, typer.Option(help="Sensor that moved with the marker; needed when there are several.")
+    ] = "",
+    format: RecordingFormat = "auto",
+    mapping: Mapping = None,
+    rate: Annotated[
+        float | None, typer.Option(help="Tick rate in Hz; default: the recording's.", min=10, max=10000)
+    ] = None,
+    marker: Annotated[str, typer.Option(help="Name of the marker; default: the one seen most.")] = "",
+    cluster: Annotated[
+        list[str] | None,
+        typer.Option(help="Another marker of the same rigid body, three or more: aligns by rate too."),
+    ] = None,
+    up: Annotated[
+        str, typer.Option(help="Axis of the laboratory that points up: x, y, z, -x, -y or -z.")
+    ] = "z",
+    unit: Annotated[str, typer.Option(help="Of a CSV of markers: mm or m.")] = "mm",
+    marker_rate: Annotated[
+        float | None, typer.Option(help="Frames a second of a CSV without a column time_s.")
+    ] = None,
+    delimiter: Annotated[str, typer.Option(help="Of a CSV of markers.")] = ",",
+    lever_arm: Annotated[
+        tuple[float, float, float] | None,
+        typer.Option(help="From sensor to marker in sensor axes (m), if measured; default: found."),
+    ] = None,
+    largest_offset: Annotated[float | None, typer.Option(help="How far the clocks can be apart (s).")] = None,
+) -> None:
+    """Fuse a sensor with a marker of a camera system: gaps filled, motion at the rate of the sensor.
+
+    Aligns the clocks by the movement; writes motion.csv (smoothed), filter.csv (what was known at each moment),
+    residuals.csv, gaps.csv and report.json. Markers in a CSV are columns NAME_x, NAME_y, NAME_z and time_s. Example:
+
+    telemotion fuse walk.tml walk.c3d --sensor foot_right --marker RHEE --out results
+    """
+    from app.commands import fuse as command
+
+    command.fuse(
+        command.FuseOptions(
+            recording,
+            markers,
+            out,
+            sensor,
+            format,
+            mapping,
+            rate,
+            marker,
+            tuple(cluster or ()),
+            up,
+            unit,
+            marker_rate,
+            delimiter,
+            lever_arm,
+            largest_offset,
+        )
     )
 
 

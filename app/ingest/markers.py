@@ -1,10 +1,10 @@
 """HTTP of marker trajectories: uploaded to an analysed session, fused by a task, reported."""
 
 from pathlib import Path
-from typing import Any, Final
+from typing import Annotated, Any, Final
 
 from anyio import to_thread
-from fastapi import APIRouter, Request
+from fastapi import APIRouter, Query, Request
 from fastapi.responses import StreamingResponse
 from pydantic import ValidationError
 from sqlalchemy import Engine
@@ -18,8 +18,8 @@ from app.errors import InvalidInput, TooLarge
 from app.ingest._multipart import UploadReceiver
 from app.ingest.readers import read_markers
 from app.ingest.upload import upload_folder
-from app.recordings import markers, service
-from app.recordings.marker_schemas import MarkersOut, MarkerUploadIn
+from app.recordings import marker_motion, markers, service
+from app.recordings.marker_schemas import MarkerMotionOut, MarkersOut, MarkerUploadIn
 from app.recordings.schemas import JobOut
 from app.services import services_of
 
@@ -91,7 +91,7 @@ def get_motion(
     session_id: str, session: ReadSession, subject: CurrentSubject, markers_id: str | None = None
 ) -> StreamingResponse:
     """Return place, velocity, acceleration and attitude at the rate of the sensor as CSV; the newest by default."""
-    lines = markers.motion_csv(session, subject, session_id, markers_id)
+    lines = marker_motion.motion_csv(session, subject, session_id, markers_id)
     return StreamingResponse(
         lines,
         media_type="text/csv",
@@ -100,6 +100,19 @@ def get_motion(
             "Cache-Control": "no-store",
         },
     )
+
+
+@router.get("/sessions/{session_id}/markers/motion/stretch")
+def get_stretch(
+    session_id: str,
+    session: ReadSession,
+    subject: CurrentSubject,
+    from_s: Annotated[float, Query(ge=0.0, le=1e6)] = 0.0,
+    until_s: Annotated[float, Query(gt=0.0, le=1e6)] = 10.0,
+    markers_id: str | None = None,
+) -> MarkerMotionOut:
+    """Return a stretch of the fused motion for curves, two minutes at most; the newest markers by default."""
+    return marker_motion.motion_between(session, subject, session_id, markers_id, from_s, until_s)
 
 
 def register(

@@ -11,11 +11,9 @@ from estimators.conventions import Placement
 MarkerFormat = Literal["c3d", "csv"]
 
 
-class MarkerUploadIn(Schema):
-    """The JSON part `declaration` of uploaded marker trajectories; the file is the other part."""
+class MarkerFileIn(Schema):
+    """What a file of marker trajectories holds, and what of it is to be used."""
 
-    segment: Placement
-    """The sensor that moved with the marker."""
     format: MarkerFormat
     marker: str | None = Field(default=None, max_length=100)
     """Its name in the file; by default the one seen most."""
@@ -32,6 +30,13 @@ class MarkerUploadIn(Schema):
     """From the sensor to the marker in sensor axes, where somebody measured it; otherwise it is found."""
     largest_offset_s: float | None = Field(default=None, gt=0)
     """How far the clocks can be apart; anything by default."""
+
+
+class MarkerUploadIn(MarkerFileIn):
+    """The JSON part `declaration` of uploaded marker trajectories; the file is the other part."""
+
+    segment: Placement
+    """The sensor that moved with the marker."""
 
 
 class MarkerGap(Schema):
@@ -102,6 +107,24 @@ class MarkerReport(Schema):
     """What was left out and why."""
 
 
+class MarkerMotionOut(Schema):
+    """A stretch of the fused motion, for curves; laboratory with z up, null where nothing is known."""
+
+    markers_id: str
+    time_s: list[float]
+    """Session time."""
+    place_m: tuple[list[float | None], list[float | None], list[float | None]]
+    """x, y and z of the fused marker."""
+    sigma_m: tuple[list[float | None], list[float | None], list[float | None]]
+    """One-sigma of each."""
+    measured_m: tuple[list[float | None], list[float | None], list[float | None]]
+    """The marker as the cameras saw it."""
+    speed_mps: list[float | None]
+    """Of the sensor."""
+    is_gap: list[bool]
+    """The cameras did not see the marker for longer than they take from frame to frame: filled by the sensor."""
+
+
 class MarkersOut(Schema):
     """Uploaded trajectories with what became of them."""
 
@@ -118,9 +141,11 @@ class MarkersOut(Schema):
 
 __all__ = [
     "MarkerCurves",
+    "MarkerFileIn",
     "MarkerFormat",
     "MarkerGap",
     "MarkerGapCheck",
+    "MarkerMotionOut",
     "MarkerReport",
     "MarkerUploadIn",
     "MarkersOut",

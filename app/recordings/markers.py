@@ -5,7 +5,6 @@ Kept as rows of the signal table, erased with their session: stream `markers/<id
 """
 
 import zlib
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final
 
@@ -26,7 +25,8 @@ from app.recordings.models import Job, MotionSession, SignalChunk
 KIND: Final = "markers"
 _PIECE_BYTES: Final = 4 << 20
 _PIECE_TICKS: Final = 6000
-_FILE, _MOTION, _REPORT = "markers/", "optical/", "optical_report/"
+MOTION_STREAM: Final = "optical/"
+_FILE, _REPORT = "markers/", "optical_report/"
 COLUMNS: Final = (
     *(f"position_{axis}_m" for axis in "xyz"),
     *(f"velocity_{axis}_mps" for axis in "xyz"),
@@ -35,8 +35,11 @@ COLUMNS: Final = (
     *(f"marker_{axis}_m" for axis in "xyz"),
     *(f"position_sigma_{axis}_m" for axis in "xyz"),
     "provenance",
+    "is_gap",
+    *(f"measured_{axis}_m" for axis in "xyz"),
 )
-"""Of the fused motion: of the accelerometer, but `marker` of the marker; laboratory, z up."""
+"""Of the fused motion: of the accelerometer, but `marker` of the marker; laboratory, z up. `measured` is the frame of
+the cameras nearest to the tick."""
 
 
 def session_for(session: Session, subject: Subject, session_id: str, segment: str) -> MotionSession:
@@ -89,7 +92,7 @@ def write_file(session: Session, session_id: str, markers_id: str, path: Path) -
     with path.open("wb") as file:
         for row in rows:
             declared = row.scale["declaration"]
-            file.write(zlib.decompress(_sound(row)))
+            file.write(zlib.decompress(sound(row)))
     if declared is None:
         raise NotFound("The uploaded markers are gone; upload them again.")
     return MarkerUploadIn.model_validate(declared)
@@ -105,7 +108,7 @@ def store_fusion(
     motion: NDArray[np.float32],
 ) -> None:
     """Keep report and motion, shape (K, len(COLUMNS)); an earlier attempt's are replaced."""
-    for stream in (_MOTION, _REPORT):
+    for stream in (MOTION_STREAM, _REPORT):
         session.execute(
             delete(SignalChunk).where(
                 SignalChunk.session_id == session_id, SignalChunk.stream == stream + markers_id
@@ -117,7 +120,7 @@ def store_fusion(
         scale = {"first_tick": first_tick + start, "time_step_s": time_step_s, "columns": list(COLUMNS)}
         at_ns = round((first_tick + start) * time_step_s * 1e9)
         chunk = EncodedChunk(at_ns, len(part), codecs.FLOATS_CODEC, scale, codecs.checksum(data), data)
-        insert_chunk(session, session_id, _MOTION + markers_id, first_tick + start, chunk)
+        insert_chunk(session, session_id, MOTION_STREAM + markers_id, first_tick + start, chunk)
     data = zlib.compress(report.model_dump_json().encode(), 6)
     chunk = EncodedChunk(0, 0, "json.zlib", {"version": 1}, codecs.checksum(data), data)
     insert_chunk(session, session_id, _REPORT + markers_id, 0, chunk)
@@ -152,51 +155,10 @@ def markers_of(session: Session, subject: Subject, session_id: str) -> list[Mark
                 uploaded_at=told.get("uploaded_at"),
                 status=job.status,
                 message=job.message,
-                report=None
-                if row is None
-                else MarkerReport.model_validate_json(zlib.decompress(_sound(row))),
+                report=None if row is None else MarkerReport.model_validate_json(zlib.decompress(sound(row))),
             )
         )
     return found
-
-
-def motion_csv(session: Session, subject: Subject, session_id: str, markers_id: str | None) -> Iterator[str]:
-    """Return the fused motion at the rate of the sensor as lines of CSV; the newest by default.
-
-    Raises
-    ------
-    NotFound
-        There is none.
-    """
-    repository.get_session(
-        session,
-        subject,
-        session_id,
-        action="session.markers.export",
-        details={"markers": markers_id or "newest"},
-    )
-    if markers_id is None:
-        ids = [
-            str(job.arguments["markers_id"])
-            for job in session.scalars(
-                select(Job)
-                .where(Job.session_id == session_id, Job.kind == KIND, Job.status == "complete")
-                .order_by(Job.created_at.desc(), Job.id)
-                .limit(1)
-            )
-        ]
-        markers_id = ids[0] if ids else ""
-    rows = _rows(session, session_id, _MOTION + markers_id)
-    if not rows:
-        raise NotFound("This session has no fused markers yet.")
-    lines = [",".join(("time_s", *COLUMNS)) + "\n"]
-    for row in rows:
-        values = codecs.decode_floats(_sound(row), row.ticks, len(row.scale["columns"]))
-        step = row.scale["time_step_s"]
-        for number, line in enumerate(values.tolist()):
-            numbers = ",".join("" if value != value else f"{value:.7g}" for value in line)
-            lines.append(f"{(row.scale['first_tick'] + number) * step:.5f},{numbers}\n")
-    return iter(lines)
 
 
 def stored_bytes(session: Session, session_id: str) -> int:
@@ -219,7 +181,8 @@ def _rows(session: Session, session_id: str, stream: str) -> list[SignalChunk]:
     )
 
 
-def _sound(row: SignalChunk) -> bytes:
+def sound(row: SignalChunk) -> bytes:
+    """Return the data of a row whose checksum is right."""
     if codecs.checksum(row.data) != row.crc:
         raise codecs.DamagedChunkError("stored markers have a wrong checksum; restore them from the backup")
     return row.data
@@ -228,9 +191,10 @@ def _sound(row: SignalChunk) -> bytes:
 __all__ = [
     "COLUMNS",
     "KIND",
+    "MOTION_STREAM",
     "markers_of",
-    "motion_csv",
     "session_for",
+    "sound",
     "store_file",
     "store_fusion",
     "stored_bytes",

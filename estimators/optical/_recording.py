@@ -32,6 +32,8 @@ class OpticalFusion:
     alignment : Alignment
     result : OpticalResult
         Smoothed; NaN where there was nothing to fuse.
+    filtered : OpticalResult
+        Forward only: what the samples and markers up to each tick told.
     marker_m : ndarray, shape (K, 3)
         The frames, each at its nearest tick; NaN without one.
     residual_m : ndarray, shape (K, 3)
@@ -58,6 +60,7 @@ class OpticalFusion:
     time_step_s: float
     alignment: Alignment
     result: OpticalResult
+    filtered: OpticalResult
     marker_m: Float
     residual_m: Float
     spline_m: Float
@@ -148,6 +151,7 @@ def fuse_markers(
         scale = 1.0
     total = stretches[-1].first + len(stretches[-1].chunk.marker_m) - first
     result = _joined(stretches, results, first, total)
+    filtered = _joined(stretches, [stretch.filtered() for stretch in stretches], first, total)
     part = slice(first, first + total)
     turning = rotation.rotate(
         result.q_room_sensor, np.cross(gyroscope_radps[part] - result.rate_bias_radps, result.lever_arm_m)
@@ -155,9 +159,8 @@ def fuse_markers(
     d = delay[part, None]
     there = result.marker_m + d * (result.velocity_mps + turning) + 0.5 * d**2 * result.acceleration_mps2
     # What the clocks may be apart moves a marker along its path.
-    apart = (ticks[part] - found.reference_s)[:, None] * found.drift_sigma
-    clocks = np.abs(result.velocity_mps) * np.hypot(found.offset_sigma_s, apart)
-    result = replace(result, position_sigma_m=np.hypot(result.position_sigma_m, clocks))
+    clocks = np.hypot(found.offset_sigma_s, (ticks[part] - found.reference_s)[:, None] * found.drift_sigma)
+    result, filtered = _with_clocks(result, clocks), _with_clocks(filtered, clocks)
     last = results[0].lever_arm_m[-1], results[0].lever_arm_sigma_m[-1]
     accepted = result.provenance == Provenance.MEASURED
     return OpticalFusion(
@@ -165,6 +168,7 @@ def fuse_markers(
         time_step_s,
         found,
         result,
+        filtered,
         on_ticks[part],
         on_ticks[part] - there,
         fill_by_spline(on_ticks[part], time_step_s),
@@ -181,6 +185,11 @@ def fuse_markers(
         int((result.provenance == Provenance.REJECTED).sum()),
         tuple(reasons),
     )
+
+
+def _with_clocks(result: OpticalResult, apart_s: Float) -> OpticalResult:
+    sigma = np.hypot(result.position_sigma_m, np.abs(result.velocity_mps) * apart_s)
+    return replace(result, position_sigma_m=sigma)
 
 
 def _best_alignment(

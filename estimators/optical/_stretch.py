@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from estimators import rotation
 from estimators.errors import ComparisonError
 from estimators.optical._attitude import Mounting, find_mounting, level_attitude, start_at
-from estimators.optical._contract import OpticalChunk, OpticalResult
+from estimators.optical._contract import OpticalChunk, OpticalResult, OpticalStart
 from estimators.optical._fusion import OpticalInertialFilter, smooth_optical
 from estimators.optical._gaps import fill_by_spline
 from estimators.recording import Float
@@ -57,18 +57,28 @@ class Stretch:
     def smoothed(self, chunk: OpticalChunk | None = None) -> OpticalResult:
         """Fuse it, or the same with other markers."""
         chunk = self.chunk if chunk is None else chunk
-        given = self.parameters
-        start = start_at(
+        return smooth_optical(self._begun(chunk), self.parameters, self._start(chunk))
+
+    def filtered(self) -> OpticalResult:
+        """Fuse it forward only: what was known at each tick of the samples and markers up to it."""
+        live = OpticalInertialFilter(self.chunk.time_step_s, self.parameters)
+        start = self._start(self.chunk)
+        if start is not None:
+            live.begin(start)
+        return live.update(self._begun(self.chunk))
+
+    def _begun(self, chunk: OpticalChunk) -> OpticalChunk:
+        return replace(chunk.ticks(self.start_tick, len(chunk.marker_m)), first_tick=0)
+
+    def _start(self, chunk: OpticalChunk) -> OpticalStart | None:
+        return start_at(
             self.start_tick,
             chunk.time_step_s,
             self.mounting,
             chunk.gyroscope_radps,
             self.camera_time_s,
             self.camera_marker_m,
-            given.get("marker_sigma_m", 0.0005),
-        )
-        return smooth_optical(
-            replace(chunk.ticks(self.start_tick, len(chunk.marker_m)), first_tick=0), given, start
+            self.parameters.get("marker_sigma_m", 0.0005),
         )
 
 

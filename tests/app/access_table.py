@@ -241,6 +241,7 @@ LINES: tuple[Line, ...] = (
     ),
     patient("GET", "/api/sessions/{session_id}/markers", READ),
     patient("GET", "/api/sessions/{session_id}/markers/motion", READ, status=404),
+    patient("GET", "/api/sessions/{session_id}/markers/motion/stretch", READ, status=404),
     patient("POST", "/api/uploads", RECORD, body=UPLOAD, files=True, status=202),
     Line("GET", "/api/estimators", "signed_in"),
     # --- live ---

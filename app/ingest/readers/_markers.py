@@ -10,7 +10,7 @@ from app.errors import RecordingFormatError
 from app.ingest.readers._c3d import read_c3d
 from app.ingest.readers._csv import MAX_LINE_BYTES, read_columns
 from app.ingest.readers._time import HIGHEST_HZ, LOWEST_HZ, seconds_of
-from app.recordings.marker_schemas import MarkerUploadIn
+from app.recordings.marker_schemas import MarkerFileIn
 from estimators.recording import Float
 
 _METRES: Final = {"m": 1.0, "mm": 1e-3}
@@ -58,7 +58,7 @@ class MarkerTracks:
         return self.position_m[:, self.names.index(name)]
 
 
-def read_markers(path: Path, declared: MarkerUploadIn) -> MarkerTracks:
+def read_markers(path: Path, declared: MarkerFileIn) -> MarkerTracks:
     """Read trajectories as declared.
 
     Raises
@@ -87,7 +87,7 @@ def read_markers(path: Path, declared: MarkerUploadIn) -> MarkerTracks:
     return MarkerTracks(names, time_s, position @ turn.T)
 
 
-def _read_csv(path: Path, declared: MarkerUploadIn) -> tuple[tuple[str, ...], Float, Float]:
+def _read_csv(path: Path, declared: MarkerFileIn) -> tuple[tuple[str, ...], Float, Float]:
     """Read columns `NAME_x`, `NAME_y`, `NAME_z`, and `time_s` unless a rate was declared."""
     with path.open("rb") as file:
         line = file.readline(MAX_LINE_BYTES)

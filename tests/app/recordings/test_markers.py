@@ -80,8 +80,20 @@ def test_markers_are_fused_reported_exported_and_erased(
     values = np.array([[float(x) if x else np.nan for x in line.split(",")] for line in lines[1:]])
     assert lines[0].startswith("time_s,position_x_m")
     rows = np.rint(values[:, 0] * 100).astype(int)
+    assert lines[0].endswith("is_gap,measured_x_m,measured_y_m,measured_z_m")
     error = values[:, 1:4] - scene.position_m[rows]
     assert np.nanmax(np.abs(error)) < 0.005
+    address = f"/api/sessions/{session_id}/markers/motion/stretch"
+    stretch = therapist.get(address, params={"from_s": 8.0, "until_s": 11.0}).json()
+    time_s, is_gap = np.array(stretch["time_s"]), np.array(stretch["is_gap"])
+    assert stretch["markers_id"] == found["id"]
+    assert len(time_s) == 300
+    np.testing.assert_array_equal(is_gap, (time_s > 8.995) & (time_s < 9.995))
+    places = np.array(stretch["place_m"]).T
+    np.testing.assert_allclose(places, scene.position_m[np.rint(time_s * 100).astype(int)], atol=0.005)
+    assert [x is None for x in stretch["measured_m"][0]] == is_gap.tolist()
+    assert max(stretch["sigma_m"][2]) < 0.01
+    assert therapist.get(address, params={"from_s": 8.0, "until_s": 300.0}).status_code == 422
     with read_only(engine) as session:
         actions = {event.action for event in session.scalars(select(AuditEvent))}
     assert {"session.markers", "session.markers.upload", "session.markers.export"} <= actions

@@ -977,6 +977,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/sessions/{session_id}/markers/motion/stretch": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Stretch
+         * @description Return a stretch of the fused motion for curves, two minutes at most; the newest markers by default.
+         */
+        get: operations["get_stretch_api_sessions__session_id__markers_motion_stretch_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/sessions/{session_id}/points": {
         parameters: {
             query?: never;
@@ -1679,7 +1699,7 @@ export interface components {
             /** Limbs */
             limbs?: ("left_arm" | "right_arm" | "trunk" | "legs")[];
             /** Placements */
-            placements?: ("head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right")[];
+            placements?: ("head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right" | "heel_left" | "forefoot_left" | "heel_right" | "forefoot_right")[];
         };
         /**
          * CalibrationMessage
@@ -1971,7 +1991,7 @@ export interface components {
              * Placement
              * @enum {string}
              */
-            placement: "head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right";
+            placement: "head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right" | "heel_left" | "forefoot_left" | "heel_right" | "forefoot_right";
             /**
              * Quantity
              * @enum {string}
@@ -2510,6 +2530,38 @@ export interface components {
             within_three_sigma: number;
         };
         /**
+         * MarkerMotionOut
+         * @description A stretch of the fused motion, for curves; laboratory with z up, null where nothing is known.
+         */
+        MarkerMotionOut: {
+            /** Is Gap */
+            is_gap: boolean[];
+            /** Markers Id */
+            markers_id: string;
+            /** Measured M */
+            measured_m: [
+                (number | null)[],
+                (number | null)[],
+                (number | null)[]
+            ];
+            /** Place M */
+            place_m: [
+                (number | null)[],
+                (number | null)[],
+                (number | null)[]
+            ];
+            /** Sigma M */
+            sigma_m: [
+                (number | null)[],
+                (number | null)[],
+                (number | null)[]
+            ];
+            /** Speed Mps */
+            speed_mps: (number | null)[];
+            /** Time S */
+            time_s: number[];
+        };
+        /**
          * MarkerReport
          * @description How markers and a sensor fit.
          */
@@ -2638,7 +2690,7 @@ export interface components {
              * Segment
              * @enum {string}
              */
-            segment: "head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right";
+            segment: "head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right" | "heel_left" | "forefoot_left" | "heel_right" | "forefoot_right";
             /**
              * Unit
              * @default mm
@@ -3213,7 +3265,7 @@ export interface components {
              */
             code: "swapped_sides" | "swapped_segments" | "turned" | "moved_since" | "faulty";
             /** Placements */
-            placements: ("head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right")[];
+            placements: ("head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right" | "heel_left" | "forefoot_left" | "heel_right" | "forefoot_right")[];
             /** Text */
             text: string;
         };
@@ -3270,7 +3322,7 @@ export interface components {
              * Placement
              * @enum {string}
              */
-            placement: "head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right";
+            placement: "head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right" | "heel_left" | "forefoot_left" | "heel_right" | "forefoot_right";
             /** Progress */
             progress: number;
             /** Residual Percent */
@@ -3337,7 +3389,7 @@ export interface components {
             /** Pipeline */
             pipeline: string;
             /** Placements */
-            placements: ("head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right")[];
+            placements: ("head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right" | "heel_left" | "forefoot_left" | "heel_right" | "forefoot_right")[];
             /** Prescription Id */
             prescription_id: string | null;
             /**
@@ -3416,7 +3468,7 @@ export interface components {
              */
             pipeline?: "arm" | "gait" | "relative_pose";
             /** Placements */
-            placements: ("head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right")[];
+            placements: ("head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right" | "heel_left" | "forefoot_left" | "heel_right" | "forefoot_right")[];
             /** Prescription Id */
             prescription_id?: string | null;
             /**
@@ -5736,6 +5788,41 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+        };
+    };
+    get_stretch_api_sessions__session_id__markers_motion_stretch_get: {
+        parameters: {
+            query?: {
+                from_s?: number;
+                markers_id?: string | null;
+                until_s?: number;
+            };
+            header?: never;
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MarkerMotionOut"];
+                };
             };
             /** @description Validation Error */
             422: {

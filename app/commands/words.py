@@ -1,0 +1,37 @@
+"""Arguments and options that several commands share."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+Port = Annotated[int, typer.Option(help="TCP port to listen on.", min=1, max=65535)]
+Server = Annotated[str, typer.Option(help="Address of the service.", envvar="TELEMOTION_SERVER")]
+Email = Annotated[
+    str, typer.Option(help="E-mail of an account that may treat the patient.", envvar="TELEMOTION_EMAIL")
+]
+Password = Annotated[
+    str, typer.Option(help="Its password; better given by TELEMOTION_PASSWORD.", envvar="TELEMOTION_PASSWORD")
+]
+RecordingFile = Annotated[Path, typer.Argument(help="A recording file.", exists=True, dir_okay=False)]
+OutFolder = Annotated[Path, typer.Option(help="Folder for the results; made when absent.")]
+RecordingFormat = Annotated[
+    str,
+    typer.Option(
+        help="Of the recording: auto, packet_log, csv, qmt_mat, broad, pyshoe, gait_tracking or gaitmap."
+    ),
+]
+Mapping = Annotated[
+    Path | None, typer.Option(help="JSON file that says which CSV columns of the recording hold what.")
+]
+
+__all__ = [
+    "Email",
+    "Mapping",
+    "OutFolder",
+    "Password",
+    "Port",
+    "RecordingFile",
+    "RecordingFormat",
+    "Server",
+]

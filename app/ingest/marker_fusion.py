@@ -1,0 +1,193 @@
+"""Markers fused with a sensor in the product's own words: what the page, the command and the store take of it."""
+
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.errors import InvalidInput
+from app.ingest.readers import MarkerTracks
+from app.recordings.marker_schemas import (
+    MarkerCurves,
+    MarkerFileIn,
+    MarkerGap,
+    MarkerGapCheck,
+    MarkerReport,
+)
+from estimators.errors import EstimationError
+from estimators.optical import OpticalFusion, OpticalResult, Provenance, fuse_markers
+from estimators.recording import Float
+
+_POINTS: Final = 600
+_GAPS: Final = 100
+
+
+def fuse_tracks(
+    tracks: MarkerTracks,
+    declared: MarkerFileIn,
+    time_step_s: float,
+    gyroscope_radps: Float,
+    accelerometer_mps2: Float,
+) -> tuple[OpticalFusion, str]:
+    """Fuse the declared marker, or the one seen most, with a sensor; return its name too.
+
+    Parameters
+    ----------
+    tracks : MarkerTracks
+    declared : MarkerFileIn
+    time_step_s : float
+    gyroscope_radps, accelerometer_mps2 : ndarray, shape (K, 3)
+        Even ticks from time zero; NaN where nothing was measured.
+
+    Raises
+    ------
+    InvalidInput
+        Markers and sensor do not show the same movement; the message says what to do.
+    """
+    name = declared.marker or _most_seen(tracks)
+    try:
+        fusion = fuse_markers(
+            tracks.time_s,
+            tracks.of(name),
+            time_step_s,
+            gyroscope_radps,
+            accelerometer_mps2,
+            lever_arm_m=None if declared.lever_arm_m is None else np.array(declared.lever_arm_m),
+            cluster_m=_cluster(tracks, declared),
+            largest_offset_s=declared.largest_offset_s,
+        )
+    except EstimationError as error:
+        raise InvalidInput(f"{error}. Check the segment and which axis points up.") from error
+    return fusion, name
+
+
+def report_of(fusion: OpticalFusion, marker: str, start_s: float = 0.0) -> MarkerReport:
+    """Return what people are told of a fusion.
+
+    Parameters
+    ----------
+    fusion : OpticalFusion
+    marker : str
+        Its name.
+    start_s : float
+        Time of the first tick on the clock that the report speaks of.
+    """
+    used = np.isin(fusion.result.provenance, (Provenance.MEASURED, Provenance.RECOVERED))
+    residual = fusion.residual_m[used]
+    found, step = fusion.alignment, fusion.time_step_s
+    gaps = sorted(fusion.gaps, key=lambda gap: -gap.length_s)[:_GAPS]
+    return MarkerReport(
+        marker=marker,
+        offset_s=found.offset_s - start_s,
+        offset_sigma_s=found.offset_sigma_s,
+        drift_ppm=1e6 * found.drift,
+        drift_sigma_ppm=1e6 * found.drift_sigma,
+        correlation=found.correlation,
+        rival=found.rival,
+        overlap_s=found.overlap_s,
+        aligned_by="rate" if found.signal == "rate" else "acceleration",
+        lever_arm_m=[float(x) for x in fusion.lever_arm_m],
+        lever_arm_sigma_m=[float(x) for x in fusion.lever_arm_sigma_m],
+        heading_sigma_rad=fusion.heading_sigma_rad,
+        residual_rms_m=[float(x) for x in np.sqrt(np.nanmean(residual**2, axis=0))],
+        sigma_scale=fusion.sigma_scale,
+        mean_nis=_plain(fusion.mean_nis),
+        frame_count=fusion.frame_count,
+        used_count=fusion.used_count,
+        rejected_count=fusion.rejected_count,
+        gaps=[
+            MarkerGap(
+                start_s=round(start_s + (fusion.first_tick + gap.start) * step, 4),
+                length_s=round(gap.length_s, 4),
+                sigma_m=gap.sigma_m,
+                withheld=gap.withheld,
+            )
+            for gap in sorted(gaps, key=lambda gap: gap.start)
+        ],
+        gap_count=len(fusion.gaps),
+        checks=[
+            MarkerGapCheck(
+                length_s=check.length_s,
+                count=check.count,
+                inertial_m=check.inertial_m,
+                spline_m=_plain(check.spline_m),
+                within_three_sigma=check.within_three_sigma,
+            )
+            for check in fusion.checks
+        ],
+        curves=_curves(fusion, used, start_s),
+        reasons=list(fusion.reasons),
+    )
+
+
+def _curves(fusion: OpticalFusion, used: NDArray[np.bool_], start_s: float) -> MarkerCurves:
+    result = fusion.result
+    count = len(result.position_m)
+    residual = np.where(used, np.linalg.norm(fusion.residual_m, axis=1), np.nan)
+    sigma = result.position_sigma_m.max(axis=1)
+    speed = np.linalg.norm(result.velocity_mps, axis=1)
+    edges = np.linspace(0, count, min(_POINTS, count) + 1).astype(int)
+    middles = (edges[:-1] + edges[1:] - 1) // 2
+
+    def largest(values: Float) -> list[float | None]:
+        return [
+            _plain(float(np.nanmax(part))) if np.isfinite(part := values[a:b]).any() else None
+            for a, b in pairwise(edges)
+        ]
+
+    return MarkerCurves(
+        time_s=[round(float(t), 3) for t in start_s + (fusion.first_tick + middles) * fusion.time_step_s],
+        residual_m=largest(residual),
+        sigma_m=largest(sigma),
+        speed_mps=largest(speed),
+    )
+
+
+def motion_of(fusion: OpticalFusion, result: OpticalResult | None = None) -> NDArray[np.float32]:
+    """Return the motion as it is kept and exported, shape (K, C); the columns are `app.recordings.markers.COLUMNS`.
+
+    Parameters
+    ----------
+    fusion : OpticalFusion
+    result : OpticalResult, optional
+        The smoothed one by default.
+    """
+    result = fusion.result if result is None else result
+    q = np.where(np.isfinite(result.position_m[:, :1]), result.q_room_sensor, np.nan)
+    is_gap = np.zeros(len(q))
+    for gap in fusion.gaps:
+        is_gap[gap.start : gap.stop] = 1.0
+    return np.column_stack(
+        [
+            result.position_m,
+            result.velocity_mps,
+            result.acceleration_mps2,
+            q,
+            result.marker_m,
+            result.position_sigma_m,
+            result.provenance,
+            is_gap,
+            fusion.marker_m,
+        ]
+    ).astype(np.float32)
+
+
+def _most_seen(tracks: MarkerTracks) -> str:
+    seen = np.isfinite(tracks.position_m).all(axis=-1).sum(axis=0)
+    return tracks.names[int(np.argmax(seen))]
+
+
+def _cluster(tracks: MarkerTracks, declared: MarkerFileIn) -> Float | None:
+    if not declared.cluster:
+        return None
+    if len(set(declared.cluster)) < 3:
+        raise InvalidInput("A cluster needs three different markers at least.", field="cluster")
+    return np.stack([tracks.of(name) for name in declared.cluster], axis=1)
+
+
+def _plain(value: float) -> float | None:
+    return round(value, 6) if np.isfinite(value) else None
+
+
+__all__ = ["fuse_tracks", "motion_of", "report_of"]
