@@ -10,7 +10,7 @@ export PYTHONDONTWRITEBYTECODE :=
 # One thread a process for linear algebra: the service scales over sessions, not inside one.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: help run test test-quick checks lint types web web-test bench-live bench-kernels bench-gait bench-magnetic bench-viewer validate lock wheel check-versions browser clean
+.PHONY: help run test test-quick checks lint types web web-test bench-live bench-kernels bench-gait bench-magnetic bench-viewer validate accuracy lock wheel check-versions browser clean
 
 help: ## This list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk 'BEGIN {FS = ":.*## "} {printf "  make %-14s %s\n", $$1, $$2}'
@@ -95,6 +95,9 @@ bench-viewer: $(VENV)/installed ## Processor cost of the 3D scene
 
 validate: $(VENV)/installed ## Published experiments, ours beside theirs
 	@$(BIN)/telemotion validate
+
+accuracy: $(VENV)/installed ## Measure the accuracy page and docs/accuracy.md anew; DATA=folder of recordings
+	@$(BIN)/telemotion validate --data $(DATA) --out app/accuracy/report.json --page docs/accuracy.md
 
 lock: ## Rewrite requirements.lock from pyproject.toml (needs uv)
 	uv pip compile --quiet --universal --generate-hashes --no-header --extra test --python-version 3.11 pyproject.toml -o requirements.lock

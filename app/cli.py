@@ -362,11 +362,12 @@ def validate(
     out: Annotated[
         Path | None, typer.Option(help="Also write the report with its plots to this JSON file.")
     ] = None,
+    page: Annotated[Path | None, typer.Option(help="Also write a Markdown page to this file.")] = None,
 ) -> None:
     """Run the published experiments: published figure, required figure, ours. Exit code 1 when one falls short."""
     from app.commands import validate as command
 
-    command.validate(names or None, seeds, data, json, list_only, out)
+    command.validate(names or None, seeds, data, json=json, list_only=list_only, out=out, page=page)
 
 
 def main() -> None:

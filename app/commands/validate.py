@@ -16,7 +16,13 @@ _SETS = ("broad", "pyshoe", "gaitmap", "gait_tracking")
 
 
 def validate(
-    names: list[str] | None, seeds: int, data: Path | None, json: bool, list_only: bool, out: Path | None
+    names: list[str] | None,
+    seeds: int,
+    data: Path | None,
+    json: bool,
+    list_only: bool,
+    out: Path | None,
+    page: Path | None,
 ) -> None:
     """Run protocols, print a table or JSON, and exit with 1 when one falls short.
 
@@ -31,6 +37,8 @@ def validate(
     json, list_only : bool
     out : Path or None
         Also write the report, with plots, to this file.
+    page : Path or None
+        Also write a Markdown page to this file.
     """
     if list_only:
         for protocol in validation.protocols():
@@ -52,6 +60,9 @@ def validate(
             out.write_text(report + "\n", encoding="utf-8")
         if json:
             typer.echo(report)
+    if page is not None:
+        text = validation.to_markdown(results, _command(names, seeds, data), sorted(recordings or {}))
+        page.write_text(text, encoding="utf-8")
     if not json:
         typer.echo(validation.to_table(results))
         if data is None:

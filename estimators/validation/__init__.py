@@ -67,7 +67,7 @@ from estimators.validation._relative_pose_faults import (
     RELATIVE_POSE_TEN_HOURS,
 )
 from estimators.validation._relative_pose_feet import RELATIVE_POSE_FEET
-from estimators.validation._render import to_data, to_json, to_table
+from estimators.validation._render import to_data, to_json, to_markdown, to_table
 from estimators.validation._roetenberg_case import STEEL_CASE
 from estimators.validation._roetenberg_elbow import ELBOW_FLEXION
 from estimators.validation._roetenberg_static import STATIC_IRON
@@ -229,5 +229,6 @@ __all__ = [
     "run",
     "to_data",
     "to_json",
+    "to_markdown",
     "to_table",
 ]

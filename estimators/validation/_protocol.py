@@ -169,14 +169,18 @@ class FigureResult:
         return float(self.values.std(ddof=1)) if len(self.values) > 1 else float("nan")
 
     @property
+    def judged(self) -> float:
+        """The one of the two that is held against the limit."""
+        return self.worst if self.figure.judged_by == "worst" else self.median
+
+    @property
     def passed(self) -> bool:
         """Whether the limit is kept; a figure without one always passes, one without a value never."""
         if self.figure.required is None:
             return True
-        judged = self.worst if self.figure.judged_by == "worst" else self.median
         if self.figure.at_most:
-            return judged <= self.figure.required
-        return judged >= self.figure.required
+            return self.judged <= self.figure.required
+        return self.judged >= self.figure.required
 
 
 @dataclass(frozen=True)

@@ -59,6 +59,62 @@ def to_table(results: Sequence[ProtocolResult]) -> str:
     return "\n".join(lines)
 
 
+def to_markdown(results: Sequence[ProtocolResult], command: str, data: Sequence[str] = ()) -> str:
+    """Return a page: what was typed, one line a protocol with the figure nearest to its limit, then `to_table`.
+
+    Parameters
+    ----------
+    results : sequence of ProtocolResult
+    command : str
+        As typed.
+    data : sequence of str
+        Names of the recordings that were given.
+    """
+    passed = sum(result.passed for result in results)
+    lines = [
+        "# Accuracy",
+        "",
+        f"Made by `{command}`. {passed} of {len(results)} experiments reach what is required in every figure.",
+        *([f"FOLDER held {', '.join(data)}."] if data else []),
+        "",
+        "| experiment | n | verdict | nearest to its limit (or farthest past it) | required | ours |",
+        "|---|---|---|---|---|---|",
+    ]
+    for result in results:
+        nearest = max((found for found in result.figures if found.figure.required is not None), key=_share)
+        sign = "≤" if nearest.figure.at_most else "≥"
+        unit = "" if nearest.figure.unit == "1" else f" {nearest.figure.unit}"
+        cells = (
+            f"{result.protocol.title} (`{result.name}`)",
+            str(result.seeds),
+            "pass" if result.passed else "**short**",
+            nearest.figure.name,
+            f"{sign} {_number(nearest.figure.required)}{unit}",
+            f"{_number(nearest.judged)}{unit}",
+        )
+        lines.append(f"| {' | '.join(cells)} |")
+    lines += [
+        "",
+        "Below: what was published, what is required, ours as the median and the worst of n seeds or recordings, and",
+        "the spread between them. Ours is judged by the worst, or where the experiment says so by the median. Figures",
+        "without a requirement are shown for comparison. The seconds are of one core of a shared machine.",
+        "",
+        "```",
+        to_table(results),
+        "```",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _share(found: FigureResult) -> float:
+    """Return how much of what its limit allows a figure uses up; infinite when nothing could be measured."""
+    limit, judged = found.figure.required, found.judged
+    if limit is None or math.isnan(judged):
+        return math.inf
+    used, allowed = (judged, limit) if found.figure.at_most else (limit, judged)
+    return used / allowed if allowed > 0.0 else math.inf if used > allowed else 0.0
+
+
 def _finite(value: float | None) -> float | None:
     """Round to six digits: finer than any limit, and a third of the file."""
     return None if value is None or not math.isfinite(value) else float(f"{value:.6g}")

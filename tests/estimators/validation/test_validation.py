@@ -58,7 +58,6 @@ QUICK = {
     "magnetic_bench": 20,
 }
 SHORT = {
-    "disturbance_steel_case": {"our filter, steel case, 5 min, after the retreat, mean of the trials"},
     "magnetic_fusion": {"bench, forward position", "leg, walking, forward position"},
 }
 """What falls short today, and the command says so; nothing else may."""
@@ -112,6 +111,11 @@ def test_table_and_json_tell_failures():
     assert "Made up [made_up]: pass" in table
     assert "FAIL" in table
     assert "1 of 2 protocols pass" in table
+    page = validation.to_markdown([good, replace(bad, seeds=3)], "telemotion validate --seeds 2")
+    assert "1 of 2 experiments" in page
+    assert "| Made up (`made_up`) | 2 | pass | x | ≤ 2 m | 1.5 m |" in page
+    assert "| Made up (`made_up`) | 3 | **short** | x | ≤ 1 m | none m |" in page
+    assert table in page
     content = json.loads(validation.to_json([good, bad]))
     assert content[0]["plots"] == []
     assert [entry["passed"] for entry in content] == [True, False]
