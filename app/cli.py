@@ -125,6 +125,17 @@ def simulate(
             help="Instead of an arm, a magnetic source: flexion, rotation, walk_back, shoulder, hip, walk_leg or feet."
         ),
     ] = "",
+    walk: Annotated[
+        str,
+        typer.Option(
+            help="Instead of an arm, a walk on instrumented shoes with load cells: centre_of_mass, stroke, turns,"
+            " shuffling, placement, ankle or stairs."
+        ),
+    ] = "",
+    steps: Annotated[int, typer.Option(help="Steps of a --walk.", min=4, max=2000)] = 24,
+    forces: Annotated[
+        bool, typer.Option(help="Whether the shoes of a --walk have load cells; else one sensor a foot.")
+    ] = True,
     seconds: Annotated[float, typer.Option(help="Length of a --relative session.", min=10, max=1800)] = 60.0,
     no_implants: Annotated[
         bool,
@@ -145,6 +156,26 @@ def simulate(
         magnetic.simulate_relative(
             magnetic.RelativeOptions(
                 server, email, password, patient, relative, seconds, speed, seed, no_implants
+            )
+        )
+        return
+    if walk:
+        from app.commands import simulate_walk as walking
+
+        walking.simulate_walk(
+            walking.WalkOptions(
+                server,
+                email,
+                password,
+                patient,
+                exercise or None,
+                walk,
+                steps,
+                speed,
+                seed,
+                forces,
+                loss_percent=loss_percent,
+                breaks=breaks,
             )
         )
         return

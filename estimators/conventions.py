@@ -47,10 +47,12 @@ Placement = Literal[
     "shank_right",
     "foot_left",
     "foot_right",
+    "heel_left",
+    "forefoot_left",
+    "heel_right",
+    "forefoot_right",
 ]
 """Where a sensor is worn; also the name of the segment it measures (sternum measures the thorax)."""
-
-PLACEMENTS: Final[tuple[Placement, ...]] = get_args(Placement)
 
 ShoePlacement = Literal["heel_left", "forefoot_left", "heel_right", "forefoot_right"]
 """Sensors of an instrumented shoe, under heel and forefoot, inertial and load cell in one.
@@ -61,6 +63,11 @@ or `foot_right`.
 """
 
 SHOE_PLACEMENTS: Final[tuple[ShoePlacement, ...]] = get_args(ShoePlacement)
+
+PLACEMENTS: Final[tuple[Placement, ...]] = tuple(
+    name for name in get_args(Placement) if name not in SHOE_PLACEMENTS
+)
+"""One sensor a segment; those under the parts of a shoe are `SHOE_PLACEMENTS`."""
 
 Side = Literal["left", "right"]
 SIDES: Final[tuple[Side, ...]] = ("left", "right")

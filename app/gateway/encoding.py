@@ -16,17 +16,21 @@ from estimators.recording import Recording
 from estimators.simulation.faults import DeliveryPlan, LinkFaults, plan_delivery
 
 _FULL_COUNTS = 32767.0
+_NO_LOAD = -32768.0 / _FULL_COUNTS
+_INERTIAL = Channel.GYROSCOPE | Channel.ACCELEROMETER
 EPOCH_US = 1_000_000_000
 """Device clock when the simulated device begins to measure; no device starts at zero."""
 
 
 @dataclass(frozen=True)
 class CountScales:
-    """Full scale of the device's 16-bit counts; by default 2000 deg/s, 16 g and 4.9 mT."""
+    """Full scale of the device's 16-bit counts; by default 2000 deg/s, 16 g, 4.9 mT, 3 kN and 150 Nm."""
 
     gyroscope_radps: float = float(np.deg2rad(2000.0))
     accelerometer_mps2: float = 16.0 * GRAVITY_MPS2
     magnetometer_t: float = 4.9e-3
+    force_n: float = 3000.0
+    moment_nm: float = 150.0
 
 
 @dataclass(frozen=True)
@@ -43,6 +47,8 @@ class DeviceStream:
     device : str
     serials : tuple of str
         One a sensor, or none.
+    channels : Channel
+        What W values of a sensor are.
     """
 
     placements: tuple[str, ...]
@@ -52,6 +58,7 @@ class DeviceStream:
     ticks_per_packet: int = 5
     device: str = "telemotion simulator"
     serials: tuple[str, ...] = ()
+    channels: Channel = _INERTIAL | Channel.MAGNETOMETER
 
     @property
     def packet_count(self) -> int:
@@ -72,9 +79,9 @@ class DeviceStream:
             rate_hz=self.rate_hz,
             gyroscope_scale=self.scales.gyroscope_radps / _FULL_COUNTS,
             accelerometer_scale=self.scales.accelerometer_mps2 / _FULL_COUNTS,
-            magnetometer_scale=self.scales.magnetometer_t / _FULL_COUNTS
-            if self.counts.shape[2] == 9
-            else None,
+            magnetometer_scale=self._scale(Channel.MAGNETOMETER, self.scales.magnetometer_t),
+            force_scale=self._scale(Channel.FORCE, self.scales.force_n),
+            moment_scale=self._scale(Channel.MOMENT, self.scales.moment_nm),
             clip_gyroscope_radps=self.scales.gyroscope_radps,
             clip_accelerometer_mps2=self.scales.accelerometer_mps2,
             device=self.device,
@@ -82,17 +89,19 @@ class DeviceStream:
             firmware="1",
         )
 
+    def _scale(self, channel: Channel, full: float) -> float | None:
+        return full / _FULL_COUNTS if self.channels & channel else None
+
     def packet(self, number: int, device_time_s: float | None = None) -> bytes:
         """Return packet `number`; its device time is even unless another is given."""
         start = number * self.ticks_per_packet
         time_s = start / self.rate_hz if device_time_s is None else device_time_s
-        mask = Channel.GYROSCOPE | Channel.ACCELEROMETER
         return encode_packet(
             self.counts[start : start + self.ticks_per_packet],
             sequence=number,
             device_time_us=EPOCH_US + round(time_s * 1e6),
             tick_interval_us=round(1e6 / self.rate_hz),
-            channels=mask | Channel.MAGNETOMETER if self.counts.shape[2] == 9 else mask,
+            channels=self.channels,
         )
 
     def plan(self, faults: LinkFaults | None = None, seed: int = 0) -> DeliveryPlan:
@@ -128,6 +137,9 @@ def stream_of(
     if len(lengths) != 1:
         raise InvalidInput("The sensors of this recording do not share their ticks; resample it first.")
     has_field = all(signals.magnetometer_t is not None for signals in recording.sensors.values())
+    has_loads = any(signals.force_n is not None for signals in recording.sensors.values())
+    mask = _INERTIAL | (Channel.MAGNETOMETER if has_field else Channel(0))
+    mask |= Channel.FORCE | Channel.MOMENT if has_loads else Channel(0)
     columns = []
     for signals in recording.sensors.values():
         channels = [
@@ -136,9 +148,15 @@ def stream_of(
         ]
         if has_field and signals.magnetometer_t is not None:
             channels.append(signals.magnetometer_t / scales.magnetometer_t)
+        if has_loads:
+            # All sensors of a packet have the same channels: zeros for those without a cell.
+            nothing = np.zeros_like(signals.gyroscope_radps)
+            for load, full in ((signals.force_n, scales.force_n), (signals.moment_nm, scales.moment_nm)):
+                # A cell that gave nothing sends what no cell measures.
+                channels.append(nothing if load is None else np.where(np.isnan(load), _NO_LOAD, load / full))
         table = np.concatenate(channels, axis=1)
         table[np.isnan(table).any(axis=1)] = 0.0
-        columns.append(np.rint(np.clip(table, -1.0, 1.0) * _FULL_COUNTS))
+        columns.append(np.rint(np.where(table == _NO_LOAD, table, np.clip(table, -1.0, 1.0)) * _FULL_COUNTS))
     counts = np.stack(columns, axis=1).astype(np.int16)
     return DeviceStream(
         recording.placements,
@@ -147,6 +165,7 @@ def stream_of(
         scales,
         ticks_per_packet,
         serials=_serials_of(recording),
+        channels=mask,
     )
 
 

@@ -66,6 +66,7 @@ class Aligner:
         self._last_slope: Float | None = None
         """Change to the last row per tick; None where the packet held only this row."""
         self._last_coil: Float | None = None
+        self._last_loads: Float | None = None
         self.gaps: list[Gap] = []
         """Gaps found since the caller last emptied the list."""
         self.late_packets = 0
@@ -143,30 +144,37 @@ class Aligner:
         self._next_sequence = sequence + 1
         self._released_end_us = time_us + ticks * packet.tick_interval_us
         signals, quality = self._unpacker.unpack(packet)
-        coil = self._unpacker.coil_state(packet)
+        coil, loads = self._unpacker.coil_state(packet), self._unpacker.loads(packet)
         position = time_us / self._step_us
         spacing = packet.tick_interval_us / self._step_us
         first = round(position)
         drift = (ticks - 1) * (spacing - 1.0)
         if abs(position - first) > _SNAP_TICKS or abs(position + drift - first) > _SNAP_TICKS:
             positions: Float = position + spacing * np.arange(ticks, dtype=np.float64)
-            return self._interpolate(positions, signals, quality, coil)
+            return self._interpolate(positions, signals, quality, coil, loads)
         skip = self._next_tick - first
         if skip >= ticks:
             return []
         if skip > 0:
             first, signals, quality = self._next_tick, signals[:, :, skip:], quality[:, skip:]
             coil = None if coil is None else coil[:, skip:]
+            loads = None if loads is None else loads[:, skip:]
         pieces = self._fill(first, signals[:, :, 0], _slope(signals[:, :, :2]))
-        pieces.append(self._chunk(first, signals, quality, coil))
+        pieces.append(self._chunk(first, signals, quality, coil, loads))
         self._last_coil = None if coil is None else coil[:, -1:]
+        self._last_loads = None if loads is None else loads[:, -1:]
         self._next_tick = first + signals.shape[2]
         self._last_position = self._next_tick - 1.0
         self._last_row, self._last_slope = signals[:, :, -1], _slope(signals[:, :, -2:])
         return pieces
 
     def _interpolate(
-        self, position: Float, signals: Float, quality: NDArray[np.uint8], coil: Float | None
+        self,
+        position: Float,
+        signals: Float,
+        quality: NDArray[np.uint8],
+        coil: Float | None,
+        loads: Float | None,
     ) -> list[ImuChunk]:
         """Place samples that lie between common ticks, at `position` ticks, shape (K,)."""
         pieces: list[ImuChunk] = []
@@ -181,9 +189,13 @@ class Aligner:
             if coil is not None:
                 before = np.zeros_like(coil[:, :1]) if self._last_coil is None else self._last_coil
                 coil = np.concatenate([before, coil], axis=1)
+            if loads is not None:
+                held = np.full_like(loads[:, :1], np.nan) if self._last_loads is None else self._last_loads
+                loads = np.concatenate([held, loads], axis=1)
         tick = np.arange(self._next_tick, int(np.floor(position[-1] + 1e-9)) + 1)
         self._last_position, self._last_row = float(position[-1]), signals[:, :, -1]
         self._last_slope, self._last_coil = None, None if coil is None else coil[:, -1:]
+        self._last_loads = None if loads is None else loads[:, -1:]
         if not tick.size:
             return pieces
         left = np.clip(np.searchsorted(position, tick, side="right") - 1, 0, max(0, position.shape[0] - 2))
@@ -201,7 +213,12 @@ class Aligner:
         flags[nothing] = (flags[nothing] & ~np.uint8(SampleQuality.BRIDGED)) | np.uint8(SampleQuality.MISSING)
         # A coil is on or off: its state is that of the nearest sample, never a mean.
         nearest = np.where(weight[:, 0] < 0.5, left, right)
-        pieces.append(self._chunk(self._next_tick, values, flags, None if coil is None else coil[:, nearest]))
+        coil = None if coil is None else coil[:, nearest]
+        if loads is not None:
+            loads = (1.0 - weight) * loads[:, left] + weight * loads[:, right]
+            # A foot may have landed in a gap: forces are never bridged.
+            loads[:, wide] = np.nan
+        pieces.append(self._chunk(self._next_tick, values, flags, coil, loads))
         self._next_tick += tick.size
         return pieces
 
@@ -248,11 +265,23 @@ class Aligner:
             yield self._chunk(start + offset, nothing[:, :, :ticks], quality[:, :ticks])
 
     def _chunk(
-        self, first: int, signals: Float, quality: NDArray[np.uint8], coil: Float | None = None
+        self,
+        first: int,
+        signals: Float,
+        quality: NDArray[np.uint8],
+        coil: Float | None = None,
+        loads: Float | None = None,
     ) -> ImuChunk:
-        magnetometer = signals[2] if signals.shape[0] == 3 else None
         return ImuChunk(
-            first, self._step_us * 1e-6, signals[0], signals[1], magnetometer, quality, coil_state=coil
+            first,
+            self._step_us * 1e-6,
+            signals[0],
+            signals[1],
+            signals[2] if signals.shape[0] == 3 else None,
+            quality,
+            coil_state=coil,
+            force_n=None if loads is None else loads[:, :, :3],
+            moment_nm=None if loads is None else loads[:, :, 3:],
         )
 
 
@@ -326,16 +355,23 @@ def joined_chunks(chunks: list[ImuChunk]) -> ImuChunk:
         np.concatenate([c.accelerometer_mps2 for c in chunks], axis=1),
         magnetometer,
         np.concatenate([c.quality for c in chunks], axis=1),
-        coil_state=_coil_states(chunks),
+        coil_state=_joined_parts(chunks, [chunk.coil_state for chunk in chunks]),
+        force_n=_joined_parts(chunks, [chunk.force_n for chunk in chunks]),
+        moment_nm=_joined_parts(chunks, [chunk.moment_nm for chunk in chunks]),
     )
 
 
-def _coil_states(chunks: list[ImuChunk]) -> Float | None:
-    """Join coil states; chunks that have none (nothing came, or no source then) give NaN."""
-    if all(chunk.coil_state is None for chunk in chunks):
+def _joined_parts(chunks: list[ImuChunk], parts: list[Float | None]) -> Float | None:
+    """Join what not every chunk has; those without it (nothing came, or none was worn then) give NaN."""
+    known = next((part for part in parts if part is not None), None)
+    if known is None:
         return None
     return np.concatenate(
-        [np.full(c.quality.shape, np.nan) if c.coil_state is None else c.coil_state for c in chunks], axis=1
+        [
+            np.full(chunk.quality.shape + known.shape[2:], np.nan) if part is None else part
+            for chunk, part in zip(chunks, parts, strict=True)
+        ],
+        axis=1,
     )
 
 

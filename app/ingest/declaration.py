@@ -7,7 +7,7 @@ from typing import Any, get_args
 
 from app.errors import PacketError
 from app.ingest.messages import PROTOCOL_VERSION, HelloMessage
-from estimators.conventions import PLACEMENTS, Placement
+from estimators.conventions import Placement
 
 
 @dataclass(frozen=True)
@@ -39,8 +39,8 @@ class Declaration:
         Sensors in the order of the packets.
     rate_hz : float
         Tick rate of the device, also the common tick of the session.
-    gyroscope_scale, accelerometer_scale, magnetometer_scale : float or None
-        rad/s, m/s^2 and T per count for int16 packets; None when the device sends float32 only.
+    gyroscope_scale, accelerometer_scale, magnetometer_scale, force_scale, moment_scale : float or None
+        rad/s, m/s^2, T, N and Nm per count for int16 packets; None when the device sends float32 only.
     clip_gyroscope_radps, clip_accelerometer_mps2 : float or None
         Full scale of the sensors; None when unknown.
     serials : tuple of str
@@ -54,6 +54,8 @@ class Declaration:
     gyroscope_scale: float | None = None
     accelerometer_scale: float | None = None
     magnetometer_scale: float | None = None
+    force_scale: float | None = None
+    moment_scale: float | None = None
     clip_gyroscope_radps: float | None = None
     clip_accelerometer_mps2: float | None = None
     device: str = ""
@@ -100,6 +102,8 @@ class Declaration:
             "gyroscope_scale",
             "accelerometer_scale",
             "magnetometer_scale",
+            "force_scale",
+            "moment_scale",
             "clip_gyroscope_radps",
             "clip_accelerometer_mps2",
         )
@@ -109,8 +113,8 @@ class Declaration:
 def check_hello(hello: HelloMessage) -> Declaration:
     """Check what a gateway declares.
 
-    One count may be at most 0.1 rad/s, 1 m/s^2 or 100 uT: above it, 16 bits would span more than any sensor
-    measures, so the unit is wrong.
+    One count may be at most 0.1 rad/s, 1 m/s^2, 100 uT, 10 N or 1 Nm: above it, 16 bits would span more than any
+    sensor measures, so the unit is wrong.
 
     Raises
     ------
@@ -136,6 +140,8 @@ def check_hello(hello: HelloMessage) -> Declaration:
         gyroscope_scale=_check_positive("gyroscope_scale", hello.gyroscope_scale, 0.1),
         accelerometer_scale=_check_positive("accelerometer_scale", hello.accelerometer_scale, 1.0),
         magnetometer_scale=_check_positive("magnetometer_scale", hello.magnetometer_scale, 1e-4),
+        force_scale=_check_positive("force_scale", hello.force_scale, 10.0),
+        moment_scale=_check_positive("moment_scale", hello.moment_scale, 1.0),
     )
 
 
@@ -149,12 +155,12 @@ def check_placements(names: list[str]) -> tuple[Placement, ...]:
     if unknown:
         raise PacketError(
             f"Unknown placements {', '.join(name[:40] for name in unknown[:5])};"
-            f" use {', '.join(PLACEMENTS)}.",
+            f" use {', '.join(get_args(Placement))}.",
             reason="placements",
         )
     if len(set(names)) != len(names):
         raise PacketError("A placement is named twice; each sensor has its own.", reason="placements")
-    return tuple(name for placement in names for name in PLACEMENTS if name == placement)
+    return tuple(name for placement in names for name in get_args(Placement) if name == placement)
 
 
 def check_serials(serials: list[str], count: int) -> tuple[str, ...]:

@@ -32,6 +32,9 @@ class HelloMessage(Schema):
     """rad/s per count, for encoding 1; likewise below in m/s^2 and T per count."""
     accelerometer_scale: float | None = None
     magnetometer_scale: float | None = None
+    force_scale: float | None = None
+    """N per count, of the load cells of instrumented shoes; below Nm per count."""
+    moment_scale: float | None = None
     clip_gyroscope_radps: float | None = None
     clip_accelerometer_mps2: float | None = None
     device: str = Field(default="", max_length=100)
@@ -60,6 +63,9 @@ class JsonSensor(Schema):
     gyroscope: list[list[float]]
     accelerometer: list[list[float]]
     magnetometer: list[list[float]] | None = None
+    force: list[list[float]] | None = None
+    """N, of the ground on a load cell, in the sensor's axes; below Nm about its centre."""
+    moment: list[list[float]] | None = None
 
 
 class JsonPacket(Schema):

@@ -73,8 +73,15 @@ _SCALED_CHANNELS: Final = (
     (int(Channel.GYROSCOPE), "gyroscope_scale"),
     (int(Channel.ACCELEROMETER), "accelerometer_scale"),
     (int(Channel.MAGNETOMETER), "magnetometer_scale"),
+    (int(Channel.FORCE), "force_scale"),
+    (int(Channel.MOMENT), "moment_scale"),
 )
-_COUNTABLE_MASK: Final = 0b111
+_COUNTABLE_MASK: Final = 0b11111
+_OPTIONAL: Final = (
+    (Channel.MAGNETOMETER, "magnetometer"),
+    (Channel.FORCE, "force"),
+    (Channel.MOMENT, "moment"),
+)
 
 
 @dataclass(slots=True)
@@ -256,17 +263,22 @@ def packet_from_json(message: JsonPacket, declaration: Declaration | None = None
     """
     if not 0 < len(message.sensors) <= MAX_SENSORS:
         raise _header_error(MAGIC, len(message.sensors), 1, 7, FLOAT32, 0, 0, 10_000)
-    has_magnetometer = message.sensors[0].magnetometer is not None
+    mask = int(Channel.GYROSCOPE | Channel.ACCELEROMETER)
+    names = []
+    for channel, name in _OPTIONAL:
+        if getattr(message.sensors[0], name) is not None:
+            mask |= int(channel)
+            names.append(name)
     ticks = len(message.sensors[0].gyroscope)
     columns = []
     for number, sensor in enumerate(message.sensors):
         channels = [sensor.gyroscope, sensor.accelerometer]
-        if has_magnetometer:
-            channels.append(sensor.magnetometer or [])
-        elif sensor.magnetometer is not None:
-            raise PacketError(
-                "Give a magnetometer for all sensors or for none.", reason="shape", sensor=number
-            )
+        for _, name in _OPTIONAL:
+            rows = getattr(sensor, name)
+            if name in names:
+                channels.append(rows or [])
+            elif rows is not None:
+                raise PacketError(f"Give {name} for all sensors or for none.", reason="shape", sensor=number)
         if any(len(rows) != ticks or any(len(row) != 3 for row in rows) for rows in channels):
             raise PacketError(
                 f"Sensor {number} must have {ticks} rows of three values in every channel, as sensor 0 has.",
@@ -277,7 +289,6 @@ def packet_from_json(message: JsonPacket, declaration: Declaration | None = None
     values = np.stack(columns, axis=1)
     if not (np.abs(values) <= VALUE_LIMIT).all():
         raise _value_error(values, message.sequence)
-    mask = _COUNTABLE_MASK if has_magnetometer else int(Channel.GYROSCOPE | Channel.ACCELEROMETER)
     data = encode_packet(
         values.astype("<f4"),
         sequence=message.sequence,

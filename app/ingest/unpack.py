@@ -10,6 +10,7 @@ from estimators.recording import Float, SampleQuality
 STUCK_LIMIT_S = 0.5
 """A sensor that repeats the same value in every inertial channel for so long is not measuring: noise alone
 moves the last bit."""
+_LARGEST_COUNT = 32767.0
 
 
 class Unpacker:
@@ -38,6 +39,9 @@ class Unpacker:
             min(clip, np.inf if scale is None else 32766.5 * scale)
             for clip, scale in zip(self._clips, scales[:2], strict=True)
         ]
+        self._load_scales = (declaration.force_scale, declaration.moment_scale)
+        self._same_loads = np.zeros(declaration.sensor_count, dtype=np.int64)
+        self._last_loads = np.full((declaration.sensor_count, 6), np.nan)
         self._stuck_ticks = max(2, round(STUCK_LIMIT_S * declaration.rate_hz))
         self._same_ticks = np.zeros(declaration.sensor_count, dtype=np.int64)
         self._last_sent: Float | None = None
@@ -84,6 +88,42 @@ class Unpacker:
         nothing = ~packet.values[:, :, :6].any(axis=2).T
         state[nothing] = np.nan
         return state
+
+    def loads(self, packet: Packet) -> Float | None:
+        """Return force and moment of each sensor's load cell, shape (S, K, 6); None without bits 3 and 4.
+
+        NaN where a sensor gave nothing, a count is at its end, or all six values repeat a load to the last bit for
+        half a second: such a cell does not measure.
+        """
+        if not packet.channels & (Channel.FORCE | Channel.MOMENT):
+            return None
+        loads = np.full((packet.sensor_count, packet.tick_count, 6), np.nan)
+        for number, (channel, scale) in enumerate(
+            zip((Channel.FORCE, Channel.MOMENT), self._load_scales, strict=True)
+        ):
+            sent = packet.channel(channel)
+            if sent is None:
+                continue
+            part = loads[:, :, 3 * number : 3 * number + 3]
+            part[:] = sent.transpose(1, 0, 2)
+            if packet.encoding == INT16:
+                part[np.abs(part) > _LARGEST_COUNT - 0.5] = np.nan
+                part *= 1.0 if scale is None else scale
+        loads[~packet.values[:, :, :6].any(axis=2).T] = np.nan
+        self._mark_stuck(loads)
+        return loads
+
+    def _mark_stuck(self, loads: Float) -> None:
+        """Leave out a load, not zero, that has stayed as it is to the last bit for long: nobody measured it."""
+        before = np.concatenate([self._last_loads[:, None], loads[:, :-1]], axis=1)
+        same = (loads == before).all(axis=2) & loads.any(axis=2)
+        self._last_loads = loads[:, -1].copy()
+        if not same.any():
+            self._same_loads[:] = 0
+            return
+        for k in range(loads.shape[1]):
+            self._same_loads = np.where(same[:, k], self._same_loads + 1, 0)
+            loads[self._same_loads >= self._stuck_ticks, k] = np.nan
 
     def _mark_saturated(self, packet: Packet, signals: Float, quality: NDArray[np.uint8]) -> None:
         found = False

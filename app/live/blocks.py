@@ -79,7 +79,9 @@ def encode_block(frames: Frames) -> bytes:
     return header + rows.tobytes()
 
 
-def layout_message(session_id: str, layout: FrameLayout, rate_hz: float) -> LayoutMessage:
+def layout_message(
+    session_id: str, layout: FrameLayout, rate_hz: float, delay_ticks: int = 0
+) -> LayoutMessage:
     """Return the message that names the columns."""
     return LayoutMessage(
         session_id=session_id,
@@ -91,4 +93,5 @@ def layout_message(session_id: str, layout: FrameLayout, rate_hz: float) -> Layo
         ),
         columns=column_names(layout),
         rate_hz=rate_hz,
+        delay_s=delay_ticks / rate_hz,
     )

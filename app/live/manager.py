@@ -313,7 +313,8 @@ class LiveManager:
     def stored_layout(self, stored: repository.StoredSession) -> LayoutMessage:
         """Return the columns that the session's frames will have."""
         setup = SessionSetup.from_dict(stored.setup)
-        return layout_message(stored.id, pipelines.create(setup).layout, setup.rate_hz)
+        pipeline = pipelines.create(setup)
+        return layout_message(stored.id, pipeline.layout, setup.rate_hz, pipeline.delay_ticks)
 
     async def check(self, work: Callable[[], Answer]) -> Answer:
         """Run a small database read in the thread kept for checks of open sockets."""

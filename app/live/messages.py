@@ -45,6 +45,8 @@ class LayoutMessage(Schema):
     layout: FrameLayoutOut
     columns: list[str]
     rate_hz: float
+    delay_s: float = 0.0
+    """By so much the frames show what was, beside the way of the packets: a stance is understood only after it."""
 
 
 class StateMessage(Schema):

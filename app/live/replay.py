@@ -3,12 +3,17 @@
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Response
+from sqlalchemy.orm import Session
 
 from app.accounts.dependencies import CurrentSubject
 from app.database.dependencies import ReadSession
+from app.errors import NotFound
 from app.live.blocks import encode_block, layout_message
 from app.live.messages import LayoutMessage
 from app.recordings import repository, service
+from app.recordings.models import MotionSession
+from estimators import pipelines
+from estimators.pipelines import SessionSetup
 
 router = APIRouter(prefix="/api", tags=["sessions"])
 
@@ -48,8 +53,20 @@ def get_layout(
     """Return the columns of a result's frames."""
     found = repository.get_session(session, subject, session_id, action="session.layout")
     return layout_message(
-        session_id, service.layout_of(session, found, result_id), float(found.setup["rate_hz"])
+        session_id,
+        service.layout_of(session, found, result_id),
+        float(found.setup["rate_hz"]),
+        _delay_ticks(session, found, result_id),
     )
+
+
+def _delay_ticks(session: Session, found: MotionSession, result_id: str | None) -> int:
+    """Return by how much the frames of a result are late: those that were made live may be."""
+    try:
+        kind = repository.result_of(session, found, result_id).kind
+    except NotFound:
+        kind = "live"
+    return pipelines.create(SessionSetup.from_dict(found.setup)).delay_ticks if kind == "live" else 0
 
 
 __all__ = ["router"]

@@ -26,6 +26,7 @@ from app.live.calibrated_session import CalibratedSession
 from app.live.device_rows import save_device_constants
 from app.live.estimation import EstimationLine
 from app.live.first_seconds import FirstSeconds
+from app.live.force_watch import ForceWatch
 from app.live.health import LinkHealth
 from app.live.ledger import SequenceLedger
 from app.live.messages import AcknowledgeMessage, HealthMessage, LayoutMessage, StateMessage
@@ -94,6 +95,7 @@ class LiveSession(CalibratedSession):
             lambda kind, at_s, placement, text: self.add_event(kind, at_s, placement=placement, text=text),
         )
         self.prepare_calibration()
+        self._forces = ForceWatch(pipeline.delay_ticks)
         self._first_seconds = FirstSeconds(declaration.placements, self._implausible)
         self._loop = asyncio.get_running_loop()
 
@@ -171,6 +173,10 @@ class LiveSession(CalibratedSession):
         self.store_frames(frames)
         self.health.set_flags(frames.layout.segments, frames.segment_flags[-1])
         self._tell_changes(chunk)
+        for change in self._forces.add(frames):
+            kind = "forces_lost" if change.is_lost else "forces_back"
+            at_s = change.tick * frames.time_step_s
+            self.add_event(kind, at_s, placement=f"foot_{change.side}", text=change.text)
         self._calibration.add(chunk)
         self._first_seconds.add(chunk)
 
@@ -308,7 +314,8 @@ class LiveSession(CalibratedSession):
 
     def layout(self) -> LayoutMessage:
         """Return the columns of the frames."""
-        return layout_message(self.id, self.pipeline.layout, self.declaration.rate_hz)
+        pipeline = self.pipeline
+        return layout_message(self.id, pipeline.layout, self.declaration.rate_hz, pipeline.delay_ticks)
 
     def acknowledge(self, missing: list[tuple[int, int]]) -> AcknowledgeMessage:
         """Return what the gateway may forget."""

@@ -114,6 +114,8 @@ def _picked(chunk: ImuChunk, rows: list[int]) -> ImuChunk:
         magnetometer_t=magnetometer,
         quality=chunk.quality[rows],
         coil_state=None if chunk.coil_state is None else chunk.coil_state[rows],
+        force_n=None if chunk.force_n is None else chunk.force_n[rows],
+        moment_nm=None if chunk.moment_nm is None else chunk.moment_nm[rows],
     )
 
 

@@ -1,6 +1,7 @@
 """Following the feet of a stored session: its frames and its walk become a new result."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import Any, Final
 
 from app.database.base import utc_now
@@ -10,7 +11,7 @@ from app.recordings.chunks import encode_frames, slice_frames
 from app.recordings.jobs import JobContext
 from app.recordings.models import MotionSession, Result
 from app.recordings.result_rows import CHUNKS_A_COMMIT, layout_dict, new_result, write_frames
-from app.recordings.walk_shoes import load_shoes
+from app.recordings.walk_shoes import load_shoes, shoes_of
 from app.recordings.walks import content_of, kind_of, recording_of, store_walk
 from estimators import pipelines
 from estimators.errors import EstimationError
@@ -19,6 +20,7 @@ from estimators.pipelines import SessionSetup, ShoeWalk, Walk
 from estimators.recording import ImuChunk
 
 _PIECE_TICKS: Final = 1000
+_STILL_AT_START_S: Final = 1.0
 
 
 def follow_feet(
@@ -56,14 +58,15 @@ def follow_feet(
     InvalidInput
         The samples cannot be a walk; the message says why.
     """
-    measured = recording_of(pieces, setup, (hello or {}).get("clip_gyroscope_radps"))
+    parts = list(pieces)
+    measured = recording_of(parts, setup, (hello or {}).get("clip_gyroscope_radps"))
     context.progress(progress_from + 0.3 * (1 - progress_from), "Following the feet")
     result_id = new_result(context, setup, pipelines.create(setup))
     try:
         walk = pipelines.analyse_walk(measured, setup)
     except EstimationError as error:
         raise InvalidInput(str(error)) from error
-    shoes, note = _with_forces(context, setup, walk)
+    shoes, note = _with_forces(context, setup, walk, parts)
     if relative is not None:
         try:
             walk = pipelines.with_relative_feet(walk, relative)
@@ -91,17 +94,25 @@ def follow_feet(
     return result_id, frames.first_tick + frames.tick_count
 
 
-def _with_forces(context: JobContext, setup: SessionSetup, walk: Walk) -> tuple[ShoeWalk | None, str]:
-    """Analyse the shoes where the session has them; otherwise say why not."""
+def _with_forces(
+    context: JobContext, setup: SessionSetup, walk: Walk, parts: Sequence[ImuChunk]
+) -> tuple[ShoeWalk | None, str]:
+    """Analyse the shoes where the session has them, uploaded or in its packets; otherwise say why not."""
     with read_only(context.engine) as session:
         recording = load_shoes(session, context.session_id)
+    note = ""
     if recording is None:
-        return None, ""
+        recording, late_s, note = shoes_of(parts, setup)
+        if late_s > _STILL_AT_START_S:
+            # How far the feet stood apart was measured before the first forces.
+            setup = replace(setup, feet_apart_m=None)
+    if recording is None:
+        return None, note
     if walk.summary.turn_count:
         return None, "forces are analysed on straight courses only, and this walk turns"
     context.progress(0.7, "Forces and balance")
     try:
-        return pipelines.analyse_shoes(recording, setup), ""
+        return pipelines.analyse_shoes(recording, setup), note
     except EstimationError as error:
         return None, f"no forces: {error}"
 

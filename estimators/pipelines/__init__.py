@@ -12,6 +12,7 @@ from estimators.pipelines._contract import (
 )
 from estimators.pipelines._elbows import elbows_to_refine, refine_elbows
 from estimators.pipelines._gait import GaitPipeline, Walk, analyse_walk
+from estimators.pipelines._gait_layout import BALANCE_POINTS, FORCE_STATES
 from estimators.pipelines._magnetic_feet import FEET, relative_feet, with_relative_feet
 from estimators.pipelines._offline import is_offline, smooth_network, smoothed_chunk
 from estimators.pipelines._orientation import OrientationPipeline
@@ -21,7 +22,9 @@ from estimators.pipelines._run import available, concatenate, create, find_pose,
 from estimators.pipelines._shoes import ShoeWalk, analyse_shoes, has_shoes, with_shoes
 
 __all__ = [
+    "BALANCE_POINTS",
     "FEET",
+    "FORCE_STATES",
     "ArmPipeline",
     "BodyDimensions",
     "Calibration",

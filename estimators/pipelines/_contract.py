@@ -190,6 +190,11 @@ class Pipeline(ABC):
     def layout(self) -> FrameLayout:
         """Column names of every `Frames` this pipeline gives."""
 
+    @property
+    def delay_ticks(self) -> int:
+        """Ticks between a sample and the frame that shows it, live."""
+        return 0
+
     @abstractmethod
     def step(self, chunk: ImuChunk) -> Frames:
         """Take the next ticks of all sensors, in the order of `setup.placements`."""

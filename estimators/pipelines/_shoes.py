@@ -32,6 +32,9 @@ ApartSource = Literal["measured", "forces", "usual"]
 _WIDTH_RANGE_M: Final = (0.03, 0.45)
 _SUPPORT_HZ: Final = 25.0
 _SAME_EVENT_S: Final = 0.25
+_SINGLE_LOAD_N: Final = (200.0, 3000.0)
+_LEAST_SINGLE_SHARE: Final = 0.5
+"""With a stick a foot that stands alone may carry so little of what the other does."""
 
 
 @dataclass(frozen=True)
@@ -100,6 +103,7 @@ def analyse_shoes(recording: Recording, setup: SessionSetup) -> ShoeWalk:
         )
         for side in SIDES
     }
+    _refuse_wrong_loads(shoes)
     height_m = CENTRE_PER_STATURE * setup.body.stature_m
     apart_m, source = _apart(shoes, setup, height_m)
     feet = combine_feet(shoes["left"], shoes["right"], apart_m, end_width_m=setup.feet_apart_end_m)
@@ -156,8 +160,15 @@ def with_shoes(walk: Walk, found: ShoeWalk) -> Walk:
         [np.interp(frames.time_s, found.support_s, part) for part in found.margin.extrapolated_m.T], axis=1
     )
     unknown = np.stack([~pose.is_known[rows] for pose in poses], axis=1)
-    flags = frames.segment_flags | (unknown * np.uint8(OrientationFlag.INVALID))
+    outside = (frames.time_s < found.time_s[0] - 0.5 / found.feet.rate_hz) | (
+        frames.time_s > found.time_s[-1] + 0.5 / found.feet.rate_hz
+    )
+    flags = frames.segment_flags | ((unknown | outside[:, None]) * np.uint8(OrientationFlag.INVALID))
     told = np.interp(frames.time_s, found.support_s, found.margin.margin_m)
+    balance = [found.centre.position_m[rows], found.feet.cop_m[rows], going]
+    told[outside] = np.nan
+    for part in balance:
+        part[outside] = np.nan
     return replace(
         walk,
         strides=strides,
@@ -171,9 +182,7 @@ def with_shoes(walk: Walk, found: ShoeWalk) -> Walk:
                 scalars=(*frames.layout.scalars, *BALANCE_SCALARS),
             ),
             q_room_segment=np.ascontiguousarray(np.stack([pose.q_room_heel[rows] for pose in poses], axis=1)),
-            point_room_m=np.ascontiguousarray(
-                np.stack([*soles, found.centre.position_m[rows], found.feet.cop_m[rows], going], axis=1)
-            ),
+            point_room_m=np.ascontiguousarray(np.stack([*soles, *balance], axis=1)),
             scalar=np.column_stack([frames.scalar, told]),
             segment_flags=np.asarray(flags, dtype=np.uint8),
         ),
@@ -218,6 +227,30 @@ def _nearest(guessed_s: Float, felt_s: Float) -> Float:
 
 def _side(point: str) -> Side:
     return "left" if point.endswith("left") else "right"
+
+
+def _refuse_wrong_loads(shoes: Mapping[Side, ShoeKinetics]) -> None:
+    """Refuse shoes of which one carries alone what nobody weighs, or far less than the other does."""
+    alone: dict[Side, float] = {}
+    for side in SIDES:
+        other = shoes["right" if side == "left" else "left"].contact.any
+        single = shoes[side].contact.any & ~other
+        if single.any():
+            alone[side] = float(np.median(shoes[side].reaction.force_n[single, 2]))
+    if not alone:
+        return
+    most = max(alone.values())
+    for side, load in alone.items():
+        if not _SINGLE_LOAD_N[0] < load < _SINGLE_LOAD_N[1]:
+            raise SetupError(
+                f"the {side} shoe shows {load:.0f} N while it stands alone, which is nobody's weight; check its load"
+                " cells and their units (newton)"
+            )
+        if load < _LEAST_SINGLE_SHARE * most:
+            raise SetupError(
+                f"the {side} shoe shows {load:.0f} N while it stands alone and the other {most:.0f} N; check its load"
+                " cells"
+            )
 
 
 def _apart(

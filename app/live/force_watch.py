@@ -1,0 +1,86 @@
+"""Watches what live frames say of the forces of each shoe, and tells changes once."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from estimators.conventions import Side
+from estimators.pipelines import FORCE_STATES, Frames
+
+TOLD_AFTER_S: Final = 0.5
+"""A cell that gives nothing for less is not worth a word."""
+_BAD: Final = ("missing", "implausible")
+
+
+@dataclass(frozen=True)
+class ForceChange:
+    """Forces of a shoe cannot be used, or can be used again.
+
+    Attributes
+    ----------
+    side : Side
+    state : str
+        One of `FORCE_STATES`.
+    tick : int
+        Since when, of what the frames show.
+    """
+
+    side: Side
+    state: str
+    tick: int
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether they cannot be used."""
+        return self.state in _BAD
+
+    @property
+    def text(self) -> str:
+        """What happened, in words."""
+        if self.state == "missing":
+            return f"Nothing comes from the load cells of the {self.side} shoe."
+        if self.state == "implausible":
+            return f"The load cells of the {self.side} shoe show what cannot be; check them."
+        return f"The load cells of the {self.side} shoe measure again."
+
+
+class ForceWatch:
+    """Follows the frames of one session.
+
+    Parameters
+    ----------
+    delay_ticks : int
+        By which frames are late.
+    """
+
+    def __init__(self, delay_ticks: int) -> None:
+        self._delay = delay_ticks
+        self._since: dict[Side, tuple[int, int]] = {}
+        self._told: dict[Side, bool] = {}
+
+    def add(self, frames: Frames) -> list[ForceChange]:
+        """Take frames; return what changed for good."""
+        found = []
+        names = frames.layout.scalars
+        sides: tuple[Side, Side] = ("left", "right")
+        for side in sides:
+            name = f"foot_{side}_force_state"
+            if name not in names:
+                continue
+            states = frames.scalar[:, names.index(name)]
+            for offset in np.flatnonzero(np.isfinite(states)).tolist():
+                tick, state = frames.first_tick + offset - self._delay, int(states[offset])
+                last, since = self._since.get(side, (-1, tick))
+                if state != last:
+                    since = tick
+                    self._since[side] = (state, tick)
+                is_bad = FORCE_STATES[state] in _BAD
+                is_long = (tick - since) * frames.time_step_s >= TOLD_AFTER_S
+                if is_bad != self._told.get(side, False) and (is_long or not is_bad):
+                    self._told[side] = is_bad
+                    found.append(ForceChange(side, FORCE_STATES[state], since))
+        return found
+
+
+__all__ = ["ForceChange", "ForceWatch"]
