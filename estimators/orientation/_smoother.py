@@ -43,13 +43,15 @@ class SmootherParameters(TelemotionParameters):
     start_narrow_ut: float = 0.7
     field_noise_moving_ut_sqrt_s: float = 6.5
     field_noise_rest_ut_sqrt_s: float = 4.5
+    field_scale_ut: float = 1.0
+    field_turn_free: float = 0.7
     field_level_s: float = 10.0
-    bias_drift_degps_per_sqrt_s: float = 0.01
     gain_sigma: float = 0.01
     speed_noise_mps_per_sqrt_s: float = 0.1
-    rate_noise_per_rate_sqrt_s: float = 0.001
+    rate_noise_per_rate_sqrt_s: float = 0.0015
     tilt_sigma_floor_deg: float = 0.45
     heading_sigma_scale: float = 0.35
+    heading_sigma_floor_deg: float = 1.0
 
 
 @dataclass(frozen=True)
