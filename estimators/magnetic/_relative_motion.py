@@ -96,9 +96,30 @@ def mechanise(nominal: Float, signals: Float, time_step: float, published: bool)
     nominal[_Q], nominal[_Q + 1], nominal[_Q + 2], nominal[_Q + 3] = q
 
 
+@kernel("void(float64[::1], float64[::1])")
+def relax(nominal: Float, settings: Float) -> None:
+    """Let the estimated offsets of the accelerometers return towards zero over a step (own, beside method page 3.4).
+
+    An offset is a first-order Markov process, so what is expected of it decays as its variance does. The thesis lets
+    only the variance decay: an estimate that nothing observes (an offset that both accelerometers share) then keeps
+    every small correction for ever, and after hours is far outside of what its variance says.
+    """
+    if settings[_PUBLISHED] > 0.0:
+        return
+    share = settings[_BIAS_DECAY] * settings[_TIME_STEP]
+    keep = 1.0 - share + 0.5 * share * share
+    for i in range(3):
+        nominal[_BA + i] *= keep
+        nominal[_BAC + i] *= keep
+
+
 @kernel("void(float64[::1], float64[::1], float64, boolean, float64[:, ::1])")
 def dynamics(nominal: Float, signals: Float, decay: float, published: bool, f: Float) -> None:
-    """Write the matrix of the error dynamics (method page 3.4; published: B.6-B.12)."""
+    """Write the matrix of the error dynamics (method page 3.4; published: B.6-B.12).
+
+    Offsets of accelerometers decay. Those of gyroscopes walk: they are far from zero (half a degree a second) and
+    known from the standstill, and what is known of them is not forgotten. Published, all of them decay.
+    """
     for i in range(f.shape[0]):
         for j in range(f.shape[1]):
             f[i, j] = 0.0
@@ -136,7 +157,8 @@ def dynamics(nominal: Float, signals: Float, decay: float, published: bool, f: F
                 f[_ET + i, _EGC + j] = -r[j, i]
         last = _EGC
     for i in range(_EA, last + 3):
-        f[i, i] = -decay
+        if published or i < _EG or _EAC <= i < _EGC:
+            f[i, i] = -decay
 
 
 @kernel(
@@ -234,4 +256,5 @@ __all__ = [
     "inject",
     "mechanise",
     "predict",
+    "relax",
 ]

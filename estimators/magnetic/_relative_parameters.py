@@ -17,6 +17,9 @@ from estimators.recording import Float
 class RelativePoseParameters:
     """Figures of the method page (sections 3.5 to 3.13); noise is per sample.
 
+    `force_bias_sigma_mps2` is the spread of the accelerometers' offsets, which decay with `bias_decay_per_s`; the
+    gyroscopes' walk by sqrt(2 * `bias_decay_per_s`) times `rate_bias_sigma_radps` in a second, as the same process
+    would without its decay.
     `position_limit_m` and `attitude_limit_deg` are the sigmas above which a coil is fired; `distance_scaling` makes
     them grow with the distance (F-24). `pulse_s`, `baseline_samples` and `current_a` describe a pulse;
     `start_pulse_s` and `start_baseline_samples` those of the burst that starts the filter. `adaptive_current` takes

@@ -200,7 +200,7 @@ class RelativePoseFilter:
     """
 
     name: ClassVar[str] = "relative_pose"
-    version: ClassVar[str] = "2"
+    version: ClassVar[str] = "3"
 
     def __init__(
         self, source: Source, time_step_s: float, parameters: Mapping[str, Any] | None = None

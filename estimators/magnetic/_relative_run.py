@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from estimators._kernels import kernel
 from estimators.magnetic import _relative_layout as at
 from estimators.magnetic._relative_decide import decide
-from estimators.magnetic._relative_motion import corrected, mechanise, predict
+from estimators.magnetic._relative_motion import corrected, mechanise, predict, relax
 from estimators.magnetic._relative_pulse import pulse_value
 from estimators.magnetic._relative_update import update_inclination, update_pulse
 from estimators.magnetic._relative_watch import calibrate, keep_pulse, quasi_static, tell, watch_field
@@ -183,6 +183,7 @@ def tick(
         rate = settings[_RATE] if whole else _GAP_RATE
         predict(nominal, signals, settings, force, rate, p, work)
         mechanise(nominal, signals, settings[_T], settings[_PUBLISHED] > 0.0)
+        relax(nominal, settings)
     for i in range(3):
         row[_KEPT_P + i] = nominal[_P + i]
         rates[i], rates[3 + i] = signals[i], signals[6 + i]

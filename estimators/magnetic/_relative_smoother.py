@@ -11,7 +11,7 @@ from estimators import rotation
 from estimators._kernels import kernel, multiply
 from estimators.magnetic import _relative_layout as at
 from estimators.magnetic._coil import Source
-from estimators.magnetic._relative_motion import corrected, dynamics, inject, mechanise, predict
+from estimators.magnetic._relative_motion import corrected, dynamics, inject, mechanise, predict, relax
 from estimators.magnetic._relative_pose import RelativeChunk, RelativePoseFilter, RelativeResult
 from estimators.magnetic._small_algebra import cholesky, multiply_turned, solve_rows, symmetrise
 from estimators.magnetic._small_algebra import multiply as matrix_multiply
@@ -121,6 +121,7 @@ def backward(
             phi[i, i] += 1.0
         predict(state, signals, settings, settings[_FORCE], settings[_RATE], prior, work)
         mechanise(state, signals, t, published)
+        relax(state, settings)
         # gain = P Phi^T (P-)^-1
         multiply_turned(covariance[k], phi, gain)
         for i in range(n):
