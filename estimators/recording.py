@@ -128,6 +128,8 @@ class SensorSignals:
                 raise ShapeError(
                     f"{name} has shape {values.shape}; {samples} time stamps need ({samples}, 3)"
                 )
+        if not np.isfinite(self.time_s).all():
+            raise ShapeError("time_s has stamps that are no finite numbers; drop these samples")
         if samples and not (np.diff(self.time_s) > 0).all():
             raise ShapeError("time_s must increase strictly; sort the samples and drop repeated stamps")
 

@@ -15,6 +15,9 @@ from estimators.recording import Float, ImuChunk, Recording, SampleQuality, Sens
 BRIDGE_S = 0.2
 """The longest stretch without samples that is interpolated."""
 _CLIP_SHARE = 0.999
+_TICKS_A_SAMPLE = 50
+_TICKS_BEYOND = 1_000_000
+"""A recording may hold pauses of hours; stamps that would ask for more ticks than this are wrong."""
 
 
 def to_common_ticks(
@@ -65,7 +68,14 @@ def to_common_ticks(
         raise SetupError("the recording has no finite samples; check the file and its column mapping")
     start_s = min(float(sensor.time_s[0]) for sensor in filled)
     end_s = max(float(sensor.time_s[-1]) for sensor in filled)
-    ticks = int(np.floor((end_s - start_s) * rate_hz + ON_THE_TICK)) + 1
+    span = np.floor((end_s - start_s) * rate_hz + ON_THE_TICK) + 1.0
+    samples = max(sensor.time_s.size for sensor in filled)
+    if span > _TICKS_A_SAMPLE * samples + _TICKS_BEYOND:
+        raise SetupError(
+            f"the time stamps span {end_s - start_s:.0f} s, but no sensor has more than {samples} samples; "
+            "a stamp must be wrong: check their unit, and the first and the last of them"
+        )
+    ticks = int(span)
     shape = (len(sensors), ticks, 3)
     gyroscope, accelerometer = np.full(shape, np.nan), np.full(shape, np.nan)
     magnetometer = np.full(shape, np.nan)

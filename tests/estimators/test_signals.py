@@ -142,6 +142,19 @@ def test_a_recording_without_samples_is_refused():
         signals.to_common_ticks(recording(a=sensor(even())), 0.0)
 
 
+@pytest.mark.parametrize("wrong", [np.nan, np.inf])
+def test_stamps_that_are_no_numbers_are_refused(wrong):
+    with pytest.raises(ShapeError, match="finite"):
+        sensor(np.array([0.0, 0.01, wrong]))
+
+
+def test_one_wrong_stamp_is_named_instead_of_asking_for_years_of_ticks():
+    with pytest.raises(SetupError, match="a stamp must be wrong"):
+        signals.to_common_ticks(recording(a=sensor(np.array([0.0, 0.01, 1.7e9]))), RATE)
+    paused = np.concatenate((even(100), even(100) + 3600.0))
+    assert signals.to_common_ticks(recording(a=sensor(paused)), RATE).tick_count > 360_000
+
+
 def test_low_pass_has_no_delay_and_stops_high_frequencies():
     time_s = even(1000)
     slow, fast = np.sin(2 * np.pi * 0.5 * time_s), np.sin(2 * np.pi * 20 * time_s)
