@@ -12,7 +12,7 @@ from estimators import validation
 from estimators.recording import Recording
 from estimators.validation import ProtocolResult
 
-_SETS = ("broad", "pyshoe", "gaitmap", "gait_tracking")
+_SETS = ("broad", "pyshoe", "gaitmap", "gait_tracking", "qmt_mat")
 
 
 def validate(
@@ -33,7 +33,7 @@ def validate(
     seeds : int
         Simulated repetitions of each.
     data : Path or None
-        Folder with recordings of BROAD or of feet (`.mat`, `.hdf5`, `.csv`), also below it.
+        Folder with recordings of BROAD, qmt or of feet (`.mat`, `.hdf5`, `.csv`), also below it.
     json, list_only : bool
     out : Path or None
         Also write the report, with plots, to this file.

@@ -25,6 +25,7 @@ from estimators.arm._kernel import (
     FLEXION_CENTRE_RAD,
     PLANE_CENTRE_RAD,
     PRONATION_CENTRE_RAD,
+    REACH_RAD,
     REFERENCE_STEP_S,
     SINGULAR_MARGIN_RAD,
 )
@@ -145,18 +146,22 @@ def is_shoulder_singular(elevation_rad: ArrayLike) -> NDArray[np.bool_]:
 
 def near(angle: float, previous: float, centre: float) -> float:
     """Return the turn of `angle` closest to `previous`; of `centre` when that is unknown or far off."""
-    turn = 2.0 * np.pi
     if np.isfinite(previous):
-        candidate = angle + turn * np.floor((previous - angle) / turn + 0.5)
-        if abs(candidate - centre) <= 1.5 * np.pi:
-            return float(candidate)
-    return float(angle + turn * np.floor((centre - angle) / turn + 0.5))
+        candidate = _nearest(angle, previous)
+        if abs(candidate - centre) <= REACH_RAD:
+            return candidate
+    return _nearest(angle, centre)
+
+
+def _nearest(angle: float, wanted: float) -> float:
+    turn = 2.0 * np.pi
+    return float(angle + turn * np.floor((wanted - angle) / turn + 0.5))
 
 
 def continuous_shoulder_angles(
     q_thorax_humerus: Float, side: Side, time_step_s: float, previous: Float | None = None
 ) -> Float:
-    """Return Y-X-Y angles that do not jump, shape (K, 3), for consecutive ticks, shape (K, 4).
+    """Return Y-X-Y angles that do not jump where an arm can go, shape (K, 3), for consecutive ticks, shape (K, 4).
 
     Outside the singular zone these are the exact angles, unwrapped. Inside it the plane of elevation moves
     from its last value toward the instantaneous one with a weight that falls to zero at the singularity, and
@@ -186,7 +191,8 @@ def continuous_shoulder_angles(
             held = memory[0] if np.isfinite(memory[0]) else PLANE_CENTRE_RAD
             ratio = margin / SINGULAR_MARGIN_RAD
             weight = 1.0 - (1.0 - ratio**2 * (3.0 - 2.0 * ratio)) ** (time_step_s / REFERENCE_STEP_S)
-            plane = held + weight * (near(plane, held, PLANE_CENTRE_RAD) - held)
+            moved = held + weight * (_nearest(plane, held) - held)
+            plane = near(moved, moved, PLANE_CENTRE_RAD)
             axial = total[k] - plane if elevation < 0.5 * np.pi else plane - difference[k]
         else:
             plane = near(plane, memory[0], PLANE_CENTRE_RAD)

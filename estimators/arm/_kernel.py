@@ -35,6 +35,12 @@ FLEXION_CENTRE_RAD: Final = math.radians(60.0)
 PRONATION_CENTRE_RAD: Final = math.radians(75.0)
 """Middles of the ranges in which the first value of an angle is looked for before unwrapping takes over."""
 
+REACH_RAD: Final = math.radians(210.0)
+"""An angle unwraps to this far from its middle; beyond it is a full turn off, which no joint gets to.
+
+Thirty degrees more than half a turn, so that an arm that wavers at the edge does not jump to and fro.
+"""
+
 SIGMA_CEILING_RAD: Final = math.pi / math.sqrt(3.0)
 """Standard deviation of an angle about which nothing is known (uniform over a turn)."""
 
@@ -70,13 +76,18 @@ def _matrix(q: Float, out: Float) -> None:
 
 
 @_device
+def _nearest(angle: float, wanted: float) -> float:
+    return angle + _TWO_PI * math.floor((wanted - angle) / _TWO_PI + 0.5)
+
+
+@_device
 def _near(angle: float, previous: float, centre: float) -> float:
-    """Choose the turn of an angle closest to the previous one, but never one and a half turns off centre."""
+    """Choose the turn of an angle closest to the previous one, but no farther off the centre than a joint gets."""
     if math.isfinite(previous):
-        near = angle + _TWO_PI * math.floor((previous - angle) / _TWO_PI + 0.5)
-        if abs(near - centre) <= 1.5 * math.pi:
+        near = _nearest(angle, previous)
+        if abs(near - centre) <= REACH_RAD:
             return near
-    return angle + _TWO_PI * math.floor((centre - angle) / _TWO_PI + 0.5)
+    return _nearest(angle, centre)
 
 
 @_device
@@ -105,7 +116,8 @@ def _shoulder(r: Float, previous: Float, step_s: float, angle: Float) -> bool:
     held = previous[0] if math.isfinite(previous[0]) else PLANE_CENTRE_RAD
     ratio = margin / SINGULAR_MARGIN_RAD
     weight = 1.0 - (1.0 - ratio * ratio * (3.0 - 2.0 * ratio)) ** (step_s / REFERENCE_STEP_S)
-    angle[0] = held + weight * (_near(plane, held, PLANE_CENTRE_RAD) - held)
+    moved = held + weight * (_nearest(plane, held) - held)
+    angle[0] = _near(moved, moved, PLANE_CENTRE_RAD)
     axial = total - angle[0] if elevation < 0.5 * math.pi else angle[0] - difference
     angle[2] = _near(axial, previous[2], AXIAL_CENTRE_RAD)
     return True

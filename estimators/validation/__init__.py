@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable
 from estimators.errors import SetupError
 from estimators.recording import Recording
 from estimators.validation._ankle_dynamics import ANKLE_DYNAMICS
+from estimators.validation._arm_recording import ARM_RECORDING
 from estimators.validation._broad import BROAD
 from estimators.validation._broad_conditions import BROAD_CONDITIONS
 from estimators.validation._broad_offline import BROAD_OFFLINE
@@ -134,6 +135,7 @@ _PROTOCOLS = (
     OPTICAL_GAIT,
     OPTICAL_RECORDING,
     OPTICAL_CONSISTENCY,
+    ARM_RECORDING,
     BROAD,
     BROAD_CONDITIONS,
     BROAD_OFFLINE,
@@ -163,7 +165,7 @@ def run(
     seeds : int
         Simulated repetitions of each.
     data : mapping of str to Recording, optional
-        Trials of BROAD and recordings of feet, each with its `reference`; a protocol gets those of its kind.
+        Trials of BROAD, recordings of feet, each with its `reference`, and of arms; a protocol gets those of its kind.
     plots : bool
         Also make the curves of each.
     report : callable, optional

@@ -1,12 +1,13 @@
 """The whole chain on a real recording of both arms and the trunk: plausible, whole, and the same in any chunks."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from pipeline_contract import PipelineContract
 
-from estimators import signals
+from estimators import signals, validation
 from estimators.comparison import find_repetitions, trajectory
 from estimators.orientation import OrientationFlag
 from estimators.pipelines import SessionSetup, run
@@ -80,6 +81,14 @@ def test_joints_stay_where_joints_can_be(frames, side):
     assert np.abs(flexion[pose]).max() < 5
     assert elevation[pose].max() < 5
     assert np.abs(angle_deg(frames, f"forearm_hand_{side}_zxy_flexion")).max() < 90
+
+
+@pytest.mark.slow
+def test_every_joint_stays_within_human_reach(recording):
+    """As the validation does it on the whole recording: here on the stretch that is kept with the tests."""
+    whole = replace(recording, metadata={"format": "qmt_mat"})
+    (result,) = validation.run(["arm_recording"], data={"arms_25s": whole})
+    assert result.passed, validation.to_table([result])
 
 
 def test_the_trunk_bends_forward_and_comes_back(frames):
