@@ -46,7 +46,13 @@ class FeetTrack:
     prints : tuple of Footprint
         Of the whole recording; live those seen so far.
     mass_m, pressure_m, going_m : ndarray of float32, shape (K, 3), or None
-        Centre of mass, centre of pressure and extrapolated centre of mass; None without forces.
+        Centre of mass, centre of pressure and extrapolated centre of mass; None without forces, NaN while not known.
+    force_n, pressed_m : ndarray of float32, shape (K, F, 3), or None
+        Of the ground on each foot and where; live only, NaN while not measured.
+    is_in_room : bool
+        Whether the feet share a room already; else each is in its own world, as single sensors are live.
+    trails_m : (ndarray, ndarray), each of float32, shape (N, 3), or None
+        Live: where centre of mass and centre of pressure have been.
     """
 
     sides: tuple[Side, ...]
@@ -59,6 +65,10 @@ class FeetTrack:
     mass_m: Float32 | None
     pressure_m: Float32 | None
     going_m: Float32 | None
+    force_n: Float32 | None = None
+    pressed_m: Float32 | None = None
+    is_in_room: bool = False
+    trails_m: tuple[Float32, Float32] | None = None
 
 
 def feet_of(frames: Frames) -> FeetTrack | None:
@@ -83,6 +93,7 @@ def feet_of(frames: Frames) -> FeetTrack | None:
             return None
         return frames.point_room_m[:, layout.points.index(name)].astype(np.float32)
 
+    force, pressed = _loads(frames, sides)
     return FeetTrack(
         sides=sides,
         place_m=place.astype(np.float32),
@@ -94,7 +105,20 @@ def feet_of(frames: Frames) -> FeetTrack | None:
         mass_m=balance("centre_of_mass"),
         pressure_m=balance("centre_of_pressure"),
         going_m=balance("extrapolated_centre"),
+        force_n=force,
+        pressed_m=pressed,
+        is_in_room=force is not None,
     )
+
+
+def _loads(frames: Frames, sides: tuple[Side, ...]) -> tuple[Float32 | None, Float32 | None]:
+    """Return force on each foot and its pressure centre, where live frames have them."""
+    layout = frames.layout
+    if "pressure_left" not in layout.points:
+        return None, None
+    columns = [[layout.scalars.index(f"foot_{side}_force_{axis}_n") for axis in "xyz"] for side in sides]
+    places = [layout.points.index(f"pressure_{side}") for side in sides]
+    return frames.scalar[:, columns].astype(np.float32), frames.point_room_m[:, places].astype(np.float32)
 
 
 def heading_of(wxyz: NDArray[np.floating]) -> float:

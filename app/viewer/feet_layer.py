@@ -11,6 +11,7 @@ from app.viewer import palette
 from app.viewer.feet import FeetTrack, Footprint, support_outline
 from app.viewer.nodes import FLOOR, SCALES
 from app.viewer.palette import Rgb
+from estimators.conventions import Side
 
 Float32 = NDArray[np.float32]
 
@@ -24,6 +25,7 @@ _PRINTS_SHOWN: Final = 60
 _PATH_TICKS: Final = 420
 _PATH_POINTS: Final = 140
 _ABOVE_FLOOR_M: Final = 0.004
+_METRES_PER_NEWTON: Final = 0.001
 # Outline of a left shoe seen from above, x to the toes, y to the left, counter-clockwise from the heel.
 _OUTLINE: Final = np.array(
     [
@@ -106,6 +108,7 @@ class FeetLayer:
         self._shown: list[list[Footprint]] = [[] for _ in track.sides]
         self._lost = np.zeros(len(track.sides), dtype=bool)
         self._balance = _Balance(server) if self.has_balance else None
+        self._forces = _Forces(server, track.sides) if track.force_n is not None else None
 
     def show(self, track: FeetTrack, tick: int) -> None:
         """Show one tick."""
@@ -119,6 +122,8 @@ class FeetLayer:
         self._leave_prints(track, tick)
         if self._balance is not None:
             self._balance.show(track, tick)
+        if self._forces is not None:
+            self._forces.show(track, tick)
 
     def _follow(self, middle_m: Float32) -> None:
         """Keep the walker in the middle: the walk goes back below, and the floor with it."""
@@ -180,14 +185,23 @@ class _Balance:
         if track.mass_m is None or track.pressure_m is None or track.going_m is None:
             return
         mass = track.mass_m[tick]
-        below = np.array([mass[0], mass[1], _ABOVE_FLOOR_M], dtype=np.float32)
-        self._mass.position, self._pressure.position = mass, track.pressure_m[tick]
-        self._going.position = track.going_m[tick]
-        self._plumb.points = np.stack([mass, below])[None]
+        for node, place in (
+            (self._mass, mass),
+            (self._pressure, track.pressure_m[tick]),
+            (self._going, track.going_m[tick]),
+        ):
+            # What is not known is not shown: nothing stands still where it last was.
+            if _shown(node, place):
+                node.position = place
+        if _shown(self._plumb, mass):
+            below = np.array([mass[0], mass[1], _ABOVE_FLOOR_M], dtype=np.float32)
+            self._plumb.points = np.stack([mass, below])[None]
         first = max(0, tick - _PATH_TICKS)
         every = max(1, (tick - first) // _PATH_POINTS)
-        for node, path in ((self._mass_path, track.mass_m), (self._pressure_path, track.pressure_m)):
-            points = path[first : tick + 1 : every].copy()
+        past = slice(first, tick + 1, every)
+        trails = (track.mass_m[past], track.pressure_m[past]) if track.trails_m is None else track.trails_m
+        for node, path in zip((self._mass_path, self._pressure_path), trails, strict=True):
+            points = path[np.isfinite(path).all(axis=1)]
             points[:, 2] = 1.5 * _ABOVE_FLOOR_M
             if len(points) > 1:
                 node.points = np.stack([points[:-1], points[1:]], axis=1)
@@ -197,6 +211,50 @@ class _Balance:
         if len(outline) > 2:
             loop = np.column_stack([outline, np.full(len(outline), _ABOVE_FLOOR_M)]).astype(np.float32)
             self._support.points = np.stack([loop, np.roll(loop, -1, axis=0)], axis=1)
+
+
+class _Forces:
+    """The ground's force on each foot as an arrow from its pressure centre."""
+
+    def __init__(self, server: viser.ViserServer, sides: tuple[Side, ...]) -> None:
+        nothing = np.zeros((3, 2, 3), dtype=np.float32)
+        self._arrows = [
+            server.scene.add_line_segments(
+                f"/walk/force_{side}",
+                nothing,
+                colors=SHOES[side],
+                thickness=4.0,
+                thickness_units="screen",
+                visible=False,
+            )
+            for side in sides
+        ]
+
+    def show(self, track: FeetTrack, tick: int) -> None:
+        """Show one tick."""
+        if track.force_n is None or track.pressed_m is None:
+            return
+        for arrow, force, start in zip(self._arrows, track.force_n[tick], track.pressed_m[tick], strict=True):
+            if not _shown(arrow, np.concatenate([force, start])):
+                continue
+            along = force * _METRES_PER_NEWTON
+            end = start + along
+            size = max(float(np.linalg.norm(along)), 1e-6)
+            # The barbs lie in the plane that is seen from the side.
+            barb = min(0.06, 0.3 * size) * along / size
+            across = np.array([0.35 * barb[2], 0.0, -0.35 * barb[0]], dtype=np.float32)
+            tips = np.stack([end - barb + across, end - barb - across])
+            arrow.points = np.stack(
+                [np.stack([start, end]), np.stack([end, tips[0]]), np.stack([end, tips[1]])]
+            ).astype(np.float32)
+
+
+def _shown(node: Any, values: NDArray[np.floating]) -> bool:
+    """Show a node where its values are known, else hide it."""
+    is_known = bool(np.isfinite(values).all())
+    if node.visible != is_known:
+        node.visible = is_known
+    return is_known
 
 
 def shoe_mesh(side: str) -> tuple[Float32, NDArray[np.uint32]]:

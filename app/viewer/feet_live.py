@@ -1,5 +1,6 @@
 """Feet of a live walk brought onto one course: each foot's world begins with the heading of its own sensor."""
 
+from collections import deque
 from dataclasses import dataclass, field, replace
 from typing import Final
 
@@ -14,6 +15,8 @@ _SEEN_M: Final = 0.5
 _CERTAIN_M: Final = 2.0
 """From here on the course is kept: later turns are turns."""
 _PRINTS: Final = 120
+_TRAIL_EVERY: Final = 3
+_TRAIL_POINTS: Final = 140
 _FOLLOWED_SHARE: Final = 0.02
 """Of the way to the walker that the picture goes in a tick."""
 
@@ -70,6 +73,11 @@ class LiveCourse:
     def __init__(self) -> None:
         self._feet: list[_Foot] = []
         self._followed: NDArray[np.float64] | None = None
+        self._trails: tuple[deque[NDArray[np.float32]], ...] = (
+            deque(maxlen=_TRAIL_POINTS),
+            deque(maxlen=_TRAIL_POINTS),
+        )
+        self._ticks = 0
 
     def turned(self, track: FeetTrack) -> FeetTrack:
         """Return the newest ticks as they are drawn, with all prints so far.
@@ -77,7 +85,7 @@ class LiveCourse:
         Parameters
         ----------
         track : FeetTrack
-            The newest ticks, in the worlds of the sensors.
+            The newest ticks, in the worlds of the sensors, or in a room of both feet: then nothing is turned.
         """
         if len(self._feet) != len(track.sides):
             self._feet = [_Foot() for _ in track.sides]
@@ -86,6 +94,12 @@ class LiveCourse:
         for number, foot in enumerate(self._feet):
             for tick in np.flatnonzero(track.stands[:, number] & ~track.lost[:, number]).tolist():
                 foot.notice(place[tick, number].copy(), wxyz[tick, number].copy())
+            if track.is_in_room:
+                prints += [
+                    Footprint(0, number, (float(p[0]), float(p[1]), float(p[2])), heading_of(q))
+                    for p, q in zip(foot.places_m, foot.turns, strict=True)
+                ]
+                continue
             place[:, number], wxyz[:, number] = foot.placed(place[:, number]), foot.turned(wxyz[:, number])
             for where, q in zip(foot.places_m, foot.turns, strict=True):
                 x, y, z = (float(v) for v in foot.placed(where))
@@ -96,7 +110,22 @@ class LiveCourse:
             wxyz=wxyz.astype(np.float32),
             followed_m=self._follow(place[:, :, :2].mean(axis=1)),
             prints=tuple(prints),
+            trails_m=self._remembered(track),
         )
+
+    def _remembered(self, track: FeetTrack) -> tuple[NDArray[np.float32], NDArray[np.float32]] | None:
+        """Add the newest mass and pressure to their trails; nothing while they are not known."""
+        if track.mass_m is None or track.pressure_m is None:
+            return None
+        for tick in range(len(track.mass_m)):
+            self._ticks += 1
+            if self._ticks % _TRAIL_EVERY:
+                continue
+            for trail, points in zip(self._trails, (track.mass_m, track.pressure_m), strict=True):
+                if np.isfinite(points[tick]).all():
+                    trail.append(points[tick])
+        mass, pressure = (np.array(trail, dtype=np.float32).reshape(-1, 3) for trail in self._trails)
+        return mass, pressure
 
     def _follow(self, middle_m: NDArray[np.float64]) -> NDArray[np.float32]:
         followed = np.empty_like(middle_m)

@@ -2435,6 +2435,11 @@ export interface components {
              * Protocol Version
              * @default 1
              */
+            /**
+             * Delay S
+             * @default 0
+             */
+            delay_s?: number;
             protocol_version?: number;
             /** Rate Hz */
             rate_hz: number;

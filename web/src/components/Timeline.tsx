@@ -18,7 +18,7 @@ export interface TimelineProps {
 }
 
 const SPEEDS = ['0.25', '0.5', '1', '2'] as const;
-const SHOWN_EVENTS = new Set(['gap', 'sensor_lost', 'sensor_back', 'mark', 'error', 'calibration', 'implausible']);
+const SHOWN_EVENTS = new Set(['gap', 'sensor_lost', 'sensor_back', 'forces_lost', 'forces_back', 'mark', 'error', 'calibration', 'implausible']);
 
 export function Timeline({ player, repetitions, events, onRepetition }: TimelineProps) {
   const { isPlaying, speed } = useSnapshot(player);

@@ -16,9 +16,9 @@ export interface ChannelLabel {
 const ANGLE = /^(thorax_humerus|humerus_forearm|forearm_hand)_(left|right)_([a-z]{3})_([a-z_]+)$/;
 const RELATIVE = /^(.+)_zyx_(rotation|flexion|lateral)$/;
 const DISTANCE = /^(.+)_distance(_sigma)?_m$/;
-const SCALAR = /^(.*?)(?:_(left|right))?_(rad|m|mps|s|radps)$/;
+const SCALAR = /^(.*?)(?:_(left|right))?_(rad|m|mps|s|radps|n)$/;
 const POINT = /^([a-z]+)(?:_(left|right))?\.([xyz])$/;
-const SUFFIX_UNITS: Record<string, string> = { rad: 'rad', m: 'm', mps: 'm/s', s: 's', radps: 'rad/s' };
+const SUFFIX_UNITS: Record<string, string> = { rad: 'rad', m: 'm', mps: 'm/s', s: 's', radps: 'rad/s', n: 'N' };
 
 function sided(text: string, side: string | undefined): string {
   return side === 'left' || side === 'right' ? t('channel.sided', { name: text, side: t(`side.${side}`) }) : text;

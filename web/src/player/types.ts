@@ -33,6 +33,8 @@ export interface Columns {
   names: readonly string[];
   index: ReadonlyMap<string, number>;
   rateHz: number;
+  /** By so much the frames show what was, beside the way of the packets. */
+  delayS: number;
 }
 
 /** A stretch of frames, one array a column, in the order asked for. */
@@ -78,6 +80,7 @@ export function columnsOf(message: LayoutMessage): Columns {
     names: message.columns,
     index: new Map(message.columns.map((name, position) => [name, position])),
     rateHz: message.rate_hz,
+    delayS: message.delay_s ?? 0,
   };
 }
 

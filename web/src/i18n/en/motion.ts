@@ -51,6 +51,10 @@ export const motion = {
   'placement.shank_right': 'Right shank',
   'placement.foot_left': 'Left foot',
   'placement.foot_right': 'Right foot',
+  'placement.heel_left': 'Left heel',
+  'placement.forefoot_left': 'Left forefoot',
+  'placement.heel_right': 'Right heel',
+  'placement.forefoot_right': 'Right forefoot',
 
   'sessionState.created': 'Waiting for sensors',
   'sessionState.calibrating': 'Calibrating',

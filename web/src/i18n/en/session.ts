@@ -113,6 +113,8 @@ export const session = {
   'event.gap': 'Gap in the data',
   'event.sensor_lost': 'A sensor was lost',
   'event.sensor_back': 'A sensor is back',
+  'event.forces_lost': 'Forces of a shoe were lost',
+  'event.forces_back': 'Forces of a shoe are back',
   'event.calibration': 'Calibration',
   'event.error': 'Error',
   'event.implausible': 'Readings that cannot be right',

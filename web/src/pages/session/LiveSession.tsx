@@ -19,6 +19,7 @@ import { useLivePlayer, useSnapshot } from '../../player/hooks';
 import type { LivePlayer, LiveSnapshot } from '../../player/live';
 import { CalibrationPanel } from '../calibration/CalibrationPanel';
 import { InForce } from '../calibration/InForce';
+import { LiveWalk } from '../gait/LiveWalk';
 import { LiveSource } from '../magnetic/LiveSource';
 import { SafetyCard } from '../magnetic/SafetyCard';
 import { AnalysisWait } from './AnalysisWait';
@@ -96,7 +97,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
   const isMagnetic = session.pipeline === 'relative_pose';
   const modules = session.layout.segments.slice(1);
   const isSelfCalibrated = isWalk || isMagnetic;
-  const feet = session.layout.scalars.filter((name) => name.endsWith('_speed_mps'));
+  const feet = session.layout.scalars.filter((name) => name.endsWith('_speed_mps') || name.endsWith('_force_z_n'));
   const distances = useMemo(() => session.layout.scalars.filter((name) => name.endsWith('_distance_m')), [session.layout.scalars]);
   const mayCalibrate = !isSelfCalibrated && (state === 'calibrating' || state === 'ready');
   return (
@@ -177,6 +178,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
         <div className="stack">
           {isMagnetic && state !== 'created' && <LiveSource player={player} sensors={modules} />}
           <HealthPanel health={snapshot.health} placements={session.placements} />
+          {isWalk && state !== 'created' && snapshot.columns && <LiveWalk player={player} scalars={session.layout.scalars} delayS={snapshot.columns.delayS} />}
           {state === 'ready' && !isSelfCalibrated && calibration && mayRecord && <InForce sessionId={session.id} calibration={calibration} placements={session.placements} onAgain={() => setAsked(true)} />}
           <Happened events={snapshot.events.length ? snapshot.events : session.events} />
         </div>

@@ -20,6 +20,7 @@ import { SourceChoice } from '../magnetic/SourceChoice';
 const SHOWN_FIRST = 2;
 type Kind = NonNullable<SessionIn['pipeline']>;
 const FEET: Placement[] = ['foot_left', 'foot_right'];
+const SHOES: Placement[] = ['heel_left', 'forefoot_left', 'heel_right', 'forefoot_right'];
 
 function Form({ patient }: { patient: Patient }) {
   const navigate = useNavigate();
@@ -49,6 +50,7 @@ function Form({ patient }: { patient: Patient }) {
   const [coils, setCoils] = useState(USUAL);
   const [implants, setImplants] = useState(UNASKED);
   const mayFire = isSafe(implants) && worn.sensors.length > 0;
+  const [hasShoes, setShoes] = useState(false);
   const [apartCm, setApartCm] = useState<number | null>(null);
   const problem = isArm ? placementProblem(placements) : null;
   const names = new Map((exercises.data ?? []).map((one) => [one.id, one.name]));
@@ -76,7 +78,7 @@ function Form({ patient }: { patient: Patient }) {
         prescription_id: purpose === 'exercise' ? (prescribed.find((one) => one.exercise_id === exerciseId)?.id ?? null) : null,
         purpose,
         pipeline,
-        placements: isWalk ? FEET : placements,
+        placements: isWalk ? (hasShoes ? SHOES : FEET) : placements,
         ...(isWalk && apartCm !== null ? { feet_apart_m: apartCm / 100 } : {}),
         ...(orientation ? { orientation } : {}),
         constrain_joint_headings: constrain,
@@ -108,6 +110,7 @@ function Form({ patient }: { patient: Patient }) {
           ...(purpose === 'template' ? [] : [{ value: 'relative_pose' as const, title: t('magnetic.kind'), text: t('magnetic.kindText') }]),
         ]}
       />
+      {isWalk && <Switch label={t('newSession.shoes')} description={t('newSession.shoesHelp')} checked={hasShoes} onChange={(event) => setShoes(event.currentTarget.checked)} />}
       {isWalk && (
         <NumberInput
           label={t('newSession.apart')}
