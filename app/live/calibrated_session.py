@@ -50,11 +50,14 @@ class CalibratedSession(SessionBook):
 
     @property
     def is_calibrated(self) -> bool:
-        """Whether joint angles mean anything; not when only biases are known. Walks need no calibration."""
+        """Whether joint angles mean anything; not when only biases or a remembered mounting are known.
+
+        Walks need no calibration.
+        """
         if self.pipeline.setup.pipeline in (WALKING, MAGNETIC):
             return True
         found = self.pipeline.setup.calibration
-        return found is not None and bool(found.q_sensor_segment)
+        return found is not None and bool(found.q_sensor_segment) and not found.unknown_headings
 
     @property
     def calibration_message(self) -> CalibrationMessage | None:
@@ -132,6 +135,9 @@ class CalibratedSession(SessionBook):
             self._change("ready", f"Calibrated, score {found.score:.2f}.")
         else:
             self.machine.reason = f"{kind.replace('_', ' ').capitalize()} done, score {found.score:.2f}."
+            if setup.calibration is not None and setup.calibration.unknown_headings:
+                left = ", ".join(name.replace("_", " ") for name in setup.calibration.unknown_headings)
+                self.machine.reason += f" The directions of {left} are still to be set."
             self._publish_state()
 
 

@@ -241,11 +241,7 @@ class CalibrationDesk:
             redo_steps=redo_steps(found, text) if text else [],
             axes=list(outcome.axes) if outcome else [],
             findings=list(outcome.findings if outcome else findings),
-            result=None
-            if calibration is None
-            else CalibrationOut(
-                method=calibration.method, score=calibration.score, reasons=list(calibration.reasons)
-            ),
+            result=None if calibration is None else CalibrationOut.of(calibration),
         )
         self._last, self._told_s = message, time.monotonic()
         self._tell(message)

@@ -303,10 +303,7 @@ class LiveManager:
             reason=stored.state_reason,
             session_time_s=0.0,
             recording_start_s=None,
-            calibration=calibration
-            and CalibrationOut(
-                method=calibration.method, score=calibration.score, reasons=list(calibration.reasons)
-            ),
+            calibration=calibration and CalibrationOut.of(calibration),
             calibration_progress=None,
         )
 

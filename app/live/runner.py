@@ -262,8 +262,11 @@ class LiveSession(CalibratedSession):
 
     def _link_back(self) -> None:
         following = streaming_state(is_calibrated=self.is_calibrated, is_recording=self._is_recording)
+        known = self.pipeline.setup.calibration
         reasons: dict[SessionState, str] = {
-            "calibrating": "Connected; calibrate when the patient holds the pose.",
+            "calibrating": "Connected; calibrate when the patient holds the pose."
+            if known is None or not known.unknown_headings
+            else "Connected. How the sensors sit is remembered; set the directions before anything is measured.",
             "ready": "Connected.",
         }
         self._change(following, reasons.get(following, ""))
@@ -289,11 +292,7 @@ class LiveSession(CalibratedSession):
             reason=self.machine.reason,
             session_time_s=self.session_time_s,
             recording_start_s=self.recording_start_s if self._is_recording else None,
-            calibration=None
-            if calibration is None
-            else CalibrationOut(
-                method=calibration.method, score=calibration.score, reasons=list(calibration.reasons)
-            ),
+            calibration=None if calibration is None else CalibrationOut.of(calibration),
             calibration_progress=self._calibration.progress,
             calibration_hint=" ".join(
                 part for part in (self._first_seconds.hint, self._calibration.hint) if part

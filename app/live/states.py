@@ -3,7 +3,7 @@
 ::
 
     created --hello--> calibrating --pose--> ready <--stop/record--> recording
-       |  (remembered mounting: to ready)      any of the three <----> link_lost
+       |  (walks: to ready)                    any of the three <----> link_lost
        +--(upload)--> closing ----------------------------------------> analysed
                       (from every open state, and from failed: what is stored can still be analysed)
     every state but analysed --> failed

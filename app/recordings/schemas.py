@@ -6,6 +6,7 @@ from typing import Any, Literal
 from pydantic import Field
 
 from app.schemas import Schema
+from estimators.calibration import Calibration
 from estimators.conventions import Placement
 from estimators.orientation import DEFAULT
 
@@ -33,7 +34,8 @@ class SessionIn(Schema):
     constrain_joint_headings: bool = False
     """Let elbows and wrists bound heading drift: for sensors without magnetometers or near iron."""
     use_mounting: bool = True
-    """Start with the remembered calibration of this patient, if there is one for these placements."""
+    """Start with how the sensors sat on this patient last time, if that is known for these placements; headings are
+    told by a pose or a heading reset before the session is ready."""
 
 
 class ResultOut(Schema):
@@ -98,6 +100,18 @@ class CalibrationOut(Schema):
     method: str
     score: float
     reasons: list[str]
+    needs_headings: bool = False
+    """The mounting is remembered from an earlier session; a pose or a heading reset must tell the headings first."""
+
+    @classmethod
+    def of(cls, found: Calibration) -> "CalibrationOut":
+        """Return a calibration as clients see it."""
+        return cls(
+            method=found.method,
+            score=found.score,
+            reasons=list(found.reasons),
+            needs_headings=bool(found.unknown_headings),
+        )
 
 
 class SessionDetail(SessionOut):

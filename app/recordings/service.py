@@ -117,6 +117,11 @@ def create(session: Session, subject: Subject, wanted: SessionIn) -> SessionDeta
 
 
 def _remembered(session: Session, patient_id: str, placements: tuple[str, ...]) -> Calibration | None:
+    """Return how the sensors sat when this patient was last calibrated, and nothing else of that day.
+
+    Where the patient faces and how headings lie to each other is another matter in every session, and so is what
+    the gyroscopes read at rest.
+    """
     mounting = repository.mounting_of(session, patient_id)
     if mounting is None:
         return None
@@ -125,17 +130,11 @@ def _remembered(session: Session, patient_id: str, placements: tuple[str, ...]) 
         return None
     return Calibration(
         q_sensor_segment={name: tuple(stored["q_sensor_segment"][name]) for name in placements},  # type: ignore[misc]
-        gyroscope_bias_radps={
-            name: tuple(stored["gyroscope_bias_radps"].get(name, (0.0, 0.0, 0.0)))  # type: ignore[misc]
-            for name in placements
-        },
-        facing_rad=stored.get("facing_rad", 0.0),
-        heading_offset_rad={
-            name: angle for name, angle in stored.get("heading_offset_rad", {}).items() if name in placements
-        },
-        method=stored.get("method", "n_pose"),
+        gyroscope_bias_radps={},
+        method=stored.get("method", "n_pose").removeprefix("level, "),
         score=stored.get("score", 1.0),
         reasons=tuple(stored.get("reasons", ())),
+        unknown_headings=placements,  # type: ignore[arg-type]
     )
 
 
@@ -199,7 +198,12 @@ def _row(found: MotionSession, exercise_name: str | None) -> dict[str, Any]:
 def _calibration(stored: dict[str, Any] | None) -> CalibrationOut | None:
     if stored is None:
         return None
-    return CalibrationOut(method=stored["method"], score=stored["score"], reasons=list(stored["reasons"]))
+    return CalibrationOut(
+        method=stored["method"],
+        score=stored["score"],
+        reasons=list(stored["reasons"]),
+        needs_headings=bool(stored.get("unknown_headings")),
+    )
 
 
 def result_out(result: Result) -> ResultOut:

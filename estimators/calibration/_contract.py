@@ -29,6 +29,9 @@ class Calibration:
         0 (redo) to 1 (as good as it gets).
     reasons : tuple of str
         What lowered the score and what to do, in plain words.
+    unknown_headings : tuple of placement
+        Sensors whose heading nothing has told yet in this session: their mounting is remembered from an earlier
+        one. A pose or a heading reset tells it; until then angles with them mean nothing.
     """
 
     q_sensor_segment: dict[Placement, tuple[float, float, float, float]]
@@ -39,6 +42,7 @@ class Calibration:
     score: float = 1.0
     reasons: tuple[str, ...] = ()
     accelerometer_bias_mps2: dict[Placement, tuple[float, float, float]] = field(default_factory=dict)
+    unknown_headings: tuple[Placement, ...] = ()
 
 
 __all__ = ["Calibration"]

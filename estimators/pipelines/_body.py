@@ -119,8 +119,7 @@ class BodyNetwork:
             sigma,
             flags,
         )
-        if not self.is_calibrated:
-            flags |= _UNCALIBRATED
+        flags |= self._heading_flags if self.is_calibrated else _UNCALIBRATED
         self._remember(chunk.first_tick, result)
         self._next_tick = chunk.first_tick + chunk.tick_count
         return result, q_room_segment, omega, sigma, flags
@@ -317,13 +316,14 @@ class BodyNetwork:
 
     def _apply(self, found: Calibration | None) -> None:
         """Take over a calibration: rotations per sensor, ready for the kernel."""
-        self._q_room_earth = rotation.identity((self.sensor_count,))
-        self._q_sensor_segment = rotation.identity((self.sensor_count,))
+        self._q_room_earth, self._q_sensor_segment = rotation.identity((2, self.sensor_count))
         self._accelerometer_bias = np.zeros((self.sensor_count, 3))
         if found is not None:
             for s, name in enumerate(self.setup.placements):
                 self._accelerometer_bias[s] = found.accelerometer_bias_mps2.get(name, (0.0, 0.0, 0.0))
         self._has_accelerometer_bias = bool(self._accelerometer_bias.any())
+        unknown = [found is not None and name in found.unknown_headings for name in self.setup.placements]
+        self._heading_flags = np.where(unknown, OrientationFlag.HEADING_NOT_TRUSTED, 0).astype(np.uint8)
         if found is None or not found.q_sensor_segment:
             return
         for s, name in enumerate(self.setup.placements):

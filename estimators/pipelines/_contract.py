@@ -96,6 +96,7 @@ class SessionSetup:
                 k: tuple(v) for k, v in calibration.get("accelerometer_bias_mps2", {}).items()
             }
             calibration["reasons"] = tuple(calibration["reasons"])
+            calibration["unknown_headings"] = tuple(calibration.get("unknown_headings", ()))
             values["calibration"] = Calibration(**calibration)
         return cls(**values)
 

@@ -1,5 +1,6 @@
 """Calibration by movement and headings set anew, on a running body network."""
 
+import cmath
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -10,15 +11,18 @@ import numpy as np
 from estimators import rotation
 from estimators.calibration import Calibration, FunctionalResult, functional, static_bias
 from estimators.calibration._mounting import N_POSE_TURN_RAD
+from estimators.calibration._rest import mostly, wrapped
 from estimators.conventions import Placement
 from estimators.errors import CalibrationError, SetupError
-from estimators.orientation import OrientationFlag
+from estimators.orientation import OrientationEstimator, OrientationFlag
 from estimators.pipelines._biases import bias_along_gravity, bias_sigma
 from estimators.pipelines._body import BodyNetwork
-from estimators.recording import ImuChunk
+from estimators.recording import Float, ImuChunk
 
 _OFF_POSE_RAD: Final = math.radians(25.0)
 """More tilt than this between a segment and the N-pose: the limb does not hang."""
+_TELL_FACING: Final[tuple[Placement, ...]] = ("sternum", "pelvis")
+"""Where worn and asked for, they alone say where the patient faces: arms hang more or less turned."""
 
 
 def by_movement(
@@ -66,10 +70,14 @@ def by_movement(
                 f"these movements tell nothing of {names}; take that sensor off, or calibrate both arms"
             )
         kept = {p: known.q_sensor_segment[p] for p in lacking}
+        own_heading = mostly(result.flags, OrientationFlag.HEADING_NOT_TRUSTED)
+        untold = [p for p in lacking if own_heading[network.setup.placements.index(p)]]
         found = replace(
             found,
             calibration=replace(
-                found.calibration, q_sensor_segment={**found.calibration.q_sensor_segment, **kept}
+                found.calibration,
+                q_sensor_segment={**found.calibration.q_sensor_segment, **kept},
+                unknown_headings=tuple(p for p in untold if p in known.unknown_headings),
             ),
         )
     calibration = replace(
@@ -90,9 +98,11 @@ def reset_heading(network: BodyNetwork, pose: ImuChunk, placements: Sequence[Pla
     Parameters
     ----------
     network : BodyNetwork
-        Calibrated.
+        Calibrated, or with a mounting remembered from an earlier session. Then the pose also tells what the
+        gyroscopes read at rest, and one sensor tells where the patient faces for all that share the heading of
+        their compasses, also for those not named: who cannot stand sits still and has the trunk set.
     pose : ImuChunk
-        Among the last ticks.
+        As measured, among the last ticks.
     placements : sequence of Placement
 
     Raises
@@ -103,30 +113,67 @@ def reset_heading(network: BodyNetwork, pose: ImuChunk, placements: Sequence[Pla
     known = network.setup.calibration
     if known is None or not known.q_sensor_segment:
         raise CalibrationError("headings can be set anew only after a calibration; hold the standing pose")
-    unknown = [p for p in placements if p not in network.setup.placements]
+    worn = network.setup.placements
+    unknown = [p for p in placements if p not in worn]
     if unknown:
         raise SetupError(f"no sensor {', '.join(unknown)} is worn")
-    q_earth_sensor, _ = network.during(pose, None)
+    anew = None
+    if not set(worn) <= set(known.gyroscope_bias_radps):
+        known, anew = _begun_at_rest(network, pose, known)
+    q_earth_sensor, flags = network.during(pose, anew)
+    heading_rad = {
+        p: _heading_off(p, rotation.mean(q_earth_sensor[worn.index(p)]), known) for p in placements
+    }
+    own_heading = mostly(flags, OrientationFlag.HEADING_NOT_TRUSTED)
+    sharing = [p for p in known.unknown_headings if not own_heading[worn.index(p)]]
+    told = [p for p in _TELL_FACING if p in sharing and p in placements] or [
+        p for p in placements if p in sharing
+    ]
+    turn_rad = cmath.phase(sum(cmath.exp(1j * heading_rad[p]) for p in told)) if told else 0.0
     offsets = dict(known.heading_offset_rad)
-    for placement in placements:
-        s = network.setup.placements.index(placement)
-        turn = rotation.about_z(offsets.get(placement, 0.0) - known.facing_rad)
-        segment = rotation.multiply(
-            rotation.multiply(turn, rotation.mean(q_earth_sensor[s])), known.q_sensor_segment[placement]
-        )
-        expected = rotation.about_z(N_POSE_TURN_RAD.get(placement, 0.0))
-        apart = rotation.multiply(expected, rotation.conjugate(segment))
-        heading = 2.0 * math.atan2(float(apart[3]), float(apart[0]))
-        tilt = 2.0 * math.acos(min(1.0, math.hypot(float(apart[0]), float(apart[3]))))
-        if tilt > _OFF_POSE_RAD:
-            raise CalibrationError(
-                f"the {placement.replace('_', ' ')} is {math.degrees(tilt):.0f} degrees off the standing pose; let the "
-                "arms hang, palms to the thighs, and repeat"
-            )
-        offsets[placement] = math.remainder(offsets.get(placement, 0.0) + heading, 2.0 * math.pi)
-    found = replace(known, heading_offset_rad=offsets)
-    network.adopt(found, None)
+    for p in worn:
+        # Sensors that share the common heading turn with it, also those that were not asked for.
+        wanted_rad = heading_rad.get(p, turn_rad if p in sharing else 0.0)
+        if wanted_rad != turn_rad or p in offsets:
+            offsets[p] = wrapped(offsets.get(p, 0.0) + wanted_rad - turn_rad)
+    now_known = {*placements, *(sharing if told else ())}
+    found = replace(
+        known,
+        facing_rad=known.facing_rad - turn_rad,
+        heading_offset_rad=offsets,
+        unknown_headings=tuple(p for p in known.unknown_headings if p not in now_known),
+    )
+    network.adopt(found, None if anew is None else anew[0])
     return found
+
+
+def _heading_off(placement: Placement, q_earth_sensor: Float, known: Calibration) -> float:
+    """Return by how much a segment must turn to face as in the N-pose; refuse one that does not hang so."""
+    turn = rotation.about_z(known.heading_offset_rad.get(placement, 0.0) - known.facing_rad)
+    segment = rotation.multiply(rotation.multiply(turn, q_earth_sensor), known.q_sensor_segment[placement])
+    expected = rotation.about_z(N_POSE_TURN_RAD.get(placement, 0.0))
+    apart = rotation.multiply(expected, rotation.conjugate(segment))
+    tilt = 2.0 * math.acos(min(1.0, math.hypot(float(apart[0]), float(apart[3]))))
+    if tilt > _OFF_POSE_RAD:
+        raise CalibrationError(
+            f"the {placement.replace('_', ' ')} is {math.degrees(tilt):.0f} degrees off the standing pose; let the "
+            "arms hang, palms to the thighs, and repeat"
+        )
+    return wrapped(2.0 * math.atan2(float(apart[3]), float(apart[0])))
+
+
+def _begun_at_rest(
+    network: BodyNetwork, pose: ImuChunk, known: Calibration
+) -> tuple[Calibration, tuple[OrientationEstimator, Float] | None]:
+    """Let a filter begin with the pose, its bias told by it; with the calibration that knows that bias."""
+    pose = network.corrected(pose)
+    rest = static_bias(pose.gyroscope_radps, pose.accelerometer_mps2, pose.time_step_s, require_still=False)
+    bias = {
+        name: (float(x), float(y), float(z))
+        for name, (x, y, z) in zip(network.setup.placements, rest.gyroscope_bias_radps, strict=True)
+    }
+    anew = network.begin_anew(pose, rest.gyroscope_bias_radps, bias_sigma(rest))
+    return replace(known, gyroscope_bias_radps=bias), anew
 
 
 __all__ = ["by_movement", "reset_heading"]

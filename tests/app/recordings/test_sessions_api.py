@@ -2,6 +2,7 @@
 
 import struct
 from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +13,14 @@ from sqlalchemy import Engine, select
 from app.accounts.models import AuditEvent
 from app.database.unit_of_work import read_only, unit_of_work
 from app.ingest import readers
+from app.patients.models import Mounting
 from app.recordings import GroupCommitWriter
 from app.recordings.jobs import run_job
 from app.recordings.models import Job, MotionSession, SignalChunk
 from app.recordings.reprocess import reprocess
 from app.settings import Settings
 from estimators import orientation
+from estimators.pipelines import Calibration, SessionSetup
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
 
 ARM = ("sternum", "upper_arm_right", "forearm_right")
@@ -219,3 +222,34 @@ def test_a_smoother_is_not_for_recording_live(therapist: Any, world: Any) -> Non
     answer = therapist.post("/api/sessions", json=wanted)
     assert answer.status_code == 422
     assert "record with telemotion" in answer.text
+
+
+def test_of_a_remembered_mounting_only_the_mounting_is_used(
+    therapist: Any, world: Any, engine: Engine
+) -> None:
+    """Facing, headings between sensors and gyroscope biases of another day would be wrong, unflagged."""
+    quarter = (0.7071067811865476, 0.0, 0.0, 0.7071067811865476)
+    day_before = Calibration(
+        dict.fromkeys(ARM, quarter),
+        dict.fromkeys(ARM, (0.01, 0.02, 0.03)),
+        facing_rad=0.6,
+        heading_offset_rad={"forearm_right": 0.4},
+        method="level, n_pose",
+        score=0.9,
+    )
+    first = therapist.post("/api/sessions", json=wanted(world)).json()
+    with unit_of_work(engine) as session:
+        stored = asdict(day_before)
+        session.add(Mounting(patient_id=world.patient_id, session_id=first["id"], calibration=stored))
+    made = therapist.post("/api/sessions", json=wanted(world)).json()
+    assert made["calibration"] == {
+        "method": "n_pose",
+        "score": 0.9,
+        "reasons": [],
+        "needs_headings": True,
+    }
+    with read_only(engine) as session:
+        setup = SessionSetup.from_dict(session.get_one(MotionSession, made["id"]).setup)
+    assert setup.calibration == Calibration(dict.fromkeys(ARM, quarter), {}, score=0.9, unknown_headings=ARM)
+    other = therapist.post("/api/sessions", json=wanted(world, use_mounting=False)).json()
+    assert other["calibration"] is None

@@ -1757,6 +1757,11 @@ export interface components {
         CalibrationOut: {
             /** Method */
             method: string;
+            /**
+             * Needs Headings
+             * @default false
+             */
+            needs_headings?: boolean;
             /** Reasons */
             reasons: string[];
             /** Score */

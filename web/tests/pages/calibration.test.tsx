@@ -24,6 +24,14 @@ describe('guided calibration', () => {
     await userEvent.click(await screen.findByRole('button', { name: 'Calibrate' }));
     expect(asked.at(-1)).toMatchObject({ path: '/api/sessions/s/calibration/start', body: { kind: 'n_pose' } });
   });
+  it('asks for the directions first where the mounting is remembered', async () => {
+    const { asked } = renderPage(<CalibrationPanel sessionId="s" placements={['upper_arm_right']} guide={null} hint="" mayAct isAsked={false} isNeeded isRemembered onClose={() => undefined} />, {
+      answers: { '/api/calibrations': GUIDES, 'POST /api/sessions/s/calibration/start': message({}) },
+    });
+    await userEvent.click(await screen.findByRole('button', { name: 'Set the directions' }));
+    expect(asked.at(-1)?.body).toEqual({ kind: 'heading_reset' });
+    expect(screen.getByRole('button', { name: 'Calibrate anew' })).toBeTruthy();
+  });
   it('offers other ways, and a sensor in the hand by its place', async () => {
     const { asked } = show(null);
     await userEvent.click(await screen.findByText(/themselves, in the hand/));

@@ -23,7 +23,7 @@ export const session = {
   'newSession.constrain': 'Near iron, or sensors without a compass',
   'newSession.constrainHelp': 'Elbows and wrists then help to hold the direction of the arm.',
   'newSession.mounting': 'Use the remembered mounting',
-  'newSession.mountingHelp': 'Only if the sensors sit exactly as last time. If in doubt, switch it off and hold the pose again.',
+  'newSession.mountingHelp': 'Only if every sensor sits exactly as last time. The patient still stands still once, so that the directions can be set. If in doubt, leave it off.',
   'newSession.mountingOf': 'Calibrated {day}: {places}.',
   'newSession.go': 'Continue to the sensors',
 

@@ -16,6 +16,7 @@ interface ChoiceProps {
   hint: string;
   mayAct: boolean;
   isBusy: boolean;
+  isRemembered?: boolean;
   onStart: (wanted: CalibrationIn) => void;
   onClose?: () => void;
 }
@@ -51,7 +52,7 @@ function InTheHand({ guides, placements, isBusy, onStart }: { guides: Calibratio
   );
 }
 
-export function CalibrationChoice({ placements, hint, mayAct, isBusy, onStart, onClose }: ChoiceProps) {
+export function CalibrationChoice({ placements, hint, mayAct, isBusy, isRemembered = false, onStart, onClose }: ChoiceProps) {
   const guides = useCalibrations();
   return (
     <Answer of={guides} lines={5}>
@@ -65,7 +66,8 @@ export function CalibrationChoice({ placements, hint, mayAct, isBusy, onStart, o
             <div className="guide">
               <div className="guide-picture">{step && <StepPicture picture={step.picture} />}</div>
               <div className="guide-words">
-                <h2 id="calibration">{t('calibration.title')}</h2>
+                <h2 id="calibration">{t(isRemembered ? 'calibration.rememberedTitle' : 'calibration.title')}</h2>
+                {isRemembered && <p>{t('calibration.rememberedText')}</p>}
                 <ol className="calibration-steps">
                   <li>{t('calibration.stand')}</li>
                   <li>{t('calibration.arms')}</li>
@@ -78,9 +80,14 @@ export function CalibrationChoice({ placements, hint, mayAct, isBusy, onStart, o
                 )}
                 {mayAct && (
                   <Group>
-                    <Button size="lg" loading={isBusy} onClick={() => onStart({ kind: USUAL })}>
-                      {t('calibration.start')}
+                    <Button size="lg" loading={isBusy} onClick={() => onStart({ kind: isRemembered ? 'heading_reset' : USUAL })}>
+                      {t(isRemembered ? 'calibration.setDirections' : 'calibration.start')}
                     </Button>
+                    {isRemembered && (
+                      <Button size="lg" variant="default" loading={isBusy} onClick={() => onStart({ kind: USUAL })}>
+                        {t('calibration.anew')}
+                      </Button>
+                    )}
                     {onClose && (
                       <Button size="lg" variant="default" onClick={onClose}>
                         {t('action.close')}

@@ -20,6 +20,8 @@ export interface CalibrationPanelProps {
   isAsked: boolean;
   /** Nothing is in force yet: the choice is shown without being asked for. */
   isNeeded: boolean;
+  /** How the sensors sit is remembered from an earlier session; only the directions are missing. */
+  isRemembered?: boolean;
   onClose: () => void;
 }
 
@@ -32,7 +34,7 @@ export function useCalibrating(sessionId: string) {
   return { start, next, cancel, error: start.error ?? next.error ?? cancel.error };
 }
 
-export function CalibrationPanel({ sessionId, placements, guide, hint, mayAct, isAsked, isNeeded, onClose }: CalibrationPanelProps) {
+export function CalibrationPanel({ sessionId, placements, guide, hint, mayAct, isAsked, isNeeded, isRemembered, onClose }: CalibrationPanelProps) {
   const guides = useCalibrations(guide !== null);
   const { start, next, cancel, error } = useCalibrating(sessionId);
   const [last, setLast] = useState<CalibrationIn | null>(null);
@@ -63,7 +65,7 @@ export function CalibrationPanel({ sessionId, placements, guide, hint, mayAct, i
           }}
         />
       ) : (
-        (isNeeded || isAsked) && <CalibrationChoice placements={placements} hint={hint} mayAct={mayAct} isBusy={start.isPending} onStart={begin} onClose={isNeeded ? undefined : onClose} />
+        (isNeeded || isAsked) && <CalibrationChoice placements={placements} hint={hint} isRemembered={isRemembered} mayAct={mayAct} isBusy={start.isPending} onStart={begin} onClose={isNeeded ? undefined : onClose} />
       )}
     </>
   );

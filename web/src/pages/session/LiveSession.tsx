@@ -78,7 +78,8 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
   const step = useRef(0);
   // The socket's word counts once there is one: its start is null again when the recording was stopped.
   const isRecording = state === 'recording' || (state === 'link_lost' && (message ? message.recording_start_s !== null : session.recording_start_s !== null && session.recording_end_s === null));
-  step.current = stepOf(state, step.current, { isCalibrated: (message?.calibration ?? session.calibration) !== null, isRecording });
+  const inForce = message?.calibration ?? session.calibration;
+  step.current = stepOf(state, step.current, { isCalibrated: inForce !== null && !inForce.needs_headings, isRecording });
   const angles = snapshot.columns?.layout.angles ?? session.layout.angles;
   const [chosen, setChosen] = useState<string[] | null>(null);
   const channels = useMemo(
@@ -147,6 +148,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
               mayAct={mayRecord}
               isAsked={isAsked}
               isNeeded={state === 'calibrating'}
+              isRemembered={calibration?.needs_headings ?? false}
               onClose={() => setAsked(false)}
             />
           )}

@@ -37,7 +37,7 @@ function Form({ patient }: { patient: Patient }) {
   const [placements, setPlacements] = useState<Placement[]>(() => suggestedPlacements(patient.affected_side));
   const [orientation, setOrientation] = useState<string | null>(null);
   const [constrain, setConstrain] = useState(false);
-  const [useMounting, setUseMounting] = useState(patient.has_mounting);
+  const [useMounting, setUseMounting] = useState(false);
   const walking = (exercises.data ?? []).find((one) => one.id === exerciseId)?.movement;
   const [kind, setKind] = useState<Kind | null>(null);
   const pipeline = kind ?? (isWalking(walking) ? 'gait' : 'arm');
