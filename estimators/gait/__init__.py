@@ -20,6 +20,7 @@ from estimators.gait._live_steps import USUAL_APART_M, LiveSteps, LiveStepTracke
 from estimators.gait._placement import Placement, Steps, foot_placement, steps_between
 from estimators.gait._related_feet import RelatedFeet, RelativeFeet, relate_feet
 from estimators.gait._stance import Stance, find_stance
+from estimators.gait._stride_flags import StrideFlag
 from estimators.gait._strides import Footholds, Strides, find_strides
 from estimators.gait._summary import (
     GaitSummary,
@@ -52,6 +53,7 @@ __all__ = [
     "RelativeFeet",
     "Stance",
     "Steps",
+    "StrideFlag",
     "Strides",
     "find_stance",
     "find_strides",

@@ -5,9 +5,11 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from estimators.conventions import Side
 from estimators.errors import SetupError
+from estimators.gait._stride_flags import StrideFlag
 from estimators.gait._strides import Strides
 from estimators.gait._summary import turns
 from estimators.recording import Float
@@ -29,7 +31,8 @@ class GuidedTest:
     start_s, end_s : float
         First toe-off and last contact that count, on the recording's clock.
     distance_m, distance_sigma_m : float
-        Way of the feet, mean of both, and its standard deviation from that of the strides.
+        Way of the feet, mean of both, and its standard deviation from that of the strides. Of one foot where only
+        its samples are complete; probably too short, with a reason, where both have gaps.
     step_count, turn_count, pause_count : int
         Steps of both feet (twice those of one, when one is worn); turns as in `GaitSummary`; halts between bouts.
     turn_s : float
@@ -95,14 +98,17 @@ def guided_test(feet: Mapping[Side, Strides], kind: GuidedKind = "walk") -> Guid
         if end_s - start_s < _LEAST_OF_SIX * SIX_MINUTES_S:
             reasons.append(f"walked {(end_s - start_s) / 60.0:.1f} of six minutes")
     within = {side: strides.contact_s <= end_s for side, strides in walked.items()}
-    ways = [float(strides.length_m[within[side]].sum()) for side, strides in walked.items()]
+    measured, told = _measured(walked, within)
+    ways = [float(strides.length_m[within[side]].sum()) for side, strides in measured.items()]
     variances = [
-        float(np.square(strides.length_sigma_m[within[side]]).sum()) for side, strides in walked.items()
+        float(np.square(strides.length_sigma_m[within[side]]).sum()) for side, strides in measured.items()
     ]
-    counts = [int(np.count_nonzero(use)) for use in within.values()]
+    counts = [int(np.count_nonzero(within[side])) for side in measured]
     if len(walked) == 1:
         reasons.append("one foot only: the other is taken to have made as many steps")
+    if len(measured) == 1:
         counts *= 2
+    reasons.extend(told)
     found = [
         [turn for turn in turns(strides) if strides.contact_s[turn[0]] <= end_s]
         for strides in walked.values()
@@ -131,9 +137,33 @@ def guided_test(feet: Mapping[Side, Strides], kind: GuidedKind = "walk") -> Guid
         turn_count=len(found[most]),
         pause_count=bouts,
         turn_s=float(np.sum(about)) if about else float("nan"),
-        minutes_m=_minutes(walked, start_s, end_s),
+        minutes_m=_minutes(measured, start_s, end_s),
         reasons=tuple(reasons),
     )
+
+
+def _measured(
+    feet: Mapping[Side, Strides], within: Mapping[Side, NDArray[np.bool_]]
+) -> tuple[Mapping[Side, Strides], list[str]]:
+    """Return the feet whose way is known, and what to say of those of which samples were lost."""
+    lost_s = {
+        side: float(strides.missing_s[within[side] & ((strides.flags & StrideFlag.MISSING) != 0)].sum())
+        for side, strides in feet.items()
+    }
+    whole = {side: strides for side, strides in feet.items() if lost_s[side] == 0.0}
+    if len(whole) == len(feet):
+        return feet, []
+    if whole:
+        (kept,) = whole
+        (other,) = set(feet) - {kept}
+        return whole, [
+            f"{lost_s[other]:.1f} s of samples of the {other} foot are missing; distance and steps are those of the"
+            f" {kept} foot"
+        ]
+    return feet, [
+        f"{max(lost_s.values()):.1f} s of samples are missing: the distance is probably too short, and steps, turns"
+        " or halts may be missing from the count"
+    ]
 
 
 def _minutes(feet: Mapping[Side, Strides], start_s: float, end_s: float) -> Float:

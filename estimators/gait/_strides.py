@@ -1,6 +1,6 @@
 """From a foot's trajectory to footholds, events and the strides between them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from itertools import pairwise
 
 import numpy as np
@@ -11,6 +11,7 @@ from estimators import rotation
 from estimators.conventions import Side
 from estimators.gait._foot_trajectory import FootFlag, FootTrajectory
 from estimators.gait._stance import runs
+from estimators.gait._stride_flags import StrideFlag, missing_samples
 from estimators.recording import Float
 
 Bool = NDArray[np.bool_]
@@ -49,6 +50,11 @@ class Footholds:
     heading_rad: Float
     variance_m2: Float
 
+    def before(self, time_s: float) -> "Footholds":
+        """Return those that had ended at a moment."""
+        kept = self.stop_s <= time_s
+        return Footholds(*(getattr(self, field.name)[kept] for field in fields(self)))
+
 
 @dataclass(frozen=True)
 class Strides:
@@ -63,7 +69,7 @@ class Strides:
         When the foot left the ground, and when it touched it again.
     duration_s, stance_s, swing_s : ndarray, shape (n,)
         From the contact before the stride to the one that ends it, and its parts; NaN where the contact
-        before is not of the same bout.
+        before is not of the same bout, or not known because samples are missing.
     length_m, length_sigma_m : ndarray, shape (n,)
         Horizontal, and its standard deviation.
     rise_m : ndarray, shape (n,)
@@ -81,6 +87,10 @@ class Strides:
         Number of the walking bout.
     is_initiation, is_termination : ndarray of bool, shape (n,)
         First and last stride of a bout.
+    missing_s : ndarray, shape (n,)
+        Without samples, in the stance before and the swing; what lies there is an estimate of what was lost.
+    flags : ndarray of uint8, shape (n,)
+        `StrideFlag` bits.
     q_sensor_foot : ndarray, shape (4,)
         Turns foot axes (x to the toes, z up while flat) into the sensor's; found from the walk.
     """
@@ -105,12 +115,20 @@ class Strides:
     bout: NDArray[np.int64]
     is_initiation: Bool
     is_termination: Bool
+    missing_s: Float
+    flags: NDArray[np.uint8]
     q_sensor_foot: Float
 
     @property
     def count(self) -> int:
         """Number of strides."""
         return len(self.length_m)
+
+    @property
+    def whole_until_s(self) -> float:
+        """End of the last stance before the first gap, after which the way from the start is not known."""
+        lost = np.flatnonzero(self.flags & StrideFlag.MISSING)
+        return float(self.footholds.stop_s[lost[0]]) if len(lost) else float("inf")
 
 
 def find_strides(trajectory: FootTrajectory, side: Side) -> Strides:
@@ -143,10 +161,15 @@ def find_strides(trajectory: FootTrajectory, side: Side) -> Strides:
     for k in range(count):
         rows[k] = _stride(trajectory, rests[k], rests[k + 1], holds, k, acceleration, rate, side)
     toe_off, contact = rows[:, 0], rows[:, 1]
-    # A bout ends where the foot stays on the ground for long.
-    pause = toe_off[1:] - contact[:-1] > _PAUSE_S
+    missing_s, is_doubtful = missing_samples(trajectory, rests)
+    # A bout ends where the foot stays on the ground for long. Next to missing samples events are not known: there
+    # the foot must have been seen to rest.
+    beside = is_doubtful[1:] | is_doubtful[:-1]
+    stood_s = (holds.stop_s - holds.start_s)[1:-1] - missing_s[1:]
+    pause = np.where(beside, stood_s, toe_off[1:] - contact[:-1]) > _PAUSE_S
     bout = np.concatenate([[0], np.cumsum(pause)])[:count].astype(np.int64)
-    before = np.concatenate([[np.nan], np.where(pause, np.nan, contact[:-1])])[:count]
+    is_apart = pause | beside
+    before = np.concatenate([[np.nan], np.where(is_apart, np.nan, contact[:-1])])[:count]
     is_first = np.concatenate([[True], pause])[:count]
     is_last = np.concatenate([pause, [True]])[-count:] if count else np.zeros(0, dtype=np.bool_)
     step = np.diff(holds.position_m, axis=0)
@@ -175,6 +198,8 @@ def find_strides(trajectory: FootTrajectory, side: Side) -> Strides:
         bout=bout,
         is_initiation=is_first,
         is_termination=is_last,
+        missing_s=missing_s,
+        flags=np.asarray(is_doubtful * np.uint8(StrideFlag.MISSING), dtype=np.uint8),
         q_sensor_foot=rotation.from_matrix(axes),
     )
 
@@ -239,8 +264,9 @@ def foot_axes(trajectory: FootTrajectory, rests: list[tuple[int, int]]) -> tuple
     _, rate = _derivatives(trajectory)
     in_sensor = rotation.rotate(rotation.conjugate(trajectory.q_world_sensor), rate)
     in_sensor -= np.outer(in_sensor @ up, up)
-    between = slice(rests[0][1], rests[-1][0])
-    _, vectors = np.linalg.eigh(in_sensor[between].T @ in_sensor[between])
+    seen = (trajectory.flags & FootFlag.INVALID) == 0
+    seen[: rests[0][1]], seen[rests[-1][0] :] = False, False
+    _, vectors = np.linalg.eigh(in_sensor[seen].T @ in_sensor[seen])
     left = vectors[:, -1] - (vectors[:, -1] @ up) * up
     left /= np.linalg.norm(left)
     forward = np.cross(left, up)

@@ -8,7 +8,9 @@ from numpy.typing import NDArray
 
 from estimators.conventions import Side
 from estimators.gait._placement import Steps, foot_placement, steps_between
+from estimators.gait._stride_flags import StrideFlag
 from estimators.gait._strides import Strides
+from estimators.gait._walk_reasons import walk_reasons
 from estimators.recording import Float
 
 Bool = NDArray[np.bool_]
@@ -87,18 +89,10 @@ def summarise(feet: Mapping[Side, Strides]) -> GaitSummary:
     Returns
     -------
     GaitSummary
-        Over continuous straight walking: strides that begin or end a bout, or turn, are not averaged in.
+        Over continuous straight walking: strides that begin or end a bout, turn, or have samples missing are not
+        averaged in.
     """
-    reasons: list[str] = []
-    numbers: dict[Side, dict[str, Measure]] = {}
-    for side, strides in feet.items():
-        if strides.count == 0:
-            reasons.append(f"{side} foot: no stride found; it never rested, or never left the ground")
-        numbers[side] = _foot(strides)
-        if strides.count and not steady(strides).any():
-            reasons.append(
-                f"{side} foot: no stride of continuous straight walking; walk at least four strides"
-            )
+    numbers = {side: _foot(strides) for side, strides in feet.items()}
     both: dict[str, Measure] = {}
     asymmetry: dict[str, Measure] = {}
     if set(feet) == {"left", "right"}:
@@ -107,8 +101,6 @@ def summarise(feet: Mapping[Side, Strides]) -> GaitSummary:
         numbers["right"]["step_time"] = _step_time(feet["right"], feet["left"])
         for name in ("stride_length", "step_time", "stance_share", "swing_time", "clearance"):
             asymmetry[name] = _difference(numbers["left"][name], numbers["right"][name])
-    else:
-        reasons.append("one foot only: no double support and no asymmetry")
     return GaitSummary(
         feet=numbers,
         both=both,
@@ -117,23 +109,25 @@ def summarise(feet: Mapping[Side, Strides]) -> GaitSummary:
         termination_length_m={side: foot.length_m[foot.is_termination] for side, foot in feet.items()},
         turn_count=max((len(turns(strides)) for strides in feet.values()), default=0),
         bout_count=max((int(s.bout.max()) + 1 for s in feet.values() if s.count), default=0),
-        reasons=tuple(reasons),
+        reasons=tuple(walk_reasons(feet, {side: steady(strides) for side, strides in feet.items()})),
     )
 
 
 def steady(strides: Strides) -> Bool:
     """Return which strides are continuous straight walking, shape (n,)."""
     turning = np.abs(strides.turn_rad) > _TURN_RAD
-    return np.asarray(~strides.is_initiation & ~strides.is_termination & ~turning)
+    return np.asarray(~strides.is_initiation & ~strides.is_termination & ~turning & (strides.flags == 0))
 
 
 def turns(strides: Strides) -> list[tuple[int, int, float]]:
     """Return turns of at least 20 degrees: first stride, one past the last, and the angle (left positive).
 
-    Consecutive strides that turn the same way by at least 5 degrees each are one turn.
+    Consecutive strides that turn the same way by at least 5 degrees each are one turn. What a foot did while samples
+    were missing is not known, so no turn is found there.
     """
     least = np.deg2rad(5.0)
-    way = np.where(np.abs(strides.turn_rad) >= least, np.sign(strides.turn_rad), 0.0)
+    is_turn = (np.abs(strides.turn_rad) >= least) & ((strides.flags & StrideFlag.MISSING) == 0)
+    way = np.where(is_turn, np.sign(strides.turn_rad), 0.0)
     found = []
     start = 0
     for k in range(1, len(way) + 1):
@@ -252,8 +246,9 @@ def _double_support(left: Strides, right: Strides) -> dict[str, Measure]:
     """Both feet on the ground: from a contact of one foot to the toe-off of the other."""
     times, shares = [], []
     for one, other in ((left, right), (right, left)):
+        known_s = other.toe_off_s[other.flags == 0]
         for k in np.flatnonzero(steady(one)):
-            after = other.toe_off_s[other.toe_off_s > one.contact_s[k]]
+            after = known_s[known_s > one.contact_s[k]]
             if len(after) and after[0] - one.contact_s[k] < one.duration_s[k]:
                 times.append(after[0] - one.contact_s[k])
                 shares.append(times[-1] / one.duration_s[k])
@@ -267,8 +262,9 @@ def _double_support(left: Strides, right: Strides) -> dict[str, Measure]:
 def _step_time(one: Strides, other: Strides) -> Measure:
     """From the contact of the other foot to that of this one."""
     times = []
+    known_s = other.contact_s[other.flags == 0]
     for k in np.flatnonzero(steady(one)):
-        before = other.contact_s[other.contact_s < one.contact_s[k]]
+        before = known_s[known_s < one.contact_s[k]]
         if len(before) and one.contact_s[k] - before[-1] < one.duration_s[k]:
             times.append(one.contact_s[k] - before[-1])
     return measure(np.array(times), "s", np.sqrt(2.0) * EVENT_SIGMA_S)

@@ -310,7 +310,10 @@ def _steps(
     """Return steps between the feet: their worlds can be related on a straight course from a known distance."""
     if apart_m is None or set(strides) != {"left", "right"} or summary.turn_count:
         return None
-    left, right = strides["left"].footholds, strides["right"].footholds
+    known_s = min(foot.whole_until_s for foot in strides.values())
+    left, right = strides["left"].footholds.before(known_s), strides["right"].footholds.before(known_s)
+    if min(len(left.start_s), len(right.start_s)) < 2:
+        return None
     ways = [np.linalg.norm(holds.position_m[-1] - holds.position_m[0]) for holds in (left, right)]
     if min(ways) < _LEAST_COURSE_M:
         return None

@@ -51,6 +51,8 @@ def walked(
         bout=np.zeros(count, dtype=np.int64),
         is_initiation=number == 0,
         is_termination=number == count - 1,
+        missing_s=zeros,
+        flags=np.zeros(count, dtype=np.uint8),
         q_sensor_foot=np.array([1.0, 0.0, 0.0, 0.0]),
     )
 
