@@ -29,6 +29,7 @@ logger = logging.getLogger(__name__)
 TELL_EVERY_S: Final = 0.2
 REVIEW_S: Final = 1.0
 """How often the progress of sensors in the hand is worked out anew."""
+NOT_EVALUATED: Final = "This calibration could not be worked out; what was in force stays. Do it again."
 COLLECTORS: Final[dict[CalibrationKind, type[Collector]]] = {
     "static_bias": PoseStep,
     "n_pose": PoseStep,
@@ -204,6 +205,10 @@ class CalibrationDesk:
         except EstimationError as error:
             findings = findings_out(error.findings) if isinstance(error, MisplacedError) else ()
             self._loop.call_soon_threadsafe(self._refused, found, str(error), findings)
+        except Exception:
+            # A calibration that cannot be worked out must not end the session it belongs to.
+            logger.exception("a calibration could not be evaluated")
+            self._loop.call_soon_threadsafe(self._refused, found, NOT_EVALUATED)
         else:
             self._loop.call_soon_threadsafe(self._settled, found, outcome)
 

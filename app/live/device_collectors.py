@@ -1,6 +1,7 @@
 """Calibrations of sensors in the hand: six positions and the compass."""
 
 import math
+import threading
 from collections import deque
 from collections.abc import Mapping
 from typing import ClassVar
@@ -192,6 +193,8 @@ class Compass(_InHand):
         self._progress: list[MagnetometerProgress] = [fit.progress() for fit in self._fits]
         self._stride = max(1, round(1.0 / (_FIELD_HZ * time_step_s)))
         self._pending: deque[tuple[Float, Float]] = deque()
+        # `review` and `evaluate` run in threads of their own, at the same time when somebody ends the turning.
+        self._fitting = threading.Lock()
 
     @property
     def step_progress(self) -> float:
@@ -238,6 +241,7 @@ class Compass(_InHand):
         )
 
     def _take(self) -> None:
+        """Take what has come; only while `_fitting` is held."""
         while self._pending:
             field, force = self._pending.popleft()
             for fit, one, other in zip(self._fits, field, force, strict=True):
@@ -245,8 +249,9 @@ class Compass(_InHand):
 
     def review(self) -> None:
         """Take what has come and fit it."""
-        self._take()
-        self._progress = [fit.progress() for fit in self._fits]
+        with self._fitting:
+            self._take()
+            self._progress = [fit.progress() for fit in self._fits]
         least = min(range(len(self.handled)), key=lambda i: self._part(self._progress[i]))
         name = "" if len(self.handled) == 1 else f"{self.handled[least].replace('_', ' ')}: "
         self.hint = name + self._progress[least].hint
@@ -262,17 +267,18 @@ class Compass(_InHand):
         found: dict[Placement, DeviceCalibration] = {}
         scores: dict[Placement, float] = {}
         reasons: list[str] = []
-        self._take()
-        self._progress = [fit.progress() for fit in self._fits]
-        for placement, fit in zip(self.handled, self._fits, strict=True):
-            name = placement.replace("_", " ")
-            try:
-                result = fit.result()
-            except CalibrationError as error:
-                raise CalibrationError(f"{name} sensor: {error}") from error
-            found[placement] = DeviceCalibration(magnetometer=result.calibration)
-            scores[placement] = result.score
-            reasons += [f"{name} sensor: {reason}" for reason in result.reasons]
+        with self._fitting:
+            self._take()
+            self._progress = [fit.progress() for fit in self._fits]
+            for placement, fit in zip(self.handled, self._fits, strict=True):
+                name = placement.replace("_", " ")
+                try:
+                    result = fit.result()
+                except CalibrationError as error:
+                    raise CalibrationError(f"{name} sensor: {error}") from error
+                found[placement] = DeviceCalibration(magnetometer=result.calibration)
+                scores[placement] = result.score
+                reasons += [f"{name} sensor: {reason}" for reason in result.reasons]
         return self.outcome(pipeline, found, scores, tuple(reasons))
 
 

@@ -1,5 +1,9 @@
 """What each kind of calibration makes of a simulated performance, chunk by chunk, without a server."""
 
+import asyncio
+import contextlib
+import threading
+import time
 from dataclasses import replace
 from typing import Any
 
@@ -8,11 +12,13 @@ import pytest
 
 from app.errors import Conflict
 from app.gateway.rehearsal import Rehearsal, rehearsal_of
-from app.live.calibrating import COLLECTORS
+from app.live.calibrating import COLLECTORS, NOT_EVALUATED, CalibrationDesk
 from app.live.calibration_messages import CalibrationIn
 from app.live.collectors import Collector, Outcome
+from app.live.device_collectors import Compass
+from app.live.estimation import EstimationLine
 from estimators import pipelines, signals
-from estimators.calibration import MisplacedError
+from estimators.calibration import MagnetometerCollector, MisplacedError
 from estimators.errors import CalibrationError
 from estimators.pipelines import Pipeline, SessionSetup
 from estimators.simulation import ArmScenario, Mounting
@@ -170,3 +176,77 @@ def test_steps_that_end_by_themselves_cannot_be_ended() -> None:
             found.next()
     with pytest.raises(Conflict, match="upper arm and forearm"):
         COLLECTORS["functional"](CalibrationIn(kind="functional"), ("sternum",), 0.01)
+
+
+def test_the_compass_is_reviewed_and_evaluated_at_the_same_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Somebody ends the turning while its progress is worked out in another thread: no reading is lost."""
+    busy, most = 0, 0
+
+    class Slow(MagnetometerCollector):
+        def add(self, *readings: Any) -> None:
+            nonlocal busy, most
+            busy += 1
+            most = max(most, busy)
+            time.sleep(0.002)
+            super().add(*readings)
+            busy -= 1
+
+    monkeypatch.setattr("app.live.device_collectors.MagnetometerCollector", Slow)
+    chunk = signals.to_common_ticks(rehearsal_of("magnetometer").recording, RATE_HZ).ticks(0, 1000)
+    worn: Any = ("forearm_right",)
+    found = Compass(CalibrationIn(kind="magnetometer", placements=list(worn)), worn, 0.01)
+    one = replace(
+        chunk,
+        gyroscope_radps=chunk.gyroscope_radps[:1],
+        accelerometer_mps2=chunk.accelerometer_mps2[:1],
+        magnetometer_t=chunk.magnetometer_t[:1] if chunk.magnetometer_t is not None else None,
+        quality=chunk.quality[:1],
+    )
+    for tick in range(0, 1000, STEP):
+        found.add(one.ticks(tick, tick + STEP))
+    pipeline = pipelines.create(SessionSetup("arm", ("upper_arm_right",), RATE_HZ))
+
+    def evaluate() -> None:
+        with contextlib.suppress(CalibrationError):
+            found.evaluate(pipeline)
+
+    threads = [threading.Thread(target=work) for work in (found.review, evaluate)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert most == 1
+    assert found._fits[0].sample_count == 1000 * 20 / RATE_HZ
+
+
+def test_a_calibration_that_breaks_down_is_to_be_repeated(caplog: pytest.LogCaptureFixture) -> None:
+    """What no one foresaw in the evaluation must not reach the estimation of the session."""
+
+    async def run() -> tuple[list[str], list[str]]:
+        phases: list[str] = []
+        failed: list[str] = []
+        ended: list[Exception] = []
+        pipeline = pipelines.create(SessionSetup("arm", ("upper_arm_right",), RATE_HZ))
+        line = EstimationLine(pipeline, lambda *_: None, ended.append)
+        desk = CalibrationDesk(
+            ("upper_arm_right",),
+            0.01,
+            line,
+            tell=lambda message: phases.append(message.phase),
+            changed=lambda: None,
+            done=lambda *_: None,
+            failed=failed.append,
+        )
+        desk.start(CalibrationIn(kind="magnetometer"))
+        assert desk._collector is not None
+        desk._collector.evaluate = lambda _: [][0]  # type: ignore[method-assign]
+        desk.next()
+        await line.drained()
+        await asyncio.sleep(0)
+        assert (ended, line.is_running, desk.is_active) == ([], True, False)
+        return phases, failed
+
+    phases, failed = asyncio.run(run())
+    assert phases[-1] == "redo"
+    assert failed == [NOT_EVALUATED]
+    assert "could not be evaluated" in caplog.text
