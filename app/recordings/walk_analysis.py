@@ -112,7 +112,7 @@ def _with_forces(
         return None, "forces are analysed on straight courses only, and this walk turns"
     context.progress(0.7, "Forces and balance")
     try:
-        return pipelines.analyse_shoes(recording, setup), note
+        return pipelines.analyse_shoes(recording, setup, walk), note
     except EstimationError as error:
         return None, f"no forces: {error}"
 

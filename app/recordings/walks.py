@@ -122,7 +122,7 @@ def content_of(walk: Walk, shoes: ShoeWalk | None = None, test: GuidedKind = "wa
         asymmetry=_measures(walk.summary.asymmetry),
         turn_count=walk.summary.turn_count,
         bout_count=walk.summary.bout_count,
-        reasons=list(walk.summary.reasons),
+        reasons=[*walk.summary.reasons, *(() if shoes is None else shoes.reasons)],
         has_step_width=walk.steps is not None,
         test=_test(walk, test),
         balance=None if shoes is None else balance_of(shoes),

@@ -33,7 +33,14 @@ from estimators.kinetics._joint_loads import (
     hinge_load,
     work_j,
 )
-from estimators.kinetics._load_cell import LoadCellCalibration, calibrate_load_cell, tare, unloaded
+from estimators.kinetics._load_cell import (
+    LoadCellCalibration,
+    calibrate_load_cell,
+    clipped_at,
+    is_tareable,
+    tare,
+    unloaded,
+)
 from estimators.kinetics._predicted import PredictedReaction, predicted_reaction
 from estimators.kinetics._shoe_geometry import ShoeGeometry
 from estimators.kinetics._shoe_pose import ShoePose, shoe_pose
@@ -58,6 +65,7 @@ __all__ = [
     "analyse_shoe",
     "ankle_load",
     "calibrate_load_cell",
+    "clipped_at",
     "environment_power",
     "fill_gaps",
     "floor_under",
@@ -65,6 +73,7 @@ __all__ = [
     "ground_reaction",
     "hinge_load",
     "is_inside_sole",
+    "is_tareable",
     "lag_s",
     "on_one_time_base",
     "over_cycles",

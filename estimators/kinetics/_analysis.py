@@ -5,16 +5,20 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from estimators import rotation
-from estimators.errors import SetupError
+from estimators.errors import SetupError, ShapeError
 from estimators.kinetics._contact import ContactParameters, ShoeContact, shoe_contact
 from estimators.kinetics._ground_reaction import GroundReaction, ShoeLoads, ground_reaction
 from estimators.kinetics._joint_loads import FootSegment, JointLoad, ankle_load, hinge_load
-from estimators.kinetics._load_cell import LoadCellCalibration, tare, unloaded
+from estimators.kinetics._load_cell import LoadCellCalibration, is_tareable, tare, unloaded
 from estimators.kinetics._shoe_geometry import ShoeGeometry
 from estimators.kinetics._shoe_pose import PositionMode, ShoePose, shoe_pose
 from estimators.orientation import create
 from estimators.recording import Float, ImuChunk, SensorSignals
 from estimators.signals import low_pass
+
+_CELLS = ("heel", "forefoot")
+_SWINGING_RADPS = 2.0
+"""A foot turns faster than this as it is lifted, in swing and as it lands, and hardly while it carries."""
 
 
 @dataclass(frozen=True)
@@ -112,7 +116,7 @@ def analyse_shoe(
     SetupError
         If a cell is missing, time bases differ, or samples are not even.
     ShapeError
-        If no stance was found or samples are not finite.
+        If no stance was found, a cell is never without load, or samples are not finite.
     """
     chosen = parameters or ShoeParameters()
     rate_hz = _common_rate(heel, forefoot, shank)
@@ -124,11 +128,18 @@ def analyse_shoe(
     cells, inertial = [], []
     for number, sensor in enumerate((heel, forefoot)):
         if sensor.force_n is None or sensor.moment_nm is None:
-            raise SetupError(f"the {('heel', 'forefoot')[number]} sensor has no load cell in this recording")
+            raise SetupError(f"the {_CELLS[number]} sensor has no load cell in this recording")
         load = np.concatenate((sensor.force_n, sensor.moment_nm), axis=1)
         if calibrations is not None:
             load = calibrations[number].apply(load)
-        load = smooth(tare(load, unloaded(load[:, :3], chosen.unloaded_n), rate_hz))
+        swings = np.linalg.norm(sensor.gyroscope_radps, axis=1) > _SWINGING_RADPS
+        in_the_air = unloaded(load[:, :3], chosen.unloaded_n, swings)
+        if not is_tareable(in_the_air, swings, rate_hz):
+            raise ShapeError(
+                f"the {_CELLS[number]} cell is never without load although the shoe swings; tare it, and see whether it"
+                " is jammed"
+            )
+        load = smooth(tare(load, in_the_air, rate_hz))
         q = mounting[number]
         cells.append((rotation.rotate(q, load[:, :3]), rotation.rotate(q, load[:, 3:])))
         gyroscope = rotation.rotate(q, smooth(sensor.gyroscope_radps))

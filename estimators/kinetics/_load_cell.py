@@ -9,6 +9,9 @@ from scipy.ndimage import median_filter
 from estimators.errors import CalibrationError, ShapeError
 from estimators.recording import Float
 
+_LEAST_SHARE = 0.25
+"""A toe that drags loads the forefoot for half a swing, rarely longer."""
+_LEAST_SWING_S = 0.5
 _LARGEST_CONDITION = 1e6
 
 
@@ -86,7 +89,9 @@ def calibrate_load_cell(output: Float, load: Float) -> LoadCellCalibration:
     )
 
 
-def unloaded(force_n: Float, limit_n: float = 10.0) -> NDArray[np.bool_]:
+def unloaded(
+    force_n: Float, limit_n: float = 10.0, is_swinging: NDArray[np.bool_] | None = None
+) -> NDArray[np.bool_]:
     """Return in which samples, shape (N,), a load cell carries nothing.
 
     Parameters
@@ -95,9 +100,56 @@ def unloaded(force_n: Float, limit_n: float = 10.0) -> NDArray[np.bool_]:
         A zero that is off by less than the limit does no harm.
     limit_n : float
         Of the length of the force, after a median over five samples.
+    is_swinging : ndarray of bool, shape (N,), optional
+        Where the shoe turns fast. When more of these samples are near their own median than near zero, the cell's zero
+        is off, by that median. Without, a zero that is off by more than the limit is not seen.
     """
+    found = _within(force_n, limit_n)
+    if is_swinging is None or not is_swinging.any():
+        return found
+    moved = _within(force_n - np.median(force_n[is_swinging], axis=0), limit_n)
+    return moved if np.mean(moved[is_swinging]) > np.mean(found[is_swinging]) else found
+
+
+def _within(force_n: Float, limit_n: float) -> NDArray[np.bool_]:
     size = median_filter(np.linalg.norm(force_n, axis=1), size=5, mode="nearest")
     return np.asarray(size < limit_n)
+
+
+def is_tareable(is_unloaded: NDArray[np.bool_], is_swinging: NDArray[np.bool_], rate_hz: float) -> bool:
+    """Return whether a cell's zero can be told: the shoe never swings, or the cell carries nothing when it does.
+
+    Parameters
+    ----------
+    is_unloaded, is_swinging : ndarray of bool, shape (N,)
+    rate_hz : float
+    """
+    if is_swinging.sum() < _LEAST_SWING_S * rate_hz:
+        return True
+    return float(np.mean(is_unloaded[is_swinging])) >= _LEAST_SHARE
+
+
+def clipped_at(force_n: Float, least_n: float, count: int = 5) -> float | None:
+    """Return the level at which a channel stands still, as a saturated load cell does; None where none does.
+
+    Parameters
+    ----------
+    force_n : ndarray, shape (N, 3)
+        As it was sent, before any filter.
+    least_n : float
+        Lower levels are no saturation but rest.
+    count : int
+        So many equal samples one after the other at the channel's extreme.
+    """
+    for channel in force_n.T:
+        level = float(np.abs(channel).max())
+        if level < least_n:
+            continue
+        at_level = np.abs(channel) >= level * (1.0 - 1e-6)
+        edges = np.flatnonzero(np.diff(np.concatenate(([0], at_level.astype(np.int8), [0])))).reshape(-1, 2)
+        if (edges[:, 1] - edges[:, 0]).max() >= count:
+            return level
+    return None
 
 
 def tare(
@@ -143,4 +195,11 @@ def tare(
     return np.asarray(load - zero)
 
 
-__all__ = ["LoadCellCalibration", "calibrate_load_cell", "tare", "unloaded"]
+__all__ = [
+    "LoadCellCalibration",
+    "calibrate_load_cell",
+    "clipped_at",
+    "is_tareable",
+    "tare",
+    "unloaded",
+]

@@ -364,16 +364,41 @@ def _on_ticks(
     flags[outside] |= np.uint8(OrientationFlag.INVALID)
     scalar = np.full((len(time_s), len(SCALARS)), np.nan)
     scalar[:, 0] = path.stance.is_stance[nearest]
-    scalar[:, 1:3] = 0.0
     scalar[:, 3] = np.linalg.norm(velocity, axis=1)
+    return q, _apart(position, side), event_columns(scalar, strides, time_s), flags
+
+
+def event_columns(scalar: Float, strides: Strides, time_s: Float) -> Float:
+    """Return the `SCALARS` of one foot, shape (K, 8), with contacts, toe-offs and the measures of these strides.
+
+    Parameters
+    ----------
+    scalar : ndarray, shape (K, 8)
+        Stance and speed are kept.
+    strides : Strides
+    time_s : ndarray, shape (K,)
+        Of the ticks.
+    """
+    found = scalar.copy()
+    found[:, 1:3], found[:, 4:] = 0.0, np.nan
     for column, events in ((1, strides.contact_s), (2, strides.toe_off_s)):
-        scalar[np.minimum(np.searchsorted(time_s, events), len(time_s) - 1), column] = 1.0
+        found[np.minimum(np.searchsorted(time_s, events), len(time_s) - 1), column] = 1.0
     last = np.searchsorted(strides.contact_s, time_s, side="right") - 1
     known = last >= 0
     measures = (strides.length_m, strides.duration_s, strides.clearance_m, strides.toe_out_rad)
     for column, values in enumerate(measures, 4):
-        scalar[known, column] = values[last[known]]
-    return q, _apart(position, side), scalar, flags
+        found[known, column] = values[last[known]]
+    return found
 
 
-__all__ = ["SCALARS", "WORN", "GaitPipeline", "Walk", "analyse_walk", "course_of", "feet_of", "layout_of"]
+__all__ = [
+    "SCALARS",
+    "WORN",
+    "GaitPipeline",
+    "Walk",
+    "analyse_walk",
+    "course_of",
+    "event_columns",
+    "feet_of",
+    "layout_of",
+]

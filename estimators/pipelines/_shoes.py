@@ -1,5 +1,6 @@
 """A walk on two instrumented shoes: forces, joint loads and the centre of mass beside the movement of the feet."""
 
+import contextlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Final, Literal
@@ -7,6 +8,7 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators import rotation
 from estimators.balance import (
     BothFeet,
     MassCentre,
@@ -24,17 +26,22 @@ from estimators.gait import USUAL_APART_M, Measure, Strides, measure_steps, summ
 from estimators.kinetics import ShoeContact, ShoeGeometry, ShoeKinetics, ShoeParameters, analyse_shoe
 from estimators.orientation import OrientationFlag
 from estimators.pipelines._contract import SessionSetup
-from estimators.pipelines._gait import Walk
-from estimators.pipelines._gait_layout import BALANCE_POINTS, BALANCE_SCALARS, CENTRE_PER_STATURE
+from estimators.pipelines._gait import Walk, event_columns
+from estimators.pipelines._gait_layout import BALANCE_POINTS, BALANCE_SCALARS, CENTRE_PER_STATURE, SCALARS
+from estimators.pipelines._shoe_checks import (
+    EXCHANGED,
+    EXCHANGED_M,
+    refuse_stairs,
+    refuse_wrong_loads,
+    saturated,
+)
+from estimators.pipelines._shoe_mounting import Mounting, shoe_mounting
 from estimators.recording import Float, Recording
 
 ApartSource = Literal["measured", "forces", "usual"]
 _WIDTH_RANGE_M: Final = (0.03, 0.45)
 _SUPPORT_HZ: Final = 25.0
 _SAME_EVENT_S: Final = 0.25
-_SINGLE_LOAD_N: Final = (200.0, 3000.0)
-_LEAST_SINGLE_SHARE: Final = 0.5
-"""With a stick a foot that stands alone may carry so little of what the other does."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +74,8 @@ class ShoeWalk:
     margin: StabilityMargin
     apart_m: float
     apart_source: ApartSource
+    reasons: tuple[str, ...] = ()
+    """What is doubtful about the forces, for people."""
 
 
 def has_shoes(recording: Recording) -> bool:
@@ -78,34 +87,35 @@ def has_shoes(recording: Recording) -> bool:
     )
 
 
-def analyse_shoes(recording: Recording, setup: SessionSetup) -> ShoeWalk:
+def analyse_shoes(recording: Recording, setup: SessionSetup, walk: Walk | None = None) -> ShoeWalk:
     """Analyse both shoes of a walk off-line, up to the margin of stability.
 
     Parameters
     ----------
     recording : Recording
-        With sensors `heel_left`, `forefoot_left` and so on, in segment axes, on one even time base.
+        With sensors `heel_left`, `forefoot_left` and so on, on one even time base.
     setup : SessionSetup
         Stature tells the mean height of the centre of mass; `feet_apart_m` and `feet_apart_end_m` relate the feet.
+    walk : Walk, optional
+        Of the same recording: its strides tell how the sensors sit on the shoes, and whether the ground is level.
+        Without it sensors are taken to be in segment axes.
 
     Raises
     ------
     SetupError, ShapeError
-        A sensor is missing, or no stance was found; the message says which.
+        A sensor is missing, a cell shows what cannot be, no stance was found, or the walk goes up or down stairs; the
+        message says which shoe.
     """
     if not has_shoes(recording):
         raise SetupError("forces need heel and forefoot load cells under both feet")
+    if walk is not None:
+        refuse_stairs(walk.strides)
     sensors = recording.sensors
     chosen = ShoeParameters(position_mode="pivot")
-    shoes: dict[Side, ShoeKinetics] = {
-        side: analyse_shoe(
-            sensors[f"heel_{side}"], sensors[f"forefoot_{side}"], sensors.get(f"shank_{side}"), chosen
-        )
-        for side in SIDES
-    }
-    _refuse_wrong_loads(shoes)
+    shoes = {side: _shoe(recording, side, chosen, _mounting(recording, setup, walk, side)) for side in SIDES}
+    refuse_wrong_loads(shoes)
     height_m = CENTRE_PER_STATURE * setup.body.stature_m
-    apart_m, source = _apart(shoes, setup, height_m)
+    apart_m, source, reasons = _apart(shoes, setup, height_m)
     feet = combine_feet(shoes["left"], shoes["right"], apart_m, end_width_m=setup.feet_apart_end_m)
     mass_kg = _mass(feet)
     centre = smooth_mass_centre(feet.force_n, feet.cop_m, feet.rate_hz, mass_kg, height_m, feet.is_standing)
@@ -123,7 +133,39 @@ def analyse_shoes(recording: Recording, setup: SessionSetup) -> ShoeWalk:
         {side: part[thin] for side, part in corners.items()},
     )
     time_s = sensors["heel_left"].time_s
-    return ShoeWalk(time_s, shoes, feet, mass_kg, centre, time_s[thin], margin, apart_m, source)
+    reasons += saturated(recording, mass_kg)
+    return ShoeWalk(
+        time_s, shoes, feet, mass_kg, centre, time_s[thin], margin, apart_m, source, tuple(reasons)
+    )
+
+
+def _mounting(recording: Recording, setup: SessionSetup, walk: Walk | None, side: Side) -> Mounting | None:
+    """Return how the sensors of a shoe sit, where the walk was followed from its heel sensor."""
+    if walk is None or f"heel_{side}" not in setup.placements or not walk.strides[side].count:
+        return None
+    sensors = recording.sensors
+    return shoe_mounting(
+        rotation.conjugate(walk.strides[side].q_sensor_foot),
+        sensors[f"heel_{side}"],
+        sensors[f"forefoot_{side}"],
+        sensors.get(f"shank_{side}"),
+    )
+
+
+def _shoe(
+    recording: Recording, side: Side, chosen: ShoeParameters, mounting: Mounting | None
+) -> ShoeKinetics:
+    sensors = recording.sensors
+    try:
+        return analyse_shoe(
+            sensors[f"heel_{side}"],
+            sensors[f"forefoot_{side}"],
+            sensors.get(f"shank_{side}"),
+            chosen,
+            q_segment_sensor=mounting,
+        )
+    except (SetupError, ShapeError) as error:
+        raise type(error)(f"{side} shoe: {error}") from error
 
 
 def with_shoes(walk: Walk, found: ShoeWalk) -> Walk:
@@ -156,6 +198,11 @@ def with_shoes(walk: Walk, found: ShoeWalk) -> Walk:
     strides = {
         side: _by_force(foot, found.shoes[side].contact, found.time_s) for side, foot in walk.strides.items()
     }
+    scalar = frames.scalar.copy()
+    for number, name in enumerate(frames.layout.points):
+        columns = slice(number * len(SCALARS), (number + 1) * len(SCALARS))
+        scalar[:, columns] = event_columns(scalar[:, columns], strides[_side(name)], frames.time_s)
+        scalar[:, columns.start] = found.shoes[_side(name)].contact.any[rows]
     going = np.stack(
         [np.interp(frames.time_s, found.support_s, part) for part in found.margin.extrapolated_m.T], axis=1
     )
@@ -183,7 +230,7 @@ def with_shoes(walk: Walk, found: ShoeWalk) -> Walk:
             ),
             q_room_segment=np.ascontiguousarray(np.stack([pose.q_room_heel[rows] for pose in poses], axis=1)),
             point_room_m=np.ascontiguousarray(np.stack([*soles, *balance], axis=1)),
-            scalar=np.column_stack([frames.scalar, told]),
+            scalar=np.column_stack([scalar, told]),
             segment_flags=np.asarray(flags, dtype=np.uint8),
         ),
     )
@@ -229,38 +276,13 @@ def _side(point: str) -> Side:
     return "left" if point.endswith("left") else "right"
 
 
-def _refuse_wrong_loads(shoes: Mapping[Side, ShoeKinetics]) -> None:
-    """Refuse shoes of which one carries alone what nobody weighs, or far less than the other does."""
-    alone: dict[Side, float] = {}
-    for side in SIDES:
-        other = shoes["right" if side == "left" else "left"].contact.any
-        single = shoes[side].contact.any & ~other
-        if single.any():
-            alone[side] = float(np.median(shoes[side].reaction.force_n[single, 2]))
-    if not alone:
-        return
-    most = max(alone.values())
-    for side, load in alone.items():
-        if not _SINGLE_LOAD_N[0] < load < _SINGLE_LOAD_N[1]:
-            raise SetupError(
-                f"the {side} shoe shows {load:.0f} N while it stands alone, which is nobody's weight; check its load"
-                " cells and their units (newton)"
-            )
-        if load < _LEAST_SINGLE_SHARE * most:
-            raise SetupError(
-                f"the {side} shoe shows {load:.0f} N while it stands alone and the other {most:.0f} N; check its load"
-                " cells"
-            )
-
-
 def _apart(
     shoes: Mapping[Side, ShoeKinetics], setup: SessionSetup, height_m: float
-) -> tuple[float, ApartSource]:
-    """Return how far the feet stand apart at the start, and who says so."""
-    if setup.feet_apart_m is not None:
-        return setup.feet_apart_m, "measured"
+) -> tuple[float, ApartSource, list[str]]:
+    """Return how far the feet stand apart at the start, who says so, and what contradicts it."""
     alone = combine_feet(shoes["left"], shoes["right"], 0.0)
-    try:
+    told = None
+    with contextlib.suppress(ShapeError, SetupError):
         told = distance_between_feet(
             alone.reaction,
             alone.rate_hz,
@@ -268,9 +290,12 @@ def _apart(
             height_m,
             is_walking=_walking(alone.is_standing),
         )
-    except (ShapeError, SetupError):
-        return USUAL_APART_M, "usual"
-    return (told, "forces") if _WIDTH_RANGE_M[0] <= told <= _WIDTH_RANGE_M[1] else (USUAL_APART_M, "usual")
+    doubts = [EXCHANGED] if told is not None and told < EXCHANGED_M else []
+    if setup.feet_apart_m is not None:
+        return setup.feet_apart_m, "measured", doubts
+    if told is not None and _WIDTH_RANGE_M[0] <= told <= _WIDTH_RANGE_M[1]:
+        return told, "forces", doubts
+    return USUAL_APART_M, "usual", doubts
 
 
 def _walking(is_standing: NDArray[np.bool_]) -> NDArray[np.bool_]:
