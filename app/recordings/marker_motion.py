@@ -61,6 +61,17 @@ def newest(session: Session, session_id: str) -> str | None:
     return None if arguments is None else str(arguments["markers_id"])
 
 
+def require(session: Session, session_id: str, markers_id: str) -> None:
+    """Check that these markers have been fused.
+
+    Raises
+    ------
+    NotFound
+        They have not.
+    """
+    next(_pieces(session, session_id, markers_id, 0.0, np.inf))
+
+
 def read_motion(
     session: Session, session_id: str, markers_id: str | None, from_s: float = 0.0, until_s: float = np.inf
 ) -> Motion:
@@ -185,4 +196,5 @@ __all__ = [
     "motion_csv",
     "newest",
     "read_motion",
+    "require",
 ]

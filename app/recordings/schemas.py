@@ -287,6 +287,8 @@ class ViewIn(Schema):
     mode: Literal["live", "replay"]
     result_id: str | None = None
     template_version_id: str | None = None
+    markers_id: str | None = None
+    """In a replay: the fused motion of these markers instead of the body."""
 
 
 class ViewOut(Schema):

@@ -74,6 +74,30 @@ class Camera:
         return math.degrees(math.atan2(y, x)), math.degrees(math.asin(z / distance)), distance
 
 
+def around(name: Preset, height_m: float, size_m: float, aspect: float) -> Camera:
+    """Return a preset for something of a size around the middle of the room, as markers are.
+
+    Parameters
+    ----------
+    name : {"start", "front", "side", "top", "arm"}
+        `arm` comes near.
+    height_m, size_m : float
+        Of its middle, and its largest extent.
+    aspect : float
+    """
+    azimuth, elevation = {
+        "start": (52.0, 22.0),
+        "front": (6.0, 8.0),
+        "side": (90.0, 8.0),
+        "top": (180.0, 86.0),
+        "arm": (52.0, 22.0),
+    }[name]
+    seen = (0.6 if name == "arm" else 1.25) * size_m / min(max(aspect, 0.2), 1.0)
+    distance = min(max(0.5 * seen / math.tan(0.5 * FIELD_OF_VIEW_RAD), _NEAREST_M), _FARTHEST_M)
+    look_at = (0.0, 0.0, height_m)
+    return Camera(_place(look_at, azimuth, elevation, distance), look_at)
+
+
 def preset(name: Preset, body: BodyDimensions, side: str, aspect: float, *, is_walk: bool = False) -> Camera:
     """Return a preset for this person and this picture.
 

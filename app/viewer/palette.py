@@ -28,6 +28,10 @@ ACCENT: Final[Rgb] = (30, 168, 182)
 """The template: its ghost and its path, nothing else."""
 TRAIL: Final[Rgb] = (176, 112, 74)
 """Where the patient's hand has just been."""
+FRAME: Final[Rgb] = (91, 78, 163)
+"""A marker as cameras saw it."""
+FILLED: Final[Rgb] = (160, 44, 109)
+"""A gap of the cameras that a sensor filled."""
 HALO: Final[Rgb] = (238, 178, 110)
 """Two standard deviations of where elbow and hand may be."""
 

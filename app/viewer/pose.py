@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.viewer.feet import FeetTrack, feet_of
+from app.viewer.markers import MarkerTrack
 from app.viewer.modules import ModuleTrack, modules_of
 from app.viewer.proportions import hip_height_m
 from estimators import rotation
@@ -90,6 +91,8 @@ class PoseTrack:
     lost: NDArray[np.bool_]
     modules: ModuleTrack | None = None
     feet: FeetTrack | None = None
+    markers: MarkerTrack | None = None
+    """Of markers beside a sensor: drawn instead of the figure."""
 
     def __len__(self) -> int:
         """Return the number of ticks K."""
@@ -146,6 +149,21 @@ def track_from_frames(frames: Frames, body: BodyDimensions) -> PoseTrack:
         lost=lost,
         modules=modules_of(frames),
         feet=feet_of(frames),
+    )
+
+
+def track_from_markers(time_s: NDArray[np.float64], markers: MarkerTrack) -> PoseTrack:
+    """Prepare fused markers for drawing, without the figure: where it is in the laboratory nobody knows."""
+    ticks = len(time_s)
+    upright = rotation.identity((len(SEGMENTS),)).astype(np.float32)
+    return PoseTrack(
+        time_s=time_s,
+        wxyz=np.broadcast_to(upright, (ticks, *upright.shape)),
+        shoulder_m=np.broadcast_to(np.zeros((2, 3), np.float32), (ticks, 2, 3)),
+        hand_m=np.broadcast_to(np.full((2, 3), np.nan, np.float32), (ticks, 2, 3)),
+        halo_m=np.broadcast_to(np.zeros((2, 2), np.float32), (ticks, 2, 2)),
+        lost=np.zeros((ticks, len(SEGMENTS)), dtype=bool),
+        markers=markers,
     )
 
 

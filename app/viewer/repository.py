@@ -13,12 +13,21 @@ from app.errors import Conflict, InvalidInput, NotFound
 from app.exercises.models import Exercise, Prescription, Template, TemplateVersion
 from app.patients.access import require_patient
 from app.patients.models import Patient
+from app.recordings import marker_motion
 from app.recordings import repository as recordings
 from app.recordings.models import MotionSession, Result
 from app.recordings.schemas import ViewIn
 from app.recordings.store import read_frames
 from app.viewer.ghost import Ghost, GhostClock, ghost_from_template
-from app.viewer.pose import SEGMENTS, PoseTrack, measured_segments, thinned, track_from_frames
+from app.viewer.markers import markers_of
+from app.viewer.pose import (
+    SEGMENTS,
+    PoseTrack,
+    measured_segments,
+    thinned,
+    track_from_frames,
+    track_from_markers,
+)
 from estimators.body import BodyDimensions
 from estimators.comparison import RepetitionResult, comparison_from_bytes, template_from_bytes
 from estimators.conventions import Side
@@ -38,6 +47,7 @@ class ViewTarget:
     patient_id: str
     result_id: str | None
     template_version_id: str | None
+    markers_id: str | None = None
 
 
 @dataclass(frozen=True)
@@ -90,6 +100,11 @@ def find_target(engine: Engine, subject: Subject, session_id: str, wanted: ViewI
         found = recordings.get_session(
             session, subject, session_id, action="session.view", details={"mode": wanted.mode}
         )
+        if wanted.markers_id is not None:
+            if wanted.mode == "live":
+                raise InvalidInput("Markers are shown in a replay.", field="markers_id")
+            marker_motion.require(session, found.id, wanted.markers_id)
+            return ViewTarget(wanted.mode, found.id, found.patient_id, None, None, wanted.markers_id)
         result_id = None
         if wanted.mode == "replay":
             result_id = recordings.result_of(session, found, wanted.result_id).id
@@ -135,7 +150,10 @@ def load_contents(engine: Engine, target: ViewTarget) -> Contents:
         setup = SessionSetup.from_dict(found.setup)
         measured: frozenset[str] = frozenset(SEGMENTS).intersection(setup.placements)
         track = None
-        if target.result_id is not None:
+        if target.markers_id is not None:
+            motion = marker_motion.read_motion(session, found.id, target.markers_id)
+            track = track_from_markers(*markers_of(motion))
+        elif target.result_id is not None:
             result = session.get(Result, target.result_id)
             if result is None:
                 raise NotFound("This session has no such result.")

@@ -15,6 +15,7 @@ from app.viewer.body_mesh import build_figure
 from app.viewer.feet import FeetTrack
 from app.viewer.feet_layer import FeetLayer
 from app.viewer.ghost_node import GhostNode
+from app.viewer.markers_layer import MarkersLayer
 from app.viewer.modules import ModuleLayer, ModuleTrack
 from app.viewer.pose import PARENT, SEGMENTS, PoseTrack
 from app.viewer.proportions import hip_height_m
@@ -84,6 +85,7 @@ class BodyScene:
             self._ghost = GhostNode(server, ghost, body, ghost_side) if ghost is not None else None
         self._modules: ModuleLayer | None = None
         self._feet: FeetLayer | None = None
+        self._markers: MarkersLayer | None = None
         self._lost = np.zeros(len(SEGMENTS), dtype=bool)
         self._unsure = np.zeros(len(SIDES), dtype=bool)
 
@@ -120,6 +122,12 @@ class BodyScene:
             Past positions of the left and right hand up to this tick; None leaves the trails as they are.
         """
         with self._server.atomic():
+            if track.markers is not None:
+                if self._markers is None:
+                    self._solid.visible(False)
+                    self._markers = MarkersLayer(self._server)
+                self._markers.show(track.markers, track.time_s, tick)
+                return
             if track.modules is not None:
                 self._draw_modules(track.modules, tick)
                 return

@@ -10,7 +10,7 @@ import viser
 from viser import _messages as viser_messages
 
 from app.live.bus import Bus
-from app.viewer.camera import FIELD_OF_VIEW_RAD, Camera, Preset, preset
+from app.viewer.camera import FIELD_OF_VIEW_RAD, Camera, Preset, around, preset
 from app.viewer.nodes import theme_updates
 from app.viewer.player import LivePlayer, Player, ReplayPlayer
 from app.viewer.repository import Contents, ViewTarget
@@ -55,6 +55,7 @@ class Stage:
         self.target = target
         self.body = contents.body
         self._is_walk = contents.has_feet
+        self._markers = contents.track.markers if contents.track is not None else None
         self.side = contents.side
         self._server = LoopbackServer()
         ghost = contents.ghost
@@ -94,6 +95,8 @@ class Stage:
 
     def look(self, name: Preset, aspect: float) -> Camera:
         """Return a point of view that fits what is shown; see `preset`."""
+        if self._markers is not None:
+            return around(name, self._markers.height_m, self._markers.size_m, aspect)
         return preset(name, self.body, self.side, aspect, is_walk=self._is_walk)
 
     @property

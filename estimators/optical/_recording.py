@@ -18,6 +18,9 @@ from estimators.recording import Float
 
 _ROUNDS = 6
 _SAME_CLOCK_S = 5e-5
+# Frames in a row that a sound filter does not shut out: ghosts are single.
+_STREAK = 5
+_WALKS = (10.0, 100.0, 300.0, 1000.0, 3000.0)
 
 
 @dataclass(frozen=True)
@@ -149,6 +152,11 @@ def fuse_markers(
         results = [stretch.smoothed() for stretch in stretches]
     else:
         scale = 1.0
+    stretches, results, walk = _with_walks(stretches, results)
+    if walk > 1.0:
+        reasons.append(
+            f"Markers after gaps fit only when offsets of the sensor may change {walk:g} times as fast."
+        )
     total = stretches[-1].first + len(stretches[-1].chunk.marker_m) - first
     result = _joined(stretches, results, first, total)
     filtered = _joined(stretches, [stretch.filtered() for stretch in stretches], first, total)
@@ -223,9 +231,44 @@ def _sigma_scale(results: list[OpticalResult]) -> float:
     return float(np.sqrt(np.median(nis) / 2.366)) if len(nis) > 20 else 1.0
 
 
-def _scaled(parameters: dict[str, Any], scale: float) -> dict[str, Any]:
+def _with_walks(
+    stretches: list[Stretch], results: list[OpticalResult]
+) -> tuple[list[Stretch], list[OpticalResult], float]:
+    """Let offsets change faster while sound markers are shut out.
+
+    A scale or alignment error of a sensor acts as an offset that changes with attitude. With the page's walks the
+    filter is then too sure after a gap, and shuts out all markers until it gives in.
+    """
+    best, walk = _shut_out(results), 1.0
+    first = stretches
+    for factor in _WALKS:
+        if best == 0:
+            break
+        tried = [replace(s, parameters=_scaled(s.parameters, factor, _BIAS_WALKS)) for s in first]
+        found = [stretch.smoothed() for stretch in tried]
+        count = _shut_out(found)
+        if count < best:
+            stretches, results, best, walk = tried, found, count, factor
+    return stretches, results, walk
+
+
+def _shut_out(results: list[OpticalResult]) -> int:
+    """Count markers that were shut out in long rows."""
+    count = 0
+    for result in results:
+        seen = result.provenance[result.provenance >= Provenance.MEASURED]
+        missed = np.concatenate([[0], (seen == Provenance.REJECTED).astype(np.int8), [0]])
+        lengths = np.diff(np.flatnonzero(np.diff(missed)).reshape(-1, 2), axis=1)
+        count += int(lengths[lengths >= _STREAK].sum())
+    return count
+
+
+_BIAS_WALKS = ("force_walk", "rate_walk")
+_ALL_NOISE = ("force_sigma_mps2", "rate_sigma_radps", "marker_sigma_m", *_BIAS_WALKS)
+
+
+def _scaled(parameters: dict[str, Any], scale: float, names: tuple[str, ...] = _ALL_NOISE) -> dict[str, Any]:
     defaults = OpticalInertialFilter(0.01, parameters).parameters
-    names = ("force_sigma_mps2", "rate_sigma_radps", "marker_sigma_m", "force_walk", "rate_walk")
     return {**parameters, **{name: scale * float(defaults[name]) for name in names}}
 
 

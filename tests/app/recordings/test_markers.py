@@ -102,6 +102,22 @@ def test_markers_are_fused_reported_exported_and_erased(
         assert not session.scalars(select(SignalChunk.stream)).all()
 
 
+@pytest.mark.slow
+def test_the_fused_path_is_shown_in_3d(engine: Engine, settings: Settings, worn: Any, therapist: Any) -> None:
+    session_id, scene = worn
+    wanted = {"mode": "replay", "markers_id": "none"}
+    address = f"/api/sessions/{session_id}/views"
+    assert therapist.post(address, json=wanted).status_code == 404
+    answer = send(therapist, session_id, marker_csv(scene))
+    run_job(engine, settings, answer.json()["id"], fuse)
+    (found,) = therapist.get(f"/api/sessions/{session_id}/markers").json()
+    wanted["markers_id"] = found["id"]
+    view = therapist.post(address, json=wanted)
+    assert view.status_code == 201, view.text
+    assert therapist.get(view.json()["page_path"]).status_code == 200
+    assert therapist.post(address, json={**wanted, "mode": "live"}).status_code == 422
+
+
 def test_what_cannot_be_fused_is_told_and_kept(
     engine: Engine, settings: Settings, worn: Any, therapist: Any
 ) -> None:

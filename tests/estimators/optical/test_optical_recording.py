@@ -72,6 +72,31 @@ def test_clocks_agree_over_the_whole_recording() -> None:
     assert values["position, mean square error over variance"] < 2.0
 
 
+@pytest.mark.slow
+def test_gaps_of_a_sensor_with_wrong_scales_end_with_the_cameras(scene: Scene) -> None:
+    camera_s, cluster, true_s = cameras(scene, 100.0)
+    hidden = np.zeros(len(true_s), dtype=np.bool_)
+    for start in (8.0, 12.0, 17.0):
+        hidden |= (true_s >= start) & (true_s < start + 1.5)
+    cluster[hidden] = np.nan
+    wrong = np.array([[1.01, 0.004, 0.0], [0.0, 0.992, 0.004], [0.003, 0.0, 1.006]])
+    chunk = scene.chunk
+    found = fuse_markers(
+        camera_s,
+        cluster[:, 0],
+        STEP_S,
+        chunk.gyroscope_radps @ wrong.T,
+        chunk.accelerometer_mps2 @ wrong.T,
+        gap_checks=False,
+    )
+    # With the walks of the page markers stay shut out for two seconds after a gap.
+    assert [gap.length_s for gap in found.gaps] == pytest.approx([1.5, 1.5, 1.5], abs=0.03)
+    assert any("times as fast" in reason for reason in found.reasons)
+    part = slice(found.first_tick, found.first_tick + len(found.marker_m))
+    truth = rotation.rotate(rotation.about_z(2.0), scene.position_m[part])
+    assert np.nanmax(np.linalg.norm(found.result.position_m - truth, axis=1)) < 0.03
+
+
 def test_slow_cameras_and_missing_samples_are_lived_with(scene: Scene) -> None:
     camera_s, cluster, _ = cameras(scene, 30.0)
     gyroscope, accelerometer = scene.chunk.gyroscope_radps.copy(), scene.chunk.accelerometer_mps2.copy()

@@ -26,6 +26,7 @@ export const keys = {
   magneticSafety: (id: string) => ['sessions', id, 'magnetic-safety'] as const,
   sourceUse: (id: string, resultId: string | null) => ['sessions', id, 'source-use', resultId] as const,
   markers: (id: string) => ['sessions', id, 'markers'] as const,
+  markerMotion: (id: string, markersId: string, block: number) => ['sessions', id, 'markers', markersId, block] as const,
   gait: (id: string) => ['sessions', id, 'gait'] as const,
   walks: (id: string) => ['patients', id, 'walks'] as const,
   conditions: (id: string, a: readonly string[], b: readonly string[]) => ['patients', id, 'walks', 'conditions', a, b] as const,
@@ -132,6 +133,14 @@ export const useSession = (id: string, refetchInterval?: number) =>
 export const useSessionJobs = (id: string, refetchInterval?: number) =>
   useGet<Wire.Job[]>(keys.sessionJobs(id), `/api/sessions/${id}/jobs`, { refetchInterval, enabled: id !== '' });
 export const useMarkers = (id: string) => useGet<Wire.Markers[]>(keys.markers(id), `/api/sessions/${id}/markers`);
+/** Fused motion in blocks of so many seconds, so that a long session is fetched as it is looked at. */
+export const MOTION_BLOCK_S = 20;
+export const useMarkerMotion = (id: string, markersId: string, block: number) =>
+  useGet<Wire.MarkerMotion>(
+    keys.markerMotion(id, markersId, block),
+    withQuery(`/api/sessions/${id}/markers/motion/stretch`, { markers_id: markersId, from_s: block * MOTION_BLOCK_S, until_s: (block + 1) * MOTION_BLOCK_S }),
+    { staleTime: Infinity },
+  );
 export const useComparisons = (id: string) => useGet<Wire.Comparison[]>(keys.comparisons(id), `/api/sessions/${id}/comparisons`);
 export const useComparison = (id: string | null) =>
   useGet<Wire.ComparisonDetail>(keys.comparison(id ?? ''), `/api/comparisons/${id}`, { enabled: id !== null, staleTime: Infinity });

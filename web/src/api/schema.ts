@@ -3926,6 +3926,8 @@ export interface components {
          * @description Open a 3D view.
          */
         ViewIn: {
+            /** Markers Id */
+            markers_id?: string | null;
             /**
              * Mode
              * @enum {string}

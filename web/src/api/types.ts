@@ -102,5 +102,6 @@ export type ConditionsIn = Schemas['ConditionsIn'];
 export type Conditions = Schemas['ConditionsOut'];
 export type MeasureChange = Schemas['MeasureChange'];
 export type Markers = Schemas['MarkersOut'];
+export type MarkerMotion = Schemas['MarkerMotionOut'];
 export type MarkerReport = Schemas['MarkerReport'];
 export type MarkerUploadIn = Schemas['MarkerUploadIn'];

@@ -19,10 +19,11 @@ export interface Viewer3DProps {
   ghost?: GhostChoice;
   isReady?: boolean;
   /** What the nearest point of view shows. */
-  near?: 'arm' | 'feet';
+  near?: Near;
   onShown?: (shown: ViewSnapshot['shown']) => void;
 }
 
+type Near = 'arm' | 'feet' | 'marker';
 type Preset = NonNullable<CameraCommand['preset']>;
 const PRESETS: readonly Preset[] = ['start', 'front', 'side', 'top', 'arm'];
 const TURN_DEG = 20;
@@ -31,7 +32,7 @@ const NOTHING: ViewSnapshot = { status: 'connecting', problem: '', shown: null }
 const never = () => () => undefined;
 
 /** Everything that dragging does, as buttons. */
-function CameraBar({ link, near }: { link: ViewLink | null; near: 'arm' | 'feet' }) {
+function CameraBar({ link, near }: { link: ViewLink | null; near: Near }) {
   const [preset, setPreset] = useState<Preset | ''>('');
   const move = (command: Parameters<ViewLink['camera']>[0]) => {
     setPreset('');
@@ -69,7 +70,7 @@ function CameraBar({ link, near }: { link: ViewLink | null; near: 'arm' | 'feet'
 export function Viewer3D({ sessionId, request, title, player = null, ghost, isReady = true, onShown, near = 'arm' }: Viewer3DProps) {
   const scheme = useComputedColorScheme('light');
   const view = useQuery({
-    queryKey: ['view', sessionId, request.mode, request.result_id ?? null, request.template_version_id ?? null],
+    queryKey: ['view', sessionId, request.mode, request.result_id ?? null, request.template_version_id ?? null, request.markers_id ?? null],
     queryFn: () => api.post<View>(`/api/sessions/${sessionId}/views`, request),
     enabled: isReady,
     staleTime: Infinity,

@@ -1,8 +1,9 @@
 // Markers of a camera system beside a session's sensors: upload, and how well they fit.
 import { Button, FileButton, NumberInput, Select, TextInput } from '@mantine/core';
-import { IconDownload, IconFileUpload } from '@tabler/icons-react';
+import { IconDownload, IconFileUpload, IconRoute } from '@tabler/icons-react';
 import { useMutation, useQueryClient } from '@tanstack/react-query';
 import { useState, type FormEvent } from 'react';
+import { Link } from 'react-router';
 import { upload } from '../../api/client';
 import { keys, useJob, useMarkers } from '../../api/queries';
 import type { Job, Markers, MarkerReport, MarkerUploadIn, Placement, SessionDetail } from '../../api/types';
@@ -154,6 +155,11 @@ function Entry({ found }: { found: Markers }) {
       )}
       {(found.status === 'queued' || found.status === 'running') && <p className="muted">{t('markers.waiting')}</p>}
       {found.report && <Report report={found.report} />}
+      {found.report && (
+        <Button component={Link} to={`/sessions/${found.session_id}?show=markers&markers=${found.id}`} leftSection={<IconRoute size={18} aria-hidden />}>
+          {t('markers.show')}
+        </Button>
+      )}
       {found.report && (
         <Button component="a" href={`/api/sessions/${found.session_id}/markers/motion?markers_id=${found.id}`} download variant="default" leftSection={<IconDownload size={18} aria-hidden />}>
           {t('markers.download')}

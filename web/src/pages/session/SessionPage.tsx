@@ -3,7 +3,7 @@ import { Button, Select, Switch, Tabs } from '@mantine/core';
 import { IconArrowRight, IconFileText, IconShoe } from '@tabler/icons-react';
 import { useCallback, useEffect, useMemo, useRef, useState, type KeyboardEvent } from 'react';
 import { Link, Navigate, useParams, useSearchParams } from 'react-router';
-import { useComparison, useComparisons, useEstimators, useExercises, usePatient, useSession, useTemplateVersion } from '../../api/queries';
+import { useComparison, useComparisons, useEstimators, useExercises, useMarkers, usePatient, useSession, useTemplateVersion } from '../../api/queries';
 import type { ComparisonDetail, Repetition, SessionDetail } from '../../api/types';
 import { Traces } from '../../charts/Traces';
 import { ChannelPicker } from '../../components/ChannelPicker';
@@ -23,6 +23,7 @@ import type { PlayerState } from '../../api/types';
 import { SourcePanel } from '../magnetic/SourcePanel';
 import { ComparisonPanel } from './ComparisonPanel';
 import { DetailsPanel, resultLabel } from './DetailsPanel';
+import { MarkerLegend, MarkerMotion } from './MarkerMotion';
 import { MarkersPanel } from './MarkersPanel';
 import { WalkMap, WalkPanel } from './WalkPanel';
 import { RepetitionTable } from './RepetitionTable';
@@ -93,7 +94,14 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
   };
   const isWalk = session.pipeline === 'gait';
   const isMagnetic = session.pipeline === 'relative_pose';
-  const tab = search.get('show') ?? (isWalk ? 'walk' : isMagnetic ? 'source' : hasComparison ? 'compare' : 'angles');
+  const markers = useMarkers(session.id);
+  const fused = useMemo(() => (markers.data ?? []).filter((one) => one.report !== null), [markers.data]);
+  const marker = fused.find((one) => one.id === search.get('markers')) ?? fused[0] ?? null;
+  const asked = search.get('show') ?? (isWalk ? 'walk' : isMagnetic ? 'source' : hasComparison ? 'compare' : 'angles');
+  // A link to markers waits for them; when there are none it shows where they are added.
+  const tab = asked === 'markers' && markers.data && !marker ? 'details' : asked;
+  const marked = tab === 'markers' ? marker : null;
+  const isWaiting = tab === 'markers' && markers.isPending;
   return (
     <>
       {snapshot.problem && <Problem error={new Error(snapshot.problem)} title={t('replay.failed')} />}
@@ -103,16 +111,18 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
         <div className="stage" ref={stage}>
           <Viewer3D
             sessionId={session.id}
-            request={{ mode: 'replay', result_id: resultId, template_version_id: comparison?.template_version_id ?? null }}
-            title={t('viewer.replayTitle')}
-            near={isWalk ? 'feet' : 'arm'}
+            request={{ mode: 'replay', result_id: resultId, template_version_id: comparison?.template_version_id ?? null, markers_id: marked?.id ?? null }}
+            title={t(marked ? 'markers.viewer' : 'viewer.replayTitle')}
+            near={marked ? 'marker' : isWalk ? 'feet' : 'arm'}
+            isReady={!isWaiting}
             player={player}
             ghost={ghost}
             onShown={setShown}
           />
           <Timeline player={player} repetitions={repetitions} events={session.events} onRepetition={choose} />
           {isWalk && <WalkMap sessionId={session.id} />}
-          {comparison && (
+          {marked && <MarkerLegend />}
+          {comparison && !marked && (
             <div className="ghost-tools">
               <Switch label={t('replay.ghost')} checked={ghost.ghost} disabled={shown?.has_ghost === false} onChange={(event) => setGhost({ ...ghost, ghost: event.currentTarget.checked })} />
               <Switch
@@ -136,6 +146,7 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
             {isWalk && <Tabs.Tab value="walk">{t('walk.result')}</Tabs.Tab>}
             {!isWalk && !isMagnetic && <Tabs.Tab value="compare">{t('compare.title')}</Tabs.Tab>}
             {!isWalk && <Tabs.Tab value="angles">{t('traces.title')}</Tabs.Tab>}
+            {marker && <Tabs.Tab value="markers">{t('markers.title')}</Tabs.Tab>}
             <Tabs.Tab value="details">{t('details.title')}</Tabs.Tab>
           </Tabs.List>
           <Tabs.Panel value="walk">
@@ -157,6 +168,17 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
               </span>
             </div>
             <Traces player={player} channels={channels} templateAt={templateAt} onSeek={seek} />
+          </Tabs.Panel>
+          <Tabs.Panel value="markers">
+            {marker && (
+              <MarkerMotion
+                fused={fused}
+                shown={marker}
+                onChoose={(id) => setSearch((now) => (now.set('markers', id), now), { replace: true })}
+                player={player}
+                onSeek={seek}
+              />
+            )}
           </Tabs.Panel>
           <Tabs.Panel value="details">
             <h2 className="visually-hidden">{t('details.title')}</h2>
