@@ -1,4 +1,6 @@
-"""Covariance of orientation, offset and magnetic disturbance held in scalars, for Roetenberg's filter.
+"""Covariance of orientation, offset and magnetic disturbance held in registers, for Roetenberg's filter.
+
+All numbers are `Lanes` of some sensors side by side.
 
 Of the 9 x 9 matrix the upper triangle travels as two tuples: `Upper` of orientation and offset (21 numbers, see
 `_marzouk_covariance`), and `Disturbed` of what has to do with the disturbance (24): orientation by disturbance (9, by
@@ -6,62 +8,161 @@ rows), offset by disturbance (9, by rows), disturbance (6). Arrays may overlap a
 store to one would make it read the others again.
 """
 
-from estimators._kernels import kernel
-from estimators.orientation._marzouk_covariance import ROW, UPPER, Row, Upper
+from numba import types
+
+from estimators._lanes import LANES_TYPE, column, in_lanes, of_one, put_column, spread
+from estimators.orientation import _marzouk_covariance as scalar
+from estimators.orientation._marzouk_covariance import Row, Upper
 from estimators.recording import Float
 
 Disturbed = tuple[float, ...]
 """The 24 numbers."""
-DISTURBED = "UniTuple(float64, 24)"
+UPPER, ROW, DISTURBED = (
+    types.UniTuple(LANES_TYPE, 21),
+    types.UniTuple(LANES_TYPE, 9),
+    types.UniTuple(LANES_TYPE, 24),
+)
+_L, _I, _F, _FLAT = LANES_TYPE, types.intp, types.float64, types.float64[:, ::1]
+_ERRORS, _ALIKE = types.UniTuple(LANES_TYPE, 6), types.UniTuple(types.float64, 3)
+
+predicted = in_lanes(UPPER(UPPER, ROW, _ERRORS, _ALIKE))(of_one(scalar.predicted))
+lessened = in_lanes(UPPER(UPPER, _L, _ERRORS))(of_one(scalar.lessened))
 
 
-@kernel(f"{DISTURBED}(float64[:, ::1])", inlined=True)
-def loaded_disturbance(p: Float) -> Disturbed:
-    """Read the columns of the disturbance from the upper triangle of a 9 x 9 matrix."""
+@in_lanes(UPPER(_FLAT, _I, _I))
+def loaded(p: Float, row: int, last: int) -> Upper:
+    """Read orientation and offset of sensors side by side from covariances by rows, (S, 81)."""
     return (
-        p[0, 6],
-        p[0, 7],
-        p[0, 8],
-        p[1, 6],
-        p[1, 7],
-        p[1, 8],
-        p[2, 6],
-        p[2, 7],
-        p[2, 8],
-        p[3, 6],
-        p[3, 7],
-        p[3, 8],
-        p[4, 6],
-        p[4, 7],
-        p[4, 8],
-        p[5, 6],
-        p[5, 7],
-        p[5, 8],
-        p[6, 6],
-        p[6, 7],
-        p[6, 8],
-        p[7, 7],
-        p[7, 8],
-        p[8, 8],
+        column(p, (row, last, 0)),
+        column(p, (row, last, 1)),
+        column(p, (row, last, 2)),
+        column(p, (row, last, 10)),
+        column(p, (row, last, 11)),
+        column(p, (row, last, 20)),
+        column(p, (row, last, 3)),
+        column(p, (row, last, 4)),
+        column(p, (row, last, 5)),
+        column(p, (row, last, 12)),
+        column(p, (row, last, 13)),
+        column(p, (row, last, 14)),
+        column(p, (row, last, 21)),
+        column(p, (row, last, 22)),
+        column(p, (row, last, 23)),
+        column(p, (row, last, 30)),
+        column(p, (row, last, 31)),
+        column(p, (row, last, 32)),
+        column(p, (row, last, 40)),
+        column(p, (row, last, 41)),
+        column(p, (row, last, 50)),
     )
 
 
-@kernel(f"void(float64[:, ::1], {DISTURBED})", inlined=True)
-def keep_disturbance(p: Float, d: Disturbed) -> None:
-    """Write the columns of the disturbance to the upper triangle of a 9 x 9 matrix."""
-    p[0, 6], p[0, 7], p[0, 8], p[1, 6], p[1, 7], p[1, 8], p[2, 6], p[2, 7], p[2, 8] = d[:9]
-    p[3, 6], p[3, 7], p[3, 8], p[4, 6], p[4, 7], p[4, 8], p[5, 6], p[5, 7], p[5, 8] = d[9:18]
-    p[6, 6], p[6, 7], p[6, 8], p[7, 7], p[7, 8], p[8, 8] = d[18:]
+@in_lanes(DISTURBED(_FLAT, _I, _I))
+def loaded_disturbance(p: Float, row: int, last: int) -> Disturbed:
+    """Read the columns of the disturbance from the upper triangles."""
+    return (
+        column(p, (row, last, 6)),
+        column(p, (row, last, 7)),
+        column(p, (row, last, 8)),
+        column(p, (row, last, 15)),
+        column(p, (row, last, 16)),
+        column(p, (row, last, 17)),
+        column(p, (row, last, 24)),
+        column(p, (row, last, 25)),
+        column(p, (row, last, 26)),
+        column(p, (row, last, 33)),
+        column(p, (row, last, 34)),
+        column(p, (row, last, 35)),
+        column(p, (row, last, 42)),
+        column(p, (row, last, 43)),
+        column(p, (row, last, 44)),
+        column(p, (row, last, 51)),
+        column(p, (row, last, 52)),
+        column(p, (row, last, 53)),
+        column(p, (row, last, 60)),
+        column(p, (row, last, 61)),
+        column(p, (row, last, 62)),
+        column(p, (row, last, 70)),
+        column(p, (row, last, 71)),
+        column(p, (row, last, 80)),
+    )
 
 
-@kernel(f"{DISTURBED}(float64)", inlined=True)
+@in_lanes(types.void(_FLAT, _I, _I, UPPER, DISTURBED))
+def keep(p: Float, row: int, last: int, upper: Upper, d: Disturbed) -> None:
+    """Write the upper triangles."""
+    put_column(p, (row, last, 0), upper[0])
+    put_column(p, (row, last, 1), upper[1])
+    put_column(p, (row, last, 2), upper[2])
+    put_column(p, (row, last, 10), upper[3])
+    put_column(p, (row, last, 11), upper[4])
+    put_column(p, (row, last, 20), upper[5])
+    put_column(p, (row, last, 3), upper[6])
+    put_column(p, (row, last, 4), upper[7])
+    put_column(p, (row, last, 5), upper[8])
+    put_column(p, (row, last, 12), upper[9])
+    put_column(p, (row, last, 13), upper[10])
+    put_column(p, (row, last, 14), upper[11])
+    put_column(p, (row, last, 21), upper[12])
+    put_column(p, (row, last, 22), upper[13])
+    put_column(p, (row, last, 23), upper[14])
+    put_column(p, (row, last, 30), upper[15])
+    put_column(p, (row, last, 31), upper[16])
+    put_column(p, (row, last, 32), upper[17])
+    put_column(p, (row, last, 40), upper[18])
+    put_column(p, (row, last, 41), upper[19])
+    put_column(p, (row, last, 50), upper[20])
+    put_column(p, (row, last, 6), d[0])
+    put_column(p, (row, last, 7), d[1])
+    put_column(p, (row, last, 8), d[2])
+    put_column(p, (row, last, 15), d[3])
+    put_column(p, (row, last, 16), d[4])
+    put_column(p, (row, last, 17), d[5])
+    put_column(p, (row, last, 24), d[6])
+    put_column(p, (row, last, 25), d[7])
+    put_column(p, (row, last, 26), d[8])
+    put_column(p, (row, last, 33), d[9])
+    put_column(p, (row, last, 34), d[10])
+    put_column(p, (row, last, 35), d[11])
+    put_column(p, (row, last, 42), d[12])
+    put_column(p, (row, last, 43), d[13])
+    put_column(p, (row, last, 44), d[14])
+    put_column(p, (row, last, 51), d[15])
+    put_column(p, (row, last, 52), d[16])
+    put_column(p, (row, last, 53), d[17])
+    put_column(p, (row, last, 60), d[18])
+    put_column(p, (row, last, 61), d[19])
+    put_column(p, (row, last, 62), d[20])
+    put_column(p, (row, last, 70), d[21])
+    put_column(p, (row, last, 71), d[22])
+    put_column(p, (row, last, 80), d[23])
+
+
+@in_lanes(UPPER(UPPER))
+def block(p: Upper) -> Upper:
+    """Forget what orientation and offset have to do with each other, as the published filter does (E5)."""
+    none = spread(0.0)
+    cross = (none, none, none, none, none, none, none, none, none)
+    return p[:6] + cross + p[15:]
+
+
+@in_lanes(DISTURBED(DISTURBED))
+def disturbance_block(d: Disturbed) -> Disturbed:
+    """Forget what the disturbance has to do with orientation and offset (E5)."""
+    none = spread(0.0)
+    cross = (none, none, none, none, none, none, none, none, none)
+    return cross + cross + d[18:]
+
+
+@in_lanes(DISTURBED(_F))
 def no_disturbance(floor: float) -> Disturbed:
     """Return the blocks of a disturbance that is known to be none, to a variance of `floor` (page 2.5)."""
-    none = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    return none + none + none + (floor, 0.0, 0.0, floor, 0.0, floor)
+    none, least = spread(0.0), spread(floor)
+    cross = (none, none, none, none, none, none, none, none, none)
+    return cross + cross + (least, none, none, least, none, least)
 
 
-@kernel(f"{DISTURBED}({DISTURBED}, {ROW}, float64)", inlined=True)
+@in_lanes(DISTURBED(DISTURBED, ROW, _L))
 def predicted_disturbance(d: Disturbed, turned: Row, change: float) -> Disturbed:
     """Carry the blocks of the disturbance: delta' = c_d delta + w_d, and xi' = xi - T R b against it."""
     x00, x01, x02, x10, x11, x12, x20, x21, x22 = d[:9]
@@ -95,7 +196,7 @@ def predicted_disturbance(d: Disturbed, turned: Row, change: float) -> Disturbed
     )
 
 
-@kernel(f"{DISTURBED}({DISTURBED}, float64)", inlined=True)
+@in_lanes(DISTURBED(DISTURBED, _F))
 def faded(d: Disturbed, gain: float) -> Disturbed:
     """Return the blocks of a disturbance of which the share `gain` is left."""
     square = gain * gain
@@ -127,7 +228,7 @@ def faded(d: Disturbed, gain: float) -> Disturbed:
     )
 
 
-@kernel(f"{DISTURBED}({DISTURBED}, float64, {ROW})", inlined=True)
+@in_lanes(DISTURBED(DISTURBED, _L, ROW))
 def lessened_disturbance(d: Disturbed, inverse: float, h: Row) -> Disturbed:
     """Take h h' times `inverse` from the columns of the disturbance: a scalar measurement with h = P H'."""
     h0, h1, h2, h3, h4, h5, h6, h7, h8 = h
@@ -160,25 +261,25 @@ def lessened_disturbance(d: Disturbed, inverse: float, h: Row) -> Disturbed:
     )
 
 
-@kernel(f"{ROW}({UPPER}, {DISTURBED})", inlined=True)
+@in_lanes(ROW(UPPER, DISTURBED))
 def first_column(p: Upper, d: Disturbed) -> Row:
     """Return the column of the orientation error about x."""
     return p[0], p[1], p[2], p[6], p[7], p[8], d[0], d[1], d[2]
 
 
-@kernel(f"{ROW}({UPPER}, {DISTURBED})", inlined=True)
+@in_lanes(ROW(UPPER, DISTURBED))
 def second_column(p: Upper, d: Disturbed) -> Row:
     """Return the column of the orientation error about y."""
     return p[1], p[3], p[4], p[9], p[10], p[11], d[3], d[4], d[5]
 
 
-@kernel(f"{ROW}({UPPER}, {DISTURBED})", inlined=True)
+@in_lanes(ROW(UPPER, DISTURBED))
 def third_column(p: Upper, d: Disturbed) -> Row:
     """Return the column of the orientation error about z."""
     return p[2], p[4], p[5], p[12], p[13], p[14], d[6], d[7], d[8]
 
 
-@kernel(f"{ROW}(float64, {ROW}, float64, {ROW})", inlined=True)
+@in_lanes(ROW(_L, ROW, _L, ROW))
 def mixed(a: float, first: Row, b: float, second: Row) -> Row:
     """Return a * first + b * second."""
     return (
@@ -194,10 +295,7 @@ def mixed(a: float, first: Row, b: float, second: Row) -> Row:
     )
 
 
-@kernel(
-    f"{ROW}({ROW}, float64, float64, float64, float64, float64, float64, float64, float64, float64)",
-    inlined=True,
-)
+@in_lanes(ROW(ROW, _L, _L, _L, _L, _L, _L, _L, _L, _L))
 def less(
     row: Row,
     a: float,
@@ -226,15 +324,22 @@ def less(
 
 __all__ = [
     "DISTURBED",
+    "ROW",
+    "UPPER",
     "Disturbed",
+    "block",
+    "disturbance_block",
     "faded",
     "first_column",
-    "keep_disturbance",
+    "keep",
     "less",
+    "lessened",
     "lessened_disturbance",
+    "loaded",
     "loaded_disturbance",
     "mixed",
     "no_disturbance",
+    "predicted",
     "predicted_disturbance",
     "second_column",
     "third_column",

@@ -1,4 +1,4 @@
-"""The magnetic side of Roetenberg's filter: reference, detector, nominal-field rule and heading, compiled."""
+"""The magnetic side of Roetenberg's filter, sensor by sensor: reference, heading and flags, compiled."""
 
 import math
 
@@ -12,23 +12,12 @@ from estimators.orientation._contract import OrientationFlag
 from estimators.recording import Float
 
 # Numba freezes globals, not attributes of modules.
-_FIELD, _FIELD_NORM, _HAS_FIELD = steps.FIELD, steps.FIELD_NORM, steps.HAS_FIELD
 _SUM_FIELD, _FIELD_COLLECTED = steps.SUM_FIELD, steps.FIELD_COLLECTED
 _HEADING_KNOWN, _START_SAMPLES, _ACCELERATION = steps.HEADING_KNOWN, steps.START_SAMPLES, steps.ACCELERATION
 _ATTITUDE_SIGMA = steps.ATTITUDE_SIGMA
 _REFERENCE_NORM, _REFERENCE_DIP, _REFERENCE_FIELD = at.REFERENCE_NORM, at.REFERENCE_DIP, at.REFERENCE_FIELD
-_SMOOTH_NORM, _SMOOTH_DIP, _LAST_NORM, _LAST_DIP = at.SMOOTH_NORM, at.SMOOTH_DIP, at.LAST_NORM, at.LAST_DIP
-_HEADING_SUM, _DISTURBANCE = at.HEADING_SUM, at.DISTURBANCE
-_NOMINAL, _MISMATCH, _DETECTING, _FACING, _PINNED = (
-    at.NOMINAL,
-    at.MISMATCH,
-    at.DETECTING,
-    at.FACING,
-    at.PINNED,
-)
-_COMPENSATE, _RAW_DETECTOR, _FLOOR_VARIANCE = at.COMPENSATE, at.RAW_DETECTOR, at.FLOOR_VARIANCE
-_SMOOTHING, _DEAD_BAND, _NORM_GAIN, _DIP_GAIN = at.SMOOTHING, at.DEAD_BAND, at.NORM_GAIN, at.DIP_GAIN
-_NOMINAL_NORM, _NOMINAL_DIP, _NOMINAL_TICKS = at.NOMINAL_NORM, at.NOMINAL_DIP, at.NOMINAL_TICKS
+_HEADING_SUM, _DISTURBANCE, _FLOOR_VARIANCE = at.HEADING_SUM, at.DISTURBANCE, at.FLOOR_VARIANCE
+_NOMINAL, _MISMATCH, _FACING = at.NOMINAL, at.MISMATCH, at.FACING
 _GUARD_NORM, _GUARD_DIP = at.GUARD_NORM, at.GUARD_DIP
 _HEADING_LOST, _TRUST_TICKS = at.HEADING_LOST, at.TRUST_TICKS
 _COUNTERS = at.COUNTERS
@@ -36,32 +25,6 @@ _NO_HEADING = int(OrientationFlag.HEADING_NOT_TRUSTED)
 _DISTURBED = int(OrientationFlag.MAGNETIC_DISTURBANCE)
 _LEAST_HORIZONTAL = 0.1
 """Horizontal share of the field below which it tells no heading (the poles, page 2.2)."""
-
-
-@kernel("float64(float64)", inlined=True)
-def arcsine(sine: float) -> float:
-    """Return asin of what lies within one, exact to 2e-16, without a call that empties the registers.
-
-    Below a half asin x = x + x s P(s) with s = x^2, above pi/2 - 2 asin sqrt((1 - x) / 2). P interpolates the
-    series at the thirteen Chebyshev points of s in [0, 1/4].
-    """
-    size = abs(sine)
-    steep = size > 0.5
-    s = 0.5 * (1.0 - size) if steep else size * size
-    x = math.sqrt(s) if steep else size
-    s2 = s * s
-    s4 = s2 * s2
-    first = (0.16666666666666669 + s * 0.07499999999998433) + s2 * (
-        0.04464285714635543 + s * 0.030381944138531247
-    )
-    second = (0.02237217294214989 + s * 0.017352392720869973) + s2 * (
-        0.013971212973552933 + s * 0.011479177415184906
-    )
-    third = (0.01032281435018578 + s * 0.005457506718640356) + s2 * (
-        0.017400879442694025 - s * 0.014851887071247209
-    )
-    angle = x + x * (s * (first + s4 * (second + s4 * (third + s4 * 0.02875785136742157))))
-    return math.copysign(0.5 * math.pi - 2.0 * angle if steep else angle, sine)
 
 
 @kernel("void(int64, float64[:, ::1], float64[:, :, ::1], float64[::1])")
@@ -203,57 +166,19 @@ def look_for_heading(
     counters[s, _HEADING_KNOWN] = 1
 
 
-@kernel("float64(int64, float64[:, ::1], int64[:, ::1], float64[::1], float64, float64)", inlined=True)
-def detect(
-    s: int, memory: Float, counters: NDArray[np.int64], settings: Float, norm: float, dip: float
-) -> float:
-    """Return the variance by which the disturbance may have changed since the last sample (page 2.4).
-
-    Takes the norm of the field over that of the reference, and its dip. Also counts samples of nominal and
-    of foreign field.
-    """
-    if counters[s, _DETECTING] == 0:
-        counters[s, _DETECTING] = 1
-        memory[s, _SMOOTH_NORM] = memory[s, _LAST_NORM] = norm
-        memory[s, _SMOOTH_DIP] = memory[s, _LAST_DIP] = dip
-    norm_step = settings[_SMOOTHING] * (norm - memory[s, _SMOOTH_NORM])
-    dip_step = settings[_SMOOTHING] * (dip - memory[s, _SMOOTH_DIP])
-    memory[s, _SMOOTH_NORM] += norm_step
-    memory[s, _SMOOTH_DIP] += dip_step
-    band = settings[_DEAD_BAND]
-    if settings[_RAW_DETECTOR] > 0.0:
-        norm_step, dip_step, band = norm - memory[s, _LAST_NORM], dip - memory[s, _LAST_DIP], 0.0
-    memory[s, _LAST_NORM], memory[s, _LAST_DIP] = norm, dip
-    change = settings[_NORM_GAIN] * max(abs(norm_step) - band, 0.0)
-    change += settings[_DIP_GAIN] * max(abs(dip_step) - band, 0.0)
-    norm_off = abs(memory[s, _SMOOTH_NORM] - 1.0)
-    dip_off = abs(memory[s, _SMOOTH_DIP] - memory[s, _REFERENCE_DIP])
-    if norm_off < settings[_NOMINAL_NORM] and dip_off < settings[_NOMINAL_DIP]:
-        counters[s, _NOMINAL] += 1
-    else:
-        counters[s, _NOMINAL] = 0
-    if norm_off > settings[_GUARD_NORM] or dip_off > settings[_GUARD_DIP]:
-        counters[s, _MISMATCH] += 1
-    else:
-        counters[s, _MISMATCH] = 0
-    pinned = settings[_COMPENSATE] == 0.0 or counters[s, _NOMINAL] >= settings[_NOMINAL_TICKS]
-    counters[s, _PINNED] = 1 if pinned else 0
-    return float(settings[_FLOOR_VARIANCE] + change * change)
-
-
-@kernel("int64(int64, float64[:, ::1], int64[:, ::1], float64[::1])", inlined=True)
-def field_flags(s: int, p: Float, counters: NDArray[np.int64], settings: Float) -> int:
-    """Return what the field and the heading's covariance say."""
+@kernel("int64(int64, float64, int64[:, ::1], float64[::1])", inlined=True)
+def field_flags(s: int, heading_variance: float, counters: NDArray[np.int64], settings: Float) -> int:
+    """Return what the field and the heading's variance say."""
     flag = 0
     if counters[s, _MISMATCH] > 0:
         flag |= _DISTURBED
     if (
         counters[s, _HEADING_KNOWN] == 0
         or counters[s, _MISMATCH] > settings[_TRUST_TICKS]
-        or p[2, 2] > settings[_HEADING_LOST]
+        or heading_variance > settings[_HEADING_LOST]
     ):
         flag |= _NO_HEADING
     return flag
 
 
-__all__ = ["arcsine", "begin_heading", "detect", "field_flags", "forget_disturbance", "look_for_heading"]
+__all__ = ["begin_heading", "field_flags", "forget_disturbance", "look_for_heading"]

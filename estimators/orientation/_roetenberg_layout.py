@@ -58,3 +58,8 @@ STATES = 9
 INNOVATIONS = 5
 DETAIL_DISTURBANCE, DETAIL_NORM, DETAIL_DIP = 8, 11, 12
 DETAILS = 13
+
+# Positions in a sample after what is prepared: what is to be done with it; its variance of the heading; whether its
+# field is measured, that of the reference, one to be flagged; whether its disturbance is held to nothing.
+ACTION, HEADING_VARIANCE, MEASURED, IS_NOMINAL, IS_FOREIGN, HELD = range(steps.SAMPLE, steps.SAMPLE + 6)
+SAMPLE = steps.SAMPLE + 6

@@ -259,6 +259,48 @@ def start_variance(s: int, memory: Float, counters: NDArray[np.int64], settings:
 
 
 @kernel(
+    "void(int64, int64, int64, int64, uint8[:, ::1], float64[::1], int64[:, ::1], float64[::1],"
+    "float64[:, :, ::1], uint8[:, ::1])",
+    inlined=True,
+)
+def store_flags(
+    s: int,
+    k: int,
+    action: int,
+    own_flag: int,
+    quality: NDArray[np.uint8],
+    settings: Float,
+    counters: NDArray[np.int64],
+    sample: Float,
+    sigma_rad: Float,
+    flags: NDArray[np.uint8],
+) -> None:
+    """Write the flags as `store` does, and before the start sigma, for filters that write the rest in lanes.
+
+    Called from `store`, which has these lines again, it makes the scalar filters a seventh slower.
+    """
+    flag = own_flag
+    if quality[s, k]:
+        if quality[s, k] & _SAMPLE_BRIDGED:
+            flag |= _BRIDGED
+        if quality[s, k] & _SAMPLE_SATURATED:
+            flag |= _SATURATED
+    if counters[s, RUNNING] == 0:
+        held = counters[s, COLLECTED] == 0
+        for axis in range(3):
+            sigma_rad[s, k, axis] = math.pi if held else settings[ATTITUDE_SIGMA]
+        flags[s, k] = flag | (_INVALID if held else _CONVERGING)
+        return
+    if action == COAST:
+        flag |= _BRIDGED
+    elif abs(sample[FORCE_NORM] - settings[GRAVITY]) > settings[ACCELERATION_TOLERANCE]:
+        flag |= _ACCELERATION
+    if counters[s, SINCE_START] < settings[CONVERGENCE_TICKS]:
+        flag |= _CONVERGING
+    flags[s, k] = flag
+
+
+@kernel(
     "void(int64, int64, int64, int64, uint8[:, ::1], float64[::1], float64[:, ::1], float64[:, ::1],"
     "float64[:, ::1], int64[:, ::1], float64[::1], float64[:, :, ::1], float64[:, :, ::1],"
     "float64[:, :, ::1], uint8[:, ::1])",

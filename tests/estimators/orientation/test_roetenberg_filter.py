@@ -9,7 +9,6 @@ from estimators.conventions import GRAVITY_MPS2 as G
 from estimators.errors import SetupError
 from estimators.orientation import OrientationFlag
 from estimators.orientation._roetenberg import PAGE, PUBLISHED
-from estimators.orientation._roetenberg_field import arcsine
 from estimators.recording import ImuChunk, SampleQuality
 from tests.estimators.orientation import strapdown_twins as twins
 from tests.estimators.orientation.orientation_contract import OrientationContract, moving_network
@@ -305,12 +304,6 @@ class TestRoetenbergFilter(OrientationContract):
         for name in ("magnetometer_sigma", "heading_lost_deg"):
             with pytest.raises(SetupError, match="above zero"):
                 self.create(parameters={name: 0.0})
-
-
-def test_arcsine_is_that_of_the_library():
-    sines = np.concatenate((np.linspace(-1.0, 1.0, 2001), [0.5, np.nextafter(0.5, 1.0), 1e-9, -1e-300, 0.0]))
-    found = [arcsine(sine) for sine in sines]
-    np.testing.assert_allclose(found, np.arcsin(sines), rtol=4e-16, atol=4e-16)
 
 
 def test_jacobians_are_derivatives():
