@@ -31,6 +31,7 @@ from estimators.balance._stability import (
     sole_corners,
     stability_margin,
 )
+from estimators.balance._turning_feet import combine_turning_feet
 from estimators.balance._walking_work import WalkingWork, walking_work
 
 __all__ = [
@@ -51,6 +52,7 @@ __all__ = [
     "body_mass",
     "body_segments",
     "combine_feet",
+    "combine_turning_feet",
     "compare_conditions",
     "distance_between_feet",
     "extrapolated_mass_centre",

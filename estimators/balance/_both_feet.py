@@ -36,6 +36,8 @@ class BothFeet:
         Of both feet, weighted by their vertical forces; bridged where nobody stands.
     is_standing : ndarray of bool, shape (N,)
         Both feet loaded for long, with the ends of that left out.
+    path_m, course_rad : ndarray, shape (N, 2) and (N,), or None
+        On a course that turns: the path that both feet share, and where it goes. None where it is the x axis.
     """
 
     rate_hz: float
@@ -44,6 +46,21 @@ class BothFeet:
     force_n: Float
     cop_m: Float
     is_standing: NDArray[np.bool_]
+    path_m: Float | None = None
+    course_rad: Float | None = None
+
+    def aside(self, points_m: Float) -> Float:
+        """Return how far left of the path points are, shape (N, 2 or 3) to (N,)."""
+        if self.path_m is None or self.course_rad is None:
+            return np.asarray(points_m[:, 1])
+        away = points_m[:, :2] - self.path_m
+        return np.asarray(away[:, 1] * np.cos(self.course_rad) - away[:, 0] * np.sin(self.course_rad))
+
+    def ahead(self, vectors: Float) -> Float:
+        """Return the parts of vectors along the path, shape (N, 3) to (N,)."""
+        if self.course_rad is None:
+            return np.asarray(vectors[:, 0])
+        return np.asarray(vectors[:, 0] * np.cos(self.course_rad) + vectors[:, 1] * np.sin(self.course_rad))
 
 
 def combine_feet(

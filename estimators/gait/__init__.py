@@ -11,13 +11,14 @@ Sensors may sit anywhere on the shoe, any way round. Without a magnetometer the 
 first sample, for each foot its own.
 """
 
+from estimators.gait._common_course import CommonCourse, average_path, relate_by_course
 from estimators.gait._contact import ForceEvents, force_events
 from estimators.gait._foot_live import FootChunk, FootTracker
 from estimators.gait._foot_parameters import FootParameters, foot_parameters
 from estimators.gait._foot_trajectory import FootFlag, FootTrajectory, smooth
 from estimators.gait._guided_tests import GUIDED_KINDS, GuidedKind, GuidedTest, guided_test
 from estimators.gait._live_steps import USUAL_APART_M, LiveSteps, LiveStepTracker
-from estimators.gait._placement import Placement, Steps, foot_placement, steps_between
+from estimators.gait._placement import Placement, Steps, foot_placement, steps_between, steps_in_one_world
 from estimators.gait._related_feet import RelatedFeet, RelativeFeet, relate_feet
 from estimators.gait._stance import Stance, find_stance
 from estimators.gait._stride_flags import StrideFlag
@@ -35,6 +36,7 @@ from estimators.gait._summary import (
 __all__ = [
     "GUIDED_KINDS",
     "USUAL_APART_M",
+    "CommonCourse",
     "FootChunk",
     "FootFlag",
     "FootParameters",
@@ -55,6 +57,7 @@ __all__ = [
     "Steps",
     "StrideFlag",
     "Strides",
+    "average_path",
     "find_stance",
     "find_strides",
     "foot_parameters",
@@ -62,11 +65,13 @@ __all__ = [
     "force_events",
     "guided_test",
     "measure_steps",
+    "relate_by_course",
     "relate_feet",
     "smooth",
     "steady",
     "step_measures",
     "steps_between",
+    "steps_in_one_world",
     "summarise",
     "turns",
 ]

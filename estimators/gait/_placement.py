@@ -110,11 +110,14 @@ class Steps:
     length_m, width_m : ndarray, shape (n,)
         Along and across the line from the foothold before of the landing foot to this one; width is positive when
         the foot lands on its own side.
+    foothold : ndarray of int, shape (n,)
+        Number of the foothold of the landing foot.
     """
 
     is_left: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
     length_m: Float
     width_m: Float
+    foothold: np.ndarray[tuple[int, ...], np.dtype[np.int64]]
 
 
 def steps_between(
@@ -167,7 +170,7 @@ def steps_in_one_world(left_m: Float, left_s: Float, right_m: Float, right_s: Fl
     entries = sorted(
         [(t, True, i) for i, t in enumerate(left_s)] + [(t, False, i) for i, t in enumerate(right_s)]
     )
-    rows, sides = [], []
+    rows, sides, numbers = [], [], []
     last: dict[bool, int] = {}
     for _, is_left, i in entries:
         own, other = (left, right) if is_left else (right, left)
@@ -178,9 +181,10 @@ def steps_in_one_world(left_m: Float, left_s: Float, right_m: Float, right_s: Fl
             across = (way[0] * between[1] - way[1] * between[0]) / size
             rows.append((float(way @ between) / size, across if is_left else -across))
             sides.append(is_left)
+            numbers.append(i)
         last[is_left] = i
     table = np.array(rows).reshape(-1, 2)
-    return Steps(np.array(sides, dtype=np.bool_), table[:, 0], table[:, 1])
+    return Steps(np.array(sides, dtype=np.bool_), table[:, 0], table[:, 1], np.array(numbers, dtype=np.int64))
 
 
 def _along_course(positions: Float) -> Float:

@@ -1,7 +1,7 @@
 """A walk in numbers, each with its uncertainty and the strides it rests on."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -173,15 +173,30 @@ def measure_steps(
     return step_measures(steps_between(left_m, left_s, right_m, right_s, right_from_left_m))
 
 
-def step_measures(steps: Steps) -> dict[str, Measure]:
-    """Measure steps that are found; see `measure_steps`."""
-    inner = np.ones(len(steps.is_left), dtype=np.bool_)
+def step_measures(
+    steps: Steps, shared_sigma_m: float = 0.0, is_counted: Bool | None = None
+) -> dict[str, Measure]:
+    """Measure steps that are found; see `measure_steps`.
+
+    Parameters
+    ----------
+    steps : Steps
+    shared_sigma_m : float
+        One sigma of where the feet are against each other, which is the same for all steps and so no count makes
+        smaller.
+    is_counted : ndarray of bool, shape (n,), optional
+        Steps to average, beside the first and the last ones; all by default.
+    """
+    inner = np.ones(len(steps.is_left), dtype=np.bool_) if is_counted is None else is_counted.copy()
     inner[:1], inner[-2:] = False, False
     # Footholds of both feet scatter by as much as two instants of one stance differ.
-    return {
+    found = {
         "step_width": measure(steps.width_m[inner], "m", 0.01),
         "step_length_left": measure(steps.length_m[inner & steps.is_left], "m", 0.01),
         "step_length_right": measure(steps.length_m[inner & ~steps.is_left], "m", 0.01),
+    }
+    return {
+        name: replace(one, sigma=float(np.hypot(one.sigma, shared_sigma_m))) for name, one in found.items()
     }
 
 
