@@ -58,7 +58,7 @@ class AcknowledgeMessage(Schema):
 
 
 class JsonSensor(Schema):
-    """One sensor's values in a JSON packet, K rows of three."""
+    """One sensor's values in a JSON packet: K rows of three, K coil states."""
 
     gyroscope: list[list[float]]
     accelerometer: list[list[float]]
@@ -66,6 +66,8 @@ class JsonSensor(Schema):
     force: list[list[float]] | None = None
     """N, of the ground on a load cell, in the sensor's axes; below Nm about its centre."""
     moment: list[list[float]] | None = None
+    coil_state: list[float] | None = None
+    """Of a magnetic source, as in binary packets: 0 for nothing, 2.13 for the second coil at 1.3 A."""
 
 
 class JsonPacket(Schema):

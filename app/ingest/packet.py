@@ -81,6 +81,7 @@ _OPTIONAL: Final = (
     (Channel.MAGNETOMETER, "magnetometer"),
     (Channel.FORCE, "force"),
     (Channel.MOMENT, "moment"),
+    (Channel.COIL_STATE, "coil_state"),
 )
 
 
@@ -279,13 +280,20 @@ def packet_from_json(message: JsonPacket, declaration: Declaration | None = None
                 channels.append(rows or [])
             elif rows is not None:
                 raise PacketError(f"Give {name} for all sensors or for none.", reason="shape", sensor=number)
-        if any(len(rows) != ticks or any(len(row) != 3 for row in rows) for rows in channels):
+        states = [[state] for state in channels.pop()] if "coil_state" in names else None
+        if any(len(rows) != ticks or any(len(row) != 3 for row in rows) for rows in channels) or (
+            states is not None and len(states) != ticks
+        ):
             raise PacketError(
-                f"Sensor {number} must have {ticks} rows of three values in every channel, as sensor 0 has.",
+                f"Sensor {number} must have {ticks} rows of three values in every channel, as sensor 0 has"
+                " (of coil states: as many numbers).",
                 reason="shape",
                 sensor=number,
             )
-        columns.append(np.concatenate([np.asarray(rows, "<f8").reshape(-1, 3) for rows in channels], axis=1))
+        parts = [np.asarray(rows, "<f8").reshape(-1, 3) for rows in channels]
+        if states is not None:
+            parts.append(np.asarray(states, "<f8").reshape(-1, 1))
+        columns.append(np.concatenate(parts, axis=1))
     values = np.stack(columns, axis=1)
     if not (np.abs(values) <= VALUE_LIMIT).all():
         raise _value_error(values, message.sequence)

@@ -1,5 +1,8 @@
 """Coil states on their way: packet, store, common ticks."""
 
+import json
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -7,7 +10,8 @@ from app.errors import PacketError
 from app.ingest.alignment import Aligner, align_all
 from app.ingest.clock import PacketClock
 from app.ingest.declaration import Declaration
-from app.ingest.packet import Channel, Packet, decode_packet, encode_packet
+from app.ingest.messages import JsonPacket
+from app.ingest.packet import Channel, Packet, decode_packet, encode_packet, packet_from_json
 from app.recordings.chunks import RawPacket, decode_packets, encode_packets
 from app.recordings.reprocess import decoded
 from estimators.magnetic import coil_state, read_coil_state
@@ -41,6 +45,46 @@ def test_the_state_has_its_place_and_the_store_gives_it_back_to_the_bit() -> Non
     again = decoded(decode_packets(encode_packets([raw, RawPacket.from_packet(packet(3), 6)]))[0])
     assert again.values.tobytes() == one.values.tobytes()
     assert again.channels == MASK
+
+
+def as_json(one: Packet) -> dict[str, Any]:
+    sensors = [
+        {
+            "gyroscope": one.values[:, s, :3].tolist(),
+            "accelerometer": one.values[:, s, 3:6].tolist(),
+            "magnetometer": one.values[:, s, 6:9].tolist(),
+            "coil_state": one.values[:, s, 9].tolist(),
+        }
+        for s in range(2)
+    ]
+    return {
+        "sequence": one.sequence,
+        "device_time_us": one.device_time_us,
+        "tick_interval_us": one.tick_interval_us,
+        "sensors": sensors,
+    }
+
+
+def test_the_same_as_json_is_the_same_packet_to_the_bit() -> None:
+    for number in range(4):
+        binary = packet(number)
+        text = json.dumps({"type": "packet", **as_json(binary)})
+        one = packet_from_json(JsonPacket.model_validate_json(text), PAIR)
+        assert one.data == binary.data
+        assert one.channels == MASK
+
+
+@pytest.mark.parametrize("spoil", ["of one sensor only", "too few"])
+def test_json_states_that_do_not_fit_are_refused(spoil: str) -> None:
+    body = as_json(packet(2))
+    sensor = body["sensors"][1]
+    if spoil == "too few":
+        sensor["coil_state"].pop()
+    else:
+        del sensor["coil_state"]
+    with pytest.raises(PacketError, match="coil") as caught:
+        packet_from_json(JsonPacket.model_validate(body), PAIR)
+    assert caught.value.details["reason"] == "shape"
 
 
 def test_aligned_states_are_those_sent_never_a_mean() -> None:
