@@ -2,12 +2,15 @@
 
 import gc
 import sys
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from estimators import pipelines
 from estimators.conventions import PLACEMENTS
+from estimators.magnetic import coil_state
 from estimators.pipelines import SessionSetup
 from estimators.recording import ImuChunk
 
@@ -15,14 +18,29 @@ SWITCH_INTERVAL_S: Final = 5e-4
 
 
 def warm_up() -> None:
-    """Run the arm pipeline once over a second of stillness, calibrated and not, in a thread of the caller."""
+    """Run the pipelines that live sessions use over moments of stillness, in a thread of the caller.
+
+    The arm's calibrated and not; that of a magnetic source from its standstill through its first burst.
+    """
     setup = SessionSetup(pipeline="arm", placements=PLACEMENTS, rate_hz=100.0)
     pipeline = pipelines.create(setup)
+    for chunk in _still(len(PLACEMENTS), 400):
+        pipeline.step(chunk)
+    source = pipelines.create(SessionSetup("relative_pose", ("pelvis", "sternum"), 100.0))
+    coil = 0
+    for chunk in _still(2, 300):
+        state = np.zeros((2, chunk.tick_count))
+        state[0] = coil_state(coil, 1.3)
+        frames = source.step(replace(chunk, coil_state=state))
+        # What was asked for is fired in the next packet.
+        coil = int(frames.scalar[:, frames.layout.scalars.index("source_ask_coil")].max())
+
+
+def _still(sensors: int, ticks: int) -> Iterator[ImuChunk]:
     generator = np.random.default_rng(0)
-    sensors = len(PLACEMENTS)
-    for start in range(0, 400, 5):
+    for start in range(0, ticks, 5):
         noise = 1e-3 * generator.standard_normal((3, sensors, 5, 3))
-        chunk = ImuChunk(
+        yield ImuChunk(
             start,
             0.01,
             noise[0],
@@ -30,7 +48,6 @@ def warm_up() -> None:
             1e-3 * noise[2] + np.array([2e-5, 0.0, -4e-5]),
             np.zeros((sensors, 5), dtype=np.uint8),
         )
-        pipeline.step(chunk)
 
 
 def prepare_process() -> None:
