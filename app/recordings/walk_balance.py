@@ -29,7 +29,8 @@ def balance_of(found: ShoeWalk) -> BalanceOut:
     BalanceOut
         Measures: `weight_on_left` (part of the weight) and `centre_to_left_standing` while standing;
         `centre_to_left` (how far the centre of mass is left of the middle between the soles, over whole strides),
-        `centre_sway` (its width), `margin` (least of each second), `external_work` (J for each kilogram and metre),
+        `centre_sway` (its width; both across the path that the feet share),
+        `margin` (least of each second), `external_work` (J for each kilogram and metre),
         `pendulum_recovery`.
     """
     feet, centre, time_s = found.feet, found.centre, found.time_s
@@ -62,20 +63,21 @@ def _measures(found: ShoeWalk) -> list[WalkMeasure]:
     feet, centre = found.feet, found.centre
     left, right = feet.pose["left"], feet.pose["right"]
     walking = ~feet.is_standing
+    across = feet.aside(centre.position_m)
     measures = []
     if feet.is_standing.any():
         force = [feet.reaction[side].force_n[feet.is_standing, 2].mean() for side in ("left", "right")]
         measures.append(_measure("weight_on_left", force[0] / sum(force), "1"))
         still = feet.is_standing
-        middle = 0.5 * (_sole(left)[still, 1] + _sole(right)[still, 1])
-        aside = float(np.mean(centre.position_m[still, 1] - middle))
+        middle = 0.5 * (feet.aside(_sole(left)) + feet.aside(_sole(right)))[still]
+        aside = float(np.mean(across[still] - middle))
         measures.append(_measure("centre_to_left_standing", aside, "m", _sigma(found, still)))
     if walking.any():
         strides = _whole_strides(found, walking)
         middle_m = 0.5 * (_stood(found, "left") + _stood(found, "right"))
-        aside = float(np.mean(centre.position_m[strides, 1])) - middle_m
+        aside = float(np.mean(across[strides])) - middle_m
         measures.append(_measure("centre_to_left", aside, "m", _sigma(found, strides)))
-        low, high = np.percentile(centre.position_m[walking, 1], [2.5, 97.5])
+        low, high = np.percentile(across[walking], [2.5, 97.5])
         measures.append(_measure("centre_sway", high - low, "m"))
         work = walking_work(centre.position_m[walking], centre.velocity_mps[walking], found.mass_kg)
         measures.append(_measure("external_work", work.external_j_per_m / found.mass_kg, "J/kg/m"))
@@ -106,7 +108,7 @@ def _stood(found: ShoeWalk, side: Side) -> float:
     """Return how far left the sole of a foot stood, mean of its rests but the first and the last."""
     rests = found.shoes[side].contact.core.mean(axis=1).astype(int)
     inner = rests[1:-1] if len(rests) > 2 else rests
-    return float(_sole(found.feet.pose[side])[inner, 1].mean())
+    return float(found.feet.aside(_sole(found.feet.pose[side]))[inner].mean())
 
 
 def _whole_strides(found: ShoeWalk, walking: NDArray[np.bool_]) -> NDArray[np.bool_]:

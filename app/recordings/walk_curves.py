@@ -63,7 +63,7 @@ def force_curves(
     force = shoes.feet.reaction[side].force_n / (mass_kg * GRAVITY_MPS2)
     curves = [
         _curve("force_vertical", "1", time_s, force[:, 2], cycles),
-        _curve("force_forward", "1", time_s, force[:, 0], cycles),
+        _curve("force_forward", "1", time_s, shoes.feet.ahead(force), cycles),
     ]
     # A hinge turns about its own foot's axis, wherever that points.
     to_foot = rotation.conjugate(shoe.pose.q_room_heel)
