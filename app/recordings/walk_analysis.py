@@ -59,7 +59,7 @@ def follow_feet(
         The samples cannot be a walk; the message says why.
     """
     parts = list(pieces)
-    measured = recording_of(parts, setup, (hello or {}).get("clip_gyroscope_radps"))
+    measured = recording_of(parts, setup, hello)
     context.progress(progress_from + 0.3 * (1 - progress_from), "Following the feet")
     result_id = new_result(context, setup, pipelines.create(setup))
     try:
@@ -108,8 +108,6 @@ def _with_forces(
             setup = replace(setup, feet_apart_m=None)
     if recording is None:
         return None, note
-    if walk.summary.turn_count:
-        return None, "forces are analysed on straight courses only, and this walk turns"
     context.progress(0.7, "Forces and balance")
     try:
         return pipelines.analyse_shoes(recording, setup, walk), note

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
 
@@ -50,7 +51,7 @@ def estimator_of(setup: SessionSetup, pipeline: Pipeline, version: str) -> tuple
 
 
 def recording_of(
-    pieces: Iterable[ImuChunk], setup: SessionSetup, clip_radps: float | None = None
+    pieces: Iterable[ImuChunk], setup: SessionSetup, hello: Mapping[str, Any] | None = None
 ) -> Recording:
     """Put the pieces of a session together; ticks that were not measured are left out.
 
@@ -59,8 +60,8 @@ def recording_of(
     pieces : iterable of ImuChunk
         Consecutive, sensors in the order of the setup.
     setup : SessionSetup
-    clip_radps : float, optional
-        Where the gyroscopes clip.
+    hello : mapping, optional
+        Of the gateway; may tell where the devices clip.
     """
     parts = list(pieces)
     time_s = np.concatenate([part.time_s for part in parts]) if parts else np.zeros(0)
@@ -68,15 +69,24 @@ def recording_of(
     for row, name in enumerate(setup.placements):
         quality = np.concatenate([part.quality[row] for part in parts]) if parts else np.zeros(0, np.uint8)
         measured = (quality & (SampleQuality.MISSING | SampleQuality.BRIDGED)) == 0
-        gyroscope, accelerometer = (
-            np.concatenate([getattr(part, field)[row] for part in parts])[measured]
-            if parts
-            else np.zeros((0, 3))
-            for field in ("gyroscope_radps", "accelerometer_mps2")
-        )
-        sensors[str(name)] = SensorSignals(time_s[measured], gyroscope, accelerometer)
-    known = {} if clip_radps is None else {"gyroscope_clip_radps": str(clip_radps)}
+        columns = [
+            _column(parts, field, row, measured)
+            for field in ("gyroscope_radps", "accelerometer_mps2", "magnetometer_t")
+        ]
+        field = columns[2] if np.isfinite(columns[2]).any() else None
+        sensors[str(name)] = SensorSignals(time_s[measured], columns[0], columns[1], field)
+    told = {key: (hello or {}).get(f"clip_{key}") for key in ("gyroscope_radps", "accelerometer_mps2")}
+    known = {f"{key.replace('_', '_clip_')}": str(value) for key, value in told.items() if value is not None}
     return Recording(sensors, setup.rate_hz, origin="session", metadata=known)
+
+
+def _column(parts: list[ImuChunk], field: str, row: int, measured: NDArray[np.bool_]) -> Float:
+    """Return one sensor's samples of a signal, shape (N, 3); NaN where the network does not have it."""
+    pieces = [
+        np.full((part.tick_count, 3), np.nan) if getattr(part, field) is None else getattr(part, field)[row]
+        for part in parts
+    ]
+    return np.concatenate(pieces)[measured] if pieces else np.zeros((0, 3))
 
 
 def content_of(walk: Walk, shoes: ShoeWalk | None = None, test: GuidedKind = "walk") -> WalkContent:

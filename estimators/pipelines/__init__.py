@@ -11,7 +11,7 @@ from estimators.pipelines._contract import (
     SessionSetup,
 )
 from estimators.pipelines._elbows import elbows_to_refine, refine_elbows
-from estimators.pipelines._gait import GaitPipeline, Walk, analyse_walk
+from estimators.pipelines._gait import GaitPipeline
 from estimators.pipelines._gait_layout import BALANCE_POINTS, FORCE_STATES
 from estimators.pipelines._magnetic_feet import FEET, relative_feet, with_relative_feet
 from estimators.pipelines._offline import is_offline, smooth_network, smoothed_chunk
@@ -20,6 +20,7 @@ from estimators.pipelines._relative_pose import RelativePosePipeline
 from estimators.pipelines._relative_source import relative_source
 from estimators.pipelines._run import available, concatenate, create, find_pose, run, step_through
 from estimators.pipelines._shoes import ShoeWalk, analyse_shoes, has_shoes, with_shoes
+from estimators.pipelines._walk import Walk, analyse_walk
 
 __all__ = [
     "BALANCE_POINTS",

@@ -11,8 +11,8 @@ from estimators.errors import SetupError, ShapeError
 from estimators.gait import FootTrajectory, RelativeFeet, relate_feet, step_measures
 from estimators.magnetic import RelativeChunk, RelativeFlag, read_coil_state, smooth_relative_pose
 from estimators.pipelines._contract import SessionSetup
-from estimators.pipelines._gait import Walk, course_of
 from estimators.pipelines._relative_pose import RelativePosePipeline
+from estimators.pipelines._walk import Walk, course_of
 from estimators.recording import ImuChunk, SampleQuality
 from estimators.signals import interpolate_rotations
 

@@ -10,10 +10,11 @@ from estimators.errors import CalibrationError, SetupError, ShapeError
 from estimators.pipelines._arm import ArmPipeline
 from estimators.pipelines._contract import Frames, Pipeline, SessionSetup
 from estimators.pipelines._elbows import elbows_to_refine, refine_elbows
-from estimators.pipelines._gait import GaitPipeline, analyse_walk
+from estimators.pipelines._gait import GaitPipeline
 from estimators.pipelines._offline import smoothed_chunk
 from estimators.pipelines._orientation import OrientationPipeline
 from estimators.pipelines._relative_pose import RelativePosePipeline
+from estimators.pipelines._walk import analyse_walk
 from estimators.recording import Float, ImuChunk, Recording
 
 _REGISTRY: dict[str, type[Pipeline]] = {

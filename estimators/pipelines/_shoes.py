@@ -15,6 +15,7 @@ from estimators.balance import (
     StabilityMargin,
     body_mass,
     combine_feet,
+    combine_turning_feet,
     distance_between_feet,
     smooth_mass_centre,
     sole_corners,
@@ -26,7 +27,6 @@ from estimators.gait import USUAL_APART_M, Measure, Strides, measure_steps, summ
 from estimators.kinetics import ShoeContact, ShoeGeometry, ShoeKinetics, ShoeParameters, analyse_shoe
 from estimators.orientation import OrientationFlag
 from estimators.pipelines._contract import SessionSetup
-from estimators.pipelines._gait import Walk, event_columns
 from estimators.pipelines._gait_layout import BALANCE_POINTS, BALANCE_SCALARS, CENTRE_PER_STATURE, SCALARS
 from estimators.pipelines._shoe_checks import (
     EXCHANGED,
@@ -36,11 +36,14 @@ from estimators.pipelines._shoe_checks import (
     saturated,
 )
 from estimators.pipelines._shoe_mounting import Mounting, shoe_mounting
+from estimators.pipelines._turning_steps import steps_on_course
+from estimators.pipelines._walk import Walk, event_columns
 from estimators.recording import Float, Recording
 
 ApartSource = Literal["measured", "forces", "usual"]
 _WIDTH_RANGE_M: Final = (0.03, 0.45)
 _SUPPORT_HZ: Final = 25.0
+_APART_SIGMA_M: Final[dict[ApartSource, float]] = {"measured": 0.01, "forces": 0.02, "usual": 0.04}
 _SAME_EVENT_S: Final = 0.25
 
 
@@ -76,6 +79,8 @@ class ShoeWalk:
     apart_source: ApartSource
     reasons: tuple[str, ...] = ()
     """What is doubtful about the forces, for people."""
+    relation_sigma_m: float = 0.0
+    """On a turning course: one sigma of where the feet are against each other."""
 
 
 def has_shoes(recording: Recording) -> bool:
@@ -115,8 +120,9 @@ def analyse_shoes(recording: Recording, setup: SessionSetup, walk: Walk | None =
     shoes = {side: _shoe(recording, side, chosen, _mounting(recording, setup, walk, side)) for side in SIDES}
     refuse_wrong_loads(shoes)
     height_m = CENTRE_PER_STATURE * setup.body.stature_m
-    apart_m, source, reasons = _apart(shoes, setup, height_m)
-    feet = combine_feet(shoes["left"], shoes["right"], apart_m, end_width_m=setup.feet_apart_end_m)
+    is_turning = walk is not None and walk.summary.turn_count > 0
+    apart_m, source, reasons = _apart(shoes, setup, height_m, is_turning)
+    feet, sigma_m = _combined(shoes, apart_m, setup.feet_apart_end_m, source, is_turning)
     mass_kg = _mass(feet)
     centre = smooth_mass_centre(feet.force_n, feet.cop_m, feet.rate_hz, mass_kg, height_m, feet.is_standing)
     corners = {
@@ -135,8 +141,25 @@ def analyse_shoes(recording: Recording, setup: SessionSetup, walk: Walk | None =
     time_s = sensors["heel_left"].time_s
     reasons += saturated(recording, mass_kg)
     return ShoeWalk(
-        time_s, shoes, feet, mass_kg, centre, time_s[thin], margin, apart_m, source, tuple(reasons)
+        time_s, shoes, feet, mass_kg, centre, time_s[thin], margin, apart_m, source, tuple(reasons), sigma_m
     )
+
+
+def _combined(
+    shoes: Mapping[Side, ShoeKinetics],
+    apart_m: float,
+    end_apart_m: float | None,
+    source: ApartSource,
+    is_turning: bool,
+) -> tuple[BothFeet, float]:
+    """Bring both shoes into one room; on a turning course also say how well that is known."""
+    left, right = shoes["left"], shoes["right"]
+    if not is_turning:
+        return combine_feet(left, right, apart_m, end_width_m=end_apart_m), 0.0
+    feet, course = combine_turning_feet(
+        left, right, apart_m, end_width_m=end_apart_m, width_sigma_m=_APART_SIGMA_M[source]
+    )
+    return feet, course.step_sigma_m
 
 
 def _mounting(recording: Recording, setup: SessionSetup, walk: Walk | None, side: Side) -> Mounting | None:
@@ -245,6 +268,10 @@ def _steps(strides: Mapping[Side, Strides], found: ShoeWalk) -> Mapping[str, Mea
         times[side] = foot.footholds.quietest_s
         rows = np.clip(np.searchsorted(found.time_s, times[side]), 0, len(found.time_s) - 1)
         places[side] = found.feet.pose[side].heel_m[rows]
+    if found.feet.path_m is not None:
+        return steps_on_course(
+            strides, places["left"], times["left"], places["right"], times["right"], found.relation_sigma_m
+        )
     beside = (places["right"][0] - places["left"][0])[:2]
     return measure_steps(places["left"], times["left"], places["right"], times["right"], beside)
 
@@ -277,13 +304,15 @@ def _side(point: str) -> Side:
 
 
 def _apart(
-    shoes: Mapping[Side, ShoeKinetics], setup: SessionSetup, height_m: float
+    shoes: Mapping[Side, ShoeKinetics], setup: SessionSetup, height_m: float, is_turning: bool
 ) -> tuple[float, ApartSource, list[str]]:
     """Return how far the feet stand apart at the start, who says so, and what contradicts it."""
-    alone = combine_feet(shoes["left"], shoes["right"], 0.0)
+    # On a turning course the relation itself wants a distance: what the forces add to a usual one is looked for.
+    begin_m = USUAL_APART_M if is_turning else 0.0
+    alone, _ = _combined(shoes, begin_m, None, "usual", is_turning)
     told = None
     with contextlib.suppress(ShapeError, SetupError):
-        told = distance_between_feet(
+        told = begin_m + distance_between_feet(
             alone.reaction,
             alone.rate_hz,
             _mass(alone),

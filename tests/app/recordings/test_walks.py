@@ -18,11 +18,11 @@ from app.recordings import read_frames, service
 from app.recordings.jobs import run_job
 from app.recordings.models import MotionSession, Result, SignalChunk
 from app.recordings.schemas import ReprocessIn, UploadIn
-from app.recordings.walks import walk_stream
+from app.recordings.walks import recording_of, walk_stream
 from app.settings import Settings
 from estimators.gait import steady
 from estimators.pipelines import SessionSetup, analyse_walk
-from estimators.recording import Recording, SensorSignals
+from estimators.recording import ImuChunk, Recording, SampleQuality, SensorSignals
 
 FEET = Path(__file__).parents[2] / "data" / "feet"
 SECONDS = 32.0
@@ -200,3 +200,22 @@ def test_walks_of_a_patient_are_listed_and_compared(
     stranger = therapist.post(path, json={"a": [first], "b": ["nothing"]})
     assert stranger.status_code == 422
     assert stranger.json()["details"]["field"] == "b"
+
+
+def test_what_a_session_measured_reaches_its_walk_whole():
+    """Compass, clip levels and every measured tick; ticks that were bridged or lost do not."""
+    generator = np.random.default_rng(5)
+    values = generator.normal(size=(3, 2, 10, 3))
+    values[2, 1] = np.nan
+    quality = np.zeros((2, 10), np.uint8)
+    quality[0, 3:5] = SampleQuality.BRIDGED
+    chunk = ImuChunk(0, 0.01, values[0], values[1], values[2], quality)
+    setup = SessionSetup("gait", ("foot_left", "foot_right"), 100.0)
+    hello = {"clip_gyroscope_radps": 34.9, "clip_accelerometer_mps2": 156.9}
+    found = recording_of([chunk.ticks(0, 4), chunk.ticks(4, 10)], setup, hello)
+    left, right = found.sensors["foot_left"], found.sensors["foot_right"]
+    kept = np.delete(np.arange(10), [3, 4])
+    np.testing.assert_array_equal(left.magnetometer_t, values[2, 0, kept])
+    np.testing.assert_allclose(left.time_s, 0.01 * kept)
+    assert right.magnetometer_t is None
+    assert found.metadata == {"gyroscope_clip_radps": "34.9", "accelerometer_clip_mps2": "156.9"}

@@ -7,6 +7,7 @@ import pytest
 from pipeline_contract import PipelineContract
 
 from estimators import pipelines, rotation
+from estimators.calibration import DeviceCalibration, TriadCalibration
 from estimators.errors import CalibrationError, SetupError
 from estimators.orientation import OrientationFlag
 from estimators.pipelines import SessionSetup, analyse_walk
@@ -114,3 +115,30 @@ def test_wrong_setups_are_refused():
     )
     with pytest.raises(CalibrationError, match="no calibration"):
         pipeline.calibrate(still)
+
+
+def test_device_calibrations_are_applied_live_and_off_line():
+    """A device that reads 10 % too much, with its calibration, gives what a sound one gives."""
+    sound = network("heel_left")
+    sensor = sound.sensors["heel_left"]
+    wrong = replace(
+        sensor,
+        gyroscope_radps=1.1 * sensor.gyroscope_radps + 0.05,
+        accelerometer_mps2=sensor.accelerometer_mps2 + np.array([0.3, 0.0, -0.2]),
+    )
+    device = DeviceCalibration(
+        accelerometer=TriadCalibration(bias=(0.3, 0.0, -0.2)),
+        gyroscope=TriadCalibration(
+            gain=((1 / 1.1, 0.0, 0.0), (0.0, 1 / 1.1, 0.0), (0.0, 0.0, 1 / 1.1)), bias=(0.05, 0.05, 0.05)
+        ),
+    )
+    setup = SessionSetup("gait", ("heel_left",), 100.0)
+    known = replace(setup, devices={"heel_left": device})
+    calibrated = replace(sound, sensors={"heel_left": wrong})
+    for own, recording in ((setup, sound), (known, calibrated)):
+        frames = analyse_walk(recording, own).frames
+        live = pipelines.create(own).step(to_common_ticks(recording, 100.0))
+        if own is setup:
+            expected, expected_live = frames, live
+    np.testing.assert_allclose(frames.point_room_m, expected.point_room_m, atol=1e-6)
+    np.testing.assert_allclose(live.point_room_m, expected_live.point_room_m, atol=1e-6)
