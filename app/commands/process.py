@@ -10,7 +10,7 @@ import pyarrow.csv
 import pyarrow.parquet
 import typer
 
-from app.commands.process_walk import write_walk
+from app.commands.process_walk import analyse, write_walk
 from app.errors import InvalidInput
 from app.ingest import readers
 from app.ingest.upload import estimated
@@ -85,10 +85,10 @@ def process(
     )
     if pipeline == "gait":
         # A foot in full walk is rarely still: what a resting sensor must show is no measure of it.
-        walk = pipelines.analyse_walk(measured, setup)
+        walk, shoes, note = analyse(measured, setup)
         frames, used = walk.frames, setup
         out.mkdir(parents=True, exist_ok=True)
-        write_walk(walk, out)
+        write_walk(walk, out, shoes, note)
     else:
         _check(measured, setup, force=force, hemisphere=hemisphere)
         frames, used = pipelines.run(measured, setup, pose, elbows_from_movement=pipeline == "arm")

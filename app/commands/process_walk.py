@@ -10,20 +10,53 @@ from typing import Any
 import numpy as np
 import typer
 
+from app.recordings.walk_balance import balance_of
+from estimators import pipelines
+from estimators.conventions import SIDES
+from estimators.errors import EstimationError
 from estimators.gait import Measure, Strides
-from estimators.pipelines import Walk
+from estimators.pipelines import SessionSetup, ShoeWalk, Walk
+from estimators.recording import Recording
 
 _SHOWN = ("stride_length", "stride_time", "speed", "cadence", "stance_share", "clearance", "toe_out")
 
 
-def write_walk(walk: Walk, out: Path) -> None:
-    """Write `strides.csv` and `walk.json`, and say the main numbers.
+def analyse(measured: Recording, setup: SessionSetup) -> tuple[Walk, ShoeWalk | None, str]:
+    """Follow the feet, and where the recording has load cells under both, the forces and the centre of mass.
+
+    Parameters
+    ----------
+    measured : Recording
+    setup : SessionSetup
+
+    Returns
+    -------
+    walk : Walk
+    shoes : ShoeWalk or None
+    note : str
+        Why there are no forces although cells were worn; else empty.
+    """
+    walk = pipelines.analyse_walk(measured, setup)
+    if not pipelines.has_shoes(measured):
+        return walk, None, ""
+    try:
+        shoes = pipelines.analyse_shoes(measured, setup, walk)
+    except EstimationError as error:
+        return walk, None, f"no forces: {error}"
+    return pipelines.with_shoes(walk, shoes), shoes, ""
+
+
+def write_walk(walk: Walk, out: Path, shoes: ShoeWalk | None = None, note: str = "") -> None:
+    """Write `strides.csv`, `walk.json` and with forces `forces.csv`, and say the main numbers.
 
     Parameters
     ----------
     walk : Walk
     out : Path
         An existing folder.
+    shoes : ShoeWalk, optional
+    note : str
+        A reason to be told with the walk's own.
     """
     names = [field.name for field in fields(Strides) if _is_column(field.name)]
     with (out / "strides.csv").open("w", newline="", encoding="utf-8") as file:
@@ -35,14 +68,24 @@ def write_walk(walk: Walk, out: Path) -> None:
             for row in zip(*columns, holds, strict=True):
                 writer.writerow([side, *row[:-1], *row[-1]])
     summary = walk.summary
+    reasons = [*summary.reasons, *(() if shoes is None else shoes.reasons), *([note] if note else [])]
     content: dict[str, Any] = {
         "feet": {side: _numbers(numbers) for side, numbers in summary.feet.items()},
-        "both": _numbers(summary.both),
+        "both": _numbers({**summary.both, **(walk.steps or {})}),
         "asymmetry": _numbers(summary.asymmetry),
         "turns": summary.turn_count,
         "bouts": summary.bout_count,
-        "reasons": list(summary.reasons),
+        "reasons": reasons,
     }
+    if shoes is not None:
+        balance = balance_of(shoes)
+        content["balance"] = {
+            "mass_kg": balance.mass_kg,
+            "feet_apart_m": balance.apart_m,
+            "feet_apart_source": balance.apart_source,
+            **{found.measure: found.model_dump(exclude={"measure"}) for found in balance.measures},
+        }
+        _write_forces(shoes, out / "forces.csv")
     (out / "walk.json").write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
     for side, numbers in summary.feet.items():
         for name in _SHOWN:
@@ -50,8 +93,29 @@ def write_walk(walk: Walk, out: Path) -> None:
             typer.echo(
                 f"  {side:<5} {name:<14} {found.value:8.3f} +- {found.sigma:.3f} {found.unit}, {found.count} strides"
             )
-    for reason in summary.reasons:
+    for reason in reasons:
         typer.echo(f"  {reason}")
+
+
+def _write_forces(shoes: ShoeWalk, path: Path) -> None:
+    """Write what the ground does to each foot, room axes, with the ankle where a lower leg was measured."""
+    names, columns = ["time_s"], [shoes.time_s]
+    for side in SIDES:
+        found = shoes.shoes[side]
+        reaction = shoes.feet.reaction[side]
+        parts = {"force_{}_n": reaction.force_n, "pressure_{}_m": reaction.cop_m[:, :2]}
+        if found.ankle is not None:
+            parts["ankle_moment_{}_nm"] = found.ankle.moment_nm
+        for name, values in parts.items():
+            names += [f"{side}_{name.format(axis)}" for axis in "xyz"[: values.shape[1]]]
+            columns += list(values.T)
+        if found.ankle is not None:
+            names.append(f"{side}_ankle_power_w")
+            columns.append(found.ankle.power_w)
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(names)
+        writer.writerows(np.column_stack(columns).round(5).tolist())
 
 
 def _is_column(name: str) -> bool:
