@@ -11,6 +11,7 @@ from app.accounts import audit
 from app.accounts.subject import Subject
 from app.assessment.measures import SessionValue, change, pooled_spread, session_values
 from app.assessment.schemas import Progress, ProgressEvent, ProgressMeasure, ProgressPoint
+from app.assessment.walk_progress import walk_label, walk_order, walk_values
 from app.errors import NotFound
 from app.exercises.models import Exercise, Prescription, Template, TemplateVersion
 from app.patients.access import require_patient
@@ -41,6 +42,9 @@ def progress(session: Session, subject: Subject, patient_id: str, exercise_id: s
         if exercise is None or exercise.clinic_id != patient.clinic_id:
             raise NotFound("There is no such exercise in this clinic.")
     values = session_values(session, [patient_id], exercise_id)
+    walked = walk_values(session, patient_id, exercise_id)
+    if walked and (not values or walked[-1].at >= values[-1].at):
+        return _of_walks(session, patient_id, walked)
     if exercise_id is None and values:
         exercise_id = values[-1].exercise_id
         values = [value for value in values if value.exercise_id == exercise_id]
@@ -50,6 +54,18 @@ def progress(session: Session, subject: Subject, patient_id: str, exercise_id: s
     return Progress(
         exercise_id=exercise_id,
         measures=[_measure([v for v in values if v.measure == name]) for name in measures],
+        events=_events(session, patient_id, exercise_id, values),
+    )
+
+
+def _of_walks(session: Session, patient_id: str, values: list[SessionValue]) -> Progress:
+    """Return the progress of the walks of one kind; of all kinds, that of the newest."""
+    exercise_id = values[-1].exercise_id
+    values = [value for value in values if value.exercise_id == exercise_id]
+    names = sorted({value.measure for value in values}, key=walk_order)
+    return Progress(
+        exercise_id=exercise_id,
+        measures=[_measure([v for v in values if v.measure == name], walk_label(name)) for name in names],
         events=_events(session, patient_id, exercise_id, values),
     )
 
@@ -64,12 +80,12 @@ def main_measure(exercise: Exercise) -> str:
     return f"range:{exercise.primary_angle}"
 
 
-def _measure(values: list[SessionValue]) -> ProgressMeasure:
+def _measure(values: list[SessionValue], label: str | None = None) -> ProgressMeasure:
     moved = change(values)
     pooled = pooled_spread(values)
     return ProgressMeasure(
         measure=values[0].measure,
-        label=measure_label(values[0].measure),
+        label=label or measure_label(values[0].measure),
         unit=values[0].unit,
         points=[_point(value, pooled) for value in values],
         change=moved.difference,
@@ -88,7 +104,7 @@ def _point(value: SessionValue, pooled: float | None) -> ProgressPoint:
         high=high,
         count=value.count,
         orientation=f"{value.orientation} {value.orientation_version}",
-        template_version_id=value.template_version_id,
+        template_version_id=value.template_version_id or None,
     )
 
 

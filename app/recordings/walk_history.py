@@ -50,7 +50,7 @@ def walks_of(session: Session, subject: Subject, patient_id: str) -> list[WalkRo
     """
     rows = []
     for found, exercise in repository.list_sessions(session, subject, patient_id):
-        content = _content(session, found)
+        content = walk_content(session, found)
         if content is None:
             continue
         test = content.test
@@ -91,7 +91,7 @@ def compare(session: Session, subject: Subject, patient_id: str, wanted: Conditi
     known = {one.id: one for one, _ in found}
     sides: list[list[WalkContent]] = []
     for field, ids in (("a", wanted.a), ("b", wanted.b)):
-        chosen = [_content(session, known[one]) if one in known else None for one in ids]
+        chosen = [walk_content(session, known[one]) if one in known else None for one in ids]
         contents = [content for content in chosen if content is not None]
         if len(contents) != len(ids):
             raise InvalidInput("A session chosen is no analysed walk of this patient.", field=field)
@@ -148,7 +148,8 @@ def _unit(sides: Sequence[Sequence[WalkContent]], foot: str, name: str) -> str:
     return next(found, "")
 
 
-def _content(session: Session, found: MotionSession) -> WalkContent | None:
+def walk_content(session: Session, found: MotionSession) -> WalkContent | None:
+    """Return the walk of a session's main result; None where it is none, or not analysed. Access was checked."""
     if found.setup["pipeline"] != PIPELINE or found.main_result_id is None:
         return None
     row = session.scalar(
@@ -163,4 +164,4 @@ def _plain(value: float) -> float | None:
     return value if value == value else None
 
 
-__all__ = ["compare", "walks_of"]
+__all__ = ["compare", "walk_content", "walks_of"]

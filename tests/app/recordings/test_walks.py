@@ -219,3 +219,30 @@ def test_what_a_session_measured_reaches_its_walk_whole():
     np.testing.assert_allclose(left.time_s, 0.01 * kept)
     assert right.magnetometer_t is None
     assert found.metadata == {"gyroscope_clip_radps": "34.9", "accelerometer_clip_mps2": "156.9"}
+
+
+def test_progress_of_walks_has_the_form_of_every_progress(
+    engine: Engine, uploaded: Any, therapist: Any, world: Any, tmp_path: Path
+) -> None:
+    gaitmap_csv(tmp_path / "walk.csv")
+    walks = [uploaded(tmp_path / "walk.csv", format="gaitmap") for _ in range(2)]
+    found = therapist.get(f"/api/patients/{world.patient_id}/progress").json()
+    measures = {one["measure"]: one for one in found["measures"]}
+    assert list(measures)[0] == "walk:speed:left"
+    speed = measures["walk:speed:left"]
+    assert speed["label"] == "Walking speed, left"
+    assert [point["session_id"] for point in speed["points"]] == [walk.session_id for walk in walks]
+    stored = therapist.get(f"/api/sessions/{walks[0].session_id}/gait").json()
+    left = next(foot for foot in stored["feet"] if foot["side"] == "left")
+    mine = next(one for one in left["measures"] if one["measure"] == "speed")
+    point = speed["points"][0]
+    assert point["value"] == pytest.approx(mine["value"])
+    assert point["high"] - point["value"] == pytest.approx(mine["spread"])
+    assert point["count"] == mine["count"]
+    # The same walk twice is no change.
+    assert speed["change"] == pytest.approx(0.0)
+    assert speed["is_real_change"] is False
+    share = measures["walk:stance_share:right"]
+    assert share["unit"] == "%"
+    assert 50.0 < share["points"][0]["value"] < 80.0
+    assert all(one["measure"].startswith("walk:") for one in found["measures"])
