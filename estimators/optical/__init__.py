@@ -8,7 +8,7 @@ from estimators.optical._contract import (
     OpticalStart,
     Provenance,
 )
-from estimators.optical._fusion import OpticalInertialFilter, smooth_optical
+from estimators.optical._fusion import OpticalInertialFilter, filter_and_smooth, smooth_optical
 from estimators.optical._gaps import WITHHELD_M, Gap, fill_by_spline, gap_report
 from estimators.optical._recording import OpticalFusion, fuse_markers
 from estimators.optical._stretch import GapCheck
@@ -28,6 +28,7 @@ __all__ = [
     "align_cluster",
     "align_markers",
     "fill_by_spline",
+    "filter_and_smooth",
     "fuse_markers",
     "gap_report",
     "smooth_optical",

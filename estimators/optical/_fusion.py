@@ -214,6 +214,16 @@ def smooth_optical(
     -------
     OpticalResult
         Smoothed; `nis` and `provenance` are those of the filter.
+    """
+    return filter_and_smooth(chunk, parameters, start)[1]
+
+
+def filter_and_smooth(
+    chunk: OpticalChunk,
+    parameters: Mapping[str, Any] | None = None,
+    start: OpticalStart | None = None,
+) -> tuple[OpticalResult, OpticalResult]:
+    """Return what the filter gives and what `smooth_optical` makes of it, for little more than the latter.
 
     Notes
     -----
@@ -232,8 +242,9 @@ def smooth_optical(
         end = begin + _PIECE
         states[begin:end], out[begin:end] = live.run(samples[begin:end], kept)
     begun = np.flatnonzero(np.isfinite(states[:, 0]))
+    filtered = to_result(states.copy(), out.copy())
     if not len(begun):
-        return to_result(states, out)
+        return filtered, to_result(states, out)
     first, later, later_covariance = int(begun[0]), np.empty(at.NOMINAL), np.empty((at.ERRORS, at.ERRORS))
     for begin, mark in reversed(marks):
         end = min(begin + _PIECE, count)
@@ -254,7 +265,7 @@ def smooth_optical(
             later_covariance,
             end == count,
         )
-    return to_result(states, out)
+    return filtered, to_result(states, out)
 
 
-__all__ = ["OpticalInertialFilter", "smooth_optical"]
+__all__ = ["OpticalInertialFilter", "filter_and_smooth", "smooth_optical"]

@@ -10,18 +10,24 @@ from estimators.optical import (
     OpticalInertialFilter,
     Provenance,
     fill_by_spline,
+    filter_and_smooth,
     smooth_optical,
 )
 from estimators.recording import Float
-from estimators.validation._optical_scenes import PARAMETERS, STEP_S, STILL_S, free_motion, walking_foot
+from estimators.validation._optical_scenes import (
+    PARAMETERS,
+    STEP_S,
+    STILL_S,
+    Scene,
+    free_motion,
+    walking_foot,
+)
 from estimators.validation._protocol import Data, Figure, Protocol, Values
 
 _GAPS_S = ((9.0, 11.0), (15.0, 17.0), (20.0, 22.0))
 _GAIT_TICKS = (5, 10, 25, 50)
-
-
-def _live(chunk: OpticalChunk) -> Float:
-    return OpticalInertialFilter(STEP_S, PARAMETERS).update(chunk).position_m
+_GAIT_PAIRS = ((50, 5), (25, 10))
+"""Lengths of gaps that take turns in one walk."""
 
 
 def _gaps(seeds: Sequence[int], data: Data) -> Values:
@@ -33,10 +39,10 @@ def _gaps(seeds: Sequence[int], data: Data) -> Values:
         for start, stop in _GAPS_S:
             missing |= (t >= start) & (t < stop)
         holed = scene.without(missing)
-        forward, smoothed = _live(holed), smooth_optical(holed, PARAMETERS)
+        live, smoothed = filter_and_smooth(holed, PARAMETERS)
         spline = fill_by_spline(holed.marker_m, STEP_S)
         z = {
-            "forward, largest z error": forward,
+            "forward, largest z error": live.position_m,
             "smoothed, largest z error": smoothed.position_m,
             "spline, largest z error": spline,
         }
@@ -84,39 +90,55 @@ def _gait(seeds: Sequence[int], data: Data) -> Values:
     values: dict[str, list[float]] = {}
     for seed in seeds:
         scene, phase = walking_foot(seed)
+        found: dict[tuple[int, str], list[float]] = {}
+        for tenth in range(10):
+            for pair in _GAIT_PAIRS:
+                _gait_gaps(scene, phase, tenth, pair, found)
         for length in _GAIT_TICKS:
-            found: dict[str, list[float]] = {"smoothed": [], "forward": [], "swing": [], "swing spline": []}
-            for tenth in range(10):
-                # One gap in every other cycle, a tenth of a cycle later each time.
-                starts = np.arange(STILL_S + 1.1 * (2 + 0.1 * tenth), scene.time_s[-1] - 1.5, 2.2)
-                rows = [np.arange(length) + round(start / STEP_S) for start in starts]
-                hidden = np.zeros(len(phase), dtype=np.bool_)
-                hidden[np.concatenate(rows)] = True
-                holed = scene.without(hidden)
-                spline = fill_by_spline(holed.marker_m, STEP_S)
-                smoothed, forward = smooth_optical(holed, PARAMETERS).position_m, _live(holed)
-
-                def largest(
-                    position: Float, rows: list[Any] = rows, truth: Float = scene.position_m
-                ) -> float:
-                    return 1e3 * float(
-                        np.mean([np.linalg.norm(position[r] - truth[r], axis=1).max() for r in rows])
-                    )
-
-                found["smoothed"].append(largest(smoothed))
-                found["forward"].append(largest(forward))
-                if 0.6 <= phase[rows[0][length // 2]] <= 0.9:
-                    found["swing"].append(found["smoothed"][-1])
-                    found["swing spline"].append(largest(spline))
             for name in ("forward", "smoothed"):
-                values.setdefault(f"{length} ticks, {name}, worst phase", []).append(max(found[name]))
+                values.setdefault(f"{length} ticks, {name}, worst phase", []).append(max(found[length, name]))
             if length >= 25:
-                ratio = np.mean(found["swing spline"]) / np.mean(found["swing"])
-                values.setdefault(f"{length} ticks in swing, spline", []).append(
-                    float(np.mean(found["swing spline"]))
+                swing, spline = (np.mean(found[length, name]) for name in ("swing", "swing spline"))
+                values.setdefault(f"{length} ticks in swing, spline", []).append(float(spline))
+                values.setdefault(f"{length} ticks in swing, spline over smoothed", []).append(
+                    float(spline / swing)
                 )
-                values.setdefault(f"{length} ticks in swing, spline over smoothed", []).append(float(ratio))
     return {name: np.array(rows) for name, rows in values.items()}
+
+
+def _gait_gaps(
+    scene: Scene,
+    phase: Float,
+    tenth: int,
+    lengths: tuple[int, int],
+    found: dict[tuple[int, str], list[float]],
+) -> None:
+    """Hide the marker at a tenth of the cycle, for the one length in every other cycle, for the other in between."""
+    first_s = STILL_S + 1.1 * (2 + 0.1 * tenth)
+    rows = {
+        length: [
+            np.arange(length) + round(start / STEP_S)
+            for start in np.arange(first_s + 1.1 * number, scene.time_s[-1] - 1.5, 2.2)
+        ]
+        for number, length in enumerate(lengths)
+    }
+    hidden = np.zeros(len(phase), dtype=np.bool_)
+    for gaps in rows.values():
+        hidden[np.concatenate(gaps)] = True
+    holed = scene.without(hidden)
+    forward, smoothed = filter_and_smooth(holed, PARAMETERS)
+    spline = fill_by_spline(holed.marker_m, STEP_S)
+    for length, gaps in rows.items():
+
+        def largest(position: Float, gaps: list[Any] = gaps) -> float:
+            error = [np.linalg.norm(position[r] - scene.position_m[r], axis=1).max() for r in gaps]
+            return 1e3 * float(np.mean(error))
+
+        found.setdefault((length, "forward"), []).append(largest(forward.position_m))
+        found.setdefault((length, "smoothed"), []).append(largest(smoothed.position_m))
+        if 0.6 <= phase[gaps[0][length // 2]] <= 0.9:
+            found.setdefault((length, "swing"), []).append(found[length, "smoothed"][-1])
+            found.setdefault((length, "swing spline"), []).append(largest(spline))
 
 
 def _rates(seeds: Sequence[int], data: Data) -> Values:
@@ -128,8 +150,9 @@ def _rates(seeds: Sequence[int], data: Data) -> Values:
         for ratio in (1, 10, 50, 100):
             seen = np.arange(len(t)) % ratio == 0
             thinned = scene.without(~seen & (t >= STILL_S))
-            smoothed = smooth_optical(thinned, PARAMETERS)
-            for name, position in (("forward", _live(thinned)), ("smoothed", smoothed.position_m)):
+            both = zip(("forward", "smoothed"), filter_and_smooth(thinned, PARAMETERS), strict=True)
+            for name, result in both:
+                position = result.position_m
                 error = np.linalg.norm((position - truth)[on], axis=1)
                 values.setdefault(f"ratio {ratio}, {name}", []).append(
                     1e3 * float(np.sqrt(np.mean(error**2)))
