@@ -1,5 +1,6 @@
 """What is kept of balance: paths of mass and pressure, base of support, and their numbers."""
 
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -9,7 +10,8 @@ from app.recordings.walk_schemas import BalanceOut, SupportOut, WalkMeasure
 from estimators import rotation
 from estimators.balance import walking_work
 from estimators.conventions import Side
-from estimators.kinetics import ShoeGeometry, ShoePose
+from estimators.gait import measure
+from estimators.kinetics import ShoeGeometry, ShoePose, stretches
 from estimators.pipelines import ShoeWalk
 from estimators.recording import Float
 
@@ -61,40 +63,57 @@ def balance_of(found: ShoeWalk) -> BalanceOut:
 
 def _measures(found: ShoeWalk) -> list[WalkMeasure]:
     feet, centre = found.feet, found.centre
-    left, right = feet.pose["left"], feet.pose["right"]
-    walking = ~feet.is_standing
     across = feet.aside(centre.position_m)
     measures = []
-    if feet.is_standing.any():
-        force = [feet.reaction[side].force_n[feet.is_standing, 2].mean() for side in ("left", "right")]
-        measures.append(_measure("weight_on_left", force[0] / sum(force), "1"))
-        still = feet.is_standing
-        middle = 0.5 * (feet.aside(_sole(left)) + feet.aside(_sole(right)))[still]
-        aside = float(np.mean(across[still] - middle))
-        measures.append(_measure("centre_to_left_standing", aside, "m", _sigma(found, still)))
-    if walking.any():
-        strides = _whole_strides(found, walking)
-        middle_m = 0.5 * (_stood(found, "left") + _stood(found, "right"))
-        aside = float(np.mean(across[strides])) - middle_m
-        measures.append(_measure("centre_to_left", aside, "m", _sigma(found, strides)))
-        low, high = np.percentile(across[walking], [2.5, 97.5])
-        measures.append(_measure("centre_sway", high - low, "m"))
-        work = walking_work(centre.position_m[walking], centre.velocity_mps[walking], found.mass_kg)
-        measures.append(_measure("external_work", work.external_j_per_m / found.mass_kg, "J/kg/m"))
-        measures.append(_measure("pendulum_recovery", work.recovery, "1"))
+    seconds = _seconds(feet.is_standing, feet.rate_hz)
+    if seconds:
+        left, right = (feet.reaction[side].force_n[:, 2] for side in ("left", "right"))
+        shares = [left[part].mean() / (left[part].mean() + right[part].mean()) for part in seconds]
+        middle = 0.5 * (feet.aside(_sole(feet.pose["left"])) + feet.aside(_sole(feet.pose["right"])))
+        leans = [float(np.mean((across - middle)[part])) for part in seconds]
+        measures.append(_measure("weight_on_left", shares, "1"))
+        measures.append(_measure("centre_to_left_standing", leans, "m", _sigma(found, feet.is_standing)))
+    strides = _strides(found)
+    if strides:
+        each = [_of_stride(found, part, across) for part in strides]
+        aside, sway, work, recovery = (list(column) for column in zip(*each, strict=True))
+        sigma = _sigma(found, ~feet.is_standing)
+        measures += [
+            _measure("centre_to_left", aside, "m", sigma),
+            _measure("centre_sway", sway, "m"),
+            _measure("external_work", work, "J/kg/m"),
+            _measure("pendulum_recovery", recovery, "1"),
+        ]
     least = _least_of_seconds(found.support_s, found.margin.margin_m)
     if len(least):
-        measures.append(
-            WalkMeasure(
-                measure="margin",
-                value=round(float(least.mean()), 4),
-                sigma=None,
-                spread=round(float(least.std()), 4),
-                count=len(least),
-                unit="m",
-            )
-        )
+        measures.append(_measure("margin", least, "m"))
     return measures
+
+
+def _of_stride(found: ShoeWalk, part: slice, across: Float) -> tuple[float, float, float, float]:
+    """Return lean to the left, sway, external work (J/kg/m) and what the pendulum gives back, of one stride."""
+    path = across[part]
+    straight = path - np.linspace(path[0], path[-1], len(path))
+    middle = np.mean([_stood(found, side, part) for side in ("left", "right")])
+    centre = found.centre
+    work = walking_work(centre.position_m[part], centre.velocity_mps[part], found.mass_kg)
+    return (
+        float(path.mean() - middle),
+        float(np.ptp(straight)),
+        work.external_j_per_m / found.mass_kg,
+        work.recovery,
+    )
+
+
+def _seconds(is_standing: NDArray[np.bool_], rate_hz: float) -> list[slice]:
+    """Return whole seconds of standing; what is left of each stretch joins its last one."""
+    second = max(1, round(rate_hz))
+    found = []
+    for start, stop in stretches(is_standing):
+        count = max(1, (stop - start) // second)
+        edges = [start + k * second for k in range(count)] + [stop]
+        found += [slice(a, b) for a, b in pairwise(edges)]
+    return found
 
 
 def _sole(pose: ShoePose) -> Float:
@@ -104,22 +123,19 @@ def _sole(pose: ShoePose) -> Float:
     return np.asarray(pose.heel_m + rotation.rotate(pose.q_room_heel, np.array([ahead, 0.0, 0.0])))
 
 
-def _stood(found: ShoeWalk, side: Side) -> float:
-    """Return how far left the sole of a foot stood, mean of its rests but the first and the last."""
+def _stood(found: ShoeWalk, side: Side, part: slice) -> float:
+    """Return how far left the sole of a foot stood during a stride."""
     rests = found.shoes[side].contact.core.mean(axis=1).astype(int)
-    inner = rests[1:-1] if len(rests) > 2 else rests
-    return float(found.feet.aside(_sole(found.feet.pose[side]))[inner].mean())
+    inside = rests[(rests >= part.start) & (rests < part.stop)]
+    chosen = inside if len(inside) else rests[[int(np.argmin(np.abs(rests - part.start)))]]
+    return float(found.feet.aside(_sole(found.feet.pose[side]))[chosen].mean())
 
 
-def _whole_strides(found: ShoeWalk, walking: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return the samples of whole strides of the left foot: part of a stride leans to one side."""
+def _strides(found: ShoeWalk) -> list[slice]:
+    """Return the strides of the left foot in which nobody stands: part of a stride leans to one side."""
     lands = found.shoes["left"].contact.land
-    lands = lands[walking[np.minimum(lands, len(walking) - 1)]]
-    if len(lands) < 3:
-        return walking
-    chosen = np.zeros_like(walking)
-    chosen[lands[0] : lands[-2]] = True
-    return chosen
+    parts = [slice(int(a), int(b)) for a, b in pairwise(lands)]
+    return [part for part in parts if not found.feet.is_standing[part].any()]
 
 
 def _sigma(found: ShoeWalk, chosen: NDArray[np.bool_]) -> float | None:
@@ -133,13 +149,20 @@ def _least_of_seconds(time_s: Float, margin_m: Float) -> Float:
     return np.array([margin_m[known][seconds == k].min() for k in np.unique(seconds)])
 
 
-def _measure(name: str, value: float, unit: str, sigma: float | None = None) -> WalkMeasure:
+def _measure(
+    name: str, values: Float | list[float], unit: str, systematic: float | None = None
+) -> WalkMeasure:
+    """Average strides or seconds; what is off in all of them alike does not average out."""
+    found = measure(np.asarray(values, dtype=np.float64), unit)
+    spread = found.spread if np.isfinite(found.spread) else None
+    parts = [] if spread is None else [found.sigma]
+    parts += [] if systematic is None or not np.isfinite(systematic) else [systematic]
     return WalkMeasure(
         measure=name,
-        value=round(float(value), 5) if np.isfinite(value) else None,
-        sigma=None if sigma is None or not np.isfinite(sigma) else round(float(sigma), 5),
-        spread=None,
-        count=1,
+        value=round(found.value, 5) if np.isfinite(found.value) else None,
+        sigma=round(float(np.hypot.reduce(parts)), 5) if parts else None,
+        spread=None if spread is None else round(spread, 5),
+        count=found.count,
         unit=unit,
     )
 

@@ -26,6 +26,7 @@ from estimators.gait._strides import Footholds, Strides, find_strides
 from estimators.gait._summary import (
     GaitSummary,
     Measure,
+    measure,
     measure_steps,
     steady,
     step_measures,
@@ -64,6 +65,7 @@ __all__ = [
     "foot_placement",
     "force_events",
     "guided_test",
+    "measure",
     "measure_steps",
     "relate_by_course",
     "relate_feet",
