@@ -4,6 +4,9 @@ from dataclasses import dataclass, field
 
 from estimators.conventions import Placement
 
+UNUSABLE_SCORE = 0.25
+"""A calibration that scores less is refused instead of being put in force."""
+
 
 @dataclass(frozen=True)
 class Calibration:
@@ -45,4 +48,4 @@ class Calibration:
     unknown_headings: tuple[Placement, ...] = ()
 
 
-__all__ = ["Calibration"]
+__all__ = ["UNUSABLE_SCORE", "Calibration"]

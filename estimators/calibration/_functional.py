@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators import rotation
-from estimators.calibration._contract import Calibration
+from estimators.calibration._contract import UNUSABLE_SCORE, Calibration
 from estimators.calibration._functional_arm import ArmMovements, arm_frames
 from estimators.calibration._functional_verdicts import ASK, JudgedSession, limb_of, upper_arm_of
 from estimators.calibration._joint_axes import AxisEstimate, heading_between, principal_axis
 from estimators.calibration._mounting import OUTWARD_HEADING_RAD
-from estimators.calibration._n_pose import UNUSABLE_SCORE, n_pose
+from estimators.calibration._n_pose import n_pose
 from estimators.calibration._placement import MisplacedError, check_sides
 from estimators.calibration._rest import Verdict, mean_orientation, words, wrapped
 from estimators.calibration._static import static_bias

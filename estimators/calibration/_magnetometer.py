@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators import rotation
+from estimators.calibration._contract import UNUSABLE_SCORE
 from estimators.calibration._coverage import DIRECTIONS, next_turn, visited_directions
 from estimators.calibration._device import TriadCalibration, matrix, vector
 from estimators.calibration._ellipsoid import (
@@ -193,7 +194,10 @@ class MagnetometerCollector:
         visited = visited_directions(fit, cells, directions)
         coverage = float(visited.mean())
         sigma = mean_direction_sigma(fit) / math.cos(_COMMON_DIP_RAD)
-        is_complete = coverage >= _ELLIPSOID_COVERAGE and sigma < _HEADING_FAULT_RAD
+        likely = min(1.0, _HEADING_WARNING_RAD / sigma) * min(
+            1.0, _RESIDUAL_WARNING / max(fit.residual, 1e-9)
+        )
+        is_complete = coverage >= _ELLIPSOID_COVERAGE and likely >= UNUSABLE_SCORE
         return MagnetometerProgress(
             coverage,
             directions,
@@ -222,7 +226,8 @@ class MagnetometerCollector:
         Raises
         ------
         CalibrationError
-            If too few directions were visited, or the field is not uniform; with what to do.
+            If too few directions were visited, the field is not uniform, or the score would be below 0.25; with what
+            to do.
         """
         if len(self._count) < _FEWEST_CELLS:
             raise CalibrationError(
@@ -320,6 +325,8 @@ def _finish(
         reasons.append(
             f"the norm still varies by {100 * fit.residual:.0f} %; repeat away from iron and magnets"
         )
+    if score < UNUSABLE_SCORE:
+        raise CalibrationError("this compass calibration cannot be used: " + "; ".join(reasons))
     return MagnetometerResult(
         TriadCalibration(matrix(gain), vector(fit.centre)),
         "ellipsoid" if fit.is_full else "sphere",

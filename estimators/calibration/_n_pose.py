@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators import rotation
-from estimators.calibration._contract import Calibration
+from estimators.calibration._contract import UNUSABLE_SCORE, Calibration
 from estimators.calibration._mounting import FACING_ORDER, N_POSE_TURN_RAD, OUTWARD_HEADING_RAD
 from estimators.calibration._rest import (
     SWAY_RAD,
@@ -25,7 +25,6 @@ from estimators.errors import CalibrationError, ShapeError
 from estimators.orientation import OrientationFlag
 from estimators.recording import Float
 
-UNUSABLE_SCORE = 0.25
 _STEEP_RAD = math.radians(75.0)
 _SLANTED_RAD = math.radians(55.0)
 _QUIET_RADPS = math.radians(4.0)
@@ -296,4 +295,4 @@ def _judge_agreement(
         )
 
 
-__all__ = ["UNUSABLE_SCORE", "n_pose"]
+__all__ = ["n_pose"]
