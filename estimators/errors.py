@@ -9,6 +9,8 @@
     └── ComparisonError     a recording without the repetitions that a comparison needs
 """
 
+from collections.abc import Sequence
+
 
 class EstimationError(Exception):
     """Base of all expected failures; the message says what was wrong and what to do."""
@@ -23,7 +25,17 @@ class SetupError(EstimationError, ValueError):
 
 
 class CalibrationError(EstimationError):
-    """A calibration pose or movement that cannot be used; the message says what to redo."""
+    """A calibration pose or movement that cannot be used; the message says what to redo.
+
+    Attributes
+    ----------
+    redo : tuple of str
+        Names of the parts to repeat, where only some must be: `face_y_down`, `turn_z`. Empty means all.
+    """
+
+    def __init__(self, message: str = "", *, redo: Sequence[str] = ()) -> None:
+        super().__init__(message)
+        self.redo = tuple(redo)
 
 
 class ComparisonError(EstimationError):

@@ -3,7 +3,7 @@
 import asyncio
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Final
 
@@ -21,7 +21,7 @@ from app.live.estimation import EstimationLine
 from app.recordings.schemas import CalibrationOut
 from estimators.calibration import MisplacedError
 from estimators.conventions import Placement
-from estimators.errors import EstimationError
+from estimators.errors import CalibrationError, EstimationError
 from estimators.recording import ImuChunk
 
 logger = logging.getLogger(__name__)
@@ -204,7 +204,8 @@ class CalibrationDesk:
             outcome = found.evaluate(self._line.pipeline)
         except EstimationError as error:
             findings = findings_out(error.findings) if isinstance(error, MisplacedError) else ()
-            self._loop.call_soon_threadsafe(self._refused, found, str(error), findings)
+            redo = error.redo if isinstance(error, CalibrationError) else ()
+            self._loop.call_soon_threadsafe(self._refused, found, str(error), findings, redo)
         except Exception:
             # A calibration that cannot be worked out must not end the session it belongs to.
             logger.exception("a calibration could not be evaluated")
@@ -217,8 +218,14 @@ class CalibrationDesk:
         self._collector, self._is_evaluating, self._hint = None, False, ""
         self._done(outcome, found.wanted.kind)
 
-    def _refused(self, found: Collector, text: str, findings: tuple[SensorFinding, ...] = ()) -> None:
-        self._publish("redo", text=text, findings=findings)
+    def _refused(
+        self,
+        found: Collector,
+        text: str,
+        findings: tuple[SensorFinding, ...] = (),
+        redo: tuple[str, ...] = (),
+    ) -> None:
+        self._publish("redo", text=text, findings=findings, redo=redo)
         self._collector, self._is_evaluating, self._hint = None, False, text
         self._failed(text)
 
@@ -228,6 +235,7 @@ class CalibrationDesk:
         outcome: Outcome | None = None,
         text: str = "",
         findings: tuple[SensorFinding, ...] = (),
+        redo: tuple[str, ...] = (),
     ) -> CalibrationMessage:
         found = self._collector
         assert found is not None
@@ -243,7 +251,7 @@ class CalibrationDesk:
             directions=found.directions,
             score=None if outcome is None else outcome.score,
             reasons=[text] if text else list(outcome.reasons) if outcome else [],
-            redo_steps=redo_steps(found, text) if text else [],
+            redo_steps=redo_steps(found, text, redo) if text else [],
             axes=list(outcome.axes) if outcome else [],
             findings=list(outcome.findings if outcome else findings),
             result=None if calibration is None else CalibrationOut.of(calibration),
@@ -253,10 +261,10 @@ class CalibrationDesk:
         return message
 
 
-def redo_steps(found: Collector, text: str) -> list[str]:
-    """Return the steps that a refusal names; all when it names none."""
+def redo_steps(found: Collector, text: str, redo: Sequence[str] = ()) -> list[str]:
+    """Return the steps that a refusal names, by key or in its words; all when it names none."""
     keys = [step.key for step in found.steps]
-    named = [key for key in keys if key.replace("_", " ") in text]
+    named = [key for key in keys if key in redo] or [key for key in keys if key.replace("_", " ") in text]
     return named or keys
 
 

@@ -15,6 +15,7 @@ from estimators.calibration import (
     DeviceCalibration,
     MagnetometerCollector,
     MagnetometerProgress,
+    doubted_turns,
     ferraris,
     find_positions,
 )
@@ -110,6 +111,7 @@ class SixPositions(_InHand):
         self._rates: list[Float] = []
         self._forces: list[Float] = []
         self._found: list[list[str]] = [[] for _ in self.handled]
+        self._doubted: list[dict[str, float]] = [{} for _ in self.handled]
 
     @property
     def step_progress(self) -> float:
@@ -123,15 +125,25 @@ class SixPositions(_InHand):
             SensorProgress(
                 placement=p,
                 progress=len(found) / len(self.steps),
-                hint=self._missing(found),
+                hint=self._missing(found, doubted),
                 is_done=len(found) == len(self.steps),
                 found=found,
             )
-            for p, found in zip(self.handled, self._found, strict=True)
+            for p, found, doubted in zip(self.handled, self._found, self._doubted, strict=True)
         ]
 
-    def _missing(self, found: list[str]) -> str:
-        return next((step.instruction for step in self.steps if step.key not in found), "")
+    def _missing(self, found: list[str], doubted: dict[str, float]) -> str:
+        step = next((step for step in self.steps if step.key not in found), None)
+        if step is None:
+            return ""
+        axis = step.key.removeprefix("turn_")
+        if axis not in doubted:
+            return step.instruction
+        return (
+            f"The turn about {axis} was {360 * abs(doubted[axis]):.0f} degrees "
+            f"{'more' if doubted[axis] > 0 else 'less'} than a whole one. Mark where you begin, and turn it once"
+            " more by exactly one turn. If it was exact, turn it again: two turns that agree are believed."
+        )
 
     def collect(self, chunk: ImuChunk) -> None:
         """Keep what is needed of a chunk."""
@@ -139,14 +151,14 @@ class SixPositions(_InHand):
         self._forces.append(chunk.accelerometer_mps2[self.rows])
 
     def _samples(self, sensor: int) -> tuple[Float, Float]:
-        """Return finite samples; a gap while a sensor is handled is jumped over."""
+        """Return all samples, lost ones as NaN: what turned meanwhile is not known, so its ends must not meet."""
         # The event loop goes on appending: both lists are cut to the same length first.
         forces = list(self._forces)
         rates = self._rates[: len(forces)]
-        rate = np.concatenate([part[sensor] for part in rates])
-        force = np.concatenate([part[sensor] for part in forces])
-        sound = np.isfinite(rate).all(axis=1) & np.isfinite(force).all(axis=1)
-        return rate[sound], force[sound]
+        return (
+            np.concatenate([part[sensor] for part in rates]),
+            np.concatenate([part[sensor] for part in forces]),
+        )
 
     def review(self) -> None:
         """Look for positions and turns anew."""
@@ -156,7 +168,8 @@ class SixPositions(_InHand):
         keys = [s.key for s in self.steps]
         done = set(keys).intersection(*self._found)
         self.step = next((i for i, key in enumerate(keys) if key not in done), len(self.steps))
-        self.hint = "" if self.is_complete else self.steps[self.step].instruction
+        behind = min(range(len(self.handled)), key=lambda i: len(self._found[i]))
+        self.hint = "" if self.is_complete else self._missing(self._found[behind], self._doubted[behind])
 
     def _seen(self, sensor: int) -> list[str]:
         if not self._forces:
@@ -166,7 +179,9 @@ class SixPositions(_InHand):
             return []
         rests, turns = find_positions(rate, force, 1.0 / self.step_s)
         faces = {f"face_{r.face[1]}_{'up' if r.face[0] == '+' else 'down'}" for r in rests}
-        return [s.key for s in self.steps if s.key in faces | {f"turn_{t.axis}" for t in turns}]
+        self._doubted[sensor] = doubted_turns(turns)
+        turned = {f"turn_{t.axis}" for t in turns if t.axis not in self._doubted[sensor]}
+        return [s.key for s in self.steps if s.key in faces | turned]
 
     def evaluate(self, pipeline: Pipeline) -> Outcome:
         """Fit every sensor; one that fails fails all, named."""
@@ -178,7 +193,7 @@ class SixPositions(_InHand):
             try:
                 result = ferraris(*self._samples(i), 1.0 / self.step_s)
             except CalibrationError as error:
-                raise CalibrationError(f"{name} sensor: {error}") from error
+                raise CalibrationError(f"{name} sensor: {error}", redo=error.redo) from error
             found[placement], scores[placement] = result.device, result.score
             reasons += [f"{name} sensor: {reason}" for reason in result.reasons]
         return self.outcome(pipeline, found, scores, tuple(reasons))

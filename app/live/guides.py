@@ -78,8 +78,8 @@ GUIDES: Final[dict[CalibrationKind, CalibrationGuide]] = {
                     _step(
                         key,
                         f"Turn about {axis}",
-                        f"With the {axis} axis up or down, turn the sensor on the table by one whole turn, lay it down"
-                        " still before and after.",
+                        f"With the {axis} axis up or down, mark where it lies, turn the sensor on the table by"
+                        " exactly one whole turn, and let it lie still before and after.",
                         picture,
                     )
                     for key, picture, axis in _TURNS

@@ -2,9 +2,10 @@
 
 from estimators.calibration._contract import Calibration
 from estimators.calibration._device import DeviceCalibration, TriadCalibration, correct
-from estimators.calibration._ferraris import FerrarisResult, FullTurn, Rest, ferraris, find_positions
+from estimators.calibration._ferraris import FerrarisResult, Rest, ferraris, find_positions
 from estimators.calibration._field import LocalField, local_field
 from estimators.calibration._first_seconds import FIRST_SECONDS_S, SEARCHED_S, check_first_seconds, in_words
+from estimators.calibration._full_turns import FullTurn, doubted_turns
 from estimators.calibration._functional import KINDS, FunctionalResult, functional
 from estimators.calibration._joint_axes import AxisEstimate
 from estimators.calibration._magnetometer import (
@@ -49,6 +50,7 @@ __all__ = [
     "check_plausibility",
     "circle_fit",
     "correct",
+    "doubted_turns",
     "elbow_from_movement",
     "ferraris",
     "find_positions",

@@ -2,16 +2,19 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from estimators import signals
+from estimators.calibration._contract import UNUSABLE_SCORE
 from estimators.calibration._device import DeviceCalibration, TriadCalibration, matrix, vector
+from estimators.calibration._full_turns import FullTurn, best_turns, judge_turns, refuse_doubted
 from estimators.conventions import GRAVITY_MPS2
-from estimators.errors import CalibrationError, ShapeError
+from estimators.errors import CalibrationError, SetupError, ShapeError
 from estimators.recording import Float
 
 FACES: Final = ("+x", "-x", "+y", "-y", "+z", "-z")
@@ -35,16 +38,6 @@ class Rest:
     start: int
     stop: int
     face: str
-
-
-@dataclass(frozen=True)
-class FullTurn:
-    """One stretch `[start, stop)` of samples with whole turns about `axis`; `turns` is signed."""
-
-    start: int
-    stop: int
-    axis: str
-    turns: int
 
 
 @dataclass(frozen=True)
@@ -91,10 +84,17 @@ def find_positions(
     rests : tuple of Rest
         Still for a second at least, with one axis within 25 degrees of the vertical.
     turns : tuple of FullTurn
-        Between two rests on the same side, about one axis, within 15 percent of whole turns.
+        Between two rests on the same side, about one axis, within 15 percent of whole turns, and without a lost
+        sample: what turned meanwhile is not known. `doubted_turns` says which are hardly whole ones.
     """
-    _check(gyroscope_radps, accelerometer_mps2)
+    _check(gyroscope_radps, accelerometer_mps2, rate_hz)
+    sound = np.isfinite(gyroscope_radps).all(axis=1) & np.isfinite(accelerometer_mps2).all(axis=1)
+    if not sound.any():
+        return (), ()
+    gyroscope_radps = _filled(gyroscope_radps, sound)
+    accelerometer_mps2 = _filled(accelerometer_mps2, sound)
     still = signals.stillness(gyroscope_radps, accelerometer_mps2, rate_hz)
+    still &= sound
     if not still.any():
         return (), ()
     # A steady turn has no spread: it shows in how far the rate is from what it reads at rest.
@@ -122,14 +122,16 @@ def find_positions(
         if before.face != after.face:
             continue
         a, b = before.stop, after.start
+        if not sound[a:b].all():
+            continue
         angle = (gyroscope_radps[a:b] - bias).sum(axis=0) / rate_hz
         axis = int(np.argmax(np.abs(angle)))
         count = round(float(angle[axis]) / (2.0 * np.pi))
         total = float(np.linalg.norm(angle))
         if count and abs(angle[axis]) > _PURE_TURN * total:
-            error = abs(float(angle[axis]) / (2.0 * np.pi * count) - 1.0) * abs(count)
-            if error < _TURN_TOLERANCE:
-                turns.append(FullTurn(a, b, _AXES[axis], count))
+            error = float(angle[axis]) / (2.0 * np.pi * count) - 1.0
+            if abs(error * count) < _TURN_TOLERANCE:
+                turns.append(FullTurn(a, b, _AXES[axis], count, error))
     return tuple(rests), tuple(turns)
 
 
@@ -161,7 +163,10 @@ def ferraris(
     Raises
     ------
     CalibrationError
-        If a side or a turn is missing or the result is absurd; says which to repeat.
+        If a side or a turn is missing, a turn was hardly a whole one, or the score would be below 0.25; says which
+        to repeat.
+    SetupError
+        For a rate that is none.
 
     Notes
     -----
@@ -172,12 +177,16 @@ def ferraris(
     when the sensor turns about an axis fixed to it, as on a table. The direction of a turn is taken from the
     reading: a gyroscope whose sign is wrong is not found here but by `check_plausibility`.
     """
-    _check(gyroscope_radps, accelerometer_mps2)
+    _check(gyroscope_radps, accelerometer_mps2, rate_hz)
     if rests is None or turns is None:
         found_rests, found_turns = find_positions(gyroscope_radps, accelerometer_mps2, rate_hz)
         rests = found_rests if rests is None else rests
         turns = found_turns if turns is None else turns
     _require(rests, turns)
+    for part in (*rests, *turns):
+        within = slice(part.start, part.stop)
+        if not (np.isfinite(gyroscope_radps[within]).all() and np.isfinite(accelerometer_mps2[within]).all()):
+            raise CalibrationError(f"samples {part.start} to {part.stop} are not all there; repeat that part")
     force, rate = (
         np.stack([_mean_on(face, rests, values) for face in FACES])
         for values in (accelerometer_mps2, gyroscope_radps)
@@ -191,20 +200,24 @@ def ferraris(
     accelerometer = TriadCalibration(matrix(_inverse(scale, "accelerometer")), vector(bias))
     per_force = (rate[0::2] - rate[1::2]).T / (2.0 * gravity_mps2)
     rate_bias = rate.mean(axis=0)
-    angles, measured = [], []
+    measured = {}
     for turn in turns:
-        part = slice(turn.start, turn.stop)
-        rest_rate = rate_bias + accelerometer.apply(accelerometer_mps2[part]) @ per_force.T
-        measured.append((gyroscope_radps[part] - rest_rate).sum(axis=0) / rate_hz)
-        angles.append(2.0 * np.pi * turn.turns * _direction(f"+{turn.axis}"))
-    rate_scale = np.linalg.lstsq(np.stack(angles), np.stack(measured), rcond=None)[0].T
+        within = slice(turn.start, turn.stop)
+        rest_rate = rate_bias + accelerometer.apply(accelerometer_mps2[within]) @ per_force.T
+        angle = (gyroscope_radps[within] - rest_rate).sum(axis=0) / rate_hz
+        error = float(angle[_AXES.index(turn.axis)]) / (2.0 * np.pi * turn.turns) - 1.0
+        measured[replace(turn, error=error)] = angle
+    turns = best_turns(tuple(measured))
+    refuse_doubted(turns)
+    angles = np.stack([2.0 * np.pi * turn.turns * _direction(f"+{turn.axis}") for turn in turns])
+    rate_scale = np.linalg.lstsq(angles, np.stack([measured[turn] for turn in turns]), rcond=None)[0].T
     gyroscope = TriadCalibration(
         matrix(_inverse(rate_scale, "gyroscope")), vector(rate_bias), matrix(per_force)
     )
     columns = scale / np.linalg.norm(scale, axis=0)
     cosines = columns.T @ columns - np.eye(3)
     square_error = float(np.arcsin(np.clip(np.abs(cosines).max(), 0.0, 1.0)))
-    score, reasons = _judge(residual, square_error)
+    score, reasons = _judge(residual, square_error, turns)
     return FerrarisResult(
         DeviceCalibration(accelerometer, gyroscope),
         tuple(rests),
@@ -216,10 +229,18 @@ def ferraris(
     )
 
 
-def _check(gyroscope_radps: Float, accelerometer_mps2: Float) -> None:
+def _check(gyroscope_radps: Float, accelerometer_mps2: Float, rate_hz: float) -> None:
     shape = gyroscope_radps.shape
     if len(shape) != 2 or shape[1] != 3 or accelerometer_mps2.shape != shape:
         raise ShapeError(f"gyroscope {shape} and accelerometer {accelerometer_mps2.shape} must be (N, 3)")
+    if not 0.0 < rate_hz < math.inf:
+        raise SetupError(f"the rate is {rate_hz} Hz; give the samples a second")
+
+
+def _filled(values: Float, sound: NDArray[np.bool_]) -> Float:
+    """Draw lines across lost samples, so that filters pass; what lies there is not used."""
+    index = np.arange(len(values))
+    return np.stack([np.interp(index, index[sound], column[sound]) for column in values.T], axis=1)
 
 
 def _moving_mean(values: Float, half: int) -> Float:
@@ -262,7 +283,11 @@ def _require(rests: Sequence[Rest], turns: Sequence[FullTurn]) -> None:
             "after on the same side"
         )
     if wanted:
-        raise CalibrationError("the six-position calibration is not complete: " + "; ".join(wanted))
+        raise CalibrationError(
+            "the six-position calibration is not complete: " + "; ".join(wanted),
+            redo=[f"face_{face[1]}_{'up' if face[0] == '+' else 'down'}" for face in missing]
+            + [f"turn_{axis}" for axis in unturned],
+        )
 
 
 def _mean_on(face: str, rests: Sequence[Rest], values: Float) -> Float:
@@ -281,21 +306,26 @@ def _inverse(scale: Float, name: str) -> Float:
     return np.asarray(np.linalg.inv(scale))
 
 
-def _judge(residual: float, square_error: float) -> tuple[float, tuple[str, ...]]:
+def _judge(residual: float, square_error: float, turns: Sequence[FullTurn]) -> tuple[float, tuple[str, ...]]:
     score, reasons = 1.0, []
     if residual > _RESIDUAL_MPS2:
-        score *= _RESIDUAL_MPS2 / residual
+        score = _RESIDUAL_MPS2 / residual
         reasons.append(
             f"the positions contradict each other by {residual:.2f} m/s^2; "
             "use a level table and lay the sensor flat on each side"
         )
     if square_error > _SQUARE_RAD:
-        score *= _SQUARE_RAD / square_error
+        score = min(score, _SQUARE_RAD / square_error)
         reasons.append(
             f"the sides are {math.degrees(square_error):.1f} degrees off a right angle; "
             "hold the sensor against something square and repeat"
         )
+    factor, doubts = judge_turns(turns)
+    score = min(score, factor)
+    reasons += doubts
+    if score < UNUSABLE_SCORE:
+        raise CalibrationError("these six positions cannot be used: " + "; ".join(reasons))
     return score, tuple(reasons)
 
 
-__all__ = ["FACES", "FerrarisResult", "FullTurn", "Rest", "ferraris", "find_positions"]
+__all__ = ["FACES", "FerrarisResult", "Rest", "ferraris", "find_positions"]

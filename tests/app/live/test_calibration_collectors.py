@@ -12,15 +12,16 @@ import pytest
 
 from app.errors import Conflict
 from app.gateway.rehearsal import Rehearsal, rehearsal_of
-from app.live.calibrating import COLLECTORS, NOT_EVALUATED, CalibrationDesk
+from app.live.calibrating import COLLECTORS, NOT_EVALUATED, CalibrationDesk, redo_steps
 from app.live.calibration_messages import CalibrationIn
 from app.live.collectors import Collector, Outcome
 from app.live.device_collectors import Compass
 from app.live.estimation import EstimationLine
 from estimators import pipelines, signals
-from estimators.calibration import MagnetometerCollector, MisplacedError
+from estimators.calibration import MagnetometerCollector, MisplacedError, find_positions
 from estimators.errors import CalibrationError
 from estimators.pipelines import Pipeline, SessionSetup
+from estimators.recording import ImuChunk
 from estimators.simulation import ArmScenario, Mounting
 
 RATE_HZ = 100.0
@@ -250,3 +251,38 @@ def test_a_calibration_that_breaks_down_is_to_be_repeated(caplog: pytest.LogCapt
     assert phases[-1] == "redo"
     assert failed == [NOT_EVALUATED]
     assert "could not be evaluated" in caplog.text
+
+
+def test_a_gap_in_a_turn_leaves_the_step_open() -> None:
+    """The two ends of a gap must not be put together: the angle between them would be missing."""
+    shown = rehearsal_of("six_position")
+    worn: Any = ("forearm_right",)
+    chunk = signals.to_common_ticks(shown.recording, RATE_HZ)
+    row = list(shown.recording.sensors).index("forearm_right")
+    rate, force = chunk.gyroscope_radps[[row]], chunk.accelerometer_mps2[[row]]
+    turn = next(t for t in find_positions(rate[0], force[0], RATE_HZ)[1] if t.axis == "x")
+    middle = (turn.start + turn.stop) // 2
+    found = COLLECTORS["six_position"](CalibrationIn(kind="six_position", placements=worn), worn, 0.01)
+    lost = rate.copy()
+    lost[:, middle : middle + 25] = np.nan
+    found.add(ImuChunk(0, 0.01, lost, force, None, np.zeros(rate.shape[:2], np.uint8)))
+    found.review()
+    assert [step.key for step in found.steps if step.key not in found.sensors[0].found] == ["turn_x"]
+    with pytest.raises(CalibrationError, match="full turn about x") as caught:
+        found.evaluate(pipelines.create(SessionSetup("arm", ("upper_arm_right",), RATE_HZ)))
+    assert redo_steps(found, str(caught.value), caught.value.redo) == ["turn_x"]
+
+
+def test_a_turn_that_was_not_whole_is_told_while_it_can_be_repeated() -> None:
+    shown = rehearsal_of("six_position")
+    worn: Any = ("forearm_right",)
+    chunk = signals.to_common_ticks(shown.recording, RATE_HZ)
+    row = list(shown.recording.sensors).index("forearm_right")
+    rate, force = chunk.gyroscope_radps[[row]].copy(), chunk.accelerometer_mps2[[row]]
+    turn = next(t for t in find_positions(rate[0], force[0], RATE_HZ)[1] if t.axis == "x")
+    rate[:, turn.start : turn.stop, 0] *= 315 / 360
+    found = COLLECTORS["six_position"](CalibrationIn(kind="six_position", placements=worn), worn, 0.01)
+    found.add(ImuChunk(0, 0.01, rate, force, None, np.zeros(rate.shape[:2], np.uint8)))
+    found.review()
+    assert "turn_x" not in found.sensors[0].found
+    assert "degrees less than a whole one" in found.hint
