@@ -88,7 +88,7 @@ def find_positions(
         sample: what turned meanwhile is not known. `doubted_turns` says which are hardly whole ones.
     """
     _check(gyroscope_radps, accelerometer_mps2, rate_hz)
-    sound = np.isfinite(gyroscope_radps).all(axis=1) & np.isfinite(accelerometer_mps2).all(axis=1)
+    sound = np.isfinite(np.hstack((gyroscope_radps, accelerometer_mps2))).all(axis=1)
     if not sound.any():
         return (), ()
     gyroscope_radps = _filled(gyroscope_radps, sound)
@@ -183,7 +183,8 @@ def ferraris(
         rests = found_rests if rests is None else rests
         turns = found_turns if turns is None else turns
     _require(rests, turns)
-    for part in (*rests, *turns):
+    parts: tuple[Rest | FullTurn, ...] = (*rests, *turns)
+    for part in parts:
         within = slice(part.start, part.stop)
         if not (np.isfinite(gyroscope_radps[within]).all() and np.isfinite(accelerometer_mps2[within]).all()):
             raise CalibrationError(f"samples {part.start} to {part.stop} are not all there; repeat that part")
@@ -200,7 +201,7 @@ def ferraris(
     accelerometer = TriadCalibration(matrix(_inverse(scale, "accelerometer")), vector(bias))
     per_force = (rate[0::2] - rate[1::2]).T / (2.0 * gravity_mps2)
     rate_bias = rate.mean(axis=0)
-    measured = {}
+    measured: dict[FullTurn, Float] = {}
     for turn in turns:
         within = slice(turn.start, turn.stop)
         rest_rate = rate_bias + accelerometer.apply(accelerometer_mps2[within]) @ per_force.T
