@@ -52,7 +52,7 @@ describe('the page of a walk', () => {
     expect(screen.getByText('one thing could not be told')).toBeTruthy();
     expect(view.container.querySelectorAll('.print-left path')).toHaveLength(3);
     const row = screen.getByRole('row', { name: /^Stride length/ });
-    expect(within(row).getAllByRole('cell').map((cell) => cell.textContent)).toEqual(['102.0 cm ± 1.0', '110.0 cm ± 1.0', '−8 % ± 1']);
+    expect(within(row).getAllByRole('cell').map((cell) => cell.textContent)).toEqual(['102.0 cm ± 1.0', '110.0 cm ± 1.0', '−8 % ± 1', '5 + 5']);
     expect(await screen.findByRole('columnheader', { name: 'Left (affected side)' })).toBeTruthy();
     await user.click(screen.getByRole('button', { name: 'Right foot, stride 2: show in the map' }));
     expect(view.container.querySelectorAll('.print[data-selected]')).toHaveLength(2);

@@ -13,7 +13,7 @@ export function WalkNumbers({ gait, before, affected }: { gait: Gait; before: Ga
   const [all, setAll] = useState(false);
   const both = [...gait.both, ...(gait.balance?.measures ?? [])];
   const sideName = (side: (typeof SIDES)[number]) => t(`numbers.${side}`) + (affected === side || affected === 'both' ? ` (${t('walk.affected')})` : '');
-  const counted = findMeasure(gait.feet[0]?.measures, 'stride_length')?.count ?? 0;
+  const counted = gait.feet.reduce((sum, foot) => sum + (findMeasure(foot.measures, 'stride_length')?.count ?? 0), 0);
   return (
     <section className="card" aria-labelledby="numbers">
       <div className="card-head">
@@ -42,6 +42,7 @@ export function WalkNumbers({ gait, before, affected }: { gait: Gait; before: Ga
                 </th>,
               ])}
               <th scope="col">{t('numbers.difference')}</th>
+              <th scope="col">{t('numbers.counted')}</th>
             </tr>
           </thead>
           <tbody>
@@ -59,6 +60,7 @@ export function WalkNumbers({ gait, before, affected }: { gait: Gait; before: Ga
                   </td>,
                 ])}
                 <td className="number">{shown(findMeasure(gait.asymmetry, name))}</td>
+                <td className="number muted">{SIDES.map((side) => findMeasure(footOf(gait, side)?.measures, name)?.count ?? 0).join(' + ')}</td>
               </tr>
             ))}
           </tbody>
@@ -70,6 +72,7 @@ export function WalkNumbers({ gait, before, affected }: { gait: Gait; before: Ga
                 <th scope="col">{t('numbers.measure')}</th>
                 {before && <th scope="col">{t('numbers.before', { side: t('numbers.both') })}</th>}
                 <th scope="col">{t('numbers.both')}</th>
+                <th scope="col">{t('numbers.counted')}</th>
               </tr>
             </thead>
             <tbody>
@@ -78,6 +81,7 @@ export function WalkNumbers({ gait, before, affected }: { gait: Gait; before: Ga
                   <th scope="row">{measureLabel(one.measure)}</th>
                   {before && <td className="number muted">{shown(findMeasure([...before.both, ...(before.balance?.measures ?? [])], one.measure))}</td>}
                   <td className="number strong">{shown(one)}</td>
+                  <td className="number muted">{one.count}</td>
                 </tr>
               ))}
             </tbody>
