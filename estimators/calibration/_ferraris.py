@@ -88,7 +88,7 @@ def find_positions(
         sample: what turned meanwhile is not known. `doubted_turns` says which are hardly whole ones.
     """
     _check(gyroscope_radps, accelerometer_mps2, rate_hz)
-    sound = np.isfinite(np.hstack((gyroscope_radps, accelerometer_mps2))).all(axis=1)
+    sound = np.asarray(np.isfinite(np.hstack((gyroscope_radps, accelerometer_mps2))).all(axis=1))
     if not sound.any():
         return (), ()
     gyroscope_radps = _filled(gyroscope_radps, sound)
@@ -211,7 +211,9 @@ def ferraris(
     turns = best_turns(tuple(measured))
     refuse_doubted(turns)
     angles = np.stack([2.0 * np.pi * turn.turns * _direction(f"+{turn.axis}") for turn in turns])
-    rate_scale = np.linalg.lstsq(angles, np.stack([measured[turn] for turn in turns]), rcond=None)[0].T
+    rate_scale = np.linalg.lstsq(angles, np.stack([measured[turn] for turn in turns]), rcond=None)[
+        0
+    ].T.astype(np.float64)
     gyroscope = TriadCalibration(
         matrix(_inverse(rate_scale, "gyroscope")), vector(rate_bias), matrix(per_force)
     )
