@@ -30,6 +30,8 @@ RELATIVE_MOVEMENTS: Final[dict[str, tuple[Placement, Placement]]] = {
 _SHOE: Final = {"coil_radius_m": 0.075, "current_a": 1.36}
 _MASK: Final = Channel.GYROSCOPE | Channel.ACCELEROMETER | Channel.MAGNETOMETER | Channel.COIL_STATE
 _FULL_SCALE_T: Final = 8e-4
+_SLIPPED: Final = 1e4
+"""So many times stronger is the field on a coil than where sensors are worn."""
 
 
 @dataclass(frozen=True)
@@ -37,12 +39,18 @@ class RelativeFaults:
     """What goes wrong, session times in seconds.
 
     `dead_s`: the coils are said to be on and are not. `silent_s`: the source does nothing and says so.
-    `exchanged_s`: the numbers of the first two coils are exchanged. Each until its end.
+    `exchanged_s`: the numbers of the first two coils are exchanged. `beside_coil_s`: the sensor has slipped onto the
+    source. Each until its end. `lost_share` of the pulses from `lost_from_s` on are neither fired nor told.
+    `modules_exchanged`: the network sends what the source measures as the sensor's, and the other way round.
     """
 
     dead_s: tuple[float, float] = (np.inf, np.inf)
     silent_s: tuple[float, float] = (np.inf, np.inf)
     exchanged_s: tuple[float, float] = (np.inf, np.inf)
+    beside_coil_s: tuple[float, float] = (np.inf, np.inf)
+    lost_share: float = 0.0
+    lost_from_s: float = 0.0
+    modules_exchanged: bool = False
 
 
 @dataclass
@@ -85,6 +93,8 @@ class RelativePatient:
             self.rate_hz,
             seed=self.seed,
         )
+        self._chance = np.random.default_rng([self.seed, 83])
+        self._was_on = self._is_lost = False
 
     @property
     def placements(self) -> tuple[Placement, Placement]:
@@ -125,21 +135,25 @@ class RelativePatient:
         scene, time_s = self.scene, float(self.scene.time_s[k])
         coil, current = self.control.tick(EPOCH_US + 1e6 * time_s)
         faults = self.faults
-        if faults.silent_s[0] <= time_s < faults.silent_s[1]:
+        if coil and not self._was_on:
+            self._is_lost = time_s >= faults.lost_from_s and self._chance.random() < faults.lost_share
+        self._was_on = coil > 0
+        if self._is_lost or faults.silent_s[0] <= time_s < faults.silent_s[1]:
             coil, current = 0, 0.0
         field_t = scene.ambient_t[k].copy()
         if coil and not faults.dead_s[0] <= time_s < faults.dead_s[1]:
             fired = coil - 1
             if faults.exchanged_s[0] <= time_s < faults.exchanged_s[1]:
                 fired = {0: 1, 1: 0}.get(fired, fired)
-            field_t += current * scene.per_ampere_t[k, fired]
+            near = _SLIPPED if faults.beside_coil_s[0] <= time_s < faults.beside_coil_s[1] else 1.0
+            field_t += near * current * scene.per_ampere_t[k, fired]
         values = np.zeros((2, 10))
         values[0, :3], values[0, 3:6] = scene.source_gyroscope_radps[k], scene.source_accelerometer_mps2[k]
         values[0, 6:9] = np.clip(scene.source_ambient_t[k], -_FULL_SCALE_T, _FULL_SCALE_T)
         values[0, 9] = coil_state(coil, current)
         values[1, :3], values[1, 3:6] = scene.gyroscope_radps[k], scene.accelerometer_mps2[k]
         values[1, 6:9] = np.clip(field_t, -_FULL_SCALE_T, _FULL_SCALE_T)
-        return values
+        return values[::-1] if faults.modules_exchanged else values
 
 
 __all__ = ["RELATIVE_MOVEMENTS", "RelativeFaults", "RelativePatient"]

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.ingest.declaration import Declaration
 from app.ingest.messages import ActuateMessage, ActuationPlanMessage
@@ -33,6 +34,7 @@ _TROUBLE: Final = {
     RelativeFlag.SATURATED: "the magnetometer is at its limit; the sensor is too close to a coil",
     RelativeFlag.INERTIAL_ONLY: "the source is not used; the uncertainty grows",
 }
+_WIRING: Final = "coils fire that the source does not have; check their numbers, and which module is the source"
 _ANY: Final = int(sum(_TROUBLE))
 _STARTING: Final = int(RelativeFlag.CALIBRATING)
 
@@ -113,9 +115,16 @@ class Actuation:
         for name, column in self._states.items():
             bits = frames.scalar[:, column].astype(np.int64)
             told = int(np.bitwise_or.reduce(bits))
+            if self._is_wired_wrong(bits) and not self._trouble[name] & RelativeFlag.FAULT:
+                self._tell("source_trouble", now_s, name, _WIRING)
+                self._trouble[name] |= RelativeFlag.FAULT
+                self._sound_since.pop(name, None)
             if told & _STARTING:
                 continue
             present = told & _ANY
+            if present & RelativeFlag.MISSING_PULSE:
+                # What a filter says of pulses that fit nothing is no news of a source that is off.
+                present &= ~int(RelativeFlag.FAULT)
             if not present:
                 since = self._sound_since.setdefault(name, now_s)
                 if self._trouble[name] and now_s - since >= _SOUND_AFTER_S:
@@ -129,6 +138,16 @@ class Actuation:
                 words = [text for flag, text in _TROUBLE.items() if present & flag]
                 self._tell("source_trouble", now_s, name, "; ".join(words)[:500])
                 self._trouble[name] |= present
+
+    @staticmethod
+    def _is_wired_wrong(bits: NDArray[np.int64]) -> bool:
+        """Whether coils fire that the source does not have.
+
+        The filter says FAULT only while it waits after a burst that fits nothing; at any other time it is the
+        pipeline's word about the coil states.
+        """
+        is_waiting = ((bits & RelativeFlag.INERTIAL_ONLY) > 0) & ((bits & _STARTING) == 0)
+        return bool(((bits & RelativeFlag.FAULT) > 0)[~is_waiting].any())
 
 
 __all__ = ["Actuation", "Order"]

@@ -1,7 +1,7 @@
 """The relative-pose pipeline: one worn magnetic source and the sensors around it, and what the source is to do next."""
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Final
 
 import numpy as np
@@ -13,6 +13,7 @@ from estimators.magnetic import (
     RelativeChunk,
     RelativeFlag,
     RelativePoseFilter,
+    RelativePoseParameters,
     RelativeResult,
     read_coil_state,
 )
@@ -31,11 +32,28 @@ from estimators.pipelines._relative_source import (
     SourceSettings,
     direction_between,
     settings_of,
+    way_between,
 )
+from estimators.pipelines._worn_filter import WornPoseFilter
 from estimators.recording import Float, ImuChunk, SampleQuality
 
+_AT_SCALE: Final = 0.99
+"""What clips at full scale comes a little lower as float32 or as counts."""
 _HEIGHT_M: Final = 1.0
 _SHOE_HEIGHT_M: Final = 0.08
+
+
+@dataclass(frozen=True)
+class ModulesChunk(ImuChunk):
+    """Ticks whose poses are known from the whole session.
+
+    Attributes
+    ----------
+    modules : tuple of RelativeResult
+        Of these ticks, one a sensor; the source has none.
+    """
+
+    modules: tuple[RelativeResult, ...]
 
 
 class RelativePosePipeline(Pipeline):
@@ -49,7 +67,7 @@ class RelativePosePipeline(Pipeline):
     """
 
     name: ClassVar[str] = "relative_pose"
-    version: ClassVar[str] = "1"
+    version: ClassVar[str] = "2"
     title: ClassVar[str] = "Relative pose by magnetic source"
 
     def __init__(self, setup: SessionSetup) -> None:
@@ -60,8 +78,8 @@ class RelativePosePipeline(Pipeline):
         self._sensors = tuple(setup.placements[row] for row in self._rows)
         self._step_s = 1.0 / setup.rate_hz
         self._coils = self._settings.coils
-        self._filters = [
-            RelativePoseFilter(
+        self._filters: list[RelativePoseFilter] = [
+            WornPoseFilter(
                 self._coils,
                 self._step_s,
                 {
@@ -69,7 +87,10 @@ class RelativePosePipeline(Pipeline):
                     "response_s": ROUND_TRIP_S,
                     "current_a": min(1.3, self._settings.current_limit_a),
                     **overrides,
+                    "full_scale_t": _AT_SCALE
+                    * overrides.get("full_scale_t", RelativePoseParameters().full_scale_t),
                 },
+                way_between(self._settings.source, name),
             )
             for name in self._sensors
         ]
@@ -122,7 +143,10 @@ class RelativePosePipeline(Pipeline):
         )
         coil, current, wrong = self._state_of(chunk)
         ticks = chunk.tick_count
-        found = [self._update(i, chunk, coil, current) for i in range(len(self._rows))]
+        if isinstance(chunk, ModulesChunk):
+            found = list(chunk.modules)
+        else:
+            found = [self._update(i, chunk, coil, current) for i in range(len(self._rows))]
         self._next_tick = chunk.first_tick + ticks
         q_source = np.ascontiguousarray(levelled.q_earth_sensor[0])
         segments = len(self._sensors) + 1
@@ -167,10 +191,20 @@ class RelativePosePipeline(Pipeline):
             nothing = np.zeros(chunk.tick_count)
             return nothing.astype(np.int64), nothing, nothing > 0.0
         coil, current, wrong = read_coil_state(np.nan_to_num(chunk.coil_state[self._source_row]))
-        return coil, current, wrong | (coil > len(self._coils.coils))
+        # A coil that fires where no source is said to be: the modules are exchanged.
+        elsewhere = (np.nan_to_num(chunk.coil_state[self._rows]) != 0.0).any(axis=0)
+        return coil, current, wrong | elsewhere | (coil > len(self._coils.coils))
 
     def _update(self, i: int, chunk: ImuChunk, coil: NDArray[np.int64], current: Float) -> RelativeResult:
-        """Give one filter its samples; what was bridged is no sample, least of all of a pulse."""
+        return self._filters[i].update(self._samples(i, chunk, coil, current))
+
+    def table(self, sensor: str, chunk: ImuChunk) -> Float:
+        """Return what the filter of a sensor takes, shape (K, 17): for those who run it themselves."""
+        coil, current, _ = self._state_of(chunk)
+        return self._samples(self._sensors.index(sensor), chunk, coil, current).table()
+
+    def _samples(self, i: int, chunk: ImuChunk, coil: NDArray[np.int64], current: Float) -> RelativeChunk:
+        """Return the samples of one filter; what was bridged is no sample, least of all of a pulse."""
         row, source = self._rows[i], self._source_row
         lost = ((chunk.quality[row] | chunk.quality[source]) & _NOT_MEASURED) != 0
         field = chunk.magnetometer_t
@@ -185,10 +219,8 @@ class RelativePosePipeline(Pipeline):
                 chunk.accelerometer_mps2[source],
             )
         )
-        return self._filters[i].update(
-            RelativeChunk(
-                chunk.first_tick, chunk.time_step_s, own, force, seen, worn, worn_force, coil, current
-            )
+        return RelativeChunk(
+            chunk.first_tick, chunk.time_step_s, own, force, seen, worn, worn_force, coil, current
         )
 
     def _source_scalars(self, coil: NDArray[np.int64], current: Float, found: list[RelativeResult]) -> Float:
@@ -262,4 +294,4 @@ def _part(state: Mapping[str, NDArray[Any]], name: str) -> dict[str, NDArray[Any
     return {key.removeprefix(prefix): values for key, values in state.items() if key.startswith(prefix)}
 
 
-__all__ = ["RelativePosePipeline"]
+__all__ = ["ModulesChunk", "RelativePosePipeline"]

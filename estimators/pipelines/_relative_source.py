@@ -91,11 +91,18 @@ def relative_source(setup: SessionSetup) -> SourceSettings:
 
 def direction_between(source: str, sensor: str) -> tuple[float, float, float]:
     """Return the rough direction from one placement to another on a standing person; zero for unknown names."""
-    if source not in PLACEMENTS or sensor not in PLACEMENTS:
+    way = way_between(source, sensor)
+    if way is None:
         return (0.0, 0.0, 0.0)
-    way = _place(sensor) - _place(source)
     x, y, z = (way / np.linalg.norm(way)).tolist()
     return x, y, z
+
+
+def way_between(source: str, sensor: str) -> Float | None:
+    """Return roughly how far one placement is from another on a standing person, m; None for unknown names."""
+    if source not in PLACEMENTS or sensor not in PLACEMENTS:
+        return None
+    return _place(sensor) - _place(source)
 
 
 def _place(name: str) -> Float:
@@ -106,4 +113,11 @@ def _place(name: str) -> Float:
     return np.asarray(np.array(_PLACE_M[base]) * np.array([1.0, mirror, 1.0]))
 
 
-__all__ = ["ROUND_TRIP_S", "SourceSettings", "direction_between", "relative_source", "settings_of"]
+__all__ = [
+    "ROUND_TRIP_S",
+    "SourceSettings",
+    "direction_between",
+    "relative_source",
+    "settings_of",
+    "way_between",
+]
