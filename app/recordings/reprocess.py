@@ -29,7 +29,7 @@ from app.recordings.jobs import JobContext
 from app.recordings.magnetic import PIPELINE as MAGNETIC
 from app.recordings.models import Job, MotionSession, Result, SessionEvent, SignalChunk
 from app.recordings.result_rows import CHUNKS_A_COMMIT, new_result, write_frames
-from app.recordings.smoothing import SmoothedSession, remember, smoother_for
+from app.recordings.smoothing import SmoothedModules, SmoothedSession, remember, smoother_for
 from app.recordings.store import Source, read_packets_in_order, stored_ranges
 from app.recordings.walk_analysis import follow_feet
 from app.recordings.walks import PIPELINE as WALKING
@@ -236,7 +236,7 @@ def analyse(
         )
     ticks = 0
     waiting: list[EncodedChunk] = []
-    for piece in _pieces(context, setup, known):
+    for piece in _modules(context, setup) if setup.pipeline == MAGNETIC else _pieces(context, setup, known):
         waiting.append(encode_frames(pipeline.step(piece)))
         ticks = piece.first_tick + piece.tick_count
         if len(waiting) >= CHUNKS_A_COMMIT:
@@ -262,6 +262,12 @@ def _smoothed(context: JobContext, setup: SessionSetup) -> SmoothedSession:
     pieces = _pieces(context, setup, None)
     context.progress(0.0, "Estimating the movement, forward and backward")
     return SmoothedSession(pieces, setup)
+
+
+def _modules(context: JobContext, setup: SessionSetup) -> SmoothedModules:
+    """Read a whole session with a magnetic source and smooth it."""
+    context.progress(0.0, "Estimating the movement, forward and backward")
+    return SmoothedModules(_pieces(context, setup, None), setup)
 
 
 def _pieces(context: JobContext, setup: SessionSetup, known: SmoothedSession | None) -> Iterable[ImuChunk]:

@@ -9,6 +9,7 @@ from app.database.unit_of_work import unit_of_work
 from app.recordings._rows import insert_chunk
 from app.recordings.chunks import EncodedChunk, frames_stream
 from app.recordings.jobs import JobContext
+from app.recordings.magnetic import PIPELINE as MAGNETIC
 from app.recordings.models import Result, SignalChunk
 from app.recordings.walks import estimator_of, forget_walk
 from estimators import orientation, pipelines
@@ -22,6 +23,9 @@ def new_result(context: JobContext, setup: SessionSetup, pipeline: pipelines.Pip
     layout = pipeline.layout
     version = orientation.available(with_offline=True)[setup.orientation].version
     estimator, version = estimator_of(setup, pipeline, version)
+    if setup.pipeline == MAGNETIC:
+        # Off line it is smoothed; the live result keeps the filter's name.
+        estimator = f"{estimator}_smoothed"
     with unit_of_work(context.engine) as session:
         earlier = context.arguments.get("result_id")
         if isinstance(earlier, str):

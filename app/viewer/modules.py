@@ -31,6 +31,7 @@ _COIL_OFFSET_M: Final = 0.06
 _SIGMAS: Final = 2.0
 _ELLIPSE_LEAST_M: Final = 0.004
 _ELLIPSE_MOST_M: Final = 0.6
+_PLACE_LOST_M: Final = 0.5
 _LONE: Final = int(RelativeFlag.INERTIAL_ONLY | RelativeFlag.FAULT | RelativeFlag.INVALID)
 
 
@@ -74,14 +75,19 @@ def modules_of(frames: Frames) -> ModuleTrack | None:
         return frames.scalar[:, scalars.index(name)]
 
     axes, turns, lone = [], [], []
-    for name in frames.layout.segments[1:]:
+    place = frames.point_room_m.astype(np.float32)
+    for number, name in enumerate(frames.layout.segments[1:], start=1):
         sigma = np.stack([column(f"{name}_{axis}_sigma_m") for axis in "xyz"], axis=1)
         covariance = sigma[:, :, None] * sigma[:, None, :]
         for a, b in ((0, 1), (0, 2), (1, 2)):
             shared = column(f"{name}_{'xyz'[a]}{'xyz'[b]}_correlation")
             covariance[:, a, b] *= shared
             covariance[:, b, a] *= shared
-        known = np.asarray(np.isfinite(covariance).all(axis=(1, 2)))
+        # After seconds without the source it may be anywhere: then nothing is drawn rather than something wrong.
+        place[(sigma > _PLACE_LOST_M).any(axis=1), number] = np.nan
+        known = np.asarray(
+            np.isfinite(covariance).all(axis=(1, 2)) & np.isfinite(place[:, number]).all(axis=1)
+        )
         variance, vectors = np.linalg.eigh(np.where(known[:, None, None], covariance, np.eye(3) * 1e-8))
         # Right-handed, so that it is a rotation.
         vectors[:, :, 2] *= np.sign(np.linalg.det(vectors))[:, None]
@@ -90,7 +96,7 @@ def modules_of(frames: Frames) -> ModuleTrack | None:
         lone.append((np.nan_to_num(column(f"{name}_state"), nan=1.0).astype(np.int64) & _LONE) != 0)
     return ModuleTrack(
         names=frames.layout.segments,
-        place_m=frames.point_room_m.astype(np.float32),
+        place_m=place,
         wxyz=np.nan_to_num(frames.q_room_segment).astype(np.float32),
         ellipse_m=np.stack(axes, axis=1).astype(np.float32),
         ellipse_wxyz=np.stack(turns, axis=1).astype(np.float32),

@@ -16,7 +16,8 @@ from estimators.pipelines._gait_layout import BALANCE_POINTS, FORCE_STATES
 from estimators.pipelines._magnetic_feet import FEET, relative_feet, with_relative_feet
 from estimators.pipelines._offline import is_offline, smooth_network, smoothed_chunk
 from estimators.pipelines._orientation import OrientationPipeline
-from estimators.pipelines._relative_pose import RelativePosePipeline
+from estimators.pipelines._relative_pose import ModulesChunk, RelativePosePipeline
+from estimators.pipelines._relative_smoothing import smooth_modules, with_modules
 from estimators.pipelines._relative_source import relative_source
 from estimators.pipelines._run import available, concatenate, create, find_pose, run, step_through
 from estimators.pipelines._shoes import ShoeWalk, analyse_shoes, has_shoes, with_shoes
@@ -33,6 +34,7 @@ __all__ = [
     "FrameLayout",
     "Frames",
     "GaitPipeline",
+    "ModulesChunk",
     "OrientationPipeline",
     "Pipeline",
     "RelativePosePipeline",
@@ -52,9 +54,11 @@ __all__ = [
     "relative_feet",
     "relative_source",
     "run",
+    "smooth_modules",
     "smooth_network",
     "smoothed_chunk",
     "step_through",
+    "with_modules",
     "with_relative_feet",
     "with_shoes",
 ]

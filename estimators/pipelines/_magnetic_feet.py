@@ -9,20 +9,18 @@ from estimators import rotation
 from estimators.conventions import Side
 from estimators.errors import SetupError, ShapeError
 from estimators.gait import FootTrajectory, RelativeFeet, relate_feet, step_measures
-from estimators.magnetic import RelativeChunk, RelativeFlag, read_coil_state, smooth_relative_pose
+from estimators.magnetic import RelativeFlag
 from estimators.pipelines._contract import SessionSetup
-from estimators.pipelines._relative_pose import RelativePosePipeline
+from estimators.pipelines._relative_smoothing import smooth_modules
+from estimators.pipelines._relative_source import relative_source
 from estimators.pipelines._walk import Walk, course_of
-from estimators.recording import ImuChunk, SampleQuality
+from estimators.recording import ImuChunk
 from estimators.signals import interpolate_rotations
 
 FEET: Final = ("foot_left", "foot_right")
-_LONGEST_SMOOTHED_S: Final = 900.0
-"""Smoothing keeps the covariance of every tick: 0.9 GB in a quarter of an hour. Longer walks take the filter's word."""
 _UNUSABLE: Final = int(
     RelativeFlag.INVALID | RelativeFlag.INERTIAL_ONLY | RelativeFlag.FAULT | RelativeFlag.GAP
 )
-_NOT_MEASURED: Final = int(SampleQuality.MISSING | SampleQuality.BRIDGED)
 
 
 def relative_feet(chunk: ImuChunk, setup: SessionSetup) -> RelativeFeet:
@@ -48,38 +46,9 @@ def relative_feet(chunk: ImuChunk, setup: SessionSetup) -> RelativeFeet:
         )
     if chunk.first_tick != 0 or chunk.coil_state is None:
         raise ShapeError("give the whole session from its first tick, with its coil states")
-    pipeline = RelativePosePipeline(setup)
-    source = setup.placements.index(pipeline.source.source)
-    sensor = 1 - source
-    one = pipeline.filters[setup.placements[sensor]]
-    lost = ((chunk.quality[source] | chunk.quality[sensor]) & _NOT_MEASURED) != 0
-    coil, current, _ = read_coil_state(np.nan_to_num(chunk.coil_state[source]))
-    field = chunk.magnetometer_t
-    unseen = np.full((chunk.tick_count, 3), np.nan)
-    signals = [
-        np.where(lost[:, None], np.nan, values)
-        for values in (
-            chunk.gyroscope_radps[sensor],
-            chunk.accelerometer_mps2[sensor],
-            unseen if field is None else field[sensor],
-            chunk.gyroscope_radps[source],
-            chunk.accelerometer_mps2[source],
-        )
-    ]
-    a, b, c, d, e = signals
-    whole = RelativeChunk(0, chunk.time_step_s, a, b, c, d, e, coil, current)
-    if chunk.tick_count * chunk.time_step_s <= _LONGEST_SMOOTHED_S:
-        smoothed = smooth_relative_pose(one.source, whole, one.parameters)
-        place, q, covariance = smoothed.position_m, smoothed.q_source_sensor, smoothed.covariance
-        flags = smoothed.filtered.flags
-    else:
-        result = one.update(whole)
-        place, q, covariance, flags = (
-            result.position_m,
-            result.q_source_sensor,
-            result.covariance,
-            result.flags,
-        )
+    source = setup.placements.index(relative_source(setup).source)
+    found = smooth_modules([chunk], setup)[0]
+    place, q, covariance, flags = found.position_m, found.q_source_sensor, found.covariance, found.flags
     sigma = np.sqrt(np.maximum(np.diagonal(covariance, axis1=1, axis2=2)[:, :3], 0.0)).max(axis=1)
     if setup.placements[source] == "foot_right":
         q = rotation.conjugate(q)

@@ -1,5 +1,7 @@
 """Source and sensors of a magnetic session in the 3D view."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import viser
@@ -51,6 +53,18 @@ def test_ellipses_are_those_of_the_covariance(frames: Frames) -> None:
         shared[a, b] = shared[b, a] = frames.scalar[tick, names.index(f"sternum_{pair}_correlation")]
     np.testing.assert_allclose(spread, q @ (shared * np.outer(sigma, sigma)) @ q.T, rtol=1e-3, atol=1e-9)
     assert set(np.unique(track.coil)) == {0, 1, 2, 3}
+
+
+def test_a_place_that_is_lost_is_not_drawn(frames: Frames) -> None:
+    column = frames.layout.scalars.index("sternum_y_sigma_m")
+    scalar = frames.scalar.copy()
+    scalar[600:, column] = 0.7
+    track = modules_of(replace(frames, scalar=scalar))
+    assert isinstance(track, ModuleTrack)
+    assert np.isfinite(track.place_m[590, 1]).all()
+    assert np.isnan(track.place_m[600:, 1]).all()
+    assert not track.ellipse_m[600:].any()
+    assert np.isfinite(track.place_m[:, 0]).all()
 
 
 def test_the_scene_shows_modules_and_no_figure(frames: Frames) -> None:

@@ -15,8 +15,9 @@ from estimators.magnetic import (
     read_coil_state,
 )
 from estimators.magnetic import _relative_layout as at
+from estimators.magnetic._relative_smoother import smooth_table
 from estimators.orientation import OrientationFlag
-from estimators.pipelines import SessionSetup
+from estimators.pipelines import SessionSetup, _relative_smoothing
 from estimators.recording import ImuChunk, SampleQuality
 from estimators.simulation.coils import SourceFaults, relative_motion, relative_scene, run_closed_loop
 
@@ -101,6 +102,38 @@ def test_the_source_is_asked_and_its_account_kept():
     on = scalar(frames, "source_coil") > 0
     assert scalar(frames, "source_on_time_s")[-1] == pytest.approx(on.sum() * 0.01)
     assert scalar(frames, "source_charge_as")[-1] == pytest.approx(1.3 * on.sum() * 0.01, rel=1e-4)
+
+
+def test_a_whole_session_is_smoothed_block_by_block_as_in_one(monkeypatch):
+    scene, result, chunk = played()
+    whole = pipelines.smooth_modules([chunk], SETUP)[0]
+    pipeline = pipelines.create(SETUP)
+    one = pipeline.filters["sternum"]
+    same = smooth_table(one.source, 0.01, pipeline.table("sternum", chunk), one.parameters)
+    np.testing.assert_array_equal(whole.position_m, same.position_m)
+    np.testing.assert_array_equal(whole.covariance, same.covariance)
+    monkeypatch.setattr(_relative_smoothing, "_BLOCK", 333)
+    pieces = [chunk.ticks(k, min(k + 400, chunk.tick_count)) for k in range(0, chunk.tick_count, 400)]
+    parts = pipelines.smooth_modules(pieces, SETUP)
+    np.testing.assert_array_equal(parts[0].position_m, whole.position_m)
+    assert not (parts[0].flags & RelativeFlag.UNCERTAIN)[300:].any()
+
+    started = (result.flags & RelativeFlag.INVALID) == 0
+    starts = range(0, chunk.tick_count, 400)
+    frames = pipelines.concatenate(
+        [
+            pipeline.step(pipelines.with_modules(piece, parts, k))
+            for piece, k in zip(pieces, starts, strict=True)
+        ]
+    )
+    here = np.stack([scalar(frames, f"sternum_{axis}_m") for axis in "xyz"], axis=1)
+    np.testing.assert_array_equal(here[started], whole.position_m[started])
+
+    def rms(position):
+        return np.sqrt(np.mean(np.sum((position - scene.position_m)[started] ** 2, axis=1)))
+
+    assert rms(here) < 0.7 * rms(result.position_m)
+    np.testing.assert_array_equal(scalar(frames, "source_ask_coil"), result.fire_coil)
 
 
 def test_a_dead_source_is_told_and_the_session_goes_on_with_growing_uncertainty():
