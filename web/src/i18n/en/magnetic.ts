@@ -39,6 +39,9 @@ export const magnetic = {
   'magnetic.current': 'Current of a pulse (A)',
   'magnetic.askFirst': 'Answer both questions about implants to go on.',
 
+  'estimator.relative_pose': 'Magnetic source',
+  'estimator.relative_pose_smoothed': 'Magnetic source, smoothed over the whole session',
+
   'magnetic.title': 'Source and sensors',
   'magnetic.distances': 'Distance and orientation',
   'magnetic.distanceOf': 'Distance, {place}',

@@ -5,7 +5,7 @@ import { useDeleteSession, useEstimators } from '../../api/queries';
 import type { Estimator, Result, SessionDetail } from '../../api/types';
 import { Confirm } from '../../components/Confirm';
 import { Problem } from '../../components/Feedback';
-import { t } from '../../i18n';
+import { t, tOr } from '../../i18n';
 import { placementLabel } from '../../lib/channels';
 import { dateTime, duration, number } from '../../lib/format';
 import { scoreText } from './Calibration';
@@ -13,7 +13,7 @@ import { Reprocess } from './Reprocess';
 
 /** What made a result, so that two of them are never mixed up. */
 export function resultLabel(result: Result, isMain: boolean, estimators: readonly Estimator[]): string {
-  const title = estimators.find((one) => one.name === result.orientation)?.title ?? result.orientation;
+  const title = estimators.find((one) => one.name === result.orientation)?.title ?? tOr(`estimator.${result.orientation}`, result.orientation);
   const kind = result.kind === 'live' ? t('result.live') : t('result.offline');
   const name = t('result.label', { kind, estimator: title, version: result.orientation_version });
   return isMain ? `${name}, ${t('result.main')}` : name;
@@ -65,7 +65,7 @@ export function DetailsPanel({ session, resultId }: { session: SessionDetail; re
           </ul>
         </dd>
       </dl>
-      {session.may_treat && <Reprocess session={session} result={result} estimators={choices} />}
+      {session.may_treat && session.pipeline !== 'relative_pose' && <Reprocess session={session} result={result} estimators={choices} />}
       <div className="details-foot">
         <Button component="a" href={`/api/sessions/${session.id}/raw`} download variant="default" leftSection={<IconDownload size={18} aria-hidden />}>
           {t('details.raw')}
