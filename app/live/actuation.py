@@ -34,7 +34,9 @@ _TROUBLE: Final = {
     RelativeFlag.SATURATED: "the magnetometer is at its limit; the sensor is too close to a coil",
     RelativeFlag.INERTIAL_ONLY: "the source is not used; the uncertainty grows",
 }
-_WIRING: Final = "coils fire that the source does not have; check their numbers, and which module is the source"
+_WIRING: Final = (
+    "coils fire that the source does not have; check their numbers, and which module is the source"
+)
 _ANY: Final = int(sum(_TROUBLE))
 _STARTING: Final = int(RelativeFlag.CALIBRATING)
 
