@@ -110,4 +110,4 @@ async def _upload(path: Path, declaration: UploadIn, server: str, email: str, pa
         job = await send(service, path, declaration)
         typer.echo("received")
         await finished(service, job.session_id, show=True)
-        typer.echo(f"analysed: {service.server}/sessions/{job.session_id}/replay")
+        typer.echo(f"analysed: {service.server}/sessions/{job.session_id}")

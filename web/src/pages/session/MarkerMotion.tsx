@@ -17,6 +17,8 @@ import type { Player } from '../../player/types';
 const WINDOW_S = 10;
 const HEIGHT = 150;
 const GAPS_LISTED = 8;
+/** Frames drawn as dots are so far apart at least, so that the line between them is seen. */
+const DOT_EVERY_S = 0.1;
 const AXES = ['x', 'y', 'z'] as const;
 
 type Gap = { start_s: number; length_s: number };
@@ -30,6 +32,7 @@ function windowStart(player: Player, timeS: number): number {
 /** One axis as the chart needs it: time, band, line where seen, line in gaps, frames of the cameras. */
 export function tableOf(blocks: readonly Motion[], index: number, zeroS: number): (number | null)[][] {
   const table: (number | null)[][] = [[], [], [], [], [], []];
+  let dotS = -Infinity;
   for (const block of blocks) {
     block.time_s.forEach((timeS, row) => {
       const place = block.place_m[index]?.[row] ?? null;
@@ -37,8 +40,11 @@ export function tableOf(blocks: readonly Motion[], index: number, zeroS: number)
       const isGap = block.is_gap[row] ?? false;
       // Both lines share the tick where a gap begins and ends, so that they meet.
       const atEdge = isGap !== (block.is_gap[row + 1] ?? isGap);
+      const frame = block.measured_m[index]?.[row] ?? null;
+      const hasDot = frame !== null && timeS - dotS > DOT_EVERY_S - 1e-6;
+      if (hasDot) dotS = timeS;
       const known = place !== null && Number.isFinite(spread);
-      const row6 = [timeS - zeroS, known ? place - spread : null, known ? place + spread : null, isGap && !atEdge ? null : place, isGap || atEdge ? place : null, block.measured_m[index]?.[row] ?? null];
+      const row6 = [timeS - zeroS, known ? place - spread : null, known ? place + spread : null, isGap && !atEdge ? null : place, isGap || atEdge ? place : null, hasDot ? frame : null];
       row6.forEach((value, column) => table[column]?.push(value));
     });
   }
@@ -62,7 +68,7 @@ function optionsOf(range: { current: [number, number] }, gaps: { current: readon
       hidden,
       { stroke: () => themeColour('--tm-series-2'), width: 3, points: { show: false } },
       { stroke: () => themeColour('--tm-series-6'), width: 3, dash: [9, 5], points: { show: false } },
-      { stroke: () => themeColour('--tm-series-3'), paths: () => null, points: { show: true, size: 3, stroke: () => themeColour('--tm-series-3'), fill: () => themeColour('--tm-series-3') } },
+      { stroke: () => themeColour('--tm-series-3'), paths: () => null, points: { show: true, size: 6, stroke: () => themeColour('--tm-series-3'), fill: () => themeColour('--tm-series-3') } },
     ],
     bands: [{ series: [2, 1], fill: () => themeColour('--tm-neutral-band') }],
     hooks: {
@@ -109,7 +115,7 @@ function AxisTrace({ index, blocks, gaps, player, onSeek }: AxisProps) {
       frame = requestAnimationFrame(step);
       const { timeS } = player.clock();
       const fromS = windowStart(player, timeS) - zeroS;
-      const sign = `${timeS}/${fromS}/${plot.current !== null}`;
+      const sign = `${timeS}/${fromS}/${plot.current?.width}`;
       if (sign === drawn || !plot.current) return;
       drawn = sign;
       const shown = plot.current;
