@@ -1,5 +1,5 @@
 // Charts for paper: drawn as vectors, sharp at any size, in the colours of the sheet they stand on.
-import type { PhaseCurve, ProgressMeasure } from '../api/types';
+import type { CycleCurve, PhaseCurve, ProgressMeasure } from '../api/types';
 import { t } from '../i18n';
 import { date, displayUnit, quantity } from '../lib/format';
 import { extent, niceTicks } from './scales';
@@ -93,6 +93,26 @@ export function PaperPhases({ curve, left }: { curve: PhaseCurve; left: Readonly
         <path key={index} className="paper-line" d={pathOf(values, at.x, at.y)} />
       ))}
       <path className="paper-template" d={pathOf(mean, at.x, at.y)} />
+    </svg>
+  );
+}
+
+/** One quantity over the gait cycle: left drawn through, right dashed, each with its band. */
+export function PaperCycle({ name, left, right }: { name: string; left: CycleCurve | undefined; right: CycleCurve | undefined }) {
+  const unit = displayUnit((left ?? right)?.unit ?? '');
+  const edge = (curve: CycleCurve | undefined, sign: number) => (curve?.mean ?? []).map((value, index) => (value + sign * (curve?.spread[index] ?? 0)) * unit.factor);
+  const line = (curve: CycleCurve | undefined) => edge(curve, 0);
+  const range = extent(edge(left, 1), edge(left, -1), edge(right, 1), edge(right, -1)) ?? [0, 1];
+  const at = frame(range[0], range[1], 0, 100);
+  const x = (index: number) => at.x(2 * index);
+  const most = (curve: CycleCurve | undefined) => quantity(curve ? Math.max(...curve.mean) : null, (left ?? right)?.unit ?? '');
+  return (
+    <svg className="paper-chart" viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="img" aria-label={t('cycle.summary', { name, left: most(left), right: most(right) })}>
+      <Axes at={at} suffix="" xTicks={[0, 25, 50, 75, 100].map((phase) => ({ at: at.x(phase), text: `${phase} %` }))} />
+      <path className="paper-band paper-band-own" d={bandOf(edge(left, -1), edge(left, 1), x, at.y)} />
+      <path className="paper-band" d={bandOf(edge(right, -1), edge(right, 1), x, at.y)} />
+      <path className="paper-line paper-line-strong" d={pathOf(line(left), x, at.y)} />
+      <path className="paper-template paper-right" d={pathOf(line(right), x, at.y)} />
     </svg>
   );
 }

@@ -1,6 +1,6 @@
 // A walk: its result, the footprints with mass and pressure, left beside right, curves over the cycle, every stride.
 import { Button, Select } from '@mantine/core';
-import { IconArrowsDiff, IconCube, IconShoe } from '@tabler/icons-react';
+import { IconArrowsDiff, IconCube, IconFileText, IconShoe } from '@tabler/icons-react';
 import { useState } from 'react';
 import { Link, useParams, useSearchParams } from 'react-router';
 import { useGait, usePatient, useSession, useWalks } from '../../api/queries';
@@ -112,9 +112,14 @@ export function GaitPage() {
         ...(session.data && name ? [{ to: `/patients/${session.data.patient_id}`, text: name }] : []),
       ]}
       actions={
-        <Button component={Link} variant="default" to={`/sessions/${sessionId}`} leftSection={<IconCube size={18} aria-hidden />}>
-          {t('walk.replay')}
-        </Button>
+        <>
+          <Button component={Link} variant="default" to={`/sessions/${sessionId}`} leftSection={<IconCube size={18} aria-hidden />}>
+            {t('walk.replay')}
+          </Button>
+          <Button component={Link} variant="default" to={`/sessions/${sessionId}/report`} leftSection={<IconFileText size={18} aria-hidden />}>
+            {t('report.open')}
+          </Button>
+        </>
       }
     >
       <Answer of={gait} lines={8} height={50}>

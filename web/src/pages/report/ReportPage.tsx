@@ -11,6 +11,7 @@ import { dateTime } from '../../lib/format';
 import { CurvesSheet } from './CurvesSheet';
 import { MethodSheet } from './MethodSheet';
 import { SummarySheet } from './SummarySheet';
+import { WalkSheets } from './WalkSheets';
 
 export interface ReportProps {
   session: SessionDetail;
@@ -63,7 +64,7 @@ export function ReportPage() {
       <Answer of={session} lines={8} height={40}>
         {(one) => (
           <Answer of={patient} lines={8} height={40}>
-            {(who) => <Sheets session={one} patient={who} />}
+            {(who) => (one.pipeline === 'gait' ? <WalkSheets session={one} patient={who} /> : <Sheets session={one} patient={who} />)}
           </Answer>
         )}
       </Answer>

@@ -10,7 +10,7 @@ import type { ReportProps } from './ReportPage';
 import { Sheet } from './Sheet';
 
 /** Changed for sure, not for sure, or not to be judged: a word each. */
-function verdict(measure: ProgressMeasure | null): string {
+export function verdict(measure: ProgressMeasure | null): string {
   if (!measure || measure.change === null || measure.change === undefined) return '–';
   const change = (measure.change > 0 ? '+' : '') + quantity(measure.change, measure.unit);
   if (measure.is_real_change === null || measure.is_real_change === undefined) return t('report.unjudged', { change });
