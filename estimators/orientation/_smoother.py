@@ -49,8 +49,7 @@ class SmootherParameters(TelemotionParameters):
     gain_sigma: float = 0.01
     speed_noise_mps_per_sqrt_s: float = 0.1
     rate_noise_per_rate_sqrt_s: float = 0.0015
-    tilt_sigma_floor_deg: float = 0.45
-    heading_sigma_scale: float = 0.35
+    heading_sigma_scale: float = 0.3
     heading_sigma_floor_deg: float = 1.0
 
 

@@ -24,6 +24,7 @@ from estimators.validation._com_mass_centre import (
     MASS_CENTRE,
     STROKE_GAIT,
 )
+from estimators.validation._covariance import COVARIANCE
 from estimators.validation._foot_conditions import FOOT_CONDITIONS
 from estimators.validation._foot_events import FOOT_EVENTS
 from estimators.validation._foot_placement import FOOT_PLACEMENT
@@ -96,6 +97,7 @@ _PROTOCOLS = (
     OFFSET_RECOVERY,
     STILL_SENSOR,
     CONSISTENCY,
+    COVARIANCE,
     STATIC_IRON,
     QUARTER_TURNS,
     ELBOW_FLEXION,
