@@ -59,6 +59,7 @@ QUICK = {
     "magnetic_bench": 20,
 }
 SHORT = {
+    "magnetic_fusion": {"bench, forward position", "leg, walking, forward position"},
 }
 """What falls short today, and the command says so; nothing else may."""
 SCRIPTED = {"relative_pose_ten_hours"}
