@@ -26,6 +26,9 @@ class FootParameters:
         below `reference_floor`.
     stance_limit : float
         Above this T the foot never rests on anything, however regular its movement.
+    restless_statistic, restless_contrast : float
+        Above this T a sample is stance only where the highest T of the window is so many times its own: a runner's
+        is 5 times at least, that of a foot on a pedal or of a shaken one less than 3.
     moving_gyroscope_radps, moving_accelerometer_mps2 : float
         Scales of turning and of specific force in T.
     velocity_sigma_floor_mps, velocity_sigma_slope_mps, velocity_sigma_exponent : float
@@ -74,6 +77,8 @@ class FootParameters:
     reference_floor: float = 0.3
     stance_ratio: float = 1.5
     stance_limit: float = 20.0
+    restless_statistic: float = 1.0
+    restless_contrast: float = 3.0
     moving_gyroscope_radps: float = 0.3
     moving_accelerometer_mps2: float = 0.5
     velocity_sigma_floor_mps: float = 0.003

@@ -87,7 +87,7 @@ def guided_test(feet: Mapping[Side, Strides], kind: GuidedKind = "walk") -> Guid
     """
     if kind not in GUIDED_KINDS:
         raise SetupError(f"no walking test is named {kind!r}; known: {', '.join(GUIDED_KINDS)}")
-    walked = {side: strides for side, strides in feet.items() if strides.count}
+    walked = {side: foot for side, foot in feet.items() if ((foot.flags & StrideFlag.ALOFT) == 0).any()}
     if not walked:
         return None
     start_s = min(float(strides.toe_off_s[0]) for strides in walked.values())
@@ -97,7 +97,10 @@ def guided_test(feet: Mapping[Side, Strides], kind: GuidedKind = "walk") -> Guid
         end_s = min(end_s, start_s + SIX_MINUTES_S)
         if end_s - start_s < _LEAST_OF_SIX * SIX_MINUTES_S:
             reasons.append(f"walked {(end_s - start_s) / 60.0:.1f} of six minutes")
-    within = {side: strides.contact_s <= end_s for side, strides in walked.items()}
+    within = {
+        side: (strides.contact_s <= end_s) & ((strides.flags & StrideFlag.ALOFT) == 0)
+        for side, strides in walked.items()
+    }
     measured, told = _measured(walked, within)
     ways = [float(strides.length_m[within[side]].sum()) for side, strides in measured.items()]
     variances = [
@@ -172,7 +175,8 @@ def _minutes(feet: Mapping[Side, Strides], start_s: float, end_s: float) -> Floa
     edges = np.append(edges, end_s)
     way = np.zeros(len(edges))
     for strides in feet.values():
-        gone = np.concatenate([[0.0], np.cumsum(strides.length_m)])
+        length_m = np.where((strides.flags & StrideFlag.ALOFT) != 0, 0.0, strides.length_m)
+        gone = np.concatenate([[0.0], np.cumsum(length_m)])
         at = np.stack([strides.toe_off_s, strides.contact_s], axis=1).reshape(-1)
         way += np.interp(edges, at, np.stack([gone[:-1], gone[1:]], axis=1).reshape(-1))
     return np.diff(way) / len(feet)

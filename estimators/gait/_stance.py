@@ -224,6 +224,8 @@ def decision_settings(rate_hz: float, parameters: FootParameters) -> Float:
     settings[kernels.SIGMA_FLOOR] = scale * parameters.velocity_sigma_floor_mps
     settings[kernels.SIGMA_SLOPE] = scale * parameters.velocity_sigma_slope_mps
     settings[kernels.SIGMA_EXPONENT] = parameters.velocity_sigma_exponent
+    settings[kernels.RESTLESS] = parameters.restless_statistic
+    settings[kernels.CONTRAST] = parameters.restless_contrast
     settings[kernels.SHARE] = 0.01 * parameters.reference_percentile
     return settings
 

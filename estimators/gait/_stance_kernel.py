@@ -16,7 +16,9 @@ from estimators.recording import Float
 
 _STANCE, _STANDSTILL, _HEIGHT = at.STANCE, at.STANDSTILL, at.HEIGHT
 # Constants of `decide` and of `noise_densities`, in the order they read them.
-RATIO, FLOOR, LIMIT, STILL, SIGMA_FLOOR, SIGMA_SLOPE, SIGMA_EXPONENT, SHARE, DECIDE = range(9)
+RATIO, FLOOR, LIMIT, STILL, SIGMA_FLOOR, SIGMA_SLOPE, SIGMA_EXPONENT, SHARE, RESTLESS, CONTRAST, DECIDE = (
+    range(11)
+)
 SHOCK, SHOCK_DENSITY, FORCE_DENSITY, FORCE_JERK, CLIP, CLIP_DENSITY, RATE_DENSITY, RATE_JERK = range(8)
 GAP_FORCE, GAP_RATE, NOISE = 8, 9, 10
 _G = GRAVITY_MPS2
@@ -134,6 +136,26 @@ def moving_percentile(
         reference[k - origin] = value
 
 
+@kernel("void(float64[::1], int64, int64, int64, int64, int64, int64, float64[::1])")
+def moving_highest(
+    statistic: Float, origin: int, first: int, stop: int, stride: int, before: int, after: int, highest: Float
+) -> None:
+    """Write the highest T around each sample, over the window of `moving_percentile`, whose arguments it takes."""
+    samples = statistic.shape[0]
+    done = -1
+    value = 0.0
+    for k in range(first, stop):
+        centre = k // stride
+        if centre != done:
+            low = max(centre - before, (origin + stride - 1) // stride)
+            high = min(centre + after, (origin + samples - 1) // stride)
+            value = 0.0
+            for grid in range(low, high + 1):
+                value = max(value, statistic[grid * stride - origin])
+            done = centre
+        highest[k - origin] = value
+
+
 @kernel("void(float64[::1], boolean[::1], int64, int64, int64, boolean[::1])")
 def local_minimum(
     statistic: Float, allowed: NDArray[np.bool_], first: int, stop: int, half: int, found: NDArray[np.bool_]
@@ -178,6 +200,9 @@ def decide(
 ) -> None:
     """Decide which of the samples `[first, stop)` of a record are stance, eq. (3) to (6) of the method page.
 
+    Own: where T is not small, the foot must move far more before or after, as a runner's does; a foot on a pedal,
+    a leg that swings from a chair and a shaken sensor have a lowest T as well, and never stand.
+
     Parameters
     ----------
     statistic : ndarray, shape (N,)
@@ -193,8 +218,9 @@ def decide(
         Output: STANCE, STANDSTILL and HEIGHT.
     """
     samples = statistic.shape[0]
-    lowest = np.empty(samples)
+    lowest, highest = np.empty(samples), np.empty(samples)
     moving_percentile(statistic, origin, first, stop, stride, before, after, settings[SHARE], lowest)
+    moving_highest(statistic, origin, first, stop, stride, before, after, highest)
     allowed = np.zeros(samples, dtype=np.bool_)
     for i in range(stop - first):
         k = first - origin + i
@@ -202,6 +228,8 @@ def decide(
         reference[i] = max(lowest[k], settings[FLOOR])
         sigma_mps[i] = settings[SIGMA_FLOOR] + settings[SIGMA_SLOPE] * t ** settings[SIGMA_EXPONENT]
         allowed[k] = t < settings[RATIO] * reference[i] and t < settings[LIMIT]
+        if t > settings[RESTLESS] and settings[CONTRAST] * t > highest[k]:
+            allowed[k] = False
         bits[i] = 0
         if allowed[k]:
             bits[i] = _STANCE | _STANDSTILL if t < settings[STILL] else _STANCE
@@ -265,4 +293,11 @@ def noise_densities(
         force_variance[i] = density * density + settings[FORCE_JERK] ** 2 * jerk2
 
 
-__all__ = ["decide", "local_minimum", "moving_percentile", "noise_densities", "stance_statistic"]
+__all__ = [
+    "decide",
+    "local_minimum",
+    "moving_highest",
+    "moving_percentile",
+    "noise_densities",
+    "stance_statistic",
+]

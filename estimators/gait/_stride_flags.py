@@ -1,4 +1,4 @@
-"""Which strides cannot be believed: samples were lost within them."""
+"""Which strides cannot be believed, and why."""
 
 from enum import IntFlag
 
@@ -15,6 +15,8 @@ class StrideFlag(IntFlag):
     SOUND = 0
     MISSING = 1
     """Samples are missing within it, in the stances at its ends or just before: more than one stride may lie there."""
+    ALOFT = 2
+    """The foot moved for so long without standing that its way is not known; that is no stride of walking."""
 
 
 def missing_samples(

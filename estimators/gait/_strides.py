@@ -9,15 +9,13 @@ from scipy.ndimage import gaussian_filter1d
 
 from estimators import rotation
 from estimators.conventions import Side
-from estimators.gait._foot_trajectory import FootFlag, FootTrajectory
-from estimators.gait._stance import runs
+from estimators.gait._foot_trajectory import COAST_S, FootFlag, FootTrajectory
+from estimators.gait._rests import MOVED_M, find_rests, quietest
 from estimators.gait._stride_flags import StrideFlag, missing_samples
 from estimators.recording import Float
 
 Bool = NDArray[np.bool_]
 
-_SHORTEST_SWING_S = 0.15
-_MOVED_M, _LIFTED_M, _TURNED_RAD = 0.05, 0.03, 0.26
 _SMOOTH_S = 0.012
 """Of accelerations in which events are looked for: a second-order 15 Hz low-pass has about this width."""
 _HEEL_RISE_SHARE, _PEAK_SHARE, _LANDING_SHARE, _FAST_SHARE = 0.9, 0.3, 0.5, 0.5
@@ -143,7 +141,7 @@ def find_strides(trajectory: FootTrajectory, side: Side) -> Strides:
     Returns
     -------
     Strides
-        With no stride at all where the foot never stood or never left the ground; nothing is guessed.
+        With no stride at all where the foot never stood as in walking or never left the ground; nothing is guessed.
 
     Notes
     -----
@@ -151,7 +149,7 @@ def find_strides(trajectory: FootTrajectory, side: Side) -> Strides:
     from angular rate and acceleration alone, relative to each stride's own extremes. A shuffled step is found as
     long as the foot moves 5 cm, lifts 3 cm or turns 15 degrees between two rests.
     """
-    rests = _rests(trajectory)
+    rests = find_rests(trajectory)
     forward, left = foot_axes(trajectory, rests)
     axes = np.stack([forward, left, np.cross(forward, left)], axis=1)
     holds = _footholds(trajectory, rests, forward)
@@ -162,6 +160,7 @@ def find_strides(trajectory: FootTrajectory, side: Side) -> Strides:
         rows[k] = _stride(trajectory, rests[k], rests[k + 1], holds, k, acceleration, rate, side)
     toe_off, contact = rows[:, 0], rows[:, 1]
     missing_s, is_doubtful = missing_samples(trajectory, rests)
+    aloft = (holds.start_s[1:] - holds.stop_s[:-1] > COAST_S) & ~is_doubtful
     # A bout ends where the foot stays on the ground for long. Next to missing samples events are not known: there
     # the foot must have been seen to rest.
     beside = is_doubtful[1:] | is_doubtful[:-1]
@@ -199,39 +198,9 @@ def find_strides(trajectory: FootTrajectory, side: Side) -> Strides:
         is_initiation=is_first,
         is_termination=is_last,
         missing_s=missing_s,
-        flags=np.asarray(is_doubtful * np.uint8(StrideFlag.MISSING), dtype=np.uint8),
+        flags=np.asarray(is_doubtful * StrideFlag.MISSING + aloft * StrideFlag.ALOFT, dtype=np.uint8),
         q_sensor_foot=rotation.from_matrix(axes),
     )
-
-
-def _rests(trajectory: FootTrajectory) -> list[tuple[int, int]]:
-    """Join stretches of stance between which the foot did not go anywhere."""
-    known = trajectory.stance.is_stance & ((trajectory.flags & FootFlag.NO_STANCE) == 0)
-    joined: list[tuple[int, int]] = []
-    for start, stop in runs(np.asarray(known)):
-        if joined and not _went(trajectory, joined[-1], (start, stop)):
-            joined[-1] = (joined[-1][0], stop)
-        else:
-            joined.append((start, stop))
-    return joined
-
-
-def _went(trajectory: FootTrajectory, one: tuple[int, int], two: tuple[int, int]) -> bool:
-    if trajectory.time_s[two[0]] - trajectory.time_s[one[1] - 1] < _SHORTEST_SWING_S:
-        return False
-    a, b = _quietest(trajectory, one), _quietest(trajectory, two)
-    position = trajectory.position_m
-    step = position[b] - position[a]
-    above = position[a : b + 1, 2].max() - max(position[a, 2], position[b, 2])
-    turned = rotation.log(
-        rotation.multiply(trajectory.q_world_sensor[b], rotation.conjugate(trajectory.q_world_sensor[a]))
-    )
-    far = float(np.linalg.norm(step)) > _MOVED_M
-    return bool(far or above > _LIFTED_M or abs(turned[2]) > _TURNED_RAD)
-
-
-def _quietest(trajectory: FootTrajectory, rest: tuple[int, int]) -> int:
-    return rest[0] + int(np.argmin(trajectory.stance.sigma_mps[rest[0] : rest[1]]))
 
 
 def foot_axes(trajectory: FootTrajectory, rests: list[tuple[int, int]]) -> tuple[Float, Float]:
@@ -256,7 +225,7 @@ def foot_axes(trajectory: FootTrajectory, rests: list[tuple[int, int]]) -> tuple
     fallback = np.eye(3)[0], np.eye(3)[1]
     if len(rests) < 2:
         return fallback
-    quiet = [_quietest(trajectory, rest) for rest in rests]
+    quiet = [quietest(trajectory, rest) for rest in rests]
     up = np.mean(
         [rotation.rotate(rotation.conjugate(trajectory.q_world_sensor[i]), _UP) for i in quiet], axis=0
     )
@@ -278,7 +247,7 @@ def foot_axes(trajectory: FootTrajectory, rests: list[tuple[int, int]]) -> tuple
 
 
 def _footholds(trajectory: FootTrajectory, rests: list[tuple[int, int]], forward: Float) -> Footholds:
-    quiet = np.array([_quietest(trajectory, rest) for rest in rests], dtype=np.int64)
+    quiet = np.array([quietest(trajectory, rest) for rest in rests], dtype=np.int64)
     last = np.array([rest[1] - 1 for rest in rests], dtype=np.int64)
     first = np.array([rest[0] for rest in rests], dtype=np.int64)
     pointing = rotation.rotate(trajectory.q_world_sensor[quiet], forward).reshape(-1, 3)
@@ -320,7 +289,7 @@ def _stride(
     step = holds.position_m[k + 1] - holds.position_m[k]
     length = float(np.linalg.norm(step[:2]))
     heading = 0.5 * (holds.heading_rad[k] + holds.heading_rad[k + 1])
-    along = step[:2] / length if length > _MOVED_M else np.array([np.cos(heading), np.sin(heading)])
+    along = step[:2] / length if length > MOVED_M else np.array([np.cos(heading), np.sin(heading)])
     left = np.array([-along[1], along[0]])
     foot_left = np.array([-np.sin(heading), np.cos(heading), 0.0])
     swing = slice(one[1] - 1, two[0] + 1)
@@ -343,7 +312,7 @@ def _stride(
     peak = int(peaks[0]) if len(peaks) else int(np.argmax(push))
     below = np.flatnonzero(push[peak:] < _LANDING_SHARE * push[peak])
     contact = slow + peak + (int(below[0]) if len(below) else 0)
-    share = (position[:, :2] - holds.position_m[k, :2]) @ along / max(length, _MOVED_M)
+    share = (position[:, :2] - holds.position_m[k, :2]) @ along / max(length, MOVED_M)
     line = holds.position_m[k, 2] + np.clip(share, 0.0, 1.0) * step[2]
     aside = (position[:, :2] - holds.position_m[k, :2]) @ left * (1.0 if side == "left" else -1.0)
     pitch = _pitch(trajectory, holds, k, swing, foot_left)

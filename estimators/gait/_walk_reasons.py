@@ -22,13 +22,21 @@ def walk_reasons(feet: Mapping[Side, Strides], counted: Mapping[Side, NDArray[np
     reasons: list[str] = []
     for side, strides in feet.items():
         if strides.count == 0:
-            reasons.append(f"{side} foot: no stride found; it never rested, or never left the ground")
+            reasons.append(
+                f"{side} foot: no stride found; it never stood between its movements, or never left the ground"
+            )
             continue
         if not counted[side].any():
             reasons.append(
                 f"{side} foot: no stride of continuous straight walking; walk at least four strides"
             )
         reasons.extend(_missing(side, strides))
+        aloft = (strides.flags & StrideFlag.ALOFT) != 0
+        if aloft.any():
+            away_s = (strides.footholds.start_s[1:] - strides.footholds.stop_s[:-1])[aloft].sum()
+            reasons.append(
+                f"{side} foot: for {away_s:.0f} s it moved without standing as in walking; that is left out"
+            )
     if set(feet) != {"left", "right"}:
         reasons.append("one foot only: no double support and no asymmetry")
     return reasons
