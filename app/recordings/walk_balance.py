@@ -7,11 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.recordings.walk_schemas import BalanceOut, SupportOut, WalkMeasure
-from estimators import rotation
-from estimators.balance import walking_work
-from estimators.conventions import Side
+from estimators.balance import sole_middle, stride_balance
+from estimators.conventions import SIDES
 from estimators.gait import measure
-from estimators.kinetics import ShoeGeometry, ShoePose, stretches
+from estimators.kinetics import stretches
 from estimators.pipelines import ShoeWalk
 from estimators.recording import Float
 
@@ -69,40 +68,24 @@ def _measures(found: ShoeWalk) -> list[WalkMeasure]:
     if seconds:
         left, right = (feet.reaction[side].force_n[:, 2] for side in ("left", "right"))
         shares = [left[part].mean() / (left[part].mean() + right[part].mean()) for part in seconds]
-        middle = 0.5 * (feet.aside(_sole(feet.pose["left"])) + feet.aside(_sole(feet.pose["right"])))
+        middle = 0.5 * sum(feet.aside(sole_middle(feet, side)) for side in SIDES)
         leans = [float(np.mean((across - middle)[part])) for part in seconds]
         measures.append(_measure("weight_on_left", shares, "1"))
         measures.append(_measure("centre_to_left_standing", leans, "m", _sigma(found, feet.is_standing)))
-    strides = _strides(found)
-    if strides:
-        each = [_of_stride(found, part, across) for part in strides]
-        aside, sway, work, recovery = (list(column) for column in zip(*each, strict=True))
-        sigma = _sigma(found, ~feet.is_standing)
+    strides = stride_balance(
+        feet, {side: shoe.contact for side, shoe in found.shoes.items()}, centre, found.mass_kg
+    )
+    if strides.parts:
         measures += [
-            _measure("centre_to_left", aside, "m", sigma),
-            _measure("centre_sway", sway, "m"),
-            _measure("external_work", work, "J/kg/m"),
-            _measure("pendulum_recovery", recovery, "1"),
+            _measure("centre_to_left", strides.aside_m, "m", _sigma(found, ~feet.is_standing)),
+            _measure("centre_sway", strides.sway_m, "m"),
+            _measure("external_work", strides.work_j_per_kg_m, "J/kg/m"),
+            _measure("pendulum_recovery", strides.recovery, "1"),
         ]
     least = _least_of_seconds(found.support_s, found.margin.margin_m)
     if len(least):
         measures.append(_measure("margin", least, "m"))
     return measures
-
-
-def _of_stride(found: ShoeWalk, part: slice, across: Float) -> tuple[float, float, float, float]:
-    """Return lean to the left, sway, external work (J/kg/m) and what the pendulum gives back, of one stride."""
-    path = across[part]
-    straight = path - np.linspace(path[0], path[-1], len(path))
-    middle = np.mean([_stood(found, side, part) for side in ("left", "right")])
-    centre = found.centre
-    work = walking_work(centre.position_m[part], centre.velocity_mps[part], found.mass_kg)
-    return (
-        float(path.mean() - middle),
-        float(np.ptp(straight)),
-        work.external_j_per_m / found.mass_kg,
-        work.recovery,
-    )
 
 
 def _seconds(is_standing: NDArray[np.bool_], rate_hz: float) -> list[slice]:
@@ -114,28 +97,6 @@ def _seconds(is_standing: NDArray[np.bool_], rate_hz: float) -> list[slice]:
         edges = [start + k * second for k in range(count)] + [stop]
         found += [slice(a, b) for a, b in pairwise(edges)]
     return found
-
-
-def _sole(pose: ShoePose) -> Float:
-    """Return the middle of a sole, shape (N, 3)."""
-    geometry = ShoeGeometry()
-    ahead = 0.5 * (geometry.rear_edge_m + geometry.hinge_m + geometry.toe_edge_m)
-    return np.asarray(pose.heel_m + rotation.rotate(pose.q_room_heel, np.array([ahead, 0.0, 0.0])))
-
-
-def _stood(found: ShoeWalk, side: Side, part: slice) -> float:
-    """Return how far left the sole of a foot stood during a stride."""
-    rests = found.shoes[side].contact.core.mean(axis=1).astype(int)
-    inside = rests[(rests >= part.start) & (rests < part.stop)]
-    chosen = inside if len(inside) else rests[[int(np.argmin(np.abs(rests - part.start)))]]
-    return float(found.feet.aside(_sole(found.feet.pose[side]))[chosen].mean())
-
-
-def _strides(found: ShoeWalk) -> list[slice]:
-    """Return the strides of the left foot in which nobody stands: part of a stride leans to one side."""
-    lands = found.shoes["left"].contact.land
-    parts = [slice(int(a), int(b)) for a, b in pairwise(lands)]
-    return [part for part in parts if not found.feet.is_standing[part].any()]
 
 
 def _sigma(found: ShoeWalk, chosen: NDArray[np.bool_]) -> float | None:

@@ -31,6 +31,7 @@ from estimators.balance._stability import (
     sole_corners,
     stability_margin,
 )
+from estimators.balance._stride_balance import StrideBalance, sole_middle, stride_balance
 from estimators.balance._turning_feet import combine_turning_feet
 from estimators.balance._walking_work import WalkingWork, walking_work
 
@@ -46,6 +47,7 @@ __all__ = [
     "Sample",
     "SegmentalMassCentre",
     "StabilityMargin",
+    "StrideBalance",
     "WalkingWork",
     "acceleration",
     "base_of_support",
@@ -67,8 +69,10 @@ __all__ = [
     "sideways_margin",
     "smooth_mass_centre",
     "sole_corners",
+    "sole_middle",
     "stability_margin",
     "standing",
+    "stride_balance",
     "total_reaction",
     "vertical_mass_centre",
     "walking_work",

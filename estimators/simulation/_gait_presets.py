@@ -50,9 +50,9 @@ def stroke_feet(paretic: Side) -> dict[Side, FootStyle]:
         clearance_m=0.03,
         circumduction_m=0.06,
         length_scale=0.8,
-        step_time_scale=1.12,
+        step_time_scale=1.2,
     )
-    sound = FootStyle(toe_out_rad=float(np.radians(10.0)), step_time_scale=0.88)
+    sound = FootStyle(toe_out_rad=float(np.radians(10.0)), step_time_scale=0.8)
     return {paretic: affected, other(paretic): sound}
 
 

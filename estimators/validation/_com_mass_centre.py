@@ -11,6 +11,7 @@ from estimators.balance import (
     pressure_only,
     published_mass_centre,
     smooth_mass_centre,
+    stride_balance,
     total_reaction,
 )
 from estimators.conventions import SIDES, Side
@@ -190,9 +191,11 @@ def _stroke(seeds: Sequence[int], data: Data) -> Values:
         found = smooth_mass_centre(*walk.fused, walk.feet.is_standing)
         errors = axis_errors_mm(found.position_m, truth)
         inner = (truth.time_s > truth.active_s[0, 0]) & (truth.time_s < truth.active_s[0, 1])
-        # The middle between the middles of both feet; positive y is to the left.
-        middle = sum(0.25 * (poses[side].heel_m + poses[side].forefoot_m)[inner, 1] for side in SIDES)
-        aside = float(np.mean(found.position_m[inner, 1] - middle)) * (1.0 if sound == "left" else -1.0)
+        strides = stride_balance(
+            walk.feet, {side: shoe.contact for side, shoe in walk.shoes.items()}, found, walk.mass_kg
+        )
+        # Positive is to the left.
+        aside = float(strides.aside_m.mean()) * (1.0 if sound == "left" else -1.0)
         turned = {side: _outward(poses[side].q_room_heel, walk, side) for side in SIDES}
         true = {side: _outward(truth.feet[side].heel.q, walk, side) for side in SIDES}
         stance = {side: float(np.mean(walk.shoes[side].contact.any[inner])) for side in SIDES}
@@ -223,8 +226,9 @@ STROKE_GAIT = Protocol(
     name="com_stroke_gait",
     title="Asymmetric gait after a stroke",
     source="Schepers 2009, figure 4.6 (P9); method page V13",
-    what="Dropped, circumducted and outward-turned paretic foot, left and right in turn; the centre of mass must lie "
-    "toward the sound leg, and the difference of toe-out must come back.",
+    what="Dropped, circumducted and outward-turned paretic foot, left and right in turn; the centre of mass, mean of "
+    "whole strides, must lie toward the sound leg from the middle between the soles, and the difference of toe-out "
+    "must come back.",
     figures=(
         Figure("toward the sound leg", "mm", 0.0, at_most=False),
         Figure("toe-out difference, error", "deg", 3.0),

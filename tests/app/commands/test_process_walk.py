@@ -18,15 +18,16 @@ FEET = Path(__file__).parents[2] / "data" / "feet"
 
 
 def test_a_walk_becomes_frames_strides_and_numbers(tmp_path):
-    content = np.load(FEET / "pyshoe_walk.npz")
-    path = tmp_path / "walk.mat"
-    scipy.io.savemat(
-        path,
-        {
-            "imu_data": np.concatenate([content["accelerometer_mps2"], content["gyroscope_radps"]], axis=1),
-            "timestamps_all": content["time_s"][None, :],
-        },
-    )
+    with np.load(FEET / "pyshoe_walk.npz") as content:
+        scipy.io.savemat(
+            path := tmp_path / "walk.mat",
+            {
+                "imu_data": np.concatenate(
+                    [content["accelerometer_mps2"], content["gyroscope_radps"]], axis=1
+                ),
+                "timestamps_all": content["time_s"][None, :],
+            },
+        )
     out = tmp_path / "out"
     done = CliRunner().invoke(cli, ["process", str(path), "--out", str(out), "--pipeline", "gait"])
     assert done.exit_code == 0, done.output

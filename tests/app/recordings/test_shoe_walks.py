@@ -83,7 +83,7 @@ def test_forces_and_balance_of_a_stroke_like_walk_are_kept_and_read(
         landed = truth.feet[side].land_s
         assert np.abs(contacts[:, None] - landed[None]).min(axis=1).max() < 0.045
     step_time = {one["measure"]: one["value"] for one in walk["asymmetry"]}["step_time"]
-    assert step_time == pytest.approx((0.84 - 0.66) / 0.75, abs=0.05)
+    assert step_time == pytest.approx((0.9 - 0.6) / 0.75, abs=0.05)
     assert walk["test"]["kind"] == "walk"
     assert walk["test"]["step_count"] == 11
     way = np.mean([foot.foothold_m[-1, 0] - foot.foothold_m[0, 0] for foot in truth.feet.values()])
