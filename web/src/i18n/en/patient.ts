@@ -142,6 +142,7 @@ export const patient = {
 
   'progress.title': 'Progress',
   'progress.exercise': 'Exercise',
+  'progress.newest': 'Practised last',
   'progress.lastSession': { one: 'last session, {count} repetition', other: 'last session, mean of {count}' },
   'progress.tooFew': 'One session so far: a change can be judged from the second on.',
   'progress.changeReal': '{change} since the first sessions: a real change, larger than the {limit} that can come by chance.',

@@ -182,6 +182,8 @@ export const walking = {
   'walkReport.change': 'Change since the first walks',
   'walkReport.both': 'Both feet and balance',
   'walkReport.value': 'This walk',
+  'walkReport.none': 'no change',
+  'walkReport.estimator': '{kind} with {title} (version {version}), walking pipeline version {pipeline}',
   'walkReport.help': 'Means over steady, straight strides. A change is called real when it is larger than 1.96 √2 times the spread between strides.',
   'walkReport.doubts': 'What the sensors could not tell',
   'walkReport.sensors': 'Sensors',

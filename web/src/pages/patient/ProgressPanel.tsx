@@ -71,20 +71,26 @@ export function ProgressPanel({ patientId, mayTreat }: { patientId: string; mayT
   const prescriptions = usePrescriptions(patientId);
   const progress = useProgress(patientId, exerciseId);
   const exercises = [...new Map((prescriptions.data ?? []).map((one) => [one.exercise_id, one.exercise_name])).entries()];
-  const chosen = exerciseId ?? progress.data?.exercise_id ?? exercises[0]?.[0] ?? null;
+  const newest = progress.data?.exercise_id ?? null;
+  // What was practised last may be prescribed to nobody; the way back to what is must stay open.
+  const isOther = exerciseId === null && progress.data !== undefined && progress.data.measures.length > 0 && !exercises.some(([id]) => id === newest);
+  const [wasOther, setWasOther] = useState(false);
+  if (isOther && !wasOther) setWasOther(true);
+  const choices = [...(wasOther ? [{ value: '', label: t('progress.newest') }] : []), ...exercises.map(([value, label]) => ({ value, label }))];
+  const chosen = exerciseId ?? (wasOther ? '' : (newest ?? exercises[0]?.[0] ?? null));
   return (
     <section className="card" aria-labelledby="progress">
       <div className="card-head">
         <h2 id="progress">{t('progress.title')}</h2>
-        {exercises.length > 1 && (
+        {choices.length > 1 && (
           <Select
             className="end"
             size="sm"
             w={260}
             aria-label={t('progress.exercise')}
-            data={exercises.map(([value, label]) => ({ value, label }))}
+            data={choices}
             value={chosen}
-            onChange={setExerciseId}
+            onChange={(value) => setExerciseId(value || null)}
           />
         )}
       </div>

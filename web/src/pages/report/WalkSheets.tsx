@@ -20,6 +20,12 @@ interface Walked {
 
 const SIDES = ['left', 'right'] as const;
 const shown = (one: WalkMeasure | undefined) => (one ? measureText(one.value, one.unit, one.sigma) : '–');
+/** A change too small to be written is none, whatever its chance. */
+function moved(measure: ProgressMeasure | null): string {
+  const isNothing = measure !== null && typeof measure.change === 'number' && !/[1-9]/.test(quantity(measure.change, measure.unit));
+  return isNothing ? t('walkReport.none') : verdict(measure);
+}
+
 const overTime = (measures: readonly ProgressMeasure[], name: string) => measures.find((one) => one.measure === `walk:${name}`) ?? null;
 
 /** The measure that tells most of this walk: the test's result, else speed. */
@@ -108,7 +114,7 @@ function Summary({ session, patient, gait, measures }: Walked & { measures: read
               <td data-label={t('walkReport.change')}>
                 {SIDES.flatMap((side) => {
                   const over = overTime(measures, `${name}:${side}`);
-                  return over ? [`${t(`numbers.${side}`)}: ${verdict(over)}`] : [];
+                  return over ? [`${t(`numbers.${side}`)}: ${moved(over)}`] : [];
                 }).join('; ') || '–'}
               </td>
             </tr>
@@ -130,7 +136,7 @@ function Summary({ session, patient, gait, measures }: Walked & { measures: read
               <tr key={one.measure}>
                 <th scope="row">{measureLabel(one.measure)}</th>
                 <td className="number" data-label={t('walkReport.value')}>{shown(one)}</td>
-                <td data-label={t('walkReport.change')}>{verdict(overTime(measures, one.measure))}</td>
+                <td data-label={t('walkReport.change')}>{moved(overTime(measures, one.measure))}</td>
               </tr>
             ))}
           </tbody>
@@ -194,7 +200,7 @@ function Method({ session, patient, gait, page }: Walked & { page: number }) {
     [t('walkReport.sensors'), `${session.placements.map(placementLabel).join(', ')}; ${number(session.rate_hz)} Hz`],
     [t('walkReport.forces'), balance ? t('walkReport.forcesYes', { mass: number(balance.mass_kg, 1) }) : t('walkReport.forcesNo')],
     [t('walkReport.apart'), apart],
-    [t('report.estimator'), t('report.estimatorText', { title, version: result.orientation_version, pipeline: result.pipeline_version, kind: result.kind === 'live' ? t('result.live') : t('result.offline') })],
+    [t('report.estimator'), t('walkReport.estimator', { title, version: result.orientation_version, pipeline: result.pipeline_version, kind: result.kind === 'live' ? t('result.live') : t('result.offline') })],
     [t('walkReport.lost'), all > 0 ? t('walkReport.lostText', { percent: number((100 * session.packets_missing) / all, 1), gaps: count('gap'), forces: count('forces_lost') }) : t('details.uploaded')],
     [t('walkReport.counted'), t('walkReport.countedText', { counted: strides.filter((one) => one.is_counted).length, all: strides.length })],
   ];
