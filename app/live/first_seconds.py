@@ -1,24 +1,31 @@
-"""Watches the beginning of a stream for readings that cannot be right and tells them once each."""
+"""Watches a stream for readings that cannot be right, until every sensor has moved a while; tells them once each."""
 
 import asyncio
 import logging
 from collections.abc import Callable, Sequence
 from typing import Final
 
+import numpy as np
+
 from app.ingest.alignment import joined_chunks
 from estimators.calibration import FIRST_SECONDS_S, Finding, check_plausibility, in_words
-from estimators.recording import ImuChunk
+from estimators.recording import Float, ImuChunk
 
 logger = logging.getLogger(__name__)
 
 CHECK_EVERY_S: Final = 4.0
 WATCHED_S: Final = 60.0
+"""How long a sensor is watched while it moves."""
+RESTING_CHECKS: Final = 3
+"""Rest tells units at once or not at all."""
+_MOVED_MPS2: Final = 1.0
+"""Spread of the specific force: turned by some six degrees, whatever the gyroscope says."""
 
 
 class FirstSeconds:
-    """Keeps the last seconds of the first minute and checks them every four.
+    """Keeps the last seconds and checks them every four, until each sensor has moved for a minute.
 
-    Rest tells units, the first movement tells axes; so the first minute is looked at, not one moment.
+    Rest tells units, movement tells axes and signs; a patient may stand for minutes before moving.
 
     Parameters
     ----------
@@ -31,19 +38,32 @@ class FirstSeconds:
     def __init__(self, names: Sequence[str], tell: Callable[[list[Finding], float], None]) -> None:
         self._names, self._tell = tuple(names), tell
         self._kept: list[ImuChunk] = []
-        self._known: set[tuple[str, str]] = set()
-        self._refused: list[Finding] = []
+        self._known: dict[tuple[str, str], Finding] = {}
+        self._moved_s = dict.fromkeys(self._names, 0.0)
+        self._resting_checks = 0
         self._next_s = CHECK_EVERY_S
         self._checking: asyncio.Task[None] | None = None
 
     @property
     def hint(self) -> str:
         """What cannot be right, in words for the therapist; empty while nothing was found."""
-        return in_words(self._refused, most=2)
+        return in_words([found for found in self._known.values() if found.severity == "refuse"], most=2)
+
+    @property
+    def refused(self) -> frozenset[str]:
+        """Sensors of which something cannot be right."""
+        return frozenset(found.sensor for found in self._known.values() if found.severity == "refuse")
+
+    def restart(self, name: str) -> None:
+        """Watch a sensor anew: it was away, and may have come back as another one."""
+        self._moved_s[name] = 0.0
+        self._resting_checks = 0
+        self._known = {subject: found for subject, found in self._known.items() if found.sensor != name}
+        self._kept.clear()
 
     def add(self, chunk: ImuChunk) -> None:
         """Take the newest ticks."""
-        if self._next_s > WATCHED_S:
+        if min(self._moved_s.values()) >= WATCHED_S:
             return
         self._kept.append(chunk)
         end_s = float(chunk.time_s[-1])
@@ -55,26 +75,50 @@ class FirstSeconds:
             return
         self._next_s = end_s + CHECK_EVERY_S
         self._checking = asyncio.get_running_loop().create_task(self._check(list(self._kept), end_s))
-        if self._next_s > WATCHED_S:
-            self._kept.clear()
 
     async def _check(self, pieces: list[ImuChunk], end_s: float) -> None:
         try:
-            found = await asyncio.to_thread(self._findings, pieces)
+            found, moved = await asyncio.to_thread(self._findings, pieces)
         except Exception:
             # A check that fails must not end the session.
             logger.exception("the first seconds could not be checked")
             return
-        new = [finding for finding in found if finding.subject not in self._known]
-        self._known |= {finding.subject for finding in new}
-        self._refused += [finding for finding in new if finding.severity == "refuse"]
+        for name in moved:
+            self._moved_s[name] += CHECK_EVERY_S
+        self._resting_checks += not moved
+        if min(self._moved_s.values()) >= WATCHED_S:
+            self._kept.clear()
+        new = [finding for finding in found if self._is_new(finding)]
+        self._known |= {finding.subject: finding for finding in new}
         if new:
             self._tell(new, end_s)
 
-    def _findings(self, pieces: list[ImuChunk]) -> list[Finding]:
+    def _is_new(self, finding: Finding) -> bool:
+        """At rest a unit is only doubted: that it is wrong, told by the movement, is new."""
+        known = self._known.get(finding.subject)
+        return known is None or (known.severity, finding.severity) == ("warning", "refuse")
+
+    def _findings(self, pieces: list[ImuChunk]) -> tuple[list[Finding], list[str]]:
         chunk = joined_chunks(pieces)
+        newest = chunk.ticks(
+            max(0, chunk.tick_count - round(CHECK_EVERY_S / chunk.time_step_s)), chunk.tick_count
+        )
+        moved = [
+            name
+            for name, force in zip(self._names, newest.accelerometer_mps2, strict=True)
+            if _spread(force) > _MOVED_MPS2
+        ]
+        if not moved and self._resting_checks >= RESTING_CHECKS:
+            return [], moved
         # A sensor that sends nothing is told as lost by the health of the link.
-        return [finding for finding in check_plausibility(chunk, self._names) if finding.code != "no_data"]
+        found = check_plausibility(chunk, self._names)
+        return [finding for finding in found if finding.code != "no_data"], moved
+
+
+def _spread(force_mps2: Float) -> float:
+    """Return how much a sensor's specific force varied, all axes together; 0 where nothing came."""
+    sound = force_mps2[np.isfinite(force_mps2).all(axis=1)]
+    return float(np.sqrt(sound.var(axis=0).sum())) if len(sound) else 0.0
 
 
 __all__ = ["CHECK_EVERY_S", "WATCHED_S", "FirstSeconds"]

@@ -205,6 +205,8 @@ class LiveSession(CalibratedSession):
         if len(changes) < max(2, len(self.health.placements)):
             for change in changes:
                 kind = "sensor_lost" if change.is_lost else "sensor_back"
+                if not change.is_lost:
+                    self._first_seconds.restart(change.placement)
                 self.add_event(kind, change.tick * step_s, placement=change.placement)
         if self.aligner.gaps:
             for gap in self.aligner.gaps:

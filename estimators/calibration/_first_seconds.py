@@ -13,6 +13,7 @@ FIRST_SECONDS_S: Final = 12.0
 SEARCHED_S: Final = 60.0
 """How far into a recording the first movement is looked for."""
 _MOVED_RADPS: Final = 0.5
+_TIMES_REST: Final = 5.0
 _BEFORE_S: Final = 3.0
 
 
@@ -37,22 +38,27 @@ def check_first_seconds(
     -------
     tuple of Finding
         Of the very first seconds, which tell units, and of those around the first movement, which tell axes; each
-        once.
+        once, with the graver of both verdicts.
     """
     length = max(1, round(FIRST_SECONDS_S / chunk.time_step_s))
     found: dict[tuple[str, str], Finding] = {}
     for start in (0, _movement(chunk)):
         stretch = chunk.ticks(start, min(start + length, chunk.tick_count))
         for finding in check_plausibility(stretch, names, hemisphere=hemisphere):
-            found.setdefault(finding.subject, finding)
+            known = found.get(finding.subject)
+            # At rest a unit is only doubted; the movement then tells that it is wrong.
+            if known is None or (known.severity, finding.severity) == ("warning", "refuse"):
+                found[finding.subject] = finding
     return tuple(found.values())
 
 
 def _movement(chunk: ImuChunk) -> int:
     """Return a tick shortly before most sensors begin to turn; 0 if they do at once or never."""
     ticks = min(chunk.tick_count, round(SEARCHED_S / chunk.time_step_s))
-    speed = np.linalg.norm(chunk.gyroscope_radps[:, :ticks], axis=-1)
-    moving = np.flatnonzero(np.nan_to_num(np.median(speed, axis=0)) > _MOVED_RADPS)
+    speed = np.nan_to_num(np.median(np.linalg.norm(chunk.gyroscope_radps[:, :ticks], axis=-1), axis=0))
+    # Against what it reads at first: noise of deg/s taken for rad/s is no movement.
+    at_first = float(np.median(speed[: round(_BEFORE_S / chunk.time_step_s)]))
+    moving = np.flatnonzero(speed > max(_MOVED_RADPS, _TIMES_REST * at_first))
     if not len(moving):
         return 0
     return max(0, int(moving[0]) - round(_BEFORE_S / chunk.time_step_s))

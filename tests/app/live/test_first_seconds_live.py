@@ -9,7 +9,7 @@ import pytest
 from app.live.first_seconds import FirstSeconds
 from estimators import signals
 from estimators.calibration import Finding
-from estimators.recording import ImuChunk
+from estimators.recording import Float, ImuChunk
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
 
 ARM = ("upper_arm_right", "forearm_right")
@@ -79,3 +79,65 @@ def test_a_silent_sensor_is_left_to_the_health_of_the_link(sound: ImuChunk) -> N
     for values in gone.values():
         values[1] = np.nan
     assert asyncio.run(watched(replace(sound, **gone)))[1] == []
+
+
+def resting_first(chunk: ImuChunk, seconds: float) -> ImuChunk:
+    """Put a rest before, as its first second reads on average, with noise."""
+    ticks = round(seconds / chunk.time_step_s)
+    generator = np.random.default_rng(1)
+
+    def longer(values: Float, noise: float) -> Float:
+        rest = values[:, :100].mean(axis=1, keepdims=True) + noise * generator.normal(
+            size=(len(values), ticks, 3)
+        )
+        return np.concatenate((rest, values), axis=1)
+
+    assert chunk.magnetometer_t is not None
+    return ImuChunk(
+        0,
+        chunk.time_step_s,
+        longer(chunk.gyroscope_radps, 4e-3),
+        longer(chunk.accelerometer_mps2, 2e-2),
+        longer(chunk.magnetometer_t, 2e-7),
+        np.zeros((chunk.sensor_count, ticks + chunk.tick_count), np.uint8),
+    )
+
+
+def test_axes_are_told_however_late_the_first_movement_is(sound: ImuChunk) -> None:
+    late = resting_first(sound, 70.0)
+    faulty = late.gyroscope_radps.copy()
+    faulty[0] = faulty[0][:, [1, 0, 2]]
+    watch, told = asyncio.run(watched(replace(late, gyroscope_radps=faulty)))
+    assert [(f.sensor, f.code) for _, f in told] == [("upper_arm_right", "gyroscope_axes")]
+    assert watch.refused == {"upper_arm_right"}
+
+
+def test_the_movement_refuses_what_the_rest_only_doubted(sound: ImuChunk) -> None:
+    late = resting_first(sound, 10.0)
+    # Declared in rad/s, given in deg/s, of gyroscopes that have been calibrated at rest.
+    rate = late.gyroscope_radps - late.gyroscope_radps[:, :500].mean(axis=1, keepdims=True)
+    watch, told = asyncio.run(watched(replace(late, gyroscope_radps=np.degrees(rate))))
+    of_one = [(f.code, f.severity) for _, f in told if f.sensor == "forearm_right"]
+    assert of_one == [("gyroscope_unit", "warning"), ("gyroscope_unit", "refuse")]
+    assert watch.refused == set(ARM)
+
+
+def test_a_sensor_that_came_back_is_watched_anew(sound: ImuChunk, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("app.live.first_seconds.WATCHED_S", 12.0)
+
+    async def run() -> list[str]:
+        watch, told = await watched(sound)
+        watch.restart("forearm_right")
+        again = []
+        watch._tell = lambda found, _: again.extend(finding.code for finding in found)
+        faulty = sound.gyroscope_radps.copy()
+        faulty[1] = faulty[1][:, [1, 0, 2]]
+        turned = replace(sound, gyroscope_radps=faulty, first_tick=sound.tick_count)
+        for start in range(0, turned.tick_count - 10, 10):
+            watch.add(turned.ticks(start, start + 10))
+            if watch._checking is not None:
+                await watch._checking
+        assert told == []
+        return again
+
+    assert asyncio.run(run()) == ["gyroscope_axes"]

@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 
 from estimators import signals
-from estimators.calibration import FIRST_SECONDS_S, Finding, check_first_seconds, in_words
+from estimators.calibration import FIRST_SECONDS_S, Finding, check_first_seconds, check_plausibility, in_words
 from estimators.recording import ImuChunk, Recording, SensorSignals
 
 DATA = Path(__file__).parents[2] / "data" / "broad" / "fast_combined_15s.npz"
 
 
-def after_a_long_rest() -> ImuChunk:
+def after_a_long_rest(gyroscope_noise: float = 2e-3) -> ImuChunk:
     """Thirty seconds of rest before a real movement."""
     content = np.load(DATA)
     rate_hz = float(content["sampling_rate_hz"])
@@ -20,7 +20,7 @@ def after_a_long_rest() -> ImuChunk:
     generator = np.random.default_rng(1)
     rest = round(30 * rate_hz)
     read = []
-    for name, noise in zip(names, (2e-3, 2e-2, 0.2), strict=True):
+    for name, noise in zip(names, (gyroscope_noise, 2e-2, 0.2), strict=True):
         values = content[name]
         still = values[:100].mean(axis=0) + noise * generator.normal(size=(rest, 3))
         read.append(np.concatenate([still, values]))
@@ -53,3 +53,14 @@ def test_words_name_all_sensors_of_a_kind():
     assert in_words(told) == "a, b: too fast. c: silent."
     assert in_words(told, most=1) == "a, b: too fast. And 1 more."
     assert in_words([]) == ""
+
+
+def test_the_movement_refuses_what_the_rest_only_doubted():
+    chunk = after_a_long_rest(gyroscope_noise=4e-3)
+    # Noise of deg/s given as rad/s is odd at rest, but a trembling hand might do it.
+    bias = chunk.gyroscope_radps[:, :1000].mean(axis=1, keepdims=True)
+    in_degrees = replace(chunk, gyroscope_radps=np.degrees(chunk.gyroscope_radps - bias))
+    rest = check_plausibility(in_degrees.ticks(0, round(FIRST_SECONDS_S / chunk.time_step_s)), ["box"])
+    assert [(f.code, f.severity) for f in rest] == [("gyroscope_unit", "warning")]
+    found = check_first_seconds(in_degrees, ["box"])
+    assert [(f.code, f.severity) for f in found] == [("gyroscope_unit", "refuse")]
