@@ -102,7 +102,8 @@ def relate_by_course(
     found = least_squares(problem.residuals, problem.start(), x_scale=problem.scale(), method="trf")
     placed = problem.placed(found.x)
     # How far the steps may be off together: the relation's own covariance, carried to the mean distance.
-    inverse = np.linalg.pinv(found.jac.T @ found.jac)
+    slopes: Float = np.asarray(found.jac, dtype=np.float64)
+    inverse = np.linalg.pinv(slopes.T @ slopes)
     knots = len(problem.knot_s)
     slope = np.array([problem.mean_change(found.x, k) for k in range(knots)])
     own = float(np.sqrt(max(slope @ inverse[:knots, :knots] @ slope, 0.0)))

@@ -228,7 +228,7 @@ def test_progress_of_walks_has_the_form_of_every_progress(
     walks = [uploaded(tmp_path / "walk.csv", format="gaitmap") for _ in range(2)]
     found = therapist.get(f"/api/patients/{world.patient_id}/progress").json()
     measures = {one["measure"]: one for one in found["measures"]}
-    assert list(measures)[0] == "walk:speed:left"
+    assert next(iter(measures)) == "walk:speed:left"
     speed = measures["walk:speed:left"]
     assert speed["label"] == "Walking speed, left"
     assert [point["session_id"] for point in speed["points"]] == [walk.session_id for walk in walks]
