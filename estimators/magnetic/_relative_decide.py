@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from estimators._kernels import kernel
 from estimators.magnetic import _relative_layout as at
-from estimators.magnetic._relative_pulse import predict_pulse
+from estimators.magnetic._relative_pulse import expected_variance, predict_pulse
 from estimators.magnetic._relative_update import innovate
 from estimators.recording import Float
 
@@ -19,7 +19,7 @@ _PENDING, _REQUESTED, _BURST_COIL, _PULSES, _LAST_REQUEST = (
     at.PULSES,
     at.LAST_REQUEST,
 )
-_GATHER, _TRACK, _T, _RATE, _FIELD_SIGMA = at.GATHER, at.TRACK, at.TIME_STEP, at.RATE_SIGMA, at.FIELD_SIGMA
+_GATHER, _TRACK = at.GATHER, at.TRACK
 _LIMIT_P, _LIMIT_A, _ON, _OFF, _START_ON = (
     at.POSITION_LIMIT,
     at.ATTITUDE_LIMIT,
@@ -33,10 +33,9 @@ _START_OFF, _CURRENT_SET, _LEAST, _CURRENT_SHARE = (
     at.LEAST_CURRENT,
     at.CURRENT_SHARE,
 )
-_ADAPTIVE, _BY_DISTANCE, _EARTH, _GAIN, _FIXED = (
+_ADAPTIVE, _BY_DISTANCE, _GAIN, _FIXED = (
     at.ADAPTIVE_CURRENT,
     at.SCALE_BY_DISTANCE,
-    at.EARTH_FIELD,
     at.GAIN_SIGMA,
     at.FIXED_TICKS,
 )
@@ -72,8 +71,7 @@ def choose(
 ) -> int:
     """Return the coil that would leave the least uncertainty, from 1; fill the scores (page MM 4.5 step 4)."""
     h, r, value, zero = np.zeros((3, p.shape[0])), np.zeros((3, 3)), np.empty(3), np.zeros(3)
-    white = settings[_FIELD_SIGMA] ** 2 * (1.0 / settings[_ON] + 1.0 / settings[_OFF])
-    white += 0.7 * settings[_OFF] * (settings[_RATE] * settings[_T] * settings[_EARTH]) ** 2
+    white = expected_variance(settings)
     best, least = 0, math.inf
     for coil in range(int(settings[_COILS])):
         predict_pulse(loops, float(coil), current, 0.0, nominal, rates, value, h)
@@ -96,8 +94,7 @@ def choose_current(
 ) -> float:
     """Return the least current whose pulse brings the score of its coil to a target, at most the set one."""
     h, r, value, zero = np.zeros((3, p.shape[0])), np.zeros((3, 3)), np.empty(3), np.zeros(3)
-    white = settings[_FIELD_SIGMA] ** 2 * (1.0 / settings[_ON] + 1.0 / settings[_OFF])
-    white += 0.7 * settings[_OFF] * (settings[_RATE] * settings[_T] * settings[_EARTH]) ** 2
+    white = expected_variance(settings)
     low, high = settings[_LEAST], settings[_CURRENT_SET]
     for _ in range(10):
         middle = 0.5 * (low + high)

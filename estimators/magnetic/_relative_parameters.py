@@ -21,9 +21,10 @@ class RelativePoseParameters:
     gyroscopes' walk by sqrt(2 * `bias_decay_per_s`) times `rate_bias_sigma_radps` in a second, as the same process
     would without its decay.
     `position_limit_m` and `attitude_limit_deg` are the sigmas above which a coil is fired; `distance_scaling` makes
-    them grow with the distance (F-24). `pulse_s`, `baseline_samples` and `current_a` describe a pulse;
-    `start_pulse_s` and `start_baseline_samples` those of the burst that starts the filter. `adaptive_current` takes
-    the least current that brings `current_share` of what the full one would take off the uncertainty (F-23).
+    them grow with the distance (F-24). `pulse_s`, `baseline_samples` (quiet ones before it, at most) and `current_a`
+    describe a pulse; `start_pulse_s` and `start_baseline_samples` those of the burst that starts the filter.
+    `adaptive_current` takes the least current that brings `current_share` of what the full one would take off the
+    uncertainty (F-23).
     `fixed_interval_s` above zero fires the coils in turn instead, at that interval, whatever the uncertainty.
     `mounting_direction` is where the sensor is from the source, roughly, in source axes; zero for none.
     `passes` of the iterated update, 1 for the published one. `nis_soft` is where outliers begin to weigh less;

@@ -21,6 +21,58 @@ _FIELD_SIGMA, _RATE_SIGMA, _TIME_STEP, _EARTH, _FULL_SCALE = (
     at.FULL_SCALE,
 )
 _KEPT_P, _KEPT_Q = at.KEPT_POSITION, at.KEPT_ATTITUDE
+_ON_TICKS, _OFF_TICKS = at.ON_TICKS, at.OFF_TICKS
+
+
+@kernel("float64(float64[::1])")
+def fading(settings: Float) -> float:
+    """Return how much less a quiet sample weighs than the next one: white noise of the field against turning.
+
+    The gain of the steady Kalman filter of a random walk (variance per step q) under white noise (r) is
+    k = (sqrt(q^2 + 4 q r) - q) / (2 r); what is one step older weighs 1 - k.
+    """
+    ratio = (settings[_RATE_SIGMA] * settings[_TIME_STEP] * settings[_EARTH] / settings[_FIELD_SIGMA]) ** 2
+    return float(1.0 - 0.5 * (math.sqrt(ratio * ratio + 4.0 * ratio) - ratio))
+
+
+@kernel("UniTuple(float64, 3)(float64[:, :, ::1])")
+def spread(shares: Float) -> tuple[float, float, float]:
+    """Return by how much white noise, noise of the gyroscope's steps, and its offset come through into a pulse.
+
+    The first two as variances, the last in ticks. `shares` are the weights of samples: before (0) or after (1) the
+    middle, on (0) or quiet (1), ticks from it. Every step turns all samples beyond it: its error comes with the sum
+    of their weights, quiet ones counted negative.
+    """
+    total_on, total_off = shares[:, 0].sum(), shares[:, 1].sum()
+    white = (shares[0, 0, 0] / total_on) ** 2
+    turning = lever = 0.0
+    for side in range(2):
+        sign, beyond = 2.0 * side - 1.0, 0.0
+        for k in range(shares.shape[2] - 1, 0, -1):
+            on, off = shares[side, 0, k] / total_on, shares[side, 1, k] / total_off
+            white += on * on + off * off
+            beyond += on - off
+            turning += beyond * beyond
+            lever += sign * beyond
+    return white, turning, lever
+
+
+@kernel("float64(float64[::1])")
+def expected_variance(settings: Float) -> float:
+    """Return the variance of a pulse as set, right after its quiet samples, the mean of the three axes."""
+    shares = np.zeros((2, 2, _RING))
+    length = int(settings[_ON_TICKS])
+    before = (length - 1) // 2
+    cut = 0 if length <= 3 else 1
+    shares[0, 0, : before + 1 - cut] = 1.0
+    shares[1, 0, 1 : length - before - cut] = 1.0
+    weight, fade = 1.0, fading(settings)
+    for k in range(int(settings[_OFF_TICKS])):
+        shares[0, 1, before + 1 + k] = weight
+        weight *= fade
+    white, turning, _ = spread(shares)
+    turn = settings[_RATE_SIGMA] * settings[_TIME_STEP] * settings[_EARTH]
+    return float(settings[_FIELD_SIGMA] ** 2 * white + 2.0 / 3.0 * turn * turn * turning)
 
 
 @kernel(
@@ -38,9 +90,12 @@ def pulse_value(
 ) -> int:
     """Read a pulse whose last sample is tick `last` from the ring, in the sensor axes of its middle sample.
 
-    `out` takes value (3), white variance, current, the ticks from the middle to `last`, and how many rows of `path`
-    are filled: for samples that are on, the place that the filter gave the sensor, and the turn (quaternion) from the
-    source's axes then to the sensor's in the middle. Returns 0 when sound, 1 without a usable sample, 2 when saturated.
+    `out` takes value (3), white variance, current, the ticks from the middle to `last`, how many rows of `path` are
+    filled, the ambient field (3), the variance of the turn between it and the pulse by the gyroscope's noise, and the
+    time for which an error of the gyroscope's offset turns it. The path is, for samples that are on, the place that
+    the filter gave the sensor, and the turn (quaternion) from the source's axes then to the sensor's in the middle.
+    Quiet samples weigh less the older they are (own: generalised least squares, where page 3.8 takes their plain
+    mean). Returns 0 when sound, 1 without a usable sample, 2 when saturated.
     """
     out[6] = 0.0
     t = settings[_TIME_STEP]
@@ -49,7 +104,8 @@ def pulse_value(
     # Attitude of every sample in the axes of the middle one, walking outwards by the gyroscope.
     inner_first, inner_last = (first, last) if length <= 3 else (first + 1, last - 1)
     sums = np.zeros((2, 3))
-    counts = np.zeros(2)
+    counts, shares = np.zeros(2), np.zeros((2, 2, _RING))
+    weight, fade = 1.0, fading(settings)
     current = 0.0
     saturated = False
     for direction in (-1, 1):
@@ -84,9 +140,11 @@ def pulse_value(
                 limit = settings[_FULL_SCALE]
                 saturated = saturated or abs(x) >= limit or abs(y) >= limit or abs(z) >= limit
                 b = rotate(q[0], q[1], q[2], q[3], x, y, z)
+                own = 1.0 if group == 0 else weight
                 for i in range(3):
-                    sums[group, i] += b[i]
+                    sums[group, i] += own * b[i]
                 counts[group] += 1.0
+                shares[0 if direction < 0 else 1, group, abs(k - middle)] = own
                 if group == 0:
                     current += row[_CURRENT]
                     if out[6] < path.shape[0]:
@@ -97,15 +155,19 @@ def pulse_value(
                         for i in range(3):
                             place[i] = row[_KEPT_P + i]
                         place[3], place[4], place[5], place[6] = m
+            if counts[1] > 0.0:
+                weight *= fade
             k += direction
     if counts[0] < 1.0 or counts[1] < 2.0:
         return 1
+    quiet = shares[:, 1].sum()
     for i in range(3):
-        out[i] = sums[0, i] / counts[0] - sums[1, i] / counts[1]
-    out[3] = (
-        settings[_FIELD_SIGMA] ** 2 * (1.0 / counts[0] + 1.0 / counts[1])
-        + 0.7 * counts[1] * (settings[_RATE_SIGMA] * t * settings[_EARTH]) ** 2
-    )
+        out[7 + i] = sums[1, i] / quiet
+        out[i] = sums[0, i] / counts[0] - out[7 + i]
+    white, turning, lever = spread(shares)
+    out[3] = settings[_FIELD_SIGMA] ** 2 * white
+    out[10] = (settings[_RATE_SIGMA] * t) ** 2 * turning
+    out[11] = t * lever
     out[4] = current / counts[0]
     out[5] = float(last - middle)
     return 2 if saturated else 0
@@ -257,4 +319,4 @@ def predict_path(
             h[i, _EP + j] = gradient[i, 0] * x[0][j] + gradient[i, 1] * x[1][j] + gradient[i, 2] * x[2][j]
 
 
-__all__ = ["predict_path", "predict_pulse", "pulse_value"]
+__all__ = ["expected_variance", "predict_path", "predict_pulse", "pulse_value"]

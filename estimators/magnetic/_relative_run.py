@@ -92,7 +92,7 @@ def end_pulse(
 ) -> float:
     """Use a pulse that has just ended; return its normalised innovation squared, NaN when it corrected nothing."""
     phase = counters[_PHASE]
-    pulse, path = np.empty(7), np.empty((_PATH, _PATH_COLUMNS))
+    pulse, path = np.empty(12), np.empty((_PATH, _PATH_COLUMNS))
     gathering = phase == _GATHER
     off = int(settings[_START_OFF] if gathering else settings[_OFF])
     counters[_PULSES] += 1

@@ -6,12 +6,12 @@ import numpy as np
 
 from estimators._kernels import kernel, rotate_back
 from estimators.magnetic import _relative_layout as at
-from estimators.magnetic._relative_motion import attitude_matrix, inject
+from estimators.magnetic._relative_motion import add_skew, attitude_matrix, inject
 from estimators.magnetic._relative_pulse import predict_path
 from estimators.magnetic._small_algebra import cholesky, joseph, solve
 from estimators.recording import Float
 
-_Q, _ET, _EA, _EAC = at.ATTITUDE, at.E_ATTITUDE, at.E_FORCE, at.E_SOURCE_FORCE
+_Q, _ET, _EA, _EG, _EAC = at.ATTITUDE, at.E_ATTITUDE, at.E_FORCE, at.E_RATE, at.E_SOURCE_FORCE
 _TIME_STEP, _GAIN_SIGMA, _PASSES, _NIS_SOFT = at.TIME_STEP, at.GAIN_SIGMA, at.PASSES, at.NIS_SOFT
 _INCLINATION_SIGMA = at.INCLINATION_SIGMA
 _DONE = 1e-7
@@ -74,12 +74,17 @@ def update_pulse(
     correction, trial = np.zeros(n), nominal.copy()
     delay = pulse[5] * settings[_TIME_STEP]
     first = -1.0
+    ambient = pulse[7] ** 2 + pulse[8] ** 2 + pulse[9] ** 2
+    # An error of the gyroscope's offset turns the ambient field that is taken off the pulse.
+    add_skew(h, 0, _EG, pulse[11], pulse[7], pulse[8], pulse[9])
     for number in range(int(settings[_PASSES])):
         predict_path(loops, coil, pulse, path, delay, nominal, trial, rates, value, h)
         if number == 0:
             size = value[0] * value[0] + value[1] * value[1] + value[2] * value[2]
             for i in range(3):
-                r[i, i] = (pulse[3] + settings[_GAIN_SIGMA] ** 2 * size) * inflation
+                for j in range(3):
+                    r[i, j] = -inflation * pulse[10] * pulse[7 + i] * pulse[7 + j]
+                r[i, i] += inflation * (pulse[3] + pulse[10] * ambient + settings[_GAIN_SIGMA] ** 2 * size)
         for i in range(3):
             innovation[i] = value[i] - pulse[i]
         nis = innovate(p, h, r, innovation, gain)
@@ -95,7 +100,7 @@ def update_pulse(
                         total = r[a, b]
                         for k in range(n):
                             if h[a, k] != 0.0:
-                                for m in range(9):
+                                for m in range(n):
                                     total += h[a, k] * p[k, m] * h[b, m]
                         work[a, b] = total
                 for a in range(3):
