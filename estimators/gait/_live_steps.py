@@ -34,6 +34,7 @@ class LiveSteps:
         Whether the foot has gone far enough to say where the course is.
     toe_out_rad, stride_length_m : ndarray, shape (K, F)
         Of the last stride; NaN before the first.
+    q_room_sensor : ndarray, shape (K, F, 4)
     """
 
     place_m: Float
@@ -41,6 +42,7 @@ class LiveSteps:
     is_placed: NDArray[np.bool_]
     toe_out_rad: Float
     stride_length_m: Float
+    q_room_sensor: Float
 
 
 class LiveStepTracker:
@@ -90,7 +92,7 @@ class LiveStepTracker:
         """Take the next released samples; `rows` are those of the feet among the sensors."""
         nothing = (released.flags[rows] & FootFlag.INVALID) != 0
         bits = np.asarray(released.is_stance[rows] + 2 * nothing, dtype=np.uint8) | self._right
-        out = np.empty((released.tick_count, len(self._feet), 7))
+        out = np.empty((released.tick_count, len(self._feet), 11))
         at.follow(
             self._settings,
             np.ascontiguousarray(released.q_world_sensor[rows]),
@@ -99,7 +101,9 @@ class LiveStepTracker:
             self._feet,
             out,
         )
-        return LiveSteps(out[:, :, :3], out[:, :, 3], out[:, :, 4] > 0.0, out[:, :, 5], out[:, :, 6])
+        return LiveSteps(
+            out[:, :, :3], out[:, :, 3], out[:, :, 4] > 0.0, out[:, :, 5], out[:, :, 6], out[:, :, 7:]
+        )
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return everything that the next update depends on."""

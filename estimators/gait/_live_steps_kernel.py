@@ -155,8 +155,9 @@ def follow(
         1: the foot stands; 2: nothing is known of it; 4: a right foot.
     feet : ndarray, shape (F, FOOT)
         Memory, changed.
-    out : ndarray, shape (K, F, 7)
-        Place in the room (3), course, whether the foot is placed, toe-out and stride length.
+    out : ndarray, shape (K, F, 11)
+        Place in the room (3), course, whether the foot is placed, toe-out and stride length, and the sensor's
+        orientation in the room (4).
     """
     feet_count, count = position_m.shape[0], position_m.shape[1]
     for k in range(count):
@@ -194,6 +195,9 @@ def follow(
                 _new_foothold(settings, m, feet, other, -1.0 if bits[f, k] & 4 else 1.0)
             _placed(m, p[0], p[1], p[2], out[k, f, :3])
             out[k, f, 3], out[k, f, 4] = m[COURSE], m[PLACED]
+            half = -0.5 * m[COURSE]
+            turned = multiply(math.cos(half), 0.0, 0.0, math.sin(half), q[0], q[1], q[2], q[3])
+            out[k, f, 7], out[k, f, 8], out[k, f, 9], out[k, f, 10] = turned
             if m[COUNT] > 1.0:
                 out[k, f, 5], out[k, f, 6] = m[TOE_OUT], m[LENGTH]
 

@@ -140,26 +140,23 @@ class GaitPipeline(Pipeline):
         """Return the rows of what the tracker gave away."""
         feet, heels, count = len(self._feet), self._heels, found.tick_count
         steps = self._steps.update(found, heels)
-        q, position = found.q_world_sensor[heels], found.position_m[heels]
+        speed = np.linalg.norm(found.velocity_mps[heels], axis=2)
         scalar = np.full((count, len(self._layout.scalars)), np.nan)
         each = scalar[:, : feet * len(SCALARS)].reshape(count, feet, len(SCALARS))
         each[:, :, 0] = found.is_stance[heels].T
-        each[:, :, 3] = np.sqrt(
-            np.einsum("fki,fki->kf", found.velocity_mps[heels], found.velocity_mps[heels])
-        )
+        each[:, :, 3] = speed.T
         each[:, :, 4], each[:, :, 7] = steps.stride_length_m, steps.toe_out_rad
         scalar[:, : feet * len(SCALARS)] = each.reshape(count, -1)
         if self._shoes is None:
-            points = [apart(position[i], side) for i, side in enumerate(self._feet)]
+            q = found.q_world_sensor[heels].transpose(1, 0, 2)
+            points = [apart(found.position_m[row], side) for row, side in zip(heels, self._feet, strict=True)]
         else:
-            points, forces = self._shoes.release(found, steps)
+            q = steps.q_room_sensor
+            points, forces = self._shoes.release(found, steps, speed)
             scalar[:, feet * len(SCALARS) :] = forces
-            half = -0.5 * steps.course_rad.T
-            still = np.zeros_like(half)
-            q = rotation.multiply(np.stack([np.cos(half), still, still, np.sin(half)], axis=-1), q)
         return np.concatenate(
             [
-                q.transpose(1, 0, 2).reshape(count, -1),
+                q.reshape(count, -1),
                 *points,
                 scalar,
                 flags_of(found.flags[heels]).T,

@@ -98,7 +98,7 @@ class LiveShoes:
             new[:, :, 6:9], new[:, :, 9:12] = force_n[_FOREFEET], moment_nm[_FOREFEET]
         self._loads = np.concatenate([self._loads, new], axis=1)
 
-    def release(self, feet: FootChunk, steps: LiveSteps) -> tuple[list[Float], Float]:
+    def release(self, feet: FootChunk, steps: LiveSteps, speed_mps: Float) -> tuple[list[Float], Float]:
         """Bring the loads of what was released of the feet into the room.
 
         Parameters
@@ -106,6 +106,8 @@ class LiveShoes:
         feet : FootChunk
             Of the four sensors.
         steps : LiveSteps
+            Of the heels.
+        speed_mps : ndarray, shape (2, K)
             Of the heels.
 
         Returns
@@ -127,7 +129,7 @@ class LiveShoes:
             feet.q_world_sensor[_CELLS],
             np.ascontiguousarray(steps.place_m.transpose(1, 0, 2)),
             np.ascontiguousarray(steps.course_rad.T),
-            np.linalg.norm(feet.velocity_mps[_HEELS], axis=2),
+            speed_mps,
             bits,
             self._shoes,
             out,

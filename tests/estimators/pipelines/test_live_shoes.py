@@ -185,3 +185,29 @@ def test_one_foot_alone_is_followed_as_before():
     assert frames.layout.points == ("foot_left",)
     toe_out = frames.scalar[:, frames.layout.scalars.index("foot_left_toe_out_rad")]
     assert np.degrees(toe_out[-1]) == pytest.approx(10.0, abs=4.0)
+
+
+def test_the_filter_equals_its_dense_form():
+    rng = np.random.default_rng(3)
+    h = 0.01
+    settings = np.zeros(balance.SETTINGS)
+    settings[balance.S_STEP] = h
+    noise = {"S_FORCE2": 0.02, "S_BIAS2": 0.003, "S_WANDER2": 0.01}
+    for name, value in noise.items():
+        settings[getattr(balance, name)] = value
+    root = rng.normal(size=(4, 4))
+    p, x = root @ root.T, rng.normal(size=(2, 4))
+    transition = np.eye(4)
+    transition[0, 1], transition[0, 2], transition[1, 2] = h, -0.5 * h * h, -h
+    process = np.zeros((4, 4))
+    process[:2, :2] = 0.02 * np.array([[h**3 / 3, h**2 / 2], [h**2 / 2, h]])
+    process[2, 2], process[3, 3] = 0.003 * h, 0.01 * h
+    wanted = transition @ p @ transition.T + process
+    balance._predict(settings, x, p, 0.0, 0.0, True)
+    np.testing.assert_allclose(p, wanted, rtol=1e-12)
+    row, values, variance = np.array([1.0, 0.0, 0.0, -0.4]), np.array([0.3, -0.2]), 0.05
+    gain = p @ row / (row @ p @ row + variance)
+    wanted_x, wanted_p = x + np.outer(values - x @ row, gain), p - np.outer(gain, row @ p)
+    balance._measure(x, p, row, *values, variance)
+    np.testing.assert_allclose(x, wanted_x, rtol=1e-12)
+    np.testing.assert_allclose(p, wanted_p, rtol=1e-10, atol=1e-12)
