@@ -14,7 +14,7 @@ from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 from app.ingest.declaration import Declaration
 from app.patients.models import SensorDevice
-from app.recordings.models import MotionSession
+from app.recordings.models import MotionSession, SessionEvent
 from estimators.calibration import DeviceCalibration
 from estimators.conventions import Placement
 from estimators.pipelines import DeviceConstants, SessionSetup
@@ -79,10 +79,23 @@ def save_device_constants(
     serials: Mapping[Placement, str],
     found: Mapping[Placement, DeviceConstants],
 ) -> None:
-    """Remember what a session learnt about its sensors; nothing learnt, nothing kept."""
+    """Remember what a session learnt about its sensors; nothing learnt, nothing kept.
+
+    Nor is anything kept of a sensor whose readings could not be right: swapped axes or a wrong unit look like a
+    device with large constants, which would spoil the next session, where the readings are right.
+    """
     with unit_of_work(engine) as session:
+        refused = {
+            event.placement
+            for event in session.scalars(
+                select(SessionEvent).where(
+                    SessionEvent.session_id == session_id, SessionEvent.kind == "implausible"
+                )
+            )
+            if event.details.get("severity") == "refuse"
+        }
         for placement, constants in found.items():
-            if placement in serials and constants != DeviceConstants():
+            if placement in serials and placement not in refused and constants != DeviceConstants():
                 _row(session, session_id, serials[placement]).constants = constants.to_dict()
 
 

@@ -1,0 +1,51 @@
+"""What a session taught about its sensors is kept, but not of readings that could not be right."""
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from sqlalchemy import Engine, select
+
+from app.database.unit_of_work import read_only, unit_of_work
+from app.live.device_rows import save_device_constants
+from app.patients.models import SensorDevice
+from app.recordings.models import MotionSession, SessionEvent
+from estimators.orientation import DeviceConstants
+from estimators.pipelines import SessionSetup
+
+ARM: tuple[Any, ...] = ("sternum", "upper_arm_right", "forearm_right")
+
+
+@pytest.fixture
+def streamed(engine: Engine, world: Any) -> Callable[..., str]:
+    """A session in which something was told of a sensor."""
+
+    def make(placement: str, severity: str) -> str:
+        with unit_of_work(engine) as session:
+            found = MotionSession(
+                clinic_id=world.clinic_id,
+                patient_id=world.patient_id,
+                setup=SessionSetup("arm", ARM, 100.0).to_dict(),
+                created_by=world.accounts["therapist"],
+            )
+            session.add(found)
+            session.flush()
+            told = {"code": "gyroscope_axes", "severity": severity}
+            event = {"kind": "implausible", "time_s": 12.0, "placement": placement, "details": told}
+            session.add(SessionEvent(session_id=found.id, **event))
+            return found.id
+
+    return make
+
+
+def test_nothing_is_kept_of_a_sensor_that_cannot_be_right(
+    engine: Engine, streamed: Callable[..., str]
+) -> None:
+    learnt = dict.fromkeys(ARM, DeviceConstants(magnetometer_delay_s=0.01))
+    serials = {name: f"serial of {name}" for name in ARM}
+    save_device_constants(engine, streamed("sternum", "warning"), serials, {"sternum": learnt["sternum"]})
+    save_device_constants(engine, streamed("forearm_right", "refuse"), serials, learnt)
+    with read_only(engine) as session:
+        rows = {row.serial: row.constants for row in session.scalars(select(SensorDevice))}
+    assert set(rows) == {serials["sternum"], serials["upper_arm_right"]}
+    assert rows[serials["sternum"]]["magnetometer_delay_s"] == 0.01
