@@ -156,7 +156,7 @@ async def open_services(
             queue_closing(session, session_id)
         jobs.wake()
 
-    live = LiveManager(engine, writer, services.bus, on_closed=analyse)
+    live = LiveManager(engine, writer, services.bus, on_closed=analyse, hemisphere=settings.hemisphere)
     await live.start()
     stack.push_async_callback(live.stop)
     services.live = live

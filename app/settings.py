@@ -61,6 +61,10 @@ class Settings(BaseSettings):
     sign_in_hours: int = Field(
         default=12, ge=1, le=168, description="A browser session ends after this long in any case."
     )
+    hemisphere: Literal["north", "south", "unknown"] = Field(
+        default="north",
+        description="Of the place where sensors stream: the magnetic field points down in the north, up in the south.",
+    )
     client_dir: Path | None = Field(
         default=None, description="Built browser client; by default web/dist of the tree or the packaged one."
     )

@@ -3,7 +3,7 @@
 import json
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal, cast, get_args
+from typing import cast, get_args
 
 import numpy as np
 import pyarrow.csv
@@ -18,12 +18,10 @@ from app.recordings.columns import frames_table
 from app.recordings.schemas import CsvMapping
 from estimators import orientation as orientations
 from estimators import pipelines, signals
-from estimators.calibration import check_first_seconds, in_words
+from estimators.calibration import Hemisphere, check_first_seconds, in_words
 from estimators.conventions import Placement
 from estimators.pipelines import Frames, SessionSetup
 from estimators.recording import Recording, SensorSignals
-
-Hemisphere = Literal["north", "south", "unknown"]
 
 
 def process(

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from app.ingest.alignment import joined_chunks
-from estimators.calibration import FIRST_SECONDS_S, Finding, check_plausibility, in_words
+from estimators.calibration import FIRST_SECONDS_S, Finding, Hemisphere, check_plausibility, in_words
 from estimators.recording import Float, ImuChunk
 
 logger = logging.getLogger(__name__)
@@ -33,10 +33,17 @@ class FirstSeconds:
         Placements in the order of the chunks.
     tell : callable(findings, time_s)
         Called on the loop's thread with what is new.
+    hemisphere : {"north", "south", "unknown"}
+        Of the place, see `check_plausibility`.
     """
 
-    def __init__(self, names: Sequence[str], tell: Callable[[list[Finding], float], None]) -> None:
-        self._names, self._tell = tuple(names), tell
+    def __init__(
+        self,
+        names: Sequence[str],
+        tell: Callable[[list[Finding], float], None],
+        hemisphere: Hemisphere = "north",
+    ) -> None:
+        self._names, self._tell, self._hemisphere = tuple(names), tell, hemisphere
         self._kept: list[ImuChunk] = []
         self._known: dict[tuple[str, str], Finding] = {}
         self._moved_s = dict.fromkeys(self._names, 0.0)
@@ -111,7 +118,7 @@ class FirstSeconds:
         if not moved and self._resting_checks >= RESTING_CHECKS:
             return [], moved
         # A sensor that sends nothing is told as lost by the health of the link.
-        found = check_plausibility(chunk, self._names)
+        found = check_plausibility(chunk, self._names, hemisphere=self._hemisphere)
         return [finding for finding in found if finding.code != "no_data"], moved
 
 

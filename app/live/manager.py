@@ -28,6 +28,7 @@ from app.live.warmup import prepare_process, warm_up
 from app.recordings import GroupCommitWriter
 from app.recordings.schemas import CalibrationOut
 from estimators import pipelines
+from estimators.calibration import Hemisphere
 from estimators.errors import SetupError
 from estimators.pipelines import SessionSetup
 
@@ -48,6 +49,8 @@ class LiveManager:
     bus : Bus
     on_closed : callable(session_id)
         Called in a thread when everything of a session is stored: queues its analysis, once.
+    hemisphere : {"north", "south", "unknown"}
+        Of the place, see `FirstSeconds`.
     """
 
     def __init__(
@@ -59,10 +62,12 @@ class LiveManager:
         *,
         idle_close_s: float = IDLE_CLOSE_S,
         goodbye_close_s: float = GOODBYE_CLOSE_S,
+        hemisphere: Hemisphere = "north",
     ) -> None:
         self.engine = engine
         self.writer = writer
         self.bus = bus
+        self._hemisphere = hemisphere
         self._on_closed = on_closed
         self._sessions: dict[str, LiveSession] = {}
         self._intakes: dict[str, Intake] = {}
@@ -197,6 +202,7 @@ class LiveManager:
             bus=self.bus,
             result_id=result_id,
             first_unstored_tick=first_unstored,
+            hemisphere=self._hemisphere,
         )
         session.ledger.durable = await asyncio.to_thread(
             self.writer.open_session, session_id, session.on_durable, session.on_store_failure

@@ -33,7 +33,7 @@ from app.live.messages import AcknowledgeMessage, HealthMessage, LayoutMessage, 
 from app.live.states import OPEN, STREAMING, streaming_state
 from app.recordings import GroupCommitWriter, RawPacket, SequenceRanges
 from app.recordings.schemas import CalibrationOut, SessionState
-from estimators.calibration import Finding
+from estimators.calibration import Finding, Hemisphere
 from estimators.pipelines import Frames, Pipeline
 from estimators.recording import ImuChunk
 
@@ -59,6 +59,8 @@ class LiveSession(CalibratedSession):
         The live result.
     first_unstored_tick : int
         Frames before it are stored already.
+    hemisphere : {"north", "south", "unknown"}
+        Of the place: which way the magnetic field must point.
     """
 
     def __init__(
@@ -73,6 +75,7 @@ class LiveSession(CalibratedSession):
         result_id: str,
         first_unstored_tick: int = 0,
         first_tick: int = 0,
+        hemisphere: Hemisphere = "north",
     ) -> None:
         super().__init__(stored, engine, writer, bus)
         self.stored = stored
@@ -96,7 +99,7 @@ class LiveSession(CalibratedSession):
         )
         self.prepare_calibration()
         self._forces = ForceWatch(pipeline.delay_ticks)
-        self._first_seconds = FirstSeconds(declaration.placements, self._implausible)
+        self._first_seconds = FirstSeconds(declaration.placements, self._implausible, hemisphere)
         self._loop = asyncio.get_running_loop()
 
     @property

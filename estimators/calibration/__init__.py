@@ -18,7 +18,7 @@ from estimators.calibration._n_pose import n_pose
 from estimators.calibration._online_iron import OnlineHardIron
 from estimators.calibration._ordinary_elbow import OrdinaryElbow, elbow_from_movement
 from estimators.calibration._placement import MisplacedError, PlacementFinding, check_mounting
-from estimators.calibration._plausibility import Finding, check_plausibility
+from estimators.calibration._plausibility import Finding, Hemisphere, check_plausibility
 from estimators.calibration._static import StaticBias, static_bias
 from estimators.calibration._turns import circle_fit
 
@@ -34,6 +34,7 @@ __all__ = [
     "Finding",
     "FullTurn",
     "FunctionalResult",
+    "Hemisphere",
     "LocalField",
     "MagnetometerCollector",
     "MagnetometerProgress",

@@ -1,11 +1,11 @@
 """The first seconds of a recording or stream: cut out where they tell most, checked, put in words."""
 
 from collections.abc import Sequence
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 
-from estimators.calibration._plausibility import Finding, check_plausibility
+from estimators.calibration._plausibility import Finding, Hemisphere, check_plausibility
 from estimators.recording import ImuChunk
 
 FIRST_SECONDS_S: Final = 12.0
@@ -21,7 +21,7 @@ def check_first_seconds(
     chunk: ImuChunk,
     names: Sequence[str],
     *,
-    hemisphere: Literal["north", "south", "unknown"] = "north",
+    hemisphere: Hemisphere = "north",
 ) -> tuple[Finding, ...]:
     """Check the beginning of a recording, rest and first movement.
 

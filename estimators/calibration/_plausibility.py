@@ -14,6 +14,8 @@ from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import ShapeError
 from estimators.recording import Float, ImuChunk, SampleQuality
 
+Hemisphere = Literal["north", "south", "unknown"]
+"""Of the place: the magnetic field points down in the north and up in the south."""
 FindingCode = Literal[
     "accelerometer_axes",
     "accelerometer_clipped",
@@ -92,7 +94,7 @@ def check_plausibility(
     chunk: ImuChunk,
     names: Sequence[str],
     *,
-    hemisphere: Literal["north", "south", "unknown"] = "north",
+    hemisphere: Hemisphere = "north",
 ) -> tuple[Finding, ...]:
     """Look for wrong units, axes, signs, dead and clipped channels in the first seconds.
 
@@ -390,4 +392,4 @@ def _still(force: Float, step_s: float) -> NDArray[np.bool_]:
     return np.asarray(whole & (np.sqrt(variance) < np.maximum(_STILL_SPREAD * size, 0.0)))
 
 
-__all__ = ["Finding", "FindingCode", "check_plausibility"]
+__all__ = ["Finding", "FindingCode", "Hemisphere", "check_plausibility"]

@@ -8,7 +8,7 @@ import pytest
 
 from app.live.first_seconds import FirstSeconds
 from estimators import signals
-from estimators.calibration import Finding
+from estimators.calibration import Finding, Hemisphere
 from estimators.recording import Float, ImuChunk
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
 
@@ -141,3 +141,20 @@ def test_a_sensor_that_came_back_is_watched_anew(sound: ImuChunk, monkeypatch: p
         return again
 
     assert asyncio.run(run()) == ["gyroscope_axes"]
+
+
+@pytest.mark.parametrize(("hemisphere", "codes"), [("south", {"gravity_reversed"}), ("unknown", set())])
+def test_a_compass_is_judged_by_the_hemisphere_of_the_clinic(
+    sound: ImuChunk, hemisphere: Hemisphere, codes: set[str]
+) -> None:
+    """A field that points down is wrong in the south only."""
+
+    async def run() -> set[str]:
+        told: list[Finding] = []
+        watch = FirstSeconds(ARM, lambda found, _: told.extend(found), hemisphere)
+        watch.add(sound.ticks(0, 500))
+        assert watch._checking is not None
+        await watch._checking
+        return {finding.code for finding in told}
+
+    assert asyncio.run(run()) == codes
