@@ -8,7 +8,7 @@ import numpy as np
 from app.errors import RecordingFormatError
 from app.ingest.readers._csv import read_columns
 from app.ingest.readers._time import nominal_rate, seconds_of
-from app.ingest.readers._units import TO_SI, check_foot_accelerometer, check_gyroscope
+from app.ingest.readers._units import TO_SI, check_foot_accelerometer, check_foot_gyroscope, check_gyroscope
 from estimators.recording import Float, Recording, SensorSignals
 
 _TIME: Final = "Time (s)"
@@ -42,6 +42,7 @@ def read_gait_tracking(path: Path) -> Recording:
         raise RecordingFormatError(f"Row {row + 2} is not complete.", row=int(row + 2))
     check_gyroscope(gyroscope, "deg/s", "the foot")
     check_foot_accelerometer(accelerometer, gyroscope, "g", "the foot")
+    check_foot_gyroscope(gyroscope, accelerometer, "deg/s", "the foot")
     return Recording(
         {"foot_right": SensorSignals(time_s, gyroscope, accelerometer)},
         nominal_rate(time_s),

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from app.errors import RecordingFormatError
 from app.ingest.readers._csv import MAX_VALUES
-from app.ingest.readers._units import TO_SI, check_foot_accelerometer, check_gyroscope
+from app.ingest.readers._units import TO_SI, check_foot_accelerometer, check_foot_gyroscope, check_gyroscope
 from estimators.conventions import SIDES
 from estimators.recording import Float, Recording, SensorSignals
 
@@ -66,12 +66,13 @@ def read_gaitmap(path: Path) -> Recording:
         gyroscope, accelerometer = values[:, 3:] * TO_SI["deg/s"], values[:, :3].copy()
         check_gyroscope(gyroscope, "deg/s", name)
         check_foot_accelerometer(accelerometer, gyroscope, "m/s^2", name)
+        check_foot_gyroscope(gyroscope, accelerometer, "deg/s", name)
         signals[name] = SensorSignals(time_s, gyroscope, accelerometer)
     return Recording(
         signals,
         rate_hz,
-        origin="gaitmap foot recording",
-        metadata={"format": "gaitmap", "walk": path.stem},
+        origin=f"gaitmap foot recording, {rate_hz} Hz assumed: the file tells no time",
+        metadata={"format": "gaitmap", "walk": path.stem, "assumed_rate_hz": str(rate_hz)},
         reference=_truth(path.parent) if path.name == "imu_sample.csv" else {},
     )
 

@@ -12,7 +12,7 @@ import numpy as np
 from app.errors import RecordingFormatError
 from app.ingest.readers._mat import load_mat
 from app.ingest.readers._time import nominal_rate, seconds_of
-from app.ingest.readers._units import check_foot_accelerometer, check_gyroscope
+from app.ingest.readers._units import check_foot_accelerometer, check_foot_gyroscope, check_gyroscope
 from estimators.recording import Float, Recording, SensorSignals
 
 MARKS: Final = ("imu_data", "timestamps_all")
@@ -50,6 +50,7 @@ def read_pyshoe(path: Path) -> Recording:
     accelerometer, gyroscope = samples[:, :3].copy(), samples[:, 3:].copy()
     check_gyroscope(gyroscope, "rad/s", "imu_data")
     check_foot_accelerometer(accelerometer, gyroscope, "m/s^2", "imu_data")
+    check_foot_gyroscope(gyroscope, accelerometer, "rad/s", "imu_data")
     reference = {}
     if "gt" in content:
         track = _numbers(content["gt"], 2)

@@ -28,6 +28,8 @@ GRAVITY_RANGE_MPS2: Final = (7.5, 13.0)
 """Median size of specific force over any recording of a person."""
 _CALM_PERCENT: Final = 10.0
 """Of a foot's samples, those that turn least: every step has more of them."""
+_STEPS_PERCENT, _LEAST_STEP_RADPS, _LEAST_STEP_MPS2 = 99.5, 1.0, 5.0
+"""Of a foot's samples the quickest: a step turns it faster and shakes it harder than this."""
 FIELD_RANGE_T: Final = (10e-6, 150e-6)
 """The earth's field is 22 to 67 microtesla; steel in buildings bends it."""
 FASTEST_TURN_RADPS: Final = 70.0
@@ -62,6 +64,36 @@ def check_foot_accelerometer(accelerometer: Float, gyroscope: Float, unit: str, 
     turning = np.linalg.norm(gyroscope, axis=1)
     calm = turning <= np.percentile(turning, _CALM_PERCENT) if turning.size else np.zeros(0, dtype=bool)
     check_accelerometer(accelerometer[calm], unit, where)
+
+
+def check_foot_gyroscope(gyroscope: Float, accelerometer: Float, unit: str, where: str) -> None:
+    """Refuse a foot that feels steps and does not turn: radians declared as degrees.
+
+    Parameters
+    ----------
+    gyroscope, accelerometer : ndarray, shape (N, 3)
+        rad/s and m/s^2. A foot that only stands is let pass: it feels no steps either.
+    unit, where : str
+        Of the gyroscope as declared, and which sensor, for the message.
+    """
+    turning, force = np.linalg.norm(gyroscope, axis=1), np.linalg.norm(accelerometer, axis=1)
+    if not turning.size:
+        return
+    fastest, hardest = (
+        float(np.percentile(size, _STEPS_PERCENT)) for size in (turning, np.abs(force - GRAVITY_MPS2))
+    )
+    if fastest >= _LEAST_STEP_RADPS or hardest <= _LEAST_STEP_MPS2:
+        return
+    raw = fastest / TO_SI[unit]
+    advice = (
+        " It looks like rad/s; declare that unit." if unit == "deg/s" and raw >= _LEAST_STEP_RADPS else ""
+    )
+    raise RecordingFormatError(
+        f"The gyroscope of {where} turns by no more than {raw:.3g} {unit} while its accelerometer feels steps; a"
+        f" walking foot turns by 1 rad/s (57 deg/s) or more.{advice or ' Check its columns and its unit.'}",
+        sensor=where,
+        quantity="gyroscope",
+    )
 
 
 def check_magnetometer(values: Float, unit: str, where: str) -> None:
@@ -114,6 +146,7 @@ __all__ = [
     "UNITS",
     "check_accelerometer",
     "check_foot_accelerometer",
+    "check_foot_gyroscope",
     "check_gyroscope",
     "check_magnetometer",
 ]

@@ -194,3 +194,23 @@ def test_what_is_no_gaitmap_file(tmp_path):
         path.write_text(text)
         with pytest.raises(RecordingFormatError, match=message):
             readers.read(path, "gaitmap")
+
+
+def test_a_foot_in_radians_where_degrees_are_said_is_refused(tmp_path):
+    def radians(table):
+        table[:, 1:4] = np.deg2rad(table[:, 1:4])
+
+    with pytest.raises(RecordingFormatError, match="feels steps.*looks like rad/s"):
+        readers.read(xio(tmp_path / "walk.csv", radians), "gait_tracking")
+
+    def standing(table):
+        radians(table)
+        table[:, 4:] = table[0, 4:] / np.linalg.norm(table[0, 4:])
+
+    assert readers.read(xio(tmp_path / "standing.csv", standing), "gait_tracking").sensors
+
+
+def test_a_rate_that_the_file_does_not_tell_is_said(tmp_path):
+    found = readers.read(gaitmap(tmp_path / "bare", truth=False))
+    assert found.metadata["assumed_rate_hz"] == "204.8"
+    assert "204.8 Hz assumed" in found.origin
