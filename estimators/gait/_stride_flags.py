@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 from estimators.gait._foot_trajectory import FootFlag, FootTrajectory
 from estimators.recording import Float
 
+_NEAR, _LONG_SHARE = 3, 1.6
+
 
 class StrideFlag(IntFlag):
     """Why a stride is averaged into nothing; zero means sound."""
@@ -17,6 +19,32 @@ class StrideFlag(IntFlag):
     """Samples are missing within it, in the stances at its ends or just before: more than one stride may lie there."""
     ALOFT = 2
     """The foot moved for so long without standing that its way is not known; that is no stride of walking."""
+    LONG = 4
+    """It took far longer than the strides around it: a stance between two strides was not found, or somebody halted."""
+
+
+def long_strides(duration_s: Float, is_sound: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Find strides that take 1.6 times as long as the three before and the three after, shape (n,).
+
+    Parameters
+    ----------
+    duration_s : ndarray, shape (n,)
+        NaN where it is not known.
+    is_sound : ndarray of bool, shape (n,)
+        Strides that may tell how long others are.
+
+    Notes
+    -----
+    Length says less: from stairs to the floor a sound stride doubles.
+    """
+    known = is_sound & np.isfinite(duration_s)
+    found = np.zeros(len(duration_s), dtype=np.bool_)
+    for k in np.flatnonzero(known).tolist():
+        near = np.arange(max(0, k - _NEAR), min(len(known), k + _NEAR + 1))
+        near = near[known[near] & (near != k)]
+        if len(near) >= 2:
+            found[k] = duration_s[k] > _LONG_SHARE * np.median(duration_s[near])
+    return found
 
 
 def missing_samples(
@@ -47,4 +75,4 @@ def missing_samples(
     return np.diff(gone[starts]), np.asarray(count[stops[2:]] > count[stops[:-2]])
 
 
-__all__ = ["StrideFlag", "missing_samples"]
+__all__ = ["StrideFlag", "long_strides", "missing_samples"]

@@ -11,7 +11,7 @@ from estimators import rotation
 from estimators.conventions import Side
 from estimators.gait._foot_trajectory import COAST_S, FootFlag, FootTrajectory
 from estimators.gait._rests import MOVED_M, find_rests, quietest
-from estimators.gait._stride_flags import StrideFlag, missing_samples
+from estimators.gait._stride_flags import StrideFlag, long_strides, missing_samples
 from estimators.recording import Float
 
 Bool = NDArray[np.bool_]
@@ -171,6 +171,9 @@ def find_strides(trajectory: FootTrajectory, side: Side) -> Strides:
     before = np.concatenate([[np.nan], np.where(is_apart, np.nan, contact[:-1])])[:count]
     is_first = np.concatenate([[True], pause])[:count]
     is_last = np.concatenate([pause, [True]])[-count:] if count else np.zeros(0, dtype=np.bool_)
+    sound = ~(is_doubtful | aloft | is_first | is_last)
+    is_long = long_strides(contact - before, sound) | long_strides(np.diff(holds.quietest_s), sound)
+    flags = is_doubtful * StrideFlag.MISSING + aloft * StrideFlag.ALOFT + is_long * StrideFlag.LONG
     step = np.diff(holds.position_m, axis=0)
     length = np.linalg.norm(step[:, :2], axis=1)
     grown = np.maximum(np.diff(holds.variance_m2, axis=0), 0.0)
@@ -198,7 +201,7 @@ def find_strides(trajectory: FootTrajectory, side: Side) -> Strides:
         is_initiation=is_first,
         is_termination=is_last,
         missing_s=missing_s,
-        flags=np.asarray(is_doubtful * StrideFlag.MISSING + aloft * StrideFlag.ALOFT, dtype=np.uint8),
+        flags=np.asarray(flags, dtype=np.uint8),
         q_sensor_foot=rotation.from_matrix(axes),
     )
 

@@ -9,6 +9,9 @@ from estimators.conventions import Side
 from estimators.gait._stride_flags import StrideFlag
 from estimators.gait._strides import Strides
 
+_LONGEST_M, _FASTEST_MPS, _RISE_M, _APART_M = 3.0, 5.0, 2.0, 0.3
+_CHECK = "check the units, the axes and the sampling rate of the recording"
+
 
 def walk_reasons(feet: Mapping[Side, Strides], counted: Mapping[Side, NDArray[np.bool_]]) -> list[str]:
     """Return what a reader of the numbers must know.
@@ -37,6 +40,15 @@ def walk_reasons(feet: Mapping[Side, Strides], counted: Mapping[Side, NDArray[np
             reasons.append(
                 f"{side} foot: for {away_s:.0f} s it moved without standing as in walking; that is left out"
             )
+        is_long = (strides.flags & StrideFlag.LONG) != 0
+        if is_long.any():
+            count = int(np.count_nonzero(is_long))
+            reasons.append(
+                f"{side} foot: {_strides(count, 'a stride')} took far longer than those around and"
+                f" {'is' if count == 1 else 'are'} left out: a halt, or two strides taken for one"
+            )
+        reasons.extend(_unlikely(side, strides, counted[side]))
+    reasons.extend(_heights(feet))
     if set(feet) != {"left", "right"}:
         reasons.append("one foot only: no double support and no asymmetry")
     return reasons
@@ -53,8 +65,47 @@ def _missing(side: Side, strides: Strides) -> list[str]:
     ]
 
 
-def _strides(count: int) -> str:
-    return "stride" if count == 1 else f"{count} strides"
+def _unlikely(side: Side, strides: Strides, counted: NDArray[np.bool_]) -> list[str]:
+    """Say what no walk can be: then units, axes or the sampling rate are not what they were taken for."""
+    if not counted.any():
+        return []
+    with np.errstate(invalid="ignore"):
+        length = float(np.median(strides.length_m[counted]))
+        speed = strides.length_m[counted] / strides.duration_s[counted]
+    speed = float(np.median(speed[np.isfinite(speed)])) if np.isfinite(speed).any() else 0.0
+    if length > _LONGEST_M:
+        what = f"strides of {length:.1f} m are longer than anybody's who walks"
+    elif speed > _FASTEST_MPS:
+        what = f"{speed:.1f} m/s is faster than anybody walks"
+    else:
+        return []
+    return [f"{side} foot: {what}; {_CHECK}"]
+
+
+def _heights(feet: Mapping[Side, Strides]) -> list[str]:
+    """Compare where the feet ended with where they began; on stairs both go alike."""
+    rises = {
+        side: float(strides.footholds.position_m[-1, 2] - strides.footholds.position_m[0, 2])
+        for side, strides in feet.items()
+        if strides.count and not (strides.flags & (StrideFlag.MISSING | StrideFlag.ALOFT)).any()
+    }
+    if len(rises) == 2 and abs(rises["left"] - rises["right"]) > _APART_M:
+        return [
+            f"from start to end the left foot rose by {rises['left']:.2f} m and the right foot by"
+            f" {rises['right']:.2f} m, which one person cannot; do not trust heights, and {_CHECK}"
+        ]
+    if len(feet) == 1:
+        return [
+            f"{side} foot: it ended {abs(rise):.1f} m {'above' if rise > 0.0 else 'below'} where it began; unless"
+            f" there were stairs, {_CHECK}"
+            for side, rise in rises.items()
+            if abs(rise) > _RISE_M
+        ]
+    return []
+
+
+def _strides(count: int, one: str = "stride") -> str:
+    return one if count == 1 else f"{count} strides"
 
 
 __all__ = ["walk_reasons"]

@@ -28,7 +28,13 @@ from estimators.validation._covariance import COVARIANCE
 from estimators.validation._foot_conditions import FOOT_CONDITIONS
 from estimators.validation._foot_events import FOOT_EVENTS
 from estimators.validation._foot_placement import FOOT_PLACEMENT
-from estimators.validation._foot_recordings import FOOT_LOOPS, FOOT_STAIRS, FOOT_STRIDES, FOOT_WALKS
+from estimators.validation._foot_recordings import (
+    FOOT_LOOPS,
+    FOOT_PATIENT,
+    FOOT_STAIRS,
+    FOOT_STRIDES,
+    FOOT_WALKS,
+)
 from estimators.validation._functional import FUNCTIONAL_CALIBRATION
 from estimators.validation._hand_motion import BIAS_STATES, HAND_MOTION, SINGULARITY
 from estimators.validation._joint_headings import JOINT_HEADINGS
@@ -109,6 +115,7 @@ _PROTOCOLS = (
     FOOT_STRIDES,
     FOOT_LOOPS,
     FOOT_STAIRS,
+    FOOT_PATIENT,
     ANKLE_DYNAMICS,
     MASS_CENTRE,
     CUTOFFS,
@@ -217,6 +224,8 @@ def kinds(recording: Recording) -> set[str]:
         found.add("gaitmap strides")
     if "gaitmap" in found and "stair" in recording.metadata.get("walk", ""):
         found.add("gaitmap stairs")
+    if "gaitmap" in found and "_ms_" in recording.metadata.get("walk", ""):
+        found.add("gaitmap patient")
     return found
 
 

@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from estimators.gait import FootParameters, FootTracker, smooth
+from estimators.conventions import Side
+from estimators.gait import FootParameters, FootTracker, find_strides, smooth, steady
 from estimators.recording import Float, Recording, SensorSignals
 from estimators.signals import to_common_ticks
 from estimators.validation._protocol import Data, Figure, Protocol, Values
@@ -186,8 +187,42 @@ FOOT_STAIRS = Protocol(
     needs_data="gaitmap stairs",
 )
 
+
+def _patient(seeds: Sequence[int], data: Data) -> Values:
+    rises, longest, flagged = [], [], []
+    for recording in data.values():
+        (name,) = recording.sensors
+        side: Side = "left" if name == "foot_left" else "right"
+        strides = find_strides(smooth(recording.sensors[name], parameters_of(recording)), side)
+        length = strides.length_m[steady(strides)]
+        rises.append(float(strides.rise_m.sum()))
+        longest.append(float(length.max() / np.median(length)))
+        flagged.append(float(np.count_nonzero(strides.flags)))
+    return {
+        "longest stride that counts over their median": np.array(longest),
+        "strides left out as too long": np.array(flagged),
+        "heights of the feet apart at the end": np.array([np.ptp(rises)]),
+    }
+
+
+FOOT_PATIENT = Protocol(
+    name="foot_patient",
+    title="A patient's walk, foot by foot (gaitmap)",
+    source="mad-lab-fau/gaitmap, its walk of a person with multiple sclerosis",
+    what="Both feet of one walk at 102.4 Hz, each by itself. Two strides taken for one must not count. Nothing but the "
+    "other foot tells the height: both should end alike, and what they miss is shown, not required.",
+    figures=(
+        Figure("longest stride that counts over their median", "1", 1.6),
+        Figure("strides left out as too long", "1"),
+        Figure("heights of the feet apart at the end", "m"),
+    ),
+    measure=_patient,
+    needs_data="gaitmap patient",
+)
+
 __all__ = [
     "FOOT_LOOPS",
+    "FOOT_PATIENT",
     "FOOT_STAIRS",
     "FOOT_STRIDES",
     "FOOT_WALKS",
