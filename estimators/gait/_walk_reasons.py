@@ -69,10 +69,9 @@ def _unlikely(side: Side, strides: Strides, counted: NDArray[np.bool_]) -> list[
     """Say what no walk can be: then units, axes or the sampling rate are not what they were taken for."""
     if not counted.any():
         return []
-    with np.errstate(invalid="ignore"):
-        length = float(np.median(strides.length_m[counted]))
-        speed = strides.length_m[counted] / strides.duration_s[counted]
-    speed = float(np.median(speed[np.isfinite(speed)])) if np.isfinite(speed).any() else 0.0
+    length = float(np.median(strides.length_m[counted]))
+    timed = counted & np.isfinite(strides.duration_s)
+    speed = float(np.median(strides.length_m[timed] / strides.duration_s[timed])) if timed.any() else 0.0
     if length > _LONGEST_M:
         what = f"strides of {length:.1f} m are longer than anybody's who walks"
     elif speed > _FASTEST_MPS:

@@ -23,9 +23,8 @@ def pyshoe(path, **changes):
     return path
 
 
-def xio(path, edit=lambda rows: None, header=None):
+def xio(path, edit=lambda rows: None, header=None, count=3000):
     content = np.load(FEET / "xio_short_walk.npz")
-    count = 3000
     table = np.concatenate(
         [
             content["time_s"][:count, None],
@@ -200,8 +199,8 @@ def test_a_foot_in_radians_where_degrees_are_said_is_refused(tmp_path):
     def radians(table):
         table[:, 1:4] = np.deg2rad(table[:, 1:4])
 
-    with pytest.raises(RecordingFormatError, match="feels steps.*looks like rad/s"):
-        readers.read(xio(tmp_path / "walk.csv", radians), "gait_tracking")
+    with pytest.raises(RecordingFormatError, match=r"feels steps.*looks like rad/s"):
+        readers.read(xio(tmp_path / "walk.csv", radians, count=None), "gait_tracking")
 
     def standing(table):
         radians(table)
