@@ -13,6 +13,7 @@ from estimators.simulation.coils import RelativeScene, burst_motion, relative_sc
 from estimators.validation._magnetic_tracker import ERRORS, EXACT, burst_errors, fixes
 from estimators.validation._magnetic_tracker_fusion import scores
 from estimators.validation._protocol import Data, Figure, Protocol, Values
+from estimators.validation._relative_pose_runs import attitude_error, band_distance, mean_nees
 
 _ROWS = {
     # title, orientation of table 6.1
@@ -96,6 +97,7 @@ def weighed_sigmas(seed: int) -> tuple[float, float]:
 
 def _loose(seeds: Sequence[int], data: Data) -> Values:
     rows: dict[str, list[float]] = {}
+    nees: dict[str, list[float]] = {}
     for movement, (title, _) in _ROWS.items():
         for seed in seeds:
             scene, chunk, alone = loose(movement, seed)
@@ -107,6 +109,14 @@ def _loose(seeds: Sequence[int], data: Data) -> Values:
             on = scene.time_s >= 3.3
             turn = rotation.angle_between(smoothed.q_world_sensor[on], q_world[on])
             burst = 1e3 * float(np.sqrt(np.mean(alone[:, 1] ** 2)))
+            errors = np.concatenate(
+                [
+                    filtered.position_m - scene.position_m,
+                    attitude_error(scene.q_source_sensor, filtered.q_source_sensor),
+                ],
+                axis=1,
+            )[on]
+            nees.setdefault(movement, []).append(mean_nees(errors, filtered.covariance[on]))
             for name, value in (
                 (f"{title}, orientation in the world, smoothed", np.degrees(np.sqrt(np.mean(turn**2)))),
                 (f"{title}, position, bursts alone", burst),
@@ -120,8 +130,14 @@ def _loose(seeds: Sequence[int], data: Data) -> Values:
                 ("smoother over bursts alone, position", after[0] / burst),
             ):
                 rows.setdefault(name, []).append(float(value))
+    means = [float(np.mean(found)) for found in nees.values()]
     weighed, literal = np.array([weighed_sigmas(seed) for seed in seeds]).T
     return {name: np.array(found) for name, found in rows.items()} | {
+        "NEES per state of the filter, largest of the movements": np.array([max(means)]),
+        "NEES per state of the filter, least of the movements": np.array([min(means)]),
+        "NEES of the filter, farthest from 1 in its 95 % band": np.array(
+            [max(band_distance(mean, len(seeds)) for mean in means)]
+        ),
         "two orientations weighed, off 1.29 deg": 100.0 * np.abs(weighed / 1.286 - 1.0),
         "two orientations as printed": literal,
     }
@@ -145,6 +161,9 @@ def _figures() -> tuple[Figure, ...]:
         # Both are near what the orientation filters' own slow error leaves; a run can fall either way.
         Figure("smoother over filter, orientation", "1", 1.0, judged_by="median"),
         Figure("smoother over bursts alone, position", "1", 1.0, judged_by="median"),
+        Figure("NEES per state of the filter, largest of the movements", "1"),
+        Figure("NEES per state of the filter, least of the movements", "1"),
+        Figure("NEES of the filter, farthest from 1 in its 95 % band", "1", 1.0),
         Figure("two orientations weighed, off 1.29 deg", "%", 5.0, judged_by="median"),
         Figure("two orientations as printed", "deg", None, 2.92),
     )
