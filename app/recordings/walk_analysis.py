@@ -66,14 +66,21 @@ def follow_feet(
         walk = pipelines.analyse_walk(measured, setup)
     except EstimationError as error:
         raise InvalidInput(str(error)) from error
-    shoes, note = _with_forces(context, setup, walk, parts)
+    note, related = "", None
     if relative is not None:
         try:
             walk = pipelines.with_relative_feet(walk, relative)
         except EstimationError as error:
             note = f"the feet could not be related: {error}"
+        else:
+            # The source tells forces and centre of mass how far the feet stand apart, and the steps themselves.
+            related = walk.steps
+            setup = replace(setup, feet_apart_m=pipelines.apart_at_start(walk), feet_apart_end_m=None)
+    shoes, doubt = _with_forces(context, setup, walk, parts)
     if shoes is not None:
         walk = pipelines.with_shoes(walk, shoes)
+        walk = walk if related is None else replace(walk, steps=related)
+    note = "; ".join(text for text in (note, doubt) if text)
     frames = walk.frames
     starts = range(0, frames.tick_count, _PIECE_TICKS)
     for first in range(0, len(starts), CHUNKS_A_COMMIT):

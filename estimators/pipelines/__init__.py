@@ -13,7 +13,7 @@ from estimators.pipelines._contract import (
 from estimators.pipelines._elbows import elbows_to_refine, refine_elbows
 from estimators.pipelines._gait import GaitPipeline
 from estimators.pipelines._gait_layout import BALANCE_POINTS, FORCE_STATES
-from estimators.pipelines._magnetic_feet import FEET, relative_feet, with_relative_feet
+from estimators.pipelines._magnetic_feet import FEET, apart_at_start, relative_feet, with_relative_feet
 from estimators.pipelines._offline import is_offline, smooth_network, smoothed_chunk
 from estimators.pipelines._orientation import OrientationPipeline
 from estimators.pipelines._relative_pose import ModulesChunk, RelativePosePipeline
@@ -43,6 +43,7 @@ __all__ = [
     "Walk",
     "analyse_shoes",
     "analyse_walk",
+    "apart_at_start",
     "available",
     "concatenate",
     "create",

@@ -93,4 +93,11 @@ def with_relative_feet(walk: Walk, relative: RelativeFeet) -> Walk:
     )
 
 
-__all__ = ["FEET", "relative_feet", "with_relative_feet"]
+def apart_at_start(walk: Walk) -> float:
+    """Return how far apart the feet stood at the start of a walk whose feet are related, across the course, m."""
+    points, names = walk.frames.point_room_m, walk.frames.layout.points
+    left, right = (points[0, names.index(f"foot_{side}"), 1] for side in ("left", "right"))
+    return float(abs(left - right))
+
+
+__all__ = ["FEET", "apart_at_start", "relative_feet", "with_relative_feet"]

@@ -9,7 +9,13 @@ from estimators import pipelines, rotation
 from estimators.errors import SetupError, ShapeError
 from estimators.magnetic import _relative_layout as at
 from estimators.magnetic import coil_state
-from estimators.pipelines import SessionSetup, relative_feet, relative_source, with_relative_feet
+from estimators.pipelines import (
+    SessionSetup,
+    apart_at_start,
+    relative_feet,
+    relative_source,
+    with_relative_feet,
+)
 from estimators.recording import ImuChunk, Recording, SensorSignals
 from estimators.simulation.coils import SourceFaults, relative_motion, relative_scene, run_closed_loop
 
@@ -52,6 +58,7 @@ def test_steps_and_both_feet_in_one_frame():
     # The simulated feet walk 18 cm apart; spread is that of a person who never varies.
     assert width.value == pytest.approx(0.18, abs=0.008)
     assert np.hypot(width.value - 0.18, width.spread) < 0.010
+    assert apart_at_start(related) == pytest.approx(0.18, abs=0.02)
     # In one frame: what is between the feet at any moment is what was simulated, seen from the course.
     frames = related.frames
     between = frames.point_room_m[:, 1] - frames.point_room_m[:, 0]
