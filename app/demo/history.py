@@ -14,6 +14,7 @@ from app.database.base import utc_now
 from app.database.unit_of_work import unit_of_work
 from app.demo.dating import date_back
 from app.demo.people import EXERCISES, PATIENTS, DemoPatient
+from app.demo.sources import make_source_session
 from app.demo.walks import make_walks
 from app.errors import TelemotionError
 from app.exercises.models import Prescription, Template, TemplateVersion
@@ -103,6 +104,7 @@ async def make_history(
     date_back(engine, job.session_id, 3.0)
     say(f"preparing past sessions: {done + 1} of {total}")
     await make_walks(service, engine, patient_ids[PATIENTS[1].email], exercise_ids["walk"])
+    await make_source_session(service, engine, patient_ids[PATIENTS[1].email])
     say(f"preparing past sessions: {total} of {total}")
 
 
