@@ -17,3 +17,9 @@ it('does not start recording before the sensors are calibrated', () => {
   renderPage(<LiveButtons sessionId="s" state="calibrating" isRecording={false} />, { answers: {} });
   expect(screen.getByRole('button', { name: 'Start recording' })).toHaveProperty('disabled', true);
 });
+
+it('leaves starting and stopping to the card of a walking test', () => {
+  renderPage(<LiveButtons sessionId="s" state="recording" isRecording isGuided />, { answers: {} });
+  expect(screen.queryByRole('button', { name: 'Stop recording' })).toBeNull();
+  expect(screen.getByRole('button', { name: 'End session' })).toBeTruthy();
+});

@@ -17,9 +17,11 @@ export interface LiveButtonsProps {
   state: SessionState;
   /** A recording runs, whether or not the link is up at this moment. */
   isRecording: boolean;
+  /** Recording is started and stopped elsewhere on the page: with a guided test. */
+  isGuided?: boolean;
 }
 
-export function LiveButtons({ sessionId, state, isRecording }: LiveButtonsProps) {
+export function LiveButtons({ sessionId, state, isRecording, isGuided = false }: LiveButtonsProps) {
   const client = useQueryClient();
   const deed = useMutation({
     mutationFn: (what: Deed) => api.post<unknown>(`/api/sessions/${sessionId}/${what}`),
@@ -38,7 +40,7 @@ export function LiveButtons({ sessionId, state, isRecording }: LiveButtonsProps)
   return (
     <section className="live-buttons card" aria-label={t('live.controls')}>
       <Group gap="sm">
-        {isRecording ? (
+        {isGuided ? null : isRecording ? (
           <Button size="lg" className="stop-button" leftSection={<IconPlayerStopFilled size={20} aria-hidden />} loading={deed.isPending && deed.variables === 'stop'} onClick={() => deed.mutate('stop')}>
             {t('live.stop')}
           </Button>

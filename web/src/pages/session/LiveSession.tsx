@@ -15,10 +15,12 @@ import { t } from '../../i18n';
 import { preferredAngles } from '../../lib/channels';
 import { eventText } from '../../lib/events';
 import { number, position } from '../../lib/format';
+import { walkKind } from '../../lib/guidedWalk';
 import { useLivePlayer, useSnapshot } from '../../player/hooks';
 import type { LivePlayer, LiveSnapshot } from '../../player/live';
 import { CalibrationPanel } from '../calibration/CalibrationPanel';
 import { InForce } from '../calibration/InForce';
+import { GuidedWalk } from '../gait/GuidedWalk';
 import { LiveWalk } from '../gait/LiveWalk';
 import { LiveSource } from '../magnetic/LiveSource';
 import { SafetyCard } from '../magnetic/SafetyCard';
@@ -152,7 +154,19 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
               onClose={() => setAsked(false)}
             />
           )}
-          {state !== 'created' && mayRecord && <LiveButtons sessionId={session.id} state={state} isRecording={isRecording} />}
+          {isWalk && state !== 'created' && (
+            <GuidedWalk
+              session={session}
+              player={player}
+              message={message}
+              kind={session.exercise_id && exercises.isPending ? null : walkKind(exercise?.movement)}
+              state={state}
+              isRecording={isRecording}
+              mayRecord={mayRecord}
+              delayS={snapshot.columns?.delayS ?? 0}
+            />
+          )}
+          {state !== 'created' && mayRecord && <LiveButtons sessionId={session.id} state={state} isRecording={isRecording} isGuided={isWalk} />}
           {state !== 'created' && <Viewer3D sessionId={session.id} request={LIVE} title={t('viewer.liveTitle')} near={isWalk ? 'feet' : 'arm'} />}
           {isWalk && <Notice>{t('live.walkHelp')}</Notice>}
           {isMagnetic && state !== 'created' && <Notice>{t('magnetic.help')}</Notice>}
@@ -178,9 +192,9 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
           )}
         </div>
         <div className="stack">
+          {isWalk && state !== 'created' && snapshot.columns && <LiveWalk player={player} scalars={session.layout.scalars} delayS={snapshot.columns.delayS} />}
           {isMagnetic && state !== 'created' && <LiveSource player={player} sensors={modules} />}
           <HealthPanel health={snapshot.health} placements={session.placements} />
-          {isWalk && state !== 'created' && snapshot.columns && <LiveWalk player={player} scalars={session.layout.scalars} delayS={snapshot.columns.delayS} />}
           {state === 'ready' && !isSelfCalibrated && calibration && mayRecord && <InForce sessionId={session.id} calibration={calibration} placements={session.placements} onAgain={() => setAsked(true)} />}
           <Happened events={snapshot.events.length ? snapshot.events : session.events} />
         </div>
