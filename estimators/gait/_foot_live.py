@@ -12,7 +12,7 @@ from estimators.gait import _foot_layout as at
 from estimators.gait._foot_filter import is_usable_rate
 from estimators.gait._foot_parameters import FootParameters, foot_parameters
 from estimators.gait._foot_stream import BRIDGED, CLIPPED, COLUMNS, MISSING, FootStream
-from estimators.orientation._streaming import ChunkGuard, usable_samples
+from estimators.orientation._streaming import ChunkGuard, copied, usable_samples
 from estimators.recording import Float, ImuChunk, SampleQuality
 
 Bool = NDArray[np.bool_]
@@ -103,7 +103,7 @@ class FootTracker:
 
     def update(self, chunk: ImuChunk) -> FootChunk:
         """Take the next ticks; returns what is old enough, which may be nothing."""
-        self._guard.accept(chunk)
+        chunk = self._guard.accept(chunk)
         if self._first_tick < 0:
             self._first_tick = chunk.first_tick
         usable = usable_samples(chunk)
@@ -147,7 +147,7 @@ class FootTracker:
             for name, values in stream.state().items()
         }
         ticks = (self._guard.next_tick, self._first_tick, len(self._streams))
-        return arrays | {"ticks": np.array(ticks, dtype=np.int64)}
+        return arrays | {"ticks": np.array(ticks, dtype=np.int64), "screen": self._guard.memory.copy()}
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Continue exactly where the instance that gave `state` stood.
@@ -165,6 +165,7 @@ class FootTracker:
                 name.removesuffix(suffix): values for name, values in state.items() if name.endswith(suffix)
             }
             stream.restore(own)
+        self._guard.memory = copied(state, "screen", self._guard.memory)
         self._guard.next_tick, self._first_tick = int(state["ticks"][0]), int(state["ticks"][1])
 
 

@@ -151,7 +151,7 @@ class StrapdownEstimator(KernelEstimator):
 
     def update(self, chunk: ImuChunk) -> StrapdownResult:
         """Take the next ticks; see the contract."""
-        self._guard.accept(chunk)
+        chunk = self._guard.accept(chunk)
         details = _NO_DETAILS
         if self._parameters.report_details:
             details = np.full((chunk.sensor_count, chunk.tick_count, self._details), np.nan)

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.errors import SetupError, ShapeError
+from estimators.orientation._screen import SampleScreen
 from estimators.recording import Float, ImuChunk, SampleQuality
 
 MAXIMUM_SENSORS = 255
@@ -14,7 +15,7 @@ _NEVER = -1
 
 
 class ChunkGuard:
-    """Checks that chunks fit the network and follow each other without a hole.
+    """Checks that chunks fit the network and follow each other, and takes samples out that cannot be true.
 
     Parameters
     ----------
@@ -30,9 +31,19 @@ class ChunkGuard:
         self.sensor_count = sensor_count
         self.time_step_s = float(time_step_s)
         self.next_tick = _NEVER
+        self._screen = SampleScreen(sensor_count, self.time_step_s)
 
-    def accept(self, chunk: ImuChunk) -> None:
-        """Raise `ShapeError` unless the chunk is the next one of this network."""
+    @property
+    def memory(self) -> Float:
+        """What judging the next sample depends on, shape (S, ...); part of every stored state."""
+        return self._screen.memory
+
+    @memory.setter
+    def memory(self, values: Float) -> None:
+        self._screen.memory = values
+
+    def accept(self, chunk: ImuChunk) -> ImuChunk:
+        """Return the chunk with wild samples MISSING; `ShapeError` unless it is the next one of this network."""
         expected = (self.sensor_count, chunk.tick_count, 3)
         arrays = {"gyroscope_radps": chunk.gyroscope_radps, "accelerometer_mps2": chunk.accelerometer_mps2}
         if chunk.magnetometer_t is not None:
@@ -49,6 +60,7 @@ class ChunkGuard:
         if self.next_tick not in (_NEVER, chunk.first_tick):
             raise ShapeError(f"chunk starts at tick {chunk.first_tick}; tick {self.next_tick} is next")
         self.next_tick = chunk.first_tick + chunk.tick_count
+        return self._screen.screened(chunk)
 
 
 def usable_samples(chunk: ImuChunk) -> NDArray[np.bool_]:

@@ -94,7 +94,7 @@ class TelemotionEstimator(KernelEstimator):
 
     def update(self, chunk: ImuChunk) -> OrientationResult:
         """Take the next ticks; see the contract."""
-        self._guard.accept(chunk)
+        chunk = self._guard.accept(chunk)
         self._counters[:, at.TICK] = chunk.first_tick
         return self._filter(chunk, chunk.magnetometer_t)
 

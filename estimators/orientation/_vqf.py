@@ -114,7 +114,7 @@ class VqfEstimator(OrientationEstimator):
 
     def update(self, chunk: ImuChunk) -> OrientationResult:
         """Take the next ticks; see the contract."""
-        self._guard.accept(chunk)
+        chunk = self._guard.accept(chunk)
         shape = (chunk.sensor_count, chunk.tick_count)
         accelerometer = np.ascontiguousarray(chunk.accelerometer_mps2, dtype=np.float64)
         field = _NO_FIELD if chunk.magnetometer_t is None else chunk.magnetometer_t
@@ -156,15 +156,17 @@ class VqfEstimator(OrientationEstimator):
     def state(self) -> dict[str, NDArray[Any]]:
         """Return the filters' states, one row a sensor (see `_vqf_steps`), the held attitudes and counts."""
         arrays = {name: getattr(self, f"_{name}").copy() for name in _OWN_STATE}
-        return arrays | {"next_tick": np.array(self._guard.next_tick, dtype=np.int64)}
+        next_tick = np.array(self._guard.next_tick, dtype=np.int64)
+        return arrays | {"next_tick": next_tick, "screen": self._guard.memory.copy()}
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Continue from `state` of an estimator built alike."""
         restored = {name: copied(state, name, getattr(self, f"_{name}")) for name in _OWN_STATE}
         next_tick = copied(state, "next_tick", np.array(0, dtype=np.int64))
+        screen = copied(state, "screen", self._guard.memory)
         for name, values in restored.items():
             setattr(self, f"_{name}", values)
-        self._guard.next_tick = int(next_tick)
+        self._guard.next_tick, self._guard.memory = int(next_tick), screen
 
     def set_gyroscope_bias(self, bias_radps: Float, sigma_radps: float) -> None:
         """Take a static calibration, shape (S, 3), with its standard error."""
