@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ Row = tuple[float, float, float]
 Table = tuple[Row, Row, Row]
 _NONE: Row = (0.0, 0.0, 0.0)
 _GAIN_UNKNOWN, _IRON_UNKNOWN_T = 0.01, 30e-6
+_BELIEVED_SIGMAS = 4.0
 
 
 @dataclass(frozen=True)
@@ -105,6 +106,22 @@ class DeviceConstants:
             gyroscope,
             accelerometer,
         )
+
+    def believed(self, gain_sigma: float, delay_sigma_s: float, iron_sigma_t: float) -> "DeviceConstants":
+        """Return what can be true of a device, given the spread of its kind; the rest as unknown.
+
+        A gain or delay more than four sigmas out is what swapped axes or a wrong unit teach, and then the magnetic
+        part was learnt with them; hard iron that far out is a magnet that was near. Clip levels were seen as such.
+        """
+        gain, delay = np.abs(self.array("gyroscope_gain")).max(), abs(self.magnetometer_delay_s)
+        if gain > _BELIEVED_SIGMAS * gain_sigma or delay > _BELIEVED_SIGMAS * delay_sigma_s:
+            return DeviceConstants(
+                gyroscope_clip_radps=self.gyroscope_clip_radps,
+                accelerometer_clip_mps2=self.accelerometer_clip_mps2,
+            )
+        if np.abs(self.array("hard_iron_t")).max() > _BELIEVED_SIGMAS * iron_sigma_t:
+            return replace(self, hard_iron_t=_NONE, hard_iron_sigma_t=(_IRON_UNKNOWN_T,) * 3)
+        return self
 
     def array(self, name: str) -> Float:
         """Return one constant as an array."""

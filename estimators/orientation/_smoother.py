@@ -175,7 +175,7 @@ def _smooth_sensor(
         flags[unseen] |= _UNSEEN
     return SmoothedOrientation(
         OrientationResult(q[None], bias[None], sigma[None], flags[None]),
-        (_learnt(passes, estimator.device_constants[0]),),
+        (_learnt(passes, estimator.device_constants[0], p),),
     )
 
 
@@ -226,7 +226,7 @@ def _passed(
     return chosen
 
 
-def _learnt(passes: SensorPasses, online: DeviceConstants) -> DeviceConstants:
+def _learnt(passes: SensorPasses, online: DeviceConstants, p: SmootherParameters) -> DeviceConstants:
     """Return the constants as smoothed; the clip levels are those that the online filter met."""
     nominal, sigma = passes.nominal, np.sqrt(passes.final_variance)
     gain, iron = slice(at.GAIN, at.GAIN + 9), slice(at.IRON, at.IRON + 3)
@@ -239,7 +239,8 @@ def _learnt(passes: SensorPasses, online: DeviceConstants) -> DeviceConstants:
         sigma[iron] / MICROTESLA_PER_TESLA,
     )
     clips = ("gyroscope_clip_radps", "accelerometer_clip_mps2")
-    return replace(smoothed, **{name: getattr(online, name) for name in clips})
+    smoothed = replace(smoothed, **{name: getattr(online, name) for name in clips})
+    return smoothed.believed(p.gain_sigma, p.delay_sigma_s, p.iron_wide_ut / MICROTESLA_PER_TESLA)
 
 
 def _run_online(

@@ -64,6 +64,7 @@ class TelemotionEstimator(KernelEstimator):
         wrong = ordered(self._parameters)
         if wrong:
             raise SetupError(wrong)
+        self._given = [DeviceConstants()] * sensor_count
         p = self._parameters
         self._set_variance(at.BIAS, 3, np.deg2rad(p.bias_start_sigma_degps) ** 2)
         self._set_variance(at.GAIN, 9, p.gain_sigma**2)
@@ -104,9 +105,10 @@ class TelemotionEstimator(KernelEstimator):
         if len(constants) != sensors:
             raise ShapeError(f"constants of {len(constants)} sensors for {sensors}")
         p = self._parameters
-        for s, known in enumerate(constants):
-            if known is None:
+        for s, given in enumerate(constants):
+            if given is None:
                 continue
+            self._given[s] = known = self._believed(given)
             memory, covariance = self._memory[s], self._covariance[s]
             iron_sigma_ut = MICROTESLA_PER_TESLA * known.array("hard_iron_sigma_t")
             # One variance serves the three axes of a hypothesis; what is as good as unknown stays unknown.
@@ -151,11 +153,18 @@ class TelemotionEstimator(KernelEstimator):
         """What is known of each device now; hard iron only as far as no magnet came near in between."""
         return tuple(self._learnt(s) for s in range(self._guard.sensor_count))
 
+    def _believed(self, constants: DeviceConstants) -> DeviceConstants:
+        p = self._parameters
+        return constants.believed(p.gain_sigma, p.delay_sigma_s, p.iron_wide_ut / MICROTESLA_PER_TESLA)
+
     def _learnt(self, s: int) -> DeviceConstants:
+        if self._counters[s, at.FILTERED] == 0:
+            # It told nothing: what is known is what was given, and a prior is no knowledge.
+            return self._given[s]
         memory = self._memory[s]
         sigma = np.sqrt(np.maximum(np.diagonal(self._covariance[s]), _LEAST_VARIANCE))
         iron, iron_sigma = self._iron(s)
-        return DeviceConstants.of_arrays(
+        found = DeviceConstants.of_arrays(
             memory[at.DELAY],
             sigma[at.DELAY],
             memory[at.GAIN : at.GAIN + 9].reshape(3, 3).T,
@@ -164,25 +173,29 @@ class TelemotionEstimator(KernelEstimator):
             iron_sigma / MICROTESLA_PER_TESLA,
             (memory[at.CLIP_LEVEL], memory[at.CLIP_LEVEL + 1]),
         )
+        return self._believed(found)
 
     def _iron(self, s: int) -> tuple[Float, Float]:
-        """Return hard iron and its sigma, microtesla, under the likeliest belief of what it was at first."""
+        """Return mean and sigma of the hard iron, microtesla, over the beliefs of what it was at first."""
         memory, p, span = self._memory[s], self._parameters, slice(at.IRON, at.IRON + 3)
         known, known_variance = memory[at.IRON_KNOWN : at.IRON_KNOWN + 3], memory[at.IRON_KNOWN_VARIANCE]
-        own = (p.iron_narrow_ut, p.iron_middle_ut, p.iron_wide_ut)
-        prior = own[int(self.hypothesis_odds[s].reshape(3, 3).sum(axis=1).argmax())] ** 2 + known_variance
-        wide = p.iron_wide_ut**2 + known_variance
         if self._counters[s, at.OPENED] > 0:
-            prior, iron, covariance = known_variance + p.iron_middle_ut**2, known, np.zeros((3, 3))
-        elif prior >= wide:
-            iron, covariance = memory[span], self._covariance[s, span, span]
-        else:
-            # That the iron was N(known, prior) all along, as one measurement more (see `find_north`).
-            covariance = self._covariance[s, span, span]
-            gain = covariance @ np.linalg.inv(covariance + np.eye(3) / (1.0 / prior - 1.0 / wide))
-            iron, covariance = memory[span] + gain @ (known - memory[span]), covariance - gain @ covariance
-        variance = np.diagonal(covariance)
-        return iron, np.sqrt(np.maximum(variance if variance.any() else np.full(3, prior), _LEAST_VARIANCE))
+            return known, np.full(3, np.sqrt(known_variance + p.iron_middle_ut**2))
+        odds = self.hypothesis_odds[s].reshape(3, 3).sum(axis=1)
+        odds = odds / odds.sum()
+        wide, covariance = p.iron_wide_ut**2 + known_variance, self._covariance[s, span, span]
+        means, variances = np.empty((3, 3)), np.empty((3, 3))
+        for i, own in enumerate((p.iron_narrow_ut, p.iron_middle_ut, p.iron_wide_ut)):
+            means[i], variances[i] = memory[span], np.diagonal(covariance)
+            prior = own**2 + known_variance
+            if prior < wide:
+                # That the iron was N(known, prior) all along, as one measurement more (see `find_north`).
+                gain = covariance @ np.linalg.inv(covariance + np.eye(3) / (1.0 / prior - 1.0 / wide))
+                means[i] += gain @ (known - memory[span])
+                variances[i] -= np.diagonal(gain @ covariance)
+        mean = odds @ means
+        spread = odds @ (variances + (means - mean) ** 2)
+        return mean, np.sqrt(np.maximum(spread, _LEAST_VARIANCE))
 
 
 __all__ = ["MICROTESLA_PER_TESLA", "TelemotionEstimator"]

@@ -1,4 +1,5 @@
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,10 +9,11 @@ from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import ShapeError
 from estimators.orientation import DeviceConstants
 from estimators.pipelines import SessionSetup, create
-from estimators.recording import ImuChunk
+from estimators.recording import ImuChunk, SampleQuality
 from estimators.signals import interpolate_rotations
 
 STEP_S = 0.005
+GAIN_STATES, DELAY = slice(12, 21), 27
 GAIN = np.array([[0.004, 0.002, 0.0], [-0.001, -0.003, 0.001], [0.0, 0.0, 0.005]])
 DELAY_S = 0.015
 
@@ -88,6 +90,44 @@ def test_next_session_is_better_from_the_first_turn(learnt):
     assert errors["known"] < 0.8 * errors["unknown"]
 
 
+def test_a_silent_sensor_tells_what_was_given(learnt):
+    chunk, _ = turning_sensor(1, seconds=5.0)
+    silent = np.full_like(chunk.gyroscope_radps, np.nan)
+    quality = np.full_like(chunk.quality, int(SampleQuality.MISSING))
+    nothing = ImuChunk(0, STEP_S, silent, silent, silent, quality)
+    for given in (None, learnt):
+        estimator = orientation.create("telemotion", 1, STEP_S)
+        estimator.set_device_constants([given])
+        estimator.update(nothing)
+        assert estimator.device_constants[0] == (given or DeviceConstants())
+
+
+def test_a_prior_is_not_told_as_hard_iron():
+    """At rest the iron and the field cannot be told apart: sigma must allow for the magnet there may be."""
+    chunk, _ = turning_sensor(1, seconds=4.0)
+    chunk.magnetometer_t[:] += 20e-6
+    estimator = orientation.create("telemotion", 1, STEP_S)
+    estimator.update(chunk)
+    known = estimator.device_constants[0]
+    assert (np.abs(known.array("hard_iron_t") - 20e-6) < 4.0 * known.array("hard_iron_sigma_t")).all()
+    assert (known.array("hard_iron_sigma_t") > 3e-6).all()
+
+
+def test_constants_of_no_device_are_neither_learnt_nor_believed():
+    chunk, truth = turning_sensor(3, seconds=25.0, rest_s=2.0)
+    swapped = replace(chunk, gyroscope_radps=np.ascontiguousarray(chunk.gyroscope_radps[..., [1, 0, 2]]))
+    estimator = orientation.create("telemotion", 1, STEP_S)
+    estimator.update(swapped)
+    assert np.abs(estimator.nominal[0, GAIN_STATES]).max() > 0.02  # it did learn nonsense
+    assert estimator.device_constants[0] == DeviceConstants()
+    stored = DeviceConstants(gyroscope_gain=((0.0, 0.1, 0.0),) * 3, gyroscope_gain_sigma=((1e-3,) * 3,) * 3)
+    wrong, plain = (orientation.create("telemotion", 1, STEP_S) for _ in range(2))
+    wrong.set_device_constants([stored])
+    short = chunk.ticks(0, 1000)
+    assert rotation.angle_between(wrong.update(short).q_earth_sensor, truth[:1000]).max() < np.deg2rad(5.0)
+    assert plain.device_constants[0] == DeviceConstants()
+
+
 def test_storing_changes_nothing(learnt):
     again = DeviceConstants.from_dict(json.loads(json.dumps(learnt.to_dict())))
     assert again == learnt
@@ -145,10 +185,15 @@ def test_session_hands_them_on(learnt):
     assert SessionSetup.from_dict(stored) == setup
     del stored["device_constants"]  # a session stored before there were any
     assert SessionSetup.from_dict(stored).device_constants == {}
-    at_first = create(setup).device_constants["sternum"]
-    assert at_first.magnetometer_delay_s == learnt.magnetometer_delay_s
-    assert at_first.magnetometer_delay_sigma_s > learnt.magnetometer_delay_sigma_s  # things age
-    np.testing.assert_allclose(at_first.array("gyroscope_gain"), learnt.array("gyroscope_gain"), atol=1e-15)
+    assert create(setup).device_constants["sternum"] == learnt
+
+
+def test_constants_age(learnt):
+    estimator = orientation.create("telemotion", 1, STEP_S)
+    estimator.set_device_constants([learnt])
+    sigma = np.sqrt(np.diagonal(estimator.covariance[0]))
+    assert sigma[DELAY] > 1.5 * learnt.magnetometer_delay_sigma_s
+    assert (sigma[GAIN_STATES] > learnt.array("gyroscope_gain_sigma").T.ravel()).all()
 
 
 @pytest.mark.parametrize(
