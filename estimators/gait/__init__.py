@@ -31,6 +31,7 @@ from estimators.gait._summary import (
     steady,
     step_measures,
     summarise,
+    turning,
     turns,
 )
 
@@ -75,5 +76,6 @@ __all__ = [
     "steps_between",
     "steps_in_one_world",
     "summarise",
+    "turning",
     "turns",
 ]

@@ -21,6 +21,8 @@ class StrideFlag(IntFlag):
     """The foot moved for so long without standing that its way is not known; that is no stride of walking."""
     LONG = 4
     """It took far longer than the strides around it: a stance between two strides was not found, or somebody halted."""
+    SIDEWAYS = 8
+    """The foot points more than 60 degrees away from where it went: a step aside, or back."""
 
 
 def long_strides(duration_s: Float, is_sound: NDArray[np.bool_]) -> NDArray[np.bool_]:

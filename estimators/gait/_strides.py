@@ -20,6 +20,7 @@ _SMOOTH_S = 0.012
 """Of accelerations in which events are looked for: a second-order 15 Hz low-pass has about this width."""
 _HEEL_RISE_SHARE, _PEAK_SHARE, _LANDING_SHARE, _FAST_SHARE = 0.9, 0.3, 0.5, 0.5
 _PAUSE_S = 2.0
+_SIDEWAYS_RAD = np.deg2rad(60.0)
 _END_POINT_SIGMA_M = 0.003
 """A foot creeps and rolls in stance: two instants of one stance differ by so much."""
 _UP = np.array([0.0, 0.0, 1.0])
@@ -77,7 +78,8 @@ class Strides:
     contact_pitch_rad, toe_off_pitch_rad : ndarray, shape (n,)
         Angle of the sole to that of the stances around: positive with the toes up.
     toe_out_rad : ndarray, shape (n,)
-        Between the foot that ends the stride and the line of progression, outward positive.
+        Between the foot, halfway from the one stance to the other, and the line of progression, outward positive. On a
+        curve the line is a chord: half of the stride's turn is so left out.
     turn_rad : ndarray, shape (n,)
         Turn of the foot about the vertical, left positive.
     peak_speed_mps : ndarray, shape (n,)
@@ -173,7 +175,9 @@ def find_strides(trajectory: FootTrajectory, side: Side) -> Strides:
     is_last = np.concatenate([pause, [True]])[-count:] if count else np.zeros(0, dtype=np.bool_)
     sound = ~(is_doubtful | aloft | is_first | is_last)
     is_long = long_strides(contact - before, sound) | long_strides(np.diff(holds.quietest_s), sound)
-    flags = is_doubtful * StrideFlag.MISSING + aloft * StrideFlag.ALOFT + is_long * StrideFlag.LONG
+    aside = np.abs(rows[:, 6]) > _SIDEWAYS_RAD
+    flags = is_doubtful * StrideFlag.MISSING + aloft * StrideFlag.ALOFT
+    flags = flags + is_long * StrideFlag.LONG + aside * StrideFlag.SIDEWAYS
     step = np.diff(holds.position_m, axis=0)
     length = np.linalg.norm(step[:, :2], axis=1)
     grown = np.maximum(np.diff(holds.variance_m2, axis=0), 0.0)
@@ -320,7 +324,7 @@ def _stride(
     aside = (position[:, :2] - holds.position_m[k, :2]) @ left * (1.0 if side == "left" else -1.0)
     pitch = _pitch(trajectory, holds, k, swing, foot_left)
     course = np.arctan2(along[1], along[0])
-    toe_out = _wrapped(holds.heading_rad[k + 1] - course) * (1.0 if side == "left" else -1.0)
+    toe_out = _wrapped(heading - course) * (1.0 if side == "left" else -1.0)
     return np.array(
         [
             time[toe_off],

@@ -1,7 +1,7 @@
 """A walk in numbers, each with its uncertainty and the strides it rests on."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ EVENT_SIGMA_S = 0.02
 """Of one event from inertial signals, against force plates and simulation."""
 _TURN_RAD = np.deg2rad(20.0)
 _LEAST_FOR_SPREAD = 3
+_OF_TURNS = ("stride_length", "stride_time", "stance_share", "swing_time", "speed", "clearance")
 
 
 @dataclass(frozen=True)
@@ -62,6 +63,9 @@ class GaitSummary:
         Left less right over their mean, of what both feet have; empty with one foot.
     initiation_length_m, termination_length_m : dict of Side to ndarray
         Strides that begin and end a bout.
+    turning : dict of Side to dict of str to Measure
+        `stride_length`, `stride_time`, `stance_share`, `swing_time`, `speed` and `clearance` of continuous strides
+        along turns.
     turn_count : int
         Turns of a foot by at least 20 degrees within consecutive strides the same way, the larger of the feet.
     bout_count : int
@@ -77,6 +81,7 @@ class GaitSummary:
     turn_count: int
     bout_count: int
     reasons: tuple[str, ...]
+    turning: Mapping[Side, Mapping[str, Measure]] = field(default_factory=dict)
 
 
 def summarise(feet: Mapping[Side, Strides]) -> GaitSummary:
@@ -92,7 +97,7 @@ def summarise(feet: Mapping[Side, Strides]) -> GaitSummary:
         Over continuous straight walking: strides that begin or end a bout, turn, or have samples missing are not
         averaged in.
     """
-    numbers = {side: _foot(strides) for side, strides in feet.items()}
+    numbers = {side: _foot(strides, steady(strides)) for side, strides in feet.items()}
     both: dict[str, Measure] = {}
     asymmetry: dict[str, Measure] = {}
     if set(feet) == {"left", "right"}:
@@ -109,14 +114,36 @@ def summarise(feet: Mapping[Side, Strides]) -> GaitSummary:
         termination_length_m={side: foot.length_m[foot.is_termination] for side, foot in feet.items()},
         turn_count=max((len(turns(strides)) for strides in feet.values()), default=0),
         bout_count=max((int(s.bout.max()) + 1 for s in feet.values() if s.count), default=0),
-        reasons=tuple(walk_reasons(feet, {side: steady(strides) for side, strides in feet.items()})),
+        reasons=tuple(
+            walk_reasons(
+                feet,
+                {side: steady(strides) for side, strides in feet.items()},
+                {side: turning(strides) for side, strides in feet.items()},
+            )
+        ),
+        turning={side: _over_turns(strides) for side, strides in feet.items()},
     )
 
 
 def steady(strides: Strides) -> Bool:
     """Return which strides are continuous straight walking, shape (n,)."""
-    turning = np.abs(strides.turn_rad) > _TURN_RAD
-    return np.asarray(~strides.is_initiation & ~strides.is_termination & ~turning & (strides.flags == 0))
+    return np.asarray(_continuous(strides) & ~_is_turning(strides))
+
+
+def turning(strides: Strides) -> Bool:
+    """Return which strides are continuous walking along a turn, shape (n,); see `turns`."""
+    return np.asarray(_continuous(strides) & _is_turning(strides))
+
+
+def _continuous(strides: Strides) -> Bool:
+    return np.asarray(~strides.is_initiation & ~strides.is_termination & (strides.flags == 0))
+
+
+def _is_turning(strides: Strides) -> Bool:
+    found = np.abs(strides.turn_rad) > _TURN_RAD
+    for start, stop, _ in turns(strides):
+        found[start:stop] = True
+    return np.asarray(found)
 
 
 def turns(strides: Strides) -> list[tuple[int, int, float]]:
@@ -200,8 +227,12 @@ def step_measures(
     }
 
 
-def _foot(strides: Strides) -> dict[str, Measure]:
-    use = steady(strides)
+def _over_turns(strides: Strides) -> dict[str, Measure]:
+    found = _foot(strides, turning(strides))
+    return {name: found[name] for name in _OF_TURNS}
+
+
+def _foot(strides: Strides, use: Bool) -> dict[str, Measure]:
     duration, length = strides.duration_s[use], strides.length_m[use]
     sigma = strides.length_sigma_m[use]
     two_events = np.sqrt(2.0) * EVENT_SIGMA_S
@@ -300,5 +331,6 @@ __all__ = [
     "steady",
     "step_measures",
     "summarise",
+    "turning",
     "turns",
 ]

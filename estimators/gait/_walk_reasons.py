@@ -13,14 +13,18 @@ _LONGEST_M, _FASTEST_MPS, _RISE_M, _APART_M = 3.0, 5.0, 2.0, 0.3
 _CHECK = "check the units, the axes and the sampling rate of the recording"
 
 
-def walk_reasons(feet: Mapping[Side, Strides], counted: Mapping[Side, NDArray[np.bool_]]) -> list[str]:
+def walk_reasons(
+    feet: Mapping[Side, Strides],
+    counted: Mapping[Side, NDArray[np.bool_]],
+    turning: Mapping[Side, NDArray[np.bool_]],
+) -> list[str]:
     """Return what a reader of the numbers must know.
 
     Parameters
     ----------
     feet : mapping of Side to Strides
-    counted : mapping of Side to ndarray of bool, shape (n,)
-        Strides that are averaged.
+    counted, turning : mapping of Side to ndarray of bool, shape (n,)
+        Strides that are averaged, and continuous ones along turns.
     """
     reasons: list[str] = []
     for side, strides in feet.items():
@@ -29,7 +33,14 @@ def walk_reasons(feet: Mapping[Side, Strides], counted: Mapping[Side, NDArray[np
                 f"{side} foot: no stride found; it never stood between its movements, or never left the ground"
             )
             continue
-        if not counted[side].any():
+        if turning[side].any() and not counted[side].any():
+            length = float(np.mean(strides.length_m[turning[side]]))
+            time_s = float(np.nanmean(strides.duration_s[turning[side]]))
+            reasons.append(
+                f"{side} foot: every stride turns, none is straight; over {_strides(turning[side].sum(), 'one stride')}"
+                f" in turns it goes {length:.2f} m in {time_s:.2f} s. Walk a straight stretch of at least four strides"
+            )
+        elif not counted[side].any():
             reasons.append(
                 f"{side} foot: no stride of continuous straight walking; walk at least four strides"
             )
@@ -46,6 +57,12 @@ def walk_reasons(feet: Mapping[Side, Strides], counted: Mapping[Side, NDArray[np
             reasons.append(
                 f"{side} foot: {_strides(count, 'a stride')} took far longer than those around and"
                 f" {'is' if count == 1 else 'are'} left out: a halt, or two strides taken for one"
+            )
+        aside = int(np.count_nonzero(strides.flags & StrideFlag.SIDEWAYS))
+        if aside:
+            reasons.append(
+                f"{side} foot: {_strides(aside, 'a stride')} went sideways or back and"
+                f" {'is' if aside == 1 else 'are'} left out"
             )
         reasons.extend(_unlikely(side, strides, counted[side]))
     reasons.extend(_heights(feet))
@@ -103,7 +120,7 @@ def _heights(feet: Mapping[Side, Strides]) -> list[str]:
     return []
 
 
-def _strides(count: int, one: str = "stride") -> str:
+def _strides(count: int | np.int64, one: str = "stride") -> str:
     return one if count == 1 else f"{count} strides"
 
 
