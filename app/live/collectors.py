@@ -21,6 +21,7 @@ from app.live.calibration_messages import (
 )
 from app.live.guides import GUIDES
 from app.live.pose import PoseCollector
+from app.recordings.heading_line import HeadingReset
 from estimators.calibration import DeviceCalibration, PlacementFinding, check_mounting
 from estimators.conventions import Placement
 from estimators.errors import CalibrationError
@@ -159,8 +160,11 @@ class PoseStep(Collector):
         """Evaluate the still seconds."""
         pose = joined_chunks(self._held)
         before = pipeline.setup.calibration
+        details: dict[str, Any] = {"kind": self.wanted.kind}
         if self.wanted.kind == "heading_reset":
-            found = pipeline.reset_heading(pose, limb_placements(self.wanted.limbs, self.placements))
+            limbs = limb_placements(self.wanted.limbs, self.placements)
+            found = pipeline.reset_heading(pose, limbs)
+            details |= HeadingReset.details(limbs, before)
         else:
             method = "bias" if self.wanted.kind == "static_bias" else self.wanted.kind
             found = pipeline.calibrate(pose, method)
@@ -170,7 +174,7 @@ class PoseStep(Collector):
             found,
             start_s=pose.first_tick * self.step_s,
             end_s=(pose.first_tick + pose.tick_count) * self.step_s,
-            details={"kind": self.wanted.kind},
+            details=details,
             findings=findings_out(check_mounting(found, before)) if "pose" in self.wanted.kind else (),
         )
 

@@ -6,7 +6,7 @@ with.
 """
 
 import logging
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
@@ -25,6 +25,7 @@ from app.recordings.chunks import (
     encode_frames,
 )
 from app.recordings.elbows import with_elbows
+from app.recordings.heading_line import HeadingLine, HeadingReset, resets_in_force, with_first_headings
 from app.recordings.jobs import JobContext
 from app.recordings.magnetic import PIPELINE as MAGNETIC
 from app.recordings.models import Job, MotionSession, Result, SessionEvent, SignalChunk
@@ -130,6 +131,10 @@ def reprocess(context: JobContext) -> str:
         found = session.get_one(MotionSession, context.session_id)
         setup = SessionSetup.from_dict(found.setup)
         pose_s = _last_pose(session, found.id)
+        resets = resets_in_force(session, found.id)
+    if resets and setup.calibration is not None:
+        # Each holds from its own moment on; `analyse` makes them again.
+        setup = replace(setup, calibration=resets[0].undone(setup.calibration))
     own = setup.pipeline in (WALKING, MAGNETIC)
     follower = None if own else smoother_for(setup.orientation)
     wanted = context.arguments.get("orientation") or (closing and follower) or setup.orientation
@@ -142,7 +147,7 @@ def reprocess(context: JobContext) -> str:
     if is_other and pose_s is not None and not is_kept:
         # Another filter has another heading to begin with: the pose is evaluated with its own orientation.
         setup = replace(setup, calibration=None)
-    analysis = analyse(context, setup, pose_s)
+    analysis = analyse(context, setup, pose_s, resets=resets)
     if closing and setup.pipeline == MAGNETIC and set(setup.placements) == set(FEET):
         _walk_too(context, setup)
     with unit_of_work(context.engine) as session:
@@ -194,6 +199,7 @@ def analyse(
     *,
     search_pose: bool = False,
     progress_from: float = 0.0,
+    resets: Sequence[HeadingReset] = (),
 ) -> Analysis:
     """Run the pipeline over the stored packets and keep the frames as a new result.
 
@@ -208,6 +214,8 @@ def analyse(
         Without `pose_s`, take the first stillness of the first two minutes.
     progress_from : float
         Where on the task's scale of 0 to 1 this work begins.
+    resets : sequence of HeadingReset
+        Made again at their ticks.
     """
     if setup.pipeline == WALKING:
         with read_only(context.engine) as session:
@@ -226,8 +234,10 @@ def analyse(
         message = "Not calibrated, so there are no joint angles: no calibration pose was recorded."
     if setup.calibration is not None and pose_s is not None:
         setup = with_elbows(setup, pose_s, _pieces(context, setup, known))
-    pipeline = pipelines.create(setup)
-    result_id = new_result(context, setup, pipeline)
+    if setup.calibration is not None and setup.calibration.unknown_headings:
+        setup, resets = with_first_headings(setup, resets, _pieces(context, setup, known))
+    line = HeadingLine(pipelines.create(setup), resets if setup.calibration is not None else ())
+    result_id = new_result(context, setup, line.pipeline)
     with read_only(context.engine) as session:
         total = session.scalar(
             select(func.sum(SignalChunk.ticks)).where(
@@ -237,7 +247,7 @@ def analyse(
     ticks = 0
     waiting: list[EncodedChunk] = []
     for piece in _modules(context, setup) if setup.pipeline == MAGNETIC else _pieces(context, setup, known):
-        waiting.append(encode_frames(pipeline.step(piece)))
+        waiting += [encode_frames(frames) for frames in line.step(piece)]
         ticks = piece.first_tick + piece.tick_count
         if len(waiting) >= CHUNKS_A_COMMIT:
             write_frames(context, result_id, waiting)
@@ -247,6 +257,7 @@ def analyse(
     write_frames(context, result_id, waiting)
     if not ticks:
         message = "The session holds no packets that can be estimated."
+    message = " ".join([message, *line.refused]).strip()
     with unit_of_work(context.engine) as session:
         result = session.get_one(Result, result_id)
         result.status, result.progress, result.message = "complete", 1.0, message[:500]
