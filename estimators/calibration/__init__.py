@@ -19,7 +19,7 @@ from estimators.calibration._online_iron import OnlineHardIron
 from estimators.calibration._ordinary_elbow import OrdinaryElbow, elbow_from_movement
 from estimators.calibration._placement import MisplacedError, PlacementFinding, check_mounting
 from estimators.calibration._plausibility import Finding, Hemisphere, check_plausibility
-from estimators.calibration._static import StaticBias, static_bias
+from estimators.calibration._static import UNUSUAL_BIAS_SCORE, StaticBias, static_bias, unusual_bias
 from estimators.calibration._turns import circle_fit
 
 __all__ = [
@@ -27,6 +27,7 @@ __all__ = [
     "KINDS",
     "OUTWARD_HEADING_RAD",
     "SEARCHED_S",
+    "UNUSUAL_BIAS_SCORE",
     "AxisEstimate",
     "Calibration",
     "DeviceCalibration",
@@ -60,4 +61,5 @@ __all__ = [
     "local_field",
     "n_pose",
     "static_bias",
+    "unusual_bias",
 ]

@@ -19,6 +19,8 @@ THESIS_ACCELEROMETER_SD_MPS2 = 0.0155 * GRAVITY_MPS2
 """Noise per axis of the thesis' unit (T2.1, T2.2), averaged over axes; stillness allows twice as much."""
 _BLOCKS = 8
 _OUTLIER = 5.0
+UNUSUAL_BIAS_SCORE = 0.5
+_UNUSUAL_RADPS = float(np.deg2rad(3.0))
 _BIAS_LIMIT_RADPS = float(np.deg2rad(10.0))
 
 
@@ -49,6 +51,11 @@ class StaticBias:
     accelerometer_sd_mps2: Float
     still: NDArray[np.bool_]
     sample_count: NDArray[np.intp]
+
+    @property
+    def unusual(self) -> NDArray[np.bool_]:
+        """Sensors whose bias is more than 3 deg/s, shape (S,): few gyroscopes have that, a slow turn looks the same."""
+        return np.asarray((np.abs(self.gyroscope_bias_radps) > _UNUSUAL_RADPS).any(axis=1))
 
 
 def static_bias(
@@ -137,6 +144,14 @@ def static_bias(
     return StaticBias(bias, spread, error, accelerometer_bias, force_spread, still, counts)
 
 
+def unusual_bias(called: str) -> str:
+    """Say that a bias is unusual and what to do."""
+    return (
+        f"{called} reads more than 3 degrees a second at rest: it turned slowly, or its gyroscope is poor; "
+        "lay it on a table that does not move and calibrate its rest"
+    )
+
+
 def _outliers(values: Float) -> NDArray[np.bool_]:
     """Return the samples, shape (K,), of (K, 3) that lie far from the median on any axis."""
     if not len(values):
@@ -161,4 +176,4 @@ def _named(called: Sequence[str], which: NDArray[np.bool_]) -> str:
     return ", ".join(name for name, bad in zip(called, which, strict=True) if bad)
 
 
-__all__ = ["StaticBias", "static_bias"]
+__all__ = ["UNUSUAL_BIAS_SCORE", "StaticBias", "static_bias", "unusual_bias"]

@@ -7,6 +7,8 @@ from estimators import rotation
 from estimators.calibration import static_bias
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import CalibrationError, ShapeError
+from estimators.pipelines import SessionSetup, create
+from estimators.recording import ImuChunk
 
 STEP_S = 1.0 / 17.0
 TRUE_BIAS = np.deg2rad([[-0.8229, 0.7879, 0.5597], [0.3, 0.0, -0.2]])
@@ -102,3 +104,20 @@ def test_too_few_samples_are_refused():
         static_bias(gyroscope, accelerometer, STEP_S)
     with pytest.raises(ShapeError):
         static_bias(gyroscope[0], accelerometer[0], STEP_S)
+
+
+def test_a_slow_steady_turn_is_not_taken_for_a_good_bias():
+    """Six degrees a second about the vertical spread no more than a rest does."""
+    rng = np.random.default_rng(0)
+    gyroscope = np.radians([0.0, 0.0, 6.0]) + 0.003 * rng.standard_normal((1, 400, 3))
+    accelerometer = np.array([0.0, 0.0, GRAVITY_MPS2]) + 0.02 * rng.standard_normal((1, 400, 3))
+    found = static_bias(gyroscope, accelerometer, 0.01)
+    assert found.still.all()
+    assert found.unusual.tolist() == [True]
+    assert not static_bias(gyroscope / 3.0, accelerometer, 0.01).unusual.any()
+    pipeline = create(SessionSetup("orientation", ("forearm_right",), 100.0))
+    chunk = ImuChunk(0, 0.01, gyroscope, accelerometer, None, np.zeros((1, 400), np.uint8))
+    pipeline.step(chunk)
+    told = pipeline.calibrate(chunk.ticks(50, 400), "static")
+    assert told.score == 0.5
+    assert "turned slowly" in told.reasons[0]
