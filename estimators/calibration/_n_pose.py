@@ -185,6 +185,8 @@ def _judge_samples(
             verdict.lower(
                 max(0.3, _QUIET_RADPS / restless[s]), f"the {words(placement)} was not still; repeat"
             )
+        if bias.unusual[s]:
+            verdict.lower(UNUSUAL_BIAS_SCORE, unusual_bias(f"the {words(placement)} sensor"))
         force = np.nanmedian(accelerometer_mps2[s], axis=0)
         error = abs(float(np.linalg.norm(force)) / GRAVITY_MPS2 - 1.0)
         if error > _NORM_FAULT:
@@ -218,8 +220,6 @@ def _judge_flags(flags: NDArray[np.uint8], placements: Sequence[Placement], verd
         (OrientationFlag.CONVERGING, 0.8, "{} had only just started; wait 3 s and repeat"),
         (OrientationFlag.SATURATED, 0.5, "{} was at its limit while standing; check its range"),
     ):
-        if bias.unusual[s]:
-            verdict.lower(UNUSUAL_BIAS_SCORE, unusual_bias(f"the {words(placement)} sensor"))
         hit = [
             f"the {words(p)} sensor" for p, bad in zip(placements, mostly(flags, flag), strict=True) if bad
         ]

@@ -203,9 +203,6 @@ class BodyNetwork:
         known = Calibration({} if keep else identity, {}, method="bias" if keep else "static")
         if keep and self.setup.calibration is not None:
             known = self.setup.calibration
-        found = replace(known, gyroscope_bias_radps=self._by_placement(rest.gyroscope_bias_radps))
-        self._apply(found)
-        self._set_bias(found, bias_sigma(rest))
         called = [
             name.replace("_", " ")
             for name, odd in zip(self.setup.placements, rest.unusual, strict=True)
@@ -215,6 +212,9 @@ class BodyNetwork:
             told = calibration.unusual_bias(f"the sensor of {', '.join(called)}")
             score = min(known.score, calibration.UNUSUAL_BIAS_SCORE)
             known = replace(known, score=score, reasons=(*known.reasons, told))
+        found = replace(known, gyroscope_bias_radps=self._by_placement(rest.gyroscope_bias_radps))
+        self._apply(found)
+        self._set_bias(found, bias_sigma(rest))
         return found
 
     def _held_pose(self, pose: ImuChunk, method: str) -> Calibration:
