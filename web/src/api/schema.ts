@@ -2435,16 +2435,16 @@ export interface components {
         LayoutMessage: {
             /** Columns */
             columns: string[];
-            layout: components["schemas"]["FrameLayoutOut"];
-            /**
-             * Protocol Version
-             * @default 1
-             */
             /**
              * Delay S
              * @default 0
              */
             delay_s?: number;
+            layout: components["schemas"]["FrameLayoutOut"];
+            /**
+             * Protocol Version
+             * @default 1
+             */
             protocol_version?: number;
             /** Rate Hz */
             rate_hz: number;
