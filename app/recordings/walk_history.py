@@ -29,13 +29,39 @@ _FEET: Final = (
     "stride_time",
     "speed",
     "cadence",
+    "step_time",
+    "stance_time",
+    "swing_time",
     "stance_share",
     "clearance",
+    "circumduction",
+    "contact_pitch",
+    "toe_off_pitch",
     "toe_out",
     "lateral_placement",
-    "step_time",
+    "stride_length_variation",
+    "stride_time_variation",
 )
-_BOTH: Final = ("double_support_share", "step_width")
+_BOTH: Final = (
+    "double_support",
+    "double_support_share",
+    "step_width",
+    "step_length_left",
+    "step_length_right",
+)
+_ASYMMETRY: Final = ("stride_length", "step_time", "stance_share", "swing_time", "clearance")
+"""Left less right over their mean; named `<measure>_asymmetry` in a comparison."""
+_BALANCE: Final = (
+    "weight_on_left",
+    "centre_to_left_standing",
+    "centre_to_left",
+    "centre_sway",
+    "margin",
+    "external_work",
+    "pendulum_recovery",
+)
+_SUFFIX: Final = "_asymmetry"
+_LEAST_FOR_SPREAD: Final = 3
 
 
 def walks_of(session: Session, subject: Subject, patient_id: str) -> list[WalkRow]:
@@ -96,13 +122,31 @@ def compare(session: Session, subject: Subject, patient_id: str, wanted: Conditi
         if len(contents) != len(ids):
             raise InvalidInput("A session chosen is no analysed walk of this patient.", field=field)
         sides.append(contents)
-    changes = [
+    is_paired = len(wanted.a) == len(wanted.b) >= 2
+    return ConditionsOut(method="pairs" if is_paired else "strides", changes=changes_between(*sides))
+
+
+def changes_between(a: Sequence[WalkContent], b: Sequence[WalkContent]) -> list[MeasureChange]:
+    """Compare every measure that both conditions have.
+
+    Parameters
+    ----------
+    a, b : sequence of WalkContent
+        Walks of each condition, in order.
+
+    Returns
+    -------
+    list of MeasureChange
+        Each foot, both feet, left against right (named `<measure>_asymmetry`), and balance on instrumented shoes.
+    """
+    sides = (a, b)
+    return [
         *_changes(sides, "left", _FEET),
         *_changes(sides, "right", _FEET),
         *_changes(sides, "both", _BOTH),
+        *_changes(sides, "both", [name + _SUFFIX for name in _ASYMMETRY]),
+        *_changes(sides, "both", _BALANCE),
     ]
-    is_paired = len(wanted.a) == len(wanted.b) >= 2
-    return ConditionsOut(method="pairs" if is_paired else "strides", changes=changes)
 
 
 def _changes(
@@ -131,20 +175,31 @@ def _changes(
 
 def _measures(content: WalkContent, foot: str) -> list[WalkMeasure]:
     if foot == "both":
-        return content.both
+        apart = [one.model_copy(update={"measure": one.measure + _SUFFIX}) for one in content.asymmetry]
+        balance = [] if content.balance is None else content.balance.measures
+        return [*content.both, *apart, *balance]
     return next((one.measures for one in content.feet if one.side == foot), [])
 
 
 def _sample(content: WalkContent, foot: str, name: str) -> Sample:
-    nan = float("nan")
+    """Return a measure of a walk with a spread that agrees with its standard error.
+
+    Some measures no single stride has (a variation, an asymmetry), and what the sensors leave uncertain in all strides
+    alike (how far the feet are apart) does not average out: strides that scatter by the standard error times the root
+    of their number have a mean that is known as well.
+    """
     for one in _measures(content, foot):
         if one.measure == name and one.value is not None:
-            return Sample(one.value, nan if one.spread is None else one.spread, one.count)
-    return Sample(nan, nan, 0)
+            known = [] if one.spread is None else [one.spread]
+            if one.sigma is not None and one.count >= _LEAST_FOR_SPREAD:
+                known.append(one.sigma * one.count**0.5)
+            return Sample(one.value, max(known, default=float("nan")), one.count)
+    return Sample(float("nan"), float("nan"), 0)
 
 
 def _unit(sides: Sequence[Sequence[WalkContent]], foot: str, name: str) -> str:
-    found = (one.unit for one in _measures(sides[0][0], foot) if one.measure == name)
+    walks = (content for side in sides for content in side)
+    found = (one.unit for content in walks for one in _measures(content, foot) if one.measure == name)
     return next(found, "")
 
 
@@ -164,4 +219,4 @@ def _plain(value: float) -> float | None:
     return value if value == value else None
 
 
-__all__ = ["compare", "walk_content", "walks_of"]
+__all__ = ["changes_between", "compare", "walk_content", "walks_of"]

@@ -1,5 +1,5 @@
 // A walk as its page shows it: measures in words and units, rows of the tables, the frame of the map.
-import type { Gait, GaitFoot, WalkMeasure } from '../api/types';
+import type { Gait, GaitFoot, MeasureChange, WalkMeasure } from '../api/types';
 import { tOr } from '../i18n';
 import { number, quantity, uncertain } from './format';
 
@@ -35,6 +35,19 @@ export function measureNames(gait: Gait, all: boolean): string[] {
   const known = [...new Set(gait.feet.flatMap((foot) => foot.measures.map((one) => one.measure)))];
   const main = MAIN_MEASURES.filter((name) => known.includes(name));
   return all ? [...main, ...known.filter((name) => !main.includes(name))] : main;
+}
+
+const PARTS = ['feet', 'both', 'asymmetry', 'balance'] as const;
+type Part = (typeof PARTS)[number];
+const OF_BOTH = ['double_support', 'double_support_share', 'step_width', 'step_length_left', 'step_length_right'];
+
+/** What a comparison of conditions has, in the parts of its table; left and right of a measure beside each other. */
+export function partsOf(changes: readonly MeasureChange[]): [Part, MeasureChange[]][] {
+  const partOf = (one: MeasureChange): Part =>
+    one.foot !== 'both' ? 'feet' : one.measure.endsWith('_asymmetry') ? 'asymmetry' : OF_BOTH.includes(one.measure) ? 'both' : 'balance';
+  const names = [...new Set(changes.map((one) => one.measure))];
+  const inOrder = [...changes].sort((one, other) => names.indexOf(one.measure) - names.indexOf(other.measure));
+  return PARTS.map((part): [Part, MeasureChange[]] => [part, inOrder.filter((one) => partOf(one) === part)]).filter(([, found]) => found.length > 0);
 }
 
 export interface MapFrame {

@@ -3,7 +3,7 @@ import userEvent from '@testing-library/user-event';
 import axe from 'axe-core';
 import { afterEach, describe, expect, it, vi } from 'vitest';
 import type { Conditions, Gait, GaitFoot, Stride, WalkMeasure, WalkRow } from '../../src/api/types';
-import { floorPath, leaning, mapFrame, measureText } from '../../src/lib/gait';
+import { floorPath, leaning, mapFrame, measureLabel, measureText, partsOf } from '../../src/lib/gait';
 import { ConditionsPage } from '../../src/pages/gait/ConditionsPage';
 import { GaitPage } from '../../src/pages/gait/GaitPage';
 import { renderPage } from './render';
@@ -62,7 +62,8 @@ describe('the page of a walk', () => {
 
   it('puts another walk beside it when one is chosen', async () => {
     renderPage(<GaitPage />, { at: '/sessions/s/gait?before=e', path: '/sessions/:sessionId/gait', answers: ANSWERS });
-    expect(await screen.findByRole('columnheader', { name: 'Left, before' })).toBeTruthy();
+    // By text: looking for roles in a page this large takes longer than the wait on a busy machine.
+    expect((await screen.findByText('Left, before')).tagName).toBe('TH');
     expect(screen.getByText('Before, without band')).toBeTruthy();
   });
 
@@ -86,6 +87,18 @@ describe('conditions', () => {
     expect(await screen.findByText('clear difference')).toBeTruthy();
     expect(view.asked.at(-1)?.body).toEqual({ a: ['s'], b: ['e'] });
     expect(screen.getByText('−10.0 cm ± 2.0')).toBeTruthy();
+  });
+
+  it('stand in parts, in words, left beside right', () => {
+    const change = (measure: string, foot: 'left' | 'right' | 'both'): Conditions['changes'][number] => ({ measure, foot, unit: 'm', a: 1, b: 1, difference: 0, sigma: 1, p: 1, effect: 0, count: 9, method: 'strides' });
+    const parts = partsOf([change('stride_length', 'left'), change('circumduction', 'left'), change('stride_length', 'right'), change('circumduction', 'right'), change('step_width', 'both'), change('swing_time_asymmetry', 'both'), change('weight_on_left', 'both')]);
+    expect(parts.map(([part, found]) => [part, ...found.map((one) => `${measureLabel(one.measure)}, ${one.foot}`)])).toEqual([
+      ['feet', 'Stride length, left', 'Stride length, right', 'Outward swing (circumduction), left', 'Outward swing (circumduction), right'],
+      ['both', 'Step width, both'],
+      ['asymmetry', 'Swing, both'],
+      ['balance', 'Weight on the left foot, standing, both'],
+    ]);
+    expect(partsOf([])).toEqual([]);
   });
 });
 

@@ -9,7 +9,7 @@ import { Answer, Empty } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { t } from '../../i18n';
 import { dateTime, number } from '../../lib/format';
-import { measureLabel, measureText } from '../../lib/gait';
+import { measureLabel, measureText, partsOf } from '../../lib/gait';
 
 type Condition = 'a' | 'b' | '';
 const CLEAR = 0.05;
@@ -54,14 +54,21 @@ function Result({ found, names }: { found: Conditions; names: readonly [string, 
               </th>
             </tr>
           </thead>
-          <tbody>
-            {found.changes.map((change) => (
-              <Row key={`${change.measure}${change.foot}`} change={change} />
-            ))}
-          </tbody>
+          {partsOf(found.changes).map(([part, changes]) => (
+            <tbody key={part}>
+              <tr>
+                <th scope="rowgroup" colSpan={7} className="table-part">
+                  {t(`conditions.part.${part}`)}
+                </th>
+              </tr>
+              {changes.map((change) => (
+                <Row key={`${change.measure}${change.foot}`} change={change} />
+              ))}
+            </tbody>
+          ))}
         </table>
       </div>
-      <p className="muted small">{found.method === 'pairs' ? t('conditions.pairs', { count }) : t('conditions.strides')}</p>
+      <p className="muted small">{found.method === 'pairs' ? t('conditions.pairs', { count }) : t('conditions.strides')} {t('conditions.many', { count: found.changes.length })}</p>
     </>
   );
 }
