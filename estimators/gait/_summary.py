@@ -17,6 +17,13 @@ Bool = NDArray[np.bool_]
 
 EVENT_SIGMA_S = 0.02
 """Of one event from inertial signals, against force plates and simulation."""
+_EVENT_RANDOM_S = 0.006
+_LATE_S, _LATE_SHARED_S = 0.045, 0.04
+"""A soft contact (0.04 s) and a slow toe-off (0.02 s) are late or early alike in every stride of one way of walking:
+for times between the two, and between contacts of different feet."""
+_AXES_RAD, _HEIGHT_M = np.deg2rad(2.0), 0.005
+"""Of the foot's axes found from the walk and of the rolling contact, the same in every stride."""
+_BESIDE_M = 0.01
 _TURN_RAD = np.deg2rad(20.0)
 _LEAST_FOR_SPREAD = 3
 _OF_TURNS = ("stride_length", "stride_time", "stance_share", "swing_time", "speed", "clearance")
@@ -31,12 +38,15 @@ class Measure:
     value : float
         Mean over the strides; NaN when there is none.
     sigma : float
-        Standard error of that mean: spread over strides and what the sensors leave uncertain.
+        Of that mean: the standard error from the spread over strides and what the sensors leave uncertain, and
+        `shared`, which no number of strides makes smaller.
     spread : float
         Standard deviation over strides (ddof 1); NaN below 3 strides.
     count : int
         Strides.
     unit : str
+    shared : float
+        One sigma of what is the same in every stride: events found late alike, foot axes, the feet's distance.
     """
 
     value: float
@@ -44,6 +54,7 @@ class Measure:
     spread: float
     count: int
     unit: str
+    shared: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -166,8 +177,19 @@ def turns(strides: Strides) -> list[tuple[int, int, float]]:
     return found
 
 
-def measure(values: Float, unit: str, sigma: Float | float = 0.0) -> Measure:
-    """Average values of single strides; `sigma` is the uncertainty of each. Values that are not known are left out."""
+def measure(values: Float, unit: str, sigma: Float | float = 0.0, shared: float = 0.0) -> Measure:
+    """Average values of single strides that are known.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        NaN where it is not known.
+    unit : str
+    sigma : float or ndarray, shape (n,)
+        Of each value by itself.
+    shared : float
+        Of all of them alike: no average makes it smaller.
+    """
     known = np.isfinite(values)
     count = int(np.count_nonzero(known))
     if count == 0:
@@ -178,7 +200,8 @@ def measure(values: Float, unit: str, sigma: Float | float = 0.0) -> Measure:
     sensors = float(np.sqrt(np.mean(each**2)))
     # The spread over strides already holds what the sensors add to each; with few strides only that is known.
     error = max(spread, sensors) if np.isfinite(spread) else sensors
-    return Measure(float(chosen.mean()), error / np.sqrt(count), spread, count, unit)
+    total = float(np.hypot(error / np.sqrt(count), shared))
+    return Measure(float(chosen.mean()), total, spread, count, unit, shared)
 
 
 def measure_steps(
@@ -197,7 +220,17 @@ def measure_steps(
     ShapeError
         With fewer than two footholds of a foot.
     """
-    return step_measures(steps_between(left_m, left_s, right_m, right_s, right_from_left_m))
+    # The worlds are turned onto each other by the footholds at the ends of the way, which scatter as all do.
+    scatter = [_beside_course(feet) for feet in (left_m, right_m)]
+    shared = float(np.sqrt(0.5 * (scatter[0] ** 2 + scatter[1] ** 2) + _BESIDE_M**2))
+    return step_measures(steps_between(left_m, left_s, right_m, right_s, right_from_left_m), shared)
+
+
+def _beside_course(position_m: Float) -> float:
+    """Return how far footholds lie beside the straight line of their walk, rms, at least 1 cm."""
+    centred = position_m[:, :2] - position_m[:, :2].mean(axis=0)
+    smallest = np.linalg.svd(centred, compute_uv=False)[-1]
+    return max(float(smallest / np.sqrt(max(len(centred) - 2, 1))), _BESIDE_M)
 
 
 def step_measures(
@@ -236,24 +269,26 @@ def _foot(strides: Strides, use: Bool) -> dict[str, Measure]:
     duration, length = strides.duration_s[use], strides.length_m[use]
     sigma = strides.length_sigma_m[use]
     two_events = np.sqrt(2.0) * EVENT_SIGMA_S
+    known_s = duration[np.isfinite(duration)]
+    late = _LATE_S / float(known_s.mean()) if len(known_s) else 0.0
     with np.errstate(invalid="ignore", divide="ignore"):
         speed, cadence = length / duration, 120.0 / duration
         speed_sigma = speed * np.sqrt((sigma / length) ** 2 + (two_events / duration) ** 2)
         numbers = {
             "stride_length": measure(length, "m", sigma),
             "stride_time": measure(duration, "s", two_events),
-            "stance_time": measure(strides.stance_s[use], "s", two_events),
-            "swing_time": measure(strides.swing_s[use], "s", two_events),
-            "stance_share": measure(strides.stance_s[use] / duration, "1", two_events / duration),
+            "stance_time": measure(strides.stance_s[use], "s", two_events, _LATE_S),
+            "swing_time": measure(strides.swing_s[use], "s", two_events, _LATE_S),
+            "stance_share": measure(strides.stance_s[use] / duration, "1", two_events / duration, late),
             "speed": measure(speed, "m/s", speed_sigma),
             "cadence": measure(cadence, "steps/min", cadence * two_events / duration),
-            "clearance": measure(strides.clearance_m[use], "m", 0.01),
+            "clearance": measure(strides.clearance_m[use], "m", 0.01, _HEIGHT_M),
             "circumduction": measure(strides.circumduction_m[use], "m", sigma),
-            "contact_pitch": measure(strides.contact_pitch_rad[use], "rad", np.deg2rad(3.0)),
-            "toe_off_pitch": measure(strides.toe_off_pitch_rad[use], "rad", np.deg2rad(3.0)),
-            "toe_out": measure(strides.toe_out_rad[use], "rad", np.deg2rad(3.0)),
+            "contact_pitch": measure(strides.contact_pitch_rad[use], "rad", np.deg2rad(3.0), _AXES_RAD),
+            "toe_off_pitch": measure(strides.toe_off_pitch_rad[use], "rad", np.deg2rad(3.0), _AXES_RAD),
+            "toe_out": measure(strides.toe_out_rad[use], "rad", np.deg2rad(3.0), _AXES_RAD),
             "stride_length_variation": _variation(length),
-            "stride_time_variation": _variation(duration),
+            "stride_time_variation": _variation(duration, np.sqrt(2.0) * _EVENT_RANDOM_S),
         }
     numbers["lateral_placement"] = _lateral(strides, use)
     return numbers
@@ -279,13 +314,15 @@ def _stretches(use: Bool) -> list[tuple[int, int]]:
     return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
 
 
-def _variation(values: Float) -> Measure:
+def _variation(values: Float, each: float = 0.0) -> Measure:
+    """Return the coefficient of variation; `each` is what finding a value adds to its spread."""
     known = values[np.isfinite(values)]
     count = len(known)
     if count < _LEAST_FOR_SPREAD:
         return Measure(float("nan"), float("nan"), float("nan"), count, "1")
     share = float(known.std(ddof=1) / known.mean())
-    return Measure(share, share / np.sqrt(2.0 * (count - 1)), float("nan"), count, "1")
+    sampling, found = share / np.sqrt(2.0 * (count - 1)), each / float(known.mean())
+    return Measure(share, float(np.hypot(sampling, found)), float("nan"), count, "1", found)
 
 
 def _double_support(left: Strides, right: Strides) -> dict[str, Measure]:
@@ -300,9 +337,14 @@ def _double_support(left: Strides, right: Strides) -> dict[str, Measure]:
                 shares.append(times[-1] / one.duration_s[k])
     two_events = np.sqrt(2.0) * EVENT_SIGMA_S
     return {
-        "double_support": measure(np.array(times), "s", two_events),
-        "double_support_share": measure(np.array(shares), "1", two_events),
+        "double_support": measure(np.array(times), "s", two_events, _LATE_S),
+        "double_support_share": measure(np.array(shares), "1", two_events, _LATE_S * _rate_of(times, shares)),
     }
+
+
+def _rate_of(times: list[float], shares: list[float]) -> float:
+    """Return strides a second."""
+    return float(sum(shares) / sum(times)) if times else 0.0
 
 
 def _step_time(one: Strides, other: Strides) -> Measure:
@@ -313,13 +355,16 @@ def _step_time(one: Strides, other: Strides) -> Measure:
         before = known_s[known_s < one.contact_s[k]]
         if len(before) and one.contact_s[k] - before[-1] < one.duration_s[k]:
             times.append(one.contact_s[k] - before[-1])
-    return measure(np.array(times), "s", np.sqrt(2.0) * EVENT_SIGMA_S)
+    return measure(np.array(times), "s", np.sqrt(2.0) * EVENT_SIGMA_S, _LATE_SHARED_S)
 
 
 def _difference(left: Measure, right: Measure) -> Measure:
     mean = 0.5 * (left.value + right.value)
     value = (left.value - right.value) / mean if mean else float("nan")
-    sigma = float(np.hypot(left.sigma, right.sigma) / abs(mean)) if mean else float("nan")
+    # What both feet share of it falls out of their difference; one foot may have it by itself, as a dropped foot does.
+    own = [max(one.sigma**2 - one.shared**2, 0.0) for one in (left, right)]
+    shared = max(left.shared, right.shared)
+    sigma = float(np.sqrt(own[0] + own[1] + shared**2) / abs(mean)) if mean else float("nan")
     return Measure(value, sigma, float("nan"), min(left.count, right.count), "1")
 
 
