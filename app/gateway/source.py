@@ -5,8 +5,15 @@ amplifiers; it says for each tick which coil is to be on, with which current.
 """
 
 from dataclasses import dataclass
+from typing import Final
 
-from app.ingest.messages import ActuateMessage, ActuationPlanMessage
+from app.ingest.messages import AcknowledgeMessage, ActuateMessage, ActuationPlanMessage
+
+ENDED: Final = ("closing", "analysed", "failed")
+"""States of a session in which no coil may be on."""
+PLAN_LASTS_S: Final = 600.0
+"""So long after the last word of the service a source goes on by itself; nobody may be there any more."""
+LONGEST_PULSE_S: Final = 0.5
 
 
 @dataclass
@@ -17,6 +24,7 @@ class SourceAccount:
     by_plan: int = 0
     too_late: int = 0
     while_on: int = 0
+    no_such_coil: int = 0
 
 
 class SourceControl:
@@ -44,7 +52,10 @@ class SourceControl:
     def hear(self, message: object) -> None:
         """Take any message of the service: that something came counts too."""
         self._was_heard = True
-        if isinstance(message, ActuationPlanMessage):
+        if isinstance(message, AcknowledgeMessage) and message.state in ENDED:
+            self._plan = self._next = None
+            self._left = 0
+        elif isinstance(message, ActuationPlanMessage):
             # Numbers begin anew with a service that was restarted.
             self._plan, self._last_number = message, 0
         elif isinstance(message, ActuateMessage) and message.number > self._last_number:
@@ -57,7 +68,8 @@ class SourceControl:
     def tick(self, now_us: float) -> tuple[int, float]:
         """Return coil (from 1, 0 for none) and current at this tick of the device's clock.
 
-        Nothing is fired before a plan came: the service gives one only to sessions that are confirmed to be safe.
+        Nothing is fired before a plan came: the service gives one only to sessions that are confirmed to be safe. The
+        end of the session takes it back; without a word of the service it lasts `PLAN_LASTS_S`.
         """
         if self._was_heard:
             self._was_heard, self._heard_us = False, now_us
@@ -81,20 +93,29 @@ class SourceControl:
                 self.account.too_late += 1
             elif now_us < wanted.not_before_us - 0.5 * self._tick_us:
                 self._next = wanted
+            elif wanted.coil not in plan.coils:
+                self.account.no_such_coil += 1
             else:
-                limit = plan.current_limit_a
-                self._coil, self._left = wanted.coil, wanted.on_ticks
-                self._current_a = min(max(wanted.current_a, -limit), limit)
+                self._coil, self._left = wanted.coil, self._ticks_on(wanted.on_ticks)
+                self._current_a = _within(wanted.current_a, plan.current_limit_a)
                 self.account.asked += 1
             return
-        if self._heard_us is None or now_us - self._heard_us < 1e6 * plan.after_s:
+        silent_us = None if self._heard_us is None else now_us - self._heard_us
+        if silent_us is None or not 1e6 * plan.after_s <= silent_us < 1e6 * PLAN_LASTS_S:
             return
         if self._round_us is None or now_us - self._round_us >= (plan.cycle_ticks - 0.5) * self._tick_us:
             self._round_us, self._to_fire = now_us, list(plan.coils)
         if self._to_fire and now_us >= self._silent_until_us - 0.5 * self._tick_us:
-            self._coil, self._current_a = self._to_fire.pop(0), min(plan.current_a, plan.current_limit_a)
-            self._left = plan.on_ticks
+            self._coil, self._current_a = self._to_fire.pop(0), _within(plan.current_a, plan.current_limit_a)
+            self._left = self._ticks_on(plan.on_ticks)
             self.account.by_plan += 1
+
+    def _ticks_on(self, wanted: int) -> int:
+        return min(wanted, max(1, int(1e6 * LONGEST_PULSE_S / self._tick_us)))
+
+
+def _within(current_a: float, limit_a: float) -> float:
+    return min(max(current_a, -limit_a), limit_a)
 
 
 __all__ = ["SourceAccount", "SourceControl"]

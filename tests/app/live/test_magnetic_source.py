@@ -13,7 +13,7 @@ from app.errors import SafetyUnconfirmed, TelemotionError
 from app.gateway import ServiceClient
 from app.gateway.relative_patient import RelativeFaults, RelativePatient
 from app.gateway.source import SourceControl
-from app.ingest.messages import ActuateMessage, ActuationPlanMessage
+from app.ingest.messages import AcknowledgeMessage, ActuateMessage, ActuationPlanMessage
 from estimators.magnetic import RelativeFlag
 
 SignedIn = Callable[..., Awaitable[ServiceClient]]
@@ -75,6 +75,35 @@ class TestSourceControl:
         control.hear(object())
         # The pulse that is on ends; then the service is waited for again.
         assert not any(self.ticks(control, 140, 185)[4:])
+
+    def test_the_end_of_the_session_takes_the_plan_back_at_once(self) -> None:
+        control = SourceControl(10_000.0)
+        control.hear(PLAN)
+        control.hear(asked(1))
+        assert control.tick(0.0)[0] == 2
+        control.hear(
+            AcknowledgeMessage(session_id="s", acknowledged=1, highest=1, missing=[], state="closing")
+        )
+        control.hear(asked(2))
+        assert self.ticks(control, 1, 5000) == [0] * 4999
+
+    def test_a_plan_ends_when_nobody_was_heard_for_ten_minutes(self) -> None:
+        control = SourceControl(10_000.0)
+        control.hear(PLAN)
+        fired = np.array(self.ticks(control, 0, 62_000))
+        assert fired[59_000:59_900].any()
+        assert not fired[60_010:].any()
+
+    def test_wrong_coils_endless_pulses_and_currents_of_any_sign_are_bounded(self) -> None:
+        control = SourceControl(10_000.0)
+        control.hear(PLAN.model_copy(update={"current_a": -20.0}))
+        control.hear(asked(1, coil=7))
+        assert not any(self.ticks(control, 0, 10))
+        control.hear(asked(2).model_copy(update={"on_ticks": 10**6}))
+        assert sum(coil > 0 for coil in self.ticks(control, 10, 60)) == 50
+        currents = {control.tick(10_000.0 * k)[1] for k in range(70, 400)}
+        assert min(currents) == -1.5
+        assert control.account.no_such_coil == 1
 
 
 @pytest.mark.slow
