@@ -79,6 +79,20 @@ def quasi_static(signals: Float, settings: Float) -> bool:
     return True
 
 
+@kernel("void(float64[::1], float64[::1], int64)")
+def _add_field(sample: Float, memory: Float, count: int) -> None:
+    """Add the field of the `count`-th sample of a standstill; one that is missing counts as the mean of the others."""
+    known = math.isfinite(sample[_FIELD] + sample[_FIELD + 1] + sample[_FIELD + 2])
+    is_first = memory[_SUM_B] == 0.0 and memory[_SUM_B + 1] == 0.0 and memory[_SUM_B + 2] == 0.0
+    for i in range(3):
+        if known and is_first:
+            memory[_SUM_B + i] = count * sample[_FIELD + i]
+        elif known:
+            memory[_SUM_B + i] += sample[_FIELD + i]
+        elif count > 1:
+            memory[_SUM_B + i] += memory[_SUM_B + i] / (count - 1)
+
+
 @kernel("void(float64[::1], float64[::1], float64[::1], float64[::1], int64[::1])")
 def calibrate(
     sample: Float, settings: Float, nominal: Float, memory: Float, counters: NDArray[np.int64]
@@ -99,12 +113,12 @@ def calibrate(
             memory[_SUM + i] = 0.0
         return
     counters[_STILL] += 1
+    _add_field(sample, memory, counters[_STILL])
     for i in range(3):
         memory[_SUM + i] += sample[_GYR + i]
         memory[_SUM_C + i] += sample[_GYR_C + i]
         memory[_SUM_F + i] += sample[_ACC + i]
         memory[_SUM_FC + i] += sample[_ACC_C + i]
-        memory[_SUM_B + i] += sample[_FIELD + i]
     if counters[_STILL] < settings[_CALIBRATE_TICKS]:
         return
     count = float(counters[_STILL])
@@ -126,7 +140,7 @@ def watch_field(
     sample: Float, static: bool, settings: Float, memory: Float, counters: NDArray[np.int64]
 ) -> None:
     """Compare norm and dip of the earth's field between pulses with those of the start (method page 3.13)."""
-    if memory[_NORM] <= 0.0 or counters[_QUIET] < 2:
+    if not memory[_NORM] > 0.0 or counters[_QUIET] < 2:
         return
     norm = dot = gravity = 0.0
     for i in range(3):
@@ -176,7 +190,10 @@ def tell(sample: Float, settings: Float, counters: NDArray[np.int64], p: Float) 
         flags |= MISSING_PULSE
     if tick < counters[_SATURATED_UNTIL]:
         flags |= SATURATED
-    if not math.isfinite(sample[_GYR] + sample[_ACC] + sample[_GYR_C] + sample[_ACC_C]):
+    whole = 0.0
+    for i in range(3):
+        whole += sample[_GYR + i] + sample[_ACC + i] + sample[_GYR_C + i] + sample[_ACC_C + i]
+    if not math.isfinite(whole):
         flags |= GAP
     if counters[_STARTED] > 0:
         for i in range(3):
