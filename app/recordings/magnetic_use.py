@@ -33,6 +33,8 @@ def source_use(session: Session, subject: Subject, session_id: str, result_id: s
     if found.setup["pipeline"] != PIPELINE:
         raise Conflict("This session has no magnetic source.")
     result = repository.result_of(session, found, result_id)
+    if result.pipeline != PIPELINE:
+        raise Conflict("This result is of the walk; choose one of the magnetic source.")
     return use_of(result.id, read_frames(session, result.id))
 
 

@@ -72,6 +72,10 @@ def checked(setup: SessionSetup) -> SessionSetup:
         pipelines.create(setup)
     except EstimationError as error:
         raise InvalidInput(str(error), field="setup") from error
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InvalidInput(
+            "A parameter of the estimator has a value of the wrong type.", field="orientation_parameters"
+        ) from error
     return setup
 
 

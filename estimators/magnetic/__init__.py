@@ -11,7 +11,7 @@ from estimators.magnetic._coil import (
     perpendicular_source,
 )
 from estimators.magnetic._coil_calibration import CoilCalibration, calibrate_coils, calibrate_moments
-from estimators.magnetic._coil_state import coil_state, read_coil_state
+from estimators.magnetic._coil_state import CURRENT_SPAN_A, coil_state, read_coil_state
 from estimators.magnetic._iron import IronSphere
 from estimators.magnetic._loop_kernel import MU0_TM_PER_A
 from estimators.magnetic._measurement import (
@@ -56,6 +56,7 @@ from estimators.magnetic._validity import (
 )
 
 __all__ = [
+    "CURRENT_SPAN_A",
     "MAGNETOMETER_SIGMA_T",
     "MU0_TM_PER_A",
     "PACEMAKER_LIMIT_T",

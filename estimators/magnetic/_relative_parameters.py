@@ -77,6 +77,7 @@ class RelativePoseParameters:
     published_mechanisation: bool = False
 
 
+_LEAST_BASELINE = 2
 _MAY_BE_ZERO = {
     "fixed_interval_s",
     "mounting_direction",
@@ -106,6 +107,11 @@ def read(parameters: Mapping[str, Any] | None) -> RelativePoseParameters:
             numbers.min() < 0.0 or (numbers.min() == 0.0 and name not in _MAY_BE_ZERO)
         ):
             raise SetupError(f"{name} must be above zero, not {value}")
+    for name in ("passes", "baseline_samples", "start_baseline_samples"):
+        if int(getattr(result, name)) != getattr(result, name):
+            raise SetupError(f"{name} must be a whole number, not {getattr(result, name)}")
+    if min(result.baseline_samples, result.start_baseline_samples) < _LEAST_BASELINE:
+        raise SetupError(f"a pulse needs {_LEAST_BASELINE} quiet samples before it; see baseline_samples")
     if len(result.mounting_direction) != 3:
         raise SetupError("mounting_direction needs three components")
     return result

@@ -8,7 +8,7 @@ import numpy as np
 
 from estimators.conventions import PLACEMENTS, Placement
 from estimators.errors import SetupError
-from estimators.magnetic import RelativePoseParameters, Source, perpendicular_source
+from estimators.magnetic import CURRENT_SPAN_A, RelativePoseParameters, Source, perpendicular_source
 from estimators.pipelines._contract import SessionSetup
 from estimators.recording import Float
 
@@ -27,6 +27,8 @@ _PLACE_M: Final[dict[str, tuple[float, float, float]]] = {
 }
 """Where modules sit on a standing person with hanging arms, left side: x forward, y left, z up. Only the direction
 from the source to a sensor is used, to choose between a place and its mirror image through the source."""
+MOST_MOMENT_AM2: Final = 3.0
+"""Four times that of the usual coils; more is no source to be worn."""
 ROUND_TRIP_S: Final = 0.5
 """A request is given up after this: the way to the network and back takes a good tenth of a second."""
 
@@ -78,6 +80,11 @@ def settings_of(setup: SessionSetup) -> tuple[SourceSettings, dict[str, Any]]:
     numbers = (settings.coil_turns, settings.coil_radius_m, settings.current_limit_a)
     if min(numbers) <= 0.0 or settings.coil_offset_m < 0.0:
         raise SetupError("turns, radius and current limit of the coils must be above zero")
+    moment_am2 = settings.coil_turns * np.pi * settings.coil_radius_m**2 * settings.current_limit_a
+    if settings.current_limit_a >= CURRENT_SPAN_A or moment_am2 > MOST_MOMENT_AM2:
+        raise SetupError(
+            f"a source on a body must stay below {CURRENT_SPAN_A:g} A and {MOST_MOMENT_AM2:g} A m2; these coils do not"
+        )
     return (
         SourceSettings(**{**{f: getattr(settings, f) for f in own}, "source": source}),
         {name: value for name, value in given.items() if name in filters},

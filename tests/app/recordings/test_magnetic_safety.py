@@ -97,3 +97,19 @@ def test_a_ticket_from_elsewhere_does_not_help(
         ticket, _ = issue_ticket(session, who, "ingest", session_id)
     with pytest.raises(SafetyUnconfirmed):
         open_by_ticket(engine, ticket)
+
+
+@pytest.mark.parametrize("wrong", [{"current_limit_a": "x"}, {"passes": None}, {"current_limit_a": 500.0}])
+def test_parameters_that_cannot_be_are_refused_in_words(
+    therapist: Any, world: Any, wrong: dict[str, Any]
+) -> None:
+    wanted = {
+        "patient_id": world.patient_id,
+        "pipeline": "relative_pose",
+        "placements": ["pelvis", "sternum"],
+        "rate_hz": 120.0,
+        "orientation_parameters": wrong,
+    }
+    answer = therapist.post("/api/sessions", json=wanted)
+    assert answer.status_code == 422, answer.text
+    assert answer.json()["code"] == "invalid_input"

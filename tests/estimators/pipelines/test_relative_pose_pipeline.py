@@ -204,6 +204,10 @@ def test_coil_states_survive_the_wire():
         (("pelvis", "sternum"), {"no_such": 1}, "no_such"),
         (("pelvis", "sternum"), {"coil_turns": 0.0}, "above zero"),
         (("pelvis", "sternum"), {"current_a": 5.0}, "current"),
+        (("pelvis", "sternum"), {"current_limit_a": 500.0}, "below 10 A"),
+        (("pelvis", "sternum"), {"coil_turns": 1e9}, "A m2"),
+        (("pelvis", "sternum"), {"passes": 0.5}, "whole number"),
+        (("pelvis", "sternum"), {"baseline_samples": 1}, "quiet samples"),
     ],
 )
 def test_wrong_setups_are_refused(placements, parameters, match):
