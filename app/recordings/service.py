@@ -139,6 +139,11 @@ def _remembered(session: Session, patient_id: str, placements: tuple[str, ...]) 
         score=stored.get("score", 1.0),
         reasons=tuple(stored.get("reasons", ())),
         unknown_headings=placements,  # type: ignore[arg-type]
+        mounting_sigma_rad={
+            name: tuple(value)
+            for name, value in stored.get("mounting_sigma_rad", {}).items()
+            if name in placements
+        },
     )
 
 

@@ -9,7 +9,7 @@ R = R1(a1) R2(a2) R3(a3) follow from e = [u1, R1 u2, R1 R2 u3] da, hence da = J^
 J loses rank at the singularity, so the sigma grows like 1/sin(elevation); it is cut off where nothing is
 known. Errors of the two sensors are taken as independent: a heading error that both share (the same
 bent field) cancels in truth, so the figure is on the safe side. The sigma of an upright trunk that was only
-assumed is not in it.
+assumed is not in it, nor how far a person's pose was from the one asked for.
 """
 
 import numpy as np

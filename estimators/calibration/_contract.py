@@ -35,6 +35,10 @@ class Calibration:
     unknown_headings : tuple of placement
         Sensors whose heading nothing has told yet in this session: their mounting is remembered from an earlier
         one. A pose or a heading reset tells it; until then angles with them mean nothing.
+    mounting_sigma_rad : dict of placement to (x, y, z)
+        One-sigma of `q_sensor_segment` about the segment's axes, against the pose as it was asked for: how well the
+        sensor knew its own orientation, and how well people put it on where its heading was only assumed. How far
+        a person's pose is from the one asked for is not in it. Empty where nothing is known.
     """
 
     q_sensor_segment: dict[Placement, tuple[float, float, float, float]]
@@ -46,6 +50,7 @@ class Calibration:
     reasons: tuple[str, ...] = ()
     accelerometer_bias_mps2: dict[Placement, tuple[float, float, float]] = field(default_factory=dict)
     unknown_headings: tuple[Placement, ...] = ()
+    mounting_sigma_rad: dict[Placement, tuple[float, float, float]] = field(default_factory=dict)
 
 
 __all__ = ["UNUSABLE_SCORE", "Calibration"]

@@ -159,8 +159,9 @@ class _Session(JudgedSession):
         self.check_segments(sides, movements)
         raises = self._raises(sides, movements, assisted)
         told, facing_sigma = self._facing(raises, assisted)
+        facing_known = 0.0 if math.isnan(facing_sigma) else facing_sigma
         moved = {p for side in sides for p in limb_of(side)} & set(self.placements)
-        base = self._others(moved, rest, told, assisted)
+        base = self._others(moved, rest, told, facing_known, assisted)
         facing = base.facing_rad
         offsets = self._limb_headings(sides, movements, raises, facing)
         q_sensor_segment = dict(base.q_sensor_segment)
@@ -197,6 +198,7 @@ class _Session(JudgedSession):
             method="assisted" if assisted else "functional",
             score=score,
             reasons=reasons,
+            mounting_sigma_rad={**base.mounting_sigma_rad, **{p: (s, s, s) for p, s in sigma.items()}},
         )
         return FunctionalResult(calibration, tuple(self.axes), sigma, facing_sigma)
 
@@ -313,7 +315,7 @@ class _Session(JudgedSession):
         return offsets
 
     def _others(
-        self, moved: set[Placement], rest: slice, facing: float | None, assisted: bool
+        self, moved: set[Placement], rest: slice, facing: float | None, facing_sigma: float, assisted: bool
     ) -> Calibration:
         """Everything that did not move: as in the N-pose, with the facing that the arms told."""
         others = [s for s, p in enumerate(self.placements) if p not in moved]
@@ -330,6 +332,7 @@ class _Session(JudgedSession):
             self.flags[others, rest],
             time_step_s=self.step_s,
             facing_rad=facing,
+            facing_sigma_rad=facing_sigma,
         )
 
     def _arm(

@@ -36,6 +36,11 @@ _CONCURRING_RAD = math.radians(15.0)
 _AGREEMENT = 0.9
 _ARM = ("upper_arm", "forearm", "hand")
 _WITNESSES = 3
+_PUT_ON_RAD = math.radians(4.0)
+"""How well people put a sensor on a limb by the mounting rule, about the limb."""
+_SETTLED_RAD = (math.radians(0.7), math.radians(0.7), math.radians(2.3))
+"""Tilt and heading of a sensor at rest, where its filter tells no sigma (those of the BROAD set)."""
+_ASSUMED_SCORE = 0.85
 
 
 def n_pose(
@@ -48,6 +53,8 @@ def n_pose(
     time_step_s: float = 0.01,
     facing_rad: float | None = None,
     arms: Literal["hanging", "sideways"] = "hanging",
+    sigma_rad: Float | None = None,
+    facing_sigma_rad: float | None = None,
 ) -> Calibration:
     """Find how every sensor sits on its segment from one N-pose, or from one T-pose.
 
@@ -69,6 +76,10 @@ def n_pose(
     arms : {"hanging", "sideways"}
         `sideways`: the T-pose, arms level with palms down. There the arms' own sensors cannot tell where the
         patient faces, so a trunk sensor must, and each of them needs a compass.
+    sigma_rad : ndarray, shape (S, M, 3), optional
+        One-sigma of the orientations about the earth's axes, as the filter tells it; the last one counts.
+    facing_sigma_rad : float, optional
+        Of a given `facing_rad`.
 
     Returns
     -------
@@ -126,7 +137,12 @@ def n_pose(
     if facing_rad is None:
         # A steep sensor tells no facing, and a raised arm's own is no witness either.
         steepness_rad = np.where(raised, 0.5 * np.pi, steepness_rad)
-        facing_rad, reference = _facing(placements, heading_rad, steepness_rad, own_heading, verdict)
+        facing_rad, reference, facing_sigma_rad = _facing(
+            placements, heading_rad, steepness_rad, own_heading, verdict
+        )
+    told_rad = np.full((sensors, 3), np.nan) if sigma_rad is None else sigma_rad[:, -1]
+    settled_rad = np.where(np.isfinite(told_rad), told_rad, _SETTLED_RAD)
+    mounting_sigma_rad: dict[Placement, tuple[float, float, float]] = {}
     offsets: dict[Placement, float] = {}
     q_sensor_segment: dict[Placement, tuple[float, float, float, float]] = {}
     for s, placement in enumerate(placements):
@@ -149,6 +165,14 @@ def n_pose(
             q_room_segment = rotation.multiply(rotation.exp(np.array([level, 0.0, 0.0])), q_room_segment)
         w, x, y, z = rotation.positive(rotation.multiply(rotation.conjugate(q_room_sensor), q_room_segment))
         q_sensor_segment[placement] = (float(w), float(x), float(y), float(z))
+        about_z = _PUT_ON_RAD if own_heading[s] else math.hypot(settled_rad[s, 2], facing_sigma_rad or 0.0)
+        mounting_sigma_rad[placement] = _in_segment(q_room_segment, settled_rad[s], about_z)
+    if assumed := ", ".join(f"the {words(p)}" for p in offsets):
+        verdict.lower(
+            _ASSUMED_SCORE,
+            f"without a compass the direction of {assumed} sensor was taken from how it is put on, to "
+            f"{math.degrees(_PUT_ON_RAD):.0f} degrees at best; calibrate by movement to know it better",
+        )
     if reference is not None:
         _judge_agreement(placements, heading_rad, steepness_rad, own_heading, facing_rad, reference, verdict)
     if verdict.score < UNUSABLE_SCORE:
@@ -164,7 +188,16 @@ def n_pose(
         method="t_pose" if arms == "sideways" else "n_pose",
         score=verdict.score,
         reasons=tuple(verdict.reasons),
+        mounting_sigma_rad=mounting_sigma_rad,
     )
+
+
+def _in_segment(q_room_segment: Float, sigma_rad: Float, about_z_rad: float) -> tuple[float, float, float]:
+    """Return the sigma of a mounting about the segment's axes: tilt of the sensor, heading as given."""
+    tilt = float(sigma_rad[0] ** 2 + sigma_rad[1] ** 2) / 2.0
+    turned = rotation.to_matrix(q_room_segment).T ** 2 @ np.array([tilt, tilt, about_z_rad**2])
+    x, y, z = np.sqrt(turned)
+    return float(x), float(y), float(z)
 
 
 def _judge_samples(
@@ -233,8 +266,8 @@ def _facing(
     steepness_rad: Float,
     own_heading: NDArray[np.bool_],
     verdict: Verdict,
-) -> tuple[float, Placement]:
-    """Return where the patient faces in the earth frame and the sensor that says so."""
+) -> tuple[float, Placement, float]:
+    """Return where the patient faces in the earth frame, the sensor that says so, and the sigma of it."""
     shared = [p for p in placements if not own_heading[placements.index(p)]]
     candidates = [p for p in FACING_ORDER if p in (shared or placements)]
     usable = [p for p in candidates if steepness_rad[placements.index(p)] <= _STEEP_RAD]
@@ -258,15 +291,15 @@ def _facing(
     # put on any other way round is far off. The weight fades between the two, without a step.
     pair = {chosen, chosen.replace("right", "left"), chosen.replace("left", "right")} if shared else {chosen}
     asked = cmath.phase(sum(cmath.exp(1j * angle) for p, angle in implied.items() if p in pair))
-    total = complex(0.0)
+    total, weights, squares = complex(0.0), 0.0, 0.0
     for p, angle in implied.items():
         weight = 1.0 if p in pair else 0.0
         if shared and p not in pair and steepness_rad[rows[p]] <= _SLANTED_RAD:
             away_rad = abs(wrapped(angle - asked))
             weight = float(np.interp(away_rad, (_CONCURRING_RAD, 2.0 * _CONCURRING_RAD), (1.0, 0.0)))
         total += weight * cmath.exp(1j * angle)
-    facing = cmath.phase(total)
-    return facing, chosen
+        weights, squares = weights + weight, squares + weight**2
+    return cmath.phase(total), chosen, _PUT_ON_RAD * math.sqrt(squares) / weights
 
 
 def _judge_agreement(

@@ -119,6 +119,9 @@ class BodyNetwork:
             sigma,
             flags,
         )
+        if self._mounting_variance.any():
+            part = rotation.to_matrix(q_room_segment) ** 2 * self._mounting_variance[:, None]
+            sigma = np.sqrt(sigma**2 + (part[..., 0] + part[..., 1] + part[..., 2]))
         flags |= self._heading_flags if self.is_calibrated else _UNCALIBRATED
         self._remember(chunk.first_tick, result)
         self._next_tick = chunk.first_tick + chunk.tick_count
@@ -241,6 +244,7 @@ class BodyNetwork:
             flags,
             time_step_s=pose.time_step_s,
             arms="sideways" if method == "t_pose" else "hanging",
+            sigma_rad=None if anew is None else anew[1].sigma_rad,
         )
         found = replace(
             found,
@@ -278,7 +282,7 @@ class BodyNetwork:
 
     def begin_anew(
         self, pose: ImuChunk, bias_radps: Float, sigma_radps: float
-    ) -> tuple[orientation.OrientationEstimator, Float] | None:
+    ) -> tuple[orientation.OrientationEstimator, OrientationResult] | None:
         """Run a fresh filter over the pose with the bias known; None if ticks have followed the pose.
 
         Until now the filter did not know the bias: 1 deg/s holds its heading about 7 degrees off, which would
@@ -288,10 +292,10 @@ class BodyNetwork:
             return None
         fresh = self.new_filter()
         fresh.set_gyroscope_bias(bias_radps, sigma_radps)
-        return fresh, fresh.update(pose).q_earth_sensor
+        return fresh, fresh.update(pose)
 
     def during(
-        self, pose: ImuChunk, anew: tuple[orientation.OrientationEstimator, Float] | None
+        self, pose: ImuChunk, anew: tuple[orientation.OrientationEstimator, OrientationResult] | None
     ) -> tuple[Float, NDArray[np.uint8]]:
         """Return orientations (S, M, 4) and flags (S, M) of the pose, at the remembered ticks.
 
@@ -310,7 +314,8 @@ class BodyNetwork:
         inside = inside[np.argsort(self._memory_tick[inside])]
         flags = np.ascontiguousarray(self._memory_flags[inside].T)
         if anew is not None:
-            return np.ascontiguousarray(anew[1][:, self._memory_tick[inside] - pose.first_tick]), flags
+            seen = anew[1].q_earth_sensor[:, self._memory_tick[inside] - pose.first_tick]
+            return np.ascontiguousarray(seen), flags
         return np.ascontiguousarray(self._memory_q[inside].swapaxes(0, 1)), flags
 
     def _remember(self, first_tick: int, result: OrientationResult) -> None:
@@ -326,7 +331,7 @@ class BodyNetwork:
     def _apply(self, found: Calibration | None) -> None:
         """Take over a calibration: rotations per sensor, ready for the kernel."""
         self._q_room_earth, self._q_sensor_segment = rotation.identity((2, self.sensor_count))
-        self._accelerometer_bias = np.zeros((self.sensor_count, 3))
+        self._accelerometer_bias, self._mounting_variance = np.zeros((2, self.sensor_count, 3))
         if found is not None:
             for s, name in enumerate(self.setup.placements):
                 self._accelerometer_bias[s] = found.accelerometer_bias_mps2.get(name, (0.0, 0.0, 0.0))
@@ -343,6 +348,7 @@ class BodyNetwork:
             turn_rad = found.heading_offset_rad.get(name, 0.0) - found.facing_rad
             self._q_room_earth[s] = rotation.about_z(turn_rad)
             self._q_sensor_segment[s] = rotation.normalize(found.q_sensor_segment[name])
+            self._mounting_variance[s] = np.square(found.mounting_sigma_rad.get(name, (0.0, 0.0, 0.0)))
 
     def _set_bias(self, found: Calibration, sigma_radps: float) -> None:
         if all(name in found.gyroscope_bias_radps for name in self.setup.placements):

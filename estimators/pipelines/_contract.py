@@ -95,6 +95,9 @@ class SessionSetup:
             calibration["accelerometer_bias_mps2"] = {
                 k: tuple(v) for k, v in calibration.get("accelerometer_bias_mps2", {}).items()
             }
+            calibration["mounting_sigma_rad"] = {
+                k: tuple(v) for k, v in calibration.get("mounting_sigma_rad", {}).items()
+            }
             calibration["reasons"] = tuple(calibration["reasons"])
             calibration["unknown_headings"] = tuple(calibration.get("unknown_headings", ()))
             values["calibration"] = Calibration(**calibration)
@@ -138,7 +141,7 @@ class Frames:
         NaN where the segments it needs are not worn or not calibrated. Unwrapped in time, so curves do
         not jump.
     angle_sigma_rad : ndarray, shape (K, A)
-        One-sigma from orientation uncertainty, NaN where unknown.
+        One-sigma from the uncertainty of orientation and mounting, NaN where unknown.
     scalar : ndarray, shape (K, C)
     segment_flags : ndarray of uint8, shape (K, G)
         `OrientationFlag` bits of the sensor that drives the segment.

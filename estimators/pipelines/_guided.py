@@ -14,7 +14,7 @@ from estimators.calibration._mounting import N_POSE_TURN_RAD
 from estimators.calibration._rest import mostly, wrapped
 from estimators.conventions import Placement
 from estimators.errors import CalibrationError, SetupError
-from estimators.orientation import OrientationEstimator, OrientationFlag
+from estimators.orientation import OrientationEstimator, OrientationFlag, OrientationResult
 from estimators.pipelines._biases import bias_along_gravity, bias_sigma
 from estimators.pipelines._body import BodyNetwork
 from estimators.recording import Float, ImuChunk
@@ -77,6 +77,7 @@ def by_movement(
             calibration=replace(
                 found.calibration,
                 q_sensor_segment={**found.calibration.q_sensor_segment, **kept},
+                mounting_sigma_rad={**known.mounting_sigma_rad, **found.calibration.mounting_sigma_rad},
                 unknown_headings=tuple(p for p in untold if p in known.unknown_headings),
             ),
         )
@@ -164,7 +165,7 @@ def _heading_off(placement: Placement, q_earth_sensor: Float, known: Calibration
 
 def _begun_at_rest(
     network: BodyNetwork, pose: ImuChunk, known: Calibration
-) -> tuple[Calibration, tuple[OrientationEstimator, Float] | None]:
+) -> tuple[Calibration, tuple[OrientationEstimator, OrientationResult] | None]:
     """Let a filter begin with the pose, its bias told by it; with the calibration that knows that bias."""
     pose = network.corrected(pose)
     rest = static_bias(pose.gyroscope_radps, pose.accelerometer_mps2, pose.time_step_s, require_still=False)
