@@ -41,6 +41,10 @@ _FEET: Final = (
     "lateral_placement",
     "stride_length_variation",
     "stride_time_variation",
+    "force_most",
+    "force_loading",
+    "force_valley",
+    "force_push_off",
 )
 _BOTH: Final = (
     "double_support",

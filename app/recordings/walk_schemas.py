@@ -13,6 +13,7 @@ CurveName = Literal[
     "speed",
     "force_vertical",
     "force_forward",
+    "free_moment",
     "ankle_moment",
     "ankle_power",
     "toe_moment",

@@ -22,7 +22,7 @@ from app.recordings.chunks import EncodedChunk
 from app.recordings.codecs import DamagedChunkError, checksum
 from app.recordings.models import SignalChunk
 from app.recordings.walk_balance import balance_of
-from app.recordings.walk_curves import cycle_curves, force_curves
+from app.recordings.walk_curves import cycle_curves, force_curves, peak_measures
 from app.recordings.walk_schemas import (
     FootholdOut,
     FootOut,
@@ -114,12 +114,14 @@ def content_of(walk: Walk, shoes: ShoeWalk | None = None, test: GuidedKind = "wa
         thin = max(1, round(1.0 / (walk.frames.time_step_s * _PATH_HZ)))
         counted = steady(strides)
         curves = cycle_curves(walk.trajectories[side], strides, counted)
+        measures = dict(walk.summary.feet[side])
         if shoes is not None:
             curves += force_curves(shoes, side, strides, counted)
+            measures |= peak_measures(shoes, side, strides, counted)
         feet.append(
             FootOut(
                 side=side,
-                measures=_measures(walk.summary.feet[side]),
+                measures=_measures(measures),
                 footholds=_footholds(strides, time_s, place, turn),
                 strides=[_stride(strides, k, bool(counted[k])) for k in range(strides.count)],
                 path_m=[[round(float(x), 4), round(float(y), 4)] for x, y in place[::thin, :2]],

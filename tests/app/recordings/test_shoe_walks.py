@@ -78,6 +78,19 @@ def test_forces_and_balance_of_a_stroke_like_walk_are_kept_and_read(
         assert {"force_vertical", "force_forward", "ankle_moment", "ankle_power", "toe_moment"} <= set(curves)
         assert 0.9 < max(curves["force_vertical"]["mean"]) < 1.4
         assert max(curves["ankle_moment"]["mean"]) > 0.5
+        # The ground turns the foot as it truly does, outward positive, and only while it stands.
+        loaded = truth.feet[side]
+        twist = np.array(curves["free_moment"]["mean"])
+        sign = 1.0 if side == "left" else -1.0
+        counted = [stride for stride in foot["strides"] if stride["is_counted"]]
+        phase_s = np.linspace(0.0, 1.0, 51)
+        cycles = np.array([s["contact_s"] - s["duration_s"] + phase_s * s["duration_s"] for s in counted])
+        true_twist = sign * np.interp(cycles, truth.time_s, np.nan_to_num(loaded.free_moment_nm)).mean(axis=0)
+        assert np.sqrt(np.mean((twist - true_twist / truth.mass_kg) ** 2)) < 0.01
+        numbers = {one["measure"]: one for one in foot["measures"]}
+        vertical = np.interp(cycles, truth.time_s, loaded.force_n[:, 2]) / (truth.mass_kg * 9.80665)
+        assert numbers["force_most"]["value"] == pytest.approx(vertical.max(axis=1).mean(), abs=0.05)
+        assert numbers["force_most"]["count"] == len(counted)
         # Events are those of the forces.
         contacts = np.array([stride["contact_s"] for stride in foot["strides"] if stride["is_counted"]])
         landed = truth.feet[side].land_s

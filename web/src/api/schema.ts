@@ -2063,7 +2063,7 @@ export interface components {
              * Name
              * @enum {string}
              */
-            name: "height" | "speed" | "force_vertical" | "force_forward" | "ankle_moment" | "ankle_power" | "toe_moment" | "toe_power";
+            name: "height" | "speed" | "force_vertical" | "force_forward" | "free_moment" | "ankle_moment" | "ankle_power" | "toe_moment" | "toe_power";
             /** Spread */
             spread: number[];
             /** Unit */
