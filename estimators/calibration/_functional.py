@@ -166,6 +166,7 @@ class _Session(JudgedSession):
         offsets = self._limb_headings(sides, movements, raises, facing)
         q_sensor_segment = dict(base.q_sensor_segment)
         sigma: dict[Placement, float] = {}
+        mounting_sigma = dict(base.mounting_sigma_rad)
         for side in sides:
             arm = self._arm(side, movements, offsets)
             frames = arm_frames(arm, assisted=assisted, rest_pronation_rad=rest_pronation_rad)
@@ -175,6 +176,8 @@ class _Session(JudgedSession):
                 w, x, y, z = (float(v) for v in q)
                 q_sensor_segment[placement] = (w, x, y, z)
                 sigma[placement] = s
+                about_x, about_y, about_z = (float(v) for v in frames.sigma_rad[placement])
+                mounting_sigma[placement] = (about_x, about_y, about_z)
             if frames.disagreement_rad > _CONTRADICTION_RAD:
                 self.verdict.lower(
                     _CONTRADICTION_RAD / frames.disagreement_rad,
@@ -198,7 +201,7 @@ class _Session(JudgedSession):
             method="assisted" if assisted else "functional",
             score=score,
             reasons=reasons,
-            mounting_sigma_rad={**base.mounting_sigma_rad, **{p: (s, s, s) for p, s in sigma.items()}},
+            mounting_sigma_rad=mounting_sigma,
         )
         return FunctionalResult(calibration, tuple(self.axes), sigma, facing_sigma)
 

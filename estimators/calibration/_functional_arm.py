@@ -7,7 +7,13 @@ from typing import Final
 import numpy as np
 
 from estimators import rotation
-from estimators.calibration._joint_axes import AxisEstimate, frame_from, principal_axis, refine_two_axes
+from estimators.calibration._joint_axes import (
+    AxisEstimate,
+    frame_from,
+    principal_axis,
+    refine_two_axes,
+    sigma_about_axes,
+)
 from estimators.conventions import Placement, Side
 from estimators.recording import Float
 
@@ -45,12 +51,16 @@ class ArmMovements:
 
 @dataclass(frozen=True)
 class ArmFrames:
-    """What was found: mountings with their uncertainty, the two axes of the elbow, and how well all agree."""
+    """What was found: mountings with their uncertainty, the two axes of the elbow, and how well all agree.
+
+    `sigma_rad` is the uncertainty about each axis of the segment; that in `segments` is the worst.
+    """
 
     segments: dict[Placement, tuple[Float, float]]
     flexion: AxisEstimate
     pronation: AxisEstimate
     disagreement_rad: float
+    sigma_rad: dict[Placement, Float]
 
 
 def arm_frames(arm: ArmMovements, *, assisted: bool, rest_pronation_rad: float) -> ArmFrames:
@@ -101,13 +111,15 @@ def arm_frames(arm: ArmMovements, *, assisted: bool, rest_pronation_rad: float) 
         forearm.append((_Z, up[fore], _HANGING_RAD))
     q_fore, sigma_fore, away_fore = frame_from(forearm)
     segments = {upper: (q_upper, sigma_upper), fore: (q_fore, sigma_fore)}
+    sigma_rad = {upper: sigma_about_axes(humerus), fore: sigma_about_axes(forearm)}
     for hand in arm.limb[2:]:
         to_hand = rotation.multiply(rotation.conjugate(arm.q[hand, "rest"]), arm.q[fore, "rest"])
         segments[hand] = (
             rotation.positive(rotation.multiply(to_hand, q_fore)),
             math.hypot(sigma_fore, _WRIST_RAD),
         )
-    return ArmFrames(segments, flexion, pronation, max(away_upper, away_fore))
+        sigma_rad[hand] = np.hypot(sigma_rad[fore], _WRIST_RAD)
+    return ArmFrames(segments, flexion, pronation, max(away_upper, away_fore), sigma_rad)
 
 
 def _elbow_axes(arm: ArmMovements) -> tuple[AxisEstimate, AxisEstimate]:

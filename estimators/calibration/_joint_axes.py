@@ -166,6 +166,14 @@ def frame_from(directions: Sequence[tuple[Float, Float, float]]) -> tuple[Float,
     return rotation.from_scipy(turn), sigma, disagreement
 
 
+def sigma_about_axes(directions: Sequence[tuple[Float, Float, float]]) -> Float:
+    """Return the expected error of a frame from `frame_from` about each axis of the segment, shape (3,)."""
+    information = 1e-9 * np.eye(3)
+    for segment, _, sigma in directions:
+        information += (np.eye(3) - np.outer(segment, segment)) / sigma**2
+    return np.asarray(np.sqrt(np.diagonal(np.linalg.inv(information))))
+
+
 def heading_between(first_rate: Float, second_rate: Float) -> tuple[float, float]:
     """Return the turn about the vertical from the second earth frame to the first, and its strength.
 
@@ -200,4 +208,12 @@ def _unit(vector: Float) -> Float:
     return np.asarray(vector / np.linalg.norm(vector))
 
 
-__all__ = ["SKIN_RAD", "AxisEstimate", "frame_from", "heading_between", "principal_axis", "refine_two_axes"]
+__all__ = [
+    "SKIN_RAD",
+    "AxisEstimate",
+    "frame_from",
+    "heading_between",
+    "principal_axis",
+    "refine_two_axes",
+    "sigma_about_axes",
+]

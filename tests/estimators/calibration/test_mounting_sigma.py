@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from estimators.calibration import n_pose
+from estimators.calibration._joint_axes import frame_from, sigma_about_axes
 from tests.estimators.calibration.test_n_pose import NO_HEADING, SAMPLES, Pose
 
 TILT, HEADING, PUT_ON = 1.0, 2.0, 4.0
@@ -51,3 +52,12 @@ def test_without_a_sigma_of_the_filter_that_of_settled_sensors_counts():
     given = (pose.q, pose.gyroscope, pose.accelerometer, pose.placements, pose.flags)
     assert n_pose(*given, sigma_rad=silent).mounting_sigma_rad == n_pose(*given).mounting_sigma_rad
     assert min(min(values) for values in n_pose(*given).mounting_sigma_rad.values()) > np.deg2rad(0.5)
+
+
+def test_movements_tell_each_axis_by_the_others():
+    along_x, along_y = (np.array([1.0, 0.0, 0.0]),) * 2, (np.array([0.0, 1.0, 0.0]),) * 2
+    directions = [(*along_x, 0.02), (*along_y, 0.05)]
+    found = sigma_about_axes(directions)
+    # The turn about x is told by y alone, that about y by x alone, that about z by both.
+    np.testing.assert_allclose(found, [0.05, 0.02, 1.0 / np.hypot(1 / 0.02, 1 / 0.05)], rtol=1e-6)
+    assert found.max() == pytest.approx(frame_from(directions)[1])
