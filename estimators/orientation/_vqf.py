@@ -85,7 +85,7 @@ class VqfEstimator(OrientationEstimator):
     title: ClassVar[str] = "VQF"
     description: ClassVar[str] = (
         "Learns the sensor's drift while still and moving and ignores passing magnetic disturbances; "
-        "the best choice for most sessions."
+        "widely used and well proven."
     )
 
     def __init__(
