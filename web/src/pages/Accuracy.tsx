@@ -1,5 +1,6 @@
 // How accurate this version is: every published experiment, their figure, what is required, ours, and how to measure it again.
-import { IconCheck, IconX } from '@tabler/icons-react';
+import { IconCheck, IconChevronRight, IconX } from '@tabler/icons-react';
+import { useState } from 'react';
 import { useAccuracy } from '../api/queries';
 import type { AccuracyFigure, AccuracyPlot, AccuracyProtocol, AccuracyReport } from '../api/types';
 import { LineChart } from '../charts/LineChart';
@@ -79,46 +80,69 @@ function Curves({ plot }: { plot: AccuracyPlot }) {
   );
 }
 
-function Protocol({ protocol, command }: { protocol: AccuracyProtocol; command: string }) {
+interface ProtocolProps {
+  protocol: AccuracyProtocol;
+  command: string;
+  isOpen: boolean;
+  onToggle: (isOpen: boolean) => void;
+}
+
+function Protocol({ protocol, command, isOpen, onToggle }: ProtocolProps) {
   const judgedFirst = [...protocol.figures].sort((a, b) => Number(isJudged(b)) - Number(isJudged(a)));
   const first = judgedFirst.slice(0, SHOWN_FIRST);
   const rest = judgedFirst.slice(SHOWN_FIRST);
   return (
-    <section className="card stack" id={protocol.name} aria-labelledby={`${protocol.name}-title`}>
-      <div>
-        <div className="line-head">
+    <section className="card" id={protocol.name} aria-labelledby={`${protocol.name}-title`}>
+      <details className="fold" open={isOpen} onToggle={(event) => onToggle(event.currentTarget.open)}>
+        <summary>
+          <IconChevronRight className="fold-sign" size={20} stroke={2.2} aria-hidden />
           <h2 id={`${protocol.name}-title`} className="protocol-title">
             {protocol.title}
           </h2>
           <PassMark passed={protocol.passed} />
-        </div>
-        <p className="muted small">{protocol.source}</p>
-        <p className="measure-text">{protocol.what}</p>
-      </div>
-      <Table figures={first} caption={protocol.title} />
-      {rest.length > 0 && (
-        <details className="as-table">
-          <summary>{t('accuracy.more', { count: rest.length })}</summary>
-          <Table figures={rest} caption={t('accuracy.moreOf', { title: protocol.title })} />
-        </details>
-      )}
-      {protocol.plots.length > 0 && (
-        <div className="plot-grid">
-          {protocol.plots.map((plot) => (
-            <Curves key={plot.title} plot={plot} />
-          ))}
-        </div>
-      )}
-      <div>
-        <p className="muted small">{t('accuracy.again', { seeds: protocol.seeds, seconds: number(protocol.seconds, protocol.seconds < 10 ? 1 : 0) })}</p>
-        <CopyBox label={t('accuracy.commandOf', { title: protocol.title })} text={command.replace('validate', `validate ${protocol.name}`)} />
-      </div>
+        </summary>
+        {isOpen && (
+          <div className="stack">
+            <div>
+              <p className="muted small">{protocol.source}</p>
+              <p className="measure-text">{protocol.what}</p>
+            </div>
+            <Table figures={first} caption={protocol.title} />
+            {rest.length > 0 && (
+              <details className="as-table">
+                <summary>{t('accuracy.more', { count: rest.length })}</summary>
+                <Table figures={rest} caption={t('accuracy.moreOf', { title: protocol.title })} />
+              </details>
+            )}
+            {protocol.plots.length > 0 && (
+              <div className="plot-grid">
+                {protocol.plots.map((plot) => (
+                  <Curves key={plot.title} plot={plot} />
+                ))}
+              </div>
+            )}
+            <div>
+              <p className="muted small">{t('accuracy.again', { seeds: protocol.seeds, seconds: number(protocol.seconds, protocol.seconds < 10 ? 1 : 0) })}</p>
+              <CopyBox label={t('accuracy.commandOf', { title: protocol.title })} text={command.replace('validate', `validate ${protocol.name}`)} />
+            </div>
+          </div>
+        )}
+      </details>
     </section>
   );
 }
 
 function Report({ report }: { report: AccuracyReport }) {
   const met = report.protocols.filter((one) => one.passed).length;
+  // Sixty experiments are a long page: closed but for what falls short and what was asked for.
+  const [open, setOpen] = useState(() => new Set([...report.protocols.filter((one) => !one.passed).map((one) => one.name), window.location.hash.slice(1)]));
+  const turn = (name: string, isOpen: boolean) =>
+    setOpen((now) => {
+      const next = new Set(now);
+      if (isOpen) next.add(name);
+      else next.delete(name);
+      return next;
+    });
   return (
     <div className="stack">
       <section className="card stack" aria-labelledby="overview">
@@ -132,7 +156,9 @@ function Report({ report }: { report: AccuracyReport }) {
         <ol className="protocol-index">
           {report.protocols.map((one) => (
             <li key={one.name}>
-              <a href={`#${one.name}`}>{one.title}</a>
+              <a href={`#${one.name}`} onClick={() => turn(one.name, true)}>
+                {one.title}
+              </a>
               {!one.passed && <span className="alert-text"> ({t('accuracy.missed')})</span>}
             </li>
           ))}
@@ -143,7 +169,7 @@ function Report({ report }: { report: AccuracyReport }) {
         </div>
       </section>
       {report.protocols.map((one) => (
-        <Protocol key={one.name} protocol={one} command={report.command} />
+        <Protocol key={one.name} protocol={one} command={report.command} isOpen={open.has(one.name)} onToggle={(isOpen) => turn(one.name, isOpen)} />
       ))}
     </div>
   );
