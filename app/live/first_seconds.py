@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+import time
 from collections.abc import Callable, Sequence
 from typing import Final
 
@@ -13,6 +14,9 @@ from estimators.recording import Float, ImuChunk
 
 logger = logging.getLogger(__name__)
 
+CHECKING_SHARE: Final = 0.05
+"""So much of the time is given to the checks of all sessions of a process together: frames come first."""
+
 CHECK_EVERY_S: Final = 4.0
 WATCHED_S: Final = 60.0
 """How long a sensor is watched while it moves."""
@@ -20,6 +24,40 @@ RESTING_CHECKS: Final = 3
 """Rest tells units at once or not at all."""
 _MOVED_MPS2: Final = 1.0
 """Spread of the specific force: turned by some six degrees, whatever the gyroscope says."""
+
+
+class CheckTurns:
+    """One check at a time, and after each a pause as long as its cost asks for.
+
+    A check of 17 sensors takes a tenth of a second of a processor; dozens of sessions that begin together would leave
+    nothing for the frames. With many sessions each is checked less often.
+
+    Parameters
+    ----------
+    share : float
+        Of the time, for all checks together.
+    """
+
+    def __init__(self, share: float = CHECKING_SHARE) -> None:
+        self._share = share
+        self._busy = False
+        self._free_at_s = 0.0
+
+    def begin(self) -> bool:
+        """Take the turn; false while another has it or the pause lasts."""
+        if self._busy or time.monotonic() < self._free_at_s:
+            return False
+        self._busy = True
+        return True
+
+    def end(self, took_s: float) -> None:
+        """Give the turn back after a check of so many seconds."""
+        self._busy = False
+        self._free_at_s = time.monotonic() + took_s * (1.0 / self._share - 1.0)
+
+
+ALL_SESSIONS: Final = CheckTurns()
+"""Of this process."""
 
 
 class FirstSeconds:
@@ -35,6 +73,8 @@ class FirstSeconds:
         Called on the loop's thread with what is new.
     hemisphere : {"north", "south", "unknown"}
         Of the place, see `check_plausibility`.
+    turns : CheckTurns, optional
+        Shared between sessions; without, a check comes whenever it is due.
     """
 
     def __init__(
@@ -42,7 +82,9 @@ class FirstSeconds:
         names: Sequence[str],
         tell: Callable[[list[Finding], float], None],
         hemisphere: Hemisphere = "north",
+        turns: CheckTurns | None = None,
     ) -> None:
+        self._turns = turns
         self._names, self._tell, self._hemisphere = tuple(names), tell, hemisphere
         self._kept: list[ImuChunk] = []
         self._known: dict[tuple[str, str], Finding] = {}
@@ -80,8 +122,14 @@ class FirstSeconds:
             return
         if self._checking is not None and not self._checking.done():
             return
+        if self._turns is not None and not self._turns.begin():
+            return
         self._next_s = end_s + CHECK_EVERY_S
         self._checking = asyncio.get_running_loop().create_task(self._check(list(self._kept), end_s))
+        if self._turns is not None:
+            turns, began_s = self._turns, time.monotonic()
+            # Also when the check fails or its session ends before it.
+            self._checking.add_done_callback(lambda _: turns.end(time.monotonic() - began_s))
 
     async def _check(self, pieces: list[ImuChunk], end_s: float) -> None:
         try:
@@ -128,4 +176,4 @@ def _spread(force_mps2: Float) -> float:
     return float(np.sqrt(sound.var(axis=0).sum())) if len(sound) else 0.0
 
 
-__all__ = ["CHECK_EVERY_S", "WATCHED_S", "FirstSeconds"]
+__all__ = ["ALL_SESSIONS", "CHECK_EVERY_S", "WATCHED_S", "CheckTurns", "FirstSeconds"]

@@ -25,7 +25,7 @@ from app.live.bus import Bus
 from app.live.calibrated_session import CalibratedSession
 from app.live.device_rows import save_device_constants
 from app.live.estimation import EstimationLine
-from app.live.first_seconds import FirstSeconds
+from app.live.first_seconds import ALL_SESSIONS, FirstSeconds
 from app.live.force_watch import ForceWatch
 from app.live.health import LinkHealth
 from app.live.ledger import SequenceLedger
@@ -99,7 +99,9 @@ class LiveSession(CalibratedSession):
         )
         self.prepare_calibration()
         self._forces = ForceWatch(pipeline.delay_ticks)
-        self._first_seconds = FirstSeconds(declaration.placements, self._implausible, hemisphere)
+        self._first_seconds = FirstSeconds(
+            declaration.placements, self._implausible, hemisphere, ALL_SESSIONS
+        )
         self._loop = asyncio.get_running_loop()
 
     @property

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.live.first_seconds import FirstSeconds
+from app.live.first_seconds import CheckTurns, FirstSeconds
 from estimators import signals
 from estimators.calibration import Finding, Hemisphere
 from estimators.recording import Float, ImuChunk
@@ -158,3 +158,17 @@ def test_a_compass_is_judged_by_the_hemisphere_of_the_clinic(
         return {finding.code for finding in told}
 
     assert asyncio.run(run()) == codes
+
+
+def test_checks_of_all_sessions_together_leave_time_for_frames(monkeypatch):
+    now = [100.0]
+    monkeypatch.setattr("app.live.first_seconds.time.monotonic", lambda: now[0])
+    turns = CheckTurns(share=0.1)
+    assert turns.begin()
+    assert not turns.begin(), "one at a time"
+    now[0] += 0.5
+    turns.end(0.5)
+    now[0] += 4.4
+    assert not turns.begin(), "half a second of checking asks for four and a half without"
+    now[0] += 0.2
+    assert turns.begin()
