@@ -396,7 +396,8 @@ for _ in range(40):
 """
 
 
-@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 2])
 def test_a_damaged_mat_file_never_breaks_out(tmp_path: Path, seed: int) -> None:
     """Only our own error comes out, in a process of its own: scipy's reader has been seen to die of a bad length.
 

@@ -78,7 +78,8 @@ def rms_deg(values):
     return float(np.degrees(np.sqrt(np.mean(np.square(values)))))
 
 
-@pytest.mark.parametrize("exercise", ["drinking", pytest.param("reaching", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("exercise", ["drinking", "reaching"])
 def test_drift_of_five_degrees_a_minute_is_taken_away(exercise):
     """Elbow and shoulder move enough: the middle of six patients below 3 degrees; the drift alone is above 8."""
     found = [scored(exercise, seed) for seed in range(6)]

@@ -49,6 +49,7 @@ def test_how_the_sensors_face_is_found(side, upper_deg, fore_deg):
     assert np.degrees(found.residual_rad) < 3.0
 
 
+@pytest.mark.slow
 def test_drift_of_the_forearm_is_followed():
     time_s, upper, fore = arm("right")
     drift = np.radians(0.3) * time_s
