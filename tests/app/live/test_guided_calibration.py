@@ -27,8 +27,7 @@ SLOW = pytest.mark.slow
 @pytest.mark.parametrize(
     "kind",
     [
-        "n_pose",
-        *(pytest.param(k, marks=SLOW) for k in ("functional", "heading_reset")),
+        *(pytest.param(k, marks=SLOW) for k in ("n_pose", "functional", "heading_reset")),
     ],
 )
 def test_a_good_performance_is_done_with_a_good_score(signed_in: Any, world: Any, kind: Any) -> None:
