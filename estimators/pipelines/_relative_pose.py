@@ -1,32 +1,19 @@
 """The relative-pose pipeline: one worn magnetic source and the sensors around it, and what the source is to do next."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators import orientation, rotation
+from estimators import orientation
 from estimators.errors import CalibrationError, ShapeError
-from estimators.magnetic import (
-    RelativeChunk,
-    RelativeFlag,
-    RelativePoseFilter,
-    RelativePoseParameters,
-    RelativeResult,
-    read_coil_state,
-)
-from estimators.orientation import OrientationFlag
+from estimators.magnetic import RelativePoseFilter, RelativePoseParameters, RelativeResult
+from estimators.magnetic import _relative_layout as at
+from estimators.pipelines import _relative_kernel as kernel
 from estimators.pipelines._contract import Calibration, FrameLayout, Frames, Pipeline, SessionSetup
-from estimators.pipelines._relative_columns import (
-    angle_flags,
-    angles_of,
-    frame_flags,
-    layout_of,
-    room_sigma,
-    sensor_scalars,
-)
+from estimators.pipelines._relative_columns import layout_of, table_of
 from estimators.pipelines._relative_source import (
     ROUND_TRIP_S,
     SourceSettings,
@@ -35,7 +22,7 @@ from estimators.pipelines._relative_source import (
     way_between,
 )
 from estimators.pipelines._worn_filter import WornPoseFilter
-from estimators.recording import Float, ImuChunk, SampleQuality
+from estimators.recording import Float, ImuChunk
 
 _AT_SCALE: Final = 0.99
 """What clips at full scale comes a little lower as float32 or as counts."""
@@ -96,12 +83,12 @@ class RelativePosePipeline(Pipeline):
         ]
         self._level = orientation.create("vqf", 1, self._step_s)
         self._layout = layout_of(self._settings.source, self._sensors)
+        self._height_m = _SHOE_HEIGHT_M if "foot" in self._settings.source else _HEIGHT_M
         angles = len(self._layout.angles)
         self._next_tick = 0
         self._last_angle = np.zeros(angles)
         self._turns = np.zeros(angles, dtype=np.int64)
-        self._on_ticks = 0
-        self._account = np.zeros(2)
+        self._account = np.zeros(kernel.ACCOUNT)
 
     @property
     def layout(self) -> FrameLayout:
@@ -127,134 +114,98 @@ class RelativePosePipeline(Pipeline):
         """Take the next ticks of all sensors, in the order of `setup.placements`."""
         if chunk.first_tick != self._next_tick:
             raise ShapeError(f"the chunk starts at tick {chunk.first_tick}; tick {self._next_tick} is next")
-        if chunk.sensor_count != len(self._setup.placements):
-            raise ShapeError(f"{chunk.sensor_count} sensors; this session has {len(self._setup.placements)}")
+        samples, wrong = self._samples(chunk)
         row = slice(self._source_row, self._source_row + 1)
         levelled = self._level.update(
-            replace(
-                chunk,
-                gyroscope_radps=chunk.gyroscope_radps[row],
-                accelerometer_mps2=chunk.accelerometer_mps2[row],
-                # The field of its own coils is all that a magnetometer beside them sees.
-                magnetometer_t=None,
-                quality=chunk.quality[row],
-                coil_state=None,
+            # The field of its own coils is all that a magnetometer beside them sees.
+            ImuChunk(
+                chunk.first_tick,
+                chunk.time_step_s,
+                chunk.gyroscope_radps[row],
+                chunk.accelerometer_mps2[row],
+                None,
+                chunk.quality[row],
             )
         )
-        coil, current, wrong = self._state_of(chunk)
-        ticks = chunk.tick_count
         if isinstance(chunk, ModulesChunk):
-            found = list(chunk.modules)
+            outs = np.stack([table_of(result) for result in chunk.modules])
         else:
-            found = [self._update(i, chunk, coil, current) for i in range(len(self._rows))]
+            outs = np.stack([one.run(part) for one, part in zip(self._filters, samples, strict=True)])
+        ticks, segments, angles = chunk.tick_count, len(self._sensors) + 1, len(self._layout.angles)
         self._next_tick = chunk.first_tick + ticks
-        q_source = np.ascontiguousarray(levelled.q_earth_sensor[0])
-        segments = len(self._sensors) + 1
         q, point = np.empty((ticks, segments, 4)), np.empty((ticks, segments, 3))
-        flags = np.empty((ticks, segments), dtype=np.uint8)
-        sigma = np.full((ticks, segments, 3), np.nan)
-        # Its heading is that of the room, so that it cannot be wrong.
-        q[:, 0], flags[:, 0] = q_source, levelled.flags[0] & _NOT_HEADING
-        point[:, 0] = [0.0, 0.0, _SHOE_HEIGHT_M if "foot" in self._settings.source else _HEIGHT_M]
-        scalars, angles, spreads = [], [], []
-        for i, result in enumerate(found):
-            told = result.flags | np.where(wrong, _FAULT, np.uint16(0))
-            known = (told & _INVALID) == 0
-            q[:, i + 1] = rotation.multiply(q_source, result.q_source_sensor)
-            away = rotation.rotate(q_source, result.position_m)
-            point[:, i + 1] = np.where(known[:, None], point[:, 0] + away, np.nan)
-            flags[:, i + 1] = frame_flags(told)
-            scalars.append(sensor_scalars(result, told, known))
-            turned, spread = angles_of(result, known)
-            angles.append(turned)
-            spreads.append(spread)
-            sigma[:, i + 1] = room_sigma(q[:, i + 1], result.covariance, known)
-        angle = np.concatenate(angles, axis=1)
-        spread = np.concatenate(spreads, axis=1)
-        return Frames(
-            layout=self._layout,
-            first_tick=chunk.first_tick,
-            time_step_s=chunk.time_step_s,
-            q_room_segment=q,
-            point_room_m=point,
-            angle_rad=self._unwrapped(angle),
-            angle_sigma_rad=spread,
-            scalar=np.concatenate([*scalars, self._source_scalars(coil, current, found)], axis=1),
-            segment_flags=flags,
-            angle_flags=angle_flags(flags, angle),
-            segment_sigma_rad=sigma,
+        sigma, scalar = np.empty((ticks, segments, 3)), np.empty((ticks, len(self._layout.scalars)))
+        angle, angle_sigma = np.empty((ticks, angles)), np.empty((ticks, angles))
+        flags, angle_flags = np.empty((ticks, segments), np.uint8), np.empty((ticks, angles), np.uint8)
+        kernel.tell(
+            levelled.q_earth_sensor[0],
+            levelled.flags[0],
+            samples,
+            outs,
+            wrong,
+            self._height_m,
+            self._step_s,
+            self._account,
+            self._last_angle,
+            self._turns,
+            q,
+            point,
+            sigma,
+            flags,
+            angle,
+            angle_sigma,
+            angle_flags,
+            scalar,
         )
-
-    def _state_of(self, chunk: ImuChunk) -> tuple[NDArray[np.int64], Float, NDArray[np.bool_]]:
-        """Return what the source did at each tick; nothing where that is not known."""
-        if chunk.coil_state is None:
-            nothing = np.zeros(chunk.tick_count)
-            return nothing.astype(np.int64), nothing, nothing > 0.0
-        coil, current, wrong = read_coil_state(np.nan_to_num(chunk.coil_state[self._source_row]))
-        # A coil that fires where no source is said to be: the modules are exchanged.
-        elsewhere = (np.nan_to_num(chunk.coil_state[self._rows]) != 0.0).any(axis=0)
-        return coil, current, wrong | elsewhere | (coil > len(self._coils.coils))
-
-    def _update(self, i: int, chunk: ImuChunk, coil: NDArray[np.int64], current: Float) -> RelativeResult:
-        return self._filters[i].update(self._samples(i, chunk, coil, current))
+        return Frames(
+            self._layout,
+            chunk.first_tick,
+            chunk.time_step_s,
+            q,
+            point,
+            angle,
+            angle_sigma,
+            scalar,
+            flags,
+            angle_flags,
+            sigma,
+        )
 
     def table(self, sensor: str, chunk: ImuChunk) -> Float:
         """Return what the filter of a sensor takes, shape (K, 17): for those who run it themselves."""
-        coil, current, _ = self._state_of(chunk)
-        return self._samples(self._sensors.index(sensor), chunk, coil, current).table()
+        samples, _ = self._samples(chunk)
+        return np.asarray(samples[self._sensors.index(sensor)])
 
-    def _samples(self, i: int, chunk: ImuChunk, coil: NDArray[np.int64], current: Float) -> RelativeChunk:
-        """Return the samples of one filter; what was bridged is no sample, least of all of a pulse."""
-        row, source = self._rows[i], self._source_row
-        lost = ((chunk.quality[row] | chunk.quality[source]) & _NOT_MEASURED) != 0
-        field = chunk.magnetometer_t
-        unseen = np.full((chunk.tick_count, 3), np.nan)
-        own, force, seen, worn, worn_force = (
-            np.where(lost[:, None], np.nan, values) if lost.any() else values
-            for values in (
-                chunk.gyroscope_radps[row],
-                chunk.accelerometer_mps2[row],
-                unseen if field is None else field[row],
-                chunk.gyroscope_radps[source],
-                chunk.accelerometer_mps2[source],
+    def _samples(self, chunk: ImuChunk) -> tuple[Float, NDArray[np.bool_]]:
+        """Return what the filters take, shape (N, K, 17), and where the coil states cannot be."""
+        field, state = chunk.magnetometer_t, chunk.coil_state
+        sensors, ticks = len(self._setup.placements), chunk.tick_count
+        if chunk.sensor_count != sensors:
+            raise ShapeError(f"{chunk.sensor_count} sensors; this session has {sensors}")
+        each, whole = (sensors, ticks), (sensors, ticks, 3)
+        if (
+            (chunk.gyroscope_radps.shape, chunk.accelerometer_mps2.shape) != (whole, whole)
+            or chunk.quality.shape != each
+            or (field is not None and field.shape != whole)
+            or (state is not None and state.shape != each)
+        ):
+            raise ShapeError(
+                f"signals of {sensors} sensors at {ticks} ticks are of other shapes than {whole}"
             )
+        samples = np.empty((len(self._rows), ticks, at.SAMPLE))
+        wrong = np.empty(ticks, dtype=np.bool_)
+        kernel.take(
+            np.asarray(chunk.gyroscope_radps, dtype=np.float64),
+            np.asarray(chunk.accelerometer_mps2, dtype=np.float64),
+            _NO_FIELD if field is None else np.asarray(field, dtype=np.float64),
+            np.asarray(chunk.quality, dtype=np.uint8),
+            _NO_STATE if state is None else np.asarray(state, dtype=np.float64),
+            self._source_row,
+            len(self._coils.coils),
+            samples,
+            wrong,
         )
-        return RelativeChunk(
-            chunk.first_tick, chunk.time_step_s, own, force, seen, worn, worn_force, coil, current
-        )
-
-    def _source_scalars(self, coil: NDArray[np.int64], current: Float, found: list[RelativeResult]) -> Float:
-        """Return what the source does, is to do, and has used."""
-        ticks = len(coil)
-        asked = np.zeros((ticks, 3))
-        for result in found:
-            # A start needs longer pulses than tracking: who asks for the longest goes first.
-            first = result.fire_ticks > asked[:, 2]
-            for column, values in enumerate((result.fire_coil, result.fire_current_a, result.fire_ticks)):
-                asked[first, column] = values[first]
-        on = self._on_ticks + np.cumsum(coil > 0)
-        used = np.abs(current) * self._step_s, current * current * self._step_s
-        charge, squared = (
-            np.cumsum(np.concatenate([self._account[k : k + 1], used[k]]))[1:] for k in range(2)
-        )
-        if ticks:
-            self._on_ticks = int(on[-1])
-            self._account = np.array([charge[-1], squared[-1]])
-        return np.column_stack([coil, current, asked, on * self._step_s, charge, squared])
-
-    def _unwrapped(self, angle: Float) -> Float:
-        """Let angles go on beyond half a turn; unknown ones neither turn nor are remembered."""
-        known = np.isfinite(angle)
-        rows = np.arange(len(angle))[:, None]
-        # Row of the last known angle at or before each; -1 for the one remembered.
-        last = np.maximum.accumulate(np.where(known, rows, -1), axis=0)
-        held = np.concatenate([self._last_angle[None], angle])
-        filled = np.take_along_axis(held, np.concatenate([np.zeros_like(last[:1]), last + 1]), axis=0)
-        turned = np.rint(np.diff(filled, axis=0) / (2.0 * np.pi)).astype(np.int64)
-        turns = self._turns - np.cumsum(turned, axis=0)
-        if len(angle):
-            self._last_angle, self._turns = filled[-1].copy(), turns[-1].copy()
-        return np.asarray(angle + 2.0 * np.pi * turns)
+        return samples, wrong
 
     def calibrate(self, pose: ImuChunk, method: str = "static") -> Calibration:
         """Refuse: the filters calibrate themselves while the person stands still at the start."""
@@ -266,9 +217,9 @@ class RelativePosePipeline(Pipeline):
         for name, one in self.filters.items():
             state |= {f"{name}.{key}": values for key, values in one.state().items()}
         state["next_tick"] = np.array(self._next_tick, dtype=np.int64)
-        state["on_ticks"] = np.array(self._on_ticks, dtype=np.int64)
+        state["on_ticks"] = np.array(self._account[kernel.ON_TICKS], dtype=np.int64)
         state["last_angle"], state["turns"] = self._last_angle.copy(), self._turns.copy()
-        state["account"] = self._account.copy()
+        state["account"] = self._account[kernel.CHARGE :].copy()
         return state
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
@@ -278,15 +229,13 @@ class RelativePosePipeline(Pipeline):
         self._level.restore(_part(state, "level"))
         for name, one in self.filters.items():
             one.restore(_part(state, name))
-        self._next_tick, self._on_ticks = int(state["next_tick"]), int(state["on_ticks"])
+        self._next_tick = int(state["next_tick"])
         self._last_angle = np.array(state["last_angle"], dtype=np.float64)
         self._turns = np.array(state["turns"], dtype=np.int64)
-        self._account = np.array(state["account"], dtype=np.float64)
+        self._account = np.array([state["on_ticks"], *state["account"]], dtype=np.float64)
 
 
-_FAULT, _INVALID = np.uint16(int(RelativeFlag.FAULT)), np.uint16(int(RelativeFlag.INVALID))
-_NOT_HEADING: Final = np.uint8(255 - int(OrientationFlag.HEADING_NOT_TRUSTED))
-_NOT_MEASURED: Final = int(SampleQuality.MISSING | SampleQuality.BRIDGED)
+_NO_FIELD, _NO_STATE = np.empty((0, 0, 3)), np.empty((0, 0))
 
 
 def _part(state: Mapping[str, NDArray[Any]], name: str) -> dict[str, NDArray[Any]]:
