@@ -9,7 +9,7 @@ from estimators import rotation
 from estimators.magnetic import _relative_layout as at
 from estimators.magnetic._coil import Source
 from estimators.magnetic._relative_parameters import RelativePoseParameters
-from estimators.magnetic._tracker import Fix, locate
+from estimators.magnetic._tracker import Fix, TrackerLimits, locate
 from estimators.recording import Float
 
 _WELL_KNOWN_RAD = math.radians(20.0)
@@ -107,6 +107,8 @@ def _solve(
         last_position_m=last,
         moved_m=moved,
         q_turned=turned,
+        # Coils that are known less well leave more of a burst, which is then no reason to refuse it.
+        limits=TrackerLimits(gain_sigma=parameters.gain_sigma),
     )
 
 
