@@ -1,5 +1,6 @@
 """Relative pose from body-worn magnetic sources."""
 
+from estimators.magnetic._bench import Stop, find_stops
 from estimators.magnetic._closed_form import ClosedForm, closed_form, closed_form_published, dipole_covariance
 from estimators.magnetic._coil import (
     Coil,
@@ -25,6 +26,7 @@ from estimators.magnetic._measurement import (
     predict,
     update,
 )
+from estimators.magnetic._place_calibration import calibrate_at_places
 from estimators.magnetic._pulses import Pulse, bursts, extract_pulses, find_pulses, integrate_gyroscope
 from estimators.magnetic._relative_parameters import RelativePoseParameters
 from estimators.magnetic._relative_pose import (
@@ -77,6 +79,7 @@ __all__ = [
     "RelativeResult",
     "SmoothedPose",
     "Source",
+    "Stop",
     "TrackerFlag",
     "TrackerFusion",
     "TrackerFusionChunk",
@@ -88,6 +91,7 @@ __all__ = [
     "axial_reach_m",
     "biot_savart",
     "bursts",
+    "calibrate_at_places",
     "calibrate_coils",
     "calibrate_moments",
     "choose_coil",
@@ -101,6 +105,7 @@ __all__ = [
     "dipole_gradient",
     "extract_pulses",
     "find_pulses",
+    "find_stops",
     "integrate_gyroscope",
     "keep_away_distance_m",
     "linearisation_error_percent",

@@ -5,8 +5,9 @@ the sensor in it. A coil has any place and direction in the source; its field fo
 """
 
 import math
-from dataclasses import dataclass, replace
-from typing import Literal
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields, replace
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,6 +18,7 @@ from estimators.magnetic._loop_kernel import MU0_TM_PER_A
 from estimators.recording import Float
 
 FieldModel = Literal["exact", "dipole"]
+_NUMBERS = ("turns", "radius_m", "length_m", "depth_m")
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,32 @@ class Coil:
             raise SetupError("the axis of a coil must not be the zero vector")
         if min(self.layers) < 1 or self.length_m < 0.0 or not 0.0 <= self.depth_m < 2.0 * self.radius_m:
             raise SetupError("a winding needs one layer or more, and a depth below its diameter")
+
+    @classmethod
+    def from_dict(cls, stored: Mapping[str, Any]) -> "Coil":
+        """Rebuild from `to_dict` after a trip through JSON; `SetupError` for what is no coil."""
+        if unknown := sorted(set(stored) - {field.name for field in fields(cls)}):
+            raise SetupError(f"a coil has no {', '.join(unknown)}")
+        try:
+            values: dict[str, Any] = {name: float(stored[name]) for name in _NUMBERS if name in stored}
+            for name in ("centre_m", "axis"):
+                if name in stored:
+                    x, y, z = stored[name]
+                    values[name] = (float(x), float(y), float(z))
+            if "layers" in stored:
+                along, across = stored["layers"]
+                values["layers"] = (int(along), int(across))
+        except (TypeError, ValueError) as error:
+            raise SetupError(
+                "a coil needs numbers, its centre and axis three of them, its layers two"
+            ) from error
+        return cls(**values)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain JSON types; `from_dict` reverses it."""
+        return {
+            name: list(value) if isinstance(value, tuple) else value for name, value in asdict(self).items()
+        }
 
     @property
     def unit_axis(self) -> Float:
@@ -173,15 +201,28 @@ def perpendicular_source(
     radius_m: float = 0.055,
     current_limit_a: float = 1.5,
     model: FieldModel = "exact",
+    *,
+    length_m: float = 0.0,
+    depth_m: float = 0.0,
+    layers: tuple[int, int] = (1, 1),
 ) -> Source:
     """Return three coils along the axes of the source, their centres `offset_m` out along their own axis.
 
     With no offset the coils are concentric, and a point and its mirror image through the origin are the same to them
-    (method page E16): a mounting prior is needed then.
+    (method page E16): a mounting prior is needed then. `length_m`, `depth_m` and `layers` are those of `Coil`.
     """
     axes = np.eye(3)
     coils = tuple(
-        Coil(turns, radius_m, tuple((offset_m * axes[i]).tolist()), tuple(axes[i].tolist())) for i in range(3)
+        Coil(
+            turns,
+            radius_m,
+            tuple((offset_m * axes[i]).tolist()),
+            tuple(axes[i].tolist()),
+            length_m,
+            depth_m,
+            layers,
+        )
+        for i in range(3)
     )
     return Source(coils, model, current_limit_a)
 

@@ -11,11 +11,15 @@ from estimators.magnetic._coil import Source
 from estimators.magnetic._measurement import predict
 from estimators.recording import Float
 
-_PER_COIL = 6
+PER_COIL = 6
 """Unknowns: relative moment, place (3), tilt of the axis (2)."""
 _LEAST_POSES = 4
-_TILT_M = 0.1
+TILT_M = 0.1
 """Lever that brings tilts to the scale of places."""
+NEAR_M, FAR_M = 0.25, 0.6
+"""Where sensors are worn from a source."""
+LEAST_GAIN_SIGMA = 0.002
+"""No source is known better: magnetometers have gain errors of that size themselves."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +37,12 @@ class CoilCalibration:
     direction_sigma_rad : ndarray, shape (C,)
     residual_t : float
         Root mean square of what the pulses leave.
+    gain_sigma : float
+        How wrong the field of the found coils still is between `NEAR_M` and `FAR_M`, one sigma an axis, as a share of
+        it: what filters are told as their parameter of that name.
+    place_residual_m : float
+        Root mean square of how far the sensor was from the places that were typed, as far as the pulses tell; 0 where
+        poses were taken as exact.
     """
 
     source: Source
@@ -40,6 +50,8 @@ class CoilCalibration:
     place_sigma_m: Float
     direction_sigma_rad: Float
     residual_t: float
+    gain_sigma: float
+    place_residual_m: float = 0.0
 
 
 def calibrate_moments(source: Source, distance_m: float, strength_t: ArrayLike, current_a: float) -> Source:
@@ -99,16 +111,16 @@ def calibrate_coils(
     if count < _LEAST_POSES:
         raise CalibrationError(f"{count} poses; place the sensor in {_LEAST_POSES} or more, spread around")
     currents = np.broadcast_to(np.asarray(current_a, dtype=np.float64), (count, coils))
-    found, moments, places, tilts = [], [], [], []
+    found, covariances = [], []
     total = 0.0
     for number in range(coils):
 
         def residuals(x: Float, number: int = number) -> Float:
-            trial = _changed(source, number, x)
+            trial = changed(source, number, x)
             seen = predict(trial, number, currents[:, number], position, q).field_sensor_t
             return np.asarray((seen - pulses[:, number]).reshape(-1) / sigma_t)
 
-        fit = least_squares(residuals, np.zeros(_PER_COIL), x_scale=[0.02, 0.01, 0.01, 0.01, 0.01, 0.01])
+        fit = least_squares(residuals, np.zeros(PER_COIL), x_scale=[0.02, 0.01, 0.01, 0.01, 0.01, 0.01])
         jacobian = np.asarray(fit.jac, dtype=np.float64)
         information = jacobian.T @ jacobian
         scale = np.sqrt(np.diag(information))
@@ -116,32 +128,66 @@ def calibrate_coils(
             raise CalibrationError(
                 f"the poses do not tell where coil {number + 1} is; take some nearer and in other directions"
             )
-        freedom = 3 * count - _PER_COIL
+        freedom = 3 * count - PER_COIL
         if 2.0 * fit.cost > freedom + 6.0 * np.sqrt(2.0 * freedom):
             raise CalibrationError(
                 f"no coil explains the pulses of coil {number + 1}: check the poses, look for iron, and repeat"
             )
-        sigma = np.sqrt(np.diag(np.linalg.inv(information)))
-        found.append(_changed(source, number, fit.x).coils[number])
-        moments.append(float(sigma[0]))
-        places.append(float(sigma[1:4].max()))
-        tilts.append(float(np.hypot(*sigma[4:]) / _TILT_M))
+        found.append(changed(source, number, fit.x).coils[number])
+        covariances.append(np.asarray(np.linalg.inv(information), dtype=np.float64))
         total += 2.0 * fit.cost
-    return CoilCalibration(
-        replace(source, coils=tuple(found)),
-        np.array(moments),
-        np.array(places),
-        np.array(tilts),
-        sigma_t * float(np.sqrt(total / pulses.size)),
+    return told(
+        replace(source, coils=tuple(found)), covariances, sigma_t * float(np.sqrt(total / pulses.size))
     )
 
 
-def _changed(source: Source, number: int, x: Float) -> Source:
+def told(
+    source: Source, covariances: list[Float], residual_t: float, place_residual_m: float = 0.0
+) -> CoilCalibration:
+    """Return what was found, from the coils and the covariance of each one's six unknowns."""
+    sigmas = [np.sqrt(np.diag(covariance)) for covariance in covariances]
+    return CoilCalibration(
+        source,
+        np.array([float(sigma[0]) for sigma in sigmas]),
+        np.array([float(sigma[1:4].max()) for sigma in sigmas]),
+        np.array([float(np.hypot(*sigma[4:]) / TILT_M) for sigma in sigmas]),
+        residual_t,
+        max(LEAST_GAIN_SIGMA, _field_error(source, covariances)),
+        place_residual_m,
+    )
+
+
+def _field_error(source: Source, covariances: list[Float]) -> float:
+    """Return the share by which the field is wrong where sensors are worn, root mean square over places, an axis."""
+    number = 60
+    turns = np.arange(number) * (np.pi * (3.0 - np.sqrt(5.0)))
+    height = 1.0 - (2.0 * np.arange(number) + 1.0) / number
+    across = np.sqrt(1.0 - height**2)
+    directions = np.stack([across * np.cos(turns), across * np.sin(turns), height], axis=1)
+    # Distances in an order of their own, so that near and far are in all directions.
+    distance = NEAR_M + (FAR_M - NEAR_M) * ((np.arange(number) * 0.618) % 1.0)
+    points = directions * distance[:, None]
+    shares = []
+    for coil, covariance in enumerate(covariances):
+        jacobian = np.empty((number, 3, PER_COIL))
+        for column in range(PER_COIL):
+            step = np.zeros(PER_COIL)
+            step[column] = 1e-5
+            ahead = changed(source, coil, step).field(coil, 1.0, points)
+            behind = changed(source, coil, -step).field(coil, 1.0, points)
+            jacobian[:, :, column] = (ahead - behind) / 2e-5
+        variance = np.einsum("nip,pq,niq->n", jacobian, covariance, jacobian) / 3.0
+        shares.append(variance / np.sum(source.field(coil, 1.0, points) ** 2, axis=1))
+    return float(np.sqrt(np.mean(shares)))
+
+
+def changed(source: Source, number: int, x: Float) -> Source:
+    """Return the source with one coil changed by its six unknowns."""
     coil = source.coils[number]
     axis = coil.unit_axis
     first = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
     first /= np.linalg.norm(first)
-    turned = axis + (x[4] * first + x[5] * np.cross(axis, first)) / _TILT_M
+    turned = axis + (x[4] * first + x[5] * np.cross(axis, first)) / TILT_M
     other = replace(
         coil,
         turns=coil.turns * (1.0 + float(x[0])),
@@ -151,4 +197,13 @@ def _changed(source: Source, number: int, x: Float) -> Source:
     return replace(source, coils=(*source.coils[:number], other, *source.coils[number + 1 :]))
 
 
-__all__ = ["CoilCalibration", "calibrate_coils", "calibrate_moments"]
+__all__ = [
+    "FAR_M",
+    "LEAST_GAIN_SIGMA",
+    "NEAR_M",
+    "CoilCalibration",
+    "calibrate_coils",
+    "calibrate_moments",
+    "changed",
+    "told",
+]

@@ -1,14 +1,20 @@
 """What a relative-pose session is told about its source: where it is worn, its coils, and where sensors are from it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any, Final
 
 import numpy as np
 
 from estimators.conventions import PLACEMENTS, Placement
 from estimators.errors import SetupError
-from estimators.magnetic import CURRENT_SPAN_A, RelativePoseParameters, Source, perpendicular_source
+from estimators.magnetic import (
+    CURRENT_SPAN_A,
+    Coil,
+    RelativePoseParameters,
+    Source,
+    perpendicular_source,
+)
 from estimators.pipelines._contract import SessionSetup
 from estimators.recording import Float
 
@@ -29,6 +35,13 @@ _PLACE_M: Final[dict[str, tuple[float, float, float]]] = {
 from the source to a sensor is used, to choose between a place and its mirror image through the source."""
 MOST_MOMENT_AM2: Final = 3.0
 """Four times that of the usual coils; more is no source to be worn."""
+NOMINAL_GAIN_SIGMA: Final = 0.03
+"""How wrong the field of coils is that nobody has measured, one sigma an axis, as a share of it.
+
+At arm's length: 2 % of the moment (a millimetre of radius is 4 %), 2 mm of the centre (1 %), 1.5 degrees of the axis
+(2 to 3 % across the field)."""
+MOST_LOOPS: Final = 100
+"""That stand for one winding: more add nothing but time."""
 ROUND_TRIP_S: Final = 0.5
 """A request is given up after this: the way to the network and back takes a good tenth of a second."""
 
@@ -39,7 +52,12 @@ class SourceSettings:
 
     `source` is the placement that carries the coils; by default the pelvis, else the sternum, else the left foot.
     Coils are along the axes of their module, their centres `coil_offset_m` out. The source is worn with x forward
-    and z up.
+    and z up. `coil_length_m` along the axis, `coil_depth_m` along the radius and `coil_layers` (thin loops along and
+    across) describe a winding that is not thin.
+
+    `calibrated_coils` are those of a source that was measured, as `Coil.to_dict` gives them: they take the place of
+    the other coil settings, and `gain_sigma` says how well they are known. `source_name`, `source_serial` and
+    `calibrated_on` tell people which source that is.
     """
 
     source: str = ""
@@ -47,29 +65,54 @@ class SourceSettings:
     coil_turns: float = 50.0
     coil_radius_m: float = 0.055
     current_limit_a: float = 1.5
+    coil_length_m: float = 0.0
+    coil_depth_m: float = 0.0
+    coil_layers: tuple[int, int] = (1, 1)
+    calibrated_coils: tuple[Mapping[str, Any], ...] = ()
+    source_name: str = ""
+    source_serial: str = ""
+    calibrated_on: str = ""
+
+    @property
+    def is_calibrated(self) -> bool:
+        """Whether the coils were measured."""
+        return len(self.calibrated_coils) > 0
 
     @property
     def coils(self) -> Source:
         """The source that the settings describe."""
+        if self.is_calibrated:
+            return Source(
+                tuple(Coil.from_dict(one) for one in self.calibrated_coils),
+                current_limit_a=self.current_limit_a,
+            )
         return perpendicular_source(
-            self.coil_offset_m, self.coil_turns, self.coil_radius_m, self.current_limit_a
+            self.coil_offset_m,
+            self.coil_turns,
+            self.coil_radius_m,
+            self.current_limit_a,
+            length_m=self.coil_length_m,
+            depth_m=self.coil_depth_m,
+            layers=self.coil_layers,
         )
 
 
 def settings_of(setup: SessionSetup) -> tuple[SourceSettings, dict[str, Any]]:
     """Return what the setup says of the source, and the overrides of the filter.
 
+    Coils that nobody has measured are believed to `NOMINAL_GAIN_SIGMA`.
+
     Raises
     ------
     SetupError
-        For placements without a source and a sensor, and parameters that do not exist.
+        For placements without a source and a sensor, and parameters that do not exist or describe no source.
     """
     given: Mapping[str, Any] = setup.orientation_parameters
     own = {field.name for field in fields(SourceSettings)}
     filters = {field.name for field in fields(RelativePoseParameters)}
     if unknown := sorted(set(given) - own - filters):
         raise SetupError(f"no parameter {', '.join(unknown)}; known are {', '.join(sorted(own | filters))}")
-    settings = SourceSettings(**{name: value for name, value in given.items() if name in own})
+    settings = _read({name: value for name, value in given.items() if name in own})
     if len(setup.placements) < 2 or len(set(setup.placements)) != len(setup.placements):
         raise SetupError("relative pose needs a source and at least one sensor, each at its own placement")
     source = settings.source or next((name for name in _USUAL_SOURCES if name in setup.placements), "")
@@ -80,15 +123,40 @@ def settings_of(setup: SessionSetup) -> tuple[SourceSettings, dict[str, Any]]:
     numbers = (settings.coil_turns, settings.coil_radius_m, settings.current_limit_a)
     if min(numbers) <= 0.0 or settings.coil_offset_m < 0.0:
         raise SetupError("turns, radius and current limit of the coils must be above zero")
-    moment_am2 = settings.coil_turns * np.pi * settings.coil_radius_m**2 * settings.current_limit_a
+    overrides = {name: value for name, value in given.items() if name in filters}
+    if settings.is_calibrated and "gain_sigma" not in overrides:
+        raise SetupError("calibrated coils come with their gain_sigma: how well they are known")
+    coils = settings.coils.coils
+    if len(coils) != 3:
+        raise SetupError(f"a source to be worn has three coils, not {len(coils)}")
+    if max(coil.layers[0] * coil.layers[1] for coil in coils) > MOST_LOOPS:
+        raise SetupError(f"a winding is described by at most {MOST_LOOPS} loops")
+    moment_am2 = max(abs(coil.moment_m2) for coil in coils) * settings.current_limit_a
     if settings.current_limit_a >= CURRENT_SPAN_A or moment_am2 > MOST_MOMENT_AM2:
         raise SetupError(
             f"a source on a body must stay below {CURRENT_SPAN_A:g} A and {MOST_MOMENT_AM2:g} A m2; these coils do not"
         )
-    return (
-        SourceSettings(**{**{f: getattr(settings, f) for f in own}, "source": source}),
-        {name: value for name, value in given.items() if name in filters},
-    )
+    overrides.setdefault("gain_sigma", NOMINAL_GAIN_SIGMA)
+    return replace(settings, source=source), overrides
+
+
+def _read(given: Mapping[str, Any]) -> SourceSettings:
+    """Return settings from what JSON holds."""
+    values = dict(given)
+    if "coil_layers" in values:
+        try:
+            along, across = values["coil_layers"]
+            values["coil_layers"] = (int(along), int(across))
+        except (TypeError, ValueError) as error:
+            raise SetupError(
+                "coil_layers are two whole numbers: loops along and across the winding"
+            ) from error
+    if "calibrated_coils" in values:
+        coils = values["calibrated_coils"]
+        if not isinstance(coils, list | tuple) or not all(isinstance(one, Mapping) for one in coils):
+            raise SetupError("calibrated_coils is a list of coils")
+        values["calibrated_coils"] = tuple(dict(one) for one in coils)
+    return SourceSettings(**values)
 
 
 def relative_source(setup: SessionSetup) -> SourceSettings:
@@ -121,6 +189,7 @@ def _place(name: str) -> Float:
 
 
 __all__ = [
+    "NOMINAL_GAIN_SIGMA",
     "ROUND_TRIP_S",
     "SourceSettings",
     "direction_between",

@@ -22,7 +22,10 @@ from estimators.recording import ImuChunk, SampleQuality
 from estimators.simulation.coils import SourceFaults, relative_motion, relative_scene, run_closed_loop
 
 SOURCE = perpendicular_source(0.06)
-SETUP = SessionSetup("relative_pose", ("pelvis", "sternum"), 100.0)
+# The coils are exactly as described: as after a calibration.
+SETUP = SessionSetup(
+    "relative_pose", ("pelvis", "sternum"), 100.0, orientation_parameters={"gain_sigma": 0.002}
+)
 
 
 @cache
