@@ -19,6 +19,7 @@ from estimators.gait import FootTracker, find_strides, smooth, summarise
 from estimators.pipelines import SessionSetup, create
 from estimators.recording import ImuChunk, SensorSignals
 from estimators.simulation import Bout, Leg, gait_preset, simulate_gait
+from tests.benchmarks.machine import processor
 
 FEET = Path(__file__).parents[1] / "data" / "feet"
 RATE_HZ = 100.0
@@ -26,14 +27,6 @@ CHUNK_TICKS = 5
 SHOES: tuple[Placement, ...] = SHOE_PLACEMENTS
 FEET_WORN: tuple[Placement, ...] = ("foot_left", "foot_right")
 LIVE_LIMIT, OFF_LINE_LIMIT_S, GROWTH_LIMIT = 0.01, 5.0, 1.5
-
-
-def machine() -> str:
-    """Name the processor."""
-    listing = Path("/proc/cpuinfo")
-    lines = listing.read_text().splitlines() if listing.exists() else []
-    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return f"{names[0] if names else platform.processor()}, Python {platform.python_version()}"
 
 
 def loop(minutes: float) -> SensorSignals:
@@ -106,7 +99,7 @@ def feet_only(chunk: ImuChunk) -> ImuChunk:
 
 def main() -> int:
     """Print the table; 1 when a limit is missed."""
-    print(machine())
+    print(f"{processor()}, Python {platform.python_version()}")
     missed = 0
     smooth(loop(0.1))
     rates = []

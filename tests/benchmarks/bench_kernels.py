@@ -22,6 +22,7 @@ from vqf import VQF
 from estimators import orientation, rotation
 from estimators.conventions import GRAVITY_MPS2
 from estimators.recording import ImuChunk
+from tests.benchmarks.machine import processor
 
 SENSORS = 17
 TICKS = 6000
@@ -109,7 +110,7 @@ def main() -> int:
             best[label] = min(best[label], time.thread_time() - start)
     samples = SENSORS * TICKS
     yardstick = best["vqf package, batch"]
-    print(f"machine: {_processor()}, Python {platform.python_version()}, one core, best of {rounds} rounds")
+    print(f"machine: {processor()}, Python {platform.python_version()}, one core, best of {rounds} rounds")
     print(f"{'':44}{'ns / sample':>12}{'samples / s':>14}{'ratio':>8}{'us / chunk':>12}")
     failed = []
     for label, seconds in best.items():
@@ -136,15 +137,6 @@ def _tell_rates(best: dict[str, float], yardstick: float) -> None:
             reached = yardstick / best[f"{name}, batch"]
             verdict = "reached" if reached >= wanted else "NOT reached"
             print(f"  {name:30} wanted {wanted:4.2f}   ours {reached:4.2f}   {verdict}")
-
-
-def _processor() -> str:
-    cpuinfo = Path("/proc/cpuinfo")
-    if cpuinfo.exists():
-        for line in cpuinfo.read_text().splitlines():
-            if line.startswith("model name"):
-                return line.split(":", 1)[1].strip()
-    return platform.processor() or platform.machine()
 
 
 if __name__ == "__main__":

@@ -33,6 +33,7 @@ from estimators.arm import (
     two_link_pose,
 )
 from estimators.conventions import Placement
+from tests.benchmarks.machine import processor
 
 POSES = 100_000
 REQUIRED = 2e6
@@ -100,7 +101,7 @@ def main() -> int:
             start = time.thread_time()
             run()
             best[label] = min(best[label], time.thread_time() - start)
-    print(f"Python {platform.python_version()}, {platform.machine()}, one core, best of {rounds} rounds")
+    print(f"machine: {processor()}, Python {platform.python_version()}, one core, best of {rounds} rounds")
     print(f"{'':44}{'ns / pose':>12}{'million / s':>14}")
     for label, seconds in best.items():
         print(f"{label:44}{1e9 * seconds / POSES:12.0f}{1e-6 * POSES / seconds:14.2f}")

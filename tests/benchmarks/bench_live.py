@@ -47,6 +47,7 @@ from app.recordings.schemas import SessionIn
 from estimators import pipelines
 from estimators.conventions import PLACEMENTS
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
+from tests.benchmarks.machine import processor
 
 ROOT = Path(__file__).resolve().parents[2]
 SECRET = "bench-only-0123456789-abcdefghijklmnopq"
@@ -298,7 +299,7 @@ def report(outcome: Outcome, folder: Path, sessions: int, seconds: float, packet
     kept = stored(folder)
     frequency = psutil.cpu_freq()
     print(
-        f"\nmachine   {platform.node()}, {psutil.cpu_count()} cores, {cpu_name()}"
+        f"\nmachine   {platform.node()}, {psutil.cpu_count()} cores, {processor()}"
         + (f", {frequency.current:.0f} MHz" if frequency else "")
     )
     print(
@@ -332,13 +333,6 @@ def report(outcome: Outcome, folder: Path, sessions: int, seconds: float, packet
         f" every packet stored: {'met' if whole else 'MISSED'}"
     )
     return high < LIMIT_MS and whole
-
-
-def cpu_name() -> str:
-    for line in Path("/proc/cpuinfo").read_text().splitlines() if Path("/proc/cpuinfo").exists() else []:
-        if line.startswith("model name"):
-            return line.split(":", 1)[1].strip()
-    return platform.processor()
 
 
 def main() -> int:
