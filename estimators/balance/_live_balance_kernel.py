@@ -47,6 +47,8 @@ _START2 = (0.05**2, 1.0**2, 0.1**2)
 _SHOWN_S, _FORGOTTEN_S = 0.3, 1.0
 """Without forces of both feet the centre of mass goes on for so long; later it begins anew."""
 _WIDEST_M = 0.05
+_REJOINED2 = 0.15**2
+"""Of the shift of the right foot after one was put beside the other, m^2: half a step more or less."""
 _BLOCK_S, _LEAST_WEIGHT_N, _CHANGE = 2.0, 150.0, 1.15
 _LEAST_N, _ON_N = 100.0, 20.0
 _STOOD_S = 0.75
@@ -204,7 +206,8 @@ def balance_live(
     corners : ndarray, shape (2, K, 8, 2)
         Of the soles on the floor.
     usable : ndarray of uint8, shape (2, K)
-        2: measured, tared and placed; 1: measured, good enough to weigh; 0: nothing to go on.
+        2: measured, tared and placed; 1: measured, good enough to weigh; 0: nothing to go on. With 4 added: a foot
+        that was lost was put beside the other just now, where feet usually are.
     up_n : ndarray, shape (2, K + ahead)
         Raw vertical load of each shoe, for the samples after these too; NaN where nothing was measured.
     zero_n : ndarray, shape (2, K)
@@ -220,18 +223,26 @@ def balance_live(
     h, ahead = settings[S_STEP], int(settings[S_AHEAD])
     row, hull = np.zeros(STATES), np.empty((18, 2))
     for k in range(out.shape[0]):
+        if (usable[0, k] | usable[1, k]) & 4:
+            for axis in range(2):
+                x[axis, 3] = 0.0
+            p[3, :] = 0.0
+            p[:, 3] = 0.0
+            p[3, 3] = _REJOINED2
+            memory[COASTED_S] = np.inf
+        first, second = usable[0, k] & 3, usable[1, k] & 3
         result = out[k]
         result[:] = np.nan
         left, right = up_n[0, k + ahead] - zero_n[0, k], up_n[1, k + ahead] - zero_n[1, k]
         memory[RUN] = memory[RUN] + 1.0 if left > _ON_N and right > _ON_N else 0.0
         stands = memory[RUN] * h > _STOOD_S + ahead * h
-        _weigh(settings, memory, up_n[0, k] + up_n[1, k], min(usable[0, k], usable[1, k]) > 0)
+        _weigh(settings, memory, up_n[0, k] + up_n[1, k], min(first, second) > 0)
         raw = memory[RAW_SUM] / max(memory[RAW_COUNT], 1.0)
         weight = raw - zero_n[0, k] - zero_n[1, k] if memory[RAW_COUNT] > 0.0 else 0.0
         result[WEIGHT] = weight if weight > 0.0 else np.nan
         fx, fy, fz = 0.0, 0.0, 0.0
         px, py, level, share = 0.0, 0.0, 0.0, 0.0
-        both = usable[0, k] == 2 and usable[1, k] == 2
+        both = first == 2 and second == 2
         if both:
             for s in range(2):
                 fx += shoes[s, k, 0]

@@ -323,6 +323,8 @@ def forward(
         else:
             _matrix(x[_Q], x[_Q + 1], x[_Q + 2], x[_Q + 3], step)
             step[_FORCE:] = 0.0
+            # Marks for the way back that the state begins here.
+            step[_H] = -1.0
             memory[_STARTED] = 1.0
         for i in range(3):
             gyroscope_last[i] = gyroscope_radps[k, i]
@@ -448,6 +450,10 @@ def backward(
             _correct(prior[k], error, smooth[k - first])
         step = steps[k]
         h = step[_H]
+        if h < 0.0:
+            # Nothing later says where the foot was before a new start; biases and contact point go on.
+            adjoint[:_EBG] = 0.0
+            continue
         wx = 0.5 * h * adjoint[0] + adjoint[_EV]
         wy = 0.5 * h * adjoint[1] + adjoint[_EV + 1]
         wz = 0.5 * h * adjoint[2] + adjoint[_EV + 2]

@@ -64,6 +64,10 @@ class FootParameters:
     field_sigma_rad, field_tolerance : float
         Standard deviation of a magnetic heading in stance, and how far (as a share) field strength and
         vertical part may differ from the first stance's before it is not used.
+    lost_after_s : float
+        Live, missing samples for so long lose the place: what follows is a new stretch with a frame of its own.
+    lost_speed_mps, lost_climb_mps, lost_turn_radps : float
+        Standard deviations of how fast a foot goes, climbs and turns on average while nothing is known of it.
     lag_s, release_s : float
         The live filter smooths this far back, and releases what is old enough this often.
     """
@@ -111,6 +115,10 @@ class FootParameters:
     accelerometer_bias_density: float = 1e-4
     field_sigma_rad: float = 0.1
     field_tolerance: float = 0.1
+    lost_after_s: float = 0.5
+    lost_speed_mps: float = 1.5
+    lost_climb_mps: float = 0.3
+    lost_turn_radps: float = 1.0
     lag_s: float = 0.3
     release_s: float = 0.1
 

@@ -18,6 +18,7 @@ from estimators.gait._foot_filter import (
 )
 from estimators.gait._foot_parameters import FootParameters
 from estimators.gait._foot_trajectory import COAST_S, LOST_SIGMA_MPS, FootFlag
+from estimators.gait._lost_places import LostPlace, begin_anew, gap_lengths, long_gap_ticks
 from estimators.gait._stance import (
     UNREST,
     Windows,
@@ -78,7 +79,12 @@ class FootStream:
         self._decision = decision_settings(rate_hz, parameters)
         self._noise = noise_settings(parameters)
         self._x, self._p, self._memory = np.zeros(at.STATE), np.zeros((at.ERRORS,) * 2), np.zeros(at.MEMORY)
-        self._marks: list[tuple[int, Float, Float, Float]] = []
+        self._lost = LostPlace(rate_hz, parameters)
+        self._long_gap = long_gap_ticks(rate_hz, parameters)
+        self._gap = 0  # ticks missing in a row before the first that is not filtered yet
+        self._wary = 0  # up to this tick only a foot that surely stands is believed to
+        self._with_field: dict[int, bool] = {}
+        self._marks: list[tuple[int, Float, Float, Float, tuple[int, int]]] = []
         self._last_stance = -1
 
     @property
@@ -237,19 +243,55 @@ class FootStream:
         """Run the filter up to a boundary."""
         start = max(self.judged, self.first)
         if start == self.first and not self._memory[at.STARTED]:
-            count = max(1, round(START_S * self.rate_hz))
-            head = slice(self.first - self.origin, self.first - self.origin + count)
+            head = self._head(self.first)
             self._x[:] = start_state(self._force[head].mean(axis=0), np.zeros(3))
             self._p[:] = start_covariance(float(self._statistic[head].mean()), self.parameters)
         while start < boundary:
             # Block by block, so that a stored state can start again at the first sample not yet released.
             stop = min(start + self.block - start % self.block, boundary)
-            self._marks.append((start, self._x.copy(), self._p.copy(), self._memory.copy()))
+            mark = (self._gap, self._wary)
+            self._marks.append((start, self._x.copy(), self._p.copy(), self._memory.copy(), mark))
+            missing = (self._kind[start - self.origin : stop - self.origin] & MISSING) != 0
+            if self._gap or missing.any():
+                gap, block = gap_lengths(missing, self._gap), start
+                self._gap = int(gap[-1]) if missing[-1] else 0
+                for again in np.flatnonzero(~missing & (gap >= self._long_gap)).tolist():
+                    self._forward(start, block + again)
+                    start = block + again
+                    self._begin_anew(start, float(gap[again]) / self.rate_hz)
             self._forward(start, stop)
             start = self.judged = stop
 
+    def _head(self, tick: int) -> slice:
+        """Return the place of the first moment from a tick on."""
+        return slice(tick - self.origin, tick - self.origin + max(1, round(START_S * self.rate_hz)))
+
+    def _begin_anew(self, tick: int, gap_s: float) -> None:
+        head = self._head(tick)
+        self._with_field[tick] = begin_anew(
+            self._x,
+            self._p,
+            self._memory,
+            self._force[head].mean(axis=0),
+            float(self._statistic[head].mean()),
+            gap_s,
+            self.parameters,
+        )
+        self._wary = tick + round(self.parameters.reference_before_s * self.rate_hz)
+
+    def _be_wary(self, start: int, stop: int) -> None:
+        """Believe no stance that is one only against the moments around it: those before are missing."""
+        place = slice(start - self.origin_of_inputs, stop - self.origin_of_inputs)
+        measured = (self._kind[start - self.origin : stop - self.origin] & MISSING) == 0
+        limit = self.parameters.stance_ratio * self.parameters.reference_floor
+        self._bits[place][measured & (self._inputs[1, place] >= limit)] = 0
+
     def _forward(self, start: int, stop: int) -> None:
+        if stop == start:
+            return
         origin = self.origin_of_inputs
+        if start < self._wary:
+            self._be_wary(start, min(stop, self._wary))
         place, raw = slice(start - origin, stop - origin), slice(start - self.origin, stop - self.origin)
         self._records.forward(
             slice(self._base + place.start, self._base + place.stop),
@@ -289,6 +331,14 @@ class FootStream:
             values[place, at.STATE + 7] = stands[:given]
             kind = self._kind[known - self.origin : upto - self.origin]
             flags[place] = self._flags(known, upto, stands, kind)
+            flags[place] |= self._lost.widen(
+                state[:, at.P : at.P + 3],
+                values[place, at.STATE : at.STATE + 6],
+                (kind & MISSING) != 0,
+                known,
+                self._with_field,
+            )
+            self._with_field = {tick: known for tick, known in self._with_field.items() if tick >= upto}
             self._base += given
             if self._base + self.lag + 2 * self.block > len(self._records.spread):
                 self._records.move_to_front(self._base, end)
@@ -333,7 +383,11 @@ class FootStream:
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return everything that later samples depend on; records are made again from it."""
-        mark = self._marks[0] if self._marks else (self.judged, self._x, self._p, self._memory)
+        mark = (
+            self._marks[0]
+            if self._marks
+            else (self.judged, self._x, self._p, self._memory, (self._gap, self._wary))
+        )
         counters = (
             self.first,
             self.origin,
@@ -342,8 +396,10 @@ class FootStream:
             self.released,
             self._last_stance,
             mark[0],
+            *mark[4],
         )
         return {
+            "lost": self._lost.memory.copy(),
             "counters": np.array(counters, dtype=np.int64),
             "raw": np.concatenate([self._gyroscope, self._force, self._field], axis=1),
             "kind": self._kind.copy(),
@@ -359,7 +415,9 @@ class FootStream:
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Continue from `state`."""
-        first, origin, stop, judged, released, last_stance, mark = (int(v) for v in state["counters"])
+        first, origin, stop, judged, released, last_stance, mark, self._gap, self._wary = (
+            int(v) for v in state["counters"]
+        )
         self.first, self.origin, self.stop, self.released = first, origin, stop, released
         self._last_stance = last_stance
         self._gyroscope, self._force, self._field = (
@@ -370,7 +428,8 @@ class FootStream:
         self._rate_variance = np.array(state["rate_variance"])
         self._last_good = np.array(state["last_good"])
         self._x, self._p, self._memory = (np.array(state[name]) for name in ("x", "p", "memory"))
-        self._marks, self._base = [], 0
+        self._lost.memory = np.array(state["lost"])
+        self._marks, self._base, self._with_field = [], 0, {}
         self.judged = mark
         if judged > mark:
             self._filter(judged)

@@ -42,6 +42,10 @@ class FootFlag(IntFlag):
     """Interpolated across a short gap."""
     NO_STANCE = 8
     """No stance for so long, before and after, that position and velocity are not known."""
+    PLACE_LOST = 16
+    """Live: after a long gap. Place and heading against the time before are lost; strides since then are sound."""
+    BEGINS_ANEW = 32
+    """Live: the first sample after a long gap, where a stretch with a place and a heading of its own begins."""
     SATURATED = 64
     """The gyroscope or the accelerometer was at its clip level."""
 

@@ -35,6 +35,11 @@ class LiveSteps:
     toe_out_rad, stride_length_m : ndarray, shape (K, F)
         Of the last stride; NaN before the first.
     q_room_sensor : ndarray, shape (K, F, 4)
+    is_lost : ndarray of bool, shape (K, F)
+        Where the foot is in the room of before is not known, since a long gap. A foot that goes beside one that was
+        not lost is found again, to half a step.
+    is_joined : ndarray of bool, shape (K, F)
+        Ticks at which a foot that was lost was put beside the other.
     """
 
     place_m: Float
@@ -43,6 +48,8 @@ class LiveSteps:
     toe_out_rad: Float
     stride_length_m: Float
     q_room_sensor: Float
+    is_lost: NDArray[np.bool_]
+    is_joined: NDArray[np.bool_]
 
 
 class LiveStepTracker:
@@ -51,6 +58,10 @@ class LiveStepTracker:
     Each foot's world has the heading of its sensor at its first sample. The course of the first metres turns it into
     the room; from then on each foot's heading is its own, and on straight ways, where both feet go one course, the
     two are held together. Nothing is rewritten: a place that was given stays as it was given.
+
+    After a long gap a foot begins anew where it was lost, in a frame of its own that its first strides turn to the
+    room's x axis. On a straight way it is then put beside the other foot, where feet go that walk: on the same course,
+    half a stride off, as far aside as at the start. If only one was lost, it is thereby found again.
 
     Parameters
     ----------
@@ -64,7 +75,7 @@ class LiveStepTracker:
         Whether sensor axes are those of the foot, as in instrumented shoes; else they are found from the walk.
     """
 
-    version = "1"
+    version = "2"
 
     def __init__(
         self,
@@ -81,9 +92,10 @@ class LiveStepTracker:
         self._settings[at.S_SURE_M], self._settings[at.S_STRAIGHT_RAD] = _SURE_WAY_M, _STRAIGHT_RAD
         self._settings[at.S_GAIN], self._settings[at.S_FLAT_S] = _GAIN, _FLAT_S
         self._settings[at.S_KNOWN_AXES] = float(has_foot_axes)
+        self._settings[at.S_APART_M] = USUAL_APART_M if apart_m is None else apart_m
         self._feet = np.zeros((len(sides), at.FOOT))
         for number, side in enumerate(sides):
-            aside = 0.5 * (USUAL_APART_M if apart_m is None else apart_m)
+            aside = 0.5 * self._settings[at.S_APART_M]
             self._feet[number, at.ANCHOR_ROOM + 1] = aside if side == "left" else -aside
             self._feet[number, at.ANCHOR_ROOM + 2] = height_m
         self._right = np.array([[4 * (side == "right")] for side in sides], dtype=np.uint8)
@@ -91,8 +103,9 @@ class LiveStepTracker:
     def update(self, released: FootChunk, rows: "list[int] | slice" = slice(None)) -> LiveSteps:
         """Take the next released samples; `rows` are those of the feet among the sensors."""
         nothing = (released.flags[rows] & FootFlag.INVALID) != 0
-        bits = np.asarray(released.is_stance[rows] + 2 * nothing, dtype=np.uint8) | self._right
-        out = np.empty((released.tick_count, len(self._feet), 11))
+        anew = (released.flags[rows] & FootFlag.BEGINS_ANEW) != 0
+        bits = np.asarray(released.is_stance[rows] + 2 * nothing + 8 * anew, dtype=np.uint8) | self._right
+        out = np.empty((released.tick_count, len(self._feet), 13))
         at.follow(
             self._settings,
             np.ascontiguousarray(released.q_world_sensor[rows]),
@@ -102,7 +115,14 @@ class LiveStepTracker:
             out,
         )
         return LiveSteps(
-            out[:, :, :3], out[:, :, 3], out[:, :, 4] > 0.0, out[:, :, 5], out[:, :, 6], out[:, :, 7:]
+            out[:, :, :3],
+            out[:, :, 3],
+            out[:, :, 4] > 0.0,
+            out[:, :, 5],
+            out[:, :, 6],
+            out[:, :, 7:11],
+            out[:, :, 11] > 0.0,
+            out[:, :, 12] > 0.0,
         )
 
     def state(self) -> dict[str, NDArray[Any]]:

@@ -11,14 +11,27 @@ from estimators.recording import Float
 WINDOW = 5
 """Footholds that tell the course: four strides."""
 # One foot's memory.
-STANDING, STOOD, COUNT, PLACED, COURSE, CERTAIN, TOE_OUT, LENGTH, HAS_LAST = range(9)
+STANDING, STOOD, COUNT, PLACED, COURSE, CERTAIN, TOE_OUT, LENGTH, HAS_LAST, LOST = range(10)
 SUM, FIRST, ANCHOR_WORLD, ANCHOR_ROOM = 10, 13, 16, 19
 Q_LAST, Q_STOOD, RATES, UP, WENT, HOLDS = 22, 26, 30, 36, 39, 42
 HOLD = 4
 """A foothold: place and where the foot points."""
-FOOT = HOLDS + WINDOW * HOLD
+ALONE = HOLDS + WINDOW * HOLD
+"""Where this foot is to the other is not known, since a long gap."""
+FOOT = ALONE + 1
 
-S_STEP, S_LEAST_M, S_FIRST_M, S_SURE_M, S_STRAIGHT_RAD, S_GAIN, S_FLAT_S, S_KNOWN_AXES, SETTINGS = range(9)
+(
+    S_STEP,
+    S_LEAST_M,
+    S_FIRST_M,
+    S_SURE_M,
+    S_STRAIGHT_RAD,
+    S_GAIN,
+    S_FLAT_S,
+    S_KNOWN_AXES,
+    S_APART_M,
+    SETTINGS,
+) = range(10)
 
 
 @kernel("UniTuple(float64, 3)(float64[::1])")
@@ -82,6 +95,49 @@ def _window(m: Float) -> tuple[float, float, float]:
     return math.atan2(dy, dx), math.sqrt(dx * dx + dy * dy), most
 
 
+@kernel("void(float64[::1], float64[::1])")
+def _begin_anew(m: Float, p: Float) -> None:
+    """Begin after a long gap where the foot was lost: nothing is known of the strides in it."""
+    _anchor(m, p[0], p[1], p[2])
+    m[STANDING], m[COUNT], m[PLACED], m[CERTAIN], m[HAS_LAST] = 0.0, 0.0, 0.0, 0.0, 0.0
+    m[LOST], m[ALONE] = 1.0, 1.0
+
+
+@kernel("void(float64[::1], float64[::1], float64[:, ::1], int64, float64)")
+def _join(settings: Float, m: Float, feet: Float, other: int, outward: float) -> None:
+    """Put a foot that was lost beside the other, where both go straight and have made a stride.
+
+    The stance of this foot has just ended. Feet that go one way have their footholds half-way between those of the
+    other foot: it stands already, half a stride ahead, or its last stance was half a stride behind.
+    """
+    its = feet[other]
+    if m[COUNT] < 2.0 or its[COUNT] < 2.0 or m[PLACED] == 0.0 or its[PLACED] == 0.0:
+        return
+    direction, length, turned = _window(m)
+    its_direction, its_length, its_turned = _window(its)
+    if min(length, its_length) < settings[S_FIRST_M] or max(turned, its_turned) > settings[S_STRAIGHT_RAD]:
+        return
+    going = its_direction - its[COURSE]
+    place = np.empty(3)
+    if its[STANDING] > 0.0:
+        _placed(its, its[SUM] / its[STOOD], its[SUM + 1] / its[STOOD], its[SUM + 2] / its[STOOD], place)
+        ahead = -0.5 * its[LENGTH]
+    else:
+        _placed(its, its[HOLDS], its[HOLDS + 1], its[HOLDS + 2], place)
+        ahead = 0.5 * its[LENGTH]
+    aside = outward * settings[S_APART_M]
+    c, s = math.cos(going), math.sin(going)
+    m[COURSE] = direction - going
+    m[ANCHOR_WORLD], m[ANCHOR_WORLD + 1], m[ANCHOR_WORLD + 2] = m[HOLDS], m[HOLDS + 1], m[HOLDS + 2]
+    m[ANCHOR_ROOM] = place[0] + c * ahead - s * aside
+    m[ANCHOR_ROOM + 1] = place[1] + s * ahead + c * aside
+    m[ANCHOR_ROOM + 2] = place[2]
+    m[CERTAIN] = 1.0
+    # What the other is worth in the room is what this one is worth now.
+    m[LOST], m[ALONE] = its[LOST], 0.0
+    its[ALONE] = 0.0
+
+
 @kernel("void(float64[::1], float64[::1], float64[:, ::1], int64, float64)")
 def _new_foothold(settings: Float, m: Float, feet: Float, other: int, outward: float) -> None:
     """Take note of a stance that has ended: stride, foot angle, and what it says about the course."""
@@ -114,7 +170,8 @@ def _new_foothold(settings: Float, m: Float, feet: Float, other: int, outward: f
     m[LENGTH] = way
     m[TOE_OUT] = outward * wrapped(points - math.atan2(dy, dx))
     direction, length, turned = _window(m)
-    if m[CERTAIN] == 0.0:
+    was_certain = m[CERTAIN] > 0.0
+    if not was_certain:
         # From the start on, while the way is straight: the whole of it tells the course best.
         gx, gy = x - m[FIRST], y - m[FIRST + 1]
         gone = math.sqrt(gx * gx + gy * gy)
@@ -123,9 +180,11 @@ def _new_foothold(settings: Float, m: Float, feet: Float, other: int, outward: f
         if m[PLACED] > 0.0 and (gone > settings[S_SURE_M] or turned >= settings[S_STRAIGHT_RAD]):
             m[CERTAIN] = 1.0
             _anchor(m, x, y, z)
-        return
-    _anchor(m, x, y, z)
-    if other >= 0 and feet[other, CERTAIN] > 0.0 and length > settings[S_FIRST_M]:
+    else:
+        _anchor(m, x, y, z)
+    if other >= 0 and m[ALONE] > 0.0:
+        _join(settings, m, feet, other, outward)
+    elif was_certain and other >= 0 and feet[other, CERTAIN] > 0.0 and length > settings[S_FIRST_M]:
         its, its_length, its_turned = _window(feet[other])
         if its_length > settings[S_FIRST_M] and max(turned, its_turned) < settings[S_STRAIGHT_RAD]:
             # On a straight way both feet go one course; headings drift apart slowly.
@@ -152,18 +211,20 @@ def follow(
     settings : ndarray, shape (SETTINGS,)
     q_world_sensor, position_m : ndarray, shape (F, K, 4) and (F, K, 3)
     bits : ndarray of uint8, shape (F, K)
-        1: the foot stands; 2: nothing is known of it; 4: a right foot.
+        1: the foot stands; 2: nothing is known of it; 4: a right foot; 8: it begins anew after a long gap.
     feet : ndarray, shape (F, FOOT)
         Memory, changed.
-    out : ndarray, shape (K, F, 11)
-        Place in the room (3), course, whether the foot is placed, toe-out and stride length, and the sensor's
-        orientation in the room (4).
+    out : ndarray, shape (K, F, 13)
+        Place in the room (3), course, whether the foot is placed, toe-out and stride length, the sensor's
+        orientation in the room (4), whether the place is lost, and whether a foot was put beside the other just now.
     """
     feet_count, count = position_m.shape[0], position_m.shape[1]
     for k in range(count):
         for f in range(feet_count):
             m, q, p = feet[f], q_world_sensor[f, k], position_m[f, k]
-            out[k, f, 5], out[k, f, 6] = np.nan, np.nan
+            out[k, f, 5], out[k, f, 6], out[k, f, 12] = np.nan, np.nan, 0.0
+            if bits[f, k] & 8:
+                _begin_anew(m, p)
             if not bits[f, k] & 2:
                 if m[HAS_LAST] > 0.0:
                     # Twice the vector part of the turn since the last sample, in sensor axes: the rate, but for
@@ -192,9 +253,13 @@ def follow(
             elif m[STANDING] > 0.0:
                 m[STANDING] = 0.0
                 other = 1 - f if feet_count == 2 else -1
+                was_alone = m[ALONE]
                 _new_foothold(settings, m, feet, other, -1.0 if bits[f, k] & 4 else 1.0)
+                out[k, f, 12] = was_alone - m[ALONE]
             _placed(m, p[0], p[1], p[2], out[k, f, :3])
-            out[k, f, 3], out[k, f, 4] = m[COURSE], m[PLACED]
+            is_alone = feet_count == 2 and m[ALONE] > 0.0
+            out[k, f, 3], out[k, f, 4] = m[COURSE], 0.0 if is_alone else m[PLACED]
+            out[k, f, 11] = m[LOST]
             half = -0.5 * m[COURSE]
             turned = multiply(math.cos(half), 0.0, 0.0, math.sin(half), q[0], q[1], q[2], q[3])
             out[k, f, 7], out[k, f, 8], out[k, f, 9], out[k, f, 10] = turned

@@ -15,6 +15,7 @@ from estimators.gait import (
     FootChunk,
     FootFlag,
     FootTracker,
+    LiveSteps,
     LiveStepTracker,
 )
 from estimators.kinetics import ShoeGeometry
@@ -159,10 +160,19 @@ class GaitPipeline(Pipeline):
                 q.reshape(count, -1),
                 *points,
                 scalar,
-                flags_of(found.flags[heels]).T,
+                flags_of(self._flags(found, steps)).T,
             ],
             axis=1,
         )
+
+    def _flags(self, found: FootChunk, steps: LiveSteps) -> NDArray[np.uint8]:
+        """Return the flags of the feet; a foot beside one that was never lost has its place again."""
+        flags = found.flags[self._heels]
+        if self._shoes is None:
+            # Each in a world of its own: nothing finds it again.
+            return flags
+        found_again = np.uint8(FootFlag.PLACE_LOST) * ~steps.is_lost.T
+        return np.asarray(flags & ~found_again, dtype=np.uint8)
 
     def _frames(
         self,
@@ -235,11 +245,12 @@ def apart(position_m: Float, side: Side) -> Float:
 
 
 def flags_of(flags: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Say in the words of frames what is known of a foot."""
+    """Say in the words of frames what is known of a foot; HEADING_NOT_TRUSTED: nor its place, after a long gap."""
     invalid = (flags & (FootFlag.INVALID | FootFlag.NO_STANCE)) != 0
     bits = (
         invalid * OrientationFlag.INVALID
         + ((flags & FootFlag.BRIDGED) != 0) * OrientationFlag.BRIDGED
+        + ((flags & FootFlag.PLACE_LOST) != 0) * OrientationFlag.HEADING_NOT_TRUSTED
         + ((flags & FootFlag.SATURATED) != 0) * OrientationFlag.SATURATED
     )
     return np.asarray(bits, dtype=np.uint8)

@@ -138,6 +138,7 @@ class LiveShoes:
         )
         state = out[:, :, shoe.STATE]
         usable = np.where(state == shoe.MEASURED, np.where(steps.is_placed.T, 2, 1), state == shoe.UNTARED)
+        usable = usable + 4 * steps.is_joined.T
         found = np.empty((ticks, balance.OUT))
         balance.balance_live(
             self._settings,

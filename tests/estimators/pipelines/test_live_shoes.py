@@ -11,6 +11,7 @@ from estimators import pipelines
 from estimators.balance import _live_balance_kernel as balance
 from estimators.balance import base_of_support, margin_to_edge
 from estimators.conventions import SIDES
+from estimators.orientation import OrientationFlag
 from estimators.pipelines import BodyDimensions, SessionSetup
 from estimators.recording import ImuChunk, SampleQuality
 from estimators.simulation import Bout, Leg, gait_preset, simulate_gait
@@ -141,6 +142,39 @@ def test_a_missing_cell_is_said_and_not_guessed():
     assert np.isfinite(back).all()
     # The feet are followed all the same.
     assert np.isfinite(found["foot_right"][lost]).all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("lost", [(0, 1, 2, 3), (2,)])
+def test_a_long_gap_loses_the_place_until_the_feet_go_together_again(lost):
+    simulated, rows, gap = walk(steps=30), list(lost), slice(900, 1080)
+    whole = chunk_of(simulated)
+    gyroscope, quality, force = whole.gyroscope_radps.copy(), whole.quality.copy(), whole.force_n.copy()
+    gyroscope[rows, gap], force[rows, gap] = np.nan, np.nan
+    quality[rows, gap] = SampleQuality.MISSING
+    cut = replace(whole, gyroscope_radps=gyroscope, quality=quality, force_n=force)
+    found, unharmed = seen(cut), seen(whole)
+    pipeline = pipelines.create(setup_of())
+    frames, late = pipeline.step(cut), pipeline.delay_ticks
+    unsure = (frames.segment_flags[late:] & OrientationFlag.HEADING_NOT_TRUSTED) != 0
+    assert not unsure[: gap.start].any()
+    assert unsure[gap.stop : gap.stop + 100, 1].all()
+    # Beside a foot that was not lost the other is found again; if both were, the room of before stays lost.
+    assert unsure[-1].tolist() == [len(lost) == 4] * 2
+    # Strides are those of a walk without a gap, and balance comes back with the second of each foot.
+    for side in SIDES:
+        strides, wanted = (
+            np.unique(one[f"foot_{side}_stride_length_m"][gap.stop + 300 :].round(6))
+            for one in (found, unharmed)
+        )
+        np.testing.assert_allclose(strides, wanted, atol=0.01)
+    truth, count = simulated.truth, len(found["body_mass_kg"])
+    lean = found["centre_of_mass"] - found["centre_of_pressure"]
+    error = (lean - truth.com.position[:count] + truth.cop_m[:count])[gap.stop + 330 :, :2]
+    assert np.isfinite(error).all()
+    assert np.sqrt(np.mean(error**2, axis=0)).max() < 0.015
+    apart = (found["foot_left"] - found["foot_right"])[-1]
+    assert apart[1] == pytest.approx((unharmed["foot_left"] - unharmed["foot_right"])[-1, 1], abs=0.05)
 
 
 def test_without_forces_the_feet_are_followed():
