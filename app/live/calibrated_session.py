@@ -16,6 +16,7 @@ from app.live.estimation import EstimationLine
 from app.live.messages import LayoutMessage
 from app.recordings.magnetic import PIPELINE as MAGNETIC
 from app.recordings.walks import PIPELINE as WALKING
+from estimators.calibration import Hemisphere
 from estimators.pipelines import Pipeline
 
 
@@ -36,12 +37,13 @@ class CalibratedSession(SessionBook):
     def layout(self) -> LayoutMessage:
         """Return the columns of the frames."""
 
-    def prepare_calibration(self) -> None:
+    def prepare_calibration(self, hemisphere: Hemisphere) -> None:
         """Make the desk; once, when pipeline and line are there."""
         self._calibration = CalibrationDesk(
             self.declaration.placements,
             self.declaration.time_step_s,
             self.line,
+            hemisphere=hemisphere,
             tell=partial(self._bus.publish, self._topics["calibration"]),
             changed=self._publish_state,
             done=self._calibrated,

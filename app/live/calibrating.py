@@ -19,7 +19,7 @@ from app.live.collectors import Collector, MovementSteps, Outcome, PoseStep, fin
 from app.live.device_collectors import Compass, SixPositions
 from app.live.estimation import EstimationLine
 from app.recordings.schemas import CalibrationOut
-from estimators.calibration import MisplacedError
+from estimators.calibration import Hemisphere, MisplacedError
 from estimators.conventions import Placement
 from estimators.errors import CalibrationError, EstimationError
 from estimators.recording import ImuChunk
@@ -50,6 +50,8 @@ class CalibrationDesk:
     placements : tuple of Placement
     time_step_s : float
     line : EstimationLine
+    hemisphere : {"north", "south", "unknown"}
+        Of the place; tells how the earth's field points.
     tell : callable(message)
         Publishes to the live socket.
     changed : callable()
@@ -66,12 +68,14 @@ class CalibrationDesk:
         time_step_s: float,
         line: EstimationLine,
         *,
+        hemisphere: Hemisphere = "north",
         tell: Callable[[CalibrationMessage], None],
         changed: Callable[[], None],
         done: Callable[[Outcome, CalibrationKind], None],
         failed: Callable[[str], None],
     ) -> None:
         self._placements, self._step_s, self._line = placements, time_step_s, line
+        self._hemisphere = hemisphere
         self._tell, self._changed, self._done, self._failed = tell, changed, done, failed
         self._loop = asyncio.get_running_loop()
         self._collector: Collector | None = None
@@ -115,6 +119,7 @@ class CalibrationDesk:
         if self._is_evaluating:
             raise Conflict("The last calibration is being evaluated; wait a moment.")
         self._collector = COLLECTORS[wanted.kind](wanted, self._placements, self._step_s)
+        self._collector.hemisphere = self._hemisphere
         return self._publish("collecting")
 
     def next(self) -> CalibrationMessage:
@@ -254,6 +259,7 @@ class CalibrationDesk:
             redo_steps=redo_steps(found, text, redo) if text else [],
             axes=list(outcome.axes) if outcome else [],
             findings=list(outcome.findings if outcome else findings),
+            fields=list(outcome.fields) if outcome else [],
             result=None if calibration is None else CalibrationOut.of(calibration),
         )
         self._last, self._told_s = message, time.monotonic()

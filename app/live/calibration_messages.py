@@ -1,11 +1,13 @@
 """Wire types of guided calibration: what can be calibrated, and how far a running step is."""
 
+import math
 from typing import Literal
 
 from pydantic import Field
 
 from app.recordings.schemas import CalibrationOut
 from app.schemas import Schema
+from estimators.calibration import LocalField
 from estimators.conventions import Placement
 
 CalibrationKind = Literal[
@@ -113,6 +115,39 @@ class AxisOut(Schema):
     sigma_deg: float
 
 
+class FieldOut(Schema):
+    """The earth's magnetic field as one sensor saw it while it was calibrated."""
+
+    placement: Placement
+    norm_ut: float
+    """In microtesla; the earth's is 25 to 65."""
+    dip_deg: float | None = None
+    """Below the horizontal; null when the sensor was never quiet."""
+    norm_before_ut: float | None = None
+    """At the sensor's calibration before this one."""
+    dip_before_deg: float | None = None
+    is_plausible: bool = True
+    """Whether it can be the earth's alone; else `reasons` say why not."""
+
+    @classmethod
+    def of(
+        cls, placement: Placement, seen: LocalField, before: LocalField | None, is_plausible: bool
+    ) -> "FieldOut":
+        """Return what is told of a field."""
+        return cls(
+            placement=placement,
+            norm_ut=round(1e6 * seen.norm, 1),
+            dip_deg=_degrees(seen),
+            norm_before_ut=None if before is None else round(1e6 * before.norm, 1),
+            dip_before_deg=None if before is None else _degrees(before),
+            is_plausible=is_plausible,
+        )
+
+
+def _degrees(field: LocalField) -> float | None:
+    return round(math.degrees(field.dip_rad), 1) if math.isfinite(field.dip_rad) else None
+
+
 class SensorFinding(Schema):
     """A sensor that does not sit where it should."""
 
@@ -147,6 +182,8 @@ class CalibrationMessage(Schema):
     """Keys of the steps to repeat."""
     axes: list[AxisOut] = Field(default_factory=list)
     findings: list[SensorFinding] = Field(default_factory=list)
+    fields: list[FieldOut] = Field(default_factory=list)
+    """`magnetometer`, when `done`."""
     result: CalibrationOut | None = None
 
 
@@ -157,6 +194,7 @@ __all__ = [
     "CalibrationKind",
     "CalibrationMessage",
     "CalibrationStep",
+    "FieldOut",
     "Limb",
     "Phase",
     "Picture",

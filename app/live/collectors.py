@@ -16,13 +16,14 @@ from app.live.calibration_messages import (
     AxisOut,
     CalibrationIn,
     CalibrationStep,
+    FieldOut,
     SensorFinding,
     SensorProgress,
 )
 from app.live.guides import GUIDES
 from app.live.pose import PoseCollector
 from app.recordings.heading_line import HeadingReset
-from estimators.calibration import DeviceCalibration, PlacementFinding, check_mounting
+from estimators.calibration import DeviceCalibration, Hemisphere, PlacementFinding, check_mounting
 from estimators.conventions import Placement
 from estimators.errors import CalibrationError
 from estimators.pipelines import Calibration, Pipeline
@@ -59,6 +60,7 @@ class Outcome:
     details: Mapping[str, Any] = field(default_factory=dict)
     axes: tuple[AxisOut, ...] = ()
     findings: tuple[SensorFinding, ...] = ()
+    fields: tuple[FieldOut, ...] = ()
 
 
 class Collector(ABC):
@@ -80,6 +82,8 @@ class Collector(ABC):
         self.steps: list[CalibrationStep] = list(GUIDES[wanted.kind].steps)
         self.step = 0
         self.hint = self.steps[0].instruction
+        self.hemisphere: Hemisphere = "unknown"
+        """Of the place; whoever begins a calibration says it."""
         self.trouble = ""
         """Why nothing can come of it any more; empty while it can."""
 

@@ -4,20 +4,23 @@ import math
 import threading
 from collections import deque
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
 
 from app.errors import Conflict
-from app.live.calibration_messages import CalibrationIn, SensorProgress
+from app.live.calibration_messages import CalibrationIn, FieldOut, SensorProgress
 from app.live.collectors import Collector, Outcome
 from estimators.calibration import (
     DeviceCalibration,
+    LocalField,
     MagnetometerCollector,
     MagnetometerProgress,
     doubted_turns,
     ferraris,
     find_positions,
+    odd_fields,
 )
 from estimators.conventions import Placement
 from estimators.errors import CalibrationError
@@ -100,6 +103,7 @@ def merged(known: DeviceCalibration | None, new: DeviceCalibration) -> DeviceCal
         new.accelerometer or known.accelerometer,
         new.gyroscope or known.gyroscope,
         new.magnetometer or known.magnetometer,
+        new.field if new.magnetometer else known.field,
     )
 
 
@@ -282,6 +286,7 @@ class Compass(_InHand):
         found: dict[Placement, DeviceCalibration] = {}
         scores: dict[Placement, float] = {}
         reasons: list[str] = []
+        fields: dict[Placement, LocalField] = {}
         with self._fitting:
             self._take()
             self._progress = [fit.progress() for fit in self._fits]
@@ -291,10 +296,25 @@ class Compass(_InHand):
                     result = fit.result()
                 except CalibrationError as error:
                     raise CalibrationError(f"{name} sensor: {error}") from error
-                found[placement] = DeviceCalibration(magnetometer=result.calibration)
-                scores[placement] = result.score
+                found[placement] = DeviceCalibration(magnetometer=result.calibration, field=result.field)
+                fields[placement], scores[placement] = result.field, result.score
                 reasons += [f"{name} sensor: {reason}" for reason in result.reasons]
-        return self.outcome(pipeline, found, scores, tuple(reasons))
+        told, doubts = self._told(fields, pipeline.setup.devices)
+        return replace(self.outcome(pipeline, found, scores, (*reasons, *doubts)), fields=told)
+
+    def _told(
+        self, fields: Mapping[Placement, LocalField], known: Mapping[Placement, DeviceCalibration]
+    ) -> tuple[tuple[FieldOut, ...], list[str]]:
+        """Return the field that each sensor saw, and why it cannot be the earth's."""
+        odd = odd_fields({str(placement): seen for placement, seen in fields.items()})
+        told, doubts = [], []
+        for placement, seen in fields.items():
+            why = [*seen.doubts(self.hemisphere), *([odd[placement]] if placement in odd else [])]
+            doubts += [f"{placement.replace('_', ' ')} sensor: {one}" for one in why]
+            told.append(
+                FieldOut.of(placement, seen, known[placement].field if placement in known else None, not why)
+            )
+        return tuple(told), doubts
 
 
 def _finite(value: float) -> float | None:

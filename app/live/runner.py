@@ -97,7 +97,7 @@ class LiveSession(CalibratedSession):
             pipeline,
             lambda kind, at_s, placement, text: self.add_event(kind, at_s, placement=placement, text=text),
         )
-        self.prepare_calibration()
+        self.prepare_calibration(hemisphere)
         self._forces = ForceWatch(pipeline.delay_ticks)
         self._first_seconds = FirstSeconds(
             declaration.placements, self._implausible, hemisphere, ALL_SESSIONS

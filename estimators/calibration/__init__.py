@@ -3,7 +3,7 @@
 from estimators.calibration._contract import Calibration
 from estimators.calibration._device import DeviceCalibration, TriadCalibration, correct
 from estimators.calibration._ferraris import FerrarisResult, Rest, ferraris, find_positions
-from estimators.calibration._field import LocalField, local_field
+from estimators.calibration._field import EARTH_NORM_T, LocalField, local_field, odd_fields
 from estimators.calibration._first_seconds import FIRST_SECONDS_S, SEARCHED_S, check_first_seconds, in_words
 from estimators.calibration._full_turns import FullTurn, doubted_turns
 from estimators.calibration._functional import KINDS, FunctionalResult, functional
@@ -23,6 +23,7 @@ from estimators.calibration._static import UNUSUAL_BIAS_SCORE, StaticBias, stati
 from estimators.calibration._turns import circle_fit
 
 __all__ = [
+    "EARTH_NORM_T",
     "FIRST_SECONDS_S",
     "KINDS",
     "OUTWARD_HEADING_RAD",
@@ -60,6 +61,7 @@ __all__ = [
     "in_words",
     "local_field",
     "n_pose",
+    "odd_fields",
     "static_bias",
     "unusual_bias",
 ]

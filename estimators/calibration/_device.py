@@ -6,6 +6,7 @@ from typing import Any, cast
 
 import numpy as np
 
+from estimators.calibration._field import LocalField
 from estimators.errors import ShapeError
 from estimators.recording import Float, ImuChunk
 
@@ -59,21 +60,26 @@ class DeviceCalibration:
     ----------
     accelerometer, gyroscope, magnetometer : TriadCalibration or None
         None while unknown: readings pass unchanged.
+    field : LocalField or None
+        The earth's field where the magnetometer was calibrated; corrects nothing, tells whether it can be believed.
     """
 
     accelerometer: TriadCalibration | None = None
     gyroscope: TriadCalibration | None = None
     magnetometer: TriadCalibration | None = None
+    field: LocalField | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON types; `from_dict` reverses it exactly."""
-        return asdict(self)
+        return asdict(self) | {"field": None if self.field is None else self.field.to_dict()}
 
     @classmethod
     def from_dict(cls, stored: Mapping[str, Any]) -> "DeviceCalibration":
         """Rebuild from `to_dict` after a trip through JSON."""
         names = ("accelerometer", "gyroscope", "magnetometer")
-        return cls(**{n: TriadCalibration.from_dict(stored[n]) for n in names if stored.get(n) is not None})
+        parts = {n: TriadCalibration.from_dict(stored[n]) for n in names if stored.get(n) is not None}
+        field = stored.get("field")
+        return cls(**parts, field=None if field is None else LocalField.from_dict(field))
 
 
 def correct(chunk: ImuChunk, devices: Sequence[DeviceCalibration | None]) -> ImuChunk:

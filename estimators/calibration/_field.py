@@ -1,7 +1,9 @@
-"""The local magnetic field: norm and dip, from corrected readings and the vertical."""
+"""The local magnetic field: norm and dip, from corrected readings and the vertical, told apart from others."""
 
-from dataclasses import dataclass
-from typing import Final
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, Final
 
 import numpy as np
 
@@ -11,6 +13,16 @@ from estimators.recording import Float
 
 _QUIET: Final = 0.04
 """How far specific force may be from gravity, relative, for its direction to be up."""
+EARTH_NORM_T: Final = (25e-6, 65e-6)
+"""Norm of the earth's field, from South America to the poles."""
+_NORM_RANGE_T: Final = (20e-6, 75e-6)
+"""Farther off it is not the earth's alone, whatever the scale error of an uncalibrated device."""
+_LEAST_DIP_RAD: Final = math.radians(17.0)
+"""Nearer to the magnetic equator the sign of the dip says nothing about the hemisphere."""
+_LEAST_LEVEL_T: Final = 8e-6
+"""Of the part along the floor: with less a compass hardly tells a direction."""
+_APART: Final = 0.15
+_DIP_APART_RAD: Final = math.radians(10.0)
 
 
 @dataclass(frozen=True)
@@ -31,6 +43,77 @@ class LocalField:
     dip_rad: float
     norm_spread: float
     dip_spread_rad: float
+
+    def to_dict(self) -> dict[str, float | None]:
+        """Return plain JSON types, None for NaN; `from_dict` reverses it exactly."""
+        return {name: value if math.isfinite(value) else None for name, value in asdict(self).items()}
+
+    @classmethod
+    def from_dict(cls, stored: Mapping[str, Any]) -> "LocalField":
+        """Rebuild from `to_dict` after a trip through JSON."""
+        return cls(
+            **{n: float("nan") if stored[n] is None else float(stored[n]) for n in cls.__annotations__}
+        )
+
+    def doubts(self, hemisphere: str = "unknown") -> tuple[str, ...]:
+        """Return why this cannot be the earth's field alone, in plain words with what to do; empty when it can.
+
+        Parameters
+        ----------
+        hemisphere : {"north", "south", "unknown"}
+            Of the place: the field points down in the north and up in the south.
+        """
+        found = []
+        low, high = EARTH_NORM_T
+        if not _NORM_RANGE_T[0] <= self.norm <= _NORM_RANGE_T[1]:
+            found.append(
+                f"the field here is {1e6 * self.norm:.0f} microtesla, the earth's is {1e6 * low:.0f} to "
+                f"{1e6 * high:.0f}; go away from iron, magnets and loudspeakers and calibrate again"
+            )
+        if not math.isfinite(self.dip_rad):
+            return tuple(found)
+        down = self.dip_rad if hemisphere == "north" else -self.dip_rad if hemisphere == "south" else 0.0
+        if down < -_LEAST_DIP_RAD:
+            found.append(
+                f"the field points {'up' if self.dip_rad < 0.0 else 'down'} by "
+                f"{abs(math.degrees(self.dip_rad)):.0f} degrees, on the {hemisphere}ern half of the earth it points "
+                f"{'down' if hemisphere == 'north' else 'up'}; go away from iron, or check the signs of the device"
+            )
+        level = self.norm * math.cos(self.dip_rad)
+        if level < _LEAST_LEVEL_T:
+            found.append(
+                f"only {1e6 * level:.0f} microtesla of the field lie along the floor; directions by the compass will "
+                "be uncertain here"
+            )
+        return tuple(found)
+
+
+def odd_fields(fields: Mapping[str, LocalField]) -> dict[str, str]:
+    """Return which of at least three sensors turned at one place saw another field than most, with the words for it.
+
+    Parameters
+    ----------
+    fields : mapping of str to LocalField
+        By sensor.
+    """
+    if len(fields) < 3:
+        return {}
+    norm = float(np.median([one.norm for one in fields.values()]))
+    dips = [one.dip_rad for one in fields.values() if math.isfinite(one.dip_rad)]
+    dip = float(np.median(dips)) if len(dips) >= 3 else float("nan")
+    found = {}
+    for name, one in fields.items():
+        if abs(one.norm - norm) > _APART * norm or abs(one.dip_rad - dip) > _DIP_APART_RAD:
+            found[name] = (
+                f"it saw another field ({_words(one.norm, one.dip_rad)}) than the other sensors "
+                f"({_words(norm, dip)}); calibrate it again, away from iron"
+            )
+    return found
+
+
+def _words(norm: float, dip_rad: float) -> str:
+    dip = f", dip {math.degrees(dip_rad):.0f} degrees" if math.isfinite(dip_rad) else ""
+    return f"{1e6 * norm:.0f} microtesla{dip}"
 
 
 def local_field(field: Float, accelerometer_mps2: Float | None = None) -> LocalField:
@@ -67,4 +150,4 @@ def quiet_up(accelerometer_mps2: Float) -> Float:
     return np.where(quiet, accelerometer_mps2 / np.maximum(size, 1e-9), np.nan)
 
 
-__all__ = ["LocalField", "field_of", "local_field", "quiet_up"]
+__all__ = ["EARTH_NORM_T", "LocalField", "field_of", "local_field", "odd_fields", "quiet_up"]

@@ -22,7 +22,7 @@ from estimators.calibration import MagnetometerCollector, MisplacedError, find_p
 from estimators.errors import CalibrationError
 from estimators.pipelines import Pipeline, SessionSetup
 from estimators.recording import ImuChunk
-from estimators.simulation import ArmScenario, Mounting
+from estimators.simulation import ArmScenario, EarthField, Mounting
 
 RATE_HZ = 100.0
 STEP = 50
@@ -91,9 +91,27 @@ def test_devices_are_found_as_they_are() -> None:
     device = evaluated(shown)[0].devices["forearm_right"]
     assert device.gyroscope is not None
     assert np.diag(device.gyroscope.gain) == pytest.approx(1.0 / 1.01, abs=0.012)
-    compass = evaluated(rehearsal_of("magnetometer"))[0].devices["forearm_right"].magnetometer
+    outcome = evaluated(rehearsal_of("magnetometer"))[0]
+    compass = outcome.devices["forearm_right"].magnetometer
     assert compass is not None
     assert compass.bias == pytest.approx((15e-6, 0.0, 0.0), abs=5e-6)
+    told = {field.placement: field for field in outcome.fields}
+    earth = EarthField()
+    assert told.keys() == outcome.devices.keys()
+    assert told["forearm_right"].norm_ut == pytest.approx(1e6 * earth.norm_t, rel=0.05)
+    assert told["forearm_right"].dip_deg == pytest.approx(np.degrees(earth.dip_rad), abs=2.0)
+    assert told["forearm_right"].is_plausible
+    assert outcome.devices["forearm_right"].field is not None
+
+
+def test_a_field_that_cannot_be_the_earths_is_told() -> None:
+    found, pipeline = performed(rehearsal_of("magnetometer"))
+    found.hemisphere = "south"
+    outcome = found.evaluate(pipeline)
+    assert not any(field.is_plausible for field in outcome.fields)
+    assert "southern half of the earth" in " ".join(outcome.reasons)
+    again = found.evaluate(pipeline)
+    assert again.fields[0].norm_before_ut == outcome.fields[0].norm_ut
 
 
 def renamed(shown: Rehearsal, names: dict[str, str]) -> Rehearsal:

@@ -7,9 +7,10 @@ import pytest
 from sqlalchemy import Engine, select
 
 from app.database.unit_of_work import read_only, unit_of_work
-from app.live.device_rows import save_device_constants
+from app.live.device_rows import save_device_calibrations, save_device_constants
 from app.patients.models import SensorDevice
 from app.recordings.models import MotionSession, SessionEvent
+from estimators.calibration import DeviceCalibration, LocalField, TriadCalibration
 from estimators.orientation import DeviceConstants
 from estimators.pipelines import SessionSetup
 
@@ -36,6 +37,24 @@ def streamed(engine: Engine, world: Any) -> Callable[..., str]:
             return found.id
 
     return make
+
+
+def test_the_field_at_the_calibration_is_kept_with_the_device(
+    engine: Engine, streamed: Callable[..., str]
+) -> None:
+    field = LocalField(48.2e-6, float("nan"), 0.4e-6, float("nan"))
+    device = DeviceCalibration(magnetometer=TriadCalibration(bias=(1e-6, 2e-6, 3e-6)), field=field)
+    serials = {"sternum": "serial of sternum"}
+    session_id = streamed("sternum", "warning")
+    save_device_calibrations(engine, session_id, serials, {"sternum": device}, {"sternum": 0.9})
+    with read_only(engine) as session:
+        stored = session.scalars(select(SensorDevice)).one()
+        # PostgreSQL takes no NaN in JSON.
+        assert stored.calibration["field"]["dip_rad"] is None
+        known = DeviceCalibration.from_dict(stored.calibration)
+    assert known.field is not None
+    assert known.field.norm == field.norm
+    assert known.magnetometer == device.magnetometer
 
 
 def test_nothing_is_kept_of_a_sensor_that_cannot_be_right(

@@ -8,11 +8,13 @@ from scipy.spatial.transform import Rotation
 
 from estimators import rotation, signals
 from estimators.calibration import (
+    LocalField,
     MagnetometerCollector,
     OnlineHardIron,
     TriadCalibration,
     circle_fit,
     local_field,
+    odd_fields,
 )
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import CalibrationError, ShapeError
@@ -176,6 +178,28 @@ def test_local_field_from_a_still_sensor():
     assert np.isnan(local_field(np.tile(EARTH_T, (5, 1))).dip_rad)
     with pytest.raises(CalibrationError):
         local_field(np.full((5, 3), np.nan))
+
+
+def test_a_field_that_cannot_be_the_earths_is_doubted():
+    earth = LocalField(48e-6, np.radians(66.0), 0.3e-6, 0.01)
+    assert earth.doubts("north") == ()
+    assert earth.doubts() == ()
+    assert "points down by 66 degrees" in earth.doubts("south")[0]
+    assert "90 microtesla" in replace(earth, norm=90e-6).doubts("north")[0]
+    assert "along the floor" in replace(earth, dip_rad=np.radians(84.0)).doubts("north")[0]
+    # Without an accelerometer, and near the magnetic equator, the dip tells nothing.
+    assert replace(earth, dip_rad=np.nan).doubts("south") == ()
+    assert replace(earth, dip_rad=np.radians(10.0)).doubts("south") == ()
+
+
+def test_a_sensor_that_saw_another_field_than_the_others_is_named():
+    earth = LocalField(48e-6, np.radians(66.0), 0.3e-6, 0.01)
+    three = {"a": earth, "b": replace(earth, norm=49e-6), "c": replace(earth, dip_rad=np.radians(50.0))}
+    assert set(odd_fields(three)) == {"c"}
+    assert "50 degrees" in odd_fields(three)["c"]
+    assert set(odd_fields(three | {"c": replace(earth, norm=60e-6)})) == {"c"}
+    # Of two nobody knows which one is wrong.
+    assert odd_fields({"a": three["a"], "c": three["c"]}) == {}
 
 
 def level_turns(seed, turns=2.0, tilt=(0.0, 0.0), hard_t=(6e-6, -4e-6, 0.0), noise=1.0, samples=400):

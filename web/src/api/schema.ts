@@ -1714,6 +1714,8 @@ export interface components {
                 number,
                 number
             ][];
+            /** Fields */
+            fields?: components["schemas"]["FieldOut"][];
             /** Findings */
             findings?: components["schemas"]["SensorFinding"][];
             /** Hint */
@@ -2252,6 +2254,30 @@ export interface components {
              * @enum {string}
              */
             side?: "left" | "right";
+        };
+        /**
+         * FieldOut
+         * @description The earth's magnetic field as one sensor saw it while it was calibrated.
+         */
+        FieldOut: {
+            /** Dip Before Deg */
+            dip_before_deg?: number | null;
+            /** Dip Deg */
+            dip_deg?: number | null;
+            /**
+             * Is Plausible
+             * @default true
+             */
+            is_plausible?: boolean;
+            /** Norm Before Ut */
+            norm_before_ut?: number | null;
+            /** Norm Ut */
+            norm_ut: number;
+            /**
+             * Placement
+             * @enum {string}
+             */
+            placement: "head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right" | "heel_left" | "forefoot_left" | "heel_right" | "forefoot_right";
         };
         /**
          * FootholdOut

@@ -32,6 +32,33 @@ describe('guided calibration', () => {
     expect(asked.at(-1)?.body).toEqual({ kind: 'heading_reset' });
     expect(screen.getByRole('button', { name: 'Calibrate anew' })).toBeTruthy();
   });
+  it('says how to stand while the directions are set for the first time, and that they are set', () => {
+    const steps = [{ key: 'pose', title: 'Let the arms hang', instruction: 'Facing as at the calibration.', picture: 'arm_hanging' as const, ends: 'itself' as const }];
+    const panel = (now: CalibrationMessage, isRemembered: boolean) =>
+      renderPage(<CalibrationPanel sessionId="s" placements={['upper_arm_right']} guide={now} hint="" mayAct isAsked={false} isNeeded isRemembered={isRemembered} onClose={() => undefined} />, { answers: { '/api/calibrations': GUIDES } });
+    const running = message({ kind: 'heading_reset', steps });
+    const first = panel(running, true);
+    expect(screen.getByText(/look ahead/)).toBeTruthy();
+    expect(screen.queryByText(/as at the calibration/)).toBeNull();
+    first.unmount();
+    const later = panel(running, false);
+    expect(screen.getByText(/as at the calibration/)).toBeTruthy();
+    later.unmount();
+    panel({ ...running, phase: 'done', score: 1 }, false);
+    expect(screen.getByRole('heading', { name: 'The directions are set' })).toBeTruthy();
+  });
+  it('tells the field that each sensor saw, and which cannot be the earth’s', () => {
+    const fields = [
+      { placement: 'sternum' as const, norm_ut: 48.4, dip_deg: 66, norm_before_ut: 47.1, dip_before_deg: 65.4, is_plausible: true },
+      { placement: 'forearm_right' as const, norm_ut: 91, dip_deg: null, norm_before_ut: null, dip_before_deg: null, is_plausible: false },
+    ];
+    show(message({ kind: 'magnetometer', phase: 'done', score: 0.9, fields, reasons: ['forearm right sensor: the field here is 91 microtesla.'] }));
+    expect(screen.getByText('48 µT, dip 66°')).toBeTruthy();
+    expect(screen.getByText(/last time 47 µT, dip 65°/)).toBeTruthy();
+    expect(screen.getByText('91 µT').textContent).toContain('not plausible');
+    expect(screen.getByText(/Expected: 25 to 65 µT/)).toBeTruthy();
+    expect(screen.getByText(/the field here is 91 microtesla/)).toBeTruthy();
+  });
   it('offers other ways, and a sensor in the hand by its place', async () => {
     const { asked } = show(null);
     await userEvent.click(await screen.findByText(/themselves, in the hand/));

@@ -95,6 +95,7 @@ export function CalibrationChoice({ placements, hint, mayAct, isBusy, isRemember
                     )}
                   </Group>
                 )}
+                {mayAct && isRemembered && <p className="muted small">{t('calibration.rememberedElse')}</p>}
               </div>
             </div>
             {mayAct && (

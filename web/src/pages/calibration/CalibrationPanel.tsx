@@ -5,6 +5,7 @@ import { api } from '../../api/client';
 import { useCalibrations } from '../../api/queries';
 import type { CalibrationIn, CalibrationMessage, Placement } from '../../api/types';
 import { Problem } from '../../components/Feedback';
+import { t } from '../../i18n';
 import { isRunning } from '../../lib/calibration';
 import { CalibrationChoice } from './CalibrationChoice';
 import { CalibrationResult } from './CalibrationResult';
@@ -47,12 +48,14 @@ export function CalibrationPanel({ sessionId, placements, guide, hint, mayAct, i
     start.mutate(wanted);
   };
   const title = guides.data?.find((one) => one.kind === guide?.kind)?.title ?? '';
+  // All limbs at once, the first time: whichever way the patient faces, unlike the correction of one limb.
+  const isFirstHeading = guide?.kind === 'heading_reset' && (isRemembered ?? false);
   const hasResult = guide !== null && (guide.phase === 'done' || guide.phase === 'redo') && guide !== read;
   return (
     <>
       {error && <Problem error={error} />}
       {guide && isRunning(guide) ? (
-        <RunningCalibration guide={guide} title={title} mayAct={mayAct} isBusy={next.isPending} onNext={() => next.mutate()} onCancel={() => cancel.mutate()} />
+        <RunningCalibration guide={guide} title={isFirstHeading ? t('calibration.setDirections') : title} instruction={isFirstHeading ? t('calibration.directionsPose') : undefined} mayAct={mayAct} isBusy={next.isPending} onNext={() => next.mutate()} onCancel={() => cancel.mutate()} />
       ) : hasResult ? (
         <CalibrationResult
           guide={guide}

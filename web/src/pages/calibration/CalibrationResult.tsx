@@ -1,9 +1,11 @@
 // What came of a calibration: the score in a word, why, what to do again, which sensor sits wrong.
 import { Button, Group } from '@mantine/core';
 import { IconAlertTriangle, IconCircleCheck } from '@tabler/icons-react';
+import { Fragment } from 'react';
 import type { CalibrationMessage } from '../../api/types';
 import { FindingFigure } from '../../components/Figures';
 import { t, tOr } from '../../i18n';
+import { placementLabel } from '../../lib/channels';
 import { number } from '../../lib/format';
 import { scoreText } from '../session/Calibration';
 
@@ -13,10 +15,44 @@ function axisName(name: string): string {
   return side ? t('channel.sided', { name: words, side: t(`side.${side as 'left' | 'right'}`) }) : words;
 }
 
+function fieldText(normUt: number, dipDeg: number | null | undefined): string {
+  const norm = t('field.norm', { norm: number(normUt) });
+  return typeof dipDeg === 'number' ? t('field.withDip', { norm, dip: number(dipDeg) }) : norm;
+}
+
+/** The earth's field as each sensor saw it: off the expected it is iron, not the earth. */
+function Fields({ fields }: { fields: NonNullable<CalibrationMessage['fields']> }) {
+  return (
+    <div>
+      <p className="strong">{t('field.title')}</p>
+      <dl className="facts">
+        {fields.map((field) => (
+          <Fragment key={field.placement}>
+            <dt>{placementLabel(field.placement)}</dt>
+            <dd className="number">
+              {fieldText(field.norm_ut, field.dip_deg)}
+              {field.is_plausible === false && (
+                <span className="alert-text">
+                  {' '}
+                  <IconAlertTriangle size={17} aria-hidden /> {t('field.odd')}
+                </span>
+              )}
+              {typeof field.norm_before_ut === 'number' && <span className="muted small"> {t('field.before', { field: fieldText(field.norm_before_ut, field.dip_before_deg) })}</span>}
+            </dd>
+          </Fragment>
+        ))}
+      </dl>
+      <p className="muted small">{t('field.expected')}</p>
+    </div>
+  );
+}
+
 export function CalibrationResult({ guide, mayAct, isBusy, onAgain, onClose }: { guide: CalibrationMessage; mayAct: boolean; isBusy: boolean; onAgain: () => void; onClose: () => void }) {
   const isDone = guide.phase === 'done';
+  const isHeading = guide.kind === 'heading_reset';
   const findings = guide.findings ?? [];
   const axes = guide.axes ?? [];
+  const fields = guide.fields ?? [];
   const toRedo = guide.steps.filter((step) => guide.redo_steps?.includes(step.key));
   const Icon = isDone ? IconCircleCheck : IconAlertTriangle;
   return (
@@ -30,7 +66,7 @@ export function CalibrationResult({ guide, mayAct, isBusy, onAgain, onClose }: {
         <div role="status">
           <h2 id="guide-result" className="result-head">
             <Icon size={26} aria-hidden />
-            {isDone ? scoreText(guide.score ?? 0) : t('guide.redo')}
+            {!isDone ? t('guide.redo') : isHeading ? t('calibration.directionsSet') : scoreText(guide.score ?? 0)}
           </h2>
         </div>
         {findings.map((finding) => (
@@ -42,6 +78,7 @@ export function CalibrationResult({ guide, mayAct, isBusy, onAgain, onClose }: {
           <p key={reason}>{reason}</p>
         ))}
         {toRedo.length > 0 && <p>{t('guide.redoSteps', { steps: toRedo.map((step) => step.title).join(', ') })}</p>}
+        {fields.length > 0 && <Fields fields={fields} />}
         {axes.length > 0 && (
           <details className="as-table">
             <summary>{t('guide.axes')}</summary>
@@ -68,7 +105,7 @@ export function CalibrationResult({ guide, mayAct, isBusy, onAgain, onClose }: {
         {mayAct && (
           <Group>
             <Button variant={isDone ? 'default' : 'filled'} loading={isBusy} onClick={onAgain}>
-              {t('calibration.again')}
+              {t(isHeading && isDone ? 'calibration.directionsAgain' : 'calibration.again')}
             </Button>
             <Button variant={isDone ? 'filled' : 'default'} onClick={onClose}>
               {isDone ? t('guide.close') : t('guide.otherWay')}

@@ -45,13 +45,15 @@ function Sensor({ sensor, isCompass }: { sensor: SensorProgress; isCompass: bool
 export interface RunningProps {
   guide: CalibrationMessage;
   title: string;
+  /** Instead of the step's own. */
+  instruction?: string;
   mayAct: boolean;
   isBusy: boolean;
   onNext: () => void;
   onCancel: () => void;
 }
 
-export function RunningCalibration({ guide, title, mayAct, isBusy, onNext, onCancel }: RunningProps) {
+export function RunningCalibration({ guide, title, instruction, mayAct, isBusy, onNext, onCancel }: RunningProps) {
   const isEvaluating = guide.phase === 'evaluating' || guide.step >= guide.steps.length;
   const step = guide.steps[Math.min(guide.step, guide.steps.length - 1)];
   if (!step) return null;
@@ -66,7 +68,7 @@ export function RunningCalibration({ guide, title, mayAct, isBusy, onNext, onCan
       <div className="guide-words">
         <p className="muted">{guide.steps.length > 1 ? t('guide.stepOf', { title, step: Math.min(guide.step + 1, guide.steps.length), of: guide.steps.length }) : title}</p>
         <h2 id="guide-step">{isEvaluating ? t('guide.evaluating') : step.title}</h2>
-        {!isEvaluating && <p className="guide-instruction">{step.instruction}</p>}
+        {!isEvaluating && <p className="guide-instruction">{instruction ?? step.instruction}</p>}
         <Progress value={100 * (isEvaluating ? 1 : guide.step_progress)} size="xl" transitionDuration={0} aria-label={t('guide.progress')} />
         <p className="strong" role="status">
           {!isEvaluating && guide.hint && guide.hint !== step.instruction ? guide.hint : ''}
