@@ -18,10 +18,10 @@ from estimators.pipelines import Frames
 
 Float32 = NDArray[np.float32]
 
-COILS: Final[tuple[Rgb, Rgb, Rgb]] = ((196, 98, 74), (92, 148, 92), (84, 118, 186))
-"""Along x, y and z of the source."""
+COILS: Final[tuple[Rgb, Rgb, Rgb]] = ((200, 104, 58), (92, 148, 76), (122, 108, 200))
+"""Along x, y and z of the source; the hues of the three lanes of the pulse time line."""
 _COIL_ON: Final[Rgb] = (250, 214, 96)
-_CASE: Final[Rgb] = (92, 90, 94)
+_CASE: Final[Rgb] = (128, 126, 131)
 _SENSOR: Final[Rgb] = (236, 232, 226)
 _LINK: Final[Rgb] = (140, 140, 146)
 _LINK_M: Final = 0.003
@@ -32,6 +32,11 @@ _SIGMAS: Final = 2.0
 _ELLIPSE_LEAST_M: Final = 0.004
 _ELLIPSE_MOST_M: Final = 0.6
 _PLACE_LOST_M: Final = 0.5
+_UP: Final = np.array([0.0, 0.0, 1.0], dtype=np.float32)
+_LABEL_SCALE: Final = 1.3
+_LABEL_ABOVE_M: Final = 0.07
+_LABEL_BELOW_M: Final = 0.11
+_WORDS: Final = {"sternum": "Breastbone", "head": "Head", "pelvis": "Pelvis"}
 _LONE: Final = int(RelativeFlag.INERTIAL_ONLY | RelativeFlag.FAULT | RelativeFlag.INVALID)
 
 
@@ -63,6 +68,46 @@ class ModuleTrack:
     ellipse_wxyz: Float32
     lone: NDArray[np.bool_]
     coil: NDArray[np.int64]
+
+    @property
+    def height_m(self) -> float:
+        """Middle of what is mostly seen, above the floor."""
+        low, high = self._extent_m()
+        return float(0.5 * (low[2] + high[2]))
+
+    @property
+    def size_m(self) -> float:
+        """Largest extent of what is mostly seen, with the source and room for words."""
+        low, high = self._extent_m()
+        reach = 2.0 * np.maximum(np.abs(low[:2]), np.abs(high[:2])).max()
+        return float(max(reach, high[2] - low[2] + 0.3, 0.6))
+
+    def _extent_m(self) -> tuple[Float32, Float32]:
+        known = self.place_m[np.isfinite(self.place_m).all(axis=2)]
+        if not len(known):
+            return np.zeros(3, np.float32), np.zeros(3, np.float32)
+        # A moment far out is not to make everything else small.
+        return np.percentile(known, 2.0, axis=0), np.percentile(known, 98.0, axis=0)
+
+
+def placement_words(placement: str) -> str:
+    """Return a placement as a person says it, such as `Left upper arm`."""
+    part, _, side = placement.rpartition("_")
+    return _WORDS.get(placement) or (f"{side} {part}" if part else side).replace("_", " ").capitalize()
+
+
+def distance_words(placement: str, distance_m: float, *, is_lone: bool) -> str:
+    """Return what is written at a sensor: where it is worn and how far from the source.
+
+    Parameters
+    ----------
+    placement : str
+    distance_m : float
+    is_lone : bool
+        The place goes on without the source: the distance is then not told as if it were measured.
+    """
+    about = "about " if is_lone else ""
+    return f"{placement_words(placement)}: {about}{100.0 * distance_m:.0f} cm"
 
 
 def modules_of(frames: Frames) -> ModuleTrack | None:
@@ -126,6 +171,14 @@ class ModuleLayer:
         self._cases: list[Any] = []
         self._ellipses: list[Any] = []
         self._links: list[Any] = []
+        self._labels: list[Any] = []
+        # Words hang on nothing that turns, so that they stay above and below.
+        self._name = scene.add_label(
+            "/modules/name",
+            f"{placement_words(names[0])}: source",
+            font_screen_scale=_LABEL_SCALE,
+            anchor="top-center",
+        )
         for number, _ in enumerate(names[1:]):
             path = f"/modules/sensor{number}"
             self._sensors.append(scene.add_frame(path, axes_length=0.07, axes_radius=0.0025))
@@ -139,6 +192,15 @@ class ModuleLayer:
                     cast_shadow=False,
                     receive_shadow=False,
                     visible=False,
+                )
+            )
+            self._labels.append(
+                scene.add_label(
+                    f"/modules/name{number}",
+                    "",
+                    visible=False,
+                    font_screen_scale=_LABEL_SCALE,
+                    anchor="bottom-center",
                 )
             )
             self._links.append(
@@ -155,6 +217,7 @@ class ModuleLayer:
         """Show one tick."""
         place, turn = track.place_m[tick], track.wxyz[tick]
         self._source.position, self._source.wxyz = place[0], turn[0]
+        self._name.position = place[0] - _UP * _LABEL_BELOW_M
         coil = int(track.coil[tick])
         if coil != self._coil_on:
             for number, ring in enumerate(self._coils):
@@ -163,10 +226,10 @@ class ModuleLayer:
         for i, sensor in enumerate(self._sensors):
             known = bool(np.isfinite(place[i + 1]).all())
             lone = bool(track.lone[tick, i])
-            ellipse, link = self._ellipses[i], self._links[i]
+            ellipse, link, label = self._ellipses[i], self._links[i], self._labels[i]
             axes = np.clip(track.ellipse_m[tick, i], 0.0, _ELLIPSE_MOST_M)
             is_wide = bool(axes.max() > _ELLIPSE_LEAST_M)
-            for node, on in ((sensor, known), (link, known), (ellipse, known and is_wide)):
+            for node, on in ((sensor, known), (link, known), (label, known), (ellipse, known and is_wide)):
                 if node.visible != on:
                     node.visible = on
             if not known:
@@ -176,10 +239,12 @@ class ModuleLayer:
             if tuple(self._cases[i].color) != colour:
                 self._cases[i].color = colour
             way = place[i + 1] - place[0]
-            link.position, link.scale = (
-                place[0] + 0.5 * way,
-                (max(float(np.linalg.norm(way)), 1e-3), 1.0, 1.0),
-            )
+            distance_m = float(np.linalg.norm(way))
+            words = distance_words(self.names[i + 1], distance_m, is_lone=lone)
+            if label.text != words:
+                label.text = words
+            label.position = place[i + 1] + _UP * _LABEL_ABOVE_M
+            link.position, link.scale = place[0] + 0.5 * way, (max(distance_m, 1e-3), 1.0, 1.0)
             link.wxyz = rotation.shortest(_ALONG, way.astype(np.float64))
             if ellipse.visible:
                 ellipse.position, ellipse.wxyz = place[i + 1], track.ellipse_wxyz[tick, i]
@@ -203,4 +268,4 @@ def _add_coil(server: viser.ViserServer, number: int) -> Any:
     )
 
 
-__all__ = ["COILS", "ModuleLayer", "ModuleTrack", "modules_of"]
+__all__ = ["COILS", "ModuleLayer", "ModuleTrack", "distance_words", "modules_of", "placement_words"]

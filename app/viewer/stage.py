@@ -56,6 +56,7 @@ class Stage:
         self.body = contents.body
         self._is_walk = contents.has_feet
         self._markers = contents.track.markers if contents.track is not None else None
+        self._around = _modules_extent(contents)
         self.side = contents.side
         self._server = LoopbackServer()
         ghost = contents.ghost
@@ -71,15 +72,10 @@ class Stage:
         except BaseException:
             self._server.stop()
             raise
-        camera = self.look("start", aspect=1.4)
+        # Whether it is a desk or a phone is not known yet; words beside the modules must fit on a phone as well.
+        camera = self.look("start", aspect=0.8 if contents.has_source else 1.4)
         self._server.initial_camera.position = camera.position_m
         self._server.initial_camera.look_at = camera.look_at_m
-        if contents.has_source:
-            # Feet go a step apart.
-            on_feet = contents.measured <= _ON_FEET
-            height_m, far = (0.1, 1.6) if on_feet else (1.15, 1.0)
-            self._server.initial_camera.position = (1.3 * far, -1.1 * far, height_m + 0.45 * far)
-            self._server.initial_camera.look_at = (0.0, 0.0, height_m)
         self._server.initial_camera.fov = FIELD_OF_VIEW_RAD
         self.player: Player
         if contents.track is not None:
@@ -97,6 +93,8 @@ class Stage:
         """Return a point of view that fits what is shown; see `preset`."""
         if self._markers is not None:
             return around(name, self._markers.height_m, self._markers.size_m, aspect)
+        if self._around is not None:
+            return around(name, *self._around, aspect)
         return preset(name, self.body, self.side, aspect, is_walk=self._is_walk)
 
     @property
@@ -136,6 +134,17 @@ class Stage:
         except Exception:
             # The picture stands still; the next page that enters sets the clock going again.
             logger.exception("a 3D view has stopped drawing")
+
+
+def _modules_extent(contents: Contents) -> tuple[float, float] | None:
+    """Return height of the middle and size of what a magnetic session shows; None for other sessions."""
+    if not contents.has_source:
+        return None
+    modules = contents.track.modules if contents.track is not None else None
+    if modules is not None:
+        return modules.height_m, modules.size_m
+    # Live, before anything is known; feet go a step apart.
+    return (0.1, 1.4) if contents.measured <= _ON_FEET else (1.15, 0.9)
 
 
 def theme_messages(dark: bool) -> list[Any]:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import viser
 
-from app.viewer.modules import ModuleTrack, modules_of
+from app.viewer.modules import ModuleTrack, distance_words, modules_of, placement_words
 from app.viewer.pose import is_posed, thinned, track_from_frames
 from app.viewer.scene import BodyScene
 from estimators import pipelines, rotation
@@ -83,8 +83,29 @@ def test_the_scene_shows_modules_and_no_figure(frames: Frames) -> None:
             nodes["/modules/sensor0"].position, track.modules.place_m[-1, 1], atol=1e-6
         )
         assert nodes["/modules/ellipse0"].visible is True
+        assert nodes["/modules/name"].text == "Pelvis: source"
+        apart_m = np.linalg.norm(track.modules.place_m[-1, 1] - track.modules.place_m[-1, 0])
+        assert nodes["/modules/name0"].visible is True
+        assert f" {100 * apart_m:.0f} cm" in nodes["/modules/name0"].text
+        assert nodes["/modules/name0"].position[2] > nodes["/modules/sensor0"].position[2]
     finally:
         server.stop()
+
+
+def test_a_place_without_the_source_is_not_told_as_measured() -> None:
+    assert distance_words("upper_arm_left", 0.4251, is_lone=False) == "Left upper arm: 43 cm"
+    assert distance_words("sternum", 0.4251, is_lone=True) == "Breastbone: about 43 cm"
+    assert placement_words("foot_right") == "Right foot"
+
+
+def test_the_camera_is_told_what_is_mostly_seen(frames: Frames) -> None:
+    track = modules_of(frames)
+    assert isinstance(track, ModuleTrack)
+    place = track.place_m[np.isfinite(track.place_m[:, 1]).all(axis=1), 1]
+    assert track.place_m[0, 0, 2] < track.height_m < np.median(place[:, 2])
+    assert 0.6 <= track.size_m < 1.6
+    nothing = replace(track, place_m=np.full_like(track.place_m, np.nan))
+    assert nothing.size_m == 0.6
 
 
 def test_other_frames_have_no_modules() -> None:

@@ -6,6 +6,7 @@ import type uPlot from 'uplot';
 import { t } from '../i18n';
 import { channelLabel } from '../lib/channels';
 import { displayUnit, number, quantity } from '../lib/format';
+import { hasSigma, sigmaOf } from '../lib/magnetic';
 import { useSnapshot } from '../player/hooks';
 import type { Player } from '../player/types';
 import { hatch } from './hatch';
@@ -103,7 +104,7 @@ function draw(chart: Chart, player: Player, unit: string, fromS: number, untilS:
   const { plot } = chart;
   if (!plot) return;
   const { channel } = chart;
-  const read = player.read(fromS, untilS, [channel, `${channel}.sigma`, `${channel}.flags`], 4000);
+  const read = player.read(fromS, untilS, [channel, sigmaOf(channel), `${channel}.flags`], 4000);
   const { factor } = displayUnit(unit);
   const [raw, sigma, flags] = read.values;
   const count = read.timeS.length;
@@ -206,7 +207,7 @@ export function Traces({ player, channels, windowS = 10, templateAt, onSeek, too
           >
             {snapshot.isPlaying ? t('traces.pause') : t('traces.resume')}
           </Button>
-          <span className="muted small">{snapshot.isPlaying ? t('traces.band') : t('traces.paused')}</span>
+          <span className="muted small">{!snapshot.isPlaying ? t('traces.paused') : channels.some(hasSigma) ? t('traces.band') : ''}</span>
           {tools && <span className="push">{tools}</span>}
         </div>
       )}

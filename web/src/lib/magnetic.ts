@@ -21,6 +21,19 @@ export function stateKeys(bits: number): Key[] {
   return found.length ? found : ['magnetic.sound'];
 }
 
+/** Whether the first position is still to come. */
+export function isStarting(bits: number): boolean {
+  return (bits & (CALIBRATING | INVALID)) !== 0;
+}
+
+/** Uncertainties are told as this many standard deviations, as the bands of the curves are. */
+export const SIGMAS = 2;
+
+/** Charge as it is printed on batteries. */
+export function milliampereHours(ampereSeconds: number): number {
+  return ampereSeconds / 3.6;
+}
+
 /** Whether somebody should look now. */
 export function needsHand(bits: number): boolean {
   return (bits & CALIBRATING) === 0 && (bits & (64 | 16 | 32 | 8)) !== 0;
@@ -58,6 +71,16 @@ export function spreadOf(values: readonly (number | null)[]): { median: number; 
   const known = values.filter((one): one is number => one !== null).sort((a, b) => a - b);
   if (!known.length) return null;
   return { median: known[Math.floor(known.length / 2)] ?? 0, worst: known[known.length - 1] ?? 0 };
+}
+
+/** The column with the standard deviation of a channel: distances have one of their own name, angles a part of theirs. */
+export function sigmaOf(channel: string): string {
+  return channel.endsWith('_distance_m') ? channel.replace(/_m$/, '_sigma_m') : `${channel}.sigma`;
+}
+
+/** Whether a channel comes with its uncertainty; speeds and forces do not. */
+export function hasSigma(channel: string): boolean {
+  return !/_(mps|n|radps)$/.test(channel);
 }
 
 /** Source and sensor of a name that puts both together, such as `pelvis_upper_arm_left`. */

@@ -1,4 +1,4 @@
-import type { Session, SessionState } from '../api/types';
+import type { Session, SessionDetail, SessionState } from '../api/types';
 import { t } from '../i18n';
 import { number } from './format';
 
@@ -7,6 +7,12 @@ const LIVE: readonly SessionState[] = ['created', 'calibrating', 'ready', 'recor
 /** Whether packets may still come. */
 export function isLive(state: SessionState): boolean {
   return LIVE.includes(state);
+}
+
+/** What was done: the exercise, or what is measured when there is none. */
+export function sessionTitle(session: Pick<SessionDetail, 'exercise_name' | 'pipeline'>): string {
+  if (session.exercise_name) return session.exercise_name;
+  return t(session.pipeline === 'relative_pose' ? 'magnetic.kind' : session.pipeline === 'gait' ? 'session.freeWalk' : 'session.free');
 }
 
 /** The page that fits the state of a session. */

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { channelLabel } from '../../src/lib/channels';
-import { needsHand, pairOf, pulsesIn, spreadOf, stateKeys } from '../../src/lib/magnetic';
+import { needsHand, pairOf, pulsesIn, spreadOf, stateKeys, hasSigma, isStarting, sigmaOf } from '../../src/lib/magnetic';
 
 describe('flags of a magnetic session', () => {
   it('says one thing while it starts, and what needs a hand first afterwards', () => {
@@ -42,4 +42,15 @@ describe('names', () => {
 it('an accuracy is told by its median and its worst', () => {
   expect(spreadOf([null, 3, 1, 2])).toEqual({ median: 2, worst: 3 });
   expect(spreadOf([null])).toBeNull();
+});
+
+it('finds the band of a distance in its own column, and says what has none', () => {
+  expect(sigmaOf('upper_arm_left_distance_m')).toBe('upper_arm_left_distance_sigma_m');
+  expect(sigmaOf('pelvis_sternum_zyx_flexion')).toBe('pelvis_sternum_zyx_flexion.sigma');
+  expect(hasSigma('foot_left_speed_mps')).toBe(false);
+  expect(hasSigma('sternum_distance_m')).toBe(true);
+});
+it('knows when the first position is still to come', () => {
+  expect(isStarting(2)).toBe(true);
+  expect(isStarting(4)).toBe(false);
 });

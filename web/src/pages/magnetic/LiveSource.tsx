@@ -1,10 +1,11 @@
 // A magnetic session while it happens: how far each sensor is and how well that is known, and what the source does.
 import { IconAlertTriangle, IconCheck } from '@tabler/icons-react';
 import { useEffect, useState } from 'react';
+import { Notice } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { placementLabel } from '../../lib/channels';
 import { number, quantity } from '../../lib/format';
-import { needsHand, pulsesIn, stateKeys, type Pulse } from '../../lib/magnetic';
+import { SIGMAS, isStarting, milliampereHours, needsHand, pulsesIn, stateKeys, type Pulse } from '../../lib/magnetic';
 import type { Player } from '../../player/types';
 import { PulseTimeline } from './PulseTimeline';
 
@@ -30,7 +31,7 @@ export function readSource(player: Player, sensors: readonly string[]): Reading 
   const at = (column: number) => read.values[column]?.[last] ?? NaN;
   return {
     pulses: pulsesIn(read.timeS, read.values[0] ?? [], read.values[1] ?? []),
-    fromS: Math.max(0, timeS - WINDOW_S),
+    fromS: timeS - WINDOW_S,
     untilS: timeS,
     onTimeS: at(2),
     chargeAs: at(3),
@@ -38,44 +39,63 @@ export function readSource(player: Player, sensors: readonly string[]): Reading 
   };
 }
 
-export function LiveSource({ player, sensors }: { player: Player; sensors: readonly string[] }) {
+/** Read a few times a second; null before anything has come. */
+function useReading(player: Player, sensors: readonly string[]): Reading | null {
   const [reading, setReading] = useState<Reading | null>(null);
   const names = sensors.join();
   useEffect(() => {
     const timer = setInterval(() => setReading(readSource(player, names.split(','))), REFRESH_MS);
     return () => clearInterval(timer);
   }, [player, names]);
+  return reading;
+}
+
+/** What to do until the first position is known; nothing afterwards. */
+export function SourceStart({ player, sensors }: { player: Player; sensors: readonly string[] }) {
+  const reading = useReading(player, sensors);
+  if (reading && !reading.sensors.some((one) => isStarting(one.bits))) return null;
+  return <Notice>{t('magnetic.help')}</Notice>;
+}
+
+export function LiveSource({ player, sensors, source }: { player: Player; sensors: readonly string[]; source: string }) {
+  const reading = useReading(player, sensors);
   if (!reading) return null;
   const timeS = Math.max(reading.untilS, 1e-6);
   return (
     <section className="card" aria-labelledby="source">
-      <h2 id="source">{t('magnetic.title')}</h2>
+      <div className="card-head">
+        <h2 id="source">{t('magnetic.title')}</h2>
+      </div>
       <ul className="plain-list lines">
         {reading.sensors.map((one) => {
           const isBad = needsHand(one.bits);
+          const Icon = isBad ? IconAlertTriangle : IconCheck;
           return (
             <li key={one.name}>
-              <span className="strong">{placementLabel(one.name)}</span>{' '}
-              <span className="number strong" data-testid={`distance-${one.name}`}>
-                {quantity(one.distanceM, 'm')}
-              </span>{' '}
-              <span className="number muted">{t('magnetic.spread', { value: quantity(one.sigmaM, 'm') })}</span>
+              <span className="strong">{t('magnetic.fromTo', { source: placementLabel(source), sensor: placementLabel(one.name) })}</span>
+              <p className="distance-now">
+                <span className="number strong value" data-testid={`distance-${one.name}`}>
+                  {quantity(one.distanceM, 'm')}
+                </span>
+                <span className="number muted">{t('magnetic.spread', { value: quantity(SIGMAS * one.sigmaM, 'm') })}</span>
+              </p>
               <span className={isBad ? 'alert-text small' : 'muted small'} style={{ display: 'block' }}>
-                {isBad ? <IconAlertTriangle size={16} aria-hidden /> : <IconCheck size={16} aria-hidden />} {stateKeys(one.bits).map((key) => t(key as 'magnetic.sound')).join('. ')}
+                <Icon size={16} aria-hidden /> {stateKeys(one.bits).map((key) => t(key as 'magnetic.sound')).join('. ')}
               </span>
             </li>
           );
         })}
       </ul>
+      <p className="muted small">{t('magnetic.spreadHelp')}</p>
       <h3>{t('magnetic.actuation')}</h3>
-      <PulseTimeline pulses={reading.pulses} fromS={reading.fromS} untilS={reading.untilS} width={300} />
+      <PulseTimeline pulses={reading.pulses} fromS={reading.fromS} untilS={reading.untilS} isLive />
       <dl className="facts">
         <dt>{t('magnetic.onTime')}</dt>
         <dd className="number">
           {quantity(reading.onTimeS, 's')} · {t('magnetic.share', { percent: number((100 * reading.onTimeS) / timeS, 1) })}
         </dd>
         <dt>{t('magnetic.charge')}</dt>
-        <dd className="number" data-testid="charge">{`${number(reading.chargeAs, 2)} A s`}</dd>
+        <dd className="number" data-testid="charge">{`${number(milliampereHours(reading.chargeAs), 2)} mAh`}</dd>
       </dl>
     </section>
   );

@@ -1,58 +1,62 @@
 // Which coil was on when: three lanes, a bar a pulse.
 import { t } from '../../i18n';
-import { number } from '../../lib/format';
+import { number, position } from '../../lib/format';
 import type { Pulse } from '../../lib/magnetic';
+import { COIL_COLOURS } from './coils';
 
-const COLOURS = ['--tm-series-1', '--tm-series-2', '--tm-series-3'] as const;
-const LANE = 26;
-const LEFT = 64;
-/** A pulse of 30 ms must be seen in a picture of half an hour. */
-const LEAST = 2;
+const WIDTH = 1000;
+/** A pulse of 30 ms must be seen in a picture of half an hour; thousandths of the width. */
+const LEAST = 4;
+const LANES = [1, 2, 3] as const;
 
-export function PulseTimeline({ pulses, fromS, untilS, nowS, width = 600 }: { pulses: readonly Pulse[]; fromS: number; untilS: number; nowS?: number; width?: number }) {
+export interface PulseTimelineProps {
+  pulses: readonly Pulse[];
+  fromS: number;
+  untilS: number;
+  /** Marks this moment. */
+  nowS?: number;
+  /** Live: counts back from now, so that the axis stands still. */
+  isLive?: boolean;
+}
+
+export function PulseTimeline({ pulses, fromS, untilS, nowS, isLive = false }: PulseTimelineProps) {
   const spanS = Math.max(untilS - fromS, 1e-6);
-  const x = (atS: number) => LEFT + ((atS - fromS) / spanS) * (width - LEFT);
+  const x = (atS: number) => ((atS - fromS) / spanS) * WIDTH;
   const shown = pulses.filter((one) => one.endS > fromS && one.startS < untilS);
-  const lanes = [1, 2, 3];
+  const isInside = nowS !== undefined && nowS >= fromS && nowS <= untilS;
   return (
     <div data-testid="pulses">
-      <svg
-        viewBox={`0 0 ${width} ${LANE * lanes.length + 20}`}
-        width="100%"
-        role="img"
-        aria-label={t('magnetic.timeline', { seconds: number(spanS, 0), count: shown.length })}
-      >
-        {lanes.map((coil) => (
-          <g key={coil}>
-            <text x={0} y={LANE * (coil - 1) + 18} fontSize="14" fill="var(--tm-muted)">
-              {t('magnetic.coil', { number: coil })}
-            </text>
-            <line x1={LEFT} x2={width} y1={LANE * coil - 2} y2={LANE * coil - 2} stroke="var(--tm-line)" />
-          </g>
+      <div className="pulses" role="img" aria-label={t('magnetic.timeline', { seconds: number(spanS, 0), count: shown.length })}>
+        {LANES.map((coil) => (
+          <div className="pulse-lane" key={coil}>
+            <span className="muted small">{t('magnetic.coil', { number: coil })}</span>
+            <svg viewBox={`0 0 ${WIDTH} 10`} preserveAspectRatio="none" aria-hidden>
+              {shown
+                .filter((one) => Math.min(one.coil, LANES.length) === coil)
+                .map((one) => {
+                  const start = Math.max(x(one.startS), 0);
+                  return (
+                    <rect
+                      key={one.startS}
+                      x={start}
+                      y={0}
+                      width={Math.max(x(Math.min(one.endS, untilS)) - start, LEAST)}
+                      height={10}
+                      fill={`var(${COIL_COLOURS[one.coil - 1] ?? '--tm-alert'})`}
+                    >
+                      <title>{t('magnetic.pulse', { number: one.coil, current: number(one.currentA, 2), at: number(one.startS, 2) })}</title>
+                    </rect>
+                  );
+                })}
+              {isInside && <line x1={x(nowS)} x2={x(nowS)} y1={0} y2={10} stroke="var(--tm-ink)" strokeWidth="2" vectorEffect="non-scaling-stroke" />}
+            </svg>
+          </div>
         ))}
-        {shown.map((one) => {
-          const start = Math.max(x(one.startS), LEFT);
-          return (
-            <rect
-              key={`${one.startS}/${one.coil}`}
-              x={start}
-              y={LANE * (Math.min(one.coil, 3) - 1) + 4}
-              width={Math.max(x(Math.min(one.endS, untilS)) - start, LEAST)}
-              height={LANE - 8}
-              fill={`var(${COLOURS[one.coil - 1] ?? '--tm-alert'})`}
-            >
-              <title>{t('magnetic.pulse', { number: one.coil, current: number(one.currentA, 2), at: number(one.startS, 2) })}</title>
-            </rect>
-          );
-        })}
-        {nowS !== undefined && nowS >= fromS && nowS <= untilS && <line x1={x(nowS)} x2={x(nowS)} y1={0} y2={LANE * lanes.length} stroke="var(--tm-text)" strokeWidth="1.5" />}
-        <text x={LEFT} y={LANE * lanes.length + 16} fontSize="13" fill="var(--tm-muted)">
-          {`${number(fromS, 0)} s`}
-        </text>
-        <text x={width} y={LANE * lanes.length + 16} fontSize="13" textAnchor="end" fill="var(--tm-muted)">
-          {`${number(untilS, 0)} s`}
-        </text>
-      </svg>
+        <div className="pulse-axis muted small number" aria-hidden>
+          <span>{isLive ? `${number(fromS - untilS, 0)} s` : position(fromS, 0)}</span>
+          <span>{isLive ? t('traces.now') : position(untilS, 0)}</span>
+        </div>
+      </div>
       {shown.length === 0 && <p className="muted small">{t('magnetic.noPulses')}</p>}
     </div>
   );

@@ -16,14 +16,16 @@ import { preferredAngles } from '../../lib/channels';
 import { eventText } from '../../lib/events';
 import { number, position } from '../../lib/format';
 import { walkKind } from '../../lib/guidedWalk';
+import { sessionTitle } from '../../lib/sessions';
 import { useLivePlayer, useSnapshot } from '../../player/hooks';
 import type { LivePlayer, LiveSnapshot } from '../../player/live';
 import { CalibrationPanel } from '../calibration/CalibrationPanel';
 import { InForce } from '../calibration/InForce';
 import { GuidedWalk } from '../gait/GuidedWalk';
 import { LiveWalk } from '../gait/LiveWalk';
-import { LiveSource } from '../magnetic/LiveSource';
+import { LiveSource, SourceStart } from '../magnetic/LiveSource';
 import { SafetyCard } from '../magnetic/SafetyCard';
+import { SourceLegend } from '../magnetic/SourceLegend';
 import { AnalysisWait } from './AnalysisWait';
 import { ConnectHelp } from './ConnectHelp';
 import { HealthPanel } from './HealthPanel';
@@ -102,6 +104,9 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
   const isSelfCalibrated = isWalk || isMagnetic;
   const feet = session.layout.scalars.filter((name) => name.endsWith('_speed_mps') || name.endsWith('_force_z_n'));
   const distances = useMemo(() => session.layout.scalars.filter((name) => name.endsWith('_distance_m')), [session.layout.scalars]);
+  const moduleChannels = useMemo(() => [...distances, ...channels], [distances, channels]);
+  // Before it is known how sensors sit or which way they face, numbers would be wrong, not merely uncertain.
+  const isUnset = state === 'calibrating' && !isSelfCalibrated;
   const mayCalibrate = !isSelfCalibrated && (state === 'calibrating' || state === 'ready');
   return (
     <>
@@ -167,13 +172,16 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
             />
           )}
           {state !== 'created' && mayRecord && <LiveButtons sessionId={session.id} state={state} isRecording={isRecording} isGuided={isWalk} />}
-          {state !== 'created' && <Viewer3D sessionId={session.id} request={LIVE} title={t('viewer.liveTitle')} near={isWalk ? 'feet' : 'arm'} />}
+          {isMagnetic && state !== 'created' && <SourceStart player={player} sensors={modules} />}
+          {state !== 'created' && <Viewer3D sessionId={session.id} request={LIVE} title={t('viewer.liveTitle')} near={isWalk ? 'feet' : isMagnetic ? 'modules' : 'arm'} />}
           {isWalk && <Notice>{t('live.walkHelp')}</Notice>}
-          {isMagnetic && state !== 'created' && <Notice>{t('magnetic.help')}</Notice>}
+          {isMagnetic && state !== 'created' && <SourceLegend />}
           {isMagnetic && snapshot.columns && state !== 'created' && (
             <section className="card" aria-labelledby="distances">
-              <h2 id="distances">{t('magnetic.distances')}</h2>
-              <Traces player={player} channels={distances} />
+              <div className="card-head">
+                <h2 id="distances">{t('magnetic.motion')}</h2>
+              </div>
+              <Traces player={player} channels={moduleChannels} tools={<ChannelPicker available={angles} value={channels} onChange={setChosen} />} />
             </section>
           )}
           {isWalk && snapshot.columns && state !== 'created' && (
@@ -182,7 +190,12 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
               <Traces player={player} channels={feet} />
             </section>
           )}
-          {!isWalk && snapshot.columns && state !== 'created' && (
+          {isUnset && (
+            <section className="card">
+              <p className="muted">{t(inForce?.needs_headings ? 'live.noCurvesYet' : 'live.noCurvesBefore')}</p>
+            </section>
+          )}
+          {!isWalk && !isMagnetic && !isUnset && snapshot.columns && state !== 'created' && (
             <section className="card" aria-labelledby="angles">
               <h2 id="angles" className="visually-hidden">
                 {t('traces.title')}
@@ -193,7 +206,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
         </div>
         <div className="stack">
           {isWalk && state !== 'created' && snapshot.columns && <LiveWalk player={player} scalars={session.layout.scalars} delayS={snapshot.columns.delayS} />}
-          {isMagnetic && state !== 'created' && <LiveSource player={player} sensors={modules} />}
+          {isMagnetic && state !== 'created' && <LiveSource player={player} sensors={modules} source={session.layout.segments[0] ?? ''} />}
           <HealthPanel health={snapshot.health} placements={session.placements} />
           {state === 'ready' && !isSelfCalibrated && calibration && mayRecord && <InForce sessionId={session.id} calibration={calibration} placements={session.placements} onAgain={() => setAsked(true)} />}
           <Happened events={snapshot.events.length ? snapshot.events : session.events} />
@@ -218,7 +231,7 @@ export function LiveSessionPage() {
     <Page
       compact
       title={name || t('live.title')}
-      lead={session.data ? (session.data.exercise_name ?? t('session.free')) : undefined}
+      lead={session.data ? sessionTitle(session.data) : undefined}
       crumbs={[
         { to: '/', text: t('nav.caseload') },
         ...(session.data && name ? [{ to: `/patients/${session.data.patient_id}`, text: name }] : []),

@@ -15,11 +15,12 @@ import { t } from '../../i18n';
 import { preferredAngles } from '../../lib/channels';
 import { dateTime, duration } from '../../lib/format';
 import { templateOver } from '../../lib/overlay';
-import { isLive } from '../../lib/sessions';
+import { isLive, sessionTitle } from '../../lib/sessions';
 import { timeAtTemplatePhase } from '../../lib/warp';
 import { useReplayPlayer, useSnapshot } from '../../player/hooks';
 import type { ReplayPlayer } from '../../player/replay';
 import type { PlayerState } from '../../api/types';
+import { SourceLegend } from '../magnetic/SourceLegend';
 import { SourcePanel } from '../magnetic/SourcePanel';
 import { ComparisonPanel } from './ComparisonPanel';
 import { DetailsPanel, resultLabel } from './DetailsPanel';
@@ -56,6 +57,7 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
     () => (chosen ?? preferredAngles(angles, exercise?.primary_angle, exercise?.side ?? null)).filter((name) => angles.includes(name)),
     [chosen, angles, exercise],
   );
+  const distances = useMemo(() => session.layout.scalars.filter((name) => name.endsWith('_distance_m')), [session.layout.scalars]);
   const repetitions = useMemo(() => comparison?.repetitions.map((one) => one.repetition) ?? [], [comparison]);
   const templateAt = useMemo(
     () => (comparison && ghost.ghost ? templateOver(comparison, template.data?.content.duration_s ?? null, ghost.warp) : undefined),
@@ -113,7 +115,7 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
             sessionId={session.id}
             request={{ mode: 'replay', result_id: resultId, template_version_id: comparison?.template_version_id ?? null, markers_id: marked?.id ?? null }}
             title={t(marked ? 'markers.viewer' : 'viewer.replayTitle')}
-            near={marked ? 'marker' : isWalk ? 'feet' : 'arm'}
+            near={marked ? 'marker' : isWalk ? 'feet' : isMagnetic ? 'modules' : 'arm'}
             isReady={!isWaiting}
             player={player}
             ghost={ghost}
@@ -121,7 +123,7 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
           />
           <Timeline player={player} repetitions={repetitions} events={session.events} onRepetition={choose} />
           {isWalk && <WalkMap sessionId={session.id} />}
-          {marked && <MarkerLegend />}
+          {marked ? <MarkerLegend /> : isMagnetic && <SourceLegend />}
           {comparison && !marked && (
             <div className="ghost-tools">
               <Switch label={t('replay.ghost')} checked={ghost.ghost} disabled={shown?.has_ghost === false} onChange={(event) => setGhost({ ...ghost, ghost: event.currentTarget.checked })} />
@@ -145,7 +147,7 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
             {isMagnetic && <Tabs.Tab value="source">{t('magnetic.title')}</Tabs.Tab>}
             {isWalk && <Tabs.Tab value="walk">{t('walk.result')}</Tabs.Tab>}
             {!isWalk && !isMagnetic && <Tabs.Tab value="compare">{t('compare.title')}</Tabs.Tab>}
-            {!isWalk && <Tabs.Tab value="angles">{t('traces.title')}</Tabs.Tab>}
+            {!isWalk && <Tabs.Tab value="angles">{t(isMagnetic ? 'magnetic.angles' : 'traces.title')}</Tabs.Tab>}
             {marker && <Tabs.Tab value="markers">{t('markers.title')}</Tabs.Tab>}
             <Tabs.Tab value="details">{t('details.title')}</Tabs.Tab>
           </Tabs.List>
@@ -153,7 +155,7 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
             <WalkPanel sessionId={session.id} patientId={session.patient_id} />
           </Tabs.Panel>
           <Tabs.Panel value="source">
-            <SourcePanel sessionId={session.id} resultId={resultId} />
+            <SourcePanel sessionId={session.id} resultId={resultId} player={player} distances={distances} onSeek={seek} />
           </Tabs.Panel>
           <Tabs.Panel value="compare">
             <h2 className="visually-hidden">{t('compare.title')}</h2>
@@ -249,7 +251,7 @@ export function SessionPage() {
   return (
     <Page
       compact
-      title={session.data ? (session.data.exercise_name ?? t('session.free')) : t('replay.title')}
+      title={session.data ? sessionTitle(session.data) : t('replay.title')}
       lead={session.data && started ? `${name} · ${dateTime(started)} · ${duration(session.data.duration_s)}` : undefined}
       crumbs={[
         { to: '/', text: t('nav.caseload') },
