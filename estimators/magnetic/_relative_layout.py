@@ -120,8 +120,9 @@ CALIBRATE, GATHER, TRACK, WAIT = 0, 1, 2, 3
     COILS,
     STILL_RATE,
     USE_INCLINATION,
-) = range(41)
-SETTINGS = 41
+    STREAK_PULSES,
+) = range(42)
+SETTINGS = 42
 
 # Columns of the output.
 (

@@ -28,8 +28,10 @@ class RelativePoseParameters:
     `fixed_interval_s` above zero fires the coils in turn instead, at that interval, whatever the uncertainty.
     `mounting_direction` is where the sensor is from the source, roughly, in source axes; zero for none.
     `passes` of the iterated update, 1 for the published one. `nis_soft` is where outliers begin to weigh less;
-    three in a row above `nis_streak` ask for a new burst. `field_norm_limit` and `field_dip_limit_deg` are the
-    changes of the earth's field that mean iron; while they last pulses count `1/disturbed_factor`.
+    `streak_pulses` in a row above `nis_streak` ask for a new burst; with a source that fires bursts by itself three of
+    those, nine pulses, lest iron that passes be taken for a filter that is lost (C6 2.3).
+    `field_norm_limit` and `field_dip_limit_deg` are the changes of the earth's field that mean iron; while they last
+    pulses count `1/disturbed_factor`.
     `retry_s` after a burst that fitted no pose; until then the filter goes on without the source.
     `inconsistent_deg`: a burst whose orientation is farther from what gravity and the gyroscopes say is refused.
     `published_mechanisation` integrates as the thesis does (erratum X1), for comparison.
@@ -67,6 +69,7 @@ class RelativePoseParameters:
     full_scale_t: float = 8e-4
     nis_soft: float = 16.27
     nis_streak: float = 30.0
+    streak_pulses: int = 3
     field_norm_limit: float = 0.05
     field_dip_limit_deg: float = 3.0
     disturbed_factor: float = 100.0
@@ -107,7 +110,7 @@ def read(parameters: Mapping[str, Any] | None) -> RelativePoseParameters:
             numbers.min() < 0.0 or (numbers.min() == 0.0 and name not in _MAY_BE_ZERO)
         ):
             raise SetupError(f"{name} must be above zero, not {value}")
-    for name in ("passes", "baseline_samples", "start_baseline_samples"):
+    for name in ("passes", "baseline_samples", "start_baseline_samples", "streak_pulses"):
         if int(getattr(result, name)) != getattr(result, name):
             raise SetupError(f"{name} must be a whole number, not {getattr(result, name)}")
     if min(result.baseline_samples, result.start_baseline_samples) < _LEAST_BASELINE:
@@ -166,6 +169,7 @@ def to_settings(p: RelativePoseParameters, time_step_s: float, coils: int) -> Fl
         (at.COILS, coils),
         (at.STILL_RATE, p.still_rate_radps),
         (at.USE_INCLINATION, float(p.use_inclination)),
+        (at.STREAK_PULSES, p.streak_pulses),
     ):
         settings[position] = value
     longest = settings[at.START_ON_TICKS] + settings[at.START_OFF_TICKS] + 60

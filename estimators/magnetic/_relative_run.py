@@ -53,11 +53,12 @@ _NIS_SOFT, _NIS_STREAK, _FACTOR, _RETRY, _RESPONSE = (
     at.RETRY_TICKS,
     at.RESPONSE_TICKS,
 )
-_ALARM, _PUBLISHED, _COILS, _USE_INCLINATION, _O_P = (
+_ALARM, _PUBLISHED, _COILS, _USE_INCLINATION, _STREAK_PULSES, _O_P = (
     at.ALARM_TICKS,
     at.PUBLISHED,
     at.COILS,
     at.USE_INCLINATION,
+    at.STREAK_PULSES,
     at.O_POSITION,
 )
 _O_Q, _O_U, _O_COV, _O_NIS, _O_FLAGS = at.O_ATTITUDE, at.O_VELOCITY, at.O_COVARIANCE, at.O_NIS, at.O_FLAGS
@@ -133,7 +134,7 @@ def end_pulse(
     if nis > settings[_NIS_SOFT] or pair > _PAIR_LIMIT or total > _WINDOW_LIMIT:
         counters[_ALARM_UNTIL] = counters[_TICK] + int(settings[_ALARM])
     counters[_STREAK] = counters[_STREAK] + 1 if nis > settings[_NIS_STREAK] else 0
-    if counters[_STREAK] >= 3:
+    if counters[_STREAK] >= settings[_STREAK_PULSES]:
         counters[_STREAK] = 0
         counters[_PHASE] = _GATHER
         counters[_BURST_COIL] = 0
