@@ -8,7 +8,7 @@ turned into the axes of the middle of the pulse.
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -41,6 +41,10 @@ class Pulse:
         Standard deviation of the on samples about their mean, all axes: far above the noise is motion.
     saturated : bool
         A sample that was used is at full scale.
+    ambient_sensor_t : ndarray, shape (3,)
+        What was taken away: the mean of the off samples, in the axes of the middle.
+    on, off : ndarray of int
+        Samples that were used.
     """
 
     coil: int
@@ -52,6 +56,9 @@ class Pulse:
     covariance: Float
     spread_t: float
     saturated: bool = False
+    ambient_sensor_t: Float = field(default_factory=lambda: np.zeros(3))
+    on: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    off: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
 
 @kernel("void(float64[:, ::1], float64, float64[:, ::1])")
@@ -111,9 +118,9 @@ def extract_pulses(
     list of Pulse
         Pulses without a usable sample on either count are left out.
     """
-    field = np.asarray(magnetometer_t, dtype=np.float64)
+    measured = np.asarray(magnetometer_t, dtype=np.float64)
     state = np.asarray(coil_state)
-    if field.ndim != 2 or field.shape[1:] != (3,) or state.shape != (len(field),):
+    if measured.ndim != 2 or measured.shape[1:] != (3,) or state.shape != (len(measured),):
         raise ShapeError("the magnetometer needs shape (N, 3) and the coil state shape (N,)")
     if before < 0 or after < 0 or before + after < 1:
         raise SetupError("the baseline needs one sample or more")
@@ -122,7 +129,7 @@ def extract_pulses(
     guarded: NDArray[np.bool_] = np.array(on)
     guarded[1:] |= on[:-1]
     guarded[:-1] |= on[1:]
-    finite: NDArray[np.bool_] = np.asarray(np.isfinite(field).all(axis=1))
+    finite: NDArray[np.bool_] = np.asarray(np.isfinite(measured).all(axis=1))
     quiet: NDArray[np.bool_] = np.asarray(~guarded & finite)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], state, [0]])))
     found = []
@@ -131,14 +138,14 @@ def extract_pulses(
             continue
         inner = np.arange(start, stop) if stop - start <= _SHORT else np.arange(start + 1, stop - 1)
         inner = inner[finite[inner]]
-        low, high = max(0, start - reach), min(len(field), stop + reach)
+        low, high = max(0, start - reach), min(len(measured), stop + reach)
         ahead = low + np.flatnonzero(quiet[low:start])
         behind = stop + np.flatnonzero(quiet[stop:high])
         outer = np.concatenate([ahead[max(0, len(ahead) - before) :], behind[:after]])
         if not len(inner) or not len(outer):
             continue
         middle = int(start + stop - 1) // 2
-        inside, outside = field[inner], field[outer]
+        inside, outside = measured[inner], measured[outer]
         if attitude is not None:
             back = rotation.conjugate(attitude[middle])
             inside = rotation.rotate(rotation.multiply(back, attitude[inner]), inside)
@@ -153,7 +160,10 @@ def extract_pulses(
                 np.asarray(inside.mean(axis=0) - outside.mean(axis=0)),
                 magnetometer_sigma_t**2 * (1.0 / len(inner) + 1.0 / len(outer)) * np.eye(3),
                 float(np.sqrt(np.mean(np.var(inside, axis=0, ddof=1)))) if len(inner) > 1 else 0.0,
-                bool(np.any(np.abs(field[np.concatenate([inner, outer])]) >= full_scale_t)),
+                bool(np.any(np.abs(measured[np.concatenate([inner, outer])]) >= full_scale_t)),
+                np.asarray(outside.mean(axis=0)),
+                inner,
+                outer,
             )
         )
     return found

@@ -95,6 +95,7 @@ def locate(
     q_turned: ArrayLike | None = None,
     saturated: bool = False,
     limits: TrackerLimits | None = None,
+    start: tuple[ArrayLike, ArrayLike] | None = None,
 ) -> Fix:
     """Find the pose that explains the pulses of at least three coils.
 
@@ -118,6 +119,9 @@ def locate(
         How it had turned (in its own axes). With both, motion within the burst is compensated.
     saturated : bool
         A sample was at full scale.
+    start : (array_like, array_like), optional
+        Position and `q_source_sensor` that are known roughly: where they lead to pulses that fit, nothing else is
+        searched.
 
     Returns
     -------
@@ -147,16 +151,18 @@ def locate(
         return _nothing(flags | TrackerFlag.WRONG_ORDER, ratio)
     if seed.determinant < 0.0:
         flags |= TrackerFlag.WRONG_ORDER
-    solutions = _search(source, numbers, currents, offset, turn, pulses, noise, seed, bounds)
+    solutions: list[_Solution] = []
+    if start is not None:
+        pose = np.concatenate([np.asarray(part, dtype=np.float64) for part in start])
+        solutions = _near(source, numbers, currents, offset, turn, pulses, noise, pose, bounds)
+    solutions = solutions or _search(source, numbers, currents, offset, turn, pulses, noise, seed, bounds)
     if not solutions:
         return _nothing(flags, ratio)
     best, ambiguous = _choose(solutions, direction, last_position_m, bounds)
     if ambiguous:
         flags |= TrackerFlag.AMBIGUOUS
     cost, pose, information = best
-    freedom = 3 * len(numbers) - 6
-    # 99.9 % point of chi-square grows about as freedom + 3.3 sqrt(2 freedom) from the given one at 3
-    if cost > bounds.chi_square + (freedom - 3) + 4.4 * (np.sqrt(freedom) - np.sqrt(3.0)):
+    if cost > most_chi_square(bounds, len(numbers)):
         flags |= TrackerFlag.DISTURBED
     if np.linalg.norm(pose[:3]) < bounds.nearest_m * 1.2:
         flags |= TrackerFlag.TOO_NEAR
@@ -171,6 +177,46 @@ def locate(
 
 
 _Solution = tuple[float, Float, Float]
+
+
+def most_chi_square(bounds: TrackerLimits, pulses: int) -> float:
+    """Return the chi-square above which pulses do not fit."""
+    freedom = 3 * pulses - 6
+    # 99.9 % point of chi-square grows about as freedom + 3.3 sqrt(2 freedom) from the given one at 3
+    return float(bounds.chi_square + (freedom - 3) + 4.4 * (np.sqrt(freedom) - np.sqrt(3.0)))
+
+
+def _near(
+    source: Source,
+    coil: NDArray[np.int64],
+    current: Float,
+    offset: Float,
+    turn: Float,
+    pulses: Float,
+    noise: Float,
+    pose: Float,
+    bounds: TrackerLimits,
+) -> list[_Solution]:
+    """Refine from one pose; nothing if that does not fit."""
+    information = np.empty((6, 6))
+    if np.linalg.norm(pose[:3]) < bounds.nearest_m:
+        return []
+    cost = float(
+        refine(
+            source.loops,
+            coil,
+            current,
+            offset,
+            turn,
+            pulses,
+            1.0 / noise**2,
+            bounds.nearest_m,
+            pose,
+            information,
+        )
+    )
+    fits = cost <= most_chi_square(bounds, len(coil)) and np.linalg.cond(information) < 1e14
+    return [(cost, pose, information)] if fits else []
 
 
 def _search(
@@ -288,4 +334,4 @@ def _nothing(flags: TrackerFlag, ratio: float) -> Fix:
     )
 
 
-__all__ = ["Fix", "TrackerFlag", "TrackerLimits", "locate"]
+__all__ = ["Fix", "TrackerFlag", "TrackerLimits", "locate", "most_chi_square"]

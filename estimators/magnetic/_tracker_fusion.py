@@ -6,9 +6,27 @@ sources that fire by themselves and for comparison.
 
 Frames: world with z up (that of `q_world_source`), source, sensor. Errors are truth minus estimate, turns in the world
 (eq. 6.9): position, velocity, orientation, offsets of accelerometer and gyroscope, error of the fix in position and in
-orientation. The last two are white; they carry the noise of the fix, which is therefore nowhere else (erratum E3). A
-22nd to 24th error is an acceleration that both modules' attitudes leak (page 2.2); `leak_sigma_mps2` of zero leaves the
-published 21.
+orientation. The last two are white; they carry the noise of the fix, which is therefore nowhere else (erratum E3). The
+22nd to 24th (eq. 6.19) are what the sensor's orientation filter is off, the 25th to 27th the offset of the source's
+accelerometer (erratum E6).
+
+What is uncertain, and where it is:
+
+- The world is the one that the source's orientation filter says. In it the source's attitude has no error, gravity
+  cancels in the difference of the modules as it does in the true one, and a constant error of that filter does nothing
+  at all to the pose against the source (it is the metamorphic check 2 of the page). Only its wandering does: it turns
+  this world by w a step, whose variance for an error of sigma s and time constant T is s^2 (1 - exp(-2 dt / T)). The
+  page's acceleration of 0.3 m/s^2 that "both attitudes leak" is thereby nought; what the sensor's attitude leaks is in
+  the dynamics already.
+- Against this world the sensor's filter is off by both filters' errors, variance 2 s^2, and for as long as T: states,
+  not noise of a row. Rows with a white 3 degrees each 0.6 s, as the page inflates them, claim too much after an hour
+  and too little at once.
+- Both accelerometers have offsets, each with its own axes.
+- A fix has the covariance of its burst (`locate_moving`), position and orientation in one: they are correlated by 0.95,
+  and the orientation filter, which is better than a fix in orientation, therefore also takes most of the error of a
+  fix across the line of sight.
+- What moves during a burst is carried by the inertial signals; what it depends on the velocity is a row of the
+  measurement. A fix without that, solved as if nothing moved, has `burst_motion_s` instead.
 """
 
 import math
@@ -33,37 +51,39 @@ class TrackerFusionParameters:
     """Figures of the method page (2.2); noise is per sample.
 
     `fix_position_sigma_m` is that of a fix without a covariance, up to `fix_distance_m`, growing with the fourth power
-    beyond; `fix_attitude_sigma_deg` its orientation. A fix with one has `floor_position_m` and `floor_attitude_deg` on
-    top. A burst is solved as if nothing moved in it: any fix counts for less by the relative rate over
-    `burst_motion_s`, as turn and as way at its distance. `use_fix_attitude` and `use_filter_attitude` choose the
-    variants of 6.2.5: the tracker's orientation, that of the orientation filter, or both, weighed by their covariances
-    (erratum E4). `filter_attitude_sigma_deg` is above what that filter claims: its errors last. `gate` is the
-    chi-square of three degrees of freedom above which a row is left out; three positions in a row start anew.
+    beyond; `fix_attitude_sigma_deg` its orientation. A fix with one may have `floor_position_m` and
+    `floor_attitude_deg` on top, for what its covariance leaves out. A fix that was solved as if nothing moved in its
+    burst counts for less by the relative rate over `burst_motion_s`, as turn and as way at its distance.
+    `use_fix_attitude` and `use_filter_attitude` choose the variants of 6.2.5: the tracker's orientation, that of the
+    orientation filter, or both, weighed by their covariances (erratum E4). Both modules' orientation filters wander
+    with `filter_attitude_sigma_deg` an axis and `filter_attitude_time_s` (page 4.2). `force_bias_sigma_mps2` is of
+    each accelerometer; `rate_bias_sigma_radps` holds where nobody stood still first. `gate` and `fix_gate` are the
+    chi-squares of three and six degrees of freedom above which rows are left out; three fixes in a row start anew.
     """
 
     force_sigma_mps2: float = 0.05
     rate_sigma_radps: float = 0.01
-    force_bias_sigma_mps2: float = 0.04
-    rate_bias_sigma_radps: float = 0.002
+    force_bias_sigma_mps2: float = 0.02
+    rate_bias_sigma_radps: float = 0.003
     force_bias_walk_mps2: float = 1e-3
     rate_bias_walk_radps: float = 1e-5
-    leak_sigma_mps2: float = 0.3
-    leak_time_s: float = 5.0
     fix_position_sigma_m: float = 0.008
     fix_distance_m: float = 0.45
     fix_attitude_sigma_deg: float = 4.0
-    floor_position_m: float = 0.002
-    floor_attitude_deg: float = 0.5
+    floor_position_m: float = 0.0
+    floor_attitude_deg: float = 0.0
     burst_motion_s: float = 0.1
-    filter_attitude_sigma_deg: float = 3.0
+    filter_attitude_sigma_deg: float = 1.2
+    filter_attitude_time_s: float = 10.0
     use_fix_attitude: bool = True
     use_filter_attitude: bool = True
     attitude_interval_s: float = 0.6
     gate: float = 16.27
+    fix_gate: float = 22.46
     still_rate_radps: float = 0.15
 
 
-_MAY_BE_ZERO = {"leak_sigma_mps2", "force_bias_walk_mps2", "rate_bias_walk_radps", "floor_position_m"}
+_MAY_BE_ZERO = {"force_bias_walk_mps2", "rate_bias_walk_radps", "floor_position_m"}
 _MAY_BE_ZERO |= {"floor_attitude_deg", "burst_motion_s"}
 
 
@@ -86,6 +106,8 @@ class TrackerFusionChunk:
     fix_q_source_sensor : ndarray, shape (K, 4)
     fix_covariance : ndarray, shape (K, 6, 6)
         As `Fix.covariance`; NaN for the law of the parameters.
+    fix_velocity_mps, fix_velocity_effect : ndarray, shape (K, 3), (K, 6, 3), optional
+        As those of `CarriedFix`; NaN or None for a fix that was solved as if nothing moved.
     """
 
     first_tick: int
@@ -98,6 +120,8 @@ class TrackerFusionChunk:
     fix_position_m: Float
     fix_q_source_sensor: Float
     fix_covariance: Float
+    fix_velocity_mps: Float | None = None
+    fix_velocity_effect: Float | None = None
 
     @property
     def tick_count(self) -> int:
@@ -106,13 +130,16 @@ class TrackerFusionChunk:
 
     def ticks(self, start: int, stop: int) -> "TrackerFusionChunk":
         """Return the half-open range of ticks `[start, stop)`, counted within this chunk."""
-        parts = (getattr(self, field.name)[start:stop] for field in fields(self)[2:])
-        return TrackerFusionChunk(self.first_tick + start, self.time_step_s, *parts)
+        found = {field.name: getattr(self, field.name) for field in fields(self)[2:]}
+        parts: dict[str, Any] = {
+            name: None if values is None else values[start:stop] for name, values in found.items()
+        }
+        return replace(self, first_tick=self.first_tick + start, **parts)
 
     def table(self) -> Float:
-        """Return the samples as the compiled loop takes them, shape (K, 60)."""
+        """Return the samples as the compiled loop takes them, shape (K, 81)."""
         count = self.tick_count
-        table = np.empty((count, at.SAMPLE))
+        table, nothing = np.empty((count, at.SAMPLE)), np.full((count, 18), np.nan)
         for column, width, values in (
             (at.GYROSCOPE, 3, self.gyroscope_radps),
             (at.FORCE, 3, self.accelerometer_mps2),
@@ -122,6 +149,12 @@ class TrackerFusionChunk:
             (at.FIX_POSITION, 3, self.fix_position_m),
             (at.FIX_ATTITUDE, 4, self.fix_q_source_sensor),
             (at.FIX_COVARIANCE, 36, self.fix_covariance.reshape(count, -1)),
+            (at.FIX_VELOCITY, 3, nothing[:, :3] if self.fix_velocity_mps is None else self.fix_velocity_mps),
+            (
+                at.FIX_EFFECT,
+                18,
+                nothing if self.fix_velocity_effect is None else self.fix_velocity_effect.reshape(count, -1),
+            ),
         ):
             if values.shape != (count, width):
                 raise ShapeError(
@@ -145,7 +178,7 @@ class TrackerFusionResult:
     covariance : ndarray, shape (K, 6, 6)
         Position in source axes, orientation error in sensor axes.
     nis : ndarray, shape (K,)
-        Of the position of a fix; NaN without one.
+        Of a fix, six rows (three without its orientation); NaN without one.
     valid : ndarray of bool, shape (K,)
         From the first fix on.
     gated : ndarray of bool, shape (K,)
@@ -187,7 +220,7 @@ class TrackerFusion:
     """
 
     name: ClassVar[str] = "tracker_fusion"
-    version: ClassVar[str] = "1"
+    version: ClassVar[str] = "2"
 
     def __init__(self, time_step_s: float, parameters: Mapping[str, Any] | None = None) -> None:
         if not 1e-4 < time_step_s < 0.1:
@@ -269,12 +302,11 @@ def _settings(p: TrackerFusionParameters, time_step_s: float) -> Float:
         (at.RATE_START, p.rate_bias_sigma_radps),
         (at.FORCE_WALK, p.force_bias_walk_mps2),
         (at.RATE_WALK, p.rate_bias_walk_radps),
-        (at.LEAK_SIGMA, p.leak_sigma_mps2),
-        (at.LEAK_TIME, p.leak_time_s),
         (at.FIX_POSITION_SIGMA, p.fix_position_sigma_m),
         (at.FIX_DISTANCE, p.fix_distance_m),
         (at.FIX_ATTITUDE_SIGMA, math.radians(p.fix_attitude_sigma_deg)),
-        (at.FILTER_ATTITUDE_SIGMA, math.radians(p.filter_attitude_sigma_deg)),
+        (at.FILTER_SIGMA, math.radians(p.filter_attitude_sigma_deg)),
+        (at.FILTER_TIME, p.filter_attitude_time_s),
         (at.FLOOR_POSITION, p.floor_position_m),
         (at.FLOOR_ATTITUDE, math.radians(p.floor_attitude_deg)),
         (at.BURST_MOTION, p.burst_motion_s),
@@ -282,6 +314,7 @@ def _settings(p: TrackerFusionParameters, time_step_s: float) -> Float:
         (at.USE_FILTER_ATTITUDE, float(p.use_filter_attitude)),
         (at.ATTITUDE_TICKS, float(max(1, round(p.attitude_interval_s / time_step_s)))),
         (at.GATE, p.gate),
+        (at.FIX_GATE, p.fix_gate),
         (at.STILL_RATE, p.still_rate_radps),
     ):
         settings[position] = value

@@ -1,37 +1,30 @@
-"""Steps of the tracker fusion: strapdown of the difference, error dynamics, fixes; compiled."""
+"""Steps of the tracker fusion between fixes: strapdown of the difference, error dynamics; compiled."""
 
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from estimators._kernels import exponential, kernel, multiply, normalized, rotate
 from estimators.magnetic import _tracker_fusion_layout as at
 from estimators.magnetic._relative_motion import add_skew
-from estimators.magnetic._relative_update import innovate
-from estimators.magnetic._small_algebra import joseph, multiply_turned, symmetrise
 from estimators.magnetic._small_algebra import multiply as matrix_multiply
+from estimators.magnetic._small_algebra import symmetrise
 from estimators.recording import Float
 
-_P, _V, _Q, _BA, _BG, _AE = at.POSITION, at.VELOCITY, at.ATTITUDE, at.FORCE_BIAS, at.RATE_BIAS, at.LEAK
-_EP, _EV, _ET, _EA, _EG, _EQ, _EPSI, _EL = (
+_P, _V, _Q, _BA, _BG = at.POSITION, at.VELOCITY, at.ATTITUDE, at.FORCE_BIAS, at.RATE_BIAS
+_XI, _PHI, _BM = at.FILTER_ERROR, at.SOURCE_ERROR, at.SOURCE_FORCE_BIAS
+_EP, _EV, _ET, _EA, _EG, _EXI, _EPHI, _EM = (
     at.E_POSITION,
     at.E_VELOCITY,
     at.E_ATTITUDE,
     at.E_FORCE,
     at.E_RATE,
-    at.E_FIX_POSITION,
-    at.E_FIX_ATTITUDE,
-    at.E_LEAK,
+    at.E_FILTER,
+    at.E_SOURCE_FILTER,
+    at.E_SOURCE_FORCE,
 )
-_GYR, _ACC, _ACC_M, _GM, _XI = (
-    at.GYROSCOPE,
-    at.FORCE,
-    at.SOURCE_FORCE,
-    at.SOURCE_ATTITUDE,
-    at.FILTER_ATTITUDE,
-)
-_FIX_P, _FIX_Q, _FIX_COV = at.FIX_POSITION, at.FIX_ATTITUDE, at.FIX_COVARIANCE
+_EQ, _EPSI = at.E_FIX_POSITION, at.E_FIX_ATTITUDE
+_GYR, _ACC, _ACC_M, _GM = at.GYROSCOPE, at.FORCE, at.SOURCE_FORCE, at.SOURCE_ATTITUDE
 _T, _FORCE, _RATE, _FORCE_WALK, _RATE_WALK = (
     at.TIME_STEP,
     at.FORCE_SIGMA,
@@ -39,18 +32,7 @@ _T, _FORCE, _RATE, _FORCE_WALK, _RATE_WALK = (
     at.FORCE_WALK,
     at.RATE_WALK,
 )
-_LEAK_SIGMA, _LEAK_TIME, _FLOOR_P, _FLOOR_A, _XI_SIGMA = (
-    at.LEAK_SIGMA,
-    at.LEAK_TIME,
-    at.FLOOR_POSITION,
-    at.FLOOR_ATTITUDE,
-    at.FILTER_ATTITUDE_SIGMA,
-)
-_LAW_P, _LAW_R, _LAW_A = at.FIX_POSITION_SIGMA, at.FIX_DISTANCE, at.FIX_ATTITUDE_SIGMA
-_GATE, _USE_PSI, _USE_XI, _MOTION = at.GATE, at.USE_FIX_ATTITUDE, at.USE_FILTER_ATTITUDE, at.BURST_MOTION
-
-_NOTHING = 1e-16
-"""What is left of the measurement noise beside the white states that carry it (erratum E3)."""
+_XI_SIGMA, _XI_TIME = at.FILTER_SIGMA, at.FILTER_TIME
 
 
 @kernel("void(float64[::1], float64[:, ::1])")
@@ -82,7 +64,9 @@ def inject(nominal: Float, error: Float) -> None:
         nominal[_V + i] += error[_EV + i]
         nominal[_BA + i] += error[_EA + i]
         nominal[_BG + i] += error[_EG + i]
-        nominal[_AE + i] += error[_EL + i]
+        nominal[_XI + i] += error[_EXI + i]
+        nominal[_PHI + i] += error[_EPHI + i]
+        nominal[_BM + i] += error[_EM + i]
     turn = exponential(error[_ET], error[_ET + 1], error[_ET + 2])
     q = multiply(
         turn[0], turn[1], turn[2], turn[3], nominal[_Q], nominal[_Q + 1], nominal[_Q + 2], nominal[_Q + 3]
@@ -106,7 +90,7 @@ def propagate(nominal: Float, before: Float, now: Float, settings: Float, a: Flo
     for i in range(3):
         w[i] = 0.5 * (before[_GYR + i] + now[_GYR + i]) - nominal[_BG + i]
         f[i] = 0.5 * (before[_ACC + i] + now[_ACC + i]) - nominal[_BA + i]
-        fm[i] = 0.5 * (before[_ACC_M + i] + now[_ACC_M + i])
+        fm[i] = 0.5 * (before[_ACC_M + i] + now[_ACC_M + i]) - nominal[_BM + i]
     dot = 0.0
     for i in range(4):
         dot += before[_GM + i] * now[_GM + i]
@@ -123,24 +107,54 @@ def propagate(nominal: Float, before: Float, now: Float, settings: Float, a: Flo
     )
     own = rotate(q[0], q[1], q[2], q[3], f[0], f[1], f[2])
     worn = rotate(m[0], m[1], m[2], m[3], fm[0], fm[1], fm[2])
-    r = np.empty((3, 3))
+    r, rm, first, last, wander = (
+        np.empty((3, 3)),
+        np.empty((3, 3)),
+        np.empty((3, 3)),
+        np.empty((3, 3)),
+        np.zeros(3),
+    )
     turned(np.array(q), r)
-    keep = math.exp(-t / settings[_LEAK_TIME])
+    turned(np.array(m), rm)
+    turned(before[_GM:], first)
+    turned(now[_GM:], last)
+    keep = math.exp(-t / settings[_XI_TIME])
+    # The world is the one that the source's filter says: it turns by what that filter's error does in world axes.
     for i in range(3):
-        net = own[i] - worn[i] - nominal[_AE + i]
+        for j in range(3):
+            last[i, j] = keep * last[i, j] - first[i, j]
+            wander[i] += last[i, j] * nominal[_PHI + j]
+            a[_ET + i, _EPHI + j] = last[i, j]
+    for i in range(3):
+        net = own[i] - worn[i]
         nominal[_P + i] += t * nominal[_V + i] + 0.5 * t * t * net
         nominal[_V + i] += t * net
-        nominal[_AE + i] *= keep
+        nominal[_XI + i] *= keep
+        nominal[_PHI + i] *= keep
         a[_EP + i, _EV + i] = t
-        a[_EP + i, _EL + i], a[_EV + i, _EL + i] = -0.5 * t * t, -t
         for j in range(3):
             a[_EP + i, _EA + j], a[_EV + i, _EA + j] = -0.5 * t * t * r[i, j], -t * r[i, j]
+            a[_EP + i, _EM + j], a[_EV + i, _EM + j] = 0.5 * t * t * rm[i, j], t * rm[i, j]
             a[_ET + i, _EG + j] = -t * r[i, j]
         a[_EQ + i, _EQ + i] = a[_EPSI + i, _EPSI + i] = 0.0
-        a[_EL + i, _EL + i] = keep
+        a[_EXI + i, _EXI + i] = a[_EPHI + i, _EPHI + i] = keep
     add_skew(a, _EP, _ET, -0.5 * t * t, own[0], own[1], own[2])
     add_skew(a, _EV, _ET, -t, own[0], own[1], own[2])
+    lever = np.zeros((3, 3))
+    for error in (_EP, _EV, _ET):
+        add_skew(a, error, error, 1.0, wander[0], wander[1], wander[2])
+    for start, error in ((_P, _EP), (_V, _EV)):
+        x, y, z = nominal[start], nominal[start + 1], nominal[start + 2]
+        lever[:, :] = 0.0
+        add_skew(lever, 0, 0, -1.0, x, y, z)
+        for i in range(3):
+            for j in range(3):
+                nominal[start + i] += lever[i, j] * wander[j]
+                for k in range(3):
+                    a[error + i, _EPHI + j] += lever[i, k] * last[k, j]
     q = multiply(q[0], q[1], q[2], q[3], half[0], half[1], half[2], half[3])
+    turn = exponential(wander[0], wander[1], wander[2])
+    q = multiply(turn[0], turn[1], turn[2], turn[3], q[0], q[1], q[2], q[3])
     q = normalized(q[0], q[1], q[2], q[3])
     nominal[_Q], nominal[_Q + 1], nominal[_Q + 2], nominal[_Q + 3] = q
 
@@ -165,68 +179,40 @@ def relative_rate(nominal: Float, before: Float, now: Float, time_step_s: float)
     return math.sqrt(total)
 
 
-@kernel("void(float64[::1], float64[::1], float64, float64[:, ::1], float64[:, ::1])")
-def fix_noise(sample: Float, settings: Float, rate: float, position: Float, attitude: Float) -> None:
-    """Write the covariances of a fix in world axes, both (3, 3): its own, else the law of the page (2.2).
+@kernel(
+    "void(float64[:, ::1], float64[:, ::1], float64[::1], float64[::1], float64[::1], float64[:, ::1],"
+    "float64[:, :, ::1])"
+)
+def predict(
+    p: Float, a: Float, nominal: Float, source: Float, settings: Float, white: Float, work: Float
+) -> None:
+    """Carry the covariance over a step to `nominal`; the white errors of a fix are drawn anew. `work` is (3, n, n).
 
-    The law: a sigma that grows with the fourth power of the distance. Without a fix, that at the reference. A burst
-    is solved as if nothing moved in it: what turns by `rate` meanwhile is added (own; feature 18).
-    """
-    own = math.isfinite(sample[_FIX_COV])
-    r = 0.0
-    for i in range(3):
-        r += sample[_FIX_P + i] ** 2
-    turn = rate * settings[_MOTION]
-    moved = turn * math.sqrt(r) if math.isfinite(r) else 0.0
-    ratio = max(1.0, (math.sqrt(r) / settings[_LAW_R]) ** 4) if math.isfinite(r) else 1.0
-    for i in range(3):
-        for j in range(3):
-            position[i, j] = attitude[i, j] = 0.0
-        position[i, i] = (settings[_LAW_P] * ratio) ** 2 + moved * moved
-        attitude[i, i] = settings[_LAW_A] ** 2 + turn * turn
-    if not own:
-        return
-    m, s, given, left = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
-    turned(sample[_GM : _GM + 4], m)
-    q = multiply(
-        sample[_GM],
-        sample[_GM + 1],
-        sample[_GM + 2],
-        sample[_GM + 3],
-        sample[_FIX_Q],
-        sample[_FIX_Q + 1],
-        sample[_FIX_Q + 2],
-        sample[_FIX_Q + 3],
-    )
-    turned(np.array(q), s)
-    for block in range(2):
-        for i in range(3):
-            for j in range(3):
-                given[i, j] = sample[_FIX_COV + 6 * (3 * block + i) + 3 * block + j]
-        out = position if block == 0 else attitude
-        matrix_multiply(m if block == 0 else s, given, left)
-        multiply_turned(left, m if block == 0 else s, out)
-        floor = settings[_FLOOR_P] if block == 0 else settings[_FLOOR_A]
-        extra = moved if block == 0 else turn
-        for i in range(3):
-            out[i, i] += floor * floor + extra * extra
-
-
-@kernel("void(float64[:, ::1], float64[:, ::1], float64[::1], float64[::1], float64, float64[:, :, ::1])")
-def predict(p: Float, a: Float, sample: Float, settings: Float, rate: float, work: Float) -> None:
-    """Carry the covariance over a step; the white errors of a fix are drawn anew. `work` is (3, n, n).
-
-    `rate` is that of the sensor against the source, rad/s.
+    `source` is the attitude of the source then, `white` the covariance of those errors, shape (6, 6). What the error
+    of the source's filter wanders in the step, w in its axes, turns the world with all that is in it.
     """
     t, n = settings[_T], p.shape[0]
     matrix_multiply(a, p, work[0])
-    multiply_turned(work[0], a, p)
-    force, spin = settings[_FORCE] ** 2, settings[_RATE] ** 2
+    for i in range(n):
+        for j in range(n):
+            work[1, i, j] = work[0, j, i]
+    # A (A P)^T = A P A^T; both products pass over the zeros of A.
+    matrix_multiply(a, work[1], p)
     # Both modules' accelerometers are in the difference.
-    force *= 2.0
-    leak = settings[_LEAK_SIGMA] ** 2 * (1.0 - math.exp(-2.0 * t / settings[_LEAK_TIME]))
-    white = np.empty((2, 3, 3))
-    fix_noise(sample, settings, rate, white[0], white[1])
+    force, spin = 2.0 * settings[_FORCE] ** 2, settings[_RATE] ** 2
+    wander = settings[_XI_SIGMA] ** 2 * (1.0 - math.exp(-2.0 * t / settings[_XI_TIME]))
+    turn, lever, r = np.zeros((n, 3)), np.zeros((n, 3)), np.empty((3, 3))
+    turned(source, r)
+    add_skew(lever, _EP, 0, -1.0, nominal[_P], nominal[_P + 1], nominal[_P + 2])
+    add_skew(lever, _EV, 0, -1.0, nominal[_V], nominal[_V + 1], nominal[_V + 2])
+    for i in range(3):
+        lever[_ET + i, i] = 1.0
+    matrix_multiply(lever, r, turn)
+    for i in range(3):
+        turn[_EPHI + i, i] = 1.0
+    for i in range(n):
+        for j in range(n):
+            p[i, j] += wander * (turn[i, 0] * turn[j, 0] + turn[i, 1] * turn[j, 1] + turn[i, 2] * turn[j, 2])
     for i in range(3):
         p[_EP + i, _EP + i] += force * t**4 / 4.0
         p[_EP + i, _EV + i] += force * t**3 / 2.0
@@ -234,117 +220,13 @@ def predict(p: Float, a: Float, sample: Float, settings: Float, rate: float, wor
         p[_EV + i, _EV + i] += force * t * t
         p[_ET + i, _ET + i] += spin * t * t
         p[_EA + i, _EA + i] += settings[_FORCE_WALK] ** 2 * t
+        p[_EM + i, _EM + i] += settings[_FORCE_WALK] ** 2 * t
         p[_EG + i, _EG + i] += settings[_RATE_WALK] ** 2 * t
-        p[_EL + i, _EL + i] += leak
-        for j in range(3):
-            p[_EQ + i, _EQ + j] += white[0, i, j]
-            p[_EPSI + i, _EPSI + j] += white[1, i, j]
-    for k in range(n):
-        # Exact symmetry, also after the products.
-        for j in range(k):
-            p[k, j] = p[j, k] = 0.5 * (p[k, j] + p[j, k])
-
-
-@kernel(
-    "float64(float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[::1], float64, float64[::1],"
-    "float64[:, ::1])"
-)
-def correct(p: Float, h: Float, r: Float, z: Float, gate: float, nominal: Float, work: Float) -> float:
-    """Correct by rows z = H error + noise; return the normalised innovation squared, negative when gated."""
-    n, m = p.shape[0], h.shape[0]
-    gain, error = np.empty((n, m)), np.empty(n)
-    nis = innovate(p, h, r, z, gain)
-    if not 0.0 <= nis <= gate:
-        return -max(nis, _NOTHING)
-    for i in range(n):
-        error[i] = 0.0
-        for k in range(m):
-            error[i] += gain[i, k] * z[k]
-    inject(nominal, error)
-    joseph(p, h, r, gain, work)
+        p[_EXI + i, _EXI + i] += wander
+    for i in range(6):
+        for j in range(6):
+            p[_EQ + i, _EQ + j] += white[i, j]
     symmetrise(p)
-    return nis
 
 
-@kernel(
-    "int64(float64[::1], float64[::1], float64[::1], float64[:, ::1], int64[::1], float64[:, ::1], float64[::1])"
-)
-def use_fix(
-    sample: Float,
-    settings: Float,
-    nominal: Float,
-    p: Float,
-    counters: NDArray[np.int64],
-    work: Float,
-    nis: Float,
-) -> int:
-    """Correct by the tracker's position and orientation and by the filter's orientation (eq. 6.18-6.21, E4).
-
-    Separate rows; returns the status bits, `nis` takes the normalised innovation squared of the position.
-    """
-    n, status = p.shape[0], 0
-    z, h, r, unused = np.empty(3), np.zeros((3, n)), np.zeros((3, 3)), np.empty(4)
-    fixed = math.isfinite(sample[_FIX_P]) and math.isfinite(sample[_FIX_Q])
-    if fixed:
-        place = rotate(
-            sample[_GM],
-            sample[_GM + 1],
-            sample[_GM + 2],
-            sample[_GM + 3],
-            sample[_FIX_P],
-            sample[_FIX_P + 1],
-            sample[_FIX_P + 2],
-        )
-        for i in range(3):
-            z[i] = place[i] - nominal[_P + i]
-            h[i, _EP + i] = h[i, _EQ + i] = 1.0
-            r[i, i] = _NOTHING
-        found = correct(p, h, r, z, settings[_GATE], nominal, work)
-        nis[0] = abs(found)
-        if found < 0.0:
-            status |= at.GATED
-            counters[at.STREAK] += 1
-        else:
-            counters[at.STREAK] = 0
-    if fixed and settings[_USE_PSI] > 0.0:
-        q = multiply(
-            sample[_GM],
-            sample[_GM + 1],
-            sample[_GM + 2],
-            sample[_GM + 3],
-            sample[_FIX_Q],
-            sample[_FIX_Q + 1],
-            sample[_FIX_Q + 2],
-            sample[_FIX_Q + 3],
-        )
-        difference_of_attitudes(np.array(q), nominal[_Q : _Q + 4], z, unused)
-        h[:] = 0.0
-        for i in range(3):
-            h[i, _ET + i] = h[i, _EPSI + i] = 1.0
-        if correct(p, h, r, z, settings[_GATE], nominal, work) < 0.0:
-            status |= at.GATED
-    counters[at.SINCE_ATTITUDE] += 1
-    due = fixed or counters[at.SINCE_ATTITUDE] >= settings[at.ATTITUDE_TICKS]
-    if settings[_USE_XI] > 0.0 and due and math.isfinite(sample[_XI]):
-        counters[at.SINCE_ATTITUDE] = 0
-        difference_of_attitudes(sample[_XI : _XI + 4], nominal[_Q : _Q + 4], z, unused)
-        h[:] = 0.0
-        for i in range(3):
-            h[i, _ET + i] = 1.0
-            r[i, i] = settings[_XI_SIGMA] ** 2
-        if correct(p, h, r, z, settings[_GATE], nominal, work) < 0.0:
-            status |= at.GATED
-    return status
-
-
-__all__ = [
-    "correct",
-    "difference_of_attitudes",
-    "fix_noise",
-    "inject",
-    "predict",
-    "propagate",
-    "relative_rate",
-    "turned",
-    "use_fix",
-]
+__all__ = ["difference_of_attitudes", "inject", "predict", "propagate", "relative_rate", "turned"]

@@ -1,10 +1,12 @@
 """Where the compiled parts of the tracker fusion find state, samples, memory, settings and output."""
 
 # Nominal state.
-POSITION, VELOCITY, ATTITUDE, FORCE_BIAS, RATE_BIAS, LEAK = 0, 3, 6, 10, 13, 16
-NOMINAL = 19
+POSITION, VELOCITY, ATTITUDE, FORCE_BIAS, RATE_BIAS = 0, 3, 6, 10, 13
+FILTER_ERROR, SOURCE_ERROR, SOURCE_FORCE_BIAS = 16, 19, 22
+NOMINAL = 25
 
-# Errors, truth minus estimate: the published 21 (eq. 6.9), and an acceleration that the attitudes leak.
+# Errors, truth minus estimate: the published 21 (eq. 6.9), the published 22 to 24 (eq. 6.19), what the source's filter
+# is off (feature 16), and the offset of the source's accelerometer.
 (
     E_POSITION,
     E_VELOCITY,
@@ -13,14 +15,16 @@ NOMINAL = 19
     E_RATE,
     E_FIX_POSITION,
     E_FIX_ATTITUDE,
-    E_LEAK,
-) = range(0, 24, 3)
-ERRORS = 24
+    E_FILTER,
+    E_SOURCE_FILTER,
+    E_SOURCE_FORCE,
+) = range(0, 30, 3)
+ERRORS = 30
 
 # Columns of a sample.
 GYROSCOPE, FORCE, SOURCE_FORCE, SOURCE_ATTITUDE, FILTER_ATTITUDE = 0, 3, 6, 9, 13
-FIX_POSITION, FIX_ATTITUDE, FIX_COVARIANCE = 17, 20, 24
-SAMPLE = 60
+FIX_POSITION, FIX_ATTITUDE, FIX_COVARIANCE, FIX_VELOCITY, FIX_EFFECT = 17, 20, 24, 60, 63
+SAMPLE = 81
 
 # Memory: last sample (to the end of the source's attitude), sum of the rates at rest.
 LAST, SUM_RATE = 0, 13
@@ -37,18 +41,18 @@ COUNTERS = 6
     RATE_SIGMA,
     FORCE_WALK,
     RATE_WALK,
-    LEAK_SIGMA,
-    LEAK_TIME,
     FIX_POSITION_SIGMA,
     FIX_DISTANCE,
     FIX_ATTITUDE_SIGMA,
-    FILTER_ATTITUDE_SIGMA,
+    FILTER_SIGMA,
+    FILTER_TIME,
     FLOOR_POSITION,
     FLOOR_ATTITUDE,
     USE_FIX_ATTITUDE,
     USE_FILTER_ATTITUDE,
     ATTITUDE_TICKS,
     GATE,
+    FIX_GATE,
     STILL_RATE,
     FORCE_START,
     RATE_START,

@@ -5,47 +5,37 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators._kernels import kernel, multiply, normalized, rotate, rotate_back
+from estimators._kernels import kernel, multiply, rotate_back
 from estimators.magnetic import _tracker_fusion_layout as at
 from estimators.magnetic._small_algebra import cholesky, multiply_turned, solve_rows, symmetrise
 from estimators.magnetic._small_algebra import multiply as matrix_multiply
+from estimators.magnetic._tracker_fusion_fix import fix_noise, start, use_fix
 from estimators.magnetic._tracker_fusion_kernel import (
     difference_of_attitudes,
-    fix_noise,
     inject,
     predict,
     propagate,
     relative_rate,
     turned,
-    use_fix,
 )
 from estimators.recording import Float
 
-_P, _V, _Q, _BA, _BG, _AE = at.POSITION, at.VELOCITY, at.ATTITUDE, at.FORCE_BIAS, at.RATE_BIAS, at.LEAK
-_EP, _EV, _ET, _EA, _EG, _EL = (
+_P, _V, _Q, _BA, _BG = at.POSITION, at.VELOCITY, at.ATTITUDE, at.FORCE_BIAS, at.RATE_BIAS
+_XI, _PHI, _BM = at.FILTER_ERROR, at.SOURCE_ERROR, at.SOURCE_FORCE_BIAS
+_EP, _EV, _ET, _EA, _EG, _EXI, _EPHI, _EM = (
     at.E_POSITION,
     at.E_VELOCITY,
     at.E_ATTITUDE,
     at.E_FORCE,
     at.E_RATE,
-    at.E_LEAK,
+    at.E_FILTER,
+    at.E_SOURCE_FILTER,
+    at.E_SOURCE_FORCE,
 )
 _NOMINAL, _ERRORS, _LAST, _SUM = at.NOMINAL, at.ERRORS, at.LAST, at.SUM_RATE
-_TICK, _STARTED, _STILL, _STREAK, _RESTARTED = at.TICK, at.STARTED, at.STILL, at.STREAK, at.RESTARTED
-_SINCE, _GM, _FIX_P, _FIX_Q, _INERTIAL = (
-    at.SINCE_ATTITUDE,
-    at.SOURCE_ATTITUDE,
-    at.FIX_POSITION,
-    at.FIX_ATTITUDE,
-    9,
-)
-_HELD = at.FILTER_ATTITUDE
-_FORCE_START, _RATE_START, _STILL_RATE, _LEAK_SIGMA = (
-    at.FORCE_START,
-    at.RATE_START,
-    at.STILL_RATE,
-    at.LEAK_SIGMA,
-)
+_TICK, _STARTED, _STILL, _STREAK = at.TICK, at.STARTED, at.STILL, at.STREAK
+_GM, _FIX_P, _FIX_Q, _HELD = at.SOURCE_ATTITUDE, at.FIX_POSITION, at.FIX_ATTITUDE, at.FILTER_ATTITUDE
+_STILL_RATE = at.STILL_RATE
 _O_P, _O_Q, _O_WP, _O_WV, _O_WQ, _O_COV, _O_NIS, _O_STATUS = (
     at.O_POSITION,
     at.O_ATTITUDE,
@@ -57,46 +47,6 @@ _O_P, _O_Q, _O_WP, _O_WV, _O_WQ, _O_COV, _O_NIS, _O_STATUS = (
     at.O_STATUS,
 )
 _INVALID, _RESTART, _GAP, _T = at.INVALID, at.RESTART, at.GAP, at.TIME_STEP
-_LEAST_STILL = 20
-_START_VELOCITY, _RESTART_VELOCITY = 0.05, 0.5
-"""Sigmas of the velocity (m/s) at a first burst, for which one stands, and at one in motion."""
-
-
-@kernel("void(float64[::1], float64[::1], float64[::1], float64[:, ::1], float64[::1], int64[::1])")
-def start(
-    sample: Float, settings: Float, nominal: Float, p: Float, memory: Float, counters: NDArray[np.int64]
-) -> None:
-    """Begin at a fix: position and orientation are its own (page 2.3)."""
-    again = counters[_STARTED] > 0
-    m, f = sample[_GM : _GM + 4], sample[_FIX_P : _FIX_P + 3]
-    place = rotate(m[0], m[1], m[2], m[3], f[0], f[1], f[2])
-    q = multiply(
-        m[0], m[1], m[2], m[3], sample[_FIX_Q], sample[_FIX_Q + 1], sample[_FIX_Q + 2], sample[_FIX_Q + 3]
-    )
-    nominal[_Q], nominal[_Q + 1], nominal[_Q + 2], nominal[_Q + 3] = normalized(q[0], q[1], q[2], q[3])
-    position, attitude = np.empty((3, 3)), np.empty((3, 3))
-    fix_noise(sample, settings, 0.0, position, attitude)
-    spread = np.zeros(_ERRORS)
-    for i in range(3):
-        nominal[_P + i] = place[i]
-        nominal[_V + i] = 0.0
-        if not again and counters[_STILL] >= _LEAST_STILL:
-            nominal[_BG + i] = memory[_SUM + i] / counters[_STILL]
-        spread[_EV + i] = (_RESTART_VELOCITY if again else _START_VELOCITY) ** 2
-        spread[_EA + i] = p[_EA + i, _EA + i] if again else settings[_FORCE_START] ** 2
-        spread[_EG + i] = p[_EG + i, _EG + i] if again else settings[_RATE_START] ** 2
-        spread[_EL + i] = settings[_LEAK_SIGMA] ** 2
-        nominal[_AE + i] = 0.0
-    for i in range(_ERRORS):
-        for j in range(_ERRORS):
-            p[i, j] = spread[i] if i == j else 0.0
-    for i in range(3):
-        for j in range(3):
-            p[_EP + i, _EP + j], p[_ET + i, _ET + j] = position[i, j], attitude[i, j]
-    counters[_STARTED] = 1
-    counters[_STREAK] = 0
-    counters[_SINCE] = 0
-    counters[_RESTARTED] += 1
 
 
 @kernel("void(float64[::1], float64[::1], float64[:, ::1], float64[::1])")
@@ -140,6 +90,7 @@ def run(
 ) -> None:
     """Take samples; the arrays of the filter change in place."""
     work, a, nis = np.empty((3, _ERRORS, _ERRORS)), np.empty((_ERRORS, _ERRORS)), np.empty(1)
+    white = np.empty((6, 6))
     last = memory[_LAST : _LAST + _HELD]
     for k in range(samples.shape[0]):
         row, status, total = samples[k].copy(), 0, 0.0
@@ -156,7 +107,8 @@ def run(
         if counters[_STARTED] > 0:
             propagate(nominal, last, row[:_HELD], settings, a)
             rate = relative_rate(nominal, last, row[:_HELD], settings[_T])
-            predict(p, a, row, settings, rate, work)
+            fix_noise(row, settings, rate, white)
+            predict(p, a, nominal, row[_GM : _GM + 4], settings, white, work)
             status |= use_fix(row, settings, nominal, p, counters, work[0], nis)
         elif row[0] ** 2 + row[1] ** 2 + row[2] ** 2 < settings[_STILL_RATE] ** 2:
             counters[_STILL] += 1
@@ -188,7 +140,8 @@ def difference(a: Float, b: Float, error: Float) -> None:
     for i in range(3):
         error[_EP + i], error[_EV + i] = a[_P + i] - b[_P + i], a[_V + i] - b[_V + i]
         error[_ET + i], error[_EA + i] = turn[i], a[_BA + i] - b[_BA + i]
-        error[_EG + i], error[_EL + i] = a[_BG + i] - b[_BG + i], a[_AE + i] - b[_AE + i]
+        error[_EG + i], error[_EM + i] = a[_BG + i] - b[_BG + i], a[_BM + i] - b[_BM + i]
+        error[_EXI + i], error[_EPHI + i] = a[_XI + i] - b[_XI + i], a[_PHI + i] - b[_PHI + i]
 
 
 @kernel(
@@ -206,7 +159,7 @@ def backward(
 ) -> None:
     """Run backward over the filter's states (Rauch-Tung-Striebel; page C4 2.4, with the a priori covariance)."""
     count, n = len(samples), _ERRORS
-    a, prior, work = np.empty((n, n)), np.empty((n, n)), np.empty((3, n, n))
+    a, prior, work, white = np.empty((n, n)), np.empty((n, n)), np.empty((3, n, n)), np.zeros((6, 6))
     gain, change, error, moved, state = (
         np.empty((n, n)),
         np.empty((n, n)),
@@ -222,7 +175,8 @@ def backward(
         state[:] = nominal[k]
         prior[:, :] = covariance[k]
         propagate(state, samples[k, :_HELD], samples[k + 1, :_HELD], settings, a)
-        predict(prior, a, samples[k + 1], settings, 0.0, work)
+        # What the white errors are worth here says nothing of the tick before.
+        predict(prior, a, state, samples[k + 1, _GM : _GM + 4], settings, white, work)
         multiply_turned(covariance[k], a, gain)
         for i in range(n):
             for j in range(n):

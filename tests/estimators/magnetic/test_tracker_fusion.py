@@ -9,6 +9,7 @@ import pytest
 from estimators import rotation
 from estimators.errors import SetupError, ShapeError
 from estimators.magnetic import TrackerFusion, TrackerFusionChunk, perpendicular_source, smooth_tracker_fusion
+from estimators.magnetic import _tracker_fusion_fix as fix_kernel
 from estimators.magnetic import _tracker_fusion_kernel as kernel
 from estimators.magnetic import _tracker_fusion_layout as at
 from estimators.magnetic._tracker_fusion_run import difference
@@ -112,7 +113,7 @@ def test_error_dynamics_are_the_numeric_ones():
     a, unused = np.empty((at.ERRORS, at.ERRORS)), np.empty((at.ERRORS, at.ERRORS))
     numeric, estimate = np.zeros_like(a), nominal.copy()
     kernel.propagate(estimate, before, now, settings, a)
-    for i in (*range(at.E_FIX_POSITION), *range(at.E_LEAK, at.ERRORS)):
+    for i in (*range(at.E_FIX_POSITION), *range(at.E_FILTER, at.ERRORS)):
         found = []
         for sign in (1.0, -1.0):
             truth, error = nominal.copy(), np.zeros(at.ERRORS)
@@ -122,10 +123,10 @@ def test_error_dynamics_are_the_numeric_ones():
             difference(truth, estimate, error)
             found.append(error)
         numeric[:, i] = (found[0] - found[1]) / 2e-6
-    kept = np.r_[: at.E_FIX_POSITION, at.E_LEAK : at.ERRORS]
+    kept = np.r_[: at.E_FIX_POSITION, at.E_FILTER : at.ERRORS]
     # First order in the step: what turns within it is left out.
     assert np.abs(numeric - a)[np.ix_(kept, kept)].max() < 1e-3
-    assert not a[at.E_FIX_POSITION : at.E_LEAK].any()
+    assert not a[at.E_FIX_POSITION : at.E_FILTER].any()
 
 
 def test_white_states_are_measurement_noise():
@@ -133,7 +134,7 @@ def test_white_states_are_measurement_noise():
     rng = np.random.default_rng(7)
     root = rng.normal(0.0, 0.1, (at.ERRORS, at.ERRORS))
     p = root @ root.T
-    white = slice(at.E_FIX_POSITION, at.E_LEAK)
+    white = slice(at.E_FIX_POSITION, at.E_FILTER)
     p[white] = p[:, white] = 0.0
     r, z = np.diag([1e-4, 2e-4, 3e-4]), np.array([0.01, -0.02, 0.005])
     h, work = np.zeros((3, at.ERRORS)), np.empty((at.ERRORS, at.ERRORS))
@@ -148,7 +149,7 @@ def test_white_states_are_measurement_noise():
                 at.E_FIX_POSITION : at.E_FIX_POSITION + 3, at.E_FIX_POSITION : at.E_FIX_POSITION + 3
             ] = r
         noise = r if folded else 1e-16 * np.eye(3)
-        nis = kernel.correct(covariance, rows, noise, z, np.inf, nominal, work)
+        nis = fix_kernel.correct(covariance, rows, noise, z, np.inf, nominal, work)
         covariance[white] = covariance[:, white] = 0.0
         outcomes.append((nis, nominal, covariance))
     for one, other in zip(*outcomes, strict=True):
@@ -159,15 +160,91 @@ def test_a_wrong_fix_is_left_out_and_three_start_anew():
     scene, chunk = scene_and_chunk()
     position = chunk.fix_position_m.copy()
     ticks = np.flatnonzero(np.isfinite(position[:, 0]))
-    position[ticks[2]] += 0.5
-    position[ticks[4:]] += 0.5
+    position[ticks[2]] += 2.0
+    position[ticks[4:]] += 2.0
     moved = TrackerFusionChunk(
         *(position if f.name == "fix_position_m" else getattr(chunk, f.name) for f in fields(chunk))
     )
-    # Without a leak the uncertainty stays small enough to know better for three fixes.
-    result = TrackerFusion(scene.time_step_s, {"leak_sigma_mps2": 0.0}).update(moved)
+    result = TrackerFusion(scene.time_step_s).update(moved)
     assert result.gated[ticks[[2, 4, 5, 6]]].all()
     assert not result.gated[ticks[[1, 3]]].any()
     assert np.linalg.norm(result.position_m - scene.position_m, axis=1)[ticks[3]] < 0.05
     # The third in a row is believed.
     np.testing.assert_allclose(result.position_m[ticks[6]], position[ticks[6]], atol=1e-9)
+
+
+def test_a_fix_is_one_measurement_of_pose_and_velocity():
+    """Six correlated rows, with what the velocity does to the fix, as a Kalman update written out says."""
+    rng = np.random.default_rng(11)
+    q_source, q_fix, q = (rotation.normalize(rng.standard_normal(4)) for _ in range(3))
+    q_fix = rotation.multiply(
+        rotation.multiply(rotation.conjugate(q_source), q), rotation.exp([0.02, 0.0, -0.03])
+    )
+    root = rng.normal(0.0, 0.02, (6, 6))
+    cov, effect, solved = root @ root.T, rng.normal(0.0, 0.05, (6, 3)), rng.normal(0.0, 0.3, 3)
+    sample = np.full(at.SAMPLE, np.nan)
+    sample[at.SOURCE_ATTITUDE : at.SOURCE_ATTITUDE + 4] = q_source
+    sample[at.FIX_ATTITUDE : at.FIX_ATTITUDE + 4] = q_fix
+    sample[at.FIX_COVARIANCE : at.FIX_COVARIANCE + 36] = cov.ravel()
+    sample[at.FIX_VELOCITY : at.FIX_VELOCITY + 3], sample[at.FIX_EFFECT :] = solved, effect.ravel()
+    nominal = np.zeros(at.NOMINAL)
+    nominal[at.POSITION : at.POSITION + 6] = rng.normal(0.0, 0.3, 6)
+    nominal[at.ATTITUDE : at.ATTITUDE + 4] = q
+    place = rotation.rotate(rotation.conjugate(q_source), nominal[:3]) + np.array([0.01, -0.02, 0.015])
+    sample[at.FIX_POSITION : at.FIX_POSITION + 3] = place
+    root = rng.normal(0.0, 0.1, (at.ERRORS, at.ERRORS))
+    p = root @ root.T
+    white = slice(at.E_FIX_POSITION, at.E_FILTER)
+    p[white] = p[:, white] = 0.0
+
+    source, sensor = rotation.to_matrix(q_source), rotation.to_matrix(rotation.multiply(q_source, q_fix))
+    frame = np.block([[source, np.zeros((3, 3))], [np.zeros((3, 3)), sensor]])
+    h = np.zeros((6, at.ERRORS))
+    h[:3, at.E_POSITION : at.E_POSITION + 3] = h[3:, at.E_ATTITUDE : at.E_ATTITUDE + 3] = np.eye(3)
+    h[:, at.E_VELOCITY : at.E_VELOCITY + 3] = frame @ effect @ source.T
+    turn = rotation.log(rotation.multiply(rotation.multiply(q_source, q_fix), rotation.conjugate(q)))
+    z = np.concatenate([source @ place - nominal[:3], turn])
+    z -= frame @ effect @ (source.T @ nominal[at.VELOCITY : at.VELOCITY + 3] - solved)
+    gain = p @ h.T @ np.linalg.inv(h @ p @ h.T + frame @ cov @ frame.T)
+    error, after = gain @ z, p - gain @ h @ p
+
+    settings = TrackerFusion(0.01, {"use_filter_attitude": False, "fix_gate": 1e9}).arrays()[0]
+    noise = np.empty((6, 6))
+    fix_kernel.fix_noise(sample, settings, 5.0, noise)
+    np.testing.assert_allclose(noise, frame @ cov @ frame.T, atol=1e-15)
+    covariance, before = p.copy(), nominal.copy()
+    covariance[white, white] = noise
+    fix_kernel.use_fix(
+        sample,
+        settings,
+        nominal,
+        covariance,
+        np.zeros(at.COUNTERS, dtype=np.int64),
+        np.empty((at.ERRORS, at.ERRORS)),
+        np.empty(1),
+    )
+    found = np.empty(at.ERRORS)
+    difference(nominal, before, found)
+    kept = np.r_[: at.E_FIX_POSITION, at.E_FILTER : at.ERRORS]
+    np.testing.assert_allclose(found[kept], error[kept], atol=1e-9)
+    np.testing.assert_allclose(covariance[np.ix_(kept, kept)], after[np.ix_(kept, kept)], atol=1e-9)
+
+
+def test_a_lasting_error_of_the_source_filter_does_nothing_to_the_pose():
+    """The world is the one that the source's filter says: turned as a whole, it says the same of the sensor."""
+    scene, chunk = scene_and_chunk()
+    plain = TrackerFusion(scene.time_step_s).update(chunk)
+    turn = rotation.exp([0.05, -0.08, 0.6])
+    turned = TrackerFusionChunk(
+        *(
+            rotation.multiply(turn, getattr(chunk, f.name))
+            if f.name in ("q_world_source", "q_world_sensor")
+            else getattr(chunk, f.name)
+            for f in fields(chunk)
+        )
+    )
+    result = TrackerFusion(scene.time_step_s).update(turned)
+    np.testing.assert_allclose(result.position_m, plain.position_m, atol=1e-9)
+    np.testing.assert_allclose(result.covariance, plain.covariance, atol=1e-9)
+    angle = rotation.angle_between(result.q_source_sensor, plain.q_source_sensor)
+    assert angle[plain.valid].max() < 1e-6
