@@ -21,7 +21,7 @@ from estimators.balance._mass_centre_smoother import (
 )
 from estimators.balance._repeated_measures import Effect, repeated_measures
 from estimators.balance._segmental import SegmentalMassCentre, segmental_mass_centre
-from estimators.balance._segments import BodySegments, body_segments
+from estimators.balance._segments import BodySegments, body_segments, mean_segments
 from estimators.balance._stability import (
     StabilityMargin,
     base_of_support,
@@ -34,8 +34,17 @@ from estimators.balance._stability import (
 from estimators.balance._stride_balance import StrideBalance, sole_middle, stride_balance
 from estimators.balance._turning_feet import combine_turning_feet
 from estimators.balance._walking_work import WalkingWork, walking_work
+from estimators.balance._worn_mass_centre import (
+    MASS_POINT,
+    MASS_SCALARS,
+    WornBodyParameters,
+    WornMassCentre,
+    has_mass_centre,
+)
 
 __all__ = [
+    "MASS_POINT",
+    "MASS_SCALARS",
     "PUBLISHED_CUTOFF_HZ",
     "BodySegments",
     "BothFeet",
@@ -49,6 +58,8 @@ __all__ = [
     "StabilityMargin",
     "StrideBalance",
     "WalkingWork",
+    "WornBodyParameters",
+    "WornMassCentre",
     "acceleration",
     "base_of_support",
     "body_mass",
@@ -58,9 +69,11 @@ __all__ = [
     "compare_conditions",
     "distance_between_feet",
     "extrapolated_mass_centre",
+    "has_mass_centre",
     "integrate_twice",
     "least_squares_mass_centre",
     "margin_to_edge",
+    "mean_segments",
     "momentum_anchor",
     "pressure_only",
     "published_mass_centre",

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimators import rotation
+from estimators.balance._body_levers import HEEL_BEHIND_ANKLE, HIP_HALF_WIDTH_PER_STATURE, stand_in_of
 from estimators.balance._segments import (
     ANKLE_HEIGHT_PER_STATURE,
     FOOT_PER_STATURE,
@@ -18,23 +19,6 @@ from estimators.body import BodyDimensions
 from estimators.conventions import PLACEMENTS, SIDES
 from estimators.errors import SetupError, ShapeError
 from estimators.recording import Float
-
-HIP_HALF_WIDTH_PER_STATURE = 0.05
-_HEEL_BEHIND_ANKLE = 0.25
-"""Part of the foot's length."""
-
-_STAND_IN = {
-    "pelvis": "sternum",
-    "sternum": "pelvis",
-    "head": "sternum",
-    "shoulder": "sternum",
-    "upper_arm": "sternum",
-    "forearm": "upper_arm",
-    "hand": "forearm",
-    "thigh": "pelvis",
-    "shank": "thigh",
-    "foot": "shank",
-}
 
 
 @dataclass(frozen=True)
@@ -150,7 +134,7 @@ def segmental_mass_centre(
         )
         start = hang(leg, start, side)
         foot_m = FOOT_PER_STATURE * stature
-        ahead = (segments.centre_share["foot"] - _HEEL_BEHIND_ANKLE) * foot_m
+        ahead = (segments.centre_share["foot"] - HEEL_BEHIND_ANKLE) * foot_m
         below = 0.5 * ANKLE_HEIGHT_PER_STATURE * stature
         parts[f"foot_{side}"] = start + along(f"foot_{side}", np.array([ahead, 0.0, -below]))
     if hip_m is None and stands_on_floor:
@@ -190,12 +174,7 @@ def _complete(given: Mapping[str, Float]) -> tuple[dict[str, Float], tuple[str, 
 
     def orientation(name: str) -> Float:
         if name not in result:
-            part, _, side = name.rpartition("_")
-            is_paired = side in SIDES
-            stand_in = _STAND_IN[part if is_paired else name]
-            if is_paired and f"{stand_in}_{side}" in PLACEMENTS:
-                stand_in = f"{stand_in}_{side}"
-            found = orientation(stand_in)
+            found = orientation(stand_in_of(name))
             assumed.append(name)
             if name.startswith("foot"):
                 # A foot is level when nothing else is known of it.

@@ -132,4 +132,19 @@ def body_segments(sex: Sex, own_mass_share: Mapping[str, float] | None = None) -
     return replace(found, own_mass_share=dict(own_mass_share)) if own_mass_share else found
 
 
-__all__ = ["PAIRED", "SEGMENTS", "BodySegments", "Sex", "body_segments"]
+def mean_segments() -> BodySegments:
+    """Return the mean of the tables for men and women, for a person of whom only the lengths are known."""
+    man, woman = body_segments("man"), body_segments("woman")
+
+    def mean(one: Mapping[str, float], other: Mapping[str, float]) -> dict[str, float]:
+        return {name: 0.5 * (one[name] + other[name]) for name in one}
+
+    upper, middle, lower = (0.5 * (a + b) for a, b in zip(man.trunk_share, woman.trunk_share, strict=True))
+    return BodySegments(
+        mean(man.mass_share, woman.mass_share),
+        mean(man.centre_share, woman.centre_share),
+        (upper, middle, lower),
+    )
+
+
+__all__ = ["PAIRED", "SEGMENTS", "BodySegments", "Sex", "body_segments", "mean_segments"]

@@ -1,12 +1,15 @@
 """The arm pipeline: trunk, one or two arms, and whatever else is worn."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from estimators.arm import ArmModel
+from estimators.balance import MASS_POINT, MASS_SCALARS, WornMassCentre, has_mass_centre
+from estimators.body import HIP_HEIGHT_PER_STATURE
 from estimators.calibration import DeviceCalibration, FunctionalResult
 from estimators.conventions import PLACEMENTS, Placement
 from estimators.errors import SetupError, ShapeError
@@ -15,7 +18,7 @@ from estimators.pipelines._body import BodyNetwork
 from estimators.pipelines._contract import Calibration, FrameLayout, Frames, Pipeline, SessionSetup
 from estimators.pipelines._guided import by_movement, reset_heading
 from estimators.pipelines._joint_headings import JointHeadings
-from estimators.recording import ImuChunk
+from estimators.recording import Float, ImuChunk
 
 _INVALID = np.uint8(OrientationFlag.INVALID)
 _HEADING_KNOWN = np.uint8(0xFF & ~int(OrientationFlag.HEADING_NOT_TRUSTED))
@@ -24,7 +27,8 @@ _HEADING_KNOWN = np.uint8(0xFF & ~int(OrientationFlag.HEADING_NOT_TRUSTED))
 class ArmPipeline(Pipeline):
     """Sensors on sternum, upper arm, forearm and hand to posture, joint angles and compensation.
 
-    Any subset with an upper arm or a forearm works: what the worn sensors cannot tell is not in the layout.
+    Any subset with an upper arm or a forearm works, or trunk and thighs: what the worn sensors cannot tell is not in
+    the layout.
     Further sensors (head, pelvis, legs) become segments with an orientation. Until the patient was
     calibrated the segments show the sensors' own motion, flagged CONVERGING and HEADING_NOT_TRUSTED, and
     angles, points and scalars are NaN, flagged INVALID.
@@ -32,6 +36,10 @@ class ArmPipeline(Pipeline):
     In a gap that could not be bridged angles and points hold their last value, flagged INVALID; the speed of
     the hand is NaN there. Near the shoulder's singularity (arm hanging) plane of elevation and axial
     rotation are flagged SINGULAR; see `estimators.arm`.
+
+    With sensors on the trunk (sternum or pelvis) and both thighs the centre of mass is in the layout, see
+    `estimators.balance.WornMassCentre`: the point `centre_of_mass`, with the hips where all points have them, and
+    `MASS_SCALARS` against the ankles and the floor, NaN while a sensor gives nothing.
 
     With `constrain_joint_headings` forearms and hands are turned about the vertical so that elbows and wrists
     stay possible; their angles lose HEADING_NOT_TRUSTED while the joint knows its heading.
@@ -45,9 +53,10 @@ class ArmPipeline(Pipeline):
         unknown = [name for name in setup.placements if name not in PLACEMENTS]
         if unknown:
             raise SetupError(f"unknown placement {', '.join(unknown)}; known are {', '.join(PLACEMENTS)}")
-        if not any(name.startswith(("upper_arm", "forearm")) for name in setup.placements):
+        weighs = has_mass_centre(setup.placements)
+        if not weighs and not any(name.startswith(("upper_arm", "forearm")) for name in setup.placements):
             raise SetupError(
-                "the arm pipeline needs a sensor on an upper arm or a forearm; worn: "
+                "the arm pipeline needs a sensor on an upper arm or a forearm, or on trunk and both thighs; worn: "
                 + (", ".join(setup.placements) or "none")
             )
         self._network = BodyNetwork(setup)
@@ -59,11 +68,14 @@ class ArmPipeline(Pipeline):
         headings = JointHeadings(setup.placements, self._network.time_step_s)
         self._headings = headings if setup.constrain_joint_headings and headings.names else None
         self._previous_angle_rad = ArmModel.initial_previous()
+        self._mass = WornMassCentre(setup.placements, setup.body) if weighs else None
+        points = self._model.points if self._model else ("pelvis",) if weighs else ()
+        scalars = self._model.scalars if self._model else ()
         self._layout = FrameLayout(
             segments=tuple(setup.placements),
-            points=self._model.points if self._model else (),
+            points=(*points, MASS_POINT) if weighs else points,
             angles=self._model.angles if self._model else (),
-            scalars=self._model.scalars if self._model else (),
+            scalars=(*scalars, *MASS_SCALARS) if weighs else scalars,
         )
 
     @property
@@ -85,26 +97,45 @@ class ArmPipeline(Pipeline):
         """Take the next ticks of all sensors, in the order of `setup.placements`."""
         _, q_room_segment, omega, sigma, flags = self._network.step(chunk)
         ticks, layout = chunk.tick_count, self._layout
-        if self._model is None or not self._network.is_calibrated:
-            angles = np.full((ticks, len(layout.angles)), np.nan)
-            return Frames(
-                layout=layout,
-                first_tick=chunk.first_tick,
-                time_step_s=chunk.time_step_s,
-                q_room_segment=q_room_segment,
-                point_room_m=np.full((ticks, len(layout.points), 3), np.nan),
-                angle_rad=angles,
-                angle_sigma_rad=angles.copy(),
-                scalar=np.full((ticks, len(layout.scalars)), np.nan),
-                segment_flags=flags,
-                angle_flags=np.full(angles.shape, _INVALID),
-            )
+        found = Frames(
+            layout=layout,
+            first_tick=chunk.first_tick,
+            time_step_s=chunk.time_step_s,
+            q_room_segment=q_room_segment,
+            point_room_m=np.full((ticks, len(layout.points), 3), np.nan),
+            angle_rad=np.full((ticks, len(layout.angles)), np.nan),
+            angle_sigma_rad=np.full((ticks, len(layout.angles)), np.nan),
+            scalar=np.full((ticks, len(layout.scalars)), np.nan),
+            segment_flags=flags,
+            angle_flags=np.full((ticks, len(layout.angles)), _INVALID),
+        )
+        if not self._network.is_calibrated:
+            return found
+        if self._model is not None:
+            found = self._with_arms(found, self._model, omega, sigma)
+            sigma = found.segment_sigma_rad if found.segment_sigma_rad is not None else sigma
+        return found if self._mass is None else self._with_mass(found, self._mass, sigma)
+
+    def _with_mass(self, frames: Frames, model: WornMassCentre, sigma: Float) -> Frames:
+        """Write the centre of mass into the last columns."""
+        mass = model.evaluate(frames.q_room_segment, sigma)
+        hip = np.array([0.0, 0.0, HIP_HEIGHT_PER_STATURE * self.setup.body.stature_m])
+        frames.point_room_m[:, -1] = hip + mass.from_hip_m
+        if self._model is None:
+            frames.point_room_m[:, 0] = hip
+        is_lost = ((frames.segment_flags & _INVALID) != 0).any(axis=1)
+        frames.scalar[:, -len(MASS_SCALARS) :] = np.where(is_lost[:, None], np.nan, mass.scalar)
+        return frames if frames.segment_sigma_rad is not None else replace(frames, segment_sigma_rad=sigma)
+
+    def _with_arms(self, frames: Frames, model: ArmModel, omega: Float, sigma: Float) -> Frames:
+        """Write joint centres, angles and scalars of the arms into the first columns."""
+        q_room_segment, flags = frames.q_room_segment, frames.segment_flags
         is_trusted: NDArray[np.bool_] | None = None
         if self._headings is not None:
             q_room_segment, omega, sigma, is_trusted = self._headings.apply(
-                q_room_segment, omega, sigma, flags, chunk.first_tick
+                q_room_segment, omega, sigma, flags, frames.first_tick
             )
-        found = self._model.evaluate(
+        found = model.evaluate(
             q_room_segment,
             segment_flags=flags,
             angular_velocity_room_radps=omega,
@@ -114,19 +145,16 @@ class ArmPipeline(Pipeline):
         self._previous_angle_rad = found.previous_angle_rad
         if self._headings is not None and is_trusted is not None:
             for j, joint in enumerate(self._headings.names):
-                columns = [a for a, name in enumerate(layout.angles) if name.startswith(f"{joint}_")]
+                columns = [a for a, name in enumerate(frames.layout.angles) if name.startswith(f"{joint}_")]
                 known = np.where(is_trusted[:, j], _HEADING_KNOWN, np.uint8(0xFF))
                 found.angle_flags[:, columns] &= known[:, None]
-        return Frames(
-            layout=layout,
-            first_tick=chunk.first_tick,
-            time_step_s=chunk.time_step_s,
+        frames.point_room_m[:, : len(model.points)] = found.point_room_m
+        frames.scalar[:, : len(model.scalars)] = found.scalar
+        return replace(
+            frames,
             q_room_segment=q_room_segment,
-            point_room_m=found.point_room_m,
             angle_rad=found.angle_rad,
             angle_sigma_rad=found.angle_sigma_rad,
-            scalar=found.scalar,
-            segment_flags=flags,
             angle_flags=found.angle_flags,
             segment_sigma_rad=sigma,
         )
