@@ -73,7 +73,7 @@ checks: lint types web-test web/dist/index.html browser
 test: ## Everything: lint, types, browser client, unit, service, database and browser tests
 	@$(MAKE) --no-print-directory -j2 checks $(VENV)/compiled
 	@$(BIN)/python -m pytest -m "not e2e" $(TWO_AT_ONCE) --cov --cov-report= --durations=15
-	@$(BIN)/python -m pytest -m e2e --cov --cov-append --cov-report=term:skip-covered
+	@$(BIN)/python -m pytest -m e2e $(TWO_AT_ONCE) --cov --cov-append --cov-report=term:skip-covered
 
 test-quick: $(VENV)/compiled ## Under two minutes, no browser
 	@$(BIN)/python -m pytest -m "not slow and not e2e and not postgres" $(TWO_AT_ONCE)

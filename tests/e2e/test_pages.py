@@ -90,6 +90,8 @@ KEYBOARD = {
     if name not in {"not-found", "patient-managed"}
 }
 
+MOST_TABS, TABS_AT_ONCE = 220, 20
+
 REACHED = """() => {
   const wanted = 'a[href], button, input, select, textarea, summary, [tabindex="0"]';
   const shown = (e) => !e.disabled && e.checkVisibility({ visibilityProperty: true }) && !e.closest('[inert]')
@@ -115,9 +117,13 @@ def test_everything_is_reached_by_the_tab_key(visitor: Visitor, house: House, pa
             if (group) document.getElementsByName(group).forEach((one) => { one.dataset.reached = '1'; });
         })"""
     )
-    for _ in range(220):
-        page.keyboard.press("Tab")
-    unreached = page.evaluate(REACHED)
+    unreached = ["not looked at yet"]
+    for _ in range(MOST_TABS // TABS_AT_ONCE):
+        for _ in range(TABS_AT_ONCE):
+            page.keyboard.press("Tab")
+        unreached = page.evaluate(REACHED)
+        if not unreached:
+            break
     assert unreached == []
 
 
