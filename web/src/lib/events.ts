@@ -1,8 +1,12 @@
 import type { SessionEvent } from '../api/types';
 import { t, tOr } from '../i18n';
+import { placementLabel } from './channels';
 
 /** What happened, in words: a change of state by its name, everything else as the service says it. */
 export function eventText(event: SessionEvent): string {
-  if (event.text) return tOr(`sessionState.${event.text}`, event.text);
-  return tOr(`event.${event.kind}`, t('event.unnamed'));
+  const { text, placement, kind } = event;
+  if (!text) return tOr(`event.${kind}`, t('event.unnamed'));
+  // The service names sensors as programs do.
+  if (placement && text.startsWith(`${placement}: `)) return `${placementLabel(placement)}: ${text.slice(placement.length + 2)}`;
+  return tOr(`sessionState.${text}`, text);
 }

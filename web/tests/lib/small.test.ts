@@ -5,6 +5,8 @@ import { groupAudit } from '../../src/lib/audit';
 import { byReason, matches } from '../../src/lib/caseload';
 import { placementProblem } from '../../src/lib/placements';
 import { plainProgress } from '../../src/lib/plain';
+import type { SessionEvent } from '../../src/api/types';
+import { eventText } from '../../src/lib/events';
 
 const row = (given_name: string, family_name: string, reason: CaseloadRow['reason'], live_session_id: string | null = null) =>
   ({ given_name, family_name, reason, live_session_id }) as CaseloadRow;
@@ -80,5 +82,14 @@ describe('scales', () => {
   it('finds half-open runs', () => {
     const marks = [0, 1, 1, 0, 1];
     expect(runs(marks.length, (index) => marks[index] === 1)).toEqual([[1, 3], [4, 5]]);
+  });
+});
+
+describe('what happened', () => {
+  const event = (change: Partial<SessionEvent>): SessionEvent => ({ time_s: 1, kind: 'note', ...change }) as SessionEvent;
+  it('is told with the plain name of a sensor', () => {
+    expect(eventText(event({ placement: 'hand_right', text: 'hand_right: the magnetic field varies' }))).toBe('Right hand: the magnetic field varies');
+    expect(eventText(event({ placement: 'hand_right', text: 'Iron is near' }))).toBe('Iron is near');
+    expect(eventText(event({ kind: 'device_calibration', text: '' }))).toBe('A sensor was calibrated in the hand');
   });
 });

@@ -119,6 +119,7 @@ export const session = {
   'event.forces_lost': 'Forces of a shoe were lost',
   'event.forces_back': 'Forces of a shoe are back',
   'event.calibration': 'Calibration',
+  'event.device_calibration': 'A sensor was calibrated in the hand',
   'event.error': 'Error',
   'event.implausible': 'Readings that cannot be right',
 
