@@ -43,11 +43,16 @@ from estimators.validation._luinge_consistency import CONSISTENCY
 from estimators.validation._luinge_offset import OFFSET_RECOVERY, STILL_SENSOR
 from estimators.validation._luinge_tasks import INCLINATION_TASKS
 from estimators.validation._magnetic import MAGNETIC_CALIBRATION
+from estimators.validation._magnetic_checks import MAGNETIC_FUSION_CHECKS
+from estimators.validation._magnetic_checks_model import MAGNETIC_MODEL_CHECKS
+from estimators.validation._magnetic_checks_tracker import MAGNETIC_TRACKER_CHECKS
 from estimators.validation._magnetic_tracker import MAGNETIC_MOVEMENTS, MAGNETIC_TRACKER
 from estimators.validation._magnetic_tracker_fusion import MAGNETIC_FUSION
 from estimators.validation._magnetic_tracker_loose import MAGNETIC_LOOSE_FUSION
 from estimators.validation._magnetic_tracker_model import MAGNETIC_BENCH, MAGNETIC_MAPS, MAGNETIC_UPDATES
 from estimators.validation._optical import OPTICAL_GAIT, OPTICAL_GAPS, OPTICAL_RATES
+from estimators.validation._optical_checks import OPTICAL_NOISE_CHECKS
+from estimators.validation._optical_checks_innovation import OPTICAL_INNOVATION_CHECKS
 from estimators.validation._optical_recording import OPTICAL_CONSISTENCY, OPTICAL_RECORDING
 from estimators.validation._protocol import (
     Curve,
@@ -59,6 +64,7 @@ from estimators.validation._protocol import (
     ProtocolResult,
     run_protocol,
 )
+from estimators.validation._relative_checks import RELATIVE_POSE_CHECKS
 from estimators.validation._relative_pose import (
     RELATIVE_POSE_SMOOTHING,
     RELATIVE_POSE_START,
@@ -129,6 +135,9 @@ _PROTOCOLS = (
     MAGNETIC_MOVEMENTS,
     MAGNETIC_FUSION,
     MAGNETIC_LOOSE_FUSION,
+    MAGNETIC_MODEL_CHECKS,
+    MAGNETIC_TRACKER_CHECKS,
+    MAGNETIC_FUSION_CHECKS,
     RELATIVE_POSE_TABLE,
     RELATIVE_POSE_SMOOTHING,
     RELATIVE_POSE_START,
@@ -139,11 +148,14 @@ _PROTOCOLS = (
     RELATIVE_POSE_IRON,
     RELATIVE_POSE_FAULTS,
     RELATIVE_POSE_TEN_HOURS,
+    RELATIVE_POSE_CHECKS,
     OPTICAL_GAPS,
     OPTICAL_RATES,
     OPTICAL_GAIT,
     OPTICAL_RECORDING,
     OPTICAL_CONSISTENCY,
+    OPTICAL_NOISE_CHECKS,
+    OPTICAL_INNOVATION_CHECKS,
     ARM_RECORDING,
     BROAD,
     BROAD_CONDITIONS,

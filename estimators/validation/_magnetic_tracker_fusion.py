@@ -1,6 +1,6 @@
 """Tracker bursts fused with inertial sensing (Roetenberg 2006, chapter 6): forward and smoothed against table 6.1."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -29,9 +29,32 @@ _FROM_S = 3.3
 _CYCLES_S = (1.2, 2.4)
 
 
-def fuse(movement: str, seed: int, cycle_s: float = 0.6) -> tuple[RelativeScene, SmoothedPose]:
+FIXED_CYCLE: dict[str, Any] = {
+    "force_sigma_mps2": 0.05,
+    "rate_sigma_radps": 0.01,
+    "calibration_s": 0.9,
+    # The pulses of a burst follow each other: two of three have their quiet a pulse or two away.
+    "baseline_samples": 24,
+    "start_baseline_samples": 24,
+    "pulse_s": 0.06,
+    "start_pulse_s": 0.06,
+    # The cycle is fixed: no requests, and none are missed.
+    "position_limit_m": 10.0,
+    "attitude_limit_deg": 170.0,
+    "response_s": 10.0,
+}
+
+
+def fuse(
+    movement: str,
+    seed: int,
+    cycle_s: float = 0.6,
+    own: Mapping[str, Any] | None = None,
+    scene: RelativeScene | None = None,
+) -> tuple[RelativeScene, SmoothedPose]:
     """Run filter and smoother over the bursts of a movement; nothing is asked of the source."""
-    scene = relative_scene(EXACT, burst_motion(movement, 24.0, seed), 24.0, 120.0, ERRORS, seed)
+    if scene is None:
+        scene = relative_scene(EXACT, burst_motion(movement, 24.0, seed), 24.0, 120.0, ERRORS, seed)
     field, state = fire_bursts(scene, cycle_s=cycle_s)
     samples = np.hstack(
         [
@@ -44,21 +67,7 @@ def fuse(movement: str, seed: int, cycle_s: float = 0.6) -> tuple[RelativeScene,
             np.where(state > 0, _CURRENT_A, 0.0)[:, None],
         ]
     )
-    parameters: dict[str, Any] = {
-        "mounting_direction": tuple(scene.position_m[0].tolist()),
-        "force_sigma_mps2": 0.05,
-        "rate_sigma_radps": 0.01,
-        "calibration_s": 0.9,
-        # The pulses of a burst follow each other: two of three have their quiet a pulse or two away.
-        "baseline_samples": 24,
-        "start_baseline_samples": 24,
-        "pulse_s": 0.06,
-        "start_pulse_s": 0.06,
-        # The cycle is fixed: no requests, and none are missed.
-        "position_limit_m": 10.0,
-        "attitude_limit_deg": 170.0,
-        "response_s": 10.0,
-    }
+    parameters = FIXED_CYCLE | {"mounting_direction": tuple(scene.position_m[0].tolist())} | dict(own or {})
     return scene, smooth_table(EXACT, scene.time_step_s, samples, parameters)
 
 

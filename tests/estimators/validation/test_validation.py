@@ -51,6 +51,12 @@ SLOW = {
     "optical_gait": 1,
     "optical_recording": 2,
     "optical_consistency": 8,
+    "magnetic_model_checks": 4,
+    "magnetic_tracker_checks": 3,
+    "magnetic_fusion_checks": 3,
+    "relative_pose_checks": 2,
+    "optical_noise_checks": 4,
+    "optical_innovation_checks": 2,
 }
 """With how many seeds: where a mean over the trials is judged, as many as it takes."""
 QUICK = {
@@ -58,7 +64,9 @@ QUICK = {
     "arm_heading_shift": 20,
     "magnetic_bench": 20,
 }
-SHORT: dict[str, set[str]] = {}
+SHORT: dict[str, set[str]] = {
+    "magnetic_fusion_checks": {"back, flexion, forward over tracker alone, position"},
+}
 """What falls short today, and the command says so; nothing else may."""
 SCRIPTED = {"relative_pose_ten_hours"}
 """Minutes long: run by the command, not by the tests."""
