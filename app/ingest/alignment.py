@@ -63,8 +63,8 @@ class Aligner:
         self._next_tick = first_tick
         self._last_position = 0.0
         self._last_row: Float | None = None
-        self._last_slope: Float | None = None
-        """Change to the last row per tick; None where the packet held only this row."""
+        self._last_rows: Float | None = None
+        """The last row and the one before it; None where the packet held only one row."""
         self._last_coil: Float | None = None
         self._last_loads: Float | None = None
         self.gaps: list[Gap] = []
@@ -159,13 +159,13 @@ class Aligner:
             first, signals, quality = self._next_tick, signals[:, :, skip:], quality[:, skip:]
             coil = None if coil is None else coil[:, skip:]
             loads = None if loads is None else loads[:, skip:]
-        pieces = self._fill(first, signals[:, :, 0], _slope(signals[:, :, :2]))
+        pieces = self._fill(first, signals[:, :, :2]) if first > self._next_tick else []
         pieces.append(self._chunk(first, signals, quality, coil, loads))
         self._last_coil = None if coil is None else coil[:, -1:]
         self._last_loads = None if loads is None else loads[:, -1:]
         self._next_tick = first + signals.shape[2]
         self._last_position = self._next_tick - 1.0
-        self._last_row, self._last_slope = signals[:, :, -1], _slope(signals[:, :, -2:])
+        self._last_row, self._last_rows = signals[:, :, -1], signals[:, :, -2:]
         return pieces
 
     def _interpolate(
@@ -181,7 +181,7 @@ class Aligner:
         spacing = 1.5 * (position[-1] - position[0]) / max(1, position.shape[0] - 1) or 1.5
         last = self._last_row
         if last is None or position[0] - self._last_position - 1.0 > self._bridge_ticks:
-            pieces = self._fill(max(self._next_tick, int(np.ceil(position[0] - 1e-9))), None, None)
+            pieces = self._fill(max(self._next_tick, int(np.ceil(position[0] - 1e-9))), None)
         else:
             position = np.concatenate([[self._last_position], position])
             signals = np.concatenate([last[:, :, np.newaxis], signals], axis=2)
@@ -194,7 +194,7 @@ class Aligner:
                 loads = np.concatenate([held, loads], axis=1)
         tick = np.arange(self._next_tick, int(np.floor(position[-1] + 1e-9)) + 1)
         self._last_position, self._last_row = float(position[-1]), signals[:, :, -1]
-        self._last_slope, self._last_coil = None, None if coil is None else coil[:, -1:]
+        self._last_rows, self._last_coil = None, None if coil is None else coil[:, -1:]
         self._last_loads = None if loads is None else loads[:, -1:]
         if not tick.size:
             return pieces
@@ -222,8 +222,8 @@ class Aligner:
         self._next_tick += tick.size
         return pieces
 
-    def _fill(self, first: int, row: Float | None, slope: Float | None) -> list[ImuChunk]:
-        """Fill from the next tick up to `first`: with a curve to `row` when the gap is short, else nothing.
+    def _fill(self, first: int, rows: Float | None) -> list[ImuChunk]:
+        """Fill from the next tick up to `first`: with a curve to the first of `rows` when the gap is short.
 
         Gyroscope and accelerometer leave and reach it with the slopes of the rows outside, the magnetometer
         follows the chord.
@@ -233,16 +233,17 @@ class Aligner:
             return []
         self._next_tick = first
         last = self._last_row
-        if last is None or row is None or count > self._bridge_ticks:
+        if last is None or rows is None or count > self._bridge_ticks:
             self.gaps.append(Gap(start, count, False))
             return list(self._missing(start, count))
         self.gaps.append(Gap(start, count, True))
         weight = (np.arange(1, count + 1) / (count + 1))[:, np.newaxis]
+        row, slope, last_slope = rows[:, :, 0], _slope(rows), _slope(self._last_rows)
         signals = last[:, :, np.newaxis] + weight * (row - last)[:, :, np.newaxis]
         unknown = np.full_like(last[:2], np.nan)
         signals[:2] = bridge(
             last[:2, :, np.newaxis],
-            (unknown if self._last_slope is None else self._last_slope[:2])[:, :, np.newaxis],
+            (unknown if last_slope is None else last_slope[:2])[:, :, np.newaxis],
             row[:2, :, np.newaxis],
             (unknown if slope is None else slope[:2])[:, :, np.newaxis],
             count + 1.0,
@@ -285,9 +286,9 @@ class Aligner:
         )
 
 
-def _slope(rows: Float) -> Float | None:
+def _slope(rows: Float | None) -> Float | None:
     """Return the change from the first to the second of two rows, shape (channels, sensors, 2, 3)."""
-    return rows[:, :, 1] - rows[:, :, 0] if rows.shape[2] == 2 else None
+    return None if rows is None or rows.shape[2] < 2 else rows[:, :, 1] - rows[:, :, 0]
 
 
 def align_chunks(

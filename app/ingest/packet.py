@@ -123,9 +123,10 @@ class Packet:
 
     def channel(self, channel: Channel) -> NDArray[np.float32] | NDArray[np.int16] | None:
         """Return one channel's values as sent, shape (K, S, width), or None when the mask lacks it."""
-        if not self.channels & channel:
+        bit = int(channel)
+        if not self.channels & bit:
             return None
-        start = _VALUES_PER_SENSOR[self.channels & (int(channel) - 1)]
+        start = _VALUES_PER_SENSOR[self.channels & (bit - 1)]
         return self.values[:, :, start : start + _WIDTHS[channel]]
 
 

@@ -7,10 +7,14 @@ from app.ingest.declaration import Declaration
 from app.ingest.packet import INT16, Channel, Packet, PacketFlag
 from estimators.recording import Float, SampleQuality
 
+_NONE = np.zeros(0, dtype=np.bool_)
 STUCK_LIMIT_S = 0.5
 """A sensor that repeats the same value in every inertial channel for so long is not measuring: noise alone
 moves the last bit."""
 _LARGEST_COUNT = 32767.0
+_MAGNETOMETER, _LOADS = int(Channel.MAGNETOMETER), int(Channel.FORCE | Channel.MOMENT)
+_BACKFILLED, _CLIPPED = int(PacketFlag.BACKFILLED), int(PacketFlag.SATURATED)
+"""Plain integers: an operation on a flag costs a microsecond, and every packet has several."""
 
 
 class Unpacker:
@@ -62,7 +66,7 @@ class Unpacker:
             `SampleQuality` bits.
         """
         ticks, sensors = packet.tick_count, packet.sensor_count
-        used = min(3 if packet.channels & Channel.MAGNETOMETER else 2, self.channel_count)
+        used = min(3 if packet.channels & _MAGNETOMETER else 2, self.channel_count)
         values = packet.values[:, :, : 3 * used].reshape(ticks, sensors, used, 3).transpose(2, 1, 0, 3)
         signals = np.empty((self.channel_count, sensors, ticks, 3))
         if packet.encoding == INT16:
@@ -74,7 +78,7 @@ class Unpacker:
         quality = np.zeros((sensors, ticks), dtype=np.uint8)
         self._mark_saturated(packet, signals, quality)
         self._mark_dead(signals, quality)
-        if packet.flags & PacketFlag.BACKFILLED:
+        if packet.flags & _BACKFILLED:
             quality |= np.uint8(SampleQuality.BACKFILLED)
         return signals, quality
 
@@ -85,8 +89,9 @@ class Unpacker:
         if sent is None:
             return None
         state = np.array(sent[:, :, 0].T, dtype=np.float64)
-        nothing = ~packet.values[:, :, :6].any(axis=2).T
-        state[nothing] = np.nan
+        inertial = packet.values[:, :, :6]
+        if not inertial.all():
+            state[~inertial.any(axis=2).T] = np.nan
         return state
 
     def loads(self, packet: Packet) -> Float | None:
@@ -95,7 +100,7 @@ class Unpacker:
         NaN where a sensor gave nothing, a count is at its end, or all six values repeat a load to the last bit for
         half a second: such a cell does not measure.
         """
-        if not packet.channels & (Channel.FORCE | Channel.MOMENT):
+        if not packet.channels & _LOADS:
             return None
         loads = np.full((packet.sensor_count, packet.tick_count, 6), np.nan)
         for number, (channel, scale) in enumerate(
@@ -132,18 +137,21 @@ class Unpacker:
             if limit < np.inf and (values.max() >= limit or values.min() <= -limit):
                 quality[(np.abs(values) >= limit).any(axis=2)] |= np.uint8(SampleQuality.SATURATED)
                 found = True
-        if packet.flags & PacketFlag.SATURATED and not found:
+        if packet.flags & _CLIPPED and not found:
             # The device knows that one of its sensors clipped, the values do not say which.
             quality |= np.uint8(SampleQuality.SATURATED)
 
     def _mark_dead(self, signals: Float, quality: NDArray[np.uint8]) -> None:
         """Mark as MISSING a sensor that sent zeros (the sign of nothing) or stands still to the last bit."""
         inertial = signals[:2]
-        missing = ~inertial[1].any(axis=2)
+        # Most packets hold neither a zero nor a value of the one before: told by one look at all values.
+        missing = None if inertial[1].all() else ~inertial[1].any(axis=2)
         previous = self._last_sent
         if previous is not None:
-            repeats = (inertial[:, :, 0] == previous).all(axis=(0, 2))
+            equal = inertial[:, :, 0] == previous
+            repeats = equal.all(axis=(0, 2)) if equal.any() else _NONE
             if repeats.any():
+                missing = np.zeros(signals.shape[1:3], dtype=np.bool_) if missing is None else missing
                 same = (inertial[:, :, 1:] == inertial[:, :, :-1]).all(axis=(0, 3))
                 for k in range(signals.shape[2]):
                     self._same_ticks = np.where(
@@ -153,7 +161,7 @@ class Unpacker:
             else:
                 self._same_ticks[:] = 0
         self._last_sent = inertial[:, :, -1]
-        if missing.any():
+        if missing is not None and missing.any():
             self._last_sent = self._last_sent.copy()
             signals[:, missing] = np.nan
             quality[missing] |= np.uint8(SampleQuality.MISSING)

@@ -124,6 +124,12 @@ def prepare(folder: Path, seconds: float) -> tuple[str, str, DeviceStream]:
     )
     simulated = simulate_arm(scenario)
     _, setup = pipelines.run(simulated.recording, simulated.setup, pose_s=(5.0, 9.0))
+    url, patient_id = make_patient(folder, setup.to_dict()["calibration"])
+    return url, patient_id, stream_of(simulated.recording)
+
+
+def make_patient(folder: Path, calibration: dict[str, Any] | None = None) -> tuple[str, str]:
+    """Make the database with one patient who may be streamed; return its URL and the patient."""
     url = f"sqlite:///{folder / 'bench.db'}"
     migrate.upgrade(url)
     engine = create_from_url(url)
@@ -145,17 +151,17 @@ def prepare(folder: Path, seconds: float) -> tuple[str, str, DeviceStream]:
         session.add_all([patient, account])
         session.flush()
         session.add(Grant(patient_id=patient.id, account_id=account.id, level="treat", granted_by=account.id))
-        session.add(
-            Mounting(patient_id=patient.id, calibration=setup.to_dict()["calibration"], session_id=new_id())
-        )
+        if calibration is not None:
+            session.add(Mounting(patient_id=patient.id, calibration=calibration, session_id=new_id()))
         for purpose in ("treatment", "home_streaming"):
             set_consent(session, patient.id, purpose, True, account.id)
         patient_id = patient.id
     engine.dispose()
-    return url, patient_id, stream_of(simulated.recording)
+    return url, patient_id
 
 
-def start_server(url: str, folder: Path, port: int) -> subprocess.Popen[bytes]:
+def start_server(url: str, folder: Path, port: int, before: str = "") -> subprocess.Popen[bytes]:
+    """Start the service; `before` is code that it runs first."""
     environment = os.environ | {
         "TELEMOTION_DATABASE_URL": url,
         "TELEMOTION_SECRET_KEY": SECRET,
@@ -165,7 +171,7 @@ def start_server(url: str, folder: Path, port: int) -> subprocess.Popen[bytes]:
         "PYTHONPATH": str(ROOT),
         "OPENBLAS_NUM_THREADS": "1",
     }
-    code = f"from app.commands.serve import serve; serve('127.0.0.1', {port})"
+    code = f"{before}\nfrom app.commands.serve import serve; serve('127.0.0.1', {port})"
     process = subprocess.Popen([sys.executable, "-c", code], env=environment, cwd=ROOT)
     deadline = time.monotonic() + 120
     while time.monotonic() < deadline:

@@ -1,0 +1,199 @@
+"""What live sessions with a magnetic source cost the service, by part. No limit is set; a lost packet fails it.
+
+Run: `python -m tests.benchmarks.bench_magnetic_live` from the root. Starts the real service (one process, as
+`telemotion serve` does, on a fresh SQLite file) and sends it sessions at 120 Hz from this other process: a source and a
+sensor, float32, 5 ticks a packet, pulses as the filter asks for them, storage on, each watched by a dashboard. Every
+two milliseconds of its processor time the service notes what its event loop is at, hence the parts.
+"""
+
+import argparse
+import asyncio
+import json
+import signal
+import socket
+import sys
+import tempfile
+import threading
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
+import numpy as np
+import psutil
+
+from app.gateway import ServiceClient
+from app.gateway.encoding import EPOCH_US
+from app.ingest.messages import PROTOCOL_VERSION, HelloMessage
+from app.ingest.packet import Channel, encode_packet
+from app.recordings.magnetic_schemas import MagneticSafetyIn
+from app.recordings.schemas import SessionIn
+from estimators.recording import ImuChunk
+from tests.benchmarks import bench_live as live
+from tests.benchmarks.bench_magnetic import PACKET_TICKS, RATE_HZ, session
+from tests.benchmarks.machine import processor
+
+OTHER = "threads of the store; web server"
+PARTS = (
+    ("pipeline", "app/live/estimation.py"),
+    ("actuation", "app/live/actuation.py"),
+    ("alignment", "app/ingest/alignment.py"),
+    ("packet to values", "app/ingest/packet.py"),
+    ("values to signals", "app/ingest/unpack.py"),
+    ("store, on the loop", "app/recordings/group_commit.py"),
+    ("frame blocks", "app/live/blocks.py"),
+    ("checks of the first seconds", "app/live/first_seconds.py"),
+    ("health", "app/live/health.py"),
+    ("acknowledging", "app/live/ledger.py"),
+    ("rest of the session", "app/live/runner.py"),
+    ("to dashboards", "app/live/watch_socket.py"),
+    ("from and to gateways", "app/ingest/websocket.py"),
+    ("housekeeping", "app/live/housekeeping.py"),
+    ("manager", "app/live/manager.py"),
+)
+"""A stack is of the part that its innermost file among these is of."""
+SAMPLER = """
+import collections, json, signal
+stacks = collections.Counter()
+
+def take(_number, frame):
+    files = []
+    while frame is not None:
+        files.append(frame.f_code.co_filename)
+        frame = frame.f_back
+    stacks["|".join(dict.fromkeys(files))] += 1
+
+def write(*_):
+    signal.setitimer(signal.ITIMER_PROF, 0.0)
+    with open({path!r}, "w") as file:
+        json.dump(stacks, file)
+
+signal.signal(signal.SIGPROF, take)
+signal.signal(signal.SIGUSR1, lambda *_: signal.setitimer(signal.ITIMER_PROF, 0.002, 0.002))
+signal.signal(signal.SIGUSR2, write)
+"""
+
+
+def packets(whole: ImuChunk) -> list[bytes]:
+    """Return the session as the network sends it, framed for the socket."""
+    assert whole.magnetometer_t is not None
+    assert whole.coil_state is not None
+    parts = (
+        whole.gyroscope_radps,
+        whole.accelerometer_mps2,
+        whole.magnetometer_t,
+        whole.coil_state[..., None],
+    )
+    values = np.concatenate(parts, axis=2).transpose(1, 0, 2).astype("<f4")
+    channels = Channel.GYROSCOPE | Channel.ACCELEROMETER | Channel.MAGNETOMETER | Channel.COIL_STATE
+    return [
+        live.client_frame(
+            encode_packet(
+                values[first : first + PACKET_TICKS],
+                sequence=first // PACKET_TICKS,
+                device_time_us=EPOCH_US + round(1e6 * first / RATE_HZ),
+                tick_interval_us=round(1e6 / RATE_HZ),
+                channels=channels,
+            )
+        )
+        for first in range(0, len(values) // PACKET_TICKS * PACKET_TICKS, PACKET_TICKS)
+    ]
+
+
+async def open_sessions(
+    port: int, patient_id: str, placements: tuple[str, ...], count: int
+) -> list[live.Socket]:
+    """Create sessions whose safety is confirmed; return a gateway's and a dashboard's socket of each."""
+    sockets = []
+    async with ServiceClient(f"http://127.0.0.1:{port}") as client:
+        await client.sign_in(live.EMAIL, live.PASSWORD)
+        wanted = SessionIn(
+            patient_id=patient_id,
+            pipeline="relative_pose",
+            placements=list(placements),  # type: ignore[arg-type]
+            rate_hz=RATE_HZ,
+            use_mounting=False,
+        )
+        for number in range(count):
+            made = await client.create_session(wanted)
+            safe = MagneticSafetyIn(patient_has_no_implant=True, people_nearby_have_none=True)
+            await client.confirm_no_implants(made.id, safe)
+            hello = HelloMessage(
+                protocol_version=PROTOCOL_VERSION,
+                ticket=await client.ticket(made.id, "ingest"),
+                placements=list(placements),
+                rate_hz=RATE_HZ,
+                device="bench",
+                firmware="1",
+            )
+            first = hello.model_dump_json(exclude_none=True)
+            sockets.append(live.Socket.open(port, "/ws/ingest", number, first))
+            ticket = json.dumps({"ticket": await client.ticket(made.id, "live")})
+            sockets.append(live.Socket.open(port, f"/ws/live/{made.id}", number, ticket))
+    return sockets
+
+
+def by_part(stacks: dict[str, int]) -> dict[str, float]:
+    """Return the share of each part of all stacks; what has none is of other threads, or within the web server."""
+    shares = dict.fromkeys([name for name, _ in PARTS], 0.0)
+    total = sum(stacks.values())
+    for stack, count in stacks.items():
+        files = stack.split("|")
+        part = next(
+            (name for file in files for name, ending in PARTS if file.endswith(ending) and ending), OTHER
+        )
+        shares[part] = shares.get(part, 0.0) + count / total
+    return shares
+
+
+def main() -> int:
+    """Print the cost of a session by part."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--sessions", type=int, default=10)
+    given = parser.parse_args()
+    setup, whole = session(1)
+    frames = packets(whole)
+    with tempfile.TemporaryDirectory(prefix="telemotion-bench-") as name:
+        folder = Path(name)
+        url, patient_id = live.make_patient(folder)
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            port = probe.getsockname()[1]
+        told = folder / "stacks.json"
+        process = live.start_server(url, folder, port, SAMPLER.format(path=str(told)))
+        server = psutil.Process(process.pid)
+        try:
+            sockets = asyncio.run(open_sessions(port, patient_id, setup.placements, given.sessions))
+            packet_s = PACKET_TICKS / RATE_HZ
+            phases = np.random.default_rng(1).uniform(0.0, packet_s, given.sessions)
+            begin = threading.Timer(live.WARM_UP_S + 0.5, process.send_signal, [signal.SIGUSR1])
+            begin.start()
+            before = {one.id: one.user_time + one.system_time for one in server.threads()}
+            outcome = live.run_load(sockets, frames, phases, packet_s, server)
+            process.send_signal(signal.SIGUSR2)
+            threads = sorted(
+                (one.user_time + one.system_time - before.get(one.id, 0.0), one.id == process.pid)
+                for one in server.threads()
+            )
+            time.sleep(1.0)
+            stacks = json.loads(told.read_text())
+        finally:
+            process.terminate()
+            process.wait(30)
+        stored = live.stored(folder)["raw"][1] // PACKET_TICKS
+    each = 100.0 * outcome.server_cpu / given.sessions
+    print(f"machine: {processor()}, {given.sessions} sessions, {len(frames) * packet_s:.0f} s")
+    print(f"of one core: {100 * outcome.server_cpu:.1f} % in all, {each:.2f} % a session")
+    spent = sum(seconds for seconds, _ in threads)
+    print(f"on the event loop: {100 * sum(s for s, is_loop in threads if is_loop) / spent:.0f} % of it")
+    print(f"\n{'part':<48} {'share':>8} {'% of a core a session':>24}")
+    for part, share in sorted(by_part(stacks).items(), key=lambda one: -one[1]):
+        print(f"{part:<48} {100 * share:>7.1f}% {share * each:>24.3f}")
+    latency = np.percentile(outcome.published_ms, [50, 99])
+    print(f"\npacket sent -> frame published: median {latency[0]:.1f} ms, 99 % {latency[1]:.1f} ms")
+    print(f"packets {outcome.sent} sent, {stored} stored")
+    return 0 if stored == outcome.sent else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
