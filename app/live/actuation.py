@@ -6,10 +6,9 @@ of its own clock, and a change for the worse or better becomes an entry of the t
 
 import asyncio
 from collections.abc import Callable
+from functools import reduce
+from operator import or_
 from typing import Final
-
-import numpy as np
-from numpy.typing import NDArray
 
 from app.ingest.declaration import Declaration
 from app.ingest.messages import ActuateMessage, ActuationPlanMessage
@@ -39,6 +38,9 @@ _WIRING: Final = (
 )
 _ANY: Final = int(sum(_TROUBLE))
 _STARTING: Final = int(RelativeFlag.CALIBRATING)
+_FAULT, _MISSING, _ALONE = (
+    int(flag) for flag in (RelativeFlag.FAULT, RelativeFlag.MISSING_PULSE, RelativeFlag.INERTIAL_ONLY)
+)
 
 
 class Actuation:
@@ -90,11 +92,12 @@ class Actuation:
 
     def take(self, frames: Frames, declaration: Declaration, *, is_live: bool) -> None:
         """Take frames as they are found: order what they ask for when they are of now, and tell trouble."""
-        asked = np.flatnonzero(frames.scalar[:, self._asked[0]] > 0.0)
+        coils = frames.scalar[:, self._asked[0]].tolist()
+        asked = [k for k, coil in enumerate(coils) if coil > 0.0]
         if is_live and len(asked) and self._orders is not None and not self._orders.full():
             coil, current, ticks = frames.scalar[asked[-1], self._asked]
             # The tick after the one that asked.
-            time_us = round(1e6 * frames.time_step_s * (frames.first_tick + int(asked[-1]) + 1))
+            time_us = round(1e6 * frames.time_step_s * (frames.first_tick + asked[-1] + 1))
             epoch = declaration.clock_epochs[-1]
             device_us = max(0, epoch.device_start_us + time_us - epoch.session_start_us)
             self._number += 1
@@ -115,18 +118,18 @@ class Actuation:
             return
         now_s = (frames.first_tick + frames.tick_count) * frames.time_step_s
         for name, column in self._states.items():
-            bits = frames.scalar[:, column].astype(np.int64)
-            told = int(np.bitwise_or.reduce(bits))
-            if self._is_wired_wrong(bits) and not self._trouble[name] & RelativeFlag.FAULT:
+            states = {int(bits) for bits in frames.scalar[:, column].tolist()}
+            told = reduce(or_, states)
+            if told & _FAULT and self._is_wired_wrong(states) and not self._trouble[name] & _FAULT:
                 self._tell("source_trouble", now_s, name, _WIRING)
                 self._trouble[name] |= RelativeFlag.FAULT
                 self._sound_since.pop(name, None)
             if told & _STARTING:
                 continue
             present = told & _ANY
-            if present & RelativeFlag.MISSING_PULSE:
+            if present & _MISSING:
                 # What a filter says of pulses that fit nothing is no news of a source that is off.
-                present &= ~int(RelativeFlag.FAULT)
+                present &= ~_FAULT
             if not present:
                 since = self._sound_since.setdefault(name, now_s)
                 if self._trouble[name] and now_s - since >= _SOUND_AFTER_S:
@@ -136,20 +139,19 @@ class Actuation:
             self._sound_since.pop(name, None)
             # One missing pulse is asked for again; several put the source aside, which is a flag of its own.
             new = present & ~self._trouble[name]
-            if new and present != int(RelativeFlag.MISSING_PULSE):
+            if new and present != _MISSING:
                 words = [text for flag, text in _TROUBLE.items() if present & flag]
                 self._tell("source_trouble", now_s, name, "; ".join(words)[:500])
                 self._trouble[name] |= present
 
     @staticmethod
-    def _is_wired_wrong(bits: NDArray[np.int64]) -> bool:
+    def _is_wired_wrong(states: set[int]) -> bool:
         """Whether coils fire that the source does not have.
 
         The filter says FAULT only while it waits after a burst that fits nothing; at any other time it is the
         pipeline's word about the coil states.
         """
-        is_waiting = ((bits & RelativeFlag.INERTIAL_ONLY) > 0) & ((bits & _STARTING) == 0)
-        return bool(((bits & RelativeFlag.FAULT) > 0)[~is_waiting].any())
+        return any(bits & _FAULT and (not bits & _ALONE or bits & _STARTING) for bits in states)
 
 
 __all__ = ["Actuation", "Order"]

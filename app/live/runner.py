@@ -8,7 +8,7 @@ import asyncio
 import contextlib
 import logging
 import time
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import partial
 
 from sqlalchemy import Engine
@@ -41,7 +41,7 @@ logger = logging.getLogger(__name__)
 
 BACKLOG_S = 120.0
 """Estimation may lag so far behind storage before the gateway is asked to wait."""
-_FRAME_FIELDS = tuple(field.name for field in fields(Frames))
+_BACKFILLED = int(PacketFlag.BACKFILLED)
 
 
 class LiveSession(CalibratedSession):
@@ -152,7 +152,7 @@ class LiveSession(CalibratedSession):
             self._saver.save(
                 partial(repository.save_hello, self._engine, self.id, self.declaration.to_dict())
             )
-        is_live = not packet.flags & PacketFlag.BACKFILLED
+        is_live = not packet.flags & _BACKFILLED
         if is_live:
             end_s = (place.time_us + packet.tick_count * packet.tick_interval_us) * 1e-6
             self.health.add_packet(end_s, arrival_s)
@@ -167,9 +167,9 @@ class LiveSession(CalibratedSession):
 
     def _after(self, chunk: ImuChunk, frames: Frames, arrival_s: float | None) -> None:
         """Publish and store what the pipeline found."""
-        frames = PublishedFrames(
-            **{name: getattr(frames, name) for name in _FRAME_FIELDS}, published_at_s=time.time()
-        )
+        # Sigmas of segments are kept of what is analysed afterwards; live they would cost a third more.
+        live = {**vars(frames), "segment_sigma_rad": None}
+        frames = PublishedFrames(**live, published_at_s=time.time())
         self._bus.publish(self._topics["frames"], frames)
         if arrival_s is not None:
             self.health.latencies_s.append(time.monotonic() - arrival_s)
@@ -200,8 +200,9 @@ class LiveSession(CalibratedSession):
         if frames.first_tick >= self._unstored_tick:
             with contextlib.suppress(Conflict, Unavailable):
                 # A session that cannot be stored is told so once, by `on_store_failure`.
-                # Sigmas of segments are kept of what is analysed afterwards; live they would cost a third more.
-                self._writer.append_frames(self.id, self.result_id, replace(frames, segment_sigma_rad=None))
+                if frames.segment_sigma_rad is not None:
+                    frames = replace(frames, segment_sigma_rad=None)
+                self._writer.append_frames(self.id, self.result_id, frames)
 
     def _tell_changes(self, chunk: ImuChunk) -> None:
         changes = self.health.add_chunk(chunk)
