@@ -43,7 +43,9 @@ def imported_files(file: Path, root: Path = _ROOT) -> tuple[Path, ...]:
     return tuple(sorted(found))
 
 
+@functools.cache
 def _direct(file: Path, root: Path) -> tuple[Path, ...]:
+    # Kernels share most of what they import: without memory a start would read every file five times.
     found: set[Path] = set()
     for node in ast.walk(ast.parse(file.read_bytes())):
         if isinstance(node, ast.Import):
