@@ -9,8 +9,11 @@ from typing import Annotated
 
 import typer
 
+from app.commands.options_mass_centre import mass_centre
 from app.commands.words import (
+    Bursts,
     Email,
+    LogFile,
     Mapping,
     OutFolder,
     Password,
@@ -27,6 +30,9 @@ cli = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=False,
 )
+
+
+cli.command("mass-centre")(mass_centre)
 
 
 @cli.command()
@@ -122,7 +128,8 @@ def simulate(
     relative: Annotated[
         str,
         typer.Option(
-            help="Instead of an arm, a magnetic source: flexion, rotation, walk_back, shoulder, hip, walk_leg or feet."
+            help="Instead of an arm, a magnetic source: flexion, rotation, walk_back, shoulder, hip, walk_leg, feet or"
+            " bench."
         ),
     ] = "",
     walk: Annotated[
@@ -143,6 +150,8 @@ def simulate(
             "--no-implants", help="Confirm that nobody near the source has a pacemaker or the like."
         ),
     ] = False,
+    bursts: Bursts = False,
+    to: LogFile = None,
 ) -> None:
     """Stream a simulated patient to a service over the real socket, in real time or faster.
 
@@ -155,7 +164,17 @@ def simulate(
 
         magnetic.simulate_relative(
             magnetic.RelativeOptions(
-                server, email, password, patient, relative, seconds, speed, seed, no_implants
+                server,
+                email,
+                password,
+                patient,
+                relative,
+                seconds,
+                speed,
+                seed,
+                no_implants,
+                bursts=bursts,
+                log=to,
             )
         )
         return
@@ -231,7 +250,10 @@ def process(
     recording: RecordingFile,
     out: OutFolder,
     pipeline: Annotated[
-        str, typer.Option(help="arm (joint angles), gait (feet and strides) or orientation (single sensors).")
+        str,
+        typer.Option(
+            help="arm (joint angles), gait (feet and strides), orientation (single sensors) or magnetic_bursts."
+        ),
     ] = "arm",
     orientation: Annotated[
         str, typer.Option(help="Orientation estimator, e.g. vqf; empty for the default.")
@@ -265,6 +287,66 @@ def process(
     )
 
 
+@cli.command("calibrate-source")
+def calibrate_source(
+    recording: Annotated[
+        Path,
+        typer.Argument(
+            help="Packet log of a session in which the sensor was laid at places around the source.",
+            exists=True,
+            dir_okay=False,
+        ),
+    ],
+    places: Annotated[
+        Path | None,
+        typer.Option(
+            help="CSV: x, y, z in metres from the middle of the source along its axes, a line for each place; - leaves"
+            " one out. Without it the places that were found are listed.",
+            exists=True,
+            dir_okay=False,
+        ),
+    ] = None,
+    serial: Annotated[str, typer.Option(help="Serial number of the source.")] = "",
+    name: Annotated[str, typer.Option(help="Its name; default: the serial number.")] = "",
+    out: Annotated[Path | None, typer.Option(help="JSON file to write, for the clinic's page.")] = None,
+    source: Annotated[
+        str, typer.Option(help="Placement of the source; default: pelvis, sternum, foot.")
+    ] = "",
+    sensor: Annotated[str, typer.Option(help="Placement of the sensor; default: the first other one.")] = "",
+    ruler_mm: Annotated[
+        float, typer.Option(help="How well the places were measured, one sigma.", min=0.05, max=20)
+    ] = 1.0,
+    turns: Annotated[float, typer.Option(help="Of a coil as designed.", min=1, max=5000)] = 50.0,
+    radius_cm: Annotated[float, typer.Option(help="Of a coil as designed.", min=0.5, max=50)] = 5.5,
+    offset_cm: Annotated[
+        float, typer.Option(help="From the middle of the source to a coil, along its axis.", min=0, max=50)
+    ] = 6.0,
+    current_limit: Annotated[float, typer.Option(help="Of the driver, in A.", min=0.01, max=9.9)] = 1.5,
+) -> None:
+    """Find moment, place and direction of each coil of a magnetic source from a bench recording.
+
+    Example: telemotion calibrate-source bench.tml --places places.csv --serial S-12 --out S-12.json
+    """
+    from app.commands import calibrate_source as command
+
+    command.calibrate_source(
+        command.CalibrateOptions(
+            recording,
+            places,
+            serial,
+            name,
+            out,
+            source,
+            sensor,
+            ruler_mm,
+            turns,
+            radius_cm,
+            offset_cm,
+            current_limit,
+        )
+    )
+
+
 @cli.command()
 def fuse(
     recording: RecordingFile,
@@ -288,7 +370,7 @@ def fuse(
     up: Annotated[
         str, typer.Option(help="Axis of the laboratory that points up: x, y, z, -x, -y or -z.")
     ] = "z",
-    unit: Annotated[str, typer.Option(help="Of a CSV of markers: mm or m.")] = "mm",
+    unit: Annotated[str, typer.Option(help="Of a CSV of markers: mm, cm, m or inch.")] = "mm",
     marker_rate: Annotated[
         float | None, typer.Option(help="Frames a second of a CSV without a column time_s.")
     ] = None,

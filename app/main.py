@@ -46,9 +46,11 @@ from app.recordings import GroupCommitWriter
 from app.recordings.endpoints import router as sessions_router
 from app.recordings.jobs import Handler, JobRunner
 from app.recordings.magnetic_endpoints import router as magnetic_router
+from app.recordings.mass_centre_endpoints import router as mass_centre_router
 from app.recordings.point_endpoints import router as points_router
 from app.recordings.reprocess import reprocess
 from app.recordings.service import queue_closing
+from app.recordings.source_endpoints import router as sources_router
 from app.recordings.walk_endpoints import router as walks_router
 from app.services import Services, services_of
 from app.settings import Settings
@@ -156,7 +158,14 @@ async def open_services(
             queue_closing(session, session_id)
         jobs.wake()
 
-    live = LiveManager(engine, writer, services.bus, on_closed=analyse, hemisphere=settings.hemisphere)
+    live = LiveManager(
+        engine,
+        writer,
+        services.bus,
+        on_closed=analyse,
+        hemisphere=settings.hemisphere,
+        confirmation_hours=settings.implant_confirmation_hours,
+    )
     await live.start()
     stack.push_async_callback(live.stop)
     services.live = live
@@ -181,8 +190,10 @@ def all_routers() -> list[APIRouter]:
         exercises_router,
         sessions_router,
         points_router,
+        mass_centre_router,
         walks_router,
         magnetic_router,
+        sources_router,
         replay_router,
         live_router,
         watch_router,

@@ -65,6 +65,12 @@ class Settings(BaseSettings):
         default="north",
         description="Of the place where sensors stream: the magnetic field points down in the north, up in the south.",
     )
+    implant_confirmation_hours: int = Field(
+        default=12,
+        ge=1,
+        le=168,
+        description="That nobody near a magnetic source has an implant is asked again after this long.",
+    )
     client_dir: Path | None = Field(
         default=None, description="Built browser client; by default web/dist of the tree or the packaged one."
     )

@@ -9,13 +9,20 @@ import numpy as np
 from app.errors import InvalidInput
 from app.gateway.client import Delivery
 from app.gateway.encoding import EPOCH_US
-from app.gateway.source import SourceControl
+from app.gateway.source import FixedBursts, SourceControl
 from app.ingest.messages import PROTOCOL_VERSION, HelloMessage
 from app.ingest.packet import Channel, encode_packet
 from estimators.conventions import Placement
 from estimators.magnetic import coil_state
 from estimators.pipelines import SessionSetup, relative_source
-from estimators.simulation.coils import RelativeScene, relative_motion, relative_scene
+from estimators.simulation.coils import (
+    RelativeScene,
+    bench_motion,
+    bench_places,
+    relative_motion,
+    relative_scene,
+    wound_by_hand,
+)
 
 RELATIVE_MOVEMENTS: Final[dict[str, tuple[Placement, Placement]]] = {
     "flexion": ("pelvis", "sternum"),
@@ -25,9 +32,16 @@ RELATIVE_MOVEMENTS: Final[dict[str, tuple[Placement, Placement]]] = {
     "hip": ("pelvis", "thigh_left"),
     "walk_leg": ("pelvis", "thigh_left"),
     "feet": ("foot_left", "foot_right"),
+    "bench": ("pelvis", "sternum"),
 }
-"""Movements of `estimators.simulation.coils`, and where source and sensor are worn in them."""
-_SHOE: Final = {"coil_radius_m": 0.075, "current_a": 1.36}
+"""Movements of `estimators.simulation.coils`, and where source and sensor are worn in them.
+
+On the `bench` nobody wears them: the source lies still, and the sensor is laid at `bench_places`. Its coils are wound
+by hand: they differ from what the session is told of them, as a calibration is to find.
+"""
+_SHOE: Final[dict[str, Any]] = {"coil_radius_m": 0.075, "current_a": 1.36}
+_BENCH: Final[dict[str, Any]] = {"fixed_interval_s": 0.25, "mounting_direction": [0.0, 0.0, 0.0]}
+"""Every coil in turn, whatever the uncertainty; the sensor may be on any side."""
 _MASK: Final = Channel.GYROSCOPE | Channel.ACCELEROMETER | Channel.MAGNETOMETER | Channel.COIL_STATE
 _FULL_SCALE_T: Final = 8e-4
 _SLIPPED: Final = 1e4
@@ -41,6 +55,7 @@ class RelativeFaults:
     `dead_s`: the coils are said to be on and are not. `silent_s`: the source does nothing and says so.
     `exchanged_s`: the numbers of the first two coils are exchanged. `beside_coil_s`: the sensor has slipped onto the
     source. Each until its end. `lost_share` of the pulses from `lost_from_s` on are neither fired nor told.
+    `full_scale_t`: of the magnetometers, as the hello says.
     `modules_exchanged`: the network sends what the source measures as the sensor's, and the other way round.
     """
 
@@ -51,6 +66,7 @@ class RelativeFaults:
     lost_share: float = 0.0
     lost_from_s: float = 0.0
     modules_exchanged: bool = False
+    full_scale_t: float = _FULL_SCALE_T
 
 
 @dataclass
@@ -62,10 +78,13 @@ class RelativePatient:
     movement : str
         A key of `RELATIVE_MOVEMENTS`.
     duration_s : float
+        A bench lasts as long as its places take.
     rate_hz : float
     seed : int
     faults : RelativeFaults
     ticks_per_packet : int
+    bursts : FixedBursts, optional
+        The source fires these by itself, whatever it is asked.
     """
 
     movement: str = "flexion"
@@ -74,21 +93,28 @@ class RelativePatient:
     seed: int = 1
     faults: RelativeFaults = field(default_factory=RelativeFaults)
     ticks_per_packet: int = 5
+    bursts: FixedBursts | None = None
 
     def __post_init__(self) -> None:
         if self.movement not in RELATIVE_MOVEMENTS:
             raise InvalidInput(
                 f"--relative is {self.movement!r}; choose one of {', '.join(RELATIVE_MOVEMENTS)}"
             )
-        self.control = SourceControl(1e6 / self.rate_hz)
+        self.control = SourceControl(1e6 / self.rate_hz, self.bursts)
         settings = relative_source(
             SessionSetup(
                 "relative_pose", self.placements, self.rate_hz, orientation_parameters=self.parameters
             )
         )
+        self.source = settings.coils
+        if self.movement == "bench":
+            self.source = wound_by_hand(settings.coils, self.seed)
+            motion, self.duration_s = bench_motion(bench_places(), self.seed)
+        else:
+            motion = relative_motion(self.movement, self.duration_s, self.seed)
         self.scene: RelativeScene = relative_scene(
-            settings.coils,
-            relative_motion(self.movement, self.duration_s, self.seed),
+            self.source,
+            motion,
             self.duration_s,
             self.rate_hz,
             seed=self.seed,
@@ -104,7 +130,8 @@ class RelativePatient:
     @property
     def parameters(self) -> dict[str, Any]:
         """What the session must be told of the source."""
-        return dict(_SHOE) if self.movement == "feet" else {}
+        known: dict[str, dict[str, Any]] = {"feet": _SHOE, "bench": _BENCH}
+        return dict(known.get(self.movement, {}))
 
     def hello(self, ticket: str) -> HelloMessage:
         """Return the first message of a connection."""
@@ -113,6 +140,7 @@ class RelativePatient:
             ticket=ticket,
             placements=list(self.placements),
             rate_hz=self.rate_hz,
+            clip_magnetometer_t=self.faults.full_scale_t,
             device="telemotion simulator with a magnetic source",
             firmware="1",
         )
@@ -147,12 +175,12 @@ class RelativePatient:
                 fired = {0: 1, 1: 0}.get(fired, fired)
             near = _SLIPPED if faults.beside_coil_s[0] <= time_s < faults.beside_coil_s[1] else 1.0
             field_t += near * current * scene.per_ampere_t[k, fired]
-        values = np.zeros((2, 10))
+        values, limit_t = np.zeros((2, 10)), faults.full_scale_t
         values[0, :3], values[0, 3:6] = scene.source_gyroscope_radps[k], scene.source_accelerometer_mps2[k]
-        values[0, 6:9] = np.clip(scene.source_ambient_t[k], -_FULL_SCALE_T, _FULL_SCALE_T)
+        values[0, 6:9] = np.clip(scene.source_ambient_t[k], -limit_t, limit_t)
         values[0, 9] = coil_state(coil, current)
         values[1, :3], values[1, 3:6] = scene.gyroscope_radps[k], scene.accelerometer_mps2[k]
-        values[1, 6:9] = np.clip(field_t, -_FULL_SCALE_T, _FULL_SCALE_T)
+        values[1, 6:9] = np.clip(field_t, -limit_t, limit_t)
         return values[::-1] if faults.modules_exchanged else values
 
 

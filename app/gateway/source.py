@@ -16,12 +16,26 @@ PLAN_LASTS_S: Final = 600.0
 LONGEST_PULSE_S: Final = 0.5
 
 
+@dataclass(frozen=True)
+class FixedBursts:
+    """What a source that is never asked fires: one coil of the plan after the other, and then nothing until the next.
+
+    The defaults are the three-coil tracker's (Roetenberg 2006, chapter 5).
+    """
+
+    pulse_s: float = 0.06
+    slot_s: float = 0.0625
+    cycle_s: float = 0.6
+    current_a: float = 1.5
+
+
 @dataclass
 class SourceAccount:
-    """What a source did: pulses asked for by the service, pulses of the fixed plan, and what was not done."""
+    """What a source did: pulses asked for, of the plan, by itself, and what was not done."""
 
     asked: int = 0
     by_plan: int = 0
+    by_itself: int = 0
     too_late: int = 0
     while_on: int = 0
     no_such_coil: int = 0
@@ -34,10 +48,14 @@ class SourceControl:
     ----------
     tick_us : float
         Tick interval.
+    bursts : FixedBursts, optional
+        Of a source that fires by itself for as long as it has a plan, and is deaf to what is asked.
     """
 
-    def __init__(self, tick_us: float) -> None:
+    def __init__(self, tick_us: float, bursts: FixedBursts | None = None) -> None:
         self._tick_us = tick_us
+        self._bursts = bursts
+        self._first_us: float | None = None
         self._plan: ActuationPlanMessage | None = None
         self._next: ActuateMessage | None = None
         self._last_number = 0
@@ -58,6 +76,9 @@ class SourceControl:
         elif isinstance(message, ActuationPlanMessage):
             # Numbers begin anew with a service that was restarted.
             self._plan, self._last_number = message, 0
+            if not message.coils:
+                # The word that it is safe was taken back: nothing goes on, not even the pulse that is on.
+                self._next, self._left = None, 0
         elif isinstance(message, ActuateMessage) and message.number > self._last_number:
             self._last_number = message.number
             if self._left > 0:
@@ -77,6 +98,8 @@ class SourceControl:
         plan = self._plan
         if plan is None:
             return 0, 0.0
+        if self._bursts is not None:
+            return self._by_itself(self._bursts, plan, now_us)
         if self._left == 0:
             self._begin(plan, now_us)
         if self._left == 0:
@@ -110,6 +133,21 @@ class SourceControl:
             self._left = self._ticks_on(plan.on_ticks)
             self.account.by_plan += 1
 
+    def _by_itself(self, bursts: FixedBursts, plan: ActuationPlanMessage, now_us: float) -> tuple[int, float]:
+        """Return what is on in the cycle that began with the plan."""
+        self._first_us = now_us if self._first_us is None else self._first_us
+        if self._heard_us is not None and now_us - self._heard_us >= 1e6 * PLAN_LASTS_S:
+            return 0, 0.0
+        within_s = 1e-6 * (now_us - self._first_us + 1e-3) % bursts.cycle_s
+        slot = int(within_s / bursts.slot_s)
+        if slot >= len(plan.coils) or within_s - slot * bursts.slot_s >= bursts.pulse_s:
+            self._coil = 0
+            return 0, 0.0
+        if self._coil != plan.coils[slot]:
+            self._coil = plan.coils[slot]
+            self.account.by_itself += 1
+        return self._coil, _within(bursts.current_a, plan.current_limit_a)
+
     def _ticks_on(self, wanted: int) -> int:
         return min(wanted, max(1, int(1e6 * LONGEST_PULSE_S / self._tick_us)))
 
@@ -118,4 +156,4 @@ def _within(current_a: float, limit_a: float) -> float:
     return min(max(current_a, -limit_a), limit_a)
 
 
-__all__ = ["SourceAccount", "SourceControl"]
+__all__ = ["FixedBursts", "SourceAccount", "SourceControl"]

@@ -41,7 +41,7 @@ class Declaration:
         Tick rate of the device, also the common tick of the session.
     gyroscope_scale, accelerometer_scale, magnetometer_scale, force_scale, moment_scale : float or None
         rad/s, m/s^2, T, N and Nm per count for int16 packets; None when the device sends float32 only.
-    clip_gyroscope_radps, clip_accelerometer_mps2 : float or None
+    clip_gyroscope_radps, clip_accelerometer_mps2, clip_magnetometer_t : float or None
         Full scale of the sensors; None when unknown.
     serials : tuple of str
         Serial number of each sensor in the order of the placements; empty when the gateway tells none.
@@ -58,6 +58,7 @@ class Declaration:
     moment_scale: float | None = None
     clip_gyroscope_radps: float | None = None
     clip_accelerometer_mps2: float | None = None
+    clip_magnetometer_t: float | None = None
     device: str = ""
     firmware: str = ""
     serials: tuple[str, ...] = ()
@@ -106,6 +107,7 @@ class Declaration:
             "moment_scale",
             "clip_gyroscope_radps",
             "clip_accelerometer_mps2",
+            "clip_magnetometer_t",
         )
         return all(getattr(self, name) == getattr(other, name) for name in names)
 
@@ -137,6 +139,7 @@ def check_hello(hello: HelloMessage) -> Declaration:
         clip_accelerometer_mps2=_check_positive(
             "clip_accelerometer_mps2", hello.clip_accelerometer_mps2, 1e4
         ),
+        clip_magnetometer_t=_check_positive("clip_magnetometer_t", hello.clip_magnetometer_t, 1.0),
         gyroscope_scale=_check_positive("gyroscope_scale", hello.gyroscope_scale, 0.1),
         accelerometer_scale=_check_positive("accelerometer_scale", hello.accelerometer_scale, 1.0),
         magnetometer_scale=_check_positive("magnetometer_scale", hello.magnetometer_scale, 1e-4),

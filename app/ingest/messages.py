@@ -37,6 +37,8 @@ class HelloMessage(Schema):
     moment_scale: float | None = None
     clip_gyroscope_radps: float | None = None
     clip_accelerometer_mps2: float | None = None
+    clip_magnetometer_t: float | None = None
+    """Full scale: a pulse of a magnetic source with a sample at it is not used, and flagged."""
     device: str = Field(default="", max_length=100)
     firmware: str = Field(default="", max_length=100)
     serials: list[Annotated[str, Field(min_length=1, max_length=100)]] = Field(default_factory=list)

@@ -57,6 +57,7 @@ class Actuation:
         self._pipeline, self._tell = pipeline, tell
         self._orders: asyncio.Queue[Order] | None = None
         self._number = 0
+        self._is_allowed = True
         names, columns = pipeline.layout.scalars, pipeline.layout.segments[1:]
         self._asked = [names.index(f"source_ask_{name}") for name in ("coil", "current_a", "ticks")]
         self._states = {name: names.index(f"{name}_state") for name in columns}
@@ -74,13 +75,30 @@ class Actuation:
         self._orders.put_nowait(self.plan())
         return self._orders
 
+    def allow(self, is_allowed: bool) -> bool:
+        """Let the source fire or stop it at once; return whether that is news."""
+        if is_allowed == self._is_allowed:
+            return False
+        self._is_allowed = is_allowed
+        if self._orders is not None:
+            while not self._orders.empty():
+                self._orders.get_nowait()
+            # Without coils it fires nothing, nor when the link is lost.
+            self._orders.put_nowait(self.plan())
+        return True
+
+    @property
+    def is_allowed(self) -> bool:
+        """Whether the source may fire."""
+        return self._is_allowed
+
     def plan(self) -> ActuationPlanMessage:
-        """Return what the source is to do while nothing is heard from here."""
+        """Return what the source is to do while nothing is heard from here; no coils while it may not fire."""
         one = next(iter(self._pipeline.filters.values())).parameters
         rate_hz = self._pipeline.setup.rate_hz
         limit = self._pipeline.source.current_limit_a
         return ActuationPlanMessage(
-            coils=[1, 2, 3],
+            coils=[1, 2, 3] if self._is_allowed else [],
             current_a=min(float(one["current_a"]), limit),
             # Long enough to start from, should the service have been restarted meanwhile.
             on_ticks=max(1, round(float(one["start_pulse_s"]) * rate_hz)),
@@ -94,7 +112,13 @@ class Actuation:
         """Take frames as they are found: order what they ask for when they are of now, and tell trouble."""
         coils = frames.scalar[:, self._asked[0]].tolist()
         asked = [k for k, coil in enumerate(coils) if coil > 0.0]
-        if is_live and len(asked) and self._orders is not None and not self._orders.full():
+        if (
+            self._is_allowed
+            and is_live
+            and len(asked)
+            and self._orders is not None
+            and not self._orders.full()
+        ):
             coil, current, ticks = frames.scalar[asked[-1], self._asked]
             # The tick after the one that asked.
             time_us = round(1e6 * frames.time_step_s * (frames.first_tick + asked[-1] + 1))
@@ -127,6 +151,9 @@ class Actuation:
             if told & _STARTING:
                 continue
             present = told & _ANY
+            if not self._is_allowed:
+                # That no pulse comes is as it should be.
+                present &= ~int(RelativeFlag.MISSING_PULSE)
             if present & _MISSING:
                 # What a filter says of pulses that fit nothing is no news of a source that is off.
                 present &= ~_FAULT

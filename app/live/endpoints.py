@@ -13,6 +13,7 @@ from app.live.calibration_endpoints import router as calibration_router
 from app.live.calibration_messages import CalibrationIn
 from app.live.manager import LiveManager
 from app.live.messages import StateMessage
+from app.recordings.magnetic_schemas import MagneticSafetyOut
 from app.recordings.schemas import MarkIn
 from app.services import services_of
 
@@ -26,7 +27,10 @@ def give_ticket(session_id: str, body: TicketIn, request: Request, subject: Curr
     `ingest` needs the right to record, `live` the right to read. The ticket goes into the socket's first
     message, never into a URL.
     """
-    token, expires_at = repository.give_ticket(services_of(request).engine, subject, session_id, body.purpose)
+    services = services_of(request)
+    token, expires_at = repository.give_ticket(
+        services.engine, subject, session_id, body.purpose, services.settings.implant_confirmation_hours
+    )
     path = "/ws/ingest" if body.purpose == "ingest" else f"/ws/live/{session_id}"
     return TicketOut(ticket=token, expires_at=expires_at, path=path)
 
@@ -74,6 +78,20 @@ async def close(session_id: str, request: Request, subject: CurrentSubject) -> S
     """End the session: everything is stored, analysed off-line and compared with the prescribed template."""
     live = await _live(request, subject, session_id, "close")
     return await live.close(session_id, "Closed by a person.")
+
+
+@steering_router.delete("/{session_id}/magnetic-safety")
+async def withdraw_safety(session_id: str, request: Request, subject: CurrentSubject) -> MagneticSafetyOut:
+    """Take back that nobody has an implant: the source is stopped at once and may not fire until it is confirmed anew.
+
+    Needs the right to treat. Audited. The sensors go on streaming, without the source.
+    """
+    services = services_of(request)
+    hours = services.settings.implant_confirmation_hours
+    told = await asyncio.to_thread(repository.withdraw_safety, services.engine, subject, session_id, hours)
+    live: LiveManager = services.live
+    await live.check_source(session_id)
+    return told
 
 
 @steering_router.get("/{session_id}/state")

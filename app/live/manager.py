@@ -26,11 +26,12 @@ from app.live.runner import LiveSession
 from app.live.states import OPEN
 from app.live.warmup import prepare_process, warm_up
 from app.recordings import GroupCommitWriter
+from app.recordings.magnetic import CONFIRMATION_HOURS
 from app.recordings.schemas import CalibrationOut
 from estimators import pipelines
 from estimators.calibration import Hemisphere
 from estimators.errors import SetupError
-from estimators.pipelines import SessionSetup
+from estimators.pipelines import RelativePosePipeline, SessionSetup
 
 logger = logging.getLogger(__name__)
 
@@ -51,6 +52,8 @@ class LiveManager:
         Called in a thread when everything of a session is stored: queues its analysis, once.
     hemisphere : {"north", "south", "unknown"}
         Of the place, see `FirstSeconds`.
+    confirmation_hours : float
+        How long the word that nobody has an implant holds; a source is stopped when it ends.
     """
 
     def __init__(
@@ -63,11 +66,13 @@ class LiveManager:
         idle_close_s: float = IDLE_CLOSE_S,
         goodbye_close_s: float = GOODBYE_CLOSE_S,
         hemisphere: Hemisphere = "north",
+        confirmation_hours: float = CONFIRMATION_HOURS,
     ) -> None:
         self.engine = engine
         self.writer = writer
         self.bus = bus
         self._hemisphere = hemisphere
+        self._confirmation_hours = confirmation_hours
         self._on_closed = on_closed
         self._sessions: dict[str, LiveSession] = {}
         self._intakes: dict[str, Intake] = {}
@@ -143,7 +148,9 @@ class LiveManager:
         """
         if self._is_stopping:
             raise Unavailable("The service is stopping; connect again in a moment.", retry_after_s=5)
-        subject, stored = await asyncio.to_thread(repository.open_by_ticket, self.engine, hello.ticket)
+        subject, stored = await asyncio.to_thread(
+            repository.open_by_ticket, self.engine, hello.ticket, self._confirmation_hours
+        )
         async with self._opening.setdefault(stored.id, asyncio.Lock()):
             if stored.id in self._closing:
                 raise Conflict("This session is closed; create another one.", state="closing")
@@ -154,8 +161,10 @@ class LiveManager:
                 _check_network(session.declaration, declaration)
             if session.state not in OPEN:
                 raise Conflict("This session is closed; create another one.", state=session.state)
+            # Confirmed, or the ticket had not been taken.
+            session.allow_source(True, "")
             may_stream = partial(repository.still_allowed, self.engine, subject, stored.id, "record")
-            intake = Intake(session, partial(self.check, may_stream), self._detach)
+            intake = Intake(session, partial(self._check_gateway, session, may_stream), self._detach)
             before = self._intakes.get(stored.id)
             if before is not None:
                 before.end(Conflict("A newer connection has taken over this session.", reason="superseded"))
@@ -323,6 +332,21 @@ class LiveManager:
         """Run a small database read in the thread kept for checks of open sockets."""
         return await asyncio.get_running_loop().run_in_executor(self._checks, work)
 
+    async def _check_gateway(self, session: LiveSession, may_stream: Callable[[], None]) -> None:
+        """Raise when a gateway has lost its right; stop its source when nobody answers for it any more."""
+        await self.check(may_stream)
+        if session.actuation is not None:
+            await self.check_source(session.id)
+
+    async def check_source(self, session_id: str) -> None:
+        """Let the source of a session that is live here fire only while it is confirmed to be safe."""
+        session = self._sessions.get(session_id)
+        if session is not None and session.actuation is not None:
+            refusal = await self.check(
+                partial(repository.source_refusal, self.engine, session_id, self._confirmation_hours)
+            )
+            session.allow_source(refusal is None, refusal or "")
+
     def _close_soon(self, session_id: str, reason: str) -> None:
         if session_id not in self._closing:
             self._keep(asyncio.create_task(self.close(session_id, reason), name="close by itself"))
@@ -349,4 +373,13 @@ def _setup_for(setup: SessionSetup, declaration: Declaration) -> SessionSetup:
             f" ({', '.join(setup.placements)}); create the session for the sensors that are worn.",
             reason="placements",
         )
-    return replace(setup, placements=declaration.placements, rate_hz=declaration.rate_hz)
+    parameters = dict(setup.orientation_parameters)
+    if setup.pipeline == RelativePosePipeline.name and declaration.clip_magnetometer_t is not None:
+        # What somebody set by hand stays: it is how a researcher tries another level.
+        parameters.setdefault("full_scale_t", declaration.clip_magnetometer_t)
+    return replace(
+        setup,
+        placements=declaration.placements,
+        rate_hz=declaration.rate_hz,
+        orientation_parameters=parameters,
+    )

@@ -17,12 +17,13 @@ from app.accounts.subject import Subject
 from app.accounts.tickets import Redeemed, issue_ticket, redeem_ticket
 from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
-from app.errors import NotFound, SignInRequired
+from app.errors import NotFound, SafetyUnconfirmed, SignInRequired
 from app.live.states import OPEN
 from app.patients.access import Level, require_patient
 from app.patients.models import Mounting
 from app.recordings.chunks import frames_stream
-from app.recordings.magnetic import require_confirmed
+from app.recordings.magnetic import CONFIRMATION_HOURS, require_confirmed, withdraw
+from app.recordings.magnetic_schemas import MagneticSafetyOut
 from app.recordings.models import MotionSession, Result, SignalChunk
 from app.recordings.result_rows import layout_dict
 from app.recordings.schemas import SessionState
@@ -80,7 +81,9 @@ def authorise(
         return _stored(row)
 
 
-def open_by_ticket(engine: Engine, ticket: str) -> tuple[Subject, StoredSession]:
+def open_by_ticket(
+    engine: Engine, ticket: str, confirmation_hours: float = CONFIRMATION_HOURS
+) -> tuple[Subject, StoredSession]:
     """Use an ingest ticket up and return whose it was and the session it opens.
 
     Raises
@@ -94,7 +97,7 @@ def open_by_ticket(engine: Engine, ticket: str) -> tuple[Subject, StoredSession]
     """
     with unit_of_work(engine) as session:
         redeemed: Redeemed = redeem_ticket(session, ticket, "ingest")
-        require_confirmed(session, _row(session, redeemed.session_id))
+        require_confirmed(session, _row(session, redeemed.session_id), confirmation_hours)
     return redeemed.subject, authorise(
         engine, redeemed.subject, redeemed.session_id, "record", "session.stream"
     )
@@ -106,7 +109,13 @@ def watch_by_ticket(engine: Engine, ticket: str, session_id: str) -> Subject:
         return redeem_ticket(session, ticket, "live", session_id).subject
 
 
-def give_ticket(engine: Engine, subject: Subject, session_id: str, purpose: str) -> tuple[str, datetime]:
+def give_ticket(
+    engine: Engine,
+    subject: Subject,
+    session_id: str,
+    purpose: str,
+    confirmation_hours: float = CONFIRMATION_HOURS,
+) -> tuple[str, datetime]:
     """Issue a one-use ticket for `ingest` or `live` to a subject who has the right to it."""
     with unit_of_work(engine) as session:
         row = _row(session, session_id)
@@ -115,7 +124,7 @@ def give_ticket(engine: Engine, subject: Subject, session_id: str, purpose: str)
         except NotFound as error:
             raise NotFound(NO_SUCH_SESSION) from error
         if purpose == "ingest":
-            require_confirmed(session, row)
+            require_confirmed(session, row, confirmation_hours)
         record(session, subject, "session.ticket", row.patient_id, session_id, {"purpose": purpose})
         token, ticket = issue_ticket(
             session, subject, "ingest" if purpose == "ingest" else "live", session_id
@@ -140,6 +149,24 @@ def still_allowed(engine: Engine, subject: Subject, session_id: str, level: Leve
             if account is None or not account.is_active:
                 raise SignInRequired("This account is no longer active.")
         require_patient(session, subject, _row(session, session_id).patient_id, level)
+
+
+def source_refusal(engine: Engine, session_id: str, confirmation_hours: float) -> str | None:
+    """Return why the source of a session may not fire any more; None while it may."""
+    with read_only(engine) as session:
+        try:
+            require_confirmed(session, _row(session, session_id), confirmation_hours)
+        except SafetyUnconfirmed as error:
+            return error.message
+    return None
+
+
+def withdraw_safety(
+    engine: Engine, subject: Subject, session_id: str, confirmation_hours: float
+) -> MagneticSafetyOut:
+    """Note that a therapist takes the word back that a source is safe; see `app.recordings.magnetic.withdraw`."""
+    with unit_of_work(engine) as session:
+        return withdraw(session, subject, session_id, confirmation_hours)
 
 
 def load(engine: Engine, session_id: str) -> StoredSession:

@@ -31,6 +31,7 @@ from app.live.health import LinkHealth
 from app.live.ledger import SequenceLedger
 from app.live.messages import AcknowledgeMessage, HealthMessage, LayoutMessage, StateMessage
 from app.live.states import OPEN, STREAMING, streaming_state
+from app.live.stray_source import StraySource
 from app.recordings import GroupCommitWriter, RawPacket, SequenceRanges
 from app.recordings.schemas import CalibrationOut, SessionState
 from estimators.calibration import Finding, Hemisphere
@@ -96,6 +97,9 @@ class LiveSession(CalibratedSession):
         self.actuation = Actuation.of(
             pipeline,
             lambda kind, at_s, placement, text: self.add_event(kind, at_s, placement=placement, text=text),
+        )
+        self._stray = StraySource(
+            lambda kind, at_s, placement, text: self.add_event(kind, at_s, placement=placement, text=text)
         )
         self.prepare_calibration(hemisphere)
         self._forces = ForceWatch(pipeline.delay_ticks)
@@ -175,6 +179,8 @@ class LiveSession(CalibratedSession):
             self.health.latencies_s.append(time.monotonic() - arrival_s)
         if self.actuation is not None and self.machine.state in STREAMING:
             self.actuation.take(frames, self.declaration, is_live=arrival_s is not None)
+        allowed = None if self.actuation is None else self.actuation.is_allowed
+        self._stray.add(chunk, self.declaration.placements, allowed)
         self.store_frames(frames)
         self.health.set_flags(frames.layout.segments, frames.segment_flags[-1])
         self._tell_changes(chunk)
@@ -254,6 +260,12 @@ class LiveSession(CalibratedSession):
     def mark(self, text: str) -> None:
         """Put a note on the time line at the present session time."""
         self.add_event("mark", self.session_time_s, text=text)
+
+    def allow_source(self, is_allowed: bool, reason: str) -> None:
+        """Let the magnetic source fire, or stop it at once and say why; nothing where there is none."""
+        if self.actuation is not None and self.actuation.allow(is_allowed):
+            kind, text = ("source_allowed", "The source may fire.") if is_allowed else ("source_stopped", reason)
+            self.add_event(kind, self.session_time_s, text=text)
 
     def connected(self) -> None:
         """Enter the streaming state: a gateway said hello."""

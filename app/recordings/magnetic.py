@@ -2,10 +2,13 @@
 
 The field beside a coil exceeds the limit of pacemakers and similar implants. Until a therapist has confirmed, for this
 session, that neither the patient nor people close by have one, no gateway gets in: no coil is ever asked to fire.
-The confirmation is an event of the session and in the audit trail: who, when, for which session.
+The confirmation is an event of the session and in the audit trail: who, when, for which session. It holds for some
+hours; a therapist can take it back, and the source stops at once.
 """
 
 import math
+from dataclasses import dataclass, replace
+from datetime import datetime, timedelta
 from typing import Any, Final
 
 from sqlalchemy import select
@@ -21,14 +24,28 @@ from app.recordings.magnetic_schemas import MagneticSafetyIn, MagneticSafetyOut
 from app.recordings.models import MotionSession, SessionEvent
 from estimators.errors import SetupError
 from estimators.magnetic import PACEMAKER_LIMIT_T, keep_away_distance_m
-from estimators.pipelines import RelativePosePipeline, SessionSetup, relative_source
+from estimators.pipelines import (
+    NOMINAL_GAIN_SIGMA,
+    RelativePosePipeline,
+    SessionSetup,
+    SourceSettings,
+    relative_source,
+)
 
 PIPELINE: Final = RelativePosePipeline.name
 EVENT: Final = "implants_excluded"
+WITHDRAWN: Final = "implants_withdrawn"
+CONFIRMATION_HOURS: Final = 12.0
+"""Who was in the room yesterday says nothing of today."""
 WARNING: Final = (
     "The source makes magnetic pulses. Nobody with a pacemaker, an implanted defibrillator, a nerve stimulator, a"
     " cochlear implant or a medicine pump may wear it or be close to it while it is worn."
 )
+TAKEN_BACK: Final = (
+    "The word that nobody near the magnetic source has an implant was taken back; the source may not fire until a"
+    " therapist has confirmed it again."
+)
+EXPIRED: Final = "The word that nobody near the magnetic source has an implant is too old; a therapist must confirm it again."
 NOT_CONFIRMED: Final = (
     "This session has a magnetic source: before it can start, the therapist must confirm that neither the patient nor"
     " people close by wear a pacemaker or a similar implant."
@@ -36,9 +53,13 @@ NOT_CONFIRMED: Final = (
 
 
 def confirm(
-    session: Session, subject: Subject, session_id: str, wanted: MagneticSafetyIn
+    session: Session,
+    subject: Subject,
+    session_id: str,
+    wanted: MagneticSafetyIn,
+    hours: float = CONFIRMATION_HOURS,
 ) -> MagneticSafetyOut:
-    """Note the therapist's confirmation for one session; saying it twice is saying it once.
+    """Note the therapist's confirmation for one session; saying it twice while it holds is saying it once.
 
     Raises
     ------
@@ -48,7 +69,7 @@ def confirm(
     found = repository.get_session(session, subject, session_id, "treat", action="")
     if found.setup["pipeline"] != PIPELINE:
         raise Conflict("This session has no magnetic source; there is nothing to confirm.")
-    if _event(session, found.id) is None:
+    if not _word(session, found.id).holds(hours):
         said = wanted.model_dump()
         audit.record(session, subject, "session.implants_excluded", found.patient_id, found.id, said)
         session.add(
@@ -61,68 +82,150 @@ def confirm(
             )
         )
         session.flush()
-    return _told(session, subject, found)
+    return _told(session, subject, found, hours)
 
 
-def safety(session: Session, subject: Subject, session_id: str) -> MagneticSafetyOut:
+def withdraw(
+    session: Session, subject: Subject, session_id: str, hours: float = CONFIRMATION_HOURS
+) -> MagneticSafetyOut:
+    """Note that a therapist takes the confirmation back; whoever runs the source stops it.
+
+    Raises
+    ------
+    Conflict
+        The session has no magnetic source, or nothing is confirmed.
+    """
+    found = repository.get_session(session, subject, session_id, "treat", action="")
+    if found.setup["pipeline"] != PIPELINE:
+        raise Conflict("This session has no magnetic source; there is nothing to withdraw.")
+    if not _word(session, found.id).holds(hours):
+        raise Conflict("Nothing is confirmed for this session; the source may not fire.")
+    audit.record(session, subject, "session.implants_withdrawn", found.patient_id, found.id)
+    session.add(
+        SessionEvent(
+            session_id=found.id,
+            kind=WITHDRAWN,
+            time_s=0.0,
+            text="No implants: taken back, the source may not fire",
+            details={"by": subject.id, "at": utc_now().isoformat()},
+        )
+    )
+    session.flush()
+    return _told(session, subject, found, hours)
+
+
+def safety(
+    session: Session, subject: Subject, session_id: str, hours: float = CONFIRMATION_HOURS
+) -> MagneticSafetyOut:
     """Return whether a session has a source, and whether it may fire."""
-    return _told(session, subject, repository.get_session(session, subject, session_id))
+    return _told(session, subject, repository.get_session(session, subject, session_id), hours)
 
 
-def require_confirmed(session: Session, found: MotionSession) -> None:
-    """Refuse to start a session with a magnetic source that nobody has confirmed to be safe.
+def require_confirmed(session: Session, found: MotionSession, hours: float = CONFIRMATION_HOURS) -> None:
+    """Refuse to start a session with a magnetic source that nobody has confirmed to be safe within `hours`.
 
     Raises
     ------
     SafetyUnconfirmed
         With the session and what to do.
     """
-    if found.setup.get("pipeline") == PIPELINE and _event(session, found.id) is None:
+    if found.setup.get("pipeline") != PIPELINE:
+        return
+    word = _word(session, found.id)
+    if not word.holds(hours):
         raise SafetyUnconfirmed(
-            NOT_CONFIRMED,
+            NOT_CONFIRMED if word.confirmed_at is None else TAKEN_BACK if word.withdrawn_at else EXPIRED,
             session_id=found.id,
             confirm=f"POST /api/sessions/{found.id}/magnetic-safety",
         )
 
 
-def _event(session: Session, session_id: str) -> SessionEvent | None:
-    return session.scalars(
-        select(SessionEvent).where(SessionEvent.session_id == session_id, SessionEvent.kind == EVENT)
-    ).first()
+@dataclass(frozen=True)
+class _Word:
+    """The newest word on a session."""
+
+    confirmed_at: datetime | None = None
+    confirmed_by: str | None = None
+    withdrawn_at: datetime | None = None
+    withdrawn_by: str | None = None
+
+    def expires_at(self, hours: float) -> datetime | None:
+        return None if self.confirmed_at is None else self.confirmed_at + timedelta(hours=hours)
+
+    def holds(self, hours: float) -> bool:
+        end = self.expires_at(hours)
+        return end is not None and self.withdrawn_at is None and utc_now() < end
 
 
-def _told(session: Session, subject: Subject, found: MotionSession) -> MagneticSafetyOut:
+def _word(session: Session, session_id: str) -> _Word:
+    events = session.scalars(
+        select(SessionEvent).where(
+            SessionEvent.session_id == session_id, SessionEvent.kind.in_((EVENT, WITHDRAWN))
+        )
+    )
+    word = _Word()
+    for event in sorted(events, key=lambda one: str(one.details["at"])):
+        at, by = datetime.fromisoformat(event.details["at"]), event.details.get("by")
+        word = _Word(at, by) if event.kind == EVENT else replace(word, withdrawn_at=at, withdrawn_by=by)
+    return word
+
+
+def _told(session: Session, subject: Subject, found: MotionSession, hours: float) -> MagneticSafetyOut:
     is_magnetic = found.setup["pipeline"] == PIPELINE
-    event = _event(session, found.id) if is_magnetic else None
-    details: dict[str, Any] = {} if event is None else event.details
-    name = None
-    if subject.role in ("therapist", "administrator") and "by" in details:
-        account = session.get(Account, details["by"])
-        name = None if account is None else account.display_name
-    worn, away = None, None
-    if is_magnetic:
-        worn, away = _source_of(found.setup)
+    word = _word(session, found.id) if is_magnetic else _Word()
+
+    def name(by: str | None) -> str | None:
+        if subject.role not in ("therapist", "administrator") or by is None:
+            return None
+        account = session.get(Account, by)
+        return None if account is None else account.display_name
+
+    settings, away = _source_of(found.setup) if is_magnetic else (None, None)
     return MagneticSafetyOut(
         required=is_magnetic,
-        confirmed=event is not None,
-        confirmed_at=details.get("at"),
-        confirmed_by=name,
-        source=worn,
+        confirmed=word.holds(hours),
+        confirmed_at=word.confirmed_at,
+        confirmed_by=name(word.confirmed_by),
+        expires_at=word.expires_at(hours),
+        withdrawn_at=word.withdrawn_at,
+        withdrawn_by=name(word.withdrawn_by),
+        source=None if settings is None else settings.source,
         keep_away_m=away,
+        source_name="" if settings is None else settings.source_name,
+        source_serial="" if settings is None else settings.source_serial,
+        calibrated_on="" if settings is None else settings.calibrated_on,
+        gain_sigma=None if settings is None else _gain_sigma(found.setup),
         limit_t=PACEMAKER_LIMIT_T,
         warning=WARNING if is_magnetic else "",
     )
 
 
-def _source_of(setup: dict[str, Any]) -> tuple[str | None, float | None]:
+def _gain_sigma(setup: dict[str, Any]) -> float:
+    return float(setup.get("orientation_parameters", {}).get("gain_sigma", NOMINAL_GAIN_SIGMA))
+
+
+def _source_of(setup: dict[str, Any]) -> tuple[SourceSettings | None, float | None]:
     try:
         settings = relative_source(SessionSetup.from_dict(setup))
         source = settings.coils
         out_m = max(math.dist(coil.centre_m, (0.0, 0.0, 0.0)) for coil in source.coils)
         # From the middle of the source, to the next centimetre: what is told to people must not be too short.
-        return settings.source, math.ceil(100.0 * (out_m + keep_away_distance_m(source))) / 100.0
+        return settings, math.ceil(100.0 * (out_m + keep_away_distance_m(source))) / 100.0
     except SetupError:
         return None, None
 
 
-__all__ = ["EVENT", "NOT_CONFIRMED", "PIPELINE", "WARNING", "confirm", "require_confirmed", "safety"]
+__all__ = [
+    "CONFIRMATION_HOURS",
+    "EVENT",
+    "EXPIRED",
+    "NOT_CONFIRMED",
+    "PIPELINE",
+    "TAKEN_BACK",
+    "WARNING",
+    "WITHDRAWN",
+    "confirm",
+    "require_confirmed",
+    "safety",
+    "withdraw",
+]

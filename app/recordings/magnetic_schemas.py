@@ -24,10 +24,21 @@ class MagneticSafetyOut(Schema):
     confirmed_at: datetime | None
     confirmed_by: str | None
     """Name of the therapist, for those who work in the clinic; else None."""
+    expires_at: datetime | None
+    """Asked again from then on; of a confirmation that has ended, when it ended by itself."""
+    withdrawn_at: datetime | None
+    """The newest word was taken back, then."""
+    withdrawn_by: str | None
     source: str | None
     """Where the source is worn."""
     keep_away_m: float | None
     """Farther from the source than this its field is below the limit of pacemakers."""
+    source_name: str
+    source_serial: str
+    """Of a source whose coils were measured; empty for typed coils."""
+    calibrated_on: str
+    gain_sigma: float | None
+    """How well the field of the coils is known, as a share of it."""
     limit_t: float
     warning: str
 

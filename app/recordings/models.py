@@ -3,7 +3,17 @@
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import JSON, BigInteger, Boolean, Float, ForeignKey, Integer, LargeBinary, String
+from sqlalchemy import (
+    JSON,
+    BigInteger,
+    Boolean,
+    Float,
+    ForeignKey,
+    Integer,
+    LargeBinary,
+    String,
+    UniqueConstraint,
+)
 from sqlalchemy.orm import Mapped, mapped_column
 
 from app.database.base import Base, Identified, UtcDateTime, utc_now
@@ -118,3 +128,29 @@ class Job(Identified, Base):
     created_by: Mapped[str] = mapped_column(String(32))
     updated_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now, onupdate=utc_now)
     is_retryable: Mapped[bool] = mapped_column(Boolean, default=True)
+
+
+class MagneticSource(Identified, Base):
+    """A worn magnetic source of a clinic whose coils were measured; no patient data."""
+
+    __tablename__ = "magnetic_source"
+    __table_args__ = (UniqueConstraint("clinic_id", "serial"),)
+
+    clinic_id: Mapped[str] = mapped_column(ForeignKey("clinic.id"))
+    serial: Mapped[str] = mapped_column(String(100))
+    name: Mapped[str] = mapped_column(String(100))
+    coils: Mapped[list[dict[str, Any]]] = mapped_column(JSON)
+    """`estimators.magnetic.Coil.to_dict`, in the order of their numbers."""
+    current_limit_a: Mapped[float] = mapped_column(Float)
+    gain_sigma: Mapped[float] = mapped_column(Float)
+    """How wrong the field of these coils still is, as a share of it."""
+    found: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
+    """What the calibration said: sigmas of each coil, residual, number of places; empty for typed values."""
+    method: Mapped[str] = mapped_column(String(20))
+    """`session`, `file` or `typed`."""
+    session_id: Mapped[str | None] = mapped_column(String(32))
+    """The bench session that it was calibrated with."""
+    calibrated_at: Mapped[datetime] = mapped_column(UtcDateTime)
+    calibrated_by: Mapped[str] = mapped_column(String(32))
+    retired_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    """No longer offered; sessions keep the coils that they were recorded with."""

@@ -31,6 +31,8 @@ class SessionIn(Schema):
     rate_hz: float = Field(default=100.0, ge=10, le=1000)
     orientation: str = DEFAULT
     orientation_parameters: dict[str, Any] = Field(default_factory=dict)
+    magnetic_source_id: str | None = None
+    """Of a magnetic session: the source of the clinic that is worn; its measured coils take the place of typed ones."""
     constrain_joint_headings: bool = False
     """Let elbows and wrists bound heading drift: for sensors without magnetometers or near iron."""
     use_mounting: bool = True
@@ -188,6 +190,8 @@ class UploadIn(Schema):
     format: Literal["packet_log", "csv", "qmt_mat", "pyshoe", "gait_tracking", "gaitmap", "instrumented_shoe"]
     pipeline: Literal["arm", "gait"] = "arm"
     """What a packet log or CSV file holds; the last four formats are always walks."""
+    with_legs: bool = False
+    """Also estimate sensors on the legs, for the centre of mass: they must be still and straight in the pose too."""
     csv: CsvMapping | None = None
     orientation: str = DEFAULT
     calibration_pose_s: tuple[float, float] | None = None

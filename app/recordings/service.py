@@ -16,6 +16,7 @@ from app.patients.models import Patient
 from app.recordings import repository
 from app.recordings.chunks import layout_from_dict
 from app.recordings.estimator_choice import refuse_walk
+from app.recordings.known_sources import parameters_of
 from app.recordings.models import Job, MotionSession, Result
 from app.recordings.packet_log import write_log
 from app.recordings.schemas import (
@@ -97,7 +98,7 @@ def create(session: Session, subject: Subject, wanted: SessionIn) -> SessionDeta
             placements=tuple(wanted.placements),
             rate_hz=wanted.rate_hz,
             orientation=wanted.orientation,
-            orientation_parameters=wanted.orientation_parameters,
+            orientation_parameters=_told_parameters(session, subject, wanted),
             constrain_joint_headings=wanted.constrain_joint_headings,
             body=body_of(patient),
             calibration=calibration,
@@ -118,6 +119,18 @@ def create(session: Session, subject: Subject, wanted: SessionIn) -> SessionDeta
         ),
     )
     return describe(session, subject, found)
+
+
+def _told_parameters(session: Session, subject: Subject, wanted: SessionIn) -> dict[str, Any]:
+    """Return the estimator's parameters, with the measured coils of the source that is worn."""
+    if wanted.magnetic_source_id is None:
+        return wanted.orientation_parameters
+    if wanted.pipeline != "relative_pose":
+        raise InvalidInput("Only a magnetic session has a source.", field="magnetic_source_id")
+    return {
+        **wanted.orientation_parameters,
+        **parameters_of(session, subject, wanted.magnetic_source_id),
+    }
 
 
 def _remembered(session: Session, patient_id: str, placements: tuple[str, ...]) -> Calibration | None:

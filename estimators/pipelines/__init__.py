@@ -18,17 +18,21 @@ from estimators.pipelines._offline import is_offline, smooth_network, smoothed_c
 from estimators.pipelines._orientation import OrientationPipeline
 from estimators.pipelines._relative_pose import ModulesChunk, RelativePosePipeline
 from estimators.pipelines._relative_smoothing import smooth_modules, with_modules
-from estimators.pipelines._relative_source import relative_source
+from estimators.pipelines._relative_source import NOMINAL_GAIN_SIGMA, SourceSettings, relative_source
 from estimators.pipelines._run import available, concatenate, create, find_pose, run, step_through
 from estimators.pipelines._shoes import ShoeWalk, analyse_shoes, has_shoes, with_shoes
+from estimators.pipelines._tracker_bursts import BURSTS, BurstAnalysis, analyse_bursts, angles_with_sigma
 from estimators.pipelines._walk import Walk, analyse_walk
 
 __all__ = [
     "BALANCE_POINTS",
+    "BURSTS",
     "FEET",
     "FORCE_STATES",
+    "NOMINAL_GAIN_SIGMA",
     "ArmPipeline",
     "BodyDimensions",
+    "BurstAnalysis",
     "Calibration",
     "DeviceConstants",
     "FrameLayout",
@@ -40,9 +44,12 @@ __all__ = [
     "RelativePosePipeline",
     "SessionSetup",
     "ShoeWalk",
+    "SourceSettings",
     "Walk",
+    "analyse_bursts",
     "analyse_shoes",
     "analyse_walk",
+    "angles_with_sigma",
     "apart_at_start",
     "available",
     "concatenate",

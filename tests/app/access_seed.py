@@ -25,7 +25,7 @@ from app.ingest.upload import register, upload_folder
 from app.ingest.upload_task import upload
 from app.patients.models import Grant, Patient
 from app.recordings.jobs import run_job
-from app.recordings.models import Job, MotionSession, SessionEvent
+from app.recordings.models import Job, MagneticSource, MotionSession, SessionEvent
 from app.recordings.packet_log import log_entry, log_head
 from app.recordings.schemas import UploadIn
 from app.settings import Settings
@@ -157,7 +157,20 @@ def _everything(
             expires_at=None,
             revoked_at=None,
         )
-        session.add(grant)
+        source = MagneticSource(
+            id=new_id(),
+            clinic_id=subject.clinic_id,
+            serial="S-0",
+            name=f"source {mark}",
+            coils=[],
+            current_limit_a=1.5,
+            gain_sigma=0.01,
+            found={},
+            method="typed",
+            calibrated_at=utc_now(),
+            calibrated_by=subject.id,
+        )
+        session.add_all([grant, source])
         session.flush()
         result_id = session.get_one(MotionSession, session_id).main_result_id
         assert result_id is not None
@@ -173,6 +186,7 @@ def _everything(
             "comparison_id": compared.id,
             "prescription_id": prescription.id,
             "grant_id": grant.id,
+            "source_id": source.id,
         }
 
 

@@ -88,6 +88,16 @@ EXERCISE = {
     "primary_angle": "humerus_forearm_right_zxy_flexion",
 }
 SESSION = {"patient_id": "{patient_id}", "placements": ["upper_arm_right", "forearm_right"]}
+SOURCE = {
+    "name": "Belt",
+    "serial": "S-1",
+    "gain_sigma": 0.005,
+    "coils": [
+        {"turns": 50.0, "radius_m": 0.055, "centre_m": [0.06, 0, 0], "axis": [1, 0, 0]},
+        {"turns": 50.0, "radius_m": 0.055, "centre_m": [0, 0.06, 0], "axis": [0, 1, 0]},
+        {"turns": 50.0, "radius_m": 0.055, "centre_m": [0, 0, 0.06], "axis": [0, 0, 1]},
+    ],
+}
 UPLOAD = {"patient_id": "{patient_id}", "format": "packet_log"}
 
 LINES: tuple[Line, ...] = (
@@ -224,7 +234,19 @@ LINES: tuple[Line, ...] = (
         body={"patient_has_no_implant": True, "people_nearby_have_none": True},
         status=409,
     ),
+    patient("DELETE", "/api/sessions/{session_id}/magnetic-safety", TREAT, status=409),
     patient("GET", "/api/sessions/{session_id}/source-use", READ, status=409),
+    patient("GET", "/api/sessions/{session_id}/source-stops", TREAT, status=409),
+    patient(
+        "POST",
+        "/api/sessions/{session_id}/source-calibration",
+        TREAT,
+        body={"name": "Belt", "serial": "S-1", "positions_m": [[0.3, 0, 0]] * 6},
+        status=409,
+    ),
+    Line("GET", "/api/magnetic-sources", "role", MANAGE | {"reader"}),
+    Line("POST", "/api/magnetic-sources", "role", MANAGE | {"reader"}, body=SOURCE, status=201),
+    Line("DELETE", "/api/magnetic-sources/{source_id}", "role", MANAGE | {"reader"}, status=204),
     patient("GET", "/api/sessions/{session_id}/jobs", STATUS),
     patient("GET", "/api/jobs/{job_id}", STATUS),
     patient("GET", "/api/sessions/{session_id}/frames", READ),

@@ -200,6 +200,7 @@ def hello(**changes: object) -> HelloMessage:
         ({"gyroscope_scale": 1.0}, "scales"),
         ({"magnetometer_scale": float("nan")}, "scales"),
         ({"clip_accelerometer_mps2": -1}, "scales"),
+        ({"clip_magnetometer_t": 800.0}, "scales"),
     ],
 )
 def test_a_wrong_hello_is_refused(changes: dict[str, object], reason: str) -> None:
@@ -218,6 +219,9 @@ def test_a_declaration_survives_storing() -> None:
     stored = Declaration(**{**declared.__dict__, "clock_epochs": (ClockEpoch(0, 5, 0), ClockEpoch(9, 3, 7))})
     assert Declaration.from_dict(stored.to_dict()) == stored
     assert stored.same_network(declared)
+    other = check_hello(hello(gyroscope_scale=1e-3, clip_gyroscope_radps=34.9, clip_magnetometer_t=8e-4))
+    assert other.clip_magnetometer_t == 8e-4
+    assert not other.same_network(declared)
 
 
 def test_a_hundred_thousand_spoiled_packets_give_typed_errors_only() -> None:

@@ -182,6 +182,14 @@ WRONG = {
     "magnetometer saturated": Wrong(
         RelativeFaults(beside_coil_s=(4.0, 99.0)), 8.0, RelativeFlag.SATURATED, "too close to a coil", 4.0
     ),
+    # At a level of its own, which the hello tells.
+    "weaker magnetometer saturated": Wrong(
+        RelativeFaults(beside_coil_s=(4.0, 99.0), full_scale_t=1e-4),
+        8.0,
+        RelativeFlag.SATURATED,
+        "too close to a coil",
+        4.0,
+    ),
 }
 
 

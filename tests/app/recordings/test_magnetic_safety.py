@@ -1,6 +1,7 @@
 """Nobody with a pacemaker near a source: confirmed for each session, by a therapist, before a gateway gets in."""
 
 from collections.abc import Callable
+from datetime import datetime, timedelta
 from typing import Any
 
 import pytest
@@ -9,9 +10,12 @@ from sqlalchemy import Engine, select
 from app.accounts.models import AuditEvent
 from app.accounts.subject import Subject
 from app.accounts.tickets import issue_ticket
+from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import SafetyUnconfirmed
-from app.live.repository import open_by_ticket
+from app.live.repository import open_by_ticket, source_refusal
+from app.recordings.magnetic import CONFIRMATION_HOURS, EVENT
+from app.recordings.models import SessionEvent
 from estimators.pipelines import SessionSetup
 
 SAID = {"patient_has_no_implant": True, "people_nearby_have_none": True}
@@ -97,6 +101,59 @@ def test_a_ticket_from_elsewhere_does_not_help(
         ticket, _ = issue_ticket(session, who, "ingest", session_id)
     with pytest.raises(SafetyUnconfirmed):
         open_by_ticket(engine, ticket)
+
+
+def test_a_therapist_takes_the_word_back_and_the_gateway_stays_out_until_it_is_given_again(
+    therapist: Any, patient: Any, magnetic: str, engine: Engine, world: Any
+) -> None:
+    path = f"/api/sessions/{magnetic}/magnetic-safety"
+    assert therapist.delete(path).status_code == 409, "nothing to take back"
+    therapist.post(path, json=SAID)
+    assert patient.delete(path).status_code == 403
+    told = therapist.delete(path)
+    assert told.status_code == 200, told.text
+    assert told.json()["confirmed"] is False
+    assert told.json()["withdrawn_at"]
+    assert told.json()["withdrawn_by"] == told.json()["confirmed_by"]
+    refused = therapist.post(f"/api/sessions/{magnetic}/ticket", json={"purpose": "ingest"})
+    assert refused.json()["code"] == "safety_unconfirmed"
+    assert "taken back" in refused.json()["message"]
+    again = therapist.post(path, json=SAID).json()
+    assert (again["confirmed"], again["withdrawn_at"]) == (True, None)
+    assert again["confirmed_at"] > told.json()["confirmed_at"]
+    assert therapist.post(f"/api/sessions/{magnetic}/ticket", json={"purpose": "ingest"}).status_code == 200
+    with read_only(engine) as session:
+        actions = session.scalars(
+            select(AuditEvent.action)
+            .where(AuditEvent.action.like("session.implants%"))
+            .order_by(AuditEvent.number)
+        ).all()
+    assert actions == [
+        "session.implants_excluded",
+        "session.implants_withdrawn",
+        "session.implants_excluded",
+    ]
+
+
+def test_the_word_of_yesterday_is_asked_for_again(therapist: Any, magnetic: str, engine: Engine) -> None:
+    path = f"/api/sessions/{magnetic}/magnetic-safety"
+    first = therapist.post(path, json=SAID).json()
+    with unit_of_work(engine) as session:
+        event = session.scalars(select(SessionEvent).where(SessionEvent.kind == EVENT)).one()
+        event.details = event.details | {
+            "at": (utc_now() - timedelta(hours=CONFIRMATION_HOURS, minutes=1)).isoformat()
+        }
+    old = therapist.get(path).json()
+    assert (old["confirmed"], old["withdrawn_at"]) == (False, None)
+    assert old["expires_at"] < first["confirmed_at"]
+    refused = therapist.post(f"/api/sessions/{magnetic}/ticket", json={"purpose": "ingest"})
+    assert "too old" in refused.json()["message"]
+    assert source_refusal(engine, magnetic, CONFIRMATION_HOURS) == refused.json()["message"]
+    assert source_refusal(engine, magnetic, CONFIRMATION_HOURS + 1.0) is None
+    again = therapist.post(path, json=SAID).json()
+    assert again["confirmed"] is True
+    lasts = datetime.fromisoformat(again["expires_at"]) - datetime.fromisoformat(again["confirmed_at"])
+    assert lasts == timedelta(hours=CONFIRMATION_HOURS)
 
 
 @pytest.mark.parametrize("wrong", [{"current_limit_a": "x"}, {"passes": None}, {"current_limit_a": 500.0}])

@@ -1,0 +1,61 @@
+"""A source that fires although it should not: in a session without one, or after it was stopped.
+
+Coil states (mask bit 6) in the packets of any session are stored as they came; only a session with a magnetic source
+uses them. A coil that is on anywhere else was asked for by nobody, and nobody was asked about implants: that is told.
+"""
+
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+
+from estimators.recording import ImuChunk
+
+KIND: Final = "source_unasked"
+GRACE_S: Final = 1.0
+"""What was fired before the order to stop arrived is no trouble."""
+_NO_SOURCE: Final = (
+    "A magnetic source fires in this session, which has none; its pulses are not used, and nobody was asked about"
+    " implants. Switch it off, or create a session with a magnetic source."
+)
+_STOPPED: Final = "The magnetic source fires although it was stopped. Switch it off by hand."
+
+
+class StraySource:
+    """Watches the coil states of one live session.
+
+    Parameters
+    ----------
+    tell : callable
+        Takes kind, session time, placement and words of an event.
+    """
+
+    def __init__(self, tell: Callable[[str, float, str, str], None]) -> None:
+        self._tell = tell
+        self._stopped_s: float | None = None
+        self._is_told = False
+
+    def add(self, chunk: ImuChunk, placements: tuple[str, ...], is_allowed: bool | None) -> None:
+        """Take ticks; `is_allowed` says whether the source may fire, None that the session has none.
+
+        Told once, and once more each time a source was stopped.
+        """
+        if is_allowed:
+            self._stopped_s, self._is_told = None, False
+            return
+        first_s = chunk.first_tick * chunk.time_step_s
+        if is_allowed is False and self._stopped_s is None:
+            self._stopped_s = first_s
+        if chunk.coil_state is None or self._is_told:
+            return
+        on = np.nan_to_num(chunk.coil_state) != 0.0
+        if self._stopped_s is not None:
+            on[:, first_s + np.arange(on.shape[1]) * chunk.time_step_s < self._stopped_s + GRACE_S] = False
+        if on.any():
+            row, tick = (int(index) for index in np.argwhere(on)[0])
+            self._is_told = True
+            words = _NO_SOURCE if is_allowed is None else _STOPPED
+            self._tell(KIND, first_s + tick * chunk.time_step_s, placements[row], words)
+
+
+__all__ = ["KIND", "StraySource"]

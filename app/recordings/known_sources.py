@@ -1,0 +1,43 @@
+"""A magnetic source of the clinic by its identifier, and what a session that wears it is told."""
+
+from typing import Any, Final
+
+from sqlalchemy.orm import Session
+
+from app.accounts.subject import Subject
+from app.errors import NotFound
+from app.recordings.models import MagneticSource
+
+NO_SUCH_SOURCE: Final = "There is no such magnetic source in your clinic."
+
+
+def find_source(session: Session, subject: Subject, source_id: str) -> MagneticSource:
+    """Return a source of the subject's clinic, retired or not; `NotFound` otherwise."""
+    row = session.get(MagneticSource, source_id)
+    if row is None or row.clinic_id != subject.clinic_id:
+        raise NotFound(NO_SUCH_SOURCE)
+    return row
+
+
+def parameters_of(session: Session, subject: Subject, source_id: str) -> dict[str, Any]:
+    """Return what a session's setup is told of a source of the clinic.
+
+    Raises
+    ------
+    NotFound
+        No such source in this clinic, or it is retired.
+    """
+    row = find_source(session, subject, source_id)
+    if row.retired_at is not None:
+        raise NotFound(NO_SUCH_SOURCE)
+    return {
+        "calibrated_coils": row.coils,
+        "current_limit_a": row.current_limit_a,
+        "gain_sigma": row.gain_sigma,
+        "source_name": row.name,
+        "source_serial": row.serial,
+        "calibrated_on": row.calibrated_at.date().isoformat(),
+    }
+
+
+__all__ = ["find_source", "parameters_of"]
