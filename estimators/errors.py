@@ -7,6 +7,7 @@
     ├── SetupError          placements, rates or parameters that cannot work together
     ├── CalibrationError    a calibration pose or movement that cannot be used, with what to redo
     └── ComparisonError     a recording without the repetitions that a comparison needs
+        └── ContradictionError  two recordings that were not of the same movement, or in other axes or units
 """
 
 from collections.abc import Sequence
@@ -40,3 +41,22 @@ class CalibrationError(EstimationError):
 
 class ComparisonError(EstimationError):
     """A recording that does not hold what a comparison needs."""
+
+
+class ContradictionError(ComparisonError):
+    """Two recordings that were not of the same movement, or in other axes or units; the message says what to do.
+
+    Attributes
+    ----------
+    scale : float or None
+        Lengths of the one over those of the other, where they differ.
+    up : str
+        Axis that points up: `z` as it should, `y`, `-x`.
+    is_mirrored : bool
+    """
+
+    def __init__(
+        self, message: str = "", *, scale: float | None = None, up: str = "z", is_mirrored: bool = False
+    ) -> None:
+        super().__init__(message)
+        self.scale, self.up, self.is_mirrored = scale, up, is_mirrored

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import typer
+from numpy.typing import NDArray
 
 from app.errors import InvalidInput
 from app.ingest import readers
@@ -66,8 +67,8 @@ def fuse(options: FuseOptions) -> None:
     measured = readers.read(options.recording, options.format, mapping)
     sensor = _sensor(measured, options.sensor)
     tracks = readers.read_markers(options.markers, declared)
-    gyroscope, accelerometer, step_s, start_s = _samples(measured, sensor, options.rate_hz)
-    fusion, marker = fuse_tracks(tracks, declared, step_s, gyroscope, accelerometer)
+    gyroscope, accelerometer, bridged, step_s, start_s = _samples(measured, sensor, options.rate_hz)
+    fusion, marker = fuse_tracks(tracks, declared, step_s, gyroscope, accelerometer, bridged)
     report = report_of(fusion, marker, start_s)
     ticks = np.arange(len(fusion.residual_m), dtype=np.float64)
     time_s = start_s + (fusion.first_tick + ticks) * step_s
@@ -99,8 +100,10 @@ def _sensor(measured: Recording, wanted: str) -> str:
     return names[0]
 
 
-def _samples(measured: Recording, sensor: str, rate_hz: float | None) -> tuple[Float, Float, float, float]:
-    """Return gyroscope and accelerometer on even ticks, NaN where nothing was measured, the step, the first time."""
+def _samples(
+    measured: Recording, sensor: str, rate_hz: float | None
+) -> tuple[Float, Float, NDArray[np.bool_], float, float]:
+    """Return gyroscope, accelerometer (NaN where all was lost) and which are bridged, the step, the first time."""
     found = measured.sensors[sensor]
     chunk = signals.to_common_ticks(
         replace(measured, sensors={sensor: found}), rate_hz or measured.nominal_rate_hz
@@ -110,6 +113,7 @@ def _samples(measured: Recording, sensor: str, rate_hz: float | None) -> tuple[F
     return (
         np.where(gap, np.nan, chunk.gyroscope_radps[0]),
         np.where(gap, np.nan, chunk.accelerometer_mps2[0]),
+        (chunk.quality[0] & SampleQuality.BRIDGED) != 0,
         chunk.time_step_s,
         float(found.time_s[sound][0]),
     )

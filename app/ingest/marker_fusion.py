@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.errors import InvalidInput
-from app.ingest.readers import MarkerTracks
+from app.ingest.readers import METRES, MarkerTracks
 from app.recordings.marker_schemas import (
     MarkerCurves,
     MarkerFileIn,
@@ -15,12 +15,13 @@ from app.recordings.marker_schemas import (
     MarkerGapCheck,
     MarkerReport,
 )
-from estimators.errors import EstimationError
-from estimators.optical import OpticalFusion, OpticalResult, Provenance, fuse_markers
+from estimators.errors import ContradictionError, EstimationError
+from estimators.optical import TURNS, OpticalFusion, OpticalResult, Provenance, fuse_markers
 from estimators.recording import Float
 
 _POINTS: Final = 600
 _GAPS: Final = 100
+_SAME_UNIT: Final = 0.08
 
 
 def fuse_tracks(
@@ -29,6 +30,7 @@ def fuse_tracks(
     time_step_s: float,
     gyroscope_radps: Float,
     accelerometer_mps2: Float,
+    bridged: NDArray[np.bool_] | None = None,
 ) -> tuple[OpticalFusion, str]:
     """Fuse the declared marker, or the one seen most, with a sensor; return its name too.
 
@@ -39,6 +41,8 @@ def fuse_tracks(
     time_step_s : float
     gyroscope_radps, accelerometer_mps2 : ndarray, shape (K, 3)
         Even ticks from time zero; NaN where nothing was measured.
+    bridged : ndarray of bool, shape (K,), optional
+        Samples that were interpolated over lost packets.
 
     Raises
     ------
@@ -56,10 +60,32 @@ def fuse_tracks(
             lever_arm_m=None if declared.lever_arm_m is None else np.array(declared.lever_arm_m),
             cluster_m=_cluster(tracks, declared),
             largest_offset_s=declared.largest_offset_s,
+            bridged=bridged,
         )
+    except ContradictionError as error:
+        field = "unit" if error.scale is not None else "up"
+        raise InvalidInput(f"{error}.{_advice(error, declared)}", field=field) from error
     except EstimationError as error:
         raise InvalidInput(f"{error}. Check the segment and which axis points up.") from error
     return fusion, name
+
+
+def _advice(error: ContradictionError, declared: MarkerFileIn) -> str:
+    """Say in the file's own axes and units what was probably meant."""
+    words = ""
+    if error.up != "z" and not error.is_mirrored and declared.up != "z":
+        # The error speaks of axes that were turned already, as declared.
+        axis = np.array(TURNS[error.up][2]) @ np.array(TURNS[declared.up])
+        name = "xyz"[int(np.argmax(np.abs(axis)))]
+        words += f" In the axes of the file it is {'-' if axis.sum() < 0 else ''}{name} that points up."
+    if error.scale is not None:
+        true_m = METRES[declared.unit] / error.scale
+        near = [name for name, size in METRES.items() if abs(true_m / size - 1.0) < _SAME_UNIT]
+        if near and declared.format == "csv":
+            words += f" The numbers of the file look like {near[0]}, not {declared.unit}: choose that unit."
+        elif min(abs(error.scale / 2.54 - 1.0), abs(error.scale * 2.54 - 1.0)) < _SAME_UNIT:
+            words += " Inches and centimetres seem to have been exchanged when the file was written."
+    return words
 
 
 def report_of(fusion: OpticalFusion, marker: str, start_s: float = 0.0) -> MarkerReport:
@@ -96,6 +122,7 @@ def report_of(fusion: OpticalFusion, marker: str, start_s: float = 0.0) -> Marke
         frame_count=fusion.frame_count,
         used_count=fusion.used_count,
         rejected_count=fusion.rejected_count,
+        bridged_s=round(fusion.bridged_count * step, 4),
         gaps=[
             MarkerGap(
                 start_s=round(start_s + (fusion.first_tick + gap.start) * step, 4),

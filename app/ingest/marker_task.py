@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.database.base import new_id
 from app.database.unit_of_work import read_only, unit_of_work
@@ -37,9 +38,9 @@ def fuse(context: JobContext) -> str:
         tracks = read_markers(path, declared)
     finally:
         path.unlink(missing_ok=True)
-    gyroscope, accelerometer, step_s = _samples(context, hello, declared)
+    gyroscope, accelerometer, bridged, step_s = _samples(context, hello, declared)
     context.progress(0.3, "Aligning and fusing")
-    fusion, name = fuse_tracks(tracks, declared, step_s, gyroscope, accelerometer)
+    fusion, name = fuse_tracks(tracks, declared, step_s, gyroscope, accelerometer, bridged)
     with unit_of_work(context.engine) as session:
         markers.store_fusion(
             session,
@@ -55,17 +56,18 @@ def fuse(context: JobContext) -> str:
 
 def _samples(
     context: JobContext, hello: dict[str, Any] | None, declared: MarkerUploadIn
-) -> tuple[Float, Float, float]:
-    """Return gyroscope and accelerometer of the segment on the ticks of the session, NaN where nothing was measured."""
-    rates, forces, step_s = [], [], 0.01
+) -> tuple[Float, Float, NDArray[np.bool_], float]:
+    """Return gyroscope, accelerometer and which are bridged, on the ticks of the session; NaN where all was lost."""
+    rates, forces, bridged, step_s = [], [], [], 0.01
     for piece in aligned(context.engine, context.session_id, hello, (declared.segment,)):
         missing = (piece.quality[0] & SampleQuality.MISSING) != 0
         rates.append(np.where(missing[:, None], np.nan, piece.gyroscope_radps[0]))
         forces.append(np.where(missing[:, None], np.nan, piece.accelerometer_mps2[0]))
+        bridged.append((piece.quality[0] & SampleQuality.BRIDGED) != 0)
         step_s = piece.time_step_s
     if not rates:
         raise InvalidInput("This session holds no samples.")
-    return np.concatenate(rates), np.concatenate(forces), step_s
+    return np.concatenate(rates), np.concatenate(forces), np.concatenate(bridged), step_s
 
 
 __all__ = ["fuse"]

@@ -21,7 +21,7 @@ class MarkerFileIn(Schema):
     """Three or more markers on the same rigid body: clocks can then be aligned by the angular rate too."""
     up: Literal["x", "y", "z", "-x", "-y", "-z"] = "z"
     """Which axis of the laboratory points up."""
-    unit: Literal["m", "mm"] = "mm"
+    unit: Literal["m", "cm", "mm", "inch"] = "mm"
     """Of a CSV file; a C3D file tells its own."""
     rate_hz: float | None = Field(default=None, gt=0, le=10_000)
     """Of a CSV file without a column `time_s`."""
@@ -98,6 +98,8 @@ class MarkerReport(Schema):
     frame_count: int
     used_count: int
     rejected_count: int
+    bridged_s: float = 0.0
+    """Of the sensor's samples, interpolated over lost packets: they counted as noisier."""
     gaps: list[MarkerGap]
     gap_count: int
     """All of them; the list holds the longest."""

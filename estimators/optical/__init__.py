@@ -8,12 +8,14 @@ from estimators.optical._contract import (
     OpticalStart,
     Provenance,
 )
+from estimators.optical._contradictions import TURNS
 from estimators.optical._fusion import OpticalInertialFilter, filter_and_smooth, smooth_optical
 from estimators.optical._gaps import WITHHELD_M, Gap, fill_by_spline, gap_report
 from estimators.optical._recording import OpticalFusion, fuse_markers
 from estimators.optical._stretch import GapCheck
 
 __all__ = [
+    "TURNS",
     "WITHHELD_M",
     "Alignment",
     "Gap",

@@ -16,6 +16,7 @@ from estimators.optical._alignment_signals import (
     repetition,
     step_of,
     triangle,
+    without_ghosts,
 )
 from estimators.optical._attitude import strapdown
 from estimators.recording import Float
@@ -113,7 +114,7 @@ def align_markers(
     camera_step = step_of(camera_time_s, marker_m, "markers")
     step = step_of(time_s, accelerometer_mps2, "accelerometer")
     width = max(1, round(HALF_WIDTH_S / camera_step))
-    even, path = evenly(camera_time_s, marker_m, camera_step)
+    even, path = evenly(camera_time_s, without_ghosts(marker_m), camera_step)
     half = width * camera_step
     size = np.full(len(even), np.nan)
     if len(even) > 2 * width:

@@ -9,6 +9,7 @@ from estimators.recording import Float
 
 HALF_WIDTH_S = 0.05
 """Half the window through which accelerations are compared."""
+_GHOST_M = 0.03
 
 
 def triangle(values: Float, reach: int) -> Float:
@@ -68,6 +69,20 @@ def correlations(a: Float, b: Float, least: int) -> tuple[Float, NDArray[np.int6
     return score, lags, count
 
 
+def without_ghosts(marker_m: Float) -> Float:
+    """Hide frames that are far from the middle of the five around them: one would outweigh a second of movement."""
+    present = np.flatnonzero(np.isfinite(marker_m).all(axis=1))
+    if len(present) < 5:
+        return marker_m
+    seen = marker_m[present]
+    around = np.lib.stride_tricks.sliding_window_view(seen, 5, axis=0)
+    far = np.zeros(len(seen), dtype=np.bool_)
+    far[2:-2] = np.linalg.norm(seen[2:-2] - np.median(around, axis=-1), axis=1) > _GHOST_M
+    cleaned = marker_m.copy()
+    cleaned[present[far]] = np.nan
+    return cleaned
+
+
 def repetition(residual: Float) -> float:
     """Return how many samples of a residual count as one: one plus twice its positive early correlation."""
     r = residual - residual.mean()
@@ -82,4 +97,13 @@ def repetition(residual: Float) -> float:
     return float(1.0 + 2.0 * rho[1:stop].sum())
 
 
-__all__ = ["HALF_WIDTH_S", "correlations", "evenly", "linear", "repetition", "step_of", "triangle"]
+__all__ = [
+    "HALF_WIDTH_S",
+    "correlations",
+    "evenly",
+    "linear",
+    "repetition",
+    "step_of",
+    "triangle",
+    "without_ghosts",
+]

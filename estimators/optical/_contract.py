@@ -55,7 +55,8 @@ class OpticalParameters:
 class OpticalChunk:
     """Consecutive ticks: gyroscope and accelerometer, shape (K, 3), markers (K, 3) with NaN where none was seen.
 
-    `marker_delay_s`, shape (K,), tells by how much a marker's frame is later than its tick; none by default.
+    `marker_delay_s`, shape (K,), tells by how much a marker's frame is later than its tick; none by default. `noise`,
+    shape (K, 2), tells how many times noisier than assumed rate and force are; samples that were interpolated are.
     """
 
     first_tick: int
@@ -64,6 +65,7 @@ class OpticalChunk:
     accelerometer_mps2: Float
     marker_m: Float
     marker_delay_s: Float | None = None
+    noise: Float | None = None
 
     def ticks(self, start: int, stop: int) -> "OpticalChunk":
         """Return the half-open range of ticks `[start, stop)`, counted within this chunk."""
@@ -75,10 +77,11 @@ class OpticalChunk:
             self.accelerometer_mps2[part],
             self.marker_m[part],
             None if self.marker_delay_s is None else self.marker_delay_s[part],
+            None if self.noise is None else self.noise[part],
         )
 
     def table(self) -> Float:
-        """Return the samples as the compiled loop takes them, shape (K, 10)."""
+        """Return the samples as the compiled loop takes them, shape (K, 12)."""
         parts = (self.gyroscope_radps, self.accelerometer_mps2, self.marker_m)
         count = len(self.gyroscope_radps)
         if any(part.shape != (count, 3) for part in parts):
@@ -86,7 +89,10 @@ class OpticalChunk:
         delay = np.zeros(count) if self.marker_delay_s is None else self.marker_delay_s
         if delay.shape != (count,):
             raise ShapeError(f"marker_delay_s needs shape ({count},), not {delay.shape}")
-        table = np.ascontiguousarray(np.column_stack((*parts, delay)), dtype=np.float64)
+        noise = np.ones((count, 2)) if self.noise is None else self.noise
+        if noise.shape != (count, 2) or not (noise >= 1.0).all():
+            raise ShapeError(f"noise needs shape ({count}, 2) with values of one or more")
+        table = np.ascontiguousarray(np.column_stack((*parts, delay, noise)), dtype=np.float64)
         if not np.isfinite(table[:, : at.MARKER]).all():
             raise ShapeError("inertial samples are missing; bridge short gaps first, split at long ones")
         return table

@@ -39,7 +39,7 @@ class OpticalInertialFilter:
     """
 
     name: ClassVar[str] = "optical_inertial"
-    version: ClassVar[str] = "2"
+    version: ClassVar[str] = "3"
     _ARRAYS: ClassVar[tuple[str, ...]] = ("nominal", "covariance", "memory", "start", "counters")
 
     def __init__(self, time_step_s: float, parameters: Mapping[str, Any] | None = None) -> None:

@@ -114,9 +114,9 @@ def predict_state(nominal: Float, before: Float, now: Float, settings: Float, ph
     nominal[_Q], nominal[_Q + 1], nominal[_Q + 2], nominal[_Q + 3] = after
 
 
-@kernel("void(float64[:, ::1], float64[:, ::1], float64[::1], float64[:, ::1])")
-def predict_covariance(p: Float, phi: Float, settings: Float, work: Float) -> None:
-    """Replace P by Phi P Phi^T + Q."""
+@kernel("void(float64[:, ::1], float64[:, ::1], float64[::1], float64[::1], float64[::1], float64[:, ::1])")
+def predict_covariance(p: Float, phi: Float, before: Float, now: Float, settings: Float, work: Float) -> None:
+    """Replace P by Phi P Phi^T + Q; the noisier of both samples counts."""
     t = settings[_T]
     # Phi is mostly zero and `multiply` passes zeros over: Phi (Phi P)^T, for P is symmetric.
     matrix_multiply(phi, p, work)
@@ -125,7 +125,8 @@ def predict_covariance(p: Float, phi: Float, settings: Float, work: Float) -> No
         for j in range(i):
             work[i, j], work[j, i] = work[j, i], work[i, j]
     matrix_multiply(phi, work, p)
-    force, rate = settings[_FORCE] ** 2, settings[_RATE] ** 2
+    force = (settings[_FORCE] * max(before[at.FORCE_NOISE], now[at.FORCE_NOISE])) ** 2
+    rate = (settings[_RATE] * max(before[at.RATE_NOISE], now[at.RATE_NOISE])) ** 2
     for i in range(3):
         p[_EP + i, _EP + i] += force * t**4 / 4.0
         p[_EP + i, _EV + i] += force * t**3 / 2.0
@@ -278,7 +279,7 @@ def run(
         if math.isfinite(memory[_GYR]):
             predict_state(nominal, memory, row, settings, phi)
             doubt_heading(phi, p, settings)
-            predict_covariance(p, phi, settings, work)
+            predict_covariance(p, phi, memory, row, settings, work)
         out[k, _O_NIS], out[k, _O_STATE], out[k, _O_GROWTH] = math.nan, _COASTED, 1.0
         memory[_COASTING] += 1.0
         if math.isfinite(row[_MARKER] + row[_MARKER + 1] + row[_MARKER + 2]):
@@ -345,7 +346,7 @@ def backward(
             for i in range(n):
                 for j in range(n):
                     prior[i, j] = p[i, j]
-            predict_covariance(prior, phi, settings, work)
+            predict_covariance(prior, phi, samples[k], samples[k + 1], settings, work)
             # gain = P Phi^T = (Phi P)^T
             matrix_multiply(phi, p, work)
             for i in range(n):

@@ -6,9 +6,10 @@ NOMINAL = 19
 # Errors, true minus estimate: position, velocity, attitude in the laboratory frame, biases, lever arm.
 E_POSITION, E_VELOCITY, E_ATTITUDE, E_FORCE, E_RATE, E_LEVER = 0, 3, 6, 9, 12, 15
 ERRORS = 18
-# A sample: gyroscope, accelerometer, marker, and by how much the marker's frame is later than the tick.
-GYROSCOPE, ACCELEROMETER, MARKER, DELAY = 0, 3, 6, 9
-SAMPLE = 10
+# A sample: gyroscope, accelerometer, marker, by how much the marker's frame is later than the tick, and how many times
+# noisier than assumed the rate and the force are.
+GYROSCOPE, ACCELEROMETER, MARKER, DELAY, RATE_NOISE, FORCE_NOISE = 0, 3, 6, 9, 10, 11
+SAMPLE = 12
 # Memory: the last sample, markers shut out in a row, ticks since one was taken.
 STREAK, COASTING = SAMPLE, SAMPLE + 1
 MEMORY = SAMPLE + 2

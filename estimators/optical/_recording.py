@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 from estimators import rotation
 from estimators.errors import ComparisonError, ShapeError
 from estimators.optical._alignment import Alignment, align_cluster, align_markers
+from estimators.optical._bridging import bridging_noise
 from estimators.optical._contract import OpticalResult, Provenance
+from estimators.optical._contradictions import check_mapping, check_result, explain
 from estimators.optical._fusion import OpticalInertialFilter
 from estimators.optical._gaps import Gap, fill_by_spline, gap_report
 from estimators.optical._stretch import GapCheck, Stretch, check_gaps, onto_ticks, prepare
@@ -18,6 +20,7 @@ from estimators.recording import Float
 
 _ROUNDS = 6
 _SAME_CLOCK_S = 5e-5
+_FIRST_CORRELATION = 0.5
 # Frames in a row that a sound filter does not shut out: ghosts are single.
 _STREAK = 5
 _WALKS = (10.0, 100.0, 300.0, 1000.0, 3000.0)
@@ -57,6 +60,8 @@ class OpticalFusion:
     frame_count, used_count, rejected_count : int
     reasons : tuple of str
         What was left out, in words.
+    bridged_count : int
+        Ticks whose samples were interpolated over lost packets.
     """
 
     first_tick: int
@@ -78,6 +83,7 @@ class OpticalFusion:
     used_count: int
     rejected_count: int
     reasons: tuple[str, ...]
+    bridged_count: int
 
 
 def fuse_markers(
@@ -91,6 +97,7 @@ def fuse_markers(
     lever_arm_m: Float | None = None,
     cluster_m: Float | None = None,
     largest_offset_s: float | None = None,
+    bridged: NDArray[np.bool_] | None = None,
     gap_checks: bool = True,
 ) -> OpticalFusion:
     """Fuse a marker with the module near it.
@@ -112,6 +119,8 @@ def fuse_markers(
         Three or more markers on the same rigid body: clocks can then be aligned by the angular rate too.
     largest_offset_s : float, optional
         How far the clocks can be apart; anything by default.
+    bridged : ndarray of bool, shape (K,), optional
+        Samples that were interpolated over lost packets: they count as noisier, by what such a line misses elsewhere.
     gap_checks : bool
         Also hide seen markers and measure how well they are filled.
 
@@ -119,6 +128,8 @@ def fuse_markers(
     ------
     ComparisonError
         The streams do not show the same movement, or too little of it; the message says what to do.
+    ContradictionError
+        They do, but the markers are mirrored, have another axis up or another unit, or too much of them does not fit.
     """
     camera_time_s, marker_m = np.asarray(camera_time_s, np.float64), np.asarray(marker_m, np.float64)
     count = len(gyroscope_radps)
@@ -126,23 +137,23 @@ def fuse_markers(
     if accelerometer_mps2.shape != (count, 3) or gyroscope_radps.shape != (count, 3):
         raise ShapeError(f"gyroscope and accelerometer both need shape ({count}, 3)")
     samples = gyroscope_radps, accelerometer_mps2
-    found = _best_alignment(
-        camera_time_s, marker_m, ticks, *samples, cluster_m, largest_offset_s, lever_arm_m
-    )
-    attitudes: dict[tuple[int, int], tuple[Float, Float]] = {}
-    for _ in range(_ROUNDS):
-        at = found.inertial_time(camera_time_s)
-        on_ticks, delay = onto_ticks(at, marker_m, time_step_s, count)
-        stretches, reasons = prepare(
-            *samples, time_step_s, on_ticks, delay, at, marker_m, parameters, lever_arm_m, attitudes
+    noise, told = _noise(*samples, time_step_s, bridged, parameters)
+    try:
+        found, stretches, reasons, on_ticks, delay = _matched(
+            camera_time_s,
+            marker_m,
+            time_step_s,
+            *samples,
+            parameters,
+            lever_arm_m,
+            cluster_m,
+            largest_offset_s,
+            noise,
         )
-        # The lever arm biases the clocks, and the clocks the lever arm.
-        arm, before = stretches[0].mounting.lever_arm_m, found
-        found = _best_alignment(camera_time_s, marker_m, ticks, *samples, cluster_m, largest_offset_s, arm)
-        # At both ends too: a drift may turn about a middle that stays.
-        ends = found.reference_s + 0.5 * found.overlap_s * np.array([-1.0, 1.0])
-        if np.abs(found.camera_time(ends) - before.camera_time(ends)).max() < _SAME_CLOCK_S:
-            break
+    except ComparisonError as error:
+        why = explain(camera_time_s, marker_m, time_step_s, *samples, largest_offset_s, lever_arm_m)
+        raise (why or error) from error
+    reasons += told
     first = stretches[0].first
     spacing = max(float(np.median(np.diff(camera_time_s))), 0.7 * time_step_s)
     results = [stretch.smoothed() for stretch in stretches]
@@ -169,7 +180,9 @@ def fuse_markers(
     # What the clocks may be apart moves a marker along its path.
     clocks = np.hypot(found.offset_sigma_s, (ticks[part] - found.reference_s)[:, None] * found.drift_sigma)
     result, filtered = _with_clocks(result, clocks), _with_clocks(filtered, clocks)
+    residual = on_ticks[part] - there
     last = results[0].lever_arm_m[-1], results[0].lever_arm_sigma_m[-1]
+    check_result(residual, result.provenance, last[0], lever_arm_m is not None)
     accepted = result.provenance == Provenance.MEASURED
     return OpticalFusion(
         first,
@@ -178,7 +191,7 @@ def fuse_markers(
         result,
         filtered,
         on_ticks[part],
-        on_ticks[part] - there,
+        residual,
         fill_by_spline(on_ticks[part], time_step_s),
         # Between two frames of slow cameras there is no gap.
         [gap for gap in gap_report(result, time_step_s) if gap.length_s > 1.6 * spacing],
@@ -192,7 +205,69 @@ def fuse_markers(
         int(np.isin(result.provenance, (Provenance.MEASURED, Provenance.RECOVERED)).sum()),
         int((result.provenance == Provenance.REJECTED).sum()),
         tuple(reasons),
+        0 if bridged is None else int(bridged[part].sum()),
     )
+
+
+def _matched(
+    camera_time_s: Float,
+    marker_m: Float,
+    step: float,
+    gyroscope: Float,
+    accelerometer: Float,
+    parameters: Mapping[str, Any] | None,
+    lever: Float | None,
+    cluster: Float | None,
+    largest: float | None,
+    noise: Float | None,
+) -> tuple[Alignment, list[Stretch], list[str], Float, Float]:
+    """Return the clocks, what can be fused, what cannot and why, the frames on ticks and their delays."""
+    count = len(gyroscope)
+    ticks = np.arange(count, dtype=np.float64) * step
+    samples = gyroscope, accelerometer
+    # A far marker on a limb that turns is recognised only with its lever arm.
+    found = _best_alignment(
+        camera_time_s, marker_m, ticks, *samples, cluster, largest, lever, _FIRST_CORRELATION
+    )
+    attitudes: dict[tuple[int, int], tuple[Float, Float]] = {}
+    for _ in range(_ROUNDS):
+        at = found.inertial_time(camera_time_s)
+        on_ticks, delay = onto_ticks(at, marker_m, step, count)
+        stretches, reasons = prepare(
+            *samples, step, on_ticks, delay, at, marker_m, parameters, lever, attitudes, noise
+        )
+        # The lever arm biases the clocks, and the clocks the lever arm.
+        arm, before = stretches[0].mounting.lever_arm_m, found
+        found = _best_alignment(camera_time_s, marker_m, ticks, *samples, cluster, largest, arm)
+        # At both ends too: a drift may turn about a middle that stays.
+        ends = found.reference_s + 0.5 * found.overlap_s * np.array([-1.0, 1.0])
+        if np.abs(found.camera_time(ends) - before.camera_time(ends)).max() < _SAME_CLOCK_S:
+            break
+    _require_credible(found)
+    for stretch in stretches:
+        check_mapping(stretch.accelerations(), step, lever)
+    return found, stretches, reasons, on_ticks, delay
+
+
+def _noise(
+    gyroscope: Float,
+    accelerometer: Float,
+    step: float,
+    bridged: NDArray[np.bool_] | None,
+    parameters: Mapping[str, Any] | None,
+) -> tuple[Float | None, list[str]]:
+    if bridged is None or not bridged.any():
+        return None, []
+    known = OpticalInertialFilter(step, parameters).parameters
+    both = [
+        bridging_noise(values, bridged, known[name], step)
+        for values, name in ((gyroscope, "rate_sigma_radps"), (accelerometer, "force_sigma_mps2"))
+    ]
+    words = (
+        f"{bridged.sum() * step:.2f} s of the sensor's samples, in {both[0][1]} pieces, were lost on the way and"
+        " interpolated; they count with raised noise."
+    )
+    return np.column_stack([noise for noise, _ in both]), [words]
 
 
 def _with_clocks(result: OpticalResult, apart_s: Float) -> OpticalResult:
@@ -209,18 +284,24 @@ def _best_alignment(
     cluster: Float | None,
     largest: float | None,
     arm: Float | None,
+    least: float | None = None,
 ) -> Alignment:
     found = align_markers(camera_time_s, marker_m, ticks, accelerometer, gyroscope, largest, arm)
     if cluster is not None:
         by_rate = align_cluster(camera_time_s, cluster, ticks, gyroscope, largest)
         if by_rate.is_credible and (not found.is_credible or by_rate.offset_sigma_s < found.offset_sigma_s):
             found = by_rate
+    if least is None or found.correlation < least:
+        _require_credible(found)
+    return found
+
+
+def _require_credible(found: Alignment) -> None:
     if not found.is_credible:
         raise ComparisonError(
             f"the markers do not fit this sensor: best correlation {found.correlation:.2f}, elsewhere"
             f" {found.rival:.2f}. Choose the sensor that wore the marker, or record some irregular movement"
         )
-    return found
 
 
 def _sigma_scale(results: list[OpticalResult]) -> float:

@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 
 from estimators import rotation
 from estimators.errors import ComparisonError
-from estimators.optical._attitude import Mounting, find_mounting, level_attitude, start_at
+from estimators.optical._alignment_signals import without_ghosts
+from estimators.optical._attitude import level_attitude
 from estimators.optical._contract import OpticalChunk, OpticalResult, OpticalStart
 from estimators.optical._fusion import OpticalInertialFilter, smooth_optical
 from estimators.optical._gaps import fill_by_spline
+from estimators.optical._mounting import Accelerations, Mounting, accelerations, find_mounting, start_at
 from estimators.recording import Float
 
 _LEAST_S = 3.0
@@ -58,6 +60,16 @@ class Stretch:
         """Fuse it, or the same with other markers."""
         chunk = self.chunk if chunk is None else chunk
         return smooth_optical(self._begun(chunk), self.parameters, self._start(chunk))
+
+    def accelerations(self) -> Accelerations:
+        """Return what the marker showed and the module felt."""
+        return accelerations(
+            self.chunk.accelerometer_mps2,
+            self.mounting.q_room_sensor,
+            self.chunk.time_step_s,
+            self.camera_time_s,
+            self.camera_marker_m,
+        )
 
     def filtered(self) -> OpticalResult:
         """Fuse it forward only: what was known at each tick of the samples and markers up to it."""
@@ -105,6 +117,7 @@ def prepare(
     parameters: Mapping[str, Any] | None,
     lever: Float | None,
     attitudes: dict[tuple[int, int], tuple[Float, Float]],
+    noise: Float | None = None,
 ) -> tuple[list[Stretch], list[str]]:
     """Return what can be fused, and of the rest why not; attitudes of stretches are remembered for a next time."""
     seen = np.flatnonzero(np.isfinite(on_ticks).all(axis=1))
@@ -113,7 +126,15 @@ def prepare(
     stretches, reasons = [], []
     for first, stop in _stretches(gyroscope, accelerometer, int(seen[0]), int(seen[-1]) + 1):
         part = slice(first, stop)
-        chunk = OpticalChunk(0, step, gyroscope[part], accelerometer[part], on_ticks[part], delay[part])
+        chunk = OpticalChunk(
+            0,
+            step,
+            gyroscope[part],
+            accelerometer[part],
+            on_ticks[part],
+            delay[part],
+            None if noise is None else noise[part],
+        )
         try:
             stretches.append(_prepared(first, chunk, at, marker, parameters, lever, attitudes))
         except ComparisonError as error:
@@ -138,7 +159,8 @@ def _prepared(
         raise ComparisonError(f"less than {_LEAST_S:.0f} s of samples in a row")
     time = camera_inertial_s - first * step
     inside = (time >= 0.0) & (time <= (count - 1) * step)
-    time, marker = time[inside], marker_m[inside]
+    # One ghost near the start would throw the filter far off.
+    time, marker = time[inside], without_ghosts(marker_m[inside])
     key = first, first + count
     if key not in attitudes:
         attitudes[key] = level_attitude(chunk.gyroscope_radps, chunk.accelerometer_mps2, step)

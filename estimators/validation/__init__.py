@@ -54,6 +54,7 @@ from estimators.validation._optical import OPTICAL_GAIT, OPTICAL_GAPS, OPTICAL_R
 from estimators.validation._optical_checks import OPTICAL_NOISE_CHECKS
 from estimators.validation._optical_checks_innovation import OPTICAL_INNOVATION_CHECKS
 from estimators.validation._optical_recording import OPTICAL_CONSISTENCY, OPTICAL_RECORDING
+from estimators.validation._optical_refusal import OPTICAL_REFUSAL
 from estimators.validation._protocol import (
     Curve,
     Data,
@@ -156,6 +157,7 @@ _PROTOCOLS = (
     OPTICAL_CONSISTENCY,
     OPTICAL_NOISE_CHECKS,
     OPTICAL_INNOVATION_CHECKS,
+    OPTICAL_REFUSAL,
     ARM_RECORDING,
     BROAD,
     BROAD_CONDITIONS,

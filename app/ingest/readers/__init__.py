@@ -13,9 +13,9 @@ from app.ingest.readers._csv import read_csv
 from app.ingest.readers._gait_tracking import read_gait_tracking
 from app.ingest.readers._gaitmap import read_gaitmap
 from app.ingest.readers._instrumented_shoe import read_instrumented_shoe, write_instrumented_shoe
-from app.ingest.readers._markers import MarkerTracks, read_markers
+from app.ingest.readers._markers import METRES, MarkerTracks, read_markers
 from app.ingest.readers._mat import variables
-from app.ingest.readers._packet_log import LogReader, read_packet_log
+from app.ingest.readers._packet_log import LogReader, read_packet_log, read_ticks
 from app.ingest.readers._packets import RecordingPackets, packets_of
 from app.ingest.readers._pyshoe import read_pyshoe
 from app.ingest.readers._qmt import PLACEMENT_OF, read_qmt
@@ -105,6 +105,7 @@ def guess(path: Path) -> str:
 
 __all__ = [
     "FORMATS",
+    "METRES",
     "PLACEMENT_OF",
     "C3dPoints",
     "LogReader",
@@ -123,5 +124,6 @@ __all__ = [
     "read_packet_log",
     "read_pyshoe",
     "read_qmt",
+    "read_ticks",
     "write_instrumented_shoe",
 ]

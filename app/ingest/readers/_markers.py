@@ -11,19 +11,12 @@ from app.ingest.readers._c3d import read_c3d
 from app.ingest.readers._csv import MAX_LINE_BYTES, read_columns
 from app.ingest.readers._time import HIGHEST_HZ, LOWEST_HZ, seconds_of
 from app.recordings.marker_schemas import MarkerFileIn
+from estimators.optical import TURNS
 from estimators.recording import Float
 
-_METRES: Final = {"m": 1.0, "mm": 1e-3}
+METRES: Final = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "inch": 0.0254}
+"""Units that a CSV file can be declared in."""
 _FARTHEST_M: Final = 100.0
-# Rows are the new x, y and z in the axes of the file: right-handed, z where `up` says.
-_TURNS: Final = {
-    "z": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
-    "y": ((1, 0, 0), (0, 0, -1), (0, 1, 0)),
-    "x": ((0, 1, 0), (0, 0, 1), (1, 0, 0)),
-    "-z": ((1, 0, 0), (0, -1, 0), (0, 0, -1)),
-    "-y": ((1, 0, 0), (0, 0, 1), (0, -1, 0)),
-    "-x": ((0, 1, 0), (0, 0, -1), (-1, 0, 0)),
-}
 
 
 @dataclass(frozen=True)
@@ -78,12 +71,12 @@ def read_markers(path: Path, declared: MarkerFileIn) -> MarkerTracks:
     far = float(np.nanmax(np.abs(position)))
     if far > _FARTHEST_M:
         advice = (
-            " It looks like mm; declare that unit."
+            " It looks like mm, or cm; declare that unit."
             if declared.format == "csv" and declared.unit == "m"
             else ""
         )
         raise RecordingFormatError(f"A marker is {far:.0f} m from the origin, which cannot be.{advice}")
-    turn = np.array(_TURNS[declared.up], dtype=np.float64)
+    turn = np.array(TURNS[declared.up], dtype=np.float64)
     return MarkerTracks(names, time_s, position @ turn.T)
 
 
@@ -127,7 +120,7 @@ def _read_csv(path: Path, declared: MarkerFileIn) -> tuple[tuple[str, ...], Floa
             )
     # A hidden marker is empty, NaN, or all three zero.
     position = np.where((position == 0.0).all(axis=-1, keepdims=True), np.nan, position)
-    return names, time_s, position * _METRES[declared.unit]
+    return names, time_s, position * METRES[declared.unit]
 
 
-__all__ = ["MarkerTracks", "read_markers"]
+__all__ = ["METRES", "MarkerTracks", "read_markers"]

@@ -134,6 +134,11 @@ def test_what_cannot_be_fused_is_told_and_kept(
     (found,) = therapist.get(f"/api/sessions/{session_id}/markers").json()
     assert found["report"] is None
     assert found["message"] == done.message
+    answer = send(therapist, session_id, marker_csv(scene), unit="cm")
+    done = run_job(engine, settings, answer.json()["id"], fuse)
+    assert done is not None
+    assert done.status == "failed"
+    assert "look like mm, not cm: choose that unit" in done.message
     assert found["file_bytes"] > 10_000
     with unit_of_work(engine) as session:
         session.get_one(MotionSession, session_id).state = "recording"

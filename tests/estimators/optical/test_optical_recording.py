@@ -5,7 +5,7 @@ import pytest
 from scipy.interpolate import make_interp_spline
 
 from estimators import rotation
-from estimators.errors import ComparisonError
+from estimators.errors import ComparisonError, ContradictionError
 from estimators.optical import align_cluster, align_markers, fill_by_spline, fuse_markers
 from estimators.validation._optical_recording import OPTICAL_RECORDING
 from estimators.validation._optical_scenes import PARAMETERS, STEP_S, Scene, free_motion
@@ -110,6 +110,41 @@ def test_slow_cameras_and_missing_samples_are_lived_with(scene: Scene) -> None:
     hole = slice(1200 - found.first_tick, 1240 - found.first_tick)
     assert np.isnan(error[hole]).all()
     assert np.sqrt(np.nanmean(error**2)) < 0.002
+
+
+def test_bridged_samples_count_as_noisier(scene: Scene) -> None:
+    camera_s, cluster, _ = cameras(scene, 60.0)
+    gyroscope, accelerometer = scene.chunk.gyroscope_radps.copy(), scene.chunk.accelerometer_mps2.copy()
+    bridged = np.zeros(len(gyroscope), dtype=np.bool_)
+    for start in range(900, 2000, 100):
+        part = slice(start, start + 18)
+        bridged[part] = True
+        for values in (gyroscope, accelerometer):
+            values[part] = np.linspace(values[start - 1], values[start + 18], 20)[1:-1]
+    marker = cluster[:, 0]
+    marker[(camera_s > OFFSET_S + 11.9) & (camera_s < OFFSET_S + 12.3)] = np.nan
+    found = fuse_markers(
+        camera_s,
+        marker,
+        STEP_S,
+        gyroscope,
+        accelerometer,
+        parameters=PARAMETERS,
+        bridged=bridged,
+        gap_checks=False,
+    )
+    assert found.bridged_count == bridged[found.first_tick :].sum()
+    assert any("in 11 pieces, were lost" in reason for reason in found.reasons)
+    part = slice(found.first_tick, found.first_tick + len(found.marker_m))
+    error = found.result.position_m - rotation.rotate(rotation.about_z(2.0), scene.position_m[part])
+    lost = bridged[part]
+    assert np.mean((error[lost] / found.result.position_sigma_m[lost]) ** 2) < 2.0
+    assert np.sqrt(np.nanmean(error**2)) < 0.001
+    # Taken as measured, the filter is so sure of them that it shuts a third of the frames out.
+    with pytest.raises(ContradictionError):
+        fuse_markers(
+            camera_s, marker, STEP_S, gyroscope, accelerometer, parameters=PARAMETERS, gap_checks=False
+        )
 
 
 def test_the_wrong_sensor_is_refused(scene: Scene) -> None:

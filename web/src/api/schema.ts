@@ -2607,6 +2607,11 @@ export interface components {
              * @enum {string}
              */
             aligned_by: "acceleration" | "rate";
+            /**
+             * Bridged S
+             * @default 0
+             */
+            bridged_s?: number;
             /** Checks */
             checks: components["schemas"]["MarkerGapCheck"][];
             /** Correlation */
@@ -2732,7 +2737,7 @@ export interface components {
              * @default mm
              * @enum {string}
              */
-            unit?: "m" | "mm";
+            unit?: "m" | "cm" | "mm" | "inch";
             /**
              * Up
              * @default z

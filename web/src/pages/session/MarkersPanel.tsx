@@ -13,6 +13,7 @@ import { t } from '../../i18n';
 import { placementLabel } from '../../lib/channels';
 import { dateTime, number } from '../../lib/format';
 
+const UNITS = ['mm', 'cm', 'm', 'inch'] as const;
 const UPS = ['z', 'y', 'x', '-z', '-y', '-x'] as const;
 const mm = (metres: number | null | undefined, digits = 1) => number(metres === null || metres === undefined ? null : metres * 1000, digits);
 
@@ -22,7 +23,7 @@ function Form({ session }: { session: SessionDetail }) {
   const [segment, setSegment] = useState<string | null>(session.placements[0] ?? null);
   const [marker, setMarker] = useState('');
   const [up, setUp] = useState<(typeof UPS)[number]>('z');
-  const [unit, setUnit] = useState<'mm' | 'm'>('mm');
+  const [unit, setUnit] = useState<(typeof UNITS)[number]>('mm');
   const [rate, setRate] = useState<number | null>(null);
   const refresh = () => client.invalidateQueries({ queryKey: keys.markers(session.id) });
   const send = useMutation({
@@ -64,7 +65,7 @@ function Form({ session }: { session: SessionDetail }) {
       <Select label={t('markers.up')} data={[...UPS]} value={up} onChange={(value) => setUp((value ?? 'z') as (typeof UPS)[number])} allowDeselect={false} />
       {isCsv && (
         <>
-          <Select label={t('markers.unit')} data={['mm', 'm']} value={unit} onChange={(value) => setUnit(value === 'm' ? 'm' : 'mm')} allowDeselect={false} />
+          <Select label={t('markers.unit')} data={[...UNITS]} value={unit} onChange={(value) => setUnit((value ?? 'mm') as (typeof UNITS)[number])} allowDeselect={false} />
           <NumberInput label={t('markers.rate')} description={t('markers.rateHelp')} value={rate ?? ''} min={1} max={10000} onChange={(value) => setRate(typeof value === 'number' ? value : null)} />
         </>
       )}
