@@ -9,7 +9,6 @@ from typing import Annotated
 
 import typer
 
-from app.commands.options_mass_centre import mass_centre
 from app.commands.words import (
     Bursts,
     Email,
@@ -30,9 +29,6 @@ cli = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=False,
 )
-
-
-cli.command("mass-centre")(mass_centre)
 
 
 @cli.command()
