@@ -10,9 +10,7 @@ from typing import Annotated
 import typer
 
 from app.commands.words import (
-    Bursts,
     Email,
-    LogFile,
     Mapping,
     OutFolder,
     Password,
@@ -146,8 +144,6 @@ def simulate(
             "--no-implants", help="Confirm that nobody near the source has a pacemaker or the like."
         ),
     ] = False,
-    bursts: Bursts = False,
-    to: LogFile = None,
 ) -> None:
     """Stream a simulated patient to a service over the real socket, in real time or faster.
 
@@ -160,17 +156,7 @@ def simulate(
 
         magnetic.simulate_relative(
             magnetic.RelativeOptions(
-                server,
-                email,
-                password,
-                patient,
-                relative,
-                seconds,
-                speed,
-                seed,
-                no_implants,
-                bursts=bursts,
-                log=to,
+                server, email, password, patient, relative, seconds, speed, seed, no_implants
             )
         )
         return
@@ -246,10 +232,7 @@ def process(
     recording: RecordingFile,
     out: OutFolder,
     pipeline: Annotated[
-        str,
-        typer.Option(
-            help="arm (joint angles), gait (feet and strides), orientation (single sensors) or magnetic_bursts."
-        ),
+        str, typer.Option(help="arm (joint angles), gait (feet and strides) or orientation (single sensors).")
     ] = "arm",
     orientation: Annotated[
         str, typer.Option(help="Orientation estimator, e.g. vqf; empty for the default.")
@@ -366,7 +349,7 @@ def fuse(
     up: Annotated[
         str, typer.Option(help="Axis of the laboratory that points up: x, y, z, -x, -y or -z.")
     ] = "z",
-    unit: Annotated[str, typer.Option(help="Of a CSV of markers: mm, cm, m or inch.")] = "mm",
+    unit: Annotated[str, typer.Option(help="Of a CSV of markers: mm or m.")] = "mm",
     marker_rate: Annotated[
         float | None, typer.Option(help="Frames a second of a CSV without a column time_s.")
     ] = None,
