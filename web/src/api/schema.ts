@@ -275,6 +275,52 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/magnetic-sources": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Sources
+         * @description Return the clinic's magnetic sources, for those who work there.
+         */
+        get: operations["list_sources_api_magnetic_sources_get"];
+        put?: never;
+        /**
+         * Keep Source
+         * @description Keep a source with typed coils, or those that `telemotion calibrate-source` wrote.
+         *
+         *     The same serial number replaces. Audited.
+         */
+        post: operations["keep_source_api_magnetic_sources_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/magnetic-sources/{source_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /**
+         * Retire Source
+         * @description Offer a source no longer; sessions keep the coils that they were recorded with.
+         */
+        delete: operations["retire_source_api_magnetic_sources__source_id__delete"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/me": {
         parameters: {
             query?: never;
@@ -901,10 +947,17 @@ export interface paths {
          * Confirm Safety
          * @description Confirm that neither the patient nor people close by wear a pacemaker or a similar implant.
          *
-         *     Needs the right to treat. Audited: who, when, for which session.
+         *     Needs the right to treat. Audited: who, when, for which session. Asked again after the hours of the setting
+         *     `TELEMOTION_IMPLANT_CONFIRMATION_HOURS`; `DELETE` takes it back.
          */
         post: operations["confirm_safety_api_sessions__session_id__magnetic_safety_post"];
-        delete?: never;
+        /**
+         * Withdraw Safety
+         * @description Take back that nobody has an implant: the source is stopped at once and may not fire until it is confirmed anew.
+         *
+         *     Needs the right to treat. Audited. The sensors go on streaming, without the source.
+         */
+        delete: operations["withdraw_safety_api_sessions__session_id__magnetic_safety_delete"];
         options?: never;
         head?: never;
         patch?: never;
@@ -1129,6 +1182,46 @@ export interface paths {
          * @description Return a joint in another rotation sequence, with its distance to the singularity.
          */
         get: operations["get_sequence_api_sessions__session_id__sequences_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session_id}/source-calibration": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Calibrate Source
+         * @description Find the coils of a source from a session in which the sensor was laid at measured places, and keep them.
+         */
+        post: operations["calibrate_source_api_sessions__session_id__source_calibration_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session_id}/source-stops": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Find Stops
+         * @description Return where the sensor lay still in a magnetic session, for a calibration; needs the right to treat.
+         */
+        get: operations["find_stops_api_sessions__session_id__source_stops_get"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1868,6 +1961,49 @@ export interface components {
             trend_low: number[];
         };
         /**
+         * CoilIn
+         * @description One coil in the frame of its module; see `estimators.magnetic.Coil`.
+         */
+        CoilIn: {
+            /** Axis */
+            axis: [
+                number,
+                number,
+                number
+            ];
+            /** Centre M */
+            centre_m: [
+                number,
+                number,
+                number
+            ];
+            /**
+             * Depth M
+             * @default 0
+             */
+            depth_m?: number;
+            /**
+             * Layers
+             * @default [
+             *       1,
+             *       1
+             *     ]
+             */
+            layers?: [
+                number,
+                number
+            ];
+            /**
+             * Length M
+             * @default 0
+             */
+            length_m?: number;
+            /** Radius M */
+            radius_m: number;
+            /** Turns */
+            turns: number;
+        };
+        /**
          * ComparisonDetail
          * @description A comparison with everything a page draws.
          */
@@ -2504,12 +2640,18 @@ export interface components {
          * @description Whether a session may let its source fire.
          */
         MagneticSafetyOut: {
+            /** Calibrated On */
+            calibrated_on: string;
             /** Confirmed */
             confirmed: boolean;
             /** Confirmed At */
             confirmed_at: string | null;
             /** Confirmed By */
             confirmed_by: string | null;
+            /** Expires At */
+            expires_at: string | null;
+            /** Gain Sigma */
+            gain_sigma: number | null;
             /** Keep Away M */
             keep_away_m: number | null;
             /** Limit T */
@@ -2518,8 +2660,77 @@ export interface components {
             required: boolean;
             /** Source */
             source: string | null;
+            /** Source Name */
+            source_name: string;
+            /** Source Serial */
+            source_serial: string;
             /** Warning */
             warning: string;
+            /** Withdrawn At */
+            withdrawn_at: string | null;
+            /** Withdrawn By */
+            withdrawn_by: string | null;
+        };
+        /**
+         * MagneticSourceIn
+         * @description A source as somebody typed it or `telemotion calibrate-source` wrote it. The same serial number replaces.
+         */
+        MagneticSourceIn: {
+            /** Calibrated At */
+            calibrated_at?: string | null;
+            /** Coils */
+            coils: components["schemas"]["CoilIn"][];
+            /**
+             * Current Limit A
+             * @default 1.5
+             */
+            current_limit_a?: number;
+            found?: components["schemas"]["SourceFindings"];
+            /** Gain Sigma */
+            gain_sigma: number;
+            /**
+             * Method
+             * @default typed
+             * @enum {string}
+             */
+            method?: "file" | "typed";
+            /** Name */
+            name: string;
+            /** Serial */
+            serial: string;
+        };
+        /**
+         * MagneticSourceOut
+         * @description A source of the clinic.
+         */
+        MagneticSourceOut: {
+            /**
+             * Calibrated At
+             * Format: date-time
+             */
+            calibrated_at: string;
+            /** Calibrated By */
+            calibrated_by: string | null;
+            /** Coils */
+            coils: components["schemas"]["CoilIn"][];
+            /** Current Limit A */
+            current_limit_a: number;
+            found: components["schemas"]["SourceFindings"];
+            /** Gain Sigma */
+            gain_sigma: number;
+            /** Id */
+            id: string;
+            /**
+             * Method
+             * @enum {string}
+             */
+            method: "session" | "file" | "typed";
+            /** Name */
+            name: string;
+            /** Serial */
+            serial: string;
+            /** Session Id */
+            session_id: string | null;
         };
         /**
          * MarkerCurves
@@ -3491,6 +3702,8 @@ export interface components {
             exercise_id?: string | null;
             /** Feet Apart M */
             feet_apart_m?: number | null;
+            /** Magnetic Source Id */
+            magnetic_source_id?: string | null;
             /**
              * Orientation
              * @default telemotion
@@ -3588,6 +3801,85 @@ export interface components {
             email: string;
             /** Password */
             password: string;
+        };
+        /**
+         * SourceCalibrationIn
+         * @description Where the sensor lay, stop by stop.
+         */
+        SourceCalibrationIn: {
+            /** Name */
+            name: string;
+            /**
+             * Place Sigma M
+             * @default 0.001
+             */
+            place_sigma_m?: number;
+            /** Positions M */
+            positions_m: ([
+                number,
+                number,
+                number
+            ] | null)[];
+            /** Sensor */
+            sensor?: ("head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right" | "heel_left" | "forefoot_left" | "heel_right" | "forefoot_right") | null;
+            /** Serial */
+            serial: string;
+        };
+        /**
+         * SourceFindings
+         * @description What a calibration said of itself; one number a coil where there are lists.
+         */
+        SourceFindings: {
+            /** Direction Sigma Rad */
+            direction_sigma_rad?: number[];
+            /** Moment Sigma */
+            moment_sigma?: number[];
+            /** Place Residual M */
+            place_residual_m?: number | null;
+            /** Place Sigma M */
+            place_sigma_m?: number[];
+            /** Places */
+            places?: number | null;
+            /** Residual T */
+            residual_t?: number | null;
+        };
+        /**
+         * SourceStopOut
+         * @description A stretch of a bench session in which the sensor lay still while every coil fired.
+         */
+        SourceStopOut: {
+            /** End S */
+            end_s: number;
+            /** Position M */
+            position_m: [
+                number,
+                number,
+                number
+            ] | null;
+            /** Pulses */
+            pulses: number[];
+            /** Start S */
+            start_s: number;
+            /** Strength T */
+            strength_t: number[];
+        };
+        /**
+         * SourceStopsOut
+         * @description What a magnetic session holds of a bench.
+         */
+        SourceStopsOut: {
+            /**
+             * Sensor
+             * @enum {string}
+             */
+            sensor: "head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right" | "heel_left" | "forefoot_left" | "heel_right" | "forefoot_right";
+            /**
+             * Source
+             * @enum {string}
+             */
+            source: "head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right" | "heel_left" | "forefoot_left" | "heel_right" | "forefoot_right";
+            /** Stops */
+            stops: components["schemas"]["SourceStopOut"][];
         };
         /**
          * SourceUseOut
@@ -3938,6 +4230,11 @@ export interface components {
              * @enum {string}
              */
             purpose?: "exercise" | "template";
+            /**
+             * With Legs
+             * @default false
+             */
+            with_legs?: boolean;
         };
         /** ValidationError */
         ValidationError: {
@@ -4458,6 +4755,88 @@ export interface operations {
                 content: {
                     "application/json": components["schemas"]["JobOut"];
                 };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+        };
+    };
+    list_sources_api_magnetic_sources_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MagneticSourceOut"][];
+                };
+            };
+        };
+    };
+    keep_source_api_magnetic_sources_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["MagneticSourceIn"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MagneticSourceOut"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+        };
+    };
+    retire_source_api_magnetic_sources__source_id__delete: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                source_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
             };
             /** @description Validation Error */
             422: {
@@ -5706,6 +6085,37 @@ export interface operations {
             };
         };
     };
+    withdraw_safety_api_sessions__session_id__magnetic_safety_delete: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MagneticSafetyOut"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+        };
+    };
     mark_api_sessions__session_id__mark_post: {
         parameters: {
             query?: never;
@@ -6105,6 +6515,74 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["SequenceOut"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+        };
+    };
+    calibrate_source_api_sessions__session_id__source_calibration_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SourceCalibrationIn"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MagneticSourceOut"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+        };
+    };
+    find_stops_api_sessions__session_id__source_stops_get: {
+        parameters: {
+            query?: {
+                sensor?: ("head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right" | "heel_left" | "forefoot_left" | "heel_right" | "forefoot_right") | null;
+            };
+            header?: never;
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SourceStopsOut"];
                 };
             };
             /** @description Validation Error */
