@@ -10,7 +10,9 @@ from typing import Annotated
 import typer
 
 from app.commands.words import (
+    Bursts,
     Email,
+    LogFile,
     Mapping,
     OutFolder,
     Password,
@@ -144,6 +146,8 @@ def simulate(
             "--no-implants", help="Confirm that nobody near the source has a pacemaker or the like."
         ),
     ] = False,
+    bursts: Bursts = False,
+    to: LogFile = None,
 ) -> None:
     """Stream a simulated patient to a service over the real socket, in real time or faster.
 
@@ -156,7 +160,17 @@ def simulate(
 
         magnetic.simulate_relative(
             magnetic.RelativeOptions(
-                server, email, password, patient, relative, seconds, speed, seed, no_implants
+                server,
+                email,
+                password,
+                patient,
+                relative,
+                seconds,
+                speed,
+                seed,
+                no_implants,
+                bursts=bursts,
+                log=to,
             )
         )
         return
@@ -232,7 +246,10 @@ def process(
     recording: RecordingFile,
     out: OutFolder,
     pipeline: Annotated[
-        str, typer.Option(help="arm (joint angles), gait (feet and strides) or orientation (single sensors).")
+        str,
+        typer.Option(
+            help="arm (joint angles), gait (feet and strides), orientation (single sensors) or magnetic_bursts."
+        ),
     ] = "arm",
     orientation: Annotated[
         str, typer.Option(help="Orientation estimator, e.g. vqf; empty for the default.")

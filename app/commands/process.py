@@ -10,6 +10,7 @@ import pyarrow.csv
 import pyarrow.parquet
 import typer
 
+from app.commands.process_bursts import process_bursts
 from app.commands.process_walk import analyse, write_walk
 from app.errors import InvalidInput
 from app.ingest import readers
@@ -45,7 +46,7 @@ def process(
     out : Path
         Folder, made when absent.
     pipeline, orientation : str
-        Keys of the registries.
+        Keys of the registries, or `magnetic_bursts`: then see `process_bursts` for what is written.
     format : str
         `auto` goes by the file's ending and content.
     mapping : Path or None
@@ -66,6 +67,9 @@ def process(
     InvalidInput
         When a word is unknown, the file cannot be read as declared, or its readings are implausible.
     """
+    if pipeline == pipelines.BURSTS:
+        process_bursts(recording, out, format, rate, orientation, parameters)
+        return
     orientation = orientation or orientations.DEFAULT
     known = orientations.available(with_offline=True)
     if orientation not in known:

@@ -24,9 +24,21 @@ RecordingFormat = Annotated[
 Mapping = Annotated[
     Path | None, typer.Option(help="JSON file that says which CSV columns of the recording hold what.")
 ]
+Bursts = Annotated[
+    bool,
+    typer.Option(
+        "--bursts", help="The source of --relative fires three-coil bursts by itself, deaf to the service."
+    ),
+]
+LogFile = Annotated[
+    Path | None,
+    typer.Option("--to", help="With --bursts: write a packet log for `process`, without any service."),
+]
 
 __all__ = [
+    "Bursts",
     "Email",
+    "LogFile",
     "Mapping",
     "OutFolder",
     "Password",

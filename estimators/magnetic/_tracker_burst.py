@@ -98,11 +98,15 @@ class CarriedFix:
     velocity_effect : ndarray, shape (6, 3)
         By how much position (m, source axes) and orientation (rad, sensor axes) come out too large for each m/s that
         the velocity was larger than that.
+    coil_covariance : ndarray, shape (6, 6)
+        The part of the covariance of `fix` that the gain of the coils has: at the same place it is the same error in
+        every burst, and no mean makes it smaller.
     """
 
     fix: Fix
     velocity_mps: Float
     velocity_effect: Float
+    coil_covariance: Float
 
 
 def burst_path(
@@ -204,7 +208,8 @@ def locate_moving(
     """
     bounds = limits or TrackerLimits()
     spread = pulse_covariance(burst, signals.time_step_s, noise, bounds.gain_sigma)
-    sigma_t = float(np.sqrt(np.trace(pulse_covariance(burst, signals.time_step_s, noise)) / len(spread)))
+    noise_alone = pulse_covariance(burst, signals.time_step_s, noise)
+    sigma_t = float(np.sqrt(np.trace(noise_alone) / len(spread)))
     coil, current = np.array([p.coil for p in burst]), np.array([p.current_a for p in burst])
     pulses = np.stack([p.field_sensor_t for p in burst])
     velocity = np.array(velocity_mps, dtype=np.float64)
@@ -228,7 +233,7 @@ def locate_moving(
             start=(place, q),
         )
         if fix.flags & TrackerFlag.NO_SOLUTION:
-            return CarriedFix(fix, velocity, np.full((6, 3), np.nan))
+            return CarriedFix(fix, velocity, np.full((6, 3), np.nan), np.full((6, 6), np.nan))
         place, q = fix.position_m, fix.q_source_sensor
     assert fix is not None
     seen = predict(source, coil, current, place + moved, rotation.multiply(q, turned))
@@ -262,6 +267,7 @@ def locate_moving(
         ),
         velocity,
         np.asarray(gain @ by_velocity),
+        np.asarray(gain @ (spread - noise_alone) @ gain.T),
     )
 
 

@@ -16,6 +16,9 @@ from estimators.magnetic._tracker_burst import BurstNoise, CarriedFix, ModuleSig
 from estimators.magnetic._tracker_fusion import TrackerFusion, TrackerFusionChunk
 from estimators.recording import Float
 
+_SURE = 3.0
+"""Sigmas of dead reckoning that must be within the distance for it to choose between a place and its mirror image."""
+
 
 @dataclass(frozen=True)
 class FollowedBurst:
@@ -99,7 +102,8 @@ def follow_bursts(
         before = fusion.state()
         known = fusion.update(empty.ticks(tick, tick + 1))
         started = bool(known.valid[0])
-        place = known.position_m[0] if started else last
+        is_sure = started and (last is None or _tells_side(known.covariance[0], last))
+        place = known.position_m[0] if is_sure else last
         alone = _alone(source, burst, own, limits, direction if place is None else None, place)
         carried: CarriedFix | None = None
         if not alone.flags & TrackerFlag.NO_SOLUTION:
@@ -108,10 +112,11 @@ def follow_bursts(
             pose = (alone.position_m, alone.q_source_sensor)
             if started:
                 velocity, spread = _velocity(fusion, chunk.q_world_source[tick])
-                pose = (known.position_m[0], known.q_source_sensor[0])
+                pose = (known.position_m[0] if is_sure else alone.position_m, known.q_source_sensor[0])
             carried = locate_moving(source, burst, signals, tick, *pose, velocity, spread, own, limits)
         fusion.restore(before)
-        used = carried is not None and carried.fix.usable
+        # Below four times the noise what comes out is not spread as its covariance says.
+        used = carried is not None and carried.fix.usable and not carried.fix.flags & TrackerFlag.OUT_OF_RANGE
         if carried is not None and used:
             assert empty.fix_velocity_mps is not None
             assert empty.fix_velocity_effect is not None
@@ -122,6 +127,12 @@ def follow_bursts(
             empty.fix_velocity_effect[tick] = carried.velocity_effect
         found.append(FollowedBurst(tick, alone, carried, used))
     return empty, found
+
+
+def _tells_side(covariance: Float, last_position_m: Float) -> bool:
+    """Whether dead reckoning still tells on which side of the source the sensor is; else it is where it was."""
+    sigma = np.sqrt(np.linalg.eigvalsh(covariance[:3, :3])[-1])
+    return bool(_SURE * sigma < np.linalg.norm(last_position_m))
 
 
 def _velocity(fusion: TrackerFusion, q_world_source: Float) -> tuple[Float, Float]:

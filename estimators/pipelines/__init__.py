@@ -21,12 +21,19 @@ from estimators.pipelines._relative_smoothing import smooth_modules, with_module
 from estimators.pipelines._relative_source import NOMINAL_GAIN_SIGMA, SourceSettings, relative_source
 from estimators.pipelines._run import available, concatenate, create, find_pose, run, step_through
 from estimators.pipelines._shoes import ShoeWalk, analyse_shoes, has_shoes, with_shoes
-from estimators.pipelines._tracker_bursts import BURSTS, BurstAnalysis, analyse_bursts, angles_with_sigma
+from estimators.pipelines._tracker_bursts import (
+    BURST_ORIENTATION,
+    BURSTS,
+    BurstAnalysis,
+    analyse_bursts,
+    angles_with_sigma,
+)
 from estimators.pipelines._walk import Walk, analyse_walk
 
 __all__ = [
     "BALANCE_POINTS",
     "BURSTS",
+    "BURST_ORIENTATION",
     "FEET",
     "FORCE_STATES",
     "NOMINAL_GAIN_SIGMA",

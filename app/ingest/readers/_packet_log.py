@@ -17,7 +17,7 @@ from app.ingest.packet import Packet, decode_packet
 from app.recordings.chunks import RawPacket
 from app.recordings.packet_log import read_entries, read_head
 from app.recordings.ranges import SequenceRanges
-from estimators.recording import Recording, SampleQuality, SensorSignals
+from estimators.recording import ImuChunk, Recording, SampleQuality, SensorSignals
 
 
 @dataclass
@@ -86,8 +86,8 @@ def declaration_of(hello: dict[str, Any]) -> Declaration:
     return checked
 
 
-def read_packet_log(path: Path) -> Recording:
-    """Read a packet log on the common tick of its session; what was never measured is left out.
+def read_ticks(path: Path) -> tuple[ImuChunk, LogReader]:
+    """Read a packet log on the common tick of its session, coil states included.
 
     Raises
     ------
@@ -99,6 +99,18 @@ def read_packet_log(path: Path) -> Recording:
     chunk = align_all((packet for _, packet in packets), log.declaration)
     if chunk is None:
         raise RecordingFormatError("The log holds no sound packet.", damaged=log.damaged)
+    return chunk, log
+
+
+def read_packet_log(path: Path) -> Recording:
+    """Read a packet log on the common tick of its session; what was never measured is left out.
+
+    Raises
+    ------
+    RecordingFormatError
+        No log, cut off, or without a sound packet.
+    """
+    chunk, log = read_ticks(path)
     sensors = {}
     for index, placement in enumerate(log.declaration.placements):
         measured = (chunk.quality[index] & (SampleQuality.MISSING | SampleQuality.BRIDGED)) == 0
@@ -117,4 +129,4 @@ def read_packet_log(path: Path) -> Recording:
     )
 
 
-__all__ = ["LogReader", "declaration_of", "read_packet_log"]
+__all__ = ["LogReader", "declaration_of", "read_packet_log", "read_ticks"]
