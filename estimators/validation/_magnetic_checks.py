@@ -1,12 +1,13 @@
 """What the page on chapter 6 of Roetenberg asks for and no prototype had run: iron, bursts on demand, attitudes."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from estimators import rotation
-from estimators.magnetic import IronSphere, RelativeFlag, RelativePoseFilter
+from estimators.magnetic import IronSphere, RelativeFlag, RelativePoseFilter, smooth_tracker_fusion
 from estimators.orientation import create
 from estimators.recording import Float, ImuChunk
 from estimators.simulation.coils import (
@@ -20,6 +21,7 @@ from estimators.simulation.coils import (
 )
 from estimators.validation._magnetic_tracker import ERRORS, EXACT, track
 from estimators.validation._magnetic_tracker_fusion import FIXED_CYCLE, fuse, scores
+from estimators.validation._magnetic_tracker_loose import _PARAMETERS, loose
 from estimators.validation._protocol import Data, Figure, Protocol, Values
 
 _DURATION_S, _RATE_HZ, _FROM_S = 24.0, 120.0, 3.3
@@ -32,6 +34,9 @@ _MOVEMENTS = {
 }
 _ARM_SMOOTHED_MM, _ARM_FORWARD_MM = 5.0, 11.0
 """Limits of V3."""
+_FLEXION_MM = 4.8
+"""Limit of V2."""
+_CYCLES_S = (0.6, 1.2, 2.4)
 _IRON_S = (10.0, 13.0)
 _APPROACH_S, _NEAREST_M, _RECOVERY_S = 0.6, 0.15, 2.0
 _PULSES_A_SECOND = 5.0
@@ -140,6 +145,16 @@ def _adaptive(seed: int) -> tuple[float, float]:
     return fired / _PULSES_A_SECOND, scores(scene, result.position_m, result.q_source_sensor)[0]
 
 
+def _whole_bursts(seed: int, cycle_s: float) -> tuple[float, float]:
+    """Return smoothed and forward position (mm) of trunk flexion by whole bursts (method A) at a cycle."""
+    scene, chunk, _ = loose("flexion", seed, cycle_s)
+    smoothed, forward = smooth_tracker_fusion(chunk, _PARAMETERS)
+    return (
+        scores(scene, smoothed.position_m, smoothed.q_source_sensor)[0],
+        scores(scene, forward.position_m, forward.q_source_sensor)[0],
+    )
+
+
 _LEFT_OUT = ("position_limit_m", "attitude_limit_deg", "response_s")
 """What keeps the filter from asking."""
 
@@ -157,6 +172,18 @@ def _checks(seeds: Sequence[int], data: Data) -> Values:
         nis.append(float(fit.mean()))
     beside = [_beside_iron(seed) for seed in seeds]
     values |= {name: np.array([row[name] for row in beside]) for name in beside[0]}
+    cycles = {}
+    for cycle in _CYCLES_S:
+        smoothed, forward = np.array([_whole_bursts(seed, cycle) for seed in seeds]).T
+        cycles[cycle] = float(np.median(smoothed))
+        values[f"back, flexion, whole bursts every {cycle} s, smoothed position"] = smoothed
+        if cycle == _CYCLES_S[0]:
+            alone = [1e3 * _rms(track("flexion", seed)[1]) for seed in seeds]
+            values["back, flexion, whole bursts, forward over tracker alone, position"] = np.array(
+                [float(np.mean(forward / alone))]
+            )
+    growth = [cycles[late] / cycles[soon] for soon, late in pairwise(_CYCLES_S)]
+    values["error grows with the cycle, least"] = np.array([min(growth)])
     share, place = np.array([_adaptive(seed) for seed in seeds]).T
     mean_nis = np.array([float(np.mean(nis))])
     return values | {
@@ -184,6 +211,18 @@ def _figures() -> tuple[Figure, ...]:
         Figure("iron at 15 cm, told", "%", 100.0, at_most=False),
         Figure("iron at 15 cm, time told", "%"),
         Figure("iron at 15 cm, forward position from 2 s after", "mm", _ARM_FORWARD_MM, judged_by="median"),
+        *(
+            Figure(
+                f"back, flexion, whole bursts every {cycle} s, smoothed position",
+                "mm",
+                3.0 * _FLEXION_MM if cycle == _CYCLES_S[-1] else None,
+                # After 2.4 s a burst in twenty runs fits on the wrong side and is left out: dead reckoning for 4.8 s.
+                judged_by="median",
+            )
+            for cycle in _CYCLES_S
+        ),
+        Figure("error grows with the cycle, least", "1", 1.0, at_most=False),
+        Figure("back, flexion, whole bursts, forward over tracker alone, position", "1", 0.6),
         Figure("adaptive, pulses over those of the fixed cycle", "1", 0.7),
         Figure("adaptive, forward position", "mm", 1.2 * _ARM_FORWARD_MM, judged_by="median"),
         Figure("NIS of pulses, noise matched, at least", "1", 2.7, at_most=False),
@@ -194,11 +233,11 @@ def _figures() -> tuple[Figure, ...]:
 MAGNETIC_FUSION_CHECKS = Protocol(
     name="magnetic_fusion_checks",
     title="Bursts beside iron, on demand, and against the tracker alone",
-    source="Roetenberg 2006, 6.4, 6.5, 7.1; method page ch. 6, V7 to V9, V11, 4.4.7 (V9 and V11: no figures before)",
+    source="Roetenberg 2006, 6.4, 6.5, 7.1; method page ch. 6, V7 to V11, 4.4.7 (V9 to V11: no figures before)",
     what="Each movement against its own bursts solved alone. A steel sphere of 5 cm is brought to 15 cm beside the "
     "sensor of a raised arm for three seconds; two seconds after it has gone the filter must be as good as ever. "
     "The same arm with a 10 mm limit instead of the cycle. Orientation in the world by the filter of chapter 2, which "
-    "sees no pulses.",
+    "sees no pulses. Longer cycles by whole bursts (method A): single pulses are lost after 2.4 s of dead reckoning.",
     figures=_figures(),
     measure=_checks,
 )

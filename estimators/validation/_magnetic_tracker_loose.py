@@ -55,7 +55,9 @@ def _wandering(scene: RelativeScene, truth: Float, rng: np.random.Generator) -> 
     return rotation.multiply(truth, rotation.exp(error))
 
 
-def loose(movement: str, seed: int) -> tuple[RelativeScene, TrackerFusionChunk, list[FollowedBurst]]:
+def loose(
+    movement: str, seed: int, cycle_s: float = 0.6
+) -> tuple[RelativeScene, TrackerFusionChunk, list[FollowedBurst]]:
     """Return a movement, what the filter is given of it, and its bursts."""
     scene = relative_scene(EXACT, burst_motion(movement, 24.0, seed), 24.0, 120.0, ERRORS, seed)
     rng, count = np.random.default_rng([seed, 113]), len(scene.time_s)
@@ -67,7 +69,7 @@ def loose(movement: str, seed: int) -> tuple[RelativeScene, TrackerFusionChunk, 
         scene.source_gyroscope_radps - scene.source_gyroscope_radps[still].mean(axis=0),
         scene.source_accelerometer_mps2,
     )
-    field, state = fire_bursts(scene)
+    field, state = fire_bursts(scene, cycle_s=cycle_s)
     attitude = integrate_gyroscope(signals.gyroscope_radps, scene.time_step_s)
     q_sensor = rotation.multiply(scene.q_world_source, scene.q_source_sensor)
     chunk = TrackerFusionChunk(
