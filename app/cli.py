@@ -376,11 +376,13 @@ def fuse(
         typer.Option(help="From sensor to marker in sensor axes (m), if measured; default: found."),
     ] = None,
     largest_offset: Annotated[float | None, typer.Option(help="How far the clocks can be apart (s).")] = None,
+    lag: Annotated[float | None, typer.Option(help="Also tell what is known so many seconds later.")] = None,
 ) -> None:
     """Fuse a sensor with a marker of a camera system: gaps filled, motion at the rate of the sensor.
 
     Aligns the clocks by the movement; writes motion.csv (smoothed), filter.csv (what was known at each moment),
-    residuals.csv, gaps.csv and report.json. Markers in a CSV are columns NAME_x, NAME_y, NAME_z and time_s. Example:
+    lagged.csv (with --lag: a moment later), residuals.csv, gaps.csv and report.json. Markers in a CSV are columns
+    NAME_x, NAME_y, NAME_z and time_s. Example:
 
     telemotion fuse walk.tml walk.c3d --sensor foot_right --marker RHEE --out results
     """
@@ -388,21 +390,8 @@ def fuse(
 
     command.fuse(
         command.FuseOptions(
-            recording,
-            markers,
-            out,
-            sensor,
-            format,
-            mapping,
-            rate,
-            marker,
-            tuple(cluster or ()),
-            up,
-            unit,
-            marker_rate,
-            delimiter,
-            lever_arm,
-            largest_offset,
+            *(recording, markers, out, sensor, format, mapping, rate, marker, tuple(cluster or ())),
+            *(up, unit, marker_rate, delimiter, lever_arm, largest_offset, lag),
         )
     )
 

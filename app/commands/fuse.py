@@ -40,10 +40,11 @@ class FuseOptions:
     delimiter: str = ","
     lever_arm_m: tuple[float, float, float] | None = None
     largest_offset_s: float | None = None
+    lag_s: float | None = None
 
 
 def fuse(options: FuseOptions) -> None:
-    """Fuse and write `motion.csv`, `filter.csv`, `residuals.csv`, `gaps.csv` and `report.json`.
+    """Fuse and write `motion.csv`, `filter.csv`, `lagged.csv`, `residuals.csv`, `gaps.csv` and `report.json`.
 
     Raises
     ------
@@ -68,18 +69,21 @@ def fuse(options: FuseOptions) -> None:
     sensor = _sensor(measured, options.sensor)
     tracks = readers.read_markers(options.markers, declared)
     gyroscope, accelerometer, bridged, step_s, start_s = _samples(measured, sensor, options.rate_hz)
-    fusion, marker = fuse_tracks(tracks, declared, step_s, gyroscope, accelerometer, bridged)
+    fusion, marker = fuse_tracks(tracks, declared, step_s, gyroscope, accelerometer, bridged, options.lag_s)
     report = report_of(fusion, marker, start_s)
     ticks = np.arange(len(fusion.residual_m), dtype=np.float64)
     time_s = start_s + (fusion.first_tick + ticks) * step_s
     options.out.mkdir(parents=True, exist_ok=True)
-    for name, result in (("motion", fusion.result), ("filter", fusion.filtered)):
+    told = {"motion": fusion.result, "filter": fusion.filtered, "lagged": fusion.lagged}
+    for name, result in told.items():
+        if result is None:
+            continue
         _write_motion(options.out / f"{name}.csv", fusion, result, time_s)
     _write_residuals(options.out / "residuals.csv", fusion, time_s)
     _write_gaps(options.out / "gaps.csv", fusion, time_s)
     # The curves are there in full in the tables.
-    told = report.model_dump_json(indent=2, exclude={"curves"})
-    (options.out / "report.json").write_text(told + "\n", encoding="utf-8")
+    text = report.model_dump_json(indent=2, exclude={"curves"})
+    (options.out / "report.json").write_text(text + "\n", encoding="utf-8")
     _say(report, fusion, sensor, options.out)
 
 

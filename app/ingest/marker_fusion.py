@@ -31,6 +31,7 @@ def fuse_tracks(
     gyroscope_radps: Float,
     accelerometer_mps2: Float,
     bridged: NDArray[np.bool_] | None = None,
+    lag_s: float | None = None,
 ) -> tuple[OpticalFusion, str]:
     """Fuse the declared marker, or the one seen most, with a sensor; return its name too.
 
@@ -43,6 +44,8 @@ def fuse_tracks(
         Even ticks from time zero; NaN where nothing was measured.
     bridged : ndarray of bool, shape (K,), optional
         Samples that were interpolated over lost packets.
+    lag_s : float, optional
+        Also tell what a smoother so far behind would have told.
 
     Raises
     ------
@@ -61,6 +64,7 @@ def fuse_tracks(
             cluster_m=_cluster(tracks, declared),
             largest_offset_s=declared.largest_offset_s,
             bridged=bridged,
+            lag_s=lag_s,
         )
     except ContradictionError as error:
         field = "unit" if error.scale is not None else "up"

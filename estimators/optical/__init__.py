@@ -11,6 +11,7 @@ from estimators.optical._contract import (
 from estimators.optical._contradictions import TURNS
 from estimators.optical._fusion import OpticalInertialFilter, filter_and_smooth, smooth_optical
 from estimators.optical._gaps import WITHHELD_M, Gap, fill_by_spline, gap_report
+from estimators.optical._lag import FixedLagSmoother, smooth_with_lag
 from estimators.optical._recording import OpticalFusion, fuse_markers
 from estimators.optical._stretch import GapCheck
 
@@ -18,6 +19,7 @@ __all__ = [
     "TURNS",
     "WITHHELD_M",
     "Alignment",
+    "FixedLagSmoother",
     "Gap",
     "GapCheck",
     "OpticalChunk",
@@ -34,4 +36,5 @@ __all__ = [
     "fuse_markers",
     "gap_report",
     "smooth_optical",
+    "smooth_with_lag",
 ]

@@ -62,6 +62,8 @@ class OpticalFusion:
         What was left out, in words.
     bridged_count : int
         Ticks whose samples were interpolated over lost packets.
+    lagged : OpticalResult or None
+        Of `FixedLagSmoother`, when a lag was asked for: what was told one to two lags after each tick.
     """
 
     first_tick: int
@@ -84,6 +86,7 @@ class OpticalFusion:
     rejected_count: int
     reasons: tuple[str, ...]
     bridged_count: int
+    lagged: OpticalResult | None
 
 
 def fuse_markers(
@@ -98,6 +101,7 @@ def fuse_markers(
     cluster_m: Float | None = None,
     largest_offset_s: float | None = None,
     bridged: NDArray[np.bool_] | None = None,
+    lag_s: float | None = None,
     gap_checks: bool = True,
 ) -> OpticalFusion:
     """Fuse a marker with the module near it.
@@ -121,6 +125,8 @@ def fuse_markers(
         How far the clocks can be apart; anything by default.
     bridged : ndarray of bool, shape (K,), optional
         Samples that were interpolated over lost packets: they count as noisier, by what such a line misses elsewhere.
+    lag_s : float, optional
+        Also tell what a smoother so far behind would have told.
     gap_checks : bool
         Also hide seen markers and measure how well they are filled.
 
@@ -180,6 +186,10 @@ def fuse_markers(
     # What the clocks may be apart moves a marker along its path.
     clocks = np.hypot(found.offset_sigma_s, (ticks[part] - found.reference_s)[:, None] * found.drift_sigma)
     result, filtered = _with_clocks(result, clocks), _with_clocks(filtered, clocks)
+    lagged = None
+    if lag_s is not None:
+        behind = _joined(stretches, [stretch.lagged(lag_s) for stretch in stretches], first, total)
+        lagged = _with_clocks(behind, clocks)
     residual = on_ticks[part] - there
     last = results[0].lever_arm_m[-1], results[0].lever_arm_sigma_m[-1]
     check_result(residual, result.provenance, last[0], lever_arm_m is not None)
@@ -206,6 +216,7 @@ def fuse_markers(
         int((result.provenance == Provenance.REJECTED).sum()),
         tuple(reasons),
         0 if bridged is None else int(bridged[part].sum()),
+        lagged,
     )
 
 

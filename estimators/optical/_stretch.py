@@ -14,6 +14,7 @@ from estimators.optical._attitude import level_attitude
 from estimators.optical._contract import OpticalChunk, OpticalResult, OpticalStart
 from estimators.optical._fusion import OpticalInertialFilter, smooth_optical
 from estimators.optical._gaps import fill_by_spline
+from estimators.optical._lag import smooth_with_lag
 from estimators.optical._mounting import Accelerations, Mounting, accelerations, find_mounting, start_at
 from estimators.recording import Float
 
@@ -78,6 +79,10 @@ class Stretch:
         if start is not None:
             live.begin(start)
         return live.update(self._begun(self.chunk))
+
+    def lagged(self, lag_s: float) -> OpticalResult:
+        """Fuse it as a smoother so far behind would have told it."""
+        return smooth_with_lag(self._begun(self.chunk), lag_s, self.parameters, self._start(self.chunk))
 
     def _begun(self, chunk: OpticalChunk) -> OpticalChunk:
         return replace(chunk.ticks(self.start_tick, len(chunk.marker_m)), first_tick=0)

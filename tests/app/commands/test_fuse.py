@@ -68,7 +68,7 @@ def test_motion_residuals_and_gaps_are_written(
     log, markers = files
     out = tmp_path / "out"
     done = CliRunner().invoke(
-        cli, ["fuse", str(log), str(markers), "--sensor", "hand_right", "--out", str(out)]
+        cli, ["fuse", str(log), str(markers), "--sensor", "hand_right", "--out", str(out), "--lag", "2"]
     )
     assert done.exit_code == 0, done.output
     smoothed, live = table(out / "motion.csv"), table(out / "filter.csv")
@@ -83,6 +83,8 @@ def test_motion_residuals_and_gaps_are_written(
     assert error[known].max() < 0.005
     # In the gap nothing but the smoother knows how it ends.
     assert error[hidden].max() < 0.5 * live_error[hidden].max()
+    lagged = np.linalg.norm(three(table(out / "lagged.csv"), "position") - scene.position_m[rows], axis=1)
+    assert lagged[hidden].max() < 0.6 * live_error[hidden].max()
     np.testing.assert_allclose(three(smoothed, "measured")[hidden], np.nan)
     acceleration = three(smoothed, "acceleration", "mps2") - scene.acceleration_mps2[rows]
     assert np.sqrt(np.nanmean(acceleration[known] ** 2)) < 0.05

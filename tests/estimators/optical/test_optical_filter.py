@@ -9,12 +9,14 @@ from estimators import rotation
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import SetupError, ShapeError
 from estimators.optical import (
+    FixedLagSmoother,
     OpticalChunk,
     OpticalInertialFilter,
     OpticalStart,
     Provenance,
     gap_report,
     smooth_optical,
+    smooth_with_lag,
 )
 from estimators.optical import _kernel as kernel
 from estimators.optical import _layout as at
@@ -71,6 +73,39 @@ def test_a_gap_is_filled_within_its_sigma_and_smoothing_closes_it(scene: Scene) 
     # Noise of the acceleration is that of the accelerometer, a four-hundredth of twice differentiated markers.
     off = smoothed.acceleration_mps2[400:] - scene.acceleration_mps2[400:]
     assert np.sqrt(np.mean(off**2)) < 0.05
+
+
+def test_a_fixed_lag_closes_gaps_that_the_filter_leaves_open(scene: Scene) -> None:
+    chunk = holed(scene)
+    live = OpticalInertialFilter(STEP_S, PARAMETERS).update(chunk)
+    behind = smooth_with_lag(chunk, 1.5, PARAMETERS)
+    assert len(behind.position_m) == len(live.position_m)
+    gap = slice(600, 700)
+    errors = [np.abs(one.position_m[gap] - scene.position_m[gap]).max() for one in (live, behind)]
+    assert errors[1] < 0.0015
+    assert errors[1] < 0.5 * errors[0]
+    # What has all later samples is the whole recording's smoother.
+    whole = FixedLagSmoother(STEP_S, 9.0, PARAMETERS)
+    assert len(whole.update(chunk).position_m) == 0
+    np.testing.assert_array_equal(whole.flush().position_m, smooth_optical(chunk, PARAMETERS).position_m)
+
+
+def test_a_fixed_lag_is_the_same_by_samples_by_chunks_and_restored(scene: Scene) -> None:
+    chunk = holed(scene).ticks(0, 700)
+    whole = smooth_with_lag(chunk, 0.5, PARAMETERS)
+    single = FixedLagSmoother(STEP_S, 0.5, PARAMETERS)
+    parts = [single.update(chunk.ticks(k, k + 1)) for k in range(260)]
+    # A tick is told when two lags have come, so that it has seen one at least.
+    assert [len(part.nis) for part in parts].index(50) == 99
+    moved = FixedLagSmoother(STEP_S, 0.5, PARAMETERS)
+    moved.restore({name: value.copy() for name, value in single.state().items()})
+    parts += [moved.update(chunk.ticks(a, b)) for a, b in pairwise([260, 417, 418, 700])]
+    parts.append(moved.flush())
+    for name in ("position_m", "position_sigma_m", "q_room_sensor", "provenance"):
+        joined = np.concatenate([getattr(part, name) for part in parts])
+        np.testing.assert_array_equal(joined, getattr(whole, name), err_msg=name)
+    with pytest.raises(SetupError, match="lag_s"):
+        FixedLagSmoother(STEP_S, 0.001)
 
 
 def test_smoothing_in_pieces_is_smoothing_at_once(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
