@@ -51,12 +51,12 @@ SLOW = {
     "optical_gait": 1,
     "optical_recording": 2,
     "optical_consistency": 8,
-    "magnetic_model_checks": 4,
+    "magnetic_model_checks": 20,
     "magnetic_tracker_checks": 3,
-    "magnetic_fusion_checks": 3,
+    "magnetic_fusion_checks": 2,
     "relative_pose_checks": 2,
     "optical_noise_checks": 4,
-    "optical_innovation_checks": 2,
+    "optical_innovation_checks": 1,
 }
 """With how many seeds: where a mean over the trials is judged, as many as it takes."""
 QUICK = {
