@@ -182,6 +182,7 @@ def start_server(url: str, folder: Path, port: int, before: str = "") -> subproc
             time.sleep(0.2)
         if process.poll() is not None:
             raise RuntimeError("the service did not start")
+    process.kill()
     raise TimeoutError("the service did not answer")
 
 
