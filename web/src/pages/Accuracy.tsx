@@ -1,6 +1,6 @@
 // How accurate this version is: every published experiment, their figure, what is required, ours, and how to measure it again.
 import { IconCheck, IconChevronRight, IconX } from '@tabler/icons-react';
-import { useState } from 'react';
+import { useEffect, useState } from 'react';
 import { useAccuracy } from '../api/queries';
 import type { AccuracyFigure, AccuracyPlot, AccuracyProtocol, AccuracyReport } from '../api/types';
 import { LineChart } from '../charts/LineChart';
@@ -136,6 +136,10 @@ function Report({ report }: { report: AccuracyReport }) {
   const met = report.protocols.filter((one) => one.passed).length;
   // Sixty experiments are a long page: closed but for what falls short and what was asked for.
   const [open, setOpen] = useState(() => new Set([...report.protocols.filter((one) => !one.passed).map((one) => one.name), window.location.hash.slice(1)]));
+  // The report comes after the browser has looked for what the address names.
+  useEffect(() => {
+    if (window.location.hash) document.getElementById(window.location.hash.slice(1))?.scrollIntoView();
+  }, []);
   const turn = (name: string, isOpen: boolean) =>
     setOpen((now) => {
       const next = new Set(now);
