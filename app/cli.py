@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from app.commands.options_mass_centre import mass_centre
 from app.commands.words import (
     Bursts,
     Email,
@@ -29,6 +30,7 @@ cli = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=False,
 )
+cli.command("mass-centre")(mass_centre)
 
 
 @cli.command()

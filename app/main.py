@@ -46,6 +46,7 @@ from app.recordings import GroupCommitWriter
 from app.recordings.endpoints import router as sessions_router
 from app.recordings.jobs import Handler, JobRunner
 from app.recordings.magnetic_endpoints import router as magnetic_router
+from app.recordings.mass_centre_endpoints import router as mass_centre_router
 from app.recordings.point_endpoints import router as points_router
 from app.recordings.reprocess import reprocess
 from app.recordings.service import queue_closing
@@ -189,6 +190,7 @@ def all_routers() -> list[APIRouter]:
         exercises_router,
         sessions_router,
         points_router,
+        mass_centre_router,
         walks_router,
         magnetic_router,
         sources_router,

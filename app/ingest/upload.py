@@ -181,7 +181,7 @@ def register(
         setup = service.checked(
             SessionSetup(
                 pipeline=kind,
-                placements=estimated(placements, kind),
+                placements=estimated(placements, kind, with_legs=declaration.with_legs),
                 rate_hz=rate_hz,
                 orientation=declaration.orientation,
                 body=service.body_of(patient),
@@ -212,14 +212,16 @@ def pipeline_of(declaration: UploadIn) -> str:
     return WALKING if declaration.format in _WALKS else declaration.pipeline
 
 
-def estimated(placements: Iterable[Placement], pipeline: str = "arm") -> tuple[Placement, ...]:
+def estimated(
+    placements: Iterable[Placement], pipeline: str = "arm", *, with_legs: bool = False
+) -> tuple[Placement, ...]:
     """Return the sensors that a pipeline uses; the others stay in the raw data.
 
-    Of a walk the feet; otherwise all but the legs.
+    Of a walk the feet; otherwise all but the legs, which need not be still in the pose, unless they are asked for.
     """
     if pipeline == WALKING:
         return tuple(name for name in placements if name in ("foot_left", "foot_right"))
-    return tuple(name for name in placements if not name.startswith(_LEGS))
+    return tuple(name for name in placements if with_legs or not name.startswith(_LEGS))
 
 
 def _announced(declaration: UploadIn, path: Path) -> tuple[list[Placement], float]:

@@ -88,7 +88,7 @@ def _store(context: JobContext, declaration: UploadIn, path: Path) -> list[str]:
             notes.append(f"Not used, as it is no placement of ours: {', '.join(prepared.left_out)}.")
     if not stored_ticks:
         raise RecordingFormatError("The file holds no sound packet.")
-    _declare(context, network)
+    _declare(context, network, with_legs=declaration.with_legs)
     return notes
 
 
@@ -145,14 +145,14 @@ def _write_chunks(context: JobContext, chunks: list[tuple[int, EncodedChunk]]) -
             insert_chunk(session, context.session_id, RAW_STREAM, number, chunk)
 
 
-def _declare(context: JobContext, network: Declaration) -> None:
+def _declare(context: JobContext, network: Declaration, *, with_legs: bool) -> None:
     """Write to the session what its gateway would have declared."""
     with unit_of_work(context.engine) as session:
         found = session.get_one(MotionSession, context.session_id)
         found.hello = network.to_dict()
         found.setup = replace(
             SessionSetup.from_dict(found.setup),
-            placements=estimated(network.placements, str(found.setup["pipeline"])),
+            placements=estimated(network.placements, str(found.setup["pipeline"]), with_legs=with_legs),
             rate_hz=network.rate_hz,
         ).to_dict()
         found.started_at = found.started_at or utc_now()

@@ -121,7 +121,7 @@ def points_of(
     setup = SessionSetup.from_dict(result.setup)
     step_s = 1.0 / setup.rate_hz
     first = 0 if start_s is None else int(np.ceil(start_s / step_s - 1e-6))
-    stop = _ticks(session, result)
+    stop = result_ticks(session, result)
     if end_s is not None:
         stop = min(stop, int(np.ceil(end_s / step_s - 1e-6)))
     stride = max(1, -(-(stop - first) // max_points))
@@ -146,7 +146,7 @@ def points_of(
     )
 
 
-def _ticks(session: Session, result: Result) -> int:
+def result_ticks(session: Session, result: Result) -> int:
     """Return the end of the last chunk of a result, in ticks."""
     end = session.scalar(
         select(func.max(SignalChunk.sequence + SignalChunk.ticks)).where(
@@ -174,4 +174,4 @@ def _plain(values: Float) -> list[float | None]:
     return [round(float(v), 5) if np.isfinite(v) else None for v in values]
 
 
-__all__ = ["MAX_POINTS", "DescribedPoints", "described", "points_of"]
+__all__ = ["MAX_POINTS", "DescribedPoints", "described", "points_of", "result_ticks"]

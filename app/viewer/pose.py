@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from app.viewer.feet import FeetTrack, feet_of
 from app.viewer.markers import MarkerTrack
+from app.viewer.mass_node import mass_of
 from app.viewer.modules import ModuleTrack, modules_of
 from app.viewer.proportions import hip_height_m
 from estimators import rotation
@@ -93,6 +94,10 @@ class PoseTrack:
     feet: FeetTrack | None = None
     markers: MarkerTrack | None = None
     """Of markers beside a sensor: drawn instead of the figure."""
+    mass_m: Float32 | None = None
+    """Centre of mass, shape (K, 3), room, NaN while not known; None where the sensors do not tell it."""
+    mass_spread_m: Float32 | None = None
+    """Two standard deviations of it, shape (K,)."""
 
     def __len__(self) -> int:
         """Return the number of ticks K."""
@@ -140,6 +145,7 @@ def track_from_frames(frames: Frames, body: BodyDimensions) -> PoseTrack:
     for column, name in enumerate(layout.segments):
         if name in PARENT:
             lost[:, SEGMENTS.index(name)] = (frames.segment_flags[:, column] & _LOST) != 0
+    mass, spread = mass_of(frames, body)
     return PoseTrack(
         time_s=frames.time_s,
         wxyz=relative_rotations(room),
@@ -147,6 +153,8 @@ def track_from_frames(frames: Frames, body: BodyDimensions) -> PoseTrack:
         hand_m=_hands(points, ticks),
         halo_m=_halo(frames, body),
         lost=lost,
+        mass_m=mass,
+        mass_spread_m=spread,
         modules=modules_of(frames),
         feet=feet_of(frames),
     )

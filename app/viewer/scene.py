@@ -16,6 +16,7 @@ from app.viewer.feet import FeetTrack
 from app.viewer.feet_layer import FeetLayer
 from app.viewer.ghost_node import GhostNode
 from app.viewer.markers_layer import MarkersLayer
+from app.viewer.mass_node import MassNode
 from app.viewer.modules import ModuleLayer, ModuleTrack
 from app.viewer.pose import PARENT, SEGMENTS, PoseTrack
 from app.viewer.proportions import hip_height_m
@@ -27,6 +28,7 @@ _FADED: Final = 0.45
 _WEARABLE: Final = tuple(
     name for name in SEGMENTS if not name.startswith(("pelvis", "thigh", "shank", "foot"))
 )
+_AROUND_MASS: Final = ("pelvis", "sternum", "thigh_left", "thigh_right")
 _TURN_EPSILON: Final = 2e-4
 """Quaternion components closer than this (about 0.02 degrees) are not sent again."""
 _SHIFT_EPSILON_M: Final = 5e-4
@@ -83,6 +85,7 @@ class BodyScene:
             }
             self._trails = [nodes.Trail(server, f"/trail/{side}") for side in SIDES]
             self._ghost = GhostNode(server, ghost, body, ghost_side) if ghost is not None else None
+        self._mass: MassNode | None = None
         self._modules: ModuleLayer | None = None
         self._feet: FeetLayer | None = None
         self._markers: MarkersLayer | None = None
@@ -141,11 +144,23 @@ class BodyScene:
                 self._fade_arms()
             if not np.array_equal(track.lost[tick], self._lost):
                 self._show_lost(track.lost[tick])
+            self._draw_mass(track, tick)
             for (number, joint), halo in self._halos.items():
                 halo.show(float(track.halo_m[tick, number, joint]))
             if trail is not None:
                 for number, line in enumerate(self._trails):
                     line.show(trail[:, number])
+
+    def _draw_mass(self, track: PoseTrack, tick: int) -> None:
+        """Show the centre of mass within a trunk that can be looked into."""
+        if track.mass_m is None or track.mass_spread_m is None:
+            return
+        if self._mass is None:
+            self._mass = MassNode(self._server)
+            for name in _AROUND_MASS:
+                for part in self._parts.get(name, []):
+                    part.handle.opacity = _FADED
+        self._mass.show(track.mass_m[tick], float(track.mass_spread_m[tick]))
 
     def _draw_feet(self, track: FeetTrack, tick: int) -> None:
         """Show the feet of a walk, and no figure: nothing tells how the rest of the body moves."""
@@ -175,6 +190,8 @@ class BodyScene:
                 self._ghost.show(phase, with_path=with_path)
 
     def _is_unsure(self, segment: str) -> bool:
+        if self._mass is not None and segment in _AROUND_MASS:
+            return True
         part, _, side = segment.rpartition("_")
         return part in {"upper_arm", "forearm", "hand"} and bool(self._unsure[SIDES.index(side)])
 

@@ -25,6 +25,7 @@ export const keys = {
   comparisons: (id: string) => ['sessions', id, 'comparisons'] as const,
   magneticSafety: (id: string) => ['sessions', id, 'magnetic-safety'] as const,
   sourceUse: (id: string, resultId: string | null) => ['sessions', id, 'source-use', resultId] as const,
+  massCentre: (id: string, resultId: string | null) => ['sessions', id, 'mass-centre', resultId] as const,
   markers: (id: string) => ['sessions', id, 'markers'] as const,
   markerMotion: (id: string, markersId: string, block: number) => ['sessions', id, 'markers', markersId, block] as const,
   gait: (id: string) => ['sessions', id, 'gait'] as const,
@@ -263,6 +264,8 @@ export const useConfirmNoImplants = (id: string) =>
   );
 export const useSourceUse = (id: string, resultId: string | null) =>
   useGet<Wire.SourceUse>(keys.sourceUse(id, resultId), withQuery(`/api/sessions/${id}/source-use`, { result_id: resultId }), { staleTime: 60_000 });
+export const useMassCentre = (id: string, resultId: string | null) =>
+  useGet<Wire.MassCentre>(keys.massCentre(id, resultId), withQuery(`/api/sessions/${id}/mass-centre`, { result_id: resultId, max_points: 1000 }), { staleTime: 60_000 });
 export const useGait = (id: string | null) => useGet<Wire.Gait>(keys.gait(id ?? ''), `/api/sessions/${id}/gait`, { enabled: id !== null && id !== '', staleTime: 60_000 });
 export const useWalks = (patientId: string) => useGet<Wire.WalkRow[]>(keys.walks(patientId), `/api/patients/${patientId}/walks`, { enabled: patientId !== '' });
 /** Two conditions compared; asked anew whenever the choice of walks changes. */

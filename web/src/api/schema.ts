@@ -1050,6 +1050,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/sessions/{session_id}/mass-centre": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Mass Centre
+         * @description Return the centre of mass against the ankles and the floor, how well it is known, and what is assumed.
+         */
+        get: operations["get_mass_centre_api_sessions__session_id__mass_centre_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/sessions/{session_id}/points": {
         parameters: {
             query?: never;
@@ -2963,6 +2983,38 @@ export interface components {
         MarkIn: {
             /** Text */
             text: string;
+        };
+        /**
+         * MassCentreCurve
+         * @description One coordinate over time; None where there is nothing.
+         */
+        MassCentreCurve: {
+            /** Least M */
+            least_m: number | null;
+            /** Most M */
+            most_m: number | null;
+            /** Name */
+            name: string;
+            /** Sigma M */
+            sigma_m: (number | null)[];
+            /** Value M */
+            value_m: (number | null)[];
+        };
+        /**
+         * MassCentreOut
+         * @description The centre of mass of a result.
+         */
+        MassCentreOut: {
+            /** Assumed */
+            assumed: string[];
+            /** Curves */
+            curves: components["schemas"]["MassCentreCurve"][];
+            /** Reason */
+            reason: string;
+            /** Result Id */
+            result_id: string;
+            /** Time S */
+            time_s: number[];
         };
         /**
          * Me
@@ -6275,6 +6327,42 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["MarkerMotionOut"];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+        };
+    };
+    get_mass_centre_api_sessions__session_id__mass_centre_get: {
+        parameters: {
+            query?: {
+                end_s?: number | null;
+                max_points?: number;
+                result_id?: string | null;
+                start_s?: number | null;
+            };
+            header?: never;
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MassCentreOut"];
                 };
             };
             /** @description Validation Error */

@@ -90,6 +90,7 @@ export type PlayerState = Schemas['PlayerState'];
 
 export type MagneticSafety = Schemas['MagneticSafetyOut'];
 export type SourceUse = Schemas['SourceUseOut'];
+export type MassCentre = Schemas['MassCentreOut'];
 
 export type Gait = Schemas['GaitOut'];
 export type GaitFoot = Schemas['FootOut'];

@@ -21,6 +21,10 @@ const SPOTS: Partial<Record<Placement, readonly [number, number]>> = {
   upper_arm_left: [151, 124],
   forearm_left: [158, 178],
   hand_left: [165, 224],
+  thigh_right: [80, 232],
+  shank_right: [82, 306],
+  thigh_left: [120, 232],
+  shank_left: [118, 306],
 };
 
 function Person({ children, label }: { children?: React.ReactNode; label: string }) {

@@ -3,13 +3,14 @@ import { Checkbox } from '@mantine/core';
 import type { Placement } from '../api/types';
 import { t } from '../i18n';
 import { placementLabel } from '../lib/channels';
-import { armPlacements } from '../lib/placements';
+import { armPlacements, LEG_PLACEMENTS } from '../lib/placements';
 import { WornFigure } from './Figures';
 
-const GROUPS: { legend: 'placements.trunk' | 'placements.leftArm' | 'placements.rightArm'; placements: Placement[] }[] = [
+const GROUPS: { legend: 'placements.trunk' | 'placements.leftArm' | 'placements.rightArm' | 'placements.legs'; placements: Placement[] }[] = [
   { legend: 'placements.leftArm', placements: armPlacements('left') },
   { legend: 'placements.rightArm', placements: armPlacements('right') },
   { legend: 'placements.trunk', placements: ['sternum', 'pelvis', 'head'] },
+  { legend: 'placements.legs', placements: LEG_PLACEMENTS },
 ];
 
 export function PlacementChoice({ value, onChange }: { value: readonly Placement[]; onChange: (placements: Placement[]) => void }) {

@@ -75,7 +75,7 @@ export function spreadOf(values: readonly (number | null)[]): { median: number; 
 
 /** The column with the standard deviation of a channel: distances have one of their own name, angles a part of theirs. */
 export function sigmaOf(channel: string): string {
-  return channel.endsWith('_distance_m') ? channel.replace(/_m$/, '_sigma_m') : `${channel}.sigma`;
+  return /_distance_m$|^centre_of_mass_/.test(channel) ? channel.replace(/_m$/, '_sigma_m') : `${channel}.sigma`;
 }
 
 /** Whether a channel comes with its uncertainty; speeds and forces do not. */

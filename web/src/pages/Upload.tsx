@@ -12,11 +12,12 @@ import { CsvMappingForm } from '../components/CsvMappingForm';
 import { Problem } from '../components/Feedback';
 import { Page } from '../components/Page';
 import { t } from '../i18n';
+import { LEG_PLACEMENTS } from '../lib/placements';
 import { guessSignals, guessTime, mappingProblems, readHead, type CsvHead } from '../lib/csv';
 import { bytes, number } from '../lib/format';
 import { JobProgress } from './session/AnalysisWait';
 
-const PLACEMENTS: Placement[] = ['sternum', 'upper_arm_right', 'forearm_right', 'hand_right', 'upper_arm_left', 'forearm_left', 'hand_left', 'pelvis', 'head', 'shoulder_left', 'shoulder_right'];
+const PLACEMENTS: Placement[] = ['sternum', 'upper_arm_right', 'forearm_right', 'hand_right', 'upper_arm_left', 'forearm_left', 'hand_left', 'pelvis', 'head', 'shoulder_left', 'shoulder_right', ...LEG_PLACEMENTS];
 const HEAD_BYTES = 64 * 1024;
 type Format = UploadIn['format'];
 const FORMATS = ['packet_log', 'csv', 'qmt_mat', 'gaitmap', 'instrumented_shoe', 'pyshoe', 'gait_tracking'] as const;
@@ -84,6 +85,7 @@ export function UploadPage() {
   const isWalk = WALKS.includes(format);
   const [knowsPose, setKnowsPose] = useState(false);
   const [pose, setPose] = useState<[number, number]>([0, 3]);
+  const [withLegs, setWithLegs] = useState(false);
   const [hemisphere, setHemisphere] = useState<Hemisphere>('north');
   const [accepts, setAccepts] = useState(false);
   const [sent, setSent] = useState(0);
@@ -126,6 +128,7 @@ export function UploadPage() {
       calibration_pose_s: knowsPose && !isWalk ? pose : null,
       feet_apart_m: isWalk && apartCm !== null ? apartCm / 100 : null,
       hemisphere,
+      with_legs: withLegs && !isWalk,
       accept_implausible: accepts,
     };
     const form = new FormData();
@@ -182,6 +185,7 @@ export function UploadPage() {
                 onChange={setWantedEstimator}
                 description={estimators.data?.find((one) => one.name === orientation)?.description}
               />
+              <Switch label={t('upload.withLegs')} description={t('upload.withLegsHelp')} checked={withLegs} onChange={(event) => setWithLegs(event.currentTarget.checked)} />
               <Switch label={t('upload.knowsPose')} description={t('upload.knowsPoseHelp')} checked={knowsPose} onChange={(event) => setKnowsPose(event.currentTarget.checked)} />
             </>
           )}

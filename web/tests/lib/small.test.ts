@@ -46,6 +46,8 @@ describe('audit', () => {
 
 describe('placements', () => {
   it('wants a chain without holes', () => {
+    expect(placementProblem(['sternum', 'thigh_left'])).toBe('placements.needThighs');
+    expect(placementProblem(['pelvis', 'thigh_left', 'thigh_right'])).toBeNull();
     expect(placementProblem(['sternum'])).toBe('placements.needArm');
     expect(placementProblem(['forearm_left'])).toBe('placements.needUpperArm');
     expect(placementProblem(['upper_arm_left', 'hand_left'])).toBe('placements.needForearm');

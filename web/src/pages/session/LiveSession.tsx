@@ -16,6 +16,7 @@ import { preferredAngles } from '../../lib/channels';
 import { eventText } from '../../lib/events';
 import { number, position } from '../../lib/format';
 import { walkKind } from '../../lib/guidedWalk';
+import { massChannels } from '../../lib/massCentre';
 import { sessionTitle } from '../../lib/sessions';
 import { useLivePlayer, useSnapshot } from '../../player/hooks';
 import type { LivePlayer, LiveSnapshot } from '../../player/live';
@@ -104,6 +105,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
   const isSelfCalibrated = isWalk || isMagnetic;
   const feet = session.layout.scalars.filter((name) => name.endsWith('_speed_mps') || name.endsWith('_force_z_n'));
   const distances = useMemo(() => session.layout.scalars.filter((name) => name.endsWith('_distance_m')), [session.layout.scalars]);
+  const mass = useMemo(() => massChannels(session.layout.scalars), [session.layout.scalars]);
   const moduleChannels = useMemo(() => [...distances, ...channels], [distances, channels]);
   // Before it is known how sensors sit or which way they face, numbers would be wrong, not merely uncertain.
   const isUnset = state === 'calibrating' && !isSelfCalibrated;
@@ -205,6 +207,12 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
           )}
         </div>
         <div className="stack">
+          {mass.length > 0 && !isUnset && snapshot.columns && state !== 'created' && (
+            <section className="card" aria-labelledby="mass">
+              <h2 id="mass">{t('mass.title')}</h2>
+              <Traces player={player} channels={mass} />
+            </section>
+          )}
           {isWalk && state !== 'created' && snapshot.columns && <LiveWalk player={player} scalars={session.layout.scalars} delayS={snapshot.columns.delayS} />}
           {isMagnetic && state !== 'created' && <LiveSource player={player} sensors={modules} source={session.layout.segments[0] ?? ''} />}
           <HealthPanel health={snapshot.health} placements={session.placements} />

@@ -14,6 +14,7 @@ import { Viewer3D } from '../../components/Viewer3D';
 import { t } from '../../i18n';
 import { preferredAngles } from '../../lib/channels';
 import { dateTime, duration } from '../../lib/format';
+import { massChannels } from '../../lib/massCentre';
 import { templateOver } from '../../lib/overlay';
 import { isLive, sessionTitle } from '../../lib/sessions';
 import { timeAtTemplatePhase } from '../../lib/warp';
@@ -26,6 +27,7 @@ import { ComparisonPanel } from './ComparisonPanel';
 import { DetailsPanel, resultLabel } from './DetailsPanel';
 import { MarkerLegend, MarkerMotion } from './MarkerMotion';
 import { MarkersPanel } from './MarkersPanel';
+import { MassPanel } from './MassPanel';
 import { WalkMap, WalkPanel } from './WalkPanel';
 import { RepetitionTable } from './RepetitionTable';
 
@@ -58,6 +60,7 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
     [chosen, angles, exercise],
   );
   const distances = useMemo(() => session.layout.scalars.filter((name) => name.endsWith('_distance_m')), [session.layout.scalars]);
+  const mass = useMemo(() => massChannels(snapshot.columns?.layout.scalars ?? session.layout.scalars), [snapshot.columns, session.layout.scalars]);
   const repetitions = useMemo(() => comparison?.repetitions.map((one) => one.repetition) ?? [], [comparison]);
   const templateAt = useMemo(
     () => (comparison && ghost.ghost ? templateOver(comparison, template.data?.content.duration_s ?? null, ghost.warp) : undefined),
@@ -148,6 +151,7 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
             {isWalk && <Tabs.Tab value="walk">{t('walk.result')}</Tabs.Tab>}
             {!isWalk && !isMagnetic && <Tabs.Tab value="compare">{t('compare.title')}</Tabs.Tab>}
             {!isWalk && <Tabs.Tab value="angles">{t(isMagnetic ? 'magnetic.angles' : 'traces.title')}</Tabs.Tab>}
+            {mass.length > 0 && <Tabs.Tab value="mass">{t('mass.title')}</Tabs.Tab>}
             {marker && <Tabs.Tab value="markers">{t('markers.title')}</Tabs.Tab>}
             <Tabs.Tab value="details">{t('details.title')}</Tabs.Tab>
           </Tabs.List>
@@ -170,6 +174,9 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
               </span>
             </div>
             <Traces player={player} channels={channels} templateAt={templateAt} onSeek={seek} />
+          </Tabs.Panel>
+          <Tabs.Panel value="mass">
+            <MassPanel sessionId={session.id} resultId={resultId} player={player} channels={mass} onSeek={seek} />
           </Tabs.Panel>
           <Tabs.Panel value="markers">
             {marker && (
