@@ -23,6 +23,8 @@ export const keys = {
   session: (id: string) => ['sessions', id] as const,
   sessionJobs: (id: string) => ['sessions', id, 'jobs'] as const,
   comparisons: (id: string) => ['sessions', id, 'comparisons'] as const,
+  magneticSources: ['magnetic-sources'] as const,
+  sourceStops: (id: string) => ['sessions', id, 'source-stops'] as const,
   magneticSafety: (id: string) => ['sessions', id, 'magnetic-safety'] as const,
   sourceUse: (id: string, resultId: string | null) => ['sessions', id, 'source-use', resultId] as const,
   massCentre: (id: string, resultId: string | null) => ['sessions', id, 'mass-centre', resultId] as const,
@@ -261,6 +263,28 @@ export const useConfirmNoImplants = (id: string) =>
   useChange(
     () => api.post<Wire.MagneticSafety>(`/api/sessions/${id}/magnetic-safety`, NO_IMPLANTS),
     () => [keys.magneticSafety(id), keys.session(id)],
+  );
+export const useWithdrawSafety = (id: string) =>
+  useChange(
+    () => api.delete<Wire.MagneticSafety>(`/api/sessions/${id}/magnetic-safety`),
+    () => [keys.magneticSafety(id), keys.session(id)],
+  );
+export const useMagneticSources = (enabled: boolean) => useGet<Wire.MagneticSource[]>(keys.magneticSources, '/api/magnetic-sources', { enabled });
+export const useKeepSource = () =>
+  useChange(
+    (source: Wire.MagneticSourceIn) => api.post<Wire.MagneticSource>('/api/magnetic-sources', source),
+    () => [keys.magneticSources],
+  );
+export const useRetireSource = () =>
+  useChange(
+    (id: string) => api.delete<void>(`/api/magnetic-sources/${id}`),
+    () => [keys.magneticSources],
+  );
+export const useSourceStops = (id: string, enabled: boolean) => useGet<Wire.SourceStops>(keys.sourceStops(id), `/api/sessions/${id}/source-stops`, { enabled, staleTime: Infinity });
+export const useCalibrateSource = (id: string) =>
+  useChange(
+    (wanted: Wire.SourceCalibrationIn) => api.post<Wire.MagneticSource>(`/api/sessions/${id}/source-calibration`, wanted),
+    () => [keys.magneticSources],
   );
 export const useSourceUse = (id: string, resultId: string | null) =>
   useGet<Wire.SourceUse>(keys.sourceUse(id, resultId), withQuery(`/api/sessions/${id}/source-use`, { result_id: resultId }), { staleTime: 60_000 });

@@ -89,6 +89,10 @@ export type CameraCommand = Schemas['CameraCommand'];
 export type PlayerState = Schemas['PlayerState'];
 
 export type MagneticSafety = Schemas['MagneticSafetyOut'];
+export type MagneticSource = Schemas['MagneticSourceOut'];
+export type MagneticSourceIn = Schemas['MagneticSourceIn'];
+export type SourceStops = Schemas['SourceStopsOut'];
+export type SourceCalibrationIn = Schemas['SourceCalibrationIn'];
 export type SourceUse = Schemas['SourceUseOut'];
 export type MassCentre = Schemas['MassCentreOut'];
 

@@ -9,6 +9,7 @@ import { patient } from './en/patient';
 import { report } from './en/report';
 import { research } from './en/research';
 import { session } from './en/session';
+import { sources } from './en/sources';
 import { walking } from './en/walking';
 
-export const en = { ...calibration, ...clinic, ...common, ...magnetic, ...markers, ...motion, ...patient, ...report, ...research, ...session, ...walking } as const;
+export const en = { ...calibration, ...clinic, ...common, ...magnetic, ...markers, ...motion, ...patient, ...report, ...research, ...session, ...sources, ...walking } as const;

@@ -11,6 +11,7 @@ import { Answer, Problem } from '../components/Feedback';
 import { Page } from '../components/Page';
 import { useSignedIn } from '../components/useSignedIn';
 import { t } from '../i18n';
+import { SourcesCard } from './magnetic/SourcesCard';
 
 const ROLES: readonly Role[] = ['therapist', 'patient', 'administrator', 'integrator'];
 const LEAST_PASSWORD = 10;
@@ -162,6 +163,7 @@ export function ClinicPage() {
         </Answer>
         <p className="muted small">{t('clinic.devices')}</p>
       </section>
+      <SourcesCard />
       <Modal opened={isAdding} onClose={adding.close} title={t('clinic.add')} closeButtonProps={{ 'aria-label': t('action.close') }}>
         {isAdding && <NewAccount onDone={adding.close} />}
       </Modal>

@@ -21,6 +21,32 @@ it('switches an account off, but never the own one', async () => {
   expect(asked.find((one) => one.method === 'PATCH')).toMatchObject({ path: '/api/accounts/a', body: { is_active: false } });
 });
 
+it('lists measured sources, takes one from a file and no longer offers one', async () => {
+  const source = { id: 'm', name: 'Belt', serial: 'S-1', gain_sigma: 0.004, method: 'session', calibrated_at: '2026-11-01T10:00:00Z' };
+  const { asked, container } = renderPage(<ClinicPage />, {
+    me: ADMIN,
+    answers: { '/api/accounts': [], '/api/magnetic-sources': [source], 'POST /api/magnetic-sources': source, 'DELETE /api/magnetic-sources/m': {} },
+  });
+  expect(await screen.findByText(/Serial S-1. Field known to 0.4 %, measured on a bench/)).toBeTruthy();
+  const input = container.querySelector<HTMLInputElement>('input[type=file]');
+  if (!input) throw new Error('no file input');
+  await userEvent.upload(input, new File([JSON.stringify({ name: 'Belt', coils: [] })], 'b.json', { type: 'application/json' }));
+  await waitFor(() => expect(asked.find((one) => one.method === 'POST')?.body).toEqual({ name: 'Belt', coils: [] }));
+  await userEvent.click(screen.getByRole('button', { name: 'No longer offer: Belt' }));
+  await userEvent.click(within(await screen.findByRole('dialog')).getByRole('button', { name: 'No longer offer' }));
+  await waitFor(() => expect(asked.at(-2)?.method === 'DELETE' || asked.at(-1)?.method === 'DELETE').toBe(true));
+});
+
+it('refuses a file that is no source', async () => {
+  const { asked, container } = renderPage(<ClinicPage />, { me: ADMIN, answers: { '/api/accounts': [], '/api/magnetic-sources': [] } });
+  expect(await screen.findByText(/No source has been measured yet/)).toBeTruthy();
+  const input = container.querySelector<HTMLInputElement>('input[type=file]');
+  if (!input) throw new Error('no file input');
+  await userEvent.upload(input, new File(['[1]'], 'a.json', { type: 'application/json' }));
+  expect(await screen.findByText(/This file is not a source/)).toBeTruthy();
+  expect(asked.some((one) => one.method === 'POST')).toBe(false);
+});
+
 it('erases only what is archived, and only after the name was typed', async () => {
   const first = renderPage(<DataPanel patient={patient()} />, { me: ADMIN, answers: {} });
   expect(screen.queryByRole('button', { name: 'Erase for good' })).toBeNull();

@@ -1,9 +1,10 @@
 // What is measured with a magnetic source: a usual set, or source and sensors by hand; its coils where they differ.
 import { Checkbox, NumberInput, Select } from '@mantine/core';
-import type { Placement, Side } from '../../api/types';
+import type { MagneticSource, Placement, Side } from '../../api/types';
 import { RadioCards } from '../../components/Choice';
 import { t } from '../../i18n';
 import { placementLabel } from '../../lib/channels';
+import { day, number } from '../../lib/format';
 import { USES, wornFor, type Coils, type Use, type Worn } from '../../lib/magneticSetup';
 
 const TRUNK: Placement[] = ['head', 'sternum', 'pelvis'];
@@ -20,15 +21,19 @@ interface Props {
   worn: Worn;
   coils: Coils;
   side: Side | null | undefined;
+  /** Measured sources of the clinic, and the one that is worn; null for one that was not measured. */
+  sources: readonly MagneticSource[];
+  sourceId: string | null;
+  onSource: (id: string | null) => void;
   onUse: (use: Use, worn: Worn) => void;
   onCoils: (coils: Coils) => void;
 }
 
-export function SourceChoice({ use, worn, coils, side, onUse, onCoils }: Props) {
+export function SourceChoice({ use, worn, coils, side, sources, sourceId, onSource, onUse, onCoils }: Props) {
   const toggle = (placement: Placement) =>
     onUse(use, { ...worn, sensors: worn.sensors.includes(placement) ? worn.sensors.filter((one) => one !== placement) : [...worn.sensors, placement] });
   const places = (found: Worn) => t('magnetic.useText', { source: placementLabel(found.source), sensors: found.sensors.map(placementLabel).join(', ') });
-  const amount = (key: keyof Coils, label: 'magnetic.radius' | 'magnetic.turns' | 'magnetic.offset' | 'magnetic.current', usual: string, decimals: number) => (
+  const amount = (key: keyof Coils, label: 'magnetic.radius' | 'magnetic.turns' | 'magnetic.offset' | 'magnetic.current' | 'sources.length' | 'sources.depth', usual: string, decimals: number) => (
     <NumberInput
       label={t(label)}
       placeholder={usual}
@@ -45,7 +50,7 @@ export function SourceChoice({ use, worn, coils, side, onUse, onCoils }: Props) 
         legend={t('magnetic.use')}
         value={use}
         onChange={(next) => onUse(next, next === 'other' ? worn : wornFor(next, side))}
-        options={USES.map((one) => ({ value: one, title: t(`magnetic.use.${one}`), text: one === 'other' ? t('magnetic.useOther') : places(wornFor(one, side)) }))}
+        options={USES.map((one) => ({ value: one, title: one === 'bench' ? t('sources.useBench') : t(`magnetic.use.${one}`), text: one === 'bench' ? t('sources.useBenchText') : one === 'other' ? t('magnetic.useOther') : places(wornFor(one, side)) }))}
       />
       {use === 'other' && (
         <>
@@ -79,7 +84,24 @@ export function SourceChoice({ use, worn, coils, side, onUse, onCoils }: Props) 
           )}
         </>
       )}
-      <details className="as-table">
+      {sources.length > 0 && (
+        <Select
+          label={t('sources.which')}
+          description={sourceId === null ? t('sources.describedHelp') : undefined}
+          data={[
+            ...sources.map((one) => ({
+              value: one.id,
+              label: `${one.name} – ${t('sources.line', { serial: one.serial, gain: number(100 * one.gain_sigma, 1), method: t(`sources.method.${one.method}`), day: day(one.calibrated_at) })}`,
+            })),
+            { value: '', label: t('sources.described') },
+          ]}
+          value={sourceId ?? ''}
+          onChange={(value) => onSource(value || null)}
+          allowDeselect={false}
+          maw={640}
+        />
+      )}
+      {sourceId === null && <details className="as-table">
         <summary>{t('magnetic.coils')}</summary>
         <p className="muted small">{t('magnetic.coilsText')}</p>
         <div className="parameter-grid">
@@ -87,8 +109,10 @@ export function SourceChoice({ use, worn, coils, side, onUse, onCoils }: Props) 
           {amount('turns', 'magnetic.turns', '50', 0)}
           {amount('offsetCm', 'magnetic.offset', '6', 2)}
           {amount('currentA', 'magnetic.current', worn.source.startsWith('foot') ? '1.36' : '1.3', 2)}
+          {amount('lengthCm', 'sources.length', '0', 2)}
+          {amount('depthCm', 'sources.depth', '0', 2)}
         </div>
-      </details>
+      </details>}
     </>
   );
 }

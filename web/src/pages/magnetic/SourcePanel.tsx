@@ -11,6 +11,7 @@ import { number, quantity } from '../../lib/format';
 import { SIGMAS, milliampereHours, spreadOf, type Pulse } from '../../lib/magnetic';
 import { useClockText } from '../../player/hooks';
 import type { ReplayPlayer } from '../../player/replay';
+import { BenchPanel } from './BenchPanel';
 import { PulseTimeline } from './PulseTimeline';
 
 /** Times count from the beginning of what is replayed. */
@@ -126,6 +127,7 @@ export function SourcePanel({ sessionId, resultId, player, distances, onSeek }: 
               </section>
               <Exactness use={data} zeroS={startS} />
               <Energy use={data} zeroS={startS} />
+              <BenchPanel sessionId={sessionId} />
             </>
           )}
         </Answer>

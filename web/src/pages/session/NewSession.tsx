@@ -1,7 +1,7 @@
 import { Button, Group, NumberInput, Select, Switch } from '@mantine/core';
 import { useState, type FormEvent } from 'react';
 import { useNavigate, useParams, useSearchParams } from 'react-router';
-import { useEstimators, useExercises, useNewSession, useNewSourceSession, usePatient, usePrescriptions } from '../../api/queries';
+import { useEstimators, useExercises, useMagneticSources, useNewSession, useNewSourceSession, usePatient, usePrescriptions } from '../../api/queries';
 import type { Estimator, Patient, Placement, SessionIn } from '../../api/types';
 import { RadioCards } from '../../components/Choice';
 import { Answer, Problem } from '../../components/Feedback';
@@ -48,6 +48,8 @@ function Form({ patient }: { patient: Patient }) {
   const [use, setUse] = useState<Use>('back');
   const [worn, setWorn] = useState(() => wornFor('back', patient.affected_side));
   const [coils, setCoils] = useState(USUAL);
+  const sources = useMagneticSources(isMagnetic);
+  const [sourceId, setSourceId] = useState<string | null>(null);
   const [implants, setImplants] = useState(UNASKED);
   const mayFire = isSafe(implants) && worn.sensors.length > 0;
   const [hasShoes, setShoes] = useState(false);
@@ -60,13 +62,15 @@ function Form({ patient }: { patient: Patient }) {
     { group: t('newSession.others'), items: (exercises.data ?? []).filter((one) => !prescribedIds.has(one.id)).map((one) => ({ value: one.id, label: one.name })) },
   ].filter((group) => group.items.length > 0);
 
+  // What is to be measured cannot be known already.
+  const wornId = use === 'bench' ? null : sourceId;
   const submit = (event: FormEvent) => {
     event.preventDefault();
     if (problem || (isMagnetic && !mayFire)) return;
     const goOn = { onSuccess: (session: { id: string }) => void navigate(`/sessions/${session.id}/live`) };
     if (isMagnetic) {
       createWithSource.mutate(
-        { patient_id: patient.id, pipeline, placements: [worn.source, ...worn.sensors], orientation_parameters: sourceParameters(worn, coils), use_mounting: false },
+        { patient_id: patient.id, pipeline, placements: [worn.source, ...worn.sensors], orientation_parameters: sourceParameters(worn, wornId ? USUAL : coils, use), ...(wornId ? { magnetic_source_id: wornId } : {}), use_mounting: false },
         goOn,
       );
       return;
@@ -129,6 +133,9 @@ function Form({ patient }: { patient: Patient }) {
             worn={worn}
             coils={coils}
             side={patient.affected_side}
+            sources={use === 'bench' ? [] : (sources.data ?? [])}
+            sourceId={wornId}
+            onSource={setSourceId}
             onUse={(nextUse, nextWorn) => {
               setUse(nextUse);
               setWorn(nextWorn);
