@@ -264,7 +264,9 @@ class LiveSession(CalibratedSession):
     def allow_source(self, is_allowed: bool, reason: str) -> None:
         """Let the magnetic source fire, or stop it at once and say why; nothing where there is none."""
         if self.actuation is not None and self.actuation.allow(is_allowed):
-            kind, text = ("source_allowed", "The source may fire.") if is_allowed else ("source_stopped", reason)
+            kind, text = (
+                ("source_allowed", "The source may fire.") if is_allowed else ("source_stopped", reason)
+            )
             self.add_event(kind, self.session_time_s, text=text)
 
     def connected(self) -> None:
