@@ -8,11 +8,12 @@ from typing import Any, Final
 
 from sqlalchemy import Engine, update
 
-from app.commands.simulate import Options, stream
+from app.commands.simulate import Options, scenario_of, stream
 from app.commands.upload import finished, send
 from app.database.base import utc_now
 from app.database.unit_of_work import unit_of_work
 from app.demo.dating import date_back
+from app.demo.markers import send_markers, until_fused
 from app.demo.people import EXERCISES, PATIENTS, DemoPatient
 from app.demo.sources import make_source_session
 from app.demo.walks import make_walks
@@ -20,6 +21,7 @@ from app.errors import TelemotionError
 from app.exercises.models import Prescription, Template, TemplateVersion
 from app.gateway import ServiceClient
 from app.recordings.schemas import UploadIn
+from estimators.conventions import Placement
 
 REAL_RECORDING: Final = Path(__file__).with_name("data") / "whole_body_excerpt.mat"
 """Forty seconds of a real person with sixteen sensors; origin and licence lie beside it."""
@@ -35,6 +37,8 @@ class PastSession:
     progress: float
     patient_kind: str
     loss_percent: float = 0.0
+    has_cameras: bool = False
+    """A camera system saw a marker on the hand."""
 
 
 PAST: Final = {
@@ -44,7 +48,7 @@ PAST: Final = {
         PastSession(15.0, 0.45, "moderate_stroke"),
         PastSession(9.3, 0.7, "moderate_stroke"),
         PastSession(4.1, 0.85, "moderate_stroke", loss_percent=2.0),
-        PastSession(1.2, 1.0, "moderate_stroke"),
+        PastSession(1.2, 1.0, "moderate_stroke", has_cameras=True),
     ),
     "tomasz@demo.example": (
         PastSession(16.3, 0.5, "mild_stroke"),
@@ -73,7 +77,7 @@ async def make_history(
     """
     exercise_ids = {item["movement"]: item["id"] for item in await _get(service, "/api/exercises")}
     total = sum(len(sessions) + 1 for sessions in PAST.values()) + 2
-    done = 0
+    done, seen = 0, []
     for person in PATIENTS:
         patient_id = patient_ids[person.email]
         exercise_id = exercise_ids[person.movement]
@@ -81,18 +85,18 @@ async def make_history(
         done += 1
         say(f"preparing past sessions: {done} of {total}")
         for number, past in enumerate(PAST[person.email]):
-            options = _options(person, patient_id, exercise_id, seed=100 + number)
-            session_id, _ = await stream(
-                service,
-                replace(
-                    options,
-                    prescription_id=prescription_id,
-                    patient_kind=past.patient_kind,
-                    progress=past.progress,
-                    loss_percent=past.loss_percent,
-                ),
-                _silent,
+            options = replace(
+                _options(person, patient_id, exercise_id, seed=100 + number),
+                prescription_id=prescription_id,
+                patient_kind=past.patient_kind,
+                progress=past.progress,
+                loss_percent=past.loss_percent,
             )
+            session_id, _ = await stream(service, options, _silent)
+            if past.has_cameras:
+                segment: Placement = "hand_left" if person.affected_side == "left" else "hand_right"
+                await send_markers(service, session_id, scenario_of(options), segment)
+                seen.append(session_id)
             date_back(engine, session_id, past.days_ago)
             done += 1
             say(f"preparing past sessions: {done} of {total}")
@@ -105,6 +109,8 @@ async def make_history(
     say(f"preparing past sessions: {done + 1} of {total}")
     await make_walks(service, engine, patient_ids[PATIENTS[1].email], exercise_ids["walk"])
     await make_source_session(service, engine, patient_ids[PATIENTS[1].email])
+    for session_id in seen:
+        await until_fused(service, session_id)
     say(f"preparing past sessions: {total} of {total}")
 
 
