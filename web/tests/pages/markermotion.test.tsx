@@ -58,7 +58,7 @@ describe('fused motion of a marker', () => {
     const rows = within(await screen.findByRole('table', { name: 'Longest gaps of the cameras' })).getAllByRole('row').slice(1);
     expect(rows).toHaveLength(8);
     expect(rows[0]?.textContent).toBe('10.0 s0.50 s4.2 mm');
-    expect(rows.at(-1)?.textContent).toBe('38.0 s2.50 s4.2 mm, not reliable');
+    expect(rows.at(-1)?.textContent).toBe('38.0 s2.50 s4.2 mm, do not rely on it');
     await userEvent.click(screen.getByRole('button', { name: 'Show the gap at 38.0 s' }));
     expect(onSeek).toHaveBeenCalledWith(38);
     expect(screen.getAllByRole('img', { name: /Place of the marker along/ })).toHaveLength(3);

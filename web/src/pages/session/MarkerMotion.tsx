@@ -215,7 +215,7 @@ export function MarkerMotion({ fused, shown, onChoose, player, onSeek }: MarkerM
         </div>
       </div>
       {longest.length > 0 && (
-        <table className="table">
+        <table className="plain-table">
           <caption>{t('markers.gapList')}</caption>
           <thead>
             <tr>

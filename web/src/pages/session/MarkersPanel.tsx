@@ -111,7 +111,7 @@ function Report({ report }: { report: MarkerReport }) {
         height={200}
       />
       {report.checks.length > 0 && (
-        <table className="table">
+        <table className="plain-table">
           <caption>{t('markers.checks')}</caption>
           <thead>
             <tr>
