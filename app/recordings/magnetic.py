@@ -45,7 +45,10 @@ TAKEN_BACK: Final = (
     "The word that nobody near the magnetic source has an implant was taken back; the source may not fire until a"
     " therapist has confirmed it again."
 )
-EXPIRED: Final = "The word that nobody near the magnetic source has an implant is too old; a therapist must confirm it again."
+EXPIRED: Final = (
+    "The word that nobody near the magnetic source has an implant is too old; a therapist must confirm it"
+    " again before the source may fire."
+)
 NOT_CONFIRMED: Final = (
     "This session has a magnetic source: before it can start, the therapist must confirm that neither the patient nor"
     " people close by wear a pacemaker or a similar implant."
