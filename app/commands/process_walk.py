@@ -71,6 +71,7 @@ def write_walk(walk: Walk, out: Path, shoes: ShoeWalk | None = None, note: str =
     reasons = [*summary.reasons, *(() if shoes is None else shoes.reasons), *([note] if note else [])]
     content: dict[str, Any] = {
         "feet": {side: _numbers(numbers) for side, numbers in summary.feet.items()},
+        "turning": {side: _numbers(numbers) for side, numbers in summary.turning.items()},
         "both": _numbers({**summary.both, **(walk.steps or {})}),
         "asymmetry": _numbers(summary.asymmetry),
         "turns": summary.turn_count,

@@ -98,6 +98,8 @@ class FootOut(Schema):
     path_m: list[list[float]]
     """x and y of the sensor, 20 a second."""
     curves: list[CycleCurve]
+    turning: list[WalkMeasure] = Field(default_factory=list)
+    """Of strides along turns alone; empty where there were none, and of walks stored before this was kept."""
 
 
 class SupportOut(Schema):

@@ -126,6 +126,9 @@ def content_of(walk: Walk, shoes: ShoeWalk | None = None, test: GuidedKind = "wa
                 strides=[_stride(strides, k, bool(counted[k])) for k in range(strides.count)],
                 path_m=[[round(float(x), 4), round(float(y), 4)] for x, y in place[::thin, :2]],
                 curves=curves,
+                turning=_measures(
+                    {name: one for name, one in walk.summary.turning.get(side, {}).items() if one.count}
+                ),
             )
         )
     return WalkContent(

@@ -2475,6 +2475,8 @@ export interface components {
             side: "left" | "right";
             /** Strides */
             strides: components["schemas"]["StrideOut"][];
+            /** Turning */
+            turning?: components["schemas"]["WalkMeasure"][];
         };
         /**
          * FrameLayoutOut

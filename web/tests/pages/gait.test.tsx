@@ -60,6 +60,13 @@ describe('the page of a walk', () => {
     expect(found.violations.map((one) => one.id)).toEqual([]);
   });
 
+  it('shows strides along turns apart from the others', async () => {
+    const turned: Gait = { ...WALK, feet: WALK.feet.map((one) => ({ ...one, turning: [measure('swing_time', one.side === 'left' ? 0.41 : 0.45, 's')] })) };
+    renderPage(<GaitPage />, { at: '/sessions/s/gait', path: '/sessions/:sessionId/gait', answers: { ...ANSWERS, '/api/sessions/s/gait': turned } });
+    const table = await screen.findByRole('table', { name: 'Strides along turns' });
+    expect(within(table).getAllByRole('cell').map((cell) => cell.textContent)).toEqual(['0.41 s ± 0.01', '0.45 s ± 0.01', '5 + 5']);
+  });
+
   it('puts another walk beside it when one is chosen', async () => {
     renderPage(<GaitPage />, { at: '/sessions/s/gait?before=e', path: '/sessions/:sessionId/gait', answers: ANSWERS });
     // By text: looking for roles in a page this large takes longer than the wait on a busy machine.

@@ -42,6 +42,7 @@ export const walking = {
   'map.apart.usual': 'How far the feet were apart at the start is not known; {width} is usual.',
   'map.show': 'Show',
 
+  'numbers.turning': 'Strides along turns',
   'numbers.title': 'Left beside right',
   'numbers.help': 'Mean of the strides that count: steady and straight, without the first and the last. After ±: standard error of the mean. Counted: strides, left + right; for balance also steps, or seconds of standing.',
   'numbers.measure': 'Measure',

@@ -12,6 +12,7 @@ const shown = (one: WalkMeasure | undefined) => (one ? measureText(one.value, on
 export function WalkNumbers({ gait, before, affected }: { gait: Gait; before: Gait | null; affected: string | null }) {
   const [all, setAll] = useState(false);
   const both = [...gait.both, ...(gait.balance?.measures ?? [])];
+  const turning = [...new Set(gait.feet.flatMap((foot) => (foot.turning ?? []).map((one) => one.measure)))];
   const sideName = (side: (typeof SIDES)[number]) => t(`numbers.${side}`) + (affected === side || affected === 'both' ? ` (${t('walk.affected')})` : '');
   const counted = gait.feet.reduce((sum, foot) => sum + (findMeasure(foot.measures, 'stride_length')?.count ?? 0), 0);
   return (
@@ -65,6 +66,35 @@ export function WalkNumbers({ gait, before, affected }: { gait: Gait; before: Ga
             ))}
           </tbody>
         </table>
+        {turning.length > 0 && (
+          <table className="plain-table">
+            <caption>{t('numbers.turning')}</caption>
+            <thead>
+              <tr>
+                <th scope="col">{t('numbers.measure')}</th>
+                {SIDES.map((side) => (
+                  <th scope="col" key={side}>
+                    {sideName(side)}
+                  </th>
+                ))}
+                <th scope="col">{t('numbers.counted')}</th>
+              </tr>
+            </thead>
+            <tbody>
+              {turning.map((name) => (
+                <tr key={name}>
+                  <th scope="row">{measureLabel(name)}</th>
+                  {SIDES.map((side) => (
+                    <td className="number strong" key={side}>
+                      {shown(findMeasure(footOf(gait, side)?.turning, name))}
+                    </td>
+                  ))}
+                  <td className="number muted">{SIDES.map((side) => findMeasure(footOf(gait, side)?.turning, name)?.count ?? 0).join(' + ')}</td>
+                </tr>
+              ))}
+            </tbody>
+          </table>
+        )}
         {both.length > 0 && (
           <table className="plain-table">
             <thead>
