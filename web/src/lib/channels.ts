@@ -72,6 +72,9 @@ export function channelLabel(name: string): ChannelLabel {
   const scalar = SCALAR.exec(name);
   if (scalar) {
     const [, measure = '', side, suffix = ''] = scalar;
+    // A direction is no side of the body.
+    const direction = side ? tOr(`scalar.${measure}_${side}`, '') : '';
+    if (direction) return { text: direction, convention: '', unit: SUFFIX_UNITS[suffix] ?? '', side: null };
     return {
       text: sided(tOr(`scalar.${measure}`, readable(measure)), side),
       convention: '',

@@ -18,6 +18,7 @@ describe('the centre of mass', () => {
     expect(await screen.findByText('Height of the centre of mass')).toBeTruthy();
     expect(screen.getByText(/82(.0)? cm to 96(.0)? cm|0.82 m to 0.96 m/)).toBeTruthy();
     expect(screen.getByText('not known')).toBeTruthy();
+    expect(screen.getByText('Centre of mass to the left of the ankles')).toBeTruthy();
     expect(screen.getByText(/Without a sensor.*Head, Left hand/)).toBeTruthy();
   });
 

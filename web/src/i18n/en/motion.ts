@@ -22,7 +22,7 @@ export const motion = {
   'scalar.trunk_axial_rotation': 'Trunk rotation',
   'scalar.shoulder_hike': 'Shoulder hike',
   'scalar.centre_of_mass_ahead': 'Centre of mass ahead of the ankles',
-  'scalar.centre_of_mass_left': 'Centre of mass to the left of the ankles’ middle',
+  'scalar.centre_of_mass_left': 'Centre of mass to the left of the ankles',
   'scalar.centre_of_mass_height': 'Height of the centre of mass',
   'scalar.hand_speed': 'Hand speed',
 
