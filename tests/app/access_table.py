@@ -252,6 +252,7 @@ LINES: tuple[Line, ...] = (
     patient("GET", "/api/sessions/{session_id}/frames", READ),
     patient("GET", "/api/sessions/{session_id}/layout", READ),
     patient("GET", "/api/sessions/{session_id}/points", READ),
+    patient("GET", "/api/sessions/{session_id}/mass-centre", READ),
     patient(
         "POST",
         "/api/sessions/{session_id}/markers",
