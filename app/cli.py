@@ -368,7 +368,7 @@ def fuse(
     up: Annotated[
         str, typer.Option(help="Axis of the laboratory that points up: x, y, z, -x, -y or -z.")
     ] = "z",
-    unit: Annotated[str, typer.Option(help="Of a CSV of markers: mm or m.")] = "mm",
+    unit: Annotated[str, typer.Option(help="Of a CSV of markers: mm, cm, m or inch.")] = "mm",
     marker_rate: Annotated[
         float | None, typer.Option(help="Frames a second of a CSV without a column time_s.")
     ] = None,
