@@ -28,7 +28,7 @@ from estimators.magnetic._measurement import (
 )
 from estimators.magnetic._place_calibration import calibrate_at_places
 from estimators.magnetic._pulses import Pulse, bursts, extract_pulses, find_pulses, integrate_gyroscope
-from estimators.magnetic._relative_parameters import RelativePoseParameters
+from estimators.magnetic._relative_parameters import SPARING_PARAMETERS, RelativePoseParameters
 from estimators.magnetic._relative_pose import (
     EnergyAccount,
     RelativeChunk,
@@ -73,6 +73,7 @@ __all__ = [
     "MU0_TM_PER_A",
     "PACEMAKER_LIMIT_T",
     "SHOE_PARAMETERS",
+    "SPARING_PARAMETERS",
     "BurstNoise",
     "BurstPath",
     "CarriedFix",

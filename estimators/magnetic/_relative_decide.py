@@ -9,6 +9,7 @@ from estimators._kernels import kernel
 from estimators.magnetic import _relative_layout as at
 from estimators.magnetic._relative_pulse import expected_variance, predict_pulse
 from estimators.magnetic._relative_update import innovate
+from estimators.magnetic._relative_watch import affordable
 from estimators.recording import Float
 
 _P, _TICK, _PHASE, _PULSE_LENGTH, _QUIET = at.POSITION, at.TICK, at.PHASE, at.PULSE_LENGTH, at.QUIET
@@ -39,6 +40,7 @@ _ADAPTIVE, _BY_DISTANCE, _GAIN, _FIXED = (
     at.GAIN_SIGMA,
     at.FIXED_TICKS,
 )
+_WAIT_UNTIL = at.WAIT_UNTIL
 _COILS, _O_COIL, _O_CURRENT, _O_SCORES, _O_TICKS = at.COILS, at.O_COIL, at.O_CURRENT, at.O_SCORES, at.O_TICKS
 
 
@@ -110,7 +112,8 @@ def choose_current(
 
 
 @kernel(
-    "void(float64[:, ::1], float64[::1], float64[::1], float64[::1], float64[:, ::1], int64[::1], float64[::1])"
+    "void(float64[:, ::1], float64[::1], float64[::1], float64[::1], float64[:, ::1], float64[::1], int64[::1],"
+    "float64[::1])"
 )
 def decide(
     loops: Float,
@@ -118,16 +121,19 @@ def decide(
     rates: Float,
     nominal: Float,
     p: Float,
+    memory: Float,
     counters: NDArray[np.int64],
     out: Float,
 ) -> None:
-    """Ask for a pulse when the uncertainty passes its limit (method page 3.10)."""
+    """Ask for a pulse when the uncertainty passes its limit (method page 3.10) and the source may do one more."""
     if counters[_PENDING] > 0 or counters[_PULSE_LENGTH] > 0:
         return
     coil, ticks = 0, settings[_ON]
     current = settings[_CURRENT_SET]
     if counters[_PHASE] == _GATHER and counters[_BURST_COIL] < 3:
-        if counters[_QUIET] >= settings[_START_OFF]:
+        # A burst that came unasked while waiting is no reason to ask for the rest of it.
+        is_over = counters[_TICK] >= counters[_WAIT_UNTIL]
+        if is_over and counters[_QUIET] >= settings[_START_OFF]:
             coil, ticks = counters[_BURST_COIL] + 1, settings[_START_ON]
     elif counters[_PHASE] == _TRACK and counters[_QUIET] >= settings[_OFF]:
         if settings[_FIXED] > 0.0:
@@ -154,7 +160,7 @@ def decide(
                     least = scores[coil - 1]
                     target = least + (1.0 - settings[_CURRENT_SHARE]) * (now - least)
                     current = choose_current(loops, float(coil - 1), nominal, rates, settings, p, target)
-    if coil > 0:
+    if coil > 0 and affordable(settings, memory, ticks, current):
         out[_O_COIL], out[_O_CURRENT], out[_O_TICKS] = float(coil), current, ticks
         counters[_PENDING] = coil
         counters[_REQUESTED] = counters[_TICK]

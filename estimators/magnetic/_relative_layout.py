@@ -35,17 +35,27 @@ RING_COLUMNS = SAMPLE + 7
 PATH, PATH_COLUMNS = 16, 7
 """Samples of a pulse that are predicted one by one at most; place, and turn from the source to the middle's axes."""
 
-# Memory: last used sample, sums of the standstill, references, burst, monitoring, account.
+# Memory: last used sample, sums of the standstill, references, burst, monitoring, account, budget, watch of the
+# moment.
 LAST = 0
 SUM_RATE, SUM_SOURCE_RATE, SUM_FORCE, SUM_SOURCE_FORCE, SUM_FIELD = 15, 18, 21, 24, 27
 REFERENCE_NORM, REFERENCE_DIP = 30, 31
 BURST = 32
-BURST_COLUMNS = 11
-"""Of each of three pulses: value 3, nominal position 3, nominal attitude 4, current 1."""
+BURST_COLUMNS = 12
+"""Of each of three pulses: value 3, nominal position 3, nominal attitude 4, current 1, tick of its middle 1."""
 NIS_WINDOW = BURST + 3 * BURST_COLUMNS
 NIS_LENGTH = 5
 ON_TIME, CHARGE, ENERGY = NIS_WINDOW + NIS_LENGTH, NIS_WINDOW + NIS_LENGTH + 1, NIS_WINDOW + NIS_LENGTH + 2
-MEMORY = ENERGY + 1
+BUDGET_S = 60
+"""What the source may do is limited over this long."""
+BUDGET_BINS = BUDGET_S + 1
+"""A bin a second; with the one that is being filled they always hold the last minute."""
+BUDGET_ON = ENERGY + 1
+BUDGET_SQUARED = BUDGET_ON + BUDGET_BINS
+SENSITIVITY = BUDGET_SQUARED + BUDGET_BINS
+"""Of the errors (21) to a moment of the coils that differs from the stated one, per unit; see `_relative_moment`."""
+MOMENT_SCORE, MOMENT_INFORMATION, MOMENT_WRONG = SENSITIVITY + 21, SENSITIVITY + 22, SENSITIVITY + 23
+MEMORY = MOMENT_WRONG + 1
 
 # Counters.
 (
@@ -71,8 +81,11 @@ MEMORY = ENERGY + 1
     FAILURES,
     AT_REST,
     GAP_LENGTH,
-) = range(22)
-COUNTERS = 22
+    REFUSED,
+    RESTARTED,
+    WIDE_AFTER,
+) = range(25)
+COUNTERS = 25
 
 # Phases.
 CALIBRATE, GATHER, TRACK, WAIT = 0, 1, 2, 3
@@ -120,9 +133,18 @@ CALIBRATE, GATHER, TRACK, WAIT = 0, 1, 2, 3
     COILS,
     STILL_RATE,
     USE_INCLINATION,
+    LONGEST_RETRY_TICKS,
+    MOST_ON_TIME,
+    MOST_SQUARED,
+    SECOND_TICKS,
+    MOMENT_LIMIT,
+    MOMENT_KEEP,
+    NIS_ALARM,
     STREAK_PULSES,
-) = range(42)
-SETTINGS = 42
+    UNCERTAIN_POSITION,
+    UNCERTAIN_ATTITUDE,
+) = range(51)
+SETTINGS = 51
 
 # Columns of the output.
 (

@@ -29,17 +29,17 @@ class RelativeFlag(IntFlag):
     CALIBRATING = 2
     """Waiting for the standstill or the first burst: stand still."""
     INERTIAL_ONLY = 4
-    """The source is not used now; the uncertainty grows."""
+    """The source is not used now, or its pulses cannot be read; the uncertainty grows."""
     DISTURBED = 8
-    """Iron near the sensor, the source or between, or pulses that do not fit."""
+    """Iron near the sensor, the source or between, coils not as strong as stated, or pulses that do not fit."""
     MISSING_PULSE = 16
     """Pulses that were asked for did not come: is the source switched on?"""
     SATURATED = 32
     """The magnetometer was at full scale during a pulse."""
     FAULT = 64
-    """Bursts fit no pose: coil numbers, or source and sensor, may be exchanged."""
+    """Bursts fit no pose: coil numbers, or source and sensor, may be exchanged, or the magnetometer is dead."""
     UNCERTAIN = 128
-    """A sigma is above twice its limit."""
+    """A sigma is above `uncertain_m` or `uncertain_deg`."""
     GAP = 256
     """The sample is missing; the last one was held."""
 
@@ -197,19 +197,33 @@ class RelativePoseFilter:
 
     The same samples give the same result, bit for bit, one by one, in uneven chunks, in one batch, or across `state`
     and `restore` into a fresh instance built with the same arguments.
+
+    Parameters
+    ----------
+    source : Source
+    time_step_s : float
+    parameters : mapping, optional
+        Of `RelativePoseParameters`.
+    usual_place_m : ndarray, shape (3,), optional
+        Where the sensor is on somebody who stands, in source axes, roughly: tells a place from its mirror image
+        after dead reckoning has lost it.
     """
 
     name: ClassVar[str] = "relative_pose"
-    version: ClassVar[str] = "3"
+    version: ClassVar[str] = "4"
 
     def __init__(
-        self, source: Source, time_step_s: float, parameters: Mapping[str, Any] | None = None
+        self,
+        source: Source,
+        time_step_s: float,
+        parameters: Mapping[str, Any] | None = None,
+        usual_place_m: Float | None = None,
     ) -> None:
         if not 1e-4 < time_step_s < 0.1:
             raise SetupError(f"time_step_s must be between 0.1 ms and 100 ms, not {time_step_s}")
         if len(source.coils) != 3:
             raise SetupError("the filter starts from a burst of three coils; give a source with three")
-        self._source, self._time_step_s = source, time_step_s
+        self._source, self._time_step_s, self._usual_place_m = source, time_step_s, usual_place_m
         self._parameters = read(parameters)
         if self._parameters.current_a > source.current_limit_a:
             raise SetupError("current_a is above what the source can give")
@@ -268,6 +282,7 @@ class RelativePoseFilter:
             self._covariance,
             self._memory,
             self._counters,
+            self._usual_place_m,
         )
 
     def state(self) -> dict[str, NDArray[Any]]:
@@ -333,8 +348,10 @@ class RelativePoseFilter:
         self._covariance[:] = np.diag(variances**2)
         pose = np.r_[0:3, 6:9]
         self._covariance[np.ix_(pose, pose)] = covariance
+        self._memory[at.SENSITIVITY : at.MEMORY] = 0.0
         self._counters[at.PHASE] = at.TRACK
         self._counters[at.STARTED] = 1
+        self._counters[at.RESTARTED] += 1
 
 
 __all__ = ["EnergyAccount", "RelativeChunk", "RelativeFlag", "RelativePoseFilter", "RelativeResult"]

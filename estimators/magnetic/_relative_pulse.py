@@ -95,7 +95,8 @@ def pulse_value(
     time for which an error of the gyroscope's offset turns it. The path is, for samples that are on, the place that
     the filter gave the sensor, and the turn (quaternion) from the source's axes then to the sensor's in the middle.
     Quiet samples weigh less the older they are (own: generalised least squares, where page 3.8 takes their plain
-    mean). Returns 0 when sound, 1 without a usable sample, 2 when saturated.
+    mean). Returns 0 when sound, 1 without a usable sample
+    (none, or all of them the same to the last bit: the magnetometer is stuck), 2 when saturated.
     """
     out[6] = 0.0
     t = settings[_TIME_STEP]
@@ -106,8 +107,8 @@ def pulse_value(
     sums = np.zeros((2, 3))
     counts, shares = np.zeros(2), np.zeros((2, 2, _RING))
     weight, fade = 1.0, fading(settings)
-    current = 0.0
-    saturated = False
+    current, held = 0.0, np.zeros(3)
+    saturated, stuck = False, True
     for direction in (-1, 1):
         q = (1.0, 0.0, 0.0, 0.0)
         k = middle if direction < 0 else middle + 1
@@ -139,6 +140,9 @@ def pulse_value(
             if group >= 0 and math.isfinite(x + y + z):
                 limit = settings[_FULL_SCALE]
                 saturated = saturated or abs(x) >= limit or abs(y) >= limit or abs(z) >= limit
+                if counts[0] + counts[1] == 0.0:
+                    held[0], held[1], held[2] = x, y, z
+                stuck = stuck and x == held[0] and y == held[1] and z == held[2]
                 b = rotate(q[0], q[1], q[2], q[3], x, y, z)
                 own = 1.0 if group == 0 else weight
                 for i in range(3):
@@ -170,7 +174,9 @@ def pulse_value(
     out[11] = t * lever
     out[4] = current / counts[0]
     out[5] = float(last - middle)
-    return 2 if saturated else 0
+    if saturated:
+        return 2
+    return 1 if stuck else 0
 
 
 @kernel(

@@ -8,15 +8,26 @@ from numpy.typing import NDArray
 from estimators._kernels import kernel
 from estimators.magnetic import _relative_layout as at
 from estimators.magnetic._relative_decide import decide
+from estimators.magnetic._relative_moment import carry_sensitivity, judge_moment
 from estimators.magnetic._relative_motion import corrected, mechanise, predict, relax
 from estimators.magnetic._relative_pulse import pulse_value
-from estimators.magnetic._relative_update import update_inclination, update_pulse
-from estimators.magnetic._relative_watch import calibrate, keep_pulse, quasi_static, tell, watch_field
+from estimators.magnetic._relative_update import UNSEEN, update_inclination, update_pulse
+from estimators.magnetic._relative_watch import (
+    account,
+    at_rest,
+    calibrate,
+    gather,
+    keep_pulse,
+    retreat,
+    tell,
+    watch_field,
+)
 from estimators.recording import Float
 
 _P, _U, _Q, _COIL, _CURRENT = at.POSITION, at.VELOCITY, at.ATTITUDE, at.COIL, at.CURRENT
 _RING, _SAMPLE, _LAST, _WINDOW, _LENGTH = at.RING, at.SAMPLE, at.LAST, at.NIS_WINDOW, at.NIS_LENGTH
-_ON_TIME, _CHARGE, _ENERGY, _TICK, _PHASE = at.ON_TIME, at.CHARGE, at.ENERGY, at.TICK, at.PHASE
+_REFUSED, _NIS_ALARM = at.REFUSED, at.NIS_ALARM
+_TICK, _PHASE, _WIDE_AFTER, _FIELD = at.TICK, at.PHASE, at.WIDE_AFTER, at.FIELD
 _PULSE_LENGTH, _QUIET, _PENDING, _REQUESTED, _STREAK = (
     at.PULSE_LENGTH,
     at.QUIET,
@@ -67,11 +78,31 @@ _KEPT_P, _KEPT_Q, _PATH, _PATH_COLUMNS = at.KEPT_POSITION, at.KEPT_ATTITUDE, at.
 _GAP_LENGTH, _TRACK = at.GAP_LENGTH, at.TRACK
 _GAP_FORCE, _GAP_RATE = 30.0, 8.0
 """White noise of a held sample that stands for 3 m/s^2 and 1 rad/s held wrongly over some tenths of a second."""
+_UNREAD = 3
+"""Pulses in a row that could not be read, after which the source is of no use for a while."""
+_WIDE_SHARE = 0.25
+"""Of the distance: with a place known less well than this a single pulse is not nearly linear, a burst needs to be
+nothing at all."""
 _LONG_GAP_S = 0.3
 """After this the pose is asked for anew."""
 _ALONE_FACTOR = 10.0
 _PAIR_LIMIT, _WINDOW_LIMIT = 22.46, 37.7
 """99.9 % points of chi-square with the degrees of freedom of two and of five pulses."""
+
+
+@kernel("void(float64[::1], int64[::1])")
+def fail(settings: Float, counters: NDArray[np.int64]) -> None:
+    """Count a pulse that said nothing; after a few in a row go on without the source."""
+    counters[_FAILURES] += 1
+    if counters[_FAILURES] >= _UNREAD:
+        retreat(settings, counters)
+
+
+@kernel("boolean(float64[::1], float64[:, ::1])")
+def too_wide(nominal: Float, p: Float) -> bool:
+    """Whether the place is known too badly, against the distance, for pulses one by one."""
+    distance = nominal[_P] ** 2 + nominal[_P + 1] ** 2 + nominal[_P + 2] ** 2
+    return bool(p[0, 0] + p[1, 1] + p[2, 2] > _WIDE_SHARE * _WIDE_SHARE * distance)
 
 
 @kernel(
@@ -94,29 +125,32 @@ def end_pulse(
     """Use a pulse that has just ended; return its normalised innovation squared, NaN when it corrected nothing."""
     phase = counters[_PHASE]
     pulse, path = np.empty(12), np.empty((_PATH, _PATH_COLUMNS))
-    gathering = phase == _GATHER
-    off = int(settings[_START_OFF] if gathering else settings[_OFF])
     counters[_PULSES] += 1
     counters[_MISSED_RUN] = 0
+    if phase == _WAIT and coil == 1 and counters[_STARTED] > 0:
+        # Nobody asked here, but a burst begins: of a source that fires by itself, or for another sensor.
+        gather(counters)
+        phase = _GATHER
     if phase in (_CALIBRATE, _WAIT):
         return math.nan
+    if phase == _TRACK and counters[_TICK] >= counters[_WIDE_AFTER] and too_wide(nominal, p):
+        gather(counters)
+        phase = _GATHER
+    gathering = phase == _GATHER
+    off = int(settings[_START_OFF] if gathering else settings[_OFF])
     status = pulse_value(ring, counters[_TICK] - 1, length, off, nominal, settings, pulse, path)
     pulse[5] += 1.0
     if status != 0:
         if status == 2:
             counters[_SATURATED_UNTIL] = counters[_TICK] + int(settings[_ALARM])
-        if gathering:
-            counters[_FAILURES] += 1
-            if counters[_FAILURES] >= 3:
-                counters[_PHASE] = _WAIT
-                counters[_WAIT_UNTIL] = counters[_TICK] + int(settings[_RETRY])
+        fail(settings, counters)
         return math.nan
     if gathering:
+        counters[_FAILURES] = 0
         if coil == counters[_BURST_COIL] + 1:
             middle = ring[(counters[_TICK] - int(pulse[5])) % _RING]
-            keep_pulse(pulse, middle, memory, coil - 1)
+            keep_pulse(pulse, middle, memory, coil - 1, counters[_TICK] - int(pulse[5]))
             counters[_BURST_COIL] += 1
-            counters[_FAILURES] = 0
             if counters[_BURST_COIL] == 3:
                 counters[_EVENT] = 1
         return math.nan
@@ -124,21 +158,27 @@ def end_pulse(
         counters[_ALARM_UNTIL] = counters[_TICK] + int(settings[_ALARM])
         return math.nan
     inflation = settings[_FACTOR] if counters[_FIELD_BAD] >= 5 else 1.0
-    nis = update_pulse(loops, float(coil - 1), pulse, path, rates, settings, inflation, nominal, p, work)
+    nis = update_pulse(
+        loops, float(coil - 1), pulse, path, rates, settings, inflation, nominal, p, memory, work
+    )
+    if nis == UNSEEN:
+        counters[_ALARM_UNTIL] = counters[_TICK] + int(settings[_ALARM])
+        fail(settings, counters)
+        return math.nan
+    counters[_FAILURES] = 0
+    if nis <= settings[_NIS_SOFT]:
+        counters[_REFUSED] = 0
     total = nis
     for i in range(_LENGTH - 1):
         memory[_WINDOW + i] = memory[_WINDOW + i + 1]
         total += memory[_WINDOW + i]
     memory[_WINDOW + _LENGTH - 1] = nis
     pair = nis + memory[_WINDOW + _LENGTH - 2]
-    if nis > settings[_NIS_SOFT] or pair > _PAIR_LIMIT or total > _WINDOW_LIMIT:
+    if nis > settings[_NIS_ALARM] or pair > _PAIR_LIMIT or total > _WINDOW_LIMIT:
         counters[_ALARM_UNTIL] = counters[_TICK] + int(settings[_ALARM])
     counters[_STREAK] = counters[_STREAK] + 1 if nis > settings[_NIS_STREAK] else 0
     if counters[_STREAK] >= settings[_STREAK_PULSES]:
-        counters[_STREAK] = 0
-        counters[_PHASE] = _GATHER
-        counters[_BURST_COIL] = 0
-        counters[_FAILURES] = 0
+        gather(counters)
     return nis
 
 
@@ -169,9 +209,7 @@ def tick(
     last = memory[_LAST : _LAST + 15]
     if whole:
         if counters[_GAP_LENGTH] * settings[_T] > _LONG_GAP_S and counters[_PHASE] == _TRACK:
-            counters[_PHASE] = _GATHER
-            counters[_BURST_COIL] = 0
-            counters[_FAILURES] = 0
+            gather(counters)
         counters[_GAP_LENGTH] = 0
     else:
         counters[_GAP_LENGTH] += 1
@@ -183,6 +221,7 @@ def tick(
         force = settings[_FORCE] if whole else _GAP_FORCE
         rate = settings[_RATE] if whole else _GAP_RATE
         predict(nominal, signals, settings, force, rate, p, work)
+        carry_sensitivity(work[1], settings, memory)
         mechanise(nominal, signals, settings[_T], settings[_PUBLISHED] > 0.0)
         relax(nominal, settings)
     for i in range(3):
@@ -192,14 +231,14 @@ def tick(
         row[_KEPT_Q + i] = nominal[_Q + i]
     coil = int(sample[_COIL])
     before = int(ring[(counters[_TICK] - 1) % _RING, _COIL]) if counters[_TICK] > 0 else 0
-    static = whole and quasi_static(signals, settings)
-    inclined = counters[_STARTED] > 0 and static and settings[_USE_INCLINATION] > 0.0
+    resting = at_rest(signals, whole, settings, counters)
+    inclined = counters[_STARTED] > 0 and resting and settings[_USE_INCLINATION] > 0.0
     # Not while a pulse is read: its way must be one piece.
     inclined = inclined and coil == 0 and before == 0
     if inclined and counters[_TICK] % int(settings[_INCLINE]) == 0:
         corrected(nominal, row, row, signals)
         factor = 1.0 if counters[_PHASE] == _TRACK else _ALONE_FACTOR
-        update_inclination(nominal, signals, settings, factor, p, work[0])
+        update_inclination(nominal, signals, settings, factor, p, memory, work[0])
     out[:] = 0.0
     out[_O_NIS] = math.nan
     if before > 0 and coil != before:
@@ -217,19 +256,17 @@ def tick(
             work[0],
         )
         counters[_PULSE_LENGTH] = 0
+    account(sample, settings, memory, counters)
     if coil > 0:
         counters[_PULSE_LENGTH] += 1
         counters[_QUIET] = 0
         counters[_PENDING] = 0
-        memory[_ON_TIME] += settings[_T]
-        memory[_CHARGE] += settings[_T] * abs(sample[_CURRENT])
-        memory[_ENERGY] += settings[_T] * sample[_CURRENT] ** 2
     else:
         counters[_QUIET] += 1
         if counters[_PHASE] == _CALIBRATE and whole:
             calibrate(sample, settings, nominal, memory, counters)
         elif counters[_STARTED] > 0:
-            watch_field(row, static, settings, memory, counters)
+            watch_field(row, resting, settings, memory, counters)
     if counters[_PENDING] > 0 and counters[_TICK] - counters[_REQUESTED] > settings[_RESPONSE]:
         counters[_PENDING] = 0
         counters[_MISSED] += 1
@@ -237,12 +274,12 @@ def tick(
         if counters[_MISSED_RUN] >= 3:
             counters[_PHASE] = _WAIT
             counters[_WAIT_UNTIL] = counters[_TICK] + int(settings[_RETRY])
-    if counters[_PHASE] == _WAIT and counters[_TICK] >= counters[_WAIT_UNTIL]:
-        counters[_PHASE] = _GATHER
-        counters[_BURST_COIL] = 0
-        counters[_FAILURES] = 0
+    # No coil is fired for a magnetometer that says nothing.
+    has_field = math.isfinite(sample[_FIELD] + sample[_FIELD + 1] + sample[_FIELD + 2])
+    if counters[_PHASE] == _WAIT and counters[_TICK] >= counters[_WAIT_UNTIL] and has_field:
+        gather(counters)
         counters[_PENDING] = 0
-    decide(loops, settings, rates, nominal, p, counters, out)
+    decide(loops, settings, rates, nominal, p, memory, counters, out)
     if whole:
         for i in range(15):
             last[i] = row[i]
@@ -254,6 +291,8 @@ def tick(
         a = i if i < 3 else i + 3
         for j in range(6):
             out[_O_COV + 6 * i + j] = p[a, j if j < 3 else j + 3]
+    if counters[_STARTED] > 0:
+        judge_moment(settings, memory, counters, out)
     out[_O_FLAGS] = float(tell(sample, settings, counters, p))
     counters[_TICK] += 1
 

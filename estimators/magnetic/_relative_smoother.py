@@ -180,11 +180,10 @@ def smooth_table(
     restarted, valid = np.zeros(count, dtype=np.bool_), np.zeros(count, dtype=np.bool_)
     _, settings, state, spread, _, counters, _ = relative.arrays()
     for k in range(count):
-        pulses = int(counters[at.PHASE])
+        before_tick = int(counters[at.RESTARTED])
         out[k] = relative.run(samples[k : k + 1])[0]
         nominal[k], covariance[k], valid[k] = state, spread, counters[at.STARTED] > 0
-        # From gathering to tracking within a tick: a burst was solved.
-        restarted[k] = pulses == at.GATHER and counters[at.PHASE] == at.TRACK
+        restarted[k] = counters[at.RESTARTED] > before_tick
     held = samples.copy()
     _hold(held)
     smoothed, before = np.empty_like(nominal), nominal.copy()

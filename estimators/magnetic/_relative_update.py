@@ -6,6 +6,7 @@ import numpy as np
 
 from estimators._kernels import kernel, rotate_back
 from estimators.magnetic import _relative_layout as at
+from estimators.magnetic._relative_moment import learn_moment
 from estimators.magnetic._relative_motion import add_skew, attitude_matrix, inject
 from estimators.magnetic._relative_pulse import predict_path
 from estimators.magnetic._small_algebra import cholesky, joseph, solve
@@ -13,8 +14,14 @@ from estimators.recording import Float
 
 _Q, _ET, _EA, _EG, _EAC = at.ATTITUDE, at.E_ATTITUDE, at.E_FORCE, at.E_RATE, at.E_SOURCE_FORCE
 _TIME_STEP, _GAIN_SIGMA, _PASSES, _NIS_SOFT = at.TIME_STEP, at.GAIN_SIGMA, at.PASSES, at.NIS_SOFT
+_NIS_STREAK = at.NIS_STREAK
 _INCLINATION_SIGMA = at.INCLINATION_SIGMA
 _DONE = 1e-7
+_SEEN, _CLEAR = 5.42, 25.0
+"""Times the noise (all three axes): below the first (99.9 % point) a field is none, above the second it is clear."""
+_OFF = 100.0
+"""Six sigmas and more from what was expected: that is no estimate too sure of itself, the pulse is another's."""
+UNSEEN = -2.0
 
 
 @kernel("float64(float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[::1], float64[:, ::1])")
@@ -53,7 +60,7 @@ def innovate(p: Float, h: Float, r: Float, innovation: Float, gain: Float) -> fl
 
 @kernel(
     "float64(float64[:, ::1], float64, float64[::1], float64[:, ::1], float64[::1], float64[::1], float64,"
-    "float64[::1], float64[:, ::1], float64[:, ::1])"
+    "float64[::1], float64[:, ::1], float64[::1], float64[:, ::1])"
 )
 def update_pulse(
     loops: Float,
@@ -65,15 +72,24 @@ def update_pulse(
     inflation: float,
     nominal: Float,
     p: Float,
+    memory: Float,
     work: Float,
 ) -> float:
-    """Correct state and covariance by a pulse (iterated, softly weighted); return its normalised innovation squared."""
+    """Correct state and covariance by a pulse (iterated, softly weighted); return its normalised innovation squared.
+
+    Of one above `nis_streak` nobody knows whether the pulse is wrong or what was expected: both are held for equally
+    likely, and state and covariance are the mean and the spread of the two. So the state follows halfway, and is as
+    uncertain as that makes it until the next pulse. One that is off by far corrects nothing. Returns `UNSEEN`, with
+    nothing changed, when a pulse that must be
+    clear to see is not there at all: that it is far away would be the wrong conclusion.
+    """
     n = p.shape[0]
     h, gain, r = np.zeros((3, n)), np.empty((n, 3)), np.zeros((3, 3))
     value, innovation, right = np.empty(3), np.empty(3), np.empty(3)
+    expected, straight, surprise = value, h, innovation
     correction, trial = np.zeros(n), nominal.copy()
     delay = pulse[5] * settings[_TIME_STEP]
-    first = -1.0
+    first, is_doubtful = -1.0, False
     ambient = pulse[7] ** 2 + pulse[8] ** 2 + pulse[9] ** 2
     # An error of the gyroscope's offset turns the ambient field that is taken off the pulse.
     add_skew(h, 0, _EG, pulse[11], pulse[7], pulse[8], pulse[9])
@@ -92,7 +108,17 @@ def update_pulse(
             return -1.0
         if number == 0:
             first = nis
-            if nis > settings[_NIS_SOFT]:
+            # Before the correction, so that noise of this pulse is in the innovation alone.
+            expected, straight, surprise = value.copy(), h.copy(), innovation.copy()
+            # With a noise of its own alone: what the expected field is wrong by is no noise of a field of zero.
+            noise = 3.0 * inflation * (pulse[3] + pulse[10] * ambient)
+            seen = pulse[0] * pulse[0] + pulse[1] * pulse[1] + pulse[2] * pulse[2]
+            if nis > settings[_NIS_SOFT] and seen < _SEEN * noise and size > _CLEAR * noise:
+                return UNSEEN
+            if nis > _OFF:
+                return first
+            is_doubtful = nis > settings[_NIS_STREAK]
+            if nis > settings[_NIS_SOFT] and not is_doubtful:
                 # R += (NIS / limit - 1) S: an outlier weighs less the farther out it is, but is never shut out.
                 share = nis / settings[_NIS_SOFT] - 1.0
                 for a in range(3):
@@ -121,15 +147,29 @@ def update_pulse(
         inject(trial, correction)
         if largest < _DONE:
             break
+    if is_doubtful:
+        # Mean of the hypotheses, and half of either covariance: (P + P+) / 2 = P with half of what is taken off.
+        for i in range(n):
+            correction[i] *= 0.5
+        inject(nominal, correction)
+        before = p.copy()
+        joseph(p, h, r, gain, work)
+        for i in range(n):
+            for j in range(n):
+                p[i, j] = 0.5 * (p[i, j] + before[i, j]) + correction[i] * correction[j]
+        return first
     for i in range(nominal.shape[0]):
         nominal[i] = trial[i]
+    learn_moment(p, straight, r, gain, surprise, expected, memory)
     joseph(p, h, r, gain, work)
     return first
 
 
-@kernel("void(float64[::1], float64[::1], float64[::1], float64, float64[:, ::1], float64[:, ::1])")
+@kernel(
+    "void(float64[::1], float64[::1], float64[::1], float64, float64[:, ::1], float64[::1], float64[:, ::1])"
+)
 def update_inclination(
-    nominal: Float, signals: Float, settings: Float, factor: float, p: Float, work: Float
+    nominal: Float, signals: Float, settings: Float, factor: float, p: Float, memory: Float, work: Float
 ) -> None:
     """Correct by the gravity that both modules see while quasi-static: R^T f_c = f_s (method page 3.9b).
 
@@ -157,7 +197,8 @@ def update_inclination(
     for i in range(n):
         correction[i] = gain[i, 0] * innovation[0] + gain[i, 1] * innovation[1] + gain[i, 2] * innovation[2]
     inject(nominal, correction)
+    learn_moment(p, h, noise, gain, innovation, np.zeros(3), memory)
     joseph(p, h, noise, gain, work)
 
 
-__all__ = ["innovate", "update_inclination", "update_pulse"]
+__all__ = ["UNSEEN", "innovate", "update_inclination", "update_pulse"]

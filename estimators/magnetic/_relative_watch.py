@@ -38,6 +38,12 @@ _PHASE, _STILL, _QUIET, _BURST_COIL, _ALARM_UNTIL = (
     at.BURST_COIL,
     at.ALARM_UNTIL,
 )
+_COIL, _CURRENT, _ON_TIME, _CHARGE, _ENERGY = at.COIL, at.CURRENT, at.ON_TIME, at.CHARGE, at.ENERGY
+_BUDGET_ON, _BUDGET_SQUARED, _BINS = at.BUDGET_ON, at.BUDGET_SQUARED, at.BUDGET_BINS
+_SECOND, _MOST_ON, _MOST_SQUARED = at.SECOND_TICKS, at.MOST_ON_TIME, at.MOST_SQUARED
+_REFUSED, _WAIT_UNTIL, _STREAK, _FAILURES = at.REFUSED, at.WAIT_UNTIL, at.STREAK, at.FAILURES
+_UNCERTAIN_P, _UNCERTAIN_A = at.UNCERTAIN_POSITION, at.UNCERTAIN_ATTITUDE
+_RETRY, _LONGEST_RETRY = at.RETRY_TICKS, at.LONGEST_RETRY_TICKS
 _FIELD_BAD, _SATURATED_UNTIL, _STARTED, _MISSED_RUN, _AT_REST = (
     at.FIELD_BAD,
     at.SATURATED_UNTIL,
@@ -46,10 +52,8 @@ _FIELD_BAD, _SATURATED_UNTIL, _STARTED, _MISSED_RUN, _AT_REST = (
     at.AT_REST,
 )
 _CALIBRATE, _GATHER, _TRACK, _WAIT, _T = at.CALIBRATE, at.GATHER, at.TRACK, at.WAIT, at.TIME_STEP
-_G, _LIMIT_P, _LIMIT_A, _CALIBRATE_TICKS, _GATE_F = (
+_G, _CALIBRATE_TICKS, _GATE_F = (
     at.GRAVITY,
-    at.POSITION_LIMIT,
-    at.ATTITUDE_LIMIT,
     at.CALIBRATE_TICKS,
     at.GATE_FORCE,
 )
@@ -70,13 +74,25 @@ _REST_S = 0.7
 
 @kernel("boolean(float64[::1], float64[::1])")
 def quasi_static(signals: Float, settings: Float) -> bool:
-    """Whether both modules hardly turn and feel little but gravity."""
+    """Whether both modules hardly turn and feel little but gravity at a moment."""
     for o in (0, 6):
         rate = math.sqrt(signals[o] ** 2 + signals[o + 1] ** 2 + signals[o + 2] ** 2)
         force = math.sqrt(signals[o + 3] ** 2 + signals[o + 4] ** 2 + signals[o + 5] ** 2)
         if rate > settings[_GATE_W] or abs(force - settings[_G]) > settings[_GATE_F]:
             return False
     return True
+
+
+@kernel("boolean(float64[::1], boolean, float64[::1], int64[::1])")
+def at_rest(signals: Float, whole: bool, settings: Float, counters: NDArray[np.int64]) -> bool:
+    """Whether both modules hardly turn and feel little but gravity, and have done so for a while.
+
+    At the turning points of a swing the rate vanishes too, but not for long, and acceleration is no gravity there:
+    taken for gravity, swing by swing the same, it would bend the attitude far more than its noise says.
+    """
+    still = whole and quasi_static(signals, settings)
+    counters[_AT_REST] = counters[_AT_REST] + 1 if still else 0
+    return bool(counters[_AT_REST] * settings[_T] > _REST_S)
 
 
 @kernel("void(float64[::1], float64[::1], int64)")
@@ -137,7 +153,7 @@ def calibrate(
 
 @kernel("void(float64[::1], boolean, float64[::1], float64[::1], int64[::1])")
 def watch_field(
-    sample: Float, static: bool, settings: Float, memory: Float, counters: NDArray[np.int64]
+    sample: Float, resting: bool, settings: Float, memory: Float, counters: NDArray[np.int64]
 ) -> None:
     """Compare norm and dip of the earth's field between pulses with those of the start (method page 3.13)."""
     if not memory[_NORM] > 0.0 or counters[_QUIET] < 2:
@@ -150,10 +166,7 @@ def watch_field(
     if not math.isfinite(norm + gravity) or norm <= 0.0:
         return
     bad = abs(math.sqrt(norm) / memory[_NORM] - 1.0) > settings[_NORM_LIMIT]
-    rate = sample[_GYR] ** 2 + sample[_GYR + 1] ** 2 + sample[_GYR + 2] ** 2
-    counters[_AT_REST] = counters[_AT_REST] + 1 if static and rate < settings[_STILL_RATE] ** 2 else 0
-    # At the turning points of a swing the rate vanishes too, but not for long: acceleration is no gravity there.
-    if counters[_AT_REST] * settings[_T] > _REST_S and not bad:
+    if resting and not bad:
         dip = math.acos(min(1.0, max(-1.0, dot / math.sqrt(norm * gravity))))
         bad = abs(dip - memory[_DIP]) > settings[_DIP_LIMIT]
     counters[_FIELD_BAD] = min(20, counters[_FIELD_BAD] + 1) if bad else max(0, counters[_FIELD_BAD] - 1)
@@ -161,15 +174,66 @@ def watch_field(
         counters[_ALARM_UNTIL] = counters[_TICK] + int(settings[_ALARM])
 
 
-@kernel("void(float64[::1], float64[::1], float64[::1], int64)")
-def keep_pulse(pulse: Float, middle: Float, memory: Float, number: int) -> None:
-    """Keep a pulse of a burst with the pose that was predicted for its middle, a row of the ring."""
+@kernel("void(float64[::1], float64[::1], float64[::1], int64, int64)")
+def keep_pulse(pulse: Float, middle: Float, memory: Float, number: int, tick: int) -> None:
+    """Keep a pulse of a burst with the pose that was predicted for its middle, a row of the ring, at a tick."""
     row = _BURST + number * _COLUMNS
     for i in range(3):
         memory[row + i] = pulse[i]
     for i in range(7):
         memory[row + 3 + i] = middle[_KEPT_P + i]
     memory[row + 10] = pulse[4]
+    memory[row + 11] = float(tick)
+
+
+@kernel("void(float64[::1], int64[::1])")
+def retreat(settings: Float, counters: NDArray[np.int64]) -> None:
+    """Go on without the source for a while, for twice as long after each time that it was of no use."""
+    pause = settings[_RETRY]
+    for _ in range(counters[_REFUSED]):
+        pause = min(2.0 * pause, settings[_LONGEST_RETRY])
+    counters[_REFUSED] += 1
+    counters[_PHASE] = _WAIT
+    counters[_WAIT_UNTIL] = counters[_TICK] + int(pause)
+    counters[_BURST_COIL] = 0
+    counters[_STREAK] = 0
+    counters[_FAILURES] = 0
+
+
+@kernel("void(int64[::1])")
+def gather(counters: NDArray[np.int64]) -> None:
+    """Ask for a burst."""
+    counters[_PHASE] = _GATHER
+    counters[_BURST_COIL] = 0
+    counters[_STREAK] = 0
+    counters[_FAILURES] = 0
+
+
+@kernel("void(float64[::1], float64[::1], float64[::1], int64[::1])")
+def account(sample: Float, settings: Float, memory: Float, counters: NDArray[np.int64]) -> None:
+    """Book what the source does at this tick: altogether, and in the bin of this second."""
+    tick, second = counters[_TICK], int(settings[_SECOND])
+    place = (tick // second) % _BINS
+    if tick % second == 0:
+        memory[_BUDGET_ON + place] = memory[_BUDGET_SQUARED + place] = 0.0
+    if sample[_COIL] > 0.0:
+        on, current = settings[_T], sample[_CURRENT]
+        memory[_ON_TIME] += on
+        memory[_CHARGE] += on * abs(current)
+        memory[_ENERGY] += on * current * current
+        memory[_BUDGET_ON + place] += on
+        memory[_BUDGET_SQUARED + place] += on * current * current
+
+
+@kernel("boolean(float64[::1], float64[::1], float64, float64)")
+def affordable(settings: Float, memory: Float, ticks: float, current: float) -> bool:
+    """Whether one more pulse keeps the last minute within what the source may do."""
+    on = settings[_T] * ticks
+    squared = on * current * current
+    for i in range(_BINS):
+        on += memory[_BUDGET_ON + i]
+        squared += memory[_BUDGET_SQUARED + i]
+    return bool(on <= settings[_MOST_ON] and squared <= settings[_MOST_SQUARED])
 
 
 @kernel("int64(float64[::1], float64[::1], int64[::1], float64[:, ::1])")
@@ -197,9 +261,20 @@ def tell(sample: Float, settings: Float, counters: NDArray[np.int64], p: Float) 
         flags |= GAP
     if counters[_STARTED] > 0:
         for i in range(3):
-            if p[i, i] > 4.0 * settings[_LIMIT_P] ** 2 or p[6 + i, 6 + i] > 4.0 * settings[_LIMIT_A] ** 2:
+            if p[i, i] > settings[_UNCERTAIN_P] ** 2 or p[6 + i, 6 + i] > settings[_UNCERTAIN_A] ** 2:
                 flags |= UNCERTAIN
     return flags
 
 
-__all__ = ["calibrate", "keep_pulse", "quasi_static", "tell", "watch_field"]
+__all__ = [
+    "account",
+    "affordable",
+    "at_rest",
+    "calibrate",
+    "gather",
+    "keep_pulse",
+    "quasi_static",
+    "retreat",
+    "tell",
+    "watch_field",
+]

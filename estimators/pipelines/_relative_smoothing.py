@@ -119,11 +119,10 @@ def _block_back(
     restarted, valid = np.zeros(rows, dtype=np.bool_), np.zeros(rows, dtype=np.bool_)
     for k in range(count):
         _, settings, state, variance, _, counters, _ = one.arrays()
-        phase = int(counters[at.PHASE])
+        before = int(counters[at.RESTARTED])
         one.run(samples[start + k : start + k + 1])
         nominal[k], covariance[k], valid[k] = state, variance, counters[at.STARTED] > 0
-        # From gathering to tracking within a tick: a burst was solved.
-        restarted[k] = phase == at.GATHER and counters[at.PHASE] == at.TRACK
+        restarted[k] = counters[at.RESTARTED] > before
     if behind is not None:
         nominal[count], covariance[count] = behind.nominal, behind.covariance
         restarted[count], valid[count] = behind.is_restart, behind.is_valid
@@ -150,12 +149,10 @@ def _held(samples: Float) -> Float:
 
 def _flags(one: RelativePoseFilter, result: RelativeResult) -> NDArray[np.uint16]:
     """Say anew where the pose is less certain than wanted: the smoother knows more than the filter did."""
-    limits = np.repeat(
-        [one.parameters["position_limit_m"], np.radians(one.parameters["attitude_limit_deg"])], 3
-    )
+    limits = np.repeat([one.parameters["uncertain_m"], np.radians(one.parameters["uncertain_deg"])], 3)
     variance = np.diagonal(result.covariance, axis1=1, axis2=2)
     started = (result.flags & np.uint16(int(RelativeFlag.INVALID))) == 0
-    wide = started & (variance > 4.0 * limits**2).any(axis=1)
+    wide = started & (variance > limits**2).any(axis=1)
     bit = np.uint16(int(RelativeFlag.UNCERTAIN))
     return np.where(wide, result.flags | bit, result.flags & ~bit).astype(np.uint16)
 

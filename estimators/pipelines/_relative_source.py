@@ -35,11 +35,11 @@ _PLACE_M: Final[dict[str, tuple[float, float, float]]] = {
 from the source to a sensor is used, to choose between a place and its mirror image through the source."""
 MOST_MOMENT_AM2: Final = 3.0
 """Four times that of the usual coils; more is no source to be worn."""
-NOMINAL_GAIN_SIGMA: Final = 0.03
+NOMINAL_GAIN_SIGMA: Final = 0.04
 """How wrong the field of coils is that nobody has measured, one sigma an axis, as a share of it.
 
 At arm's length: 2 % of the moment (a millimetre of radius is 4 %), 2 mm of the centre (1 %), 1.5 degrees of the axis
-(2 to 3 % across the field)."""
+(2 to 3 % across the field), 3.4 % together; a little more, because it lasts and pulses count it as new each time."""
 MOST_LOOPS: Final = 100
 """That stand for one winding: more add nothing but time."""
 ROUND_TRIP_S: Final = 0.5

@@ -1,6 +1,6 @@
 """Simulated sessions of the relative-pose filter and their scores, shared by its protocols."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -54,6 +54,15 @@ class Run:
         return mean_nees(errors, self.result.covariance[self.scored])
 
     @property
+    def inside(self) -> Any:
+        """Whether the place is within the ellipsoid that should hold it in 95 % of cases, shape (K,)."""
+        error = self.position_error_m
+        solved = np.linalg.solve(self.result.covariance[:, :3, :3] + 1e-18 * np.eye(3), error[..., None])[
+            ..., 0
+        ]
+        return np.sum(error * solved, axis=1) < chi2.ppf(0.95, 3)
+
+    @property
     def interval_s(self) -> float:
         """Mean time between actuations."""
         count = int(np.sum(self.result.fire_coil[self.scored] > 0))
@@ -97,10 +106,15 @@ def session(
     pause_s: tuple[float, float] | None = None,
     errors: ModuleErrors | None = None,
     known_start: bool = False,
+    altered: Callable[[RelativeScene], RelativeScene] | None = None,
 ) -> Run:
-    """Run one session of the method page (7.1): 2 s of standstill, first burst, movement from 4 s on."""
+    """Run one session of the method page (7.1): 2 s of standstill, first burst, movement from 4 s on.
+
+    `parameters` are what differs from the filter's own defaults; `altered` changes what is measured.
+    """
     motion = relative_motion(movement, duration_s, seed, pause_s)
     scene = relative_scene(source, motion, duration_s, seed=seed, iron=iron, errors=errors)
+    scene = scene if altered is None else altered(scene)
     # The coils are exactly as believed, as after a calibration: gain_sigma is that of calibrated coils, unlike the 3 %
     # that the product assumes of nominal ones.
     own: dict[str, Any] = {

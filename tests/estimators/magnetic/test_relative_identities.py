@@ -151,7 +151,10 @@ def updated(nominal, p, field, inflation=1.0):
     path[0, :3] = nominal[:3]
     path[0, 3:] = rotation.conjugate(nominal[at.ATTITUDE : at.ATTITUDE + 4])
     after, spread, work = nominal.copy(), p.copy(), np.empty_like(p)
-    update_pulse(SOURCE.loops, 1.0, pulse, path, np.zeros(6), SETTINGS, inflation, after, spread, work)
+    memory = np.zeros(at.MEMORY)
+    update_pulse(
+        SOURCE.loops, 1.0, pulse, path, np.zeros(6), SETTINGS, inflation, after, spread, memory, work
+    )
     return after, spread
 
 
@@ -195,12 +198,12 @@ def test_gravity_that_fits_corrects_nothing_and_a_tilt_is_taken_out(seed):
     tilts = slice(at.E_ATTITUDE, at.E_ATTITUDE + 3)
     p[tilts, tilts] = np.eye(3)
     at_truth = nominal.copy()
-    update_inclination(at_truth, signals, SETTINGS, 1e-8, p.copy(), work)
+    update_inclination(at_truth, signals, SETTINGS, 1e-8, p.copy(), np.zeros(at.MEMORY), work)
     np.testing.assert_allclose(at_truth, nominal, atol=1e-12)
     off = rng.normal(0.0, 1e-4, 3)
     tilted = nominal.copy()
     tilted[at.ATTITUDE : at.ATTITUDE + 4] = rotation.multiply(q, rotation.exp(off))
-    update_inclination(tilted, signals, SETTINGS, 1e-8, p.copy(), work)
+    update_inclination(tilted, signals, SETTINGS, 1e-8, p.copy(), np.zeros(at.MEMORY), work)
     left = rotation.log(rotation.multiply(rotation.conjugate(q), tilted[at.ATTITUDE : at.ATTITUDE + 4]))
     # A turn about the vertical is not seen.
     vertical = signals[3:6] / GRAVITY_MPS2

@@ -9,7 +9,13 @@ import pytest
 
 from estimators import rotation
 from estimators.errors import SetupError, ShapeError
-from estimators.magnetic import RelativeFlag, RelativePoseFilter, Source, perpendicular_source
+from estimators.magnetic import (
+    SPARING_PARAMETERS,
+    RelativeFlag,
+    RelativePoseFilter,
+    Source,
+    perpendicular_source,
+)
 from estimators.magnetic import _relative_layout as at
 from estimators.magnetic import _relative_motion as motion
 from estimators.magnetic import _relative_pulse as pulses
@@ -228,13 +234,14 @@ def test_decisions():
     fired = np.flatnonzero((result.fire_coil > 0) & (scene.time_s > 4.0))
     assert len(fired) > 8
     np.testing.assert_array_equal(np.argmin(result.scores[fired], axis=1) + 1, result.fire_coil[fired])
-    above = (result.position_sigma_m > 0.02).any(axis=1) | (result.attitude_sigma_rad > np.radians(2.5)).any(
+    above = (result.position_sigma_m > 0.006).any(axis=1) | (result.attitude_sigma_rad > np.radians(2.0)).any(
         axis=1
     )
     assert above[fired].all()
     # The source follows a tick later, for three ticks.
     np.testing.assert_array_equal(samples[fired + 1, at.COIL], result.fire_coil[fired])
-    assert relative.energy.pulses == len(np.flatnonzero(result.fire_coil > 0))
+    # The last one may not have ended.
+    assert relative.energy.pulses == np.sum(result.fire_coil[:-5] > 0)
     assert relative.energy.on_time_s == pytest.approx(np.sum(samples[:, at.COIL] > 0) * 0.01)
     assert relative.energy.heat_j(2.0) == pytest.approx(2.0 * np.sum(samples[:, at.CURRENT] ** 2) * 0.01)
 
@@ -243,7 +250,9 @@ def test_current_and_limits_by_need():
     scene = relative_scene(SOURCE, relative_motion("random", 12.0, 4), 12.0, seed=4)
     found = []
     for own in ({}, {"adaptive_current": True}, {"distance_scaling": True}):
-        parameters = {"mounting_direction": tuple(scene.position_m[0].tolist())} | own
+        parameters = (
+            dict(SPARING_PARAMETERS) | {"mounting_direction": tuple(scene.position_m[0].tolist())} | own
+        )
         result, _ = run_closed_loop(scene, RelativePoseFilter(SOURCE, 0.01, parameters), seed=4)
         fired = (result.fire_coil > 0) & (scene.time_s > 4.0)
         found.append((int(fired.sum()), result.fire_current_a[fired], result.position_sigma_m))

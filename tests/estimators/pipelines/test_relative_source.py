@@ -41,7 +41,7 @@ def made(seed):
 
 
 def test_coils_that_nobody_measured_are_believed_less():
-    assert gain_of(setup()) == NOMINAL_GAIN_SIGMA == 0.03
+    assert gain_of(setup()) == NOMINAL_GAIN_SIGMA == 0.04
     assert gain_of(setup(gain_sigma=0.01)) == 0.01
 
 

@@ -16,7 +16,7 @@ export const sources = {
 
   'sources.which': 'Which source is worn',
   'sources.described': 'One that was not measured',
-  'sources.describedHelp': 'Its field is taken for 3 % wrong. A measured source is exacter and needs fewer pulses.',
+  'sources.describedHelp': 'Its field is taken for 4 % wrong. A measured source is exacter and needs fewer pulses.',
   'sources.useBench': 'Bench: measure a source',
   'sources.useBenchText': 'Nobody wears the source. It lies still, the sensor is laid at measured places around it.',
   'sources.length': 'Length of the winding (cm)',
