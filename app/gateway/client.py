@@ -295,6 +295,7 @@ class GatewayClient:
             connection.transport.abort()
             raise
         if isinstance(answer, ErrorMessage):
+            self._heard(answer)
             await connection.close()
             raise _as_error(answer)
         if not isinstance(answer, AcknowledgeMessage):

@@ -7,7 +7,8 @@ amplifiers; it says for each tick which coil is to be on, with which current.
 from dataclasses import dataclass
 from typing import Final
 
-from app.ingest.messages import AcknowledgeMessage, ActuateMessage, ActuationPlanMessage
+from app.errors import SafetyUnconfirmed
+from app.ingest.messages import AcknowledgeMessage, ActuateMessage, ActuationPlanMessage, ErrorMessage
 
 ENDED: Final = ("closing", "analysed", "failed")
 """States of a session in which no coil may be on."""
@@ -70,7 +71,8 @@ class SourceControl:
     def hear(self, message: object) -> None:
         """Take any message of the service: that something came counts too."""
         self._was_heard = True
-        if isinstance(message, AcknowledgeMessage) and message.state in ENDED:
+        is_refused = isinstance(message, ErrorMessage) and message.code == SafetyUnconfirmed.code
+        if is_refused or (isinstance(message, AcknowledgeMessage) and message.state in ENDED):
             self._plan = self._next = None
             self._left = 0
         elif isinstance(message, ActuationPlanMessage):

@@ -88,10 +88,14 @@ async def withdraw_safety(session_id: str, request: Request, subject: CurrentSub
     """
     services = services_of(request)
     hours = services.settings.implant_confirmation_hours
-    told = await asyncio.to_thread(repository.withdraw_safety, services.engine, subject, session_id, hours)
     live: LiveManager = services.live
-    await live.check_source(session_id)
-    return told
+    try:
+        return await asyncio.to_thread(
+            repository.withdraw_safety, services.engine, subject, session_id, hours
+        )
+    finally:
+        # Also when there was nothing left to take back: whoever presses again wants the source off.
+        await live.check_source(session_id)
 
 
 @steering_router.get("/{session_id}/state")

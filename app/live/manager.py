@@ -161,8 +161,8 @@ class LiveManager:
                 _check_network(session.declaration, declaration)
             if session.state not in OPEN:
                 raise Conflict("This session is closed; create another one.", state=session.state)
-            # Confirmed, or the ticket had not been taken.
-            session.allow_source(True, "")
+            # Asked anew: the word may have been taken back while the session was being opened.
+            await self.check_source(stored.id)
             may_stream = partial(repository.still_allowed, self.engine, subject, stored.id, "record")
             intake = Intake(session, partial(self._check_gateway, session, may_stream), self._detach)
             before = self._intakes.get(stored.id)

@@ -6,13 +6,14 @@ reads that session, which needs the right to treat its patient. A session keeps 
 
 from typing import Any, Final
 
-from sqlalchemy import select
+from sqlalchemy import Engine, select
 from sqlalchemy.orm import Session
 
 from app.accounts import audit
 from app.accounts.models import Account
 from app.accounts.subject import Subject
 from app.database.base import utc_now
+from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import Conflict, InvalidInput, NotAllowed
 from app.recordings import repository
 from app.recordings.known_sources import find_source
@@ -73,17 +74,20 @@ def stops(session: Session, subject: Subject, session_id: str, sensor: Placement
 
 
 def calibrate(
-    session: Session, subject: Subject, session_id: str, wanted: SourceCalibrationIn
+    engine: Engine, subject: Subject, session_id: str, wanted: SourceCalibrationIn
 ) -> MagneticSourceOut:
     """Find the coils of a source from a bench session and keep them.
+
+    Nothing is locked while they are found: that takes seconds, in which other patients' packets must be stored.
 
     Raises
     ------
     InvalidInput
         Places and stops do not fit, or no coils explain the pulses.
     """
-    found = _bench_session(session, subject, session_id, "session.source_calibration")
-    bench = _bench(session, found, wanted.sensor)
+    with read_only(engine) as session:
+        found = _bench_session(session, subject, session_id, "session.source_calibration")
+        bench = _bench(session, found, wanted.sensor)
     fit = bench.calibrate(wanted.positions_m, wanted.place_sigma_m)
     described = MagneticSourceIn(
         name=wanted.name,
@@ -93,7 +97,8 @@ def calibrate(
         gain_sigma=fit.gain_sigma,
         found=findings(fit, sum(place is not None for place in wanted.positions_m)),
     )
-    return _told(session, _store(session, subject, described, "session", found.id))
+    with unit_of_work(engine) as session:
+        return _told(session, _store(session, subject, described, "session", session_id))
 
 
 def _require_staff(subject: Subject) -> None:

@@ -19,8 +19,8 @@ def get_mass_centre(
     session: ReadSession,
     subject: CurrentSubject,
     result_id: str | None = None,
-    start_s: Annotated[float | None, Query(ge=0)] = None,
-    end_s: Annotated[float | None, Query(ge=0)] = None,
+    start_s: Annotated[float | None, Query(ge=0, le=1e7)] = None,
+    end_s: Annotated[float | None, Query(ge=0, le=1e7)] = None,
     max_points: Annotated[int, Query(ge=2, le=MAX_POINTS)] = 1000,
 ) -> MassCentreOut:
     """Return the centre of mass against the ankles and the floor, how well it is known, and what is assumed."""

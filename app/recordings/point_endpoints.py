@@ -18,8 +18,8 @@ def get_points(
     session: ReadSession,
     subject: CurrentSubject,
     result_id: str | None = None,
-    start_s: Annotated[float | None, Query(ge=0)] = None,
-    end_s: Annotated[float | None, Query(ge=0)] = None,
+    start_s: Annotated[float | None, Query(ge=0, le=1e7)] = None,
+    end_s: Annotated[float | None, Query(ge=0, le=1e7)] = None,
     max_points: Annotated[int, Query(ge=2, le=MAX_POINTS)] = 1000,
 ) -> PointsOut:
     """Return elbows, wrists and hands with their uncertainty, speed and acceleration."""

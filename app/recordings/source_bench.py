@@ -10,7 +10,7 @@ import numpy as np
 
 from app.errors import InvalidInput
 from app.ingest.alignment import joined_chunks
-from app.recordings.source_schemas import CoilIn, SourceFindings, SourceStopOut
+from app.recordings.source_schemas import WORST_GAIN_SIGMA, CoilIn, SourceFindings, SourceStopOut
 from estimators.conventions import Placement
 from estimators.errors import EstimationError
 from estimators.magnetic import (
@@ -122,7 +122,7 @@ class Bench:
             (one, place) for one, place in zip(self.stops, positions_m, strict=True) if place is not None
         ]
         try:
-            return calibrate_at_places(
+            fit = calibrate_at_places(
                 self.design,
                 np.array([place for _, place in pairs]).reshape(-1, 3),
                 np.array([one.pulses_t for one, _ in pairs]).reshape(-1, 3, 3),
@@ -130,8 +130,15 @@ class Bench:
                 np.array([one.sigma_t for one, _ in pairs]),
                 place_sigma_m,
             )
-        except EstimationError as error:
+        except (EstimationError, np.linalg.LinAlgError) as error:
             raise InvalidInput(f"The coils could not be found: {error}.", field="positions_m") from error
+        if not fit.gain_sigma <= WORST_GAIN_SIGMA:
+            raise InvalidInput(
+                f"These places tell the field only to {100.0 * fit.gain_sigma:.0f} %; lay the sensor at more places,"
+                " and nearer: 10 to 25 cm from the middle, on every side.",
+                field="positions_m",
+            )
+        return fit
 
     def _roughly(self, one: Stop) -> tuple[float, float, float] | None:
         fix = locate(

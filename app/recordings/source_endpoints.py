@@ -1,6 +1,6 @@
 """HTTP of magnetic sources whose coils were measured."""
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Request
 
 from app.accounts.dependencies import CurrentAccount, CurrentSubject
 from app.database.dependencies import ReadSession, WriteSession
@@ -11,6 +11,7 @@ from app.recordings.source_schemas import (
     SourceCalibrationIn,
     SourceStopsOut,
 )
+from app.services import services_of
 from estimators.conventions import Placement
 
 router = APIRouter(prefix="/api", tags=["magnetic sources"])
@@ -49,10 +50,10 @@ def find_stops(
 
 @router.post("/sessions/{session_id}/source-calibration", status_code=201)
 def calibrate_source(
-    session_id: str, wanted: SourceCalibrationIn, session: WriteSession, subject: CurrentAccount
+    session_id: str, wanted: SourceCalibrationIn, request: Request, subject: CurrentAccount
 ) -> MagneticSourceOut:
     """Find the coils of a source from a session in which the sensor was laid at measured places, and keep them."""
-    return magnetic_sources.calibrate(session, subject, session_id, wanted)
+    return magnetic_sources.calibrate(services_of(request).engine, subject, session_id, wanted)
 
 
 __all__ = ["router"]

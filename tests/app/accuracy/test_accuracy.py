@@ -11,7 +11,7 @@ from app.cli import cli
 from estimators import validation
 from estimators.validation import Figure, Protocol
 
-SHORT = {"magnetic_loose_fusion"}
+SHORT = {"magnetic_fusion_checks", "optical_refusal"}
 """What falls short today; the page shows it. Nothing else may."""
 
 
