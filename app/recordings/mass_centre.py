@@ -8,7 +8,7 @@ from sqlalchemy.orm import Session
 from app.accounts.subject import Subject
 from app.recordings import repository
 from app.recordings.mass_centre_schemas import MassCentreCurve, MassCentreOut
-from app.recordings.points import result_ticks
+from app.recordings.points import ticks_between
 from app.recordings.store import read_frames
 from estimators.balance import MASS_SCALARS
 from estimators.conventions import PLACEMENTS
@@ -62,10 +62,7 @@ def mass_centre_of(
         return MassCentreOut(result_id=result.id, time_s=[], curves=[], assumed=[], reason=reason)
     columns = [scalars.index(name) for name in MASS_SCALARS]
     step_s = 1.0 / setup.rate_hz
-    first = 0 if start_s is None else int(np.ceil(start_s / step_s - 1e-6))
-    stop = result_ticks(session, result)
-    if end_s is not None:
-        stop = min(stop, int(np.ceil(end_s / step_s - 1e-6)))
+    first, stop = ticks_between(session, result, step_s, start_s, end_s)
     stride, length = max(1, -(-(stop - first) // max_points)), max(1, round(_PIECE_S / step_s))
     times: list[Float] = []
     parts: list[Float] = []

@@ -120,10 +120,7 @@ def points_of(
     result = repository.result_of(session, found, result_id)
     setup = SessionSetup.from_dict(result.setup)
     step_s = 1.0 / setup.rate_hz
-    first = 0 if start_s is None else int(np.ceil(start_s / step_s - 1e-6))
-    stop = result_ticks(session, result)
-    if end_s is not None:
-        stop = min(stop, int(np.ceil(end_s / step_s - 1e-6)))
+    first, stop = ticks_between(session, result, step_s, start_s, end_s)
     stride = max(1, -(-(stop - first) // max_points))
     # What a derivative looks at to both sides.
     margin = round(ACCELERATION_WINDOW_S / step_s)
@@ -144,6 +141,17 @@ def points_of(
     return PointsOut(
         result_id=result.id, time_s=times, points=[_curve(name, parts, p) for p, name in enumerate(names)]
     )
+
+
+def ticks_between(
+    session: Session, result: Result, step_s: float, start_s: float | None, end_s: float | None
+) -> tuple[int, int]:
+    """Return first tick and end of what a result holds of the half-open session time `[start_s, end_s)`."""
+    first = 0 if start_s is None else int(np.ceil(start_s / step_s - 1e-6))
+    stop = result_ticks(session, result)
+    if end_s is not None:
+        stop = min(stop, int(np.ceil(end_s / step_s - 1e-6)))
+    return first, stop
 
 
 def result_ticks(session: Session, result: Result) -> int:
@@ -174,4 +182,4 @@ def _plain(values: Float) -> list[float | None]:
     return [round(float(v), 5) if np.isfinite(v) else None for v in values]
 
 
-__all__ = ["MAX_POINTS", "DescribedPoints", "described", "points_of", "result_ticks"]
+__all__ = ["MAX_POINTS", "DescribedPoints", "described", "points_of", "result_ticks", "ticks_between"]

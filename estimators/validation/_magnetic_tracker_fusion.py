@@ -158,7 +158,7 @@ MAGNETIC_FUSION = Protocol(
     source="Roetenberg 2006, table 6.1; method page ch. 6, V1 to V5, V8, V10",
     what="The bursts of the tracker, pulse by pulse, in the tightly coupled filter (21 states, source frame) and its "
     "smoother; errors in the source frame at every sample from 3.3 s on. The published cycle is 0.6 s; at 2.4 s "
-    "(V10) the filter is lost between bursts, and that figure is shown only.",
+    "(V10) the figure is shown only: magnetic_fusion_checks judges it.",
     figures=_figures(),
     measure=_fusion,
 )
