@@ -28,9 +28,11 @@ router = APIRouter(prefix="/api", tags=["patients"])
 
 
 @router.get("/patients")
-def list_patients(subject: CurrentAccount, session: ReadSession) -> list[PatientOut]:
-    """Return the patients in reach; a patient gets the own record only."""
-    return service.list_patients(session, subject)
+def list_patients(
+    subject: CurrentAccount, session: ReadSession, archived: bool | None = None
+) -> list[PatientOut]:
+    """Return the patients in reach, all or by whether they are archived; a patient gets the own record only."""
+    return service.list_patients(session, subject, archived)
 
 
 @router.post("/patients", status_code=201)

@@ -37,15 +37,20 @@ def get_patient(
     return patient
 
 
-def list_patients(session: Session, subject: Subject) -> list[Patient]:
+def list_patients(session: Session, subject: Subject, archived: bool | None = None) -> list[Patient]:
     """Return every patient whose data the subject may read, by name; archived ones last.
 
     Parameters
     ----------
     session : Session
     subject : Subject
+    archived : bool, optional
+        Only archived patients, or only the others; all when absent.
     """
-    query = visible_patients(subject).order_by(
+    query = visible_patients(subject)
+    if archived is not None:
+        query = query.where(Patient.archived_at.is_not(None) if archived else Patient.archived_at.is_(None))
+    query = query.order_by(
         Patient.archived_at.is_not(None), Patient.family_name, Patient.given_name, Patient.id
     )
     patients = list(session.scalars(query))

@@ -70,4 +70,6 @@ class PatientOut(PatientIn):
     mounting: MountingOut | None = None
     """The remembered one; only where a single patient is asked for."""
     may_treat: bool
-    """The caller may record and prescribe, not only read."""
+    """The caller may record and prescribe, not only read; never of an archived patient."""
+    may_manage: bool
+    """The caller may share, take consents, archive and restore."""

@@ -26,19 +26,21 @@ from app.patients.schemas import BodyDimensionsIn, MountingOut, PatientIn, Patie
 from app.settings import Settings
 
 
-def list_patients(session: Session, subject: Subject) -> list[PatientOut]:
+def list_patients(session: Session, subject: Subject, archived: bool | None = None) -> list[PatientOut]:
     """Return every patient in reach.
 
     Parameters
     ----------
     session : Session
     subject : Subject
+    archived : bool, optional
+        Only archived patients, or only the others; all when absent.
     """
-    patients = repository.list_patients(session, subject)
+    patients = repository.list_patients(session, subject, archived)
     ids = [patient.id for patient in patients]
     mounted = repository.mounted_patients(session, ids)
     treated = repository.treated_patients(session, subject, ids)
-    return [_out(patient, patient.id in mounted, patient.id in treated) for patient in patients]
+    return [_out(subject, patient, patient.id in mounted, patient.id in treated) for patient in patients]
 
 
 def get_patient(session: Session, subject: Subject, patient_id: str) -> PatientOut:
@@ -107,7 +109,7 @@ def patient_out(session: Session, subject: Subject, patient: Patient) -> Patient
         Access was checked.
     """
     mounting = repository.mounting_of(session, patient.id)
-    out = _out(patient, mounting is not None, repository.may_treat(session, subject, patient))
+    out = _out(subject, patient, mounting is not None, repository.may_treat(session, subject, patient))
     if mounting is not None:
         known = mounting.calibration
         out.mounting = MountingOut(
@@ -266,7 +268,7 @@ def _require_own_or_manage(session: Session, subject: Subject, patient_id: str) 
     return patient
 
 
-def _out(patient: Patient, has_mounting: bool, may_treat: bool) -> PatientOut:
+def _out(subject: Subject, patient: Patient, has_mounting: bool, may_treat: bool) -> PatientOut:
     return PatientOut(
         id=patient.id,
         created_at=patient.created_at,
@@ -278,7 +280,8 @@ def _out(patient: Patient, has_mounting: bool, may_treat: bool) -> PatientOut:
         notes=patient.notes,
         body_dimensions=BodyDimensionsIn(**patient.body_dimensions),
         has_mounting=has_mounting,
-        may_treat=may_treat,
+        may_treat=may_treat and patient.archived_at is None,
+        may_manage=may_treat or subject.role == "administrator",
     )
 
 

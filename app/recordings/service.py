@@ -192,7 +192,7 @@ def describe(session: Session, subject: Subject, found: MotionSession) -> Sessio
         results=[result_out(result) for result in results],
         events=[SessionEventOut.model_validate(event) for event in _events(session, found.id)],
         layout=layout_out(layout_of(session, found)),
-        may_treat="treat" in levels(session, subject, patient),
+        may_treat="treat" in levels(session, subject, patient) and patient.archived_at is None,
     )
 
 

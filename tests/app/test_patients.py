@@ -269,3 +269,18 @@ def test_a_patient_says_how_the_sensors_sat_last(engine, world, therapist) -> No
     found = therapist.get(path).json()["mounting"]
     assert found["placements"] == ["sternum"]
     assert (found["method"], found["score"]) == ("functional", 0.9)
+
+
+def test_an_archived_patient_is_found_and_offers_only_the_way_back(therapist, sign_in, world):
+    path = f"/api/patients/{world.patient_id}"
+    assert therapist.patch(path, json={"is_archived": True}).status_code == 200
+
+    def found(archived):
+        return [row["id"] for row in therapist.get("/api/patients", params={"archived": archived}).json()]
+
+    assert found(True) == [world.patient_id]
+    assert found(False) == [world.other_patient_id]
+    seen = therapist.get(path).json()
+    assert (seen["may_treat"], seen["may_manage"]) == (False, True)
+    assert sign_in("reader").get(path).json()["may_manage"] is False
+    assert therapist.patch(path, json={"is_archived": False}).json()["may_treat"] is True

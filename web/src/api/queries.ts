@@ -8,6 +8,7 @@ export const keys = {
   me: ['me'] as const,
   caseload: ['caseload'] as const,
   patients: ['patients'] as const,
+  archived: ['patients', 'archived'] as const,
   patient: (id: string) => ['patients', id] as const,
   progress: (id: string, exerciseId: string | null) => ['patients', id, 'progress', exerciseId] as const,
   patientSessions: (id: string) => ['patients', id, 'sessions'] as const,
@@ -105,6 +106,7 @@ function useChange<In, Out>(change: (input: In) => Promise<Out>, old: (input: In
 
 export const useCaseload = () => useGet<Wire.CaseloadRow[]>(keys.caseload, '/api/caseload', { refetchInterval: 15_000 });
 export const usePatients = () => useGet<Wire.Patient[]>(keys.patients, '/api/patients');
+export const useArchivedPatients = () => useGet<Wire.Patient[]>(keys.archived, '/api/patients?archived=true');
 export const usePatient = (id: string) => useGet<Wire.Patient>(keys.patient(id), `/api/patients/${id}`, { enabled: id !== '' });
 export const useProgress = (id: string, exerciseId: string | null) =>
   useGet<Wire.Progress>(keys.progress(id, exerciseId), withQuery(`/api/patients/${id}/progress`, { exercise_id: exerciseId }));
@@ -178,7 +180,7 @@ export const useAddPatient = () =>
 export const useEditPatient = (id: string) =>
   useChange(
     (input: Wire.PatientPatch) => api.patch<Wire.Patient>(`/api/patients/${id}`, input),
-    () => [keys.patient(id), keys.caseload],
+    () => [keys.patient(id), keys.caseload, keys.archived],
   );
 export const useErasePatient = () =>
   useChange(

@@ -373,7 +373,7 @@ export interface paths {
         };
         /**
          * List Patients
-         * @description Return the patients in reach; a patient gets the own record only.
+         * @description Return the patients in reach, all or by whether they are archived; a patient gets the own record only.
          */
         get: operations["list_patients_api_patients_get"];
         put?: never;
@@ -3189,6 +3189,8 @@ export interface components {
             has_mounting: boolean;
             /** Id */
             id: string;
+            /** May Manage */
+            may_manage: boolean;
             /** May Treat */
             may_treat: boolean;
             mounting?: components["schemas"]["MountingOut"] | null;
@@ -4956,7 +4958,9 @@ export interface operations {
     };
     list_patients_api_patients_get: {
         parameters: {
-            query?: never;
+            query?: {
+                archived?: boolean | null;
+            };
             header?: never;
             path?: never;
             cookie?: never;
@@ -4970,6 +4974,15 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["PatientOut"][];
+                };
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
                 };
             };
         };

@@ -2,6 +2,7 @@
 import { calibration } from './en/calibration';
 import { clinic } from './en/clinic';
 import { common } from './en/common';
+import { home } from './en/home';
 import { magnetic } from './en/magnetic';
 import { markers } from './en/markers';
 import { motion } from './en/motion';
@@ -12,4 +13,4 @@ import { session } from './en/session';
 import { sources } from './en/sources';
 import { walking } from './en/walking';
 
-export const en = { ...calibration, ...clinic, ...common, ...magnetic, ...markers, ...motion, ...patient, ...report, ...research, ...session, ...sources, ...walking } as const;
+export const en = { ...calibration, ...clinic, ...common, ...home, ...magnetic, ...markers, ...motion, ...patient, ...report, ...research, ...session, ...sources, ...walking } as const;

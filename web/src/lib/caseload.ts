@@ -15,7 +15,11 @@ export function byReason(rows: readonly CaseloadRow[]): CaseloadRow[] {
 export function matches(row: CaseloadRow, filter: CaseloadFilter, search: string): boolean {
   if (filter === 'look' && (row.reason === '' || row.reason === 'live')) return false;
   if (filter === 'live' && !row.live_session_id) return false;
+  return holdsWords(`${row.given_name} ${row.family_name}`, search);
+}
+
+/** Whether a name holds every word searched for, accents and case aside. */
+export function holdsWords(name: string, search: string): boolean {
   const plain = (text: string) => text.normalize('NFD').replace(/\p{M}/gu, '').toLowerCase();
-  const name = plain(`${row.given_name} ${row.family_name}`);
-  return plain(search).split(/\s+/).every((word) => name.includes(word));
+  return plain(search).split(/\s+/).every((word) => plain(name).includes(word));
 }

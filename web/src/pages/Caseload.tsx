@@ -12,6 +12,7 @@ import { useSignedIn } from '../components/useSignedIn';
 import { t } from '../i18n';
 import { day, number, quantity } from '../lib/format';
 import { byReason, matches, type CaseloadFilter } from '../lib/caseload';
+import { ArchivedPatients } from './patient/ArchivedPatients';
 
 function Practised({ percent }: { percent: number | null }) {
   if (percent === null) return <span className="muted">–</span>;
@@ -75,6 +76,7 @@ function Row({ row }: { row: CaseloadRow }) {
 function Rows({ rows }: { rows: CaseloadRow[] }) {
   const [search, setSearch] = useState('');
   const [filter, setFilter] = useState<CaseloadFilter>('all');
+  const [seesArchive, setSeesArchive] = useState(false);
   if (rows.length === 0) {
     return (
       <div className="card">
@@ -89,6 +91,13 @@ function Rows({ rows }: { rows: CaseloadRow[] }) {
         >
           {t('caseload.emptyText')}
         </Empty>
+        {seesArchive ? (
+          <ArchivedPatients />
+        ) : (
+          <Button variant="subtle" size="sm" onClick={() => setSeesArchive(true)}>
+            {t('caseload.archivedSeen')}
+          </Button>
+        )}
       </div>
     );
   }
@@ -108,18 +117,26 @@ function Rows({ rows }: { rows: CaseloadRow[] }) {
         <SegmentedControl
           size="md"
           aria-label={t('caseload.filter')}
-          value={filter}
-          onChange={(value) => setFilter(value as CaseloadFilter)}
-          data={(['all', 'look', 'live'] as const).map((value) => ({
-            value,
-            label: `${t(`caseload.filter.${value}`)} (${count(value)})`,
-          }))}
+          value={seesArchive ? 'archived' : filter}
+          onChange={(value) => {
+            setSeesArchive(value === 'archived');
+            if (value !== 'archived') setFilter(value as CaseloadFilter);
+          }}
+          data={[
+            ...(['all', 'look', 'live'] as const).map((value) => ({
+              value,
+              label: `${t(`caseload.filter.${value}`)} (${count(value)})`,
+            })),
+            { value: 'archived', label: t('caseload.filter.archived') },
+          ]}
         />
       </div>
       <p className="visually-hidden" role="status">
-        {t('caseload.shown', { count: shown.length })}
+        {seesArchive ? '' : t('caseload.shown', { count: shown.length })}
       </p>
-      {shown.length === 0 ? (
+      {seesArchive ? (
+        <ArchivedPatients search={search} />
+      ) : shown.length === 0 ? (
         <div className="card">
           <Empty title={t('caseload.noMatchTitle')}>{t('caseload.noMatchText')}</Empty>
         </div>

@@ -10,7 +10,7 @@ afterEach(() => vi.unstubAllGlobals());
 
 const ADMIN: Me = { ...THERAPIST, account_id: 'admin', role: 'administrator' };
 const account = (id: string, change: Partial<Account> = {}): Account => ({ id, display_name: `Person ${id}`, email: `${id}@e.example`, role: 'therapist', is_active: true, ...change });
-const patient = (change: Partial<Patient> = {}): Patient => ({ id: 'p', given_name: 'Ada', family_name: 'Berg', birth_date: null, affected_side: null, notes: '', body_dimensions: {}, created_at: '', archived_at: null, has_mounting: false, may_treat: false, ...change });
+const patient = (change: Partial<Patient> = {}): Patient => ({ id: 'p', given_name: 'Ada', family_name: 'Berg', birth_date: null, affected_side: null, notes: '', body_dimensions: {}, created_at: '', archived_at: null, has_mounting: false, may_treat: false, may_manage: true, ...change });
 
 it('switches an account off, but never the own one', async () => {
   const { asked } = renderPage(<ClinicPage />, { me: ADMIN, answers: { '/api/accounts': [account('a'), account('admin', { role: 'administrator' })], 'PATCH /api/accounts/a': account('a', { is_active: false }) } });

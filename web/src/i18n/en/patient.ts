@@ -214,5 +214,4 @@ export const patient = {
   'consent.home_streaming.text': 'My sensors may send my movement from home.',
   'consent.research': 'Research',
   'consent.research.text': 'My data may be used for research, without my name.',
-  'consent.since': 'Answered on {date}.',
 } as const;

@@ -1,47 +1,12 @@
-import { Switch } from '@mantine/core';
-import { useAudit, useConsent, useConsents, useGrants } from '../../api/queries';
-import type { ConsentIn } from '../../api/types';
+import { useAudit, useGrants } from '../../api/queries';
 import { AuditList } from '../../components/AuditList';
-import { Answer, Problem } from '../../components/Feedback';
+import { Consents } from '../../components/Consents';
+import { Answer } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { useSignedIn } from '../../components/useSignedIn';
 import { t } from '../../i18n';
-import { date } from '../../lib/format';
 import { ExportButton } from '../patient/DataPanel';
 import { NoRecord } from './Today';
-
-const PURPOSES: readonly ConsentIn['purpose'][] = ['treatment', 'home_streaming', 'research'];
-
-function Consents({ patientId }: { patientId: string }) {
-  const consents = useConsents(patientId);
-  const change = useConsent(patientId);
-  return (
-    <section className="card stack" aria-labelledby="consents">
-      <h2 id="consents">{t('mine.consents')}</h2>
-      {change.error && <Problem error={change.error} />}
-      <Answer of={consents} lines={3}>
-        {(list) => (
-          <>
-            {PURPOSES.map((purpose) => {
-              const given = list.find((one) => one.purpose === purpose);
-              return (
-                <Switch
-                  key={purpose}
-                  size="lg"
-                  label={t(`consent.${purpose}`)}
-                  description={t(`consent.${purpose}.text`) + (given ? ` ${t('consent.since', { date: date(given.changed_at) })}` : '')}
-                  checked={given?.granted ?? false}
-                  disabled={change.isPending}
-                  onChange={(event) => change.mutate({ purpose, granted: event.currentTarget.checked })}
-                />
-              );
-            })}
-          </>
-        )}
-      </Answer>
-    </section>
-  );
-}
 
 function MyData({ patientId }: { patientId: string }) {
   const audit = useAudit(patientId);

@@ -46,7 +46,6 @@ export function DataPanel({ patient }: { patient: Patient }) {
   const me = useSignedIn();
   const edit = useEditPatient(patient.id);
   const [isErasing, erasing] = useDisclosure(false);
-  const mayManage = me.role === 'administrator' || patient.may_treat;
   const isArchived = patient.archived_at !== null;
   return (
     <section className="card stack" aria-labelledby="data">
@@ -58,7 +57,7 @@ export function DataPanel({ patient }: { patient: Patient }) {
       )}
       <div className="data-buttons">
         <ExportButton patientId={patient.id} size="sm" />
-        {(mayManage || isArchived) &&
+        {patient.may_manage &&
           (isArchived ? (
             <Button size="sm" variant="default" leftSection={<IconArchiveOff size={18} aria-hidden />} loading={edit.isPending} onClick={() => edit.mutate({ is_archived: false })}>
               {t('data.unarchive')}

@@ -7,7 +7,6 @@ import type { DeviceToken, Patient } from '../../api/types';
 import { Confirm } from '../../components/Confirm';
 import { CopyBox } from '../../components/CopyBox';
 import { Answer, Notice, Problem } from '../../components/Feedback';
-import { useSignedIn } from '../../components/useSignedIn';
 import { t } from '../../i18n';
 import { date } from '../../lib/format';
 
@@ -71,8 +70,7 @@ function Line({ token, patient }: { token: DeviceToken; patient: Patient }) {
 }
 
 export function DevicePanel({ patient }: { patient: Patient }) {
-  const me = useSignedIn();
-  const mayManage = patient.may_treat || me.role === 'administrator';
+  const mayManage = patient.may_manage && patient.archived_at === null;
   const tokens = useDeviceTokens(patient.id, mayManage);
   const [isOpen, dialog] = useDisclosure(false);
   if (!mayManage) return null;

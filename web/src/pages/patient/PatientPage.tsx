@@ -5,6 +5,7 @@ import { IconPencil, IconPlayerRecord, IconUpload } from '@tabler/icons-react';
 import { Link, useParams } from 'react-router';
 import { useEditPatient, usePatient } from '../../api/queries';
 import type { Patient } from '../../api/types';
+import { Consents } from '../../components/Consents';
 import { Answer } from '../../components/Feedback';
 import { SideMark } from '../../components/Marks';
 import { Page } from '../../components/Page';
@@ -77,6 +78,7 @@ function Loaded({ patient }: { patient: Patient }) {
       <div className="patient-grid">
         <div className="stack">
           <Facts patient={patient} onEdit={editing.open} />
+          <Consents patientId={patient.id} mayChange={patient.may_manage && patient.archived_at === null} />
           <DevicePanel patient={patient} />
           <AccessPanel patient={patient} />
           <DataPanel patient={patient} />

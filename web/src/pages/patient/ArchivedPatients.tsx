@@ -1,0 +1,35 @@
+import { IconArchive } from '@tabler/icons-react';
+import { Link } from 'react-router';
+import { useArchivedPatients } from '../../api/queries';
+import { Answer, Empty } from '../../components/Feedback';
+import { t } from '../../i18n';
+import { holdsWords } from '../../lib/caseload';
+import { date } from '../../lib/format';
+
+/** Who was taken off the caseload; the patient's page has the way back. */
+export function ArchivedPatients({ search = '' }: { search?: string }) {
+  const patients = useArchivedPatients();
+  return (
+    <div className="card">
+      <Answer of={patients} lines={3}>
+        {(list) => {
+          const shown = list.filter((one) => holdsWords(`${one.given_name} ${one.family_name}`, search));
+          return shown.length === 0 ? (
+            <Empty icon={<IconArchive size={44} aria-hidden />} title={list.length === 0 ? t('caseload.archivedNone') : t('caseload.noMatchTitle')} />
+          ) : (
+            <ul className="plain-list lines">
+              {shown.map((one) => (
+                <li key={one.id}>
+                  <Link to={`/patients/${one.id}`} className="strong">
+                    {one.given_name} {one.family_name}
+                  </Link>
+                  <div className="muted small">{t('caseload.archivedOn', { date: date(one.archived_at ?? '') })}</div>
+                </li>
+              ))}
+            </ul>
+          );
+        }}
+      </Answer>
+    </div>
+  );
+}
