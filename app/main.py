@@ -24,6 +24,7 @@ from app.assessment.patient_endpoints import router as follow_up_router
 from app.database import engine as database_engine
 from app.database.migrate import require_newest
 from app.database.unit_of_work import read_only, unit_of_work
+from app.database.writer_lock import WriterLock, writer_lock
 from app.edge import error_answers
 from app.edge.client import client_router
 from app.edge.documentation import router as documentation_router
@@ -68,7 +69,9 @@ def service_version() -> str:
         return "unknown"
 
 
-def create_app(settings: Settings | None = None, *, passwords: Passwords | None = None) -> FastAPI:
+def create_app(
+    settings: Settings | None = None, *, passwords: Passwords | None = None, lock: WriterLock | None = None
+) -> FastAPI:
     """Make the application; nothing is opened before its lifespan starts.
 
     Parameters
@@ -77,13 +80,16 @@ def create_app(settings: Settings | None = None, *, passwords: Passwords | None 
         Read from the environment when absent; unsafe ones raise here.
     passwords : Passwords, optional
         Another cost of password hashing.
+    lock : WriterLock, optional
+        Of the database; taken in the lifespan when it is not held yet.
     """
     settings = settings or Settings()
+    lock = lock or writer_lock(settings.database_url, "telemotion service", settings.base_url)
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         async with AsyncExitStack() as stack:
-            app.state.services = await open_services(settings, stack, passwords)
+            app.state.services = await open_services(settings, stack, lock, passwords)
             logger.info("service %s is open at %s", service_version(), settings.base_url)
             yield
         logger.info("service is closed")
@@ -116,7 +122,7 @@ def create_app(settings: Settings | None = None, *, passwords: Passwords | None 
 
 
 async def open_services(
-    settings: Settings, stack: AsyncExitStack, passwords: Passwords | None = None
+    settings: Settings, stack: AsyncExitStack, lock: WriterLock, passwords: Passwords | None = None
 ) -> Services:
     """Open every resource in order; the stack closes them in reverse.
 
@@ -125,13 +131,17 @@ async def open_services(
     settings : Settings
     stack : AsyncExitStack
         Closed by the caller when the service stops.
+    lock : WriterLock
+        Held from before anything is read until everything is closed.
     passwords : Passwords, optional
 
     Raises
     ------
     Conflict
-        The database has not been migrated to this version.
+        The database has not been migrated to this version, or another process holds it.
     """
+    await to_thread.run_sync(lock.take)
+    stack.callback(lock.release)
     engine = database_engine.create(settings)
     stack.callback(engine.dispose)
     await to_thread.run_sync(require_newest, engine)

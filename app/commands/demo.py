@@ -1,36 +1,21 @@
 """`telemotion demo`: the service with an invented clinic, and a patient who streams live."""
 
 import shutil
-import socket
 import subprocess
 import sys
 from pathlib import Path
 
 import typer
 
-from app.commands.serve import serve
+from app.commands.serve import claim, run
 from app.database import engine as engines
 from app.database import migrate
+from app.database.writer_lock import LOCK_SUFFIX
 from app.demo.people import is_seeded, seed_people
-from app.errors import Conflict, InvalidInput
+from app.errors import InvalidInput
 from app.settings import Settings
 
 HISTORY_MARK = "history-complete"
-
-
-def _require_free(port: int) -> None:
-    """Refuse a port that somebody listens on, before anything is prepared for it.
-
-    Raises
-    ------
-    Conflict
-        The port is taken, perhaps by another demonstration.
-    """
-    with socket.socket() as probe:
-        if probe.connect_ex(("127.0.0.1", port)) == 0:
-            raise Conflict(
-                f"port {port} is taken; stop what runs there, or choose another (make run PORT=...)"
-            )
 
 
 def demo(port: int, folder: Path, fresh: bool, stream: bool) -> None:
@@ -46,15 +31,9 @@ def demo(port: int, folder: Path, fresh: bool, stream: bool) -> None:
     stream : bool
         Start the simulated patient.
     """
-    mark = folder / HISTORY_MARK
-    _require_free(port)
     database = folder / "telemotion.db"
-    if folder.exists() and any(folder.iterdir()) and not database.exists():
+    if folder.exists() and not database.exists() and _contents(folder):
         raise InvalidInput(f"{folder} holds something else; name a new or empty folder")
-    if database.exists() and (fresh or not mark.exists()):
-        # A first start that was interrupted left half a history: begin again rather than show it.
-        shutil.rmtree(folder)
-    folder.mkdir(parents=True, exist_ok=True)
     server = f"http://127.0.0.1:{port}"
     settings = Settings(
         demo=True,
@@ -63,6 +42,33 @@ def demo(port: int, folder: Path, fresh: bool, stream: bool) -> None:
         data_dir=folder,
         log_level="warning",
     )
+    with claim(settings, "127.0.0.1", port, "telemotion demo") as (listener, lock):
+        words = _prepare(settings, folder, fresh)
+        if stream:
+            words.append("--stream")
+        companion = subprocess.Popen(words)  # noqa: S603 - our own interpreter and module
+        try:
+            run(settings, listener, lock)
+        finally:
+            companion.terminate()
+            companion.wait(timeout=10)
+
+
+def _contents(folder: Path) -> list[Path]:
+    """Return what is in a demonstration's folder, without the lock, which must stay while it is held."""
+    return [path for path in folder.iterdir() if not path.name.endswith(LOCK_SUFFIX)]
+
+
+def _prepare(settings: Settings, folder: Path, fresh: bool) -> list[str]:
+    """Bring the database about and return the companion's command line."""
+    mark = folder / HISTORY_MARK
+    if fresh or not mark.exists():
+        # A first start that was interrupted left half a history: begin again rather than show it.
+        for path in _contents(folder):
+            if path.is_dir():
+                shutil.rmtree(path)
+            else:
+                path.unlink()
     migrate.upgrade(settings.database_url)
     engine = engines.create(settings)
     try:
@@ -72,22 +78,8 @@ def demo(port: int, folder: Path, fresh: bool, stream: bool) -> None:
             seed_people(engine)
     finally:
         engine.dispose()
-    words = [
-        sys.executable,
-        "-m",
-        "app.demo.companion",
-        "--server",
-        server,
-        "--database-url",
-        settings.database_url,
-    ]
+    words = [sys.executable, "-m", "app.demo.companion", "--server", settings.base_url]
+    words += ["--database-url", settings.database_url]
     if with_history:
         words += ["--history-mark", str(mark)]
-    if stream:
-        words.append("--stream")
-    companion = subprocess.Popen(words)  # noqa: S603 - our own interpreter and module
-    try:
-        serve("127.0.0.1", port, settings)
-    finally:
-        companion.terminate()
-        companion.wait(timeout=10)
+    return words

@@ -1,42 +1,165 @@
 """`telemotion serve`: the service in one process."""
 
+import contextlib
+import errno
+import logging
+import os
+import socket
+import sys
+from collections.abc import Iterator
+from typing import Final
+
 import uvicorn
 
+from app.database import migrate
+from app.database.writer_lock import WriterLock, writer_lock
+from app.errors import Conflict, InvalidInput
 from app.settings import Settings
 
+logger = logging.getLogger("telemotion.service")
 
-def serve(host: str, port: int, settings: Settings | None = None) -> None:
-    """Bring the database to the newest schema, then serve until told to stop.
+EXIT_NOT_STARTED: Final = 3
+EXIT_TAKEN_OVER: Final = 4
+_WAITING_CONNECTIONS: Final = 2048
+
+
+def serve(host: str, port: int) -> None:
+    """Take the port and the database, bring it to the newest schema, then serve until stopped.
 
     Parameters
     ----------
     host : str
         Address to listen on.
     port : int
-    settings : Settings, optional
-        By default from the environment; unsafe ones refuse here.
+
+    Raises
+    ------
+    Conflict
+        The port is taken, or another process holds the database. Nothing was touched then.
+    InvalidInput, Unavailable
+        No such address on this machine; the database cannot be reached.
+    """
+    settings = Settings()
+    with claim(settings, host, port, "telemotion serve") as (listener, lock):
+        migrate.upgrade(settings.database_url)
+        run(settings, listener, lock)
+
+
+@contextlib.contextmanager
+def claim(
+    settings: Settings, host: str, port: int, purpose: str
+) -> Iterator[tuple[socket.socket, WriterLock]]:
+    """Hold a port and a database, in this order, before anything is read or changed.
+
+    Parameters
+    ----------
+    settings : Settings
+        `database_url` is used.
+    host, port
+        As of `listen`.
+    purpose : str
+        What for; named to others who ask for the database.
+
+    Yields
+    ------
+    listener : socket
+    lock : WriterLock
+    """
+    with (
+        listen(host, port) as listener,
+        writer_lock(settings.database_url, purpose, f"{host}:{port}") as lock,
+    ):
+        # Another process writes then. Closing in order would write too, so this one ends as if it were killed.
+        lock.on_taken_over = _leave
+        yield listener, lock
+
+
+def run(settings: Settings, listener: socket.socket, lock: WriterLock) -> None:
+    """Serve until told to stop.
+
+    Parameters
+    ----------
+    settings : Settings
+        Its database is at the newest schema.
+    listener, lock
+        From `claim`.
+
+    Raises
+    ------
+    SystemExit
+        The service could not open.
 
     Notes
     -----
     One process: a live session's estimator state lives in it. Per-message deflate is off because packets are
     binary and small, and access lines are the service's own (no query strings, no patient data).
     """
-    from app.database import migrate
     from app.main import create_app
 
-    settings = settings or Settings()
-    migrate.upgrade(settings.database_url)
-    uvicorn.run(
-        create_app(settings),
-        host=host,
-        port=port,
-        ws="websockets-sansio",
-        loop="uvloop",
-        http="httptools",
-        ws_per_message_deflate=False,
-        ws_max_size=1 << 20,
-        access_log=False,
-        log_level=settings.log_level,
-        timeout_graceful_shutdown=10,
-        server_header=False,
+    server = uvicorn.Server(
+        uvicorn.Config(
+            create_app(settings, lock=lock),
+            ws="websockets-sansio",
+            loop="uvloop",
+            http="httptools",
+            ws_per_message_deflate=False,
+            ws_max_size=1 << 20,
+            access_log=False,
+            log_level=settings.log_level,
+            timeout_graceful_shutdown=10,
+            server_header=False,
+        )
     )
+    with contextlib.suppress(KeyboardInterrupt):
+        server.run(sockets=[listener])
+    if not server.started:
+        sys.exit(EXIT_NOT_STARTED)
+
+
+def listen(host: str, port: int) -> socket.socket:
+    """Take a port now, so that nothing is prepared for one that somebody else has.
+
+    Parameters
+    ----------
+    host : str
+        Name or address of this machine.
+    port : int
+
+    Returns
+    -------
+    socket
+        Listening: who connects before the service is open waits for it.
+
+    Raises
+    ------
+    Conflict
+        Somebody else listens there.
+    InvalidInput
+        The address is none of this machine, or the port may not be used.
+    """
+    try:
+        family, kind, protocol, _, place = socket.getaddrinfo(
+            host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+        )[0]
+        listener = socket.socket(family, kind, protocol)
+        try:
+            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            listener.bind(place)
+            listener.listen(_WAITING_CONNECTIONS)
+        except OSError:
+            listener.close()
+            raise
+    except OSError as error:
+        reason = f"cannot listen on {host} port {port}"
+        if error.errno == errno.EADDRINUSE:
+            raise Conflict(
+                f"{reason}: it is taken; stop what runs there, or choose another --port."
+            ) from error
+        raise InvalidInput(f"{reason}: {error.strerror}.") from error
+    return listener
+
+
+def _leave(sentence: str) -> None:
+    logger.critical("%s This process ends.", sentence)
+    logging.shutdown()
+    os._exit(EXIT_TAKEN_OVER)

@@ -17,6 +17,7 @@ from app.database import engine as engines
 from app.database import migrate as migrations
 from app.database.base import new_id
 from app.database.unit_of_work import read_only, unit_of_work
+from app.database.writer_lock import writer_lock
 from app.errors import Conflict, InvalidInput, NotFound, TelemotionError
 from app.recordings import service
 from app.recordings.jobs import run_job
@@ -29,10 +30,22 @@ MINIMUM_PASSWORD_LENGTH = 10
 
 
 def migrate() -> None:
-    """Bring the database to the newest schema and say which that is."""
-    settings = Settings()
-    migrations.upgrade(settings.database_url)
+    """Bring the database to the newest schema and say which that is.
+
+    Raises
+    ------
+    Conflict
+        A service runs on it, or a newer version has made it.
+    """
+    _bring_up(Settings(), "telemotion migrate")
     typer.echo(f"database is at revision {migrations.newest_revision()}")
+
+
+def _bring_up(settings: Settings, purpose: str) -> None:
+    """Migrate a database that needs it; a service that runs on it is never migrated under."""
+    if not migrations.is_newest(settings.database_url):
+        with writer_lock(settings.database_url, purpose):
+            migrations.upgrade(settings.database_url)
 
 
 def backup(archive: Path) -> None:
@@ -57,8 +70,16 @@ def backup(archive: Path) -> None:
 
 
 def restore(archive: Path) -> None:
-    """Fill an empty database from a backup."""
-    manifest = archives.restore(archive, Settings().database_url)
+    """Fill an empty database from a backup.
+
+    Raises
+    ------
+    Conflict
+        A service runs on the database, or it is not empty.
+    """
+    url = Settings().database_url
+    with writer_lock(url, "telemotion restore"):
+        manifest = archives.restore(archive, url)
     typer.echo(f"{sum(manifest.rows.values())} rows restored")
 
 
@@ -118,7 +139,7 @@ def create_clinic(name: str, email: str, person: str, password: str) -> None:
     if address.count("@") != 1 or address.startswith("@") or address.endswith("@"):
         raise InvalidInput("the e-mail address needs a name, an @ and a host")
     settings = Settings()
-    migrations.upgrade(settings.database_url)
+    _bring_up(settings, "telemotion create-clinic")
     engine = engines.create(settings)
     try:
         with unit_of_work(engine) as session:

@@ -10,7 +10,7 @@ from alembic import command
 from alembic.config import Config
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
-from sqlalchemy import Connection, Engine, text
+from sqlalchemy import Connection, Engine, make_url, text
 
 from app.database.engine import create_from_url
 from app.errors import Conflict
@@ -42,7 +42,19 @@ def upgrade_engine(engine: Engine, revision: str = "head") -> None:
     ----------
     engine : Engine
     revision : str
+
+    Raises
+    ------
+    Conflict
+        A newer version of the service has made the database.
     """
+    found = current_revision(engine)
+    if found is not None and not is_known(found):
+        raise Conflict(
+            f"The database is at revision {found}, which a newer version of the service has made; "
+            "install that version, or restore a backup of this one.",
+            found=found,
+        )
     with engine.connect() as connection:
         _run(connection, revision, command.upgrade)
 
@@ -91,6 +103,24 @@ def is_known(revision: str) -> bool:
     revision : str
     """
     return any(script.revision == revision for script in ScriptDirectory(str(SCRIPTS)).walk_revisions())
+
+
+def is_newest(url: str) -> bool:
+    """Return whether the database at a URL has the schema of this version; nothing is created or changed.
+
+    Parameters
+    ----------
+    url : str
+        As `Settings.database_url`.
+    """
+    database = make_url(url).database if url.startswith("sqlite") else None
+    if database is not None and not Path(database).exists():
+        return False
+    engine = create_from_url(url)
+    try:
+        return current_revision(engine) == newest_revision()
+    finally:
+        engine.dispose()
 
 
 def require_newest(engine: Engine) -> None:
