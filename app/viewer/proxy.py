@@ -1,6 +1,7 @@
 """The relay between a browser and viser: what viser draws passes, from the browser only the camera's pose.
 
-viser itself knows no users. It listens on loopback; this is the only way to it, and it stays open only while
+viser itself knows no users. It listens on loopback and answers only to its scene's secret (`app.viewer.guard`); this is
+the only way to it, and it stays open only while
 the person is signed in and has the right to the patient.
 """
 
@@ -54,6 +55,7 @@ async def relay(websocket: WebSocket, viewer: Viewer, view_id: str) -> None:
     try:
         upstream = await connect(
             stage.address,
+            additional_headers=stage.headers,
             subprotocols=[Subprotocol(wire.PROTOCOL)],
             compression=None,
             max_size=None,

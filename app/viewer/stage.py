@@ -9,8 +9,10 @@ import rich
 import viser
 from viser import _messages as viser_messages
 
+from app.errors import Unavailable
 from app.live.bus import Bus
 from app.viewer.camera import FIELD_OF_VIEW_RAD, Camera, Preset, around, preset
+from app.viewer.guard import SceneSecret, guarded
 from app.viewer.nodes import theme_updates
 from app.viewer.player import LivePlayer, Player, ReplayPlayer
 from app.viewer.repository import Contents, ViewTarget
@@ -23,12 +25,18 @@ _ON_FEET: Final = frozenset({"foot_left", "foot_right"})
 
 
 class LoopbackServer(viser.ViserServer):  # type: ignore[misc]  # viser is not typed here
-    """A viser server that only this machine reaches and that never opens a public address."""
+    """A viser server on loopback that answers only to this process and never opens a public address."""
 
     def __init__(self) -> None:
         # viser tells its address on the terminal whatever `verbose` says; a service has a log for that.
         rich.get_console().quiet = True
-        super().__init__(host=LOOPBACK, port=0, verbose=False)
+        self.secret = SceneSecret()
+        try:
+            with guarded(self.secret):
+                super().__init__(host=LOOPBACK, port=0, verbose=False)
+        except Unavailable:
+            self.stop()
+            raise
         self.gui.configure_theme(show_logo=False, show_share_button=False, dark_mode=False)
 
     def request_share_url(self, verbose: bool = True) -> str | None:
@@ -101,6 +109,11 @@ class Stage:
     def address(self) -> str:
         """Where the relay finds viser."""
         return f"ws://{LOOPBACK}:{self._server.get_port()}"
+
+    @property
+    def headers(self) -> dict[str, str]:
+        """What the relay must send to be let in."""
+        return self._server.secret.headers
 
     @property
     def watchers(self) -> int:

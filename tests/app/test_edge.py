@@ -1,6 +1,7 @@
 """The HTTP edge: headers, limits, errors, origin and CSRF, the client's files, the description, logs."""
 
 import logging
+import shutil
 
 import pytest
 from fastapi import APIRouter
@@ -207,7 +208,9 @@ def test_without_a_built_client_it_says_what_to_do(settings, cheap_passwords, tm
     assert "make web" in page.text
 
 
-def test_the_interface_is_described_to_insiders_only(nobody, therapist, settings, cheap_passwords):
+def test_the_interface_is_described_to_insiders_only(
+    nobody, therapist, settings, cheap_passwords, migrated_file, tmp_path
+):
     for path in ("/api/openapi.json", "/api/docs"):
         assert nobody.get(path).status_code == 401
         assert therapist.get(path).status_code == 200
@@ -216,7 +219,9 @@ def test_the_interface_is_described_to_insiders_only(nobody, therapist, settings
     page = therapist.get("/api/docs").text
     assert "/api/patients/{patient_id}" in page
     assert "<script" not in page
-    with open_client(settings, cheap_passwords, demo=True) as client:
+    shutil.copy(migrated_file, tmp_path / "demo.db")
+    url = f"sqlite:///{tmp_path / 'demo.db'}"
+    with open_client(settings, cheap_passwords, demo=True, database_url=url) as client:
         assert client.get("/api/openapi.json").json()["info"]["title"] == "Telemotion"
 
 
