@@ -7,6 +7,7 @@
     ├── NotAllowed                 403
     ├── SignInRequired             401
     ├── TooManyAttempts            429  with Retry-After
+    ├── LimitReached               429  an account or clinic uses as much as it may at once; with Retry-After
     ├── Conflict                   409  wrong state, or already there
     │   └── SafetyUnconfirmed      a magnetic source, and nobody has said that it is safe
     ├── InvalidInput               422  with the field and what to do
@@ -14,6 +15,7 @@
     │   ├── RecordingFormatError   an uploaded file that cannot be read as declared
     │   └── CalibrationFailed      with the reason and what to redo
     ├── TooLarge                   413
+    │   └── QuotaReached           a clinic has stored as much as it may
     └── Unavailable                503  with Retry-After
 """
 
@@ -64,6 +66,12 @@ class TooManyAttempts(TelemotionError):
     status, code = 429, "too_many_attempts"
 
 
+class LimitReached(TelemotionError):
+    """An account or clinic uses as much of something as it may at once; `retry_after_s` in the details."""
+
+    status, code = 429, "limit_reached"
+
+
 class Conflict(TelemotionError):
     """The thing is in another state than the request needs."""
 
@@ -104,6 +112,12 @@ class TooLarge(TelemotionError):
     """More than the configured limit."""
 
     status, code = 413, "too_large"
+
+
+class QuotaReached(TooLarge):
+    """A clinic has stored as much as it may."""
+
+    code = "quota_reached"
 
 
 class Unavailable(TelemotionError):

@@ -44,6 +44,7 @@ from app.live.replay import router as replay_router
 from app.live.watch_socket import router as watch_router
 from app.patients.endpoints import router as patients_router
 from app.recordings import GroupCommitWriter
+from app.recordings.disk import DiskUse
 from app.recordings.endpoints import router as sessions_router
 from app.recordings.jobs import Handler, JobRunner
 from app.recordings.magnetic_endpoints import router as magnetic_router
@@ -156,6 +157,7 @@ async def open_services(
     writer.start()
     stack.push_async_callback(partial(to_thread.run_sync, writer.close))
     services.recorder = writer
+    services.disk = DiskUse(engine, settings.clinic_disk_bytes)
 
     await to_thread.run_sync(remove_orphans, engine, settings)
     jobs = JobRunner(engine, settings, job_handlers())
@@ -173,6 +175,8 @@ async def open_services(
         writer,
         services.bus,
         on_closed=analyse,
+        limits=services.limits,
+        longest_s=settings.session_limit_hours * 3600.0,
         hemisphere=settings.hemisphere,
         confirmation_hours=settings.implant_confirmation_hours,
     )

@@ -9,6 +9,7 @@ from typing import Any
 from sqlalchemy import Engine
 from starlette.requests import HTTPConnection
 
+from app.limits import Limits
 from app.settings import Settings
 
 
@@ -20,12 +21,16 @@ class Services:
     ----------
     settings : Settings
     engine : Engine
+    limits : Limits
+        What accounts and clinics hold at this moment.
     bus : app.live bus
         Publishes frames, states, health and events to views.
     recorder : app.recordings store
         Group commit of raw packets and frames.
     live : app.live runner
         Live sessions of this process.
+    disk : app.recordings.disk.DiskUse
+        Signals stored by clinic.
     jobs : app.recordings jobs
         Long uploads, reprocessing and comparisons.
     viewer : app.viewer
@@ -40,12 +45,26 @@ class Services:
     bus: Any = None
     recorder: Any = None
     live: Any = None
+    disk: Any = None
     jobs: Any = None
     viewer: Any = None
     sign_in_limits: Any = None
     refused_sign_ins: Any = None
     passwords: Any = None
+    limits: Limits = field(init=False)
     extras: dict[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        settings = self.settings
+        self.limits = Limits(
+            {
+                "views": settings.limit_views,
+                "streams": settings.limit_streams,
+                "sockets": settings.limit_sockets,
+                "uploads": settings.limit_uploads,
+                "exports": settings.limit_exports,
+            }
+        )
 
 
 def services_of(connection: HTTPConnection) -> Services:

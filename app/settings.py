@@ -6,17 +6,41 @@ test fails on one without.
 """
 
 import ipaddress
+import math
 from pathlib import Path
-from typing import Literal, Self
+from typing import Annotated, Literal, NamedTuple, Self
 from urllib.parse import urlsplit
 
-from pydantic import Field, SecretStr, field_validator, model_validator
-from pydantic_settings import BaseSettings, SettingsConfigDict
+from pydantic import BeforeValidator, Field, SecretStr, field_validator, model_validator
+from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 from sqlalchemy import make_url
 from sqlalchemy.exc import ArgumentError
 
 MINIMUM_SECRET_LENGTH = 32
 DEMO_SECRET = "demonstration only, never with real patients"  # noqa: S105 - refused outside the demonstration
+
+
+class Allowance(NamedTuple):
+    """How much of something may be held at once."""
+
+    account: int
+    clinic: int
+    service: int
+
+
+def _allowance(value: object) -> object:
+    """Read `account/clinic/service`."""
+    parts = value.split("/") if isinstance(value, str) else value
+    try:
+        numbers = Allowance(*(int(part) for part in parts))  # type: ignore[attr-defined]
+    except (TypeError, ValueError) as error:
+        raise ValueError("must look like 6/16/32: for one account, one clinic, the whole service") from error
+    if min(numbers) < 1:
+        raise ValueError("must be 1 or more each")
+    return numbers
+
+
+Allowed = Annotated[Allowance, NoDecode, BeforeValidator(_allowance)]
 
 
 class Settings(BaseSettings):
@@ -70,6 +94,50 @@ class Settings(BaseSettings):
         ge=1,
         le=168,
         description="That nobody near a magnetic source has an implant is asked again after this long.",
+    )
+    job_workers: int = Field(
+        default=2,
+        ge=1,
+        le=64,
+        description="Analyses at once; one clinic takes at most all but one of them, so that no other has to wait.",
+    )
+    job_memory_bytes: int = Field(
+        default=3 << 30,
+        ge=1 << 30,
+        description="Most memory that one analysis or export may take, in bytes; beyond it it fails with a message.",
+    )
+    limit_views: Allowed = Field(
+        default=Allowance(6, 16, 32),
+        description="3D scenes at once: of one account / of one clinic / of the whole service.",
+    )
+    limit_streams: Allowed = Field(
+        default=Allowance(32, 64, 128),
+        description="Body networks that stream at once: of one account or device token / clinic / service.",
+    )
+    limit_sockets: Allowed = Field(
+        default=Allowance(40, 120, 400),
+        description="Live views at once: of one account / of one clinic / of the whole service.",
+    )
+    limit_uploads: Allowed = Field(
+        default=Allowance(3, 8, 16),
+        description="Uploads that arrive at once: of one account or device token / clinic / service.",
+    )
+    limit_exports: Allowed = Field(
+        default=Allowance(1, 2, 2),
+        description="Exports that are made at once: of one account / of one clinic / of the whole service.",
+    )
+    stream_speed_limit: float = Field(
+        default=3.0,
+        gt=1.0,
+        description="A body network is read at most so many times faster than real time; no limit in a demonstration.",
+    )
+    session_limit_hours: float = Field(
+        default=24.0, gt=0.0, description="A live session is closed and analysed after this long."
+    )
+    clinic_disk_bytes: int = Field(
+        default=200 << 30,
+        gt=0,
+        description="Signals that one clinic may store, in bytes; then it can start no session and upload nothing.",
     )
     client_dir: Path | None = Field(
         default=None, description="Built browser client; by default web/dist of the tree or the packaged one."
@@ -133,6 +201,11 @@ class Settings(BaseSettings):
                 "would travel in clear; only a demonstration or this machine's own address may use http"
             )
         return problems
+
+    @property
+    def stream_speed(self) -> float:
+        """How many seconds of signal are read from one body network in a second."""
+        return math.inf if self.demo else self.stream_speed_limit
 
     @property
     def is_https(self) -> bool:

@@ -74,6 +74,7 @@ async def upload_recording(request: Request, subject: CurrentSubject) -> JobOut:
     async def check(text: bytes) -> None:
         declaration = parse_declaration(text)
         await to_thread.run_sync(_check_right, services.engine, subject, declaration)
+        await to_thread.run_sync(services.disk.check, subject.clinic_id)
         declared.append(declaration)
 
     folder = upload_folder(settings)
@@ -83,9 +84,10 @@ async def upload_recording(request: Request, subject: CurrentSubject) -> JobOut:
         request.headers.get("content-type", ""), partial, settings.upload_limit_bytes, check
     )
     try:
-        await receiver.receive(request.stream())
-        await to_thread.run_sync(partial.rename, whole)
-        job = await to_thread.run_sync(register, services.engine, settings, subject, declared[0], whole)
+        with services.limits.take("uploads", subject):
+            await receiver.receive(request.stream())
+            await to_thread.run_sync(partial.rename, whole)
+            job = await to_thread.run_sync(register, services.engine, settings, subject, declared[0], whole)
     except BaseException:
         # Also when the client went away: nothing half received stays on the disk.
         partial.unlink(missing_ok=True)

@@ -8,6 +8,7 @@ turned away. What a live session is, this module does not know: it talks to a `P
 
 import asyncio
 import contextlib
+import math
 import random
 import time
 from dataclasses import dataclass
@@ -29,6 +30,7 @@ from app.ingest.messages import (
     HelloMessage,
     JsonPacket,
 )
+from app.ingest.pace import Pace
 from app.ingest.packet import MAX_PACKET_BYTES, Packet, decode_packet, packet_from_json
 from app.schemas import Schema
 from app.services import services_of
@@ -117,7 +119,8 @@ _message: TypeAdapter[JsonPacket | GoodbyeMessage] = TypeAdapter(
 async def ingest(websocket: WebSocket) -> None:
     """Serve one gateway."""
     await websocket.accept()
-    connection = IngestConnection(websocket, services_of(websocket).live)
+    services = services_of(websocket)
+    connection = IngestConnection(websocket, services.live, services.settings.stream_speed)
     with contextlib.suppress(WebSocketDisconnect, WebSocketDisconnected):
         await connection.serve()
 
@@ -130,11 +133,14 @@ class IngestConnection:
     websocket : WebSocket
         Accepted.
     sink : PacketSink
+    speed : float
+        Seconds of signal that are read in a second, see `Pace`.
     """
 
-    def __init__(self, websocket: WebSocket, sink: PacketSink) -> None:
+    def __init__(self, websocket: WebSocket, sink: PacketSink, speed: float = math.inf) -> None:
         self._websocket = websocket
         self._sink = sink
+        self._pace = Pace(speed)
         self._sending = asyncio.Lock()
         self._error_second = 0
         self._errors_sent = 0
@@ -197,9 +203,12 @@ class IngestConnection:
                 return
             arrival_s, arrival_ns = time.monotonic(), time.time_ns()
             data, text = message.get("bytes"), message.get("text")
+            # Whatever is wrong or there already costs time too.
+            ticks = 1
             try:
                 if data is not None:
                     packet = self._decode(data, intake)
+                    ticks = packet.tick_count
                     await self._give(intake, packet, arrival_s, arrival_ns)
                 elif text is not None:
                     await self._take_text(intake, text, arrival_s, arrival_ns)
@@ -209,6 +218,9 @@ class IngestConnection:
                     # Told by the closing acknowledgement.
                     continue
                 await self._wrong(error)
+            wait_s = self._pace.take(ticks * intake.declaration.time_step_s)
+            if wait_s > 0.0:
+                await asyncio.sleep(wait_s)
             if time.monotonic() - turn_s > TURN_S:
                 await asyncio.sleep(0)
                 turn_s = time.monotonic()

@@ -17,9 +17,11 @@ LINK_LOST_AFTER_S: Final = 2.0
 REORDER_PATIENCE_S: Final = 0.3
 IDLE_CLOSE_S: Final = 600.0
 """A session without packets for so long is closed and analysed."""
+LONGEST_S: Final = 24 * 3600.0
 GOODBYE_CLOSE_S: Final = 60.0
 """A gateway that has said goodbye and lost its link has so long to come back with what is still missing."""
 _IDLE: Final = "Closed by itself: nothing came for ten minutes."
+_LONG: Final = "Closed by itself: it lasted as long as a session may. Create another one to go on."
 _NOT_BROUGHT: Final = "Closed: the gateway had ended the stream and did not bring what was missing."
 
 
@@ -36,6 +38,8 @@ class Housekeeping:
         Closes a session unless it is being closed.
     idle_close_s, goodbye_close_s : float
         Silence after which a session is closed, in general and after a goodbye whose link broke.
+    longest_s : float
+        A session that lasts longer is closed.
     """
 
     def __init__(
@@ -46,12 +50,14 @@ class Housekeeping:
         *,
         idle_close_s: float,
         goodbye_close_s: float,
+        longest_s: float,
     ) -> None:
         self._sessions = sessions
         self._is_connected = is_connected
         self._close_soon = close_soon
         self._idle_close_s = idle_close_s
         self._goodbye_close_s = goodbye_close_s
+        self._longest_s = longest_s
         self._abandoned_s: dict[str, float] = {}
 
     def abandoned(self, session_id: str) -> None:
@@ -90,6 +96,8 @@ class Housekeeping:
             return
         if session.ledger.is_settled:
             self._close_soon(session.id, "The gateway has sent everything.")
+        elif session.session_time_s > self._longest_s:
+            self._close_soon(session.id, _LONG)
         elif silence_s > self._idle_close_s:
             self._close_soon(session.id, _IDLE)
         elif said_goodbye and silence_s > self._goodbye_close_s and not self._is_connected(session.id):

@@ -14,11 +14,12 @@ from sqlalchemy import Engine
 from app.errors import Conflict, InvalidInput, PacketError, TelemotionError, Unavailable
 from app.ingest.declaration import Declaration
 from app.ingest.messages import HelloMessage
+from app.limits import Hold, Limits
 from app.live import repository
 from app.live.blocks import layout_message
 from app.live.bus import Bus, topic
 from app.live.device_rows import with_known_devices
-from app.live.housekeeping import GOODBYE_CLOSE_S, IDLE_CLOSE_S, Housekeeping
+from app.live.housekeeping import GOODBYE_CLOSE_S, IDLE_CLOSE_S, LONGEST_S, Housekeeping
 from app.live.intake import Intake
 from app.live.messages import LayoutMessage, StateMessage
 from app.live.rebuild import rebuild
@@ -50,6 +51,8 @@ class LiveManager:
     bus : Bus
     on_closed : callable(session_id)
         Called in a thread when everything of a session is stored: queues its analysis, once.
+    limits : Limits
+        How many sessions may be live at once.
     hemisphere : {"north", "south", "unknown"}
         Of the place, see `FirstSeconds`.
     confirmation_hours : float
@@ -63,8 +66,10 @@ class LiveManager:
         bus: Bus,
         on_closed: Callable[[str], None],
         *,
+        limits: Limits,
         idle_close_s: float = IDLE_CLOSE_S,
         goodbye_close_s: float = GOODBYE_CLOSE_S,
+        longest_s: float = LONGEST_S,
         hemisphere: Hemisphere = "north",
         confirmation_hours: float = CONFIRMATION_HOURS,
     ) -> None:
@@ -75,6 +80,8 @@ class LiveManager:
         self._confirmation_hours = confirmation_hours
         self._on_closed = on_closed
         self._sessions: dict[str, LiveSession] = {}
+        self._limits = limits
+        self._holds: dict[str, Hold] = {}
         self._intakes: dict[str, Intake] = {}
         # A lock lives as long as somebody opens or closes the session.
         self._opening: WeakValueDictionary[str, asyncio.Lock] = WeakValueDictionary()
@@ -85,6 +92,7 @@ class LiveManager:
             self._close_soon,
             idle_close_s=idle_close_s,
             goodbye_close_s=goodbye_close_s,
+            longest_s=longest_s,
         )
         self._housekeeper: asyncio.Task[None] | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -145,6 +153,8 @@ class LiveManager:
             The network is not that of the session.
         Conflict
             The session is closed.
+        LimitReached, Unavailable
+            Too many sessions are live.
         """
         if self._is_stopping:
             raise Unavailable("The service is stopping; connect again in a moment.", retry_after_s=5)
@@ -156,7 +166,13 @@ class LiveManager:
                 raise Conflict("This session is closed; create another one.", state="closing")
             session = self._sessions.get(stored.id)
             if session is None:
-                session = await self._open_session(stored.id, declaration)
+                hold = self._limits.take("streams", subject)
+                try:
+                    session = await self._open_session(stored.id, declaration)
+                except BaseException:
+                    hold.release()
+                    raise
+                self._holds[stored.id] = hold
             else:
                 _check_network(session.declaration, declaration)
             if session.state not in OPEN:
@@ -279,6 +295,8 @@ class LiveManager:
             await self._save_failed(session_id, reason)
         finally:
             self._sessions.pop(session_id, None)
+            if session_id in self._holds:
+                self._holds.pop(session_id).release()
             if session is not None:
                 session.is_finished = True
             self._tell_stored(session_id)

@@ -50,9 +50,10 @@ async def watch(websocket: WebSocket, session_id: str) -> None:
     services = services_of(websocket)
     with contextlib.suppress(WebSocketDisconnect, WebSocketDisconnected):
         try:
-            check = await _who(websocket, services, session_id)
-            stored = await asyncio.to_thread(check)
-            await _serve(websocket, services.live, stored, check)
+            subject, check = await _who(websocket, services, session_id)
+            with services.limits.take("sockets", subject):
+                stored = await asyncio.to_thread(check)
+                await _serve(websocket, services.live, stored, check)
         except TelemotionError as error:
             await _end(websocket, error)
 
@@ -60,8 +61,8 @@ async def watch(websocket: WebSocket, session_id: str) -> None:
 Check = Callable[[], repository.StoredSession]
 
 
-async def _who(websocket: WebSocket, services: Services, session_id: str) -> Check:
-    """Return the check that decides, now and again later, whether this client may watch."""
+async def _who(websocket: WebSocket, services: Services, session_id: str) -> tuple[Subject, Check]:
+    """Return who watches, and the check that decides, now and again later, whether this client may."""
     engine = services.engine
     if websocket.cookies.get(COOKIE) or websocket.headers.get("authorization"):
         subject = await websocket_subject(websocket)
@@ -70,7 +71,7 @@ async def _who(websocket: WebSocket, services: Services, session_id: str) -> Che
     stored = await asyncio.to_thread(
         repository.authorise, engine, subject, session_id, "read", "session.watch"
     )
-    return partial(_check_again, services, subject, stored)
+    return subject, partial(_check_again, services, subject, stored)
 
 
 def _check_again(

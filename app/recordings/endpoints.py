@@ -30,8 +30,14 @@ router = APIRouter(prefix="/api", tags=["sessions"])
 
 
 @router.post("/sessions", status_code=201)
-def create_session(wanted: SessionIn, session: WriteSession, subject: CurrentSubject) -> SessionDetail:
-    """Start a session; a gateway then streams to it."""
+def create_session(
+    wanted: SessionIn, request: Request, session: WriteSession, subject: CurrentSubject
+) -> SessionDetail:
+    """Start a session; a gateway then streams to it.
+
+    Errors: `quota_reached` when the clinic has stored as much as it may.
+    """
+    services_of(request).disk.check(subject.clinic_id)
     return service.create(session, subject, wanted)
 
 

@@ -1,32 +1,28 @@
-"""Long tasks off the live path: a queue in the database, one worker process of low priority.
+"""Long tasks off the live path: a queue in the database, worked off by a few child processes (`app.processes`).
 
 A task is a row; its progress is written to the row, and a task that was running when the service died is
-taken up again at the next start. A task whose worker process dies twice has failed. One service process at a
+taken up again at the next start. A task whose process dies twice has failed. One service process at a
 time runs the queue of a database.
 
-The worker is a process of its own because estimating an hour of signals must not slow the live sessions; it
-ends with its parent, also when that is killed, so that no orphan writes on.
+The queue is fair (`app.recordings.queue`): clinics take turns, and inside a clinic whoever asked for tasks.
 """
 
 import logging
-import multiprocessing
-import os
 import threading
 import time
 from collections.abc import Callable, Mapping
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field
-from importlib import import_module
 from typing import Any, Final
 
 from sqlalchemy import CursorResult, Engine, select, update
 
+from app import processes
 from app.accounts.subject import Subject
 from app.database import engine as engines
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import NotFound, TelemotionError
 from app.recordings.models import Job, MotionSession, Result
+from app.recordings.queue import FairQueue, Waiting
 from app.settings import Settings
 from estimators.errors import EstimationError
 
@@ -35,7 +31,6 @@ logger = logging.getLogger(__name__)
 POLL_S: Final = 0.5
 PROGRESS_S: Final = 0.3
 MAX_ATTEMPTS: Final = 2
-NICENESS: Final = 10
 
 
 @dataclass
@@ -124,6 +119,12 @@ def run_job(engine: Engine, settings: Settings, job_id: str, handler: Handler) -
         kind = job.kind
     try:
         message = handler(context)
+    except MemoryError:
+        status, message = (
+            "failed",
+            f"This needs more memory than the {settings.job_memory_bytes / 2**30:.1f} GiB that one task may take."
+            " Split the recording and upload the parts.",
+        )
     except (TelemotionError, EstimationError) as error:
         status, message = "failed", str(error)
     except Exception:
@@ -157,58 +158,44 @@ def _finish(engine: Engine, context: JobContext, kind: str, status: str, message
             result.status, result.message = "failed", message[:500]
 
 
-_worker_engines: dict[str, Engine] = {}
-
-
-def _start_worker() -> None:
-    """Lower the worker's priority and tie its life to its parent's."""
-    os.nice(NICENESS)
-    # A fresh process knows only the tables of this room; foreign keys need those of the others.
-    import_module("app.tables")
-    parent = multiprocessing.parent_process()
-
-    def leave_with_parent() -> None:
-        if parent is not None:
-            parent.join()
-        os._exit(1)
-
-    threading.Thread(target=leave_with_parent, name="leave-with-parent", daemon=True).start()
-
-
-def _work(settings: Settings, job_id: str, handler: Handler) -> JobDone | None:
-    engine = _worker_engines.get(settings.database_url)
-    if engine is None:
-        engine = _worker_engines[settings.database_url] = engines.create(settings)
-    return run_job(engine, settings, job_id, handler)
+def _work(emit: processes.Emit, settings: Settings, job_id: str, handler: Handler) -> None:
+    engine = engines.create(settings)
+    emit(run_job(engine, settings, job_id, handler))
+    engine.dispose()
 
 
 class JobRunner:
-    """Takes queued tasks one by one and runs them in the worker process.
+    """Takes queued tasks in fair order and runs each in a child process.
 
     Parameters
     ----------
     engine : Engine
     settings : Settings
+        How many at once, and how much memory each may take.
     handlers : mapping of kind to Handler
-        Module-level functions (they are sent to the worker by name).
+        Module-level functions (they are sent to the child by name).
     """
 
     def __init__(self, engine: Engine, settings: Settings, handlers: Mapping[str, Handler]) -> None:
         self._engine = engine
         self._settings = settings
         self._handlers = dict(handlers)
+        self._queue = FairQueue(settings.job_workers)
+        self._children: dict[str, processes.Child] = {}
+        self._attendants: set[threading.Thread] = set()
         self._subscribers: list[Callable[[JobDone], None]] = []
         self._wake = threading.Event()
         self._stopping = threading.Event()
+        self._lock = threading.Lock()
         self._thread: threading.Thread | None = None
-        self._pool: ProcessPoolExecutor | None = None
 
     def subscribe(self, callback: Callable[[JobDone], None]) -> None:
-        """Call `callback` from the runner's thread whenever a task ends."""
+        """Call `callback` from one of the runner's threads whenever a task ends."""
         self._subscribers.append(callback)
 
     def start(self) -> None:
         """Queue again what was running when the service ended, then begin to work."""
+        processes.prepare([handler.__module__ for handler in self._handlers.values()])
         with unit_of_work(self._engine) as session:
             for job in session.scalars(select(Job).where(Job.status == "running")):
                 self._interrupted(job)
@@ -220,59 +207,81 @@ class JobRunner:
         self._wake.set()
 
     def stop(self) -> None:
-        """Stop; a task in progress is ended and taken up again at the next start."""
+        """Stop; tasks in progress are ended and taken up again at the next start."""
         self._stopping.set()
         self._wake.set()
-        self._end_pool()
-        if self._thread is not None:
-            self._thread.join(10.0)
-            self._thread = None
+        with self._lock:
+            children = list(self._children.values())
+        for child in children:
+            child.end()
+        for thread in [self._thread, *self._attendants]:
+            if thread is not None:
+                thread.join(10.0)
+        self._thread = None
 
     def _run(self) -> None:
         while not self._stopping.is_set():
             try:
-                done_one = self._run_next()
+                has_begun = self._begin_next()
             except Exception:
                 logger.exception("the task queue stumbled; it goes on")
-                done_one = False
-            if not done_one:
+                has_begun = False
+            if not has_begun:
                 self._wake.wait(POLL_S)
                 self._wake.clear()
 
-    def _run_next(self) -> bool:
+    def _begin_next(self) -> bool:
+        """Begin one task if there is one and a place for it."""
         with read_only(self._engine) as session:
-            row = session.execute(
-                select(Job.id, Job.kind)
-                .where(Job.status == "queued")
-                .order_by(Job.created_at, Job.id)
-                .limit(1)
-            ).first()
-        if row is None:
+            waiting = self._queue.take(session)
+        if waiting is None:
             return False
-        handler = self._handlers.get(row.kind)
-        if handler is None:
-            with unit_of_work(self._engine) as session:
-                session.execute(
-                    update(Job)
-                    .where(Job.id == row.id)
-                    .values(status="failed", message=f"This service cannot do tasks of the kind {row.kind}.")
-                )
-            return True
-        try:
-            if self._pool is None:
-                self._pool = ProcessPoolExecutor(
-                    1, mp_context=multiprocessing.get_context("spawn"), initializer=_start_worker
-                )
-            done = self._pool.submit(_work, self._settings, row.id, handler).result()
-        except BrokenProcessPool:
-            if self._stopping.is_set():
-                return False
-            self._end_pool()
-            logger.error("the worker process of task %s died", row.id)
-            done = self._worker_died(row.id)
-        if done is not None:
-            self._tell(done)
+        thread = threading.Thread(target=self._attend, args=(waiting,), name="job", daemon=True)
+        self._attendants.add(thread)
+        thread.start()
         return True
+
+    def _attend(self, waiting: Waiting) -> None:
+        done = None
+        try:
+            done = self._run_one(waiting)
+        except Exception:
+            logger.exception("task %s could not be run", waiting.job_id)
+            # Not at once again: whatever hindered it may last.
+            self._stopping.wait(POLL_S)
+        finally:
+            self._queue.done(waiting)
+            self._attendants.discard(threading.current_thread())
+            self._wake.set()
+        if done is not None:
+            self._report(done)
+
+    def _run_one(self, waiting: Waiting) -> JobDone | None:
+        job_id = waiting.job_id
+        handler = self._handlers.get(waiting.kind)
+        if handler is None:
+            message = f"This service cannot do tasks of the kind {waiting.kind}."
+            with unit_of_work(self._engine) as session:
+                session.execute(update(Job).where(Job.id == job_id).values(status="failed", message=message))
+            return None
+        memory_bytes = self._settings.job_memory_bytes
+        with self._lock:
+            if self._stopping.is_set():
+                return None
+            child = self._children[job_id] = processes.Child(
+                _work, self._settings, job_id, handler, memory_bytes=memory_bytes, name="job"
+            )
+        try:
+            done: JobDone | None = next(child.results(), None)
+        except processes.ChildDied:
+            if self._stopping.is_set():
+                return None
+            logger.error("the process of task %s died", job_id)
+            done = self._worker_died(job_id)
+        finally:
+            self._children.pop(job_id, None)
+            child.end()
+        return done
 
     def _worker_died(self, job_id: str) -> JobDone | None:
         with unit_of_work(self._engine) as session:
@@ -292,20 +301,12 @@ class JobRunner:
             job.status = "failed"
             job.message = "The task was interrupted and is not tried again; the raw data is kept."
 
-    def _tell(self, done: JobDone) -> None:
+    def _report(self, done: JobDone) -> None:
         for callback in self._subscribers:
             try:
                 callback(done)
             except Exception:
                 logger.exception("a subscriber of the task queue failed")
-
-    def _end_pool(self) -> None:
-        pool, self._pool = self._pool, None
-        if pool is None:
-            return
-        for process in list((pool._processes or {}).values()):
-            process.terminate()
-        pool.shutdown(wait=False, cancel_futures=True)
 
 
 __all__ = ["Handler", "JobContext", "JobDone", "JobRunner", "run_job"]

@@ -16,7 +16,7 @@ async def open_viewer(services: Services, stack: AsyncExitStack) -> None:
         With engine and bus.
     stack : AsyncExitStack
     """
-    viewer = Viewer(services.engine, services.bus)
+    viewer = Viewer(services.engine, services.bus, services.limits)
     await viewer.start()
     stack.push_async_callback(viewer.close)
     services.viewer = viewer

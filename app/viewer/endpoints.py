@@ -58,8 +58,9 @@ async def page(view_id: str, request: Request, subject: CurrentAccount) -> Respo
 async def page_socket(websocket: WebSocket, view_id: str) -> None:
     """Relay between the page of a view and its scene."""
     viewer: Viewer = services_of(websocket).viewer
-    with contextlib.suppress(WebSocketDisconnect):
-        await relay(websocket, viewer, view_id)
+    subject = await websocket_subject(websocket)
+    with services_of(websocket).limits.take("sockets", subject), contextlib.suppress(WebSocketDisconnect):
+        await relay(websocket, viewer, subject, view_id)
 
 
 @router.websocket("/ws/views/{view_id}")
@@ -68,12 +69,15 @@ async def control(websocket: WebSocket, view_id: str) -> None:
     viewer: Viewer = services_of(websocket).viewer
     subject = await websocket_subject(websocket)
     view = await viewer.check(subject, view_id)
-    await websocket.accept()
+    hold = services_of(websocket).limits.take("sockets", subject)
     try:
+        await websocket.accept()
         await until_one_ends(_commands(websocket, viewer, view), keep_checking(websocket, viewer, view_id))
     except TelemotionError as error:
         await _say_why(websocket, error)
         raise
+    finally:
+        hold.release()
 
 
 async def _commands(websocket: WebSocket, viewer: Viewer, view: View) -> None:

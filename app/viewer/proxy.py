@@ -17,6 +17,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.typing import Subprotocol
 
 from app.accounts.dependencies import websocket_subject
+from app.accounts.subject import Subject
 from app.errors import InvalidInput, Unavailable
 from app.viewer import wire
 from app.viewer.camera import Camera
@@ -29,7 +30,7 @@ _CONNECT_TIMEOUT_S: Final = 5.0
 _CAMERAS_A_SECOND: Final = 60
 
 
-async def relay(websocket: WebSocket, viewer: Viewer, view_id: str) -> None:
+async def relay(websocket: WebSocket, viewer: Viewer, subject: Subject, view_id: str) -> None:
     """Serve one page of a view until it leaves, loses its right, or the view ends.
 
     Parameters
@@ -37,15 +38,16 @@ async def relay(websocket: WebSocket, viewer: Viewer, view_id: str) -> None:
     websocket : WebSocket
         Not yet accepted.
     viewer : Viewer
+    subject : Subject
+        Who opened it.
     view_id : str
 
     Raises
     ------
     TelemotionError
-        Not signed in (any more), from another origin, no such view, no right (any more), too many scenes. The
+        Not signed in any more, from another origin, no such view, no right (any more), too many scenes. The
         service's handler refuses or closes the socket with it.
     """
-    subject = await websocket_subject(websocket)
     view = await viewer.check(subject, view_id)
     if wire.PROTOCOL not in websocket.scope.get("subprotocols", []):
         raise InvalidInput(

@@ -17,7 +17,8 @@ from sqlalchemy import Engine
 
 from app.accounts.subject import Subject
 from app.database.base import new_id, utc_now
-from app.errors import NotFound, Unavailable
+from app.errors import LimitReached, NotFound, Unavailable
+from app.limits import Hold, Limits
 from app.live.bus import Bus
 from app.live.messages import CameraCommand, PlayerCommand, PlayerState
 from app.recordings.schemas import ViewIn, ViewOut
@@ -30,7 +31,6 @@ from app.viewer.stage import Stage, theme_messages
 logger = logging.getLogger(__name__)
 
 VIEW_LIFE: Final = timedelta(hours=12)
-MAX_STAGES: Final = 32
 MAX_VIEWS: Final = 1000
 UNWATCHED_S: Final = 60.0
 CHECK_RIGHT_EVERY_S: Final = 5.0
@@ -47,7 +47,7 @@ class View:
     ----------
     target : ViewTarget
         What it shows.
-    account_id : str
+    owner : Subject
         Whose it is; nobody else's cookie opens it.
     camera : Camera or None
         Last pose that the page reported.
@@ -56,7 +56,7 @@ class View:
     """
 
     target: ViewTarget
-    account_id: str
+    owner: Subject
     id: str = field(default_factory=new_id)
     expires_at: datetime = field(default_factory=lambda: utc_now() + VIEW_LIFE)
     camera: Camera | None = None
@@ -87,8 +87,8 @@ class Viewer:
     ----------
     engine : Engine
     bus : Bus
-    max_stages : int
-        More scenes at once are refused.
+    limits : Limits
+        How many scenes may stand at once.
     unwatched_s : float
         A stage without watchers is taken down after so long.
     check_right_every_s : float
@@ -99,18 +99,19 @@ class Viewer:
         self,
         engine: Engine,
         bus: Bus,
+        limits: Limits,
         *,
-        max_stages: int = MAX_STAGES,
         unwatched_s: float = UNWATCHED_S,
         check_right_every_s: float = CHECK_RIGHT_EVERY_S,
     ) -> None:
         self._engine = engine
         self._bus = bus
-        self._max_stages = max_stages
+        self._limits = limits
         self._unwatched_s = unwatched_s
         self.check_right_every_s = check_right_every_s
         self._views: dict[str, View] = {}
         self._stages: dict[tuple[str, ...], Stage] = {}
+        self._holds: dict[tuple[str, ...], Hold] = {}
         self._building: dict[tuple[str, ...], asyncio.Task[Stage]] = {}
         self._sweeper: asyncio.Task[None] | None = None
 
@@ -128,6 +129,9 @@ class Viewer:
                 await task
         stages = list(self._stages.values())
         self._stages.clear()
+        for hold in self._holds.values():
+            hold.release()
+        self._holds.clear()
         self._views.clear()
         await asyncio.gather(*(stage.close() for stage in stages))
 
@@ -143,11 +147,11 @@ class Viewer:
         ------
         NotFound, NotAllowed, Conflict, InvalidInput
             See `repository.find_target` and `repository.load_contents`.
-        Unavailable
-            Too many scenes are open.
+        LimitReached, Unavailable
+            Too many scenes are open, see `app.limits`.
         """
         target = await asyncio.to_thread(repository.find_target, self._engine, subject, session_id, wanted)
-        view = View(target=target, account_id=subject.id)
+        view = View(target=target, owner=subject)
         await self.stage_of(view)
         while len(self._views) >= MAX_VIEWS:
             self._views.pop(next(iter(self._views)))
@@ -168,7 +172,7 @@ class Viewer:
             Another's, ended, or none.
         """
         view = self._views.get(view_id)
-        if view is None or view.account_id != subject.id or view.expires_at <= utc_now():
+        if view is None or view.owner.id != subject.id or view.expires_at <= utc_now():
             raise NotFound(NO_SUCH_VIEW)
         return view
 
@@ -188,17 +192,20 @@ class Viewer:
 
         Raises
         ------
-        Unavailable
-            Too many scenes are open.
+        LimitReached, Unavailable
+            Too many scenes are open, see `app.limits`.
         """
         key = view.stage_key
         if key in self._stages:
             return self._stages[key]
         if key not in self._building:
-            if self.stage_count >= self._max_stages:
+            try:
+                hold = self._limits.take("views", view.owner)
+            except (LimitReached, Unavailable):
+                # Scenes that nobody looks at make room first.
                 await self._sweep(unwatched_s=0.0)
-            if self.stage_count >= self._max_stages:
-                raise Unavailable("Too many 3D views are open; close one or try again in a minute.")
+                hold = self._limits.take("views", view.owner)
+            self._holds[key] = hold
             self._building[key] = asyncio.create_task(self._build(key, view.target), name="viewer stage")
         return await asyncio.shield(self._building[key])
 
@@ -209,6 +216,9 @@ class Viewer:
             )
             self._stages[key] = stage
             return stage
+        except BaseException:
+            self._holds.pop(key).release()
+            raise
         finally:
             self._building.pop(key, None)
 
@@ -264,4 +274,5 @@ class Viewer:
         for key, stage in list(self._stages.items()):
             if stage.watchers == 0 and now - stage.unwatched_since >= unwatched_s:
                 del self._stages[key]
+                self._holds.pop(key).release()
                 await stage.close()

@@ -106,6 +106,8 @@ def settings(tmp_path: Path, migrated_file: Path) -> Settings:
         secret_key="0123456789abcdefghijklmnopqrstuvwxyz-tests",
         database_url=f"sqlite:///{tmp_path / 'telemotion.db'}",
         data_dir=tmp_path / "var",
+        # Streams of minutes are sent in seconds.
+        stream_speed_limit=1e6,
     )
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from app.errors import RecordingFormatError
 from app.ingest.readers._mat import load_mat
 from app.ingest.readers._units import check_accelerometer, check_gyroscope, check_magnetometer
+from app.ingest.readers._unpacked import check_hdf5
 from estimators.recording import Float, Recording, SensorSignals
 
 _NAMES = ["imu_gyr", "imu_acc", "imu_mag", "opt_quat", "movement", "sampling_rate"]
@@ -73,11 +74,12 @@ def _is_hdf5(path: Path) -> bool:
 def _hdf5(path: Path) -> dict[str, Any]:
     try:
         with h5py.File(path, "r") as file:
+            check_hdf5(file, _NAMES)
             content = {name: file[name][()] for name in _NAMES if name in file}
             for name in _NAMES:
                 if name in file.attrs:
                     content[name] = file.attrs[name]
-    except (OSError, RuntimeError, KeyError, MemoryError) as error:
+    except (OSError, RuntimeError, KeyError) as error:
         raise RecordingFormatError("The file cannot be read as HDF5.") from error
     return content
 

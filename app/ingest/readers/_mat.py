@@ -6,6 +6,7 @@ from typing import Any
 import scipy.io
 
 from app.errors import RecordingFormatError
+from app.ingest.readers._unpacked import check_mat
 
 
 def load_mat(path: Path, names: list[str], *, simplify: bool = False) -> dict[str, Any]:
@@ -14,12 +15,15 @@ def load_mat(path: Path, names: list[str], *, simplify: bool = False) -> dict[st
     Raises
     ------
     RecordingFormatError
-        The file cannot be read.
+        The file cannot be read, or unpacks to too much.
     """
+    check_mat(path)
     try:
         content: dict[str, Any] = scipy.io.loadmat(path, variable_names=names, simplify_cells=simplify)
     except NotImplementedError as error:
         raise RecordingFormatError("The .mat file is of version 7.3; save it as version 5 or 7.") from error
+    except MemoryError:
+        raise
     except Exception as error:
         # The reader follows whatever the bytes say and fails with whatever error that leads to.
         raise RecordingFormatError("The file cannot be read as a .mat file of version 5 or 7.") from error

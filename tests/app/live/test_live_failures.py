@@ -175,7 +175,7 @@ def test_an_interrupted_session_is_taken_note_of_and_closed_when_nobody_comes_ba
     async def run() -> None:
         writer = GroupCommitWriter(engine)
         writer.start()
-        live = LiveManager(engine, writer, MemoryBus(), on_closed, idle_close_s=0.3)
+        live = LiveManager(engine, writer, MemoryBus(), on_closed, limits=services.limits, idle_close_s=0.3)
         await live.start()
         assert closing_id in closed, "what was closing goes on to its analysis at once"
         assert session_id not in closed

@@ -7,6 +7,7 @@ import pytest
 from app.accounts.models import AuditEvent
 from app.database.unit_of_work import unit_of_work
 from app.patients.models import Grant
+from app.settings import Allowance
 from app.viewer.page import build_page
 
 
@@ -110,12 +111,13 @@ def test_a_replay_without_a_result_is_refused_with_advice(therapist, recorded) -
 def test_too_many_scenes_are_refused_and_say_when_to_come_back(
     therapist, open_view, services, recorded
 ) -> None:
-    services.viewer._max_stages = 1
+    services.limits._allowances["views"] = Allowance(1, 2, 3)
     opened = open_view(therapist)
     stage = next(iter(services.viewer._stages.values()))
     stage._watchers = 1  # somebody looks at it, so it cannot be taken down for the next one
     answer = therapist.post(f"/api/sessions/{recorded.session_id}/views", json={"mode": "replay"})
-    assert answer.status_code == 503
+    assert (answer.status_code, answer.json()["code"]) == (429, "limit_reached")
+    assert "Close one" in answer.json()["message"]
     assert "Retry-After" in answer.headers
     stage._watchers = 0
     assert (
@@ -123,6 +125,7 @@ def test_too_many_scenes_are_refused_and_say_when_to_come_back(
         == 201
     )
     assert services.viewer.stage_count == 1
+    assert services.limits.held("views", "service") == 1
     assert (
         therapist.get(opened["page_path"]).status_code == 200
     )  # the first view's scene is built again when needed
@@ -132,6 +135,7 @@ def test_live_views_share_a_scene_and_replays_do_not(therapist, sign_in, open_vi
     open_view(therapist, "live")
     open_view(sign_in("reader"), "live")
     assert services.viewer.stage_count == 1
+    assert services.limits.held("views", "service") == 1
     open_view(therapist)
     open_view(therapist)
     assert services.viewer.stage_count == 3

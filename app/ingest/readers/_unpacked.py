@@ -1,0 +1,118 @@
+"""What compressed files from strangers unpack to, before anything of it is kept: a few kilobytes can hold gigabytes."""
+
+import struct
+import zlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import BinaryIO, Final
+
+import h5py
+
+from app.errors import RecordingFormatError
+
+MOST_BYTES: Final = 1 << 30
+"""Of one file unpacked: four hours of 17 nine-axis sensors at 100 Hz are 1.0 GiB of float32."""
+_PIECE_BYTES: Final = 1 << 18
+_MAT_HEADER_BYTES: Final = 128
+_MI_COMPRESSED: Final = 15
+
+
+def check_mat(path: Path, most_bytes: int = MOST_BYTES) -> None:
+    """Refuse a `.mat` file of version 5 or 7 whose variables unpack to too much.
+
+    Sizes that the file states are not believed: each variable is unpacked piece by piece, and nothing kept.
+
+    Parameters
+    ----------
+    path : Path
+        Files of other versions pass: they have nothing compressed.
+    most_bytes : int
+
+    Raises
+    ------
+    RecordingFormatError
+        With both sizes.
+    """
+    total = 0
+    with path.open("rb") as file:
+        for piece in _unpacked(file):
+            total += piece
+            if total > most_bytes:
+                raise _too_much(path, total, most_bytes)
+
+
+def _unpacked(file: BinaryIO) -> Iterator[int]:
+    """Yield how many bytes the compressed variables of a file give, piece by piece."""
+    header = file.read(_MAT_HEADER_BYTES)
+    order = {b"IM": "<", b"MI": ">"}.get(header[126:128])
+    if order is None:
+        return
+    tag = struct.Struct(f"{order}II")
+    while len(head := file.read(tag.size)) == tag.size:
+        kind, length = tag.unpack(head)
+        if kind != _MI_COMPRESSED:
+            file.seek(length, 1)
+            continue
+        unpacker = zlib.decompressobj()
+        while length > 0 and not unpacker.eof:
+            packed = file.read(min(length, _PIECE_BYTES))
+            if not packed:
+                return
+            length -= len(packed)
+            try:
+                while packed and not unpacker.eof:
+                    yield len(unpacker.decompress(packed, _PIECE_BYTES))
+                    packed = unpacker.unconsumed_tail
+            except zlib.error:
+                # The reader says what is wrong with it.
+                return
+        file.seek(max(length, 0), 1)
+
+
+def check_hdf5(file: h5py.File, names: list[str], most_bytes: int = MOST_BYTES) -> None:
+    """Refuse an HDF5 file whose data sets are too large to unpack, or are not in the file at all.
+
+    Parameters
+    ----------
+    file : h5py.File
+    names : list of str
+        Data sets that will be read.
+    most_bytes : int
+
+    Raises
+    ------
+    RecordingFormatError
+        With both sizes; or for a link to another file: an upload must not read what else lies on this machine.
+    """
+    total = 0
+    for name in names:
+        if name not in file:
+            continue
+        found = file[name] if isinstance(file.get(name, getlink=True), h5py.HardLink) else None
+        if not isinstance(found, h5py.Dataset) or found.external or found.is_virtual:
+            raise RecordingFormatError(f"{name} is no data set within this file.")
+        # A chunk is unpacked as a whole even when the data set needs a part of it.
+        chunk = found.dtype.itemsize
+        for length in found.chunks or ():
+            chunk *= length
+        total += max(found.nbytes, chunk)
+    if total > most_bytes:
+        raise _too_much(Path(file.filename), total, most_bytes)
+
+
+def _too_much(path: Path, unpacked_bytes: int, most_bytes: int) -> RecordingFormatError:
+    packed = path.stat().st_size
+    return RecordingFormatError(
+        f"The file has {_mib(packed)} and unpacks to more than {_mib(most_bytes)}, the most that is read at once;"
+        " split the recording.",
+        packed_bytes=packed,
+        unpacked_bytes=unpacked_bytes,
+        limit_bytes=most_bytes,
+    )
+
+
+def _mib(count: int) -> str:
+    return f"{count / 2**20:,.1f} MiB"
+
+
+__all__ = ["MOST_BYTES", "check_hdf5", "check_mat"]
