@@ -25,7 +25,7 @@ def _not_from_another_site(request: Request) -> None:
         require_own_origin(request)
 
 
-@router.post("/sign-in", dependencies=[Depends(_not_from_another_site)])
+@router.post("/sign-in", dependencies=[Depends(_not_from_another_site)], responses={401: {}, 403: {}})
 async def sign_in(body: SignInRequest, request: Request, response: Response) -> Me:
     """Sign in with e-mail and password; the answer sets the session cookie.
 

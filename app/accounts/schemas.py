@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from app.schemas import Schema
+from app.schemas import Flag, Moment, Schema
 
 Role = Literal["administrator", "therapist", "patient", "integrator"]
 
@@ -55,7 +55,7 @@ class AccountPatch(Schema):
     """Only the fields to change; administrators only."""
 
     display_name: str | None = Field(default=None, min_length=1, max_length=200)
-    is_active: bool | None = None
+    is_active: Flag | None = None
     """False switches the account off: it is signed out everywhere and cannot sign in."""
     password: str | None = Field(default=None, min_length=10, max_length=200)
     """For somebody who forgot theirs; they should change it at once."""
@@ -73,7 +73,7 @@ class GrantIn(Schema):
 
     account_id: str
     level: Literal["read", "treat"] = "treat"
-    expires_at: datetime | None = None
+    expires_at: Moment | None = None
 
 
 class GrantOut(Schema):
@@ -109,7 +109,7 @@ class ConsentIn(Schema):
     """Yes or no to one purpose."""
 
     purpose: Literal["treatment", "research", "home_streaming"]
-    granted: bool
+    granted: Flag
 
 
 class ConsentOut(ConsentIn):

@@ -6,8 +6,10 @@ from pathlib import Path
 
 from fastapi import APIRouter
 from fastapi.responses import FileResponse, HTMLResponse
+from starlette.requests import Request
 from starlette.responses import Response
 
+from app.edge.error_answers import allowed_methods, method_not_allowed
 from app.errors import NotFound
 from app.settings import Settings
 
@@ -45,9 +47,11 @@ def client_router(settings: Settings) -> APIRouter:
     router = APIRouter(include_in_schema=False)
 
     @router.get("/{path:path}", response_class=Response)
-    def client(path: str) -> Response:
+    def client(path: str, request: Request) -> Response:
         """Return a file of the client, or its first page."""
         if path.split("/", 1)[0] in NOT_PAGES:
+            if allowed_methods(request):
+                return method_not_allowed(request)
             raise NotFound("There is nothing at this address.")
         folder = client_folder(settings)
         if folder is None:

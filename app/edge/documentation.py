@@ -5,11 +5,12 @@ demonstration.
 from html import escape
 from typing import Any
 
-from fastapi import APIRouter, Depends, FastAPI
+from fastapi import APIRouter, Depends
 from fastapi.responses import HTMLResponse
 from starlette.requests import Request
 
 from app.accounts.dependencies import current_subject
+from app.edge.description import describe
 from app.services import services_of
 
 _STYLE = (
@@ -30,15 +31,13 @@ router = APIRouter(prefix="/api", include_in_schema=False, dependencies=[Depends
 @router.get("/openapi.json")
 def openapi(request: Request) -> dict[str, Any]:
     """Return the OpenAPI description."""
-    app: FastAPI = request.app
-    return app.openapi()
+    return describe(request.app)
 
 
 @router.get("/docs", response_class=HTMLResponse)
 def docs(request: Request) -> HTMLResponse:
     """Return the description as one readable page."""
-    app: FastAPI = request.app
-    return HTMLResponse(render(app.openapi()))
+    return HTMLResponse(render(describe(request.app)))
 
 
 def render(description: dict[str, Any]) -> str:

@@ -11,23 +11,34 @@ from typing import Any, cast
 from fastapi import FastAPI
 from fastapi.exceptions import RequestValidationError, WebSocketRequestValidationError
 from fastapi.responses import JSONResponse
+from fastapi.routing import iter_route_contexts
 from sqlalchemy.exc import OperationalError
 from sqlalchemy.exc import TimeoutError as PoolTimeout
 from starlette.exceptions import HTTPException
 from starlette.requests import HTTPConnection, Request
 from starlette.responses import Response
+from starlette.routing import compile_path
 from starlette.types import ExceptionHandler
 from starlette.websockets import WebSocket
 
 from app.errors import TelemotionError
+from app.schemas import Schema
 
 logger = logging.getLogger("telemotion.errors")
 
-_CODES = {400: "invalid_input", 404: "not_found", 405: "method_not_allowed", 413: "too_large"}
+_CODES = {404: "not_found", 413: "too_large"}
 
 CLOSE_CODES = {401: 4401, 403: 4403, 404: 4404, 409: 4409, 413: 1009, 422: 4422, 429: 4429, 503: 1013}
 """WebSocket close code by status: the private range tells a browser what a refused HTTP request would
 have."""
+
+
+class ErrorOut(Schema):
+    """Every refusal: a fixed code for programs, a sentence for people, facts for both."""
+
+    code: str
+    message: str
+    details: dict[str, Any]
 
 
 class BodyTooLarge(HTTPException):
@@ -92,9 +103,44 @@ async def _expected(connection: Request | WebSocket, error: Exception) -> Respon
 async def _http(connection: Request | WebSocket, error: Exception) -> Response | None:
     if not isinstance(error, HTTPException):
         raise error
+    if error.status_code == 400:
+        # FastAPI's own word for a body that is no JSON; everywhere else input that is not understood is 422.
+        return await _send(connection, 422, "invalid_input", "The body cannot be read as JSON.", {})
+    if error.status_code == 405 and isinstance(connection, Request):
+        return method_not_allowed(connection)
     details = {"limit_bytes": error.limit_bytes} if isinstance(error, BodyTooLarge) else {}
     code = _CODES.get(error.status_code, "http")
     return await _send(connection, error.status_code, code, str(error.detail), details)
+
+
+def allowed_methods(request: Request) -> list[str]:
+    """Return what may be done at a request's address, sorted; empty where nothing is.
+
+    Parameters
+    ----------
+    request : Request
+    """
+    path = request.scope["path"]
+    found: set[str] = set()
+    for context in iter_route_contexts(request.app.routes):
+        # The client's own route matches every address and says nothing of it.
+        is_page = context.path is None or context.path.endswith(":path}")
+        if not is_page and context.methods and compile_path(str(context.path))[0].match(path):
+            found |= context.methods
+    return sorted(found)
+
+
+def method_not_allowed(request: Request) -> JSONResponse:
+    """Return the answer to a method that an address does not know, with those that it does.
+
+    Parameters
+    ----------
+    request : Request
+    """
+    allowed = ", ".join(allowed_methods(request))
+    refusal = answer(405, "method_not_allowed", f"This address takes {allowed or 'GET'}.", {})
+    refusal.headers["Allow"] = allowed or "GET"
+    return refusal
 
 
 async def _invalid(connection: Request | WebSocket, error: Exception) -> Response | None:

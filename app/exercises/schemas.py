@@ -5,7 +5,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from app.schemas import Schema
+from app.schemas import Moment, Schema
 
 
 class ExerciseIn(Schema):
@@ -127,8 +127,8 @@ class PrescriptionIn(Schema):
     repetitions: int = Field(default=10, ge=1, le=200)
     sets: int = Field(default=1, ge=1, le=20)
     times_per_week: int = Field(default=5, ge=1, le=28)
-    starts_at: datetime | None = None
-    ends_at: datetime | None = None
+    starts_at: Moment | None = None
+    ends_at: Moment | None = None
 
 
 class PrescriptionOut(Schema):

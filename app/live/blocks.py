@@ -60,7 +60,8 @@ def encode_block(frames: Frames) -> bytes:
             frames.angle_rad,
             frames.angle_sigma_rad,
             frames.scalar,
-            frames.point_room_m.reshape(ticks, -1),
+            # Not -1: a stretch without ticks has columns all the same.
+            frames.point_room_m.reshape(ticks, 3 * len(frames.layout.points)),
             frames.segment_flags,
             frames.angle_flags,
         ],

@@ -12,6 +12,7 @@ from app.live.blocks import encode_block, layout_message
 from app.live.messages import LayoutMessage
 from app.recordings import repository, service
 from app.recordings.models import MotionSession
+from app.schemas import SessionTime
 from estimators import pipelines
 from estimators.pipelines import SessionSetup
 
@@ -28,8 +29,8 @@ def get_frames(
     session: ReadSession,
     subject: CurrentSubject,
     result_id: str | None = None,
-    start_s: Annotated[float | None, Query(ge=0)] = None,
-    end_s: Annotated[float | None, Query(ge=0)] = None,
+    start_s: SessionTime | None = None,
+    end_s: SessionTime | None = None,
     max_points: Annotated[int | None, Query(ge=2, le=service.MAX_POINTS)] = None,
 ) -> Response:
     """Return a result's frames of the half-open session time `[start_s, end_s)` as one binary block.

@@ -1,11 +1,11 @@
 """Wire types of patients."""
 
-from datetime import date, datetime
+from datetime import datetime
 from typing import Literal
 
 from pydantic import Field
 
-from app.schemas import Schema
+from app.schemas import Day, Flag, Schema, may_be_absent
 
 Side = Literal["left", "right", "both"]
 
@@ -26,7 +26,7 @@ class PatientIn(Schema):
 
     given_name: str = Field(min_length=1, max_length=100)
     family_name: str = Field(min_length=1, max_length=100)
-    birth_date: date | None = None
+    birth_date: Day | None = None
     affected_side: Side | None = None
     notes: str = Field(default="", max_length=4000)
     body_dimensions: BodyDimensionsIn = BodyDimensionsIn()
@@ -35,13 +35,13 @@ class PatientIn(Schema):
 class PatientPatch(Schema):
     """Only the fields to change."""
 
-    given_name: str | None = Field(default=None, min_length=1, max_length=100)
-    family_name: str | None = Field(default=None, min_length=1, max_length=100)
-    birth_date: date | None = None
+    given_name: str = may_be_absent(min_length=1, max_length=100)
+    family_name: str = may_be_absent(min_length=1, max_length=100)
+    birth_date: Day | None = None
     affected_side: Side | None = None
-    notes: str | None = Field(default=None, max_length=4000)
+    notes: str = may_be_absent(max_length=4000)
     body_dimensions: BodyDimensionsIn | None = None
-    is_archived: bool | None = None
+    is_archived: Flag | None = None
     """True takes the patient off the caseload and lets nothing be added; everything can still be read."""
 
 

@@ -78,18 +78,8 @@ def update_patient(session: Session, subject: Subject, patient_id: str, body: Pa
     subject : Subject
     patient_id : str
     body : PatientPatch
-
-    Raises
-    ------
-    InvalidInput
-        A field that cannot be empty is null.
     """
     fields = body.model_dump(exclude_unset=True, exclude={"body_dimensions", "is_archived"})
-    empty = [
-        name for name in ("given_name", "family_name", "notes") if name in fields and fields[name] is None
-    ]
-    if empty:
-        raise InvalidInput(f"{empty[0]} cannot be null; leave it out to keep it.", field=empty[0])
     if body.body_dimensions is not None:
         fields["body_dimensions"] = body.body_dimensions.model_dump(exclude_none=True)
     patient = repository.update_patient(session, subject, patient_id, fields)

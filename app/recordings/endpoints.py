@@ -22,6 +22,7 @@ from app.recordings.schemas import (
     SessionOut,
 )
 from app.recordings.sequences import in_sequence
+from app.schemas import SessionTime
 from app.services import services_of
 from estimators.arm import Joint, Sequence
 from estimators.conventions import Side
@@ -118,8 +119,8 @@ def get_sequence(
     side: Side,
     sequence: Sequence,
     result_id: str | None = None,
-    start_s: Annotated[float | None, Query(ge=0)] = None,
-    end_s: Annotated[float | None, Query(ge=0)] = None,
+    start_s: SessionTime | None = None,
+    end_s: SessionTime | None = None,
     max_points: Annotated[int, Query(ge=2, le=MAX_CURVE_POINTS)] = 1000,
 ) -> SequenceOut:
     """Return a joint in another rotation sequence, with its distance to the singularity."""

@@ -9,6 +9,7 @@ from app.database.dependencies import ReadSession
 from app.recordings.mass_centre import mass_centre_of
 from app.recordings.mass_centre_schemas import MassCentreOut
 from app.recordings.points import MAX_POINTS
+from app.schemas import SessionTime
 
 router = APIRouter(prefix="/api", tags=["sessions"])
 
@@ -19,8 +20,8 @@ def get_mass_centre(
     session: ReadSession,
     subject: CurrentSubject,
     result_id: str | None = None,
-    start_s: Annotated[float | None, Query(ge=0, le=1e7)] = None,
-    end_s: Annotated[float | None, Query(ge=0, le=1e7)] = None,
+    start_s: SessionTime | None = None,
+    end_s: SessionTime | None = None,
     max_points: Annotated[int, Query(ge=2, le=MAX_POINTS)] = 1000,
 ) -> MassCentreOut:
     """Return the centre of mass against the ankles and the floor, how well it is known, and what is assumed."""

@@ -8,6 +8,7 @@ from app.accounts.dependencies import CurrentSubject
 from app.database.dependencies import ReadSession
 from app.recordings.point_schemas import PointsOut
 from app.recordings.points import MAX_POINTS, points_of
+from app.schemas import SessionTime
 
 router = APIRouter(prefix="/api", tags=["sessions"])
 
@@ -18,8 +19,8 @@ def get_points(
     session: ReadSession,
     subject: CurrentSubject,
     result_id: str | None = None,
-    start_s: Annotated[float | None, Query(ge=0, le=1e7)] = None,
-    end_s: Annotated[float | None, Query(ge=0, le=1e7)] = None,
+    start_s: SessionTime | None = None,
+    end_s: SessionTime | None = None,
     max_points: Annotated[int, Query(ge=2, le=MAX_POINTS)] = 1000,
 ) -> PointsOut:
     """Return elbows, wrists and hands with their uncertainty, speed and acceleration."""

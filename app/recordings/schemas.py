@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from app.schemas import Schema
+from app.schemas import Flag, Schema
 from estimators.calibration import Calibration
 from estimators.conventions import Placement
 from estimators.orientation import DEFAULT
@@ -33,9 +33,9 @@ class SessionIn(Schema):
     orientation_parameters: dict[str, Any] = Field(default_factory=dict)
     magnetic_source_id: str | None = None
     """Of a magnetic session: the source of the clinic that is worn; its measured coils take the place of typed ones."""
-    constrain_joint_headings: bool = False
+    constrain_joint_headings: Flag = False
     """Let elbows and wrists bound heading drift: for sensors without magnetometers or near iron."""
-    use_mounting: bool = True
+    use_mounting: Flag = True
     """Start with how the sensors sat on this patient last time, if that is known for these placements; headings are
     told by a pose or a heading reset before the session is ready."""
 
@@ -190,7 +190,7 @@ class UploadIn(Schema):
     format: Literal["packet_log", "csv", "qmt_mat", "pyshoe", "gait_tracking", "gaitmap", "instrumented_shoe"]
     pipeline: Literal["arm", "gait"] = "arm"
     """What a packet log or CSV file holds; the last four formats are always walks."""
-    with_legs: bool = False
+    with_legs: Flag = False
     """Also estimate sensors on the legs, for the centre of mass: they must be still and straight in the pose too."""
     csv: CsvMapping | None = None
     orientation: str = DEFAULT
@@ -201,7 +201,7 @@ class UploadIn(Schema):
     feet_apart_m: float | None = Field(default=None, ge=0.0, le=0.6)
     feet_apart_end_m: float | None = Field(default=None, ge=0.0, le=0.6)
     """Of a walk: distance of the feet side by side at its start and its end, where somebody measured it."""
-    accept_implausible: bool = False
+    accept_implausible: Flag = False
     """Estimate although units, axes or signs cannot be right; a first attempt says what was found."""
 
 
@@ -281,7 +281,7 @@ class ReprocessAllIn(Schema):
 
     orientations: list[str] = Field(default_factory=list, max_length=20)
     """Names; empty means every estimator."""
-    skip_present: bool = True
+    skip_present: Flag = True
     """Leave out what a complete result of the same version with default parameters exists of."""
 
 

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import AwareDatetime, Field
 
-from app.schemas import Schema
+from app.schemas import Moment, Schema
 from estimators.conventions import Placement
 
 Triple = tuple[float, float, float]
@@ -70,7 +70,7 @@ class MagneticSourceOut(Schema):
     found: SourceFindings
     method: Literal["session", "file", "typed"]
     session_id: str | None
-    calibrated_at: datetime
+    calibrated_at: Moment
     calibrated_by: str | None
     """Name of the person."""
 

@@ -189,7 +189,7 @@ def _row_after(m: Float, a: Float, i: int, j: int, e: float) -> Float:
 def _unwrapped(angle_rad: Float) -> Float:
     """Unwrap first and last angle along axis 0, leaving gaps as they are."""
     result = np.array(angle_rad)
-    flat = result.reshape(result.shape[0], -1, 3)
+    flat = result.reshape(result.shape[0], int(np.prod(result.shape[1:-1])), 3)
     for column in range(flat.shape[1]):
         seen = np.isfinite(flat[:, column, 0])
         flat[seen, column, 0] = np.unwrap(flat[seen, column, 0])

@@ -101,10 +101,11 @@ def build_seed(settings: Settings, passwords: Passwords, folder: Path) -> Seed:
     with unit_of_work(engine) as session:
         # What the uploads queued after themselves; a service that finds it would start a worker process.
         session.execute(update(Job).where(Job.status == "queued").values(status="complete"))
-    with engine.connect() as connection:
-        driver = connection.connection.driver_connection
-        assert driver is not None
-        driver.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+    if engine.dialect.name == "sqlite":
+        with engine.connect() as connection:
+            driver = connection.connection.driver_connection
+            assert driver is not None
+            driver.execute("PRAGMA wal_checkpoint(TRUNCATE)")
     engine.dispose()
     return seed
 

@@ -27,7 +27,7 @@ def test_a_therapist_creates_finds_and_changes_a_patient(therapist):
     assert cleared["birth_date"] is None
     refused = therapist.patch(f"/api/patients/{patient['id']}", json={"given_name": None})
     assert refused.status_code == 422
-    assert refused.json()["details"]["field"] == "given_name"
+    assert refused.json()["details"]["fields"][0]["field"] == "body.given_name"
 
 
 def test_lists_hold_only_what_is_in_reach(sign_in, world):

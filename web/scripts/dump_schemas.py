@@ -14,6 +14,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
+from app.edge.description import describe
 from app.live import messages
 from app.main import create_app
 from app.recordings import marker_schemas
@@ -42,14 +43,15 @@ def socket_schemas() -> dict[str, Any]:
 
 def document() -> dict[str, Any]:
     """Return the OpenAPI document with the messages among its components."""
-    openapi = create_app(Settings(demo=True, _env_file=None)).openapi()
+    openapi = describe(create_app(Settings(demo=True, _env_file=None)))
     info = {
         "title": openapi["info"]["title"],
         "version": str(messages.PROTOCOL_VERSION),
         "x-protocol-version": messages.PROTOCOL_VERSION,
     }
-    schemas = {**socket_schemas(), **openapi["components"]["schemas"]}
-    return {"openapi": openapi["openapi"], "info": info, "paths": openapi["paths"], "components": {"schemas": schemas}}
+    components = openapi["components"]
+    components["schemas"] = {**socket_schemas(), **components["schemas"]}
+    return {"openapi": openapi["openapi"], "info": info, "paths": openapi["paths"], "components": components}
 
 
 if __name__ == "__main__":

@@ -1,0 +1,71 @@
+"""The description of the interface: every refusal, who may call, and what an address takes."""
+
+import pytest
+
+from app.edge.description import describe
+
+
+@pytest.fixture
+def description(application):
+    return describe(application)
+
+
+def answers(description, method, path):
+    return set(description["paths"][path][method]["responses"])
+
+
+def test_refusals_follow_from_what_a_route_is_made_of(description):
+    assert answers(description, "get", "/api/patients") == {"200", "401", "403", "503"}
+    assert answers(description, "get", "/api/patients/{patient_id}") == {
+        *("200", "401", "403", "404", "409", "422", "503")
+    }
+    assert {"401", "413", "422", "429"} <= answers(description, "post", "/api/sign-in")
+    assert "404" not in answers(description, "post", "/api/sign-in")
+
+
+def test_each_refusal_has_the_one_shape(description):
+    assert "HTTPValidationError" not in description["components"]["schemas"]
+    for response in description["components"]["responses"].values():
+        assert response["content"]["application/json"]["schema"] == {"$ref": "#/components/schemas/ErrorOut"}
+    assert "Retry-After" in description["components"]["responses"]["Error503"]["headers"]
+
+
+def test_who_may_call_is_said(description):
+    paths = description["paths"]
+    assert paths["/api/me"]["get"]["security"] == [{"browser": []}]
+    assert paths["/api/sessions/{session_id}"]["get"]["security"] == [{"browser": []}, {"device": []}]
+    assert "security" not in paths["/api/sign-in"]["post"]
+    changing = paths["/api/sessions"]["post"]["parameters"]
+    assert [one["name"] for one in changing] == ["X-CSRF-Token"]
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "allowed"),
+    [
+        ("GET", "/api/sign-in", "POST"),
+        ("TRACE", "/api/health", "GET"),
+        ("PUT", "/api/sessions/x", "DELETE, GET"),
+    ],
+)
+def test_a_method_that_an_address_does_not_take_is_answered_with_those_that_it_does(
+    nobody, method, path, allowed
+):
+    answer = nobody.request(method, path)
+    assert answer.status_code == 405
+    assert answer.headers["Allow"] == allowed
+    assert answer.json()["code"] == "method_not_allowed"
+
+
+def test_numbers_are_no_dates_and_no_flags(therapist, world):
+    path = f"/api/patients/{world.patient_id}"
+    for body in ({"birth_date": 0}, {"is_archived": 0}, {"notes": None}):
+        answer = therapist.patch(path, json=body)
+        assert answer.status_code == 422, body
+        assert next(iter(body)) in answer.text
+
+
+def test_a_body_that_is_no_json_is_input_that_is_not_understood(therapist, world):
+    answer = therapist.patch(
+        f"/api/patients/{world.patient_id}", content=b"\xff\xfe", headers={"Content-Type": "application/json"}
+    )
+    assert (answer.status_code, answer.json()["code"]) == (422, "invalid_input")
