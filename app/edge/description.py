@@ -115,8 +115,9 @@ def _complete(operation: dict[str, Any], method: str, dependant: Dependant) -> N
         operation["security"] = [{"browser": []}] if only_browsers else [{"browser": []}, {"device": []}]
         if changes:
             operation.setdefault("parameters", []).append(deepcopy(_CSRF))
-    if signed_in and (operation.get("requestBody") or operation.get("parameters")):
-        # Anything may be named by its identifier, in the path, the query or the body.
+    names = [parameter["name"] for parameter in operation.get("parameters", ())]
+    if signed_in and (operation.get("requestBody") or any(name.endswith("_id") for name in names)):
+        # A body may name anything by its identifier, as a path or query does.
         statuses.add(404)
     if changes or any(one.path_params for one in _all(dependant)):
         statuses.add(409)
@@ -124,7 +125,7 @@ def _complete(operation: dict[str, Any], method: str, dependant: Dependant) -> N
         statuses.add(429)
     if operation.get("requestBody"):
         statuses |= {413, 422}
-    if operation.get("parameters"):
+    if names:
         statuses.add(422)
     responses = operation["responses"]
     responses.pop("422", None)

@@ -15,7 +15,8 @@ def answers(description, method, path):
 
 
 def test_refusals_follow_from_what_a_route_is_made_of(description):
-    assert answers(description, "get", "/api/patients") == {"200", "401", "403", "503"}
+    assert answers(description, "get", "/api/me") == {"200", "401", "403", "503"}
+    assert "404" not in answers(description, "get", "/api/patients")
     assert answers(description, "get", "/api/patients/{patient_id}") == {
         *("200", "401", "403", "404", "409", "422", "503")
     }
