@@ -15,7 +15,6 @@ from app.recordings.chunks import (
     encode_frames,
     encode_packets,
     frames_stream,
-    merge_frames,
 )
 from app.recordings.ranges import SequenceRanges
 from estimators.pipelines._contract import Frames
@@ -61,8 +60,8 @@ class Batch:
             self.raw.append((next_chunk, encode_packets(packets)))
             next_chunk += 1
         self.frames = [
-            (frames_stream(result_id), encode_frames(frames))
-            for result_id, frames in _frame_groups(self.frame_parts)
+            (frames_stream(result_id), encode_frames(*parts))
+            for result_id, parts in _frame_groups(self.frame_parts)
         ]
         self.is_encoded = True
         return next_chunk
@@ -169,8 +168,8 @@ def _packet_groups(packets: list[RawPacket]) -> Iterable[list[RawPacket]]:
         yield group
 
 
-def _frame_groups(parts: list[tuple[str, Frames]]) -> Iterable[tuple[str, Frames]]:
-    """Join consecutive frames of one result; start anew after a gap, another layout or enough ticks."""
+def _frame_groups(parts: list[tuple[str, Frames]]) -> Iterable[tuple[str, list[Frames]]]:
+    """Gather consecutive frames of one result; start anew after a gap, another layout or enough ticks."""
     group: list[Frames] = []
     group_result = ""
     for result_id, frames in parts:
@@ -182,12 +181,12 @@ def _frame_groups(parts: list[tuple[str, Frames]]) -> Iterable[tuple[str, Frames
             or frames.layout != group[-1].layout
             or frames.first_tick + frames.tick_count - group[0].first_tick > MAX_CHUNK_TICKS
         ):
-            yield group_result, merge_frames(group, group[0].layout, group[0].time_step_s)
+            yield group_result, group
             group = []
         group.append(frames)
         group_result = result_id
     if group:
-        yield group_result, merge_frames(group, group[0].layout, group[0].time_step_s)
+        yield group_result, group
 
 
 def tell(callback: Callable[[Any], None], argument: Any) -> None:

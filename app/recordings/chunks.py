@@ -2,7 +2,7 @@
 
 Stream `raw` holds every packet once, in the order of arrival, about one second a chunk, with the exact
 bytes of its payload and every field of its header, so each packet can be made again as it came. Stream
-`frames/<result id>` holds what a pipeline found, as 32-bit floats (relative rounding 6e-8) and flags.
+`frames/<result id>` holds what a pipeline found, rounded as `frame_codec` says.
 """
 
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.errors import InvalidInput
-from app.recordings import codecs
+from app.recordings import codecs, frame_codec
 from app.recordings.models import SignalChunk
 from app.recordings.ranges import SequenceRanges
 from estimators.pipelines._contract import FrameLayout, Frames
@@ -215,74 +215,30 @@ def frames_stream(result_id: str) -> str:
     return f"frames/{result_id}"
 
 
-def encode_frames(frames: Frames) -> EncodedChunk:
-    """Encode the frames of consecutive ticks as one chunk; its sequence is `frames.first_tick`."""
-    ticks = frames.tick_count
-    sigma = frames.segment_sigma_rad
-    has_sigma = sigma is not None and bool(np.isfinite(sigma).any())
-    floats = np.concatenate(
-        [
-            frames.q_room_segment.reshape(ticks, -1),
-            frames.point_room_m.reshape(ticks, -1),
-            frames.angle_rad,
-            frames.angle_sigma_rad,
-            frames.scalar,
-            *([] if sigma is None or not has_sigma else [_coarse(sigma).reshape(ticks, -1)]),
-        ],
-        axis=1,
-    ).astype(np.float32)
-    flags = np.concatenate([frames.segment_flags, frames.angle_flags], axis=1).astype(np.uint8)
-    head = codecs.encode_floats(floats)
-    data = head + codecs.encode_flags(flags)
+def encode_frames(*parts: Frames) -> EncodedChunk:
+    """Encode frames of consecutive ticks as one chunk; its sequence is the first tick.
+
+    Parameters
+    ----------
+    parts : Frames
+        At least one; several are of one layout, each beginning where the one before ends.
+    """
+    data, scale = frame_codec.pack(parts)
+    first = parts[0]
     return EncodedChunk(
-        start_ns=round(frames.first_tick * frames.time_step_s * 1e9),
-        ticks=ticks,
-        codec=codecs.FRAMES_CODEC,
-        scale={
-            "first_tick": frames.first_tick,
-            "time_step_s": frames.time_step_s,
-            "head_bytes": len(head),
-            "floats": int(floats.shape[1]),
-            "flags": int(flags.shape[1]),
-            **({"segment_sigma": True} if has_sigma else {}),
-        },
+        start_ns=round(first.first_tick * first.time_step_s * 1e9),
+        ticks=sum([len(part.q_room_segment) for part in parts]),
+        codec=frame_codec.FRAMES_CODEC,
+        scale=scale,
         crc=codecs.checksum(data),
         data=data,
     )
 
 
-def _coarse(sigma: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return a sigma to one part in 2000: it is no better known, and short numbers take little room."""
-    return sigma.astype(np.float16).astype(np.float64)
-
-
 def decode_frames(chunk: EncodedChunk | SignalChunk, layout: FrameLayout) -> Frames:
-    """Restore the frames of a chunk."""
+    """Restore the frames of a chunk; see `frame_codec` for how far they may differ from what was written."""
     _check(chunk)
-    scale, ticks = chunk.scale, chunk.ticks
-    split = scale["head_bytes"]
-    floats = codecs.decode_floats(chunk.data[:split], ticks, scale["floats"]).astype(np.float64)
-    flags = codecs.decode_flags(chunk.data[split:], ticks, scale["flags"])
-    segments, points = len(layout.segments), len(layout.points)
-    angles, scalars = len(layout.angles), len(layout.scalars)
-    has_sigma = bool(scale.get("segment_sigma"))
-    ends = np.cumsum([4 * segments, 3 * points, angles, angles, scalars])
-    if int(ends[-1]) + 3 * segments * has_sigma != scale["floats"] or segments + angles != scale["flags"]:
-        raise codecs.DamagedChunkError("stored frames do not fit the layout of their result")
-    q, p, a, s, c, sigma = np.split(floats, ends, axis=1)
-    return Frames(
-        layout=layout,
-        first_tick=scale["first_tick"],
-        time_step_s=scale["time_step_s"],
-        q_room_segment=q.reshape(ticks, segments, 4),
-        point_room_m=p.reshape(ticks, points, 3),
-        angle_rad=a,
-        angle_sigma_rad=s,
-        scalar=c,
-        segment_flags=flags[:, :segments],
-        angle_flags=flags[:, segments:],
-        segment_sigma_rad=sigma.reshape(ticks, segments, 3) if has_sigma else None,
-    )
+    return frame_codec.unpack(chunk.codec, chunk.data, chunk.scale, chunk.ticks, layout)
 
 
 def layout_from_dict(stored: dict[str, Any]) -> FrameLayout:

@@ -20,7 +20,6 @@ from app.errors import TelemotionError
 
 COUNTS_CODEC: Final = "int16-delta-shuffle-zstd/1"
 FLOATS_CODEC: Final = "float32-shuffle-zstd/1"
-FRAMES_CODEC: Final = "frames-float32-shuffle-zstd/1"
 
 _LEVEL: Final = 3
 _MAX_DECODED_BYTES: Final = 256 * 1024 * 1024
@@ -130,7 +129,6 @@ def decode_flags(data: bytes, rows: int, columns: int) -> NDArray[np.uint8]:
 __all__ = [
     "COUNTS_CODEC",
     "FLOATS_CODEC",
-    "FRAMES_CODEC",
     "DamagedChunkError",
     "checksum",
     "decode_counts",

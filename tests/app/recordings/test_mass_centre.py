@@ -94,7 +94,7 @@ def test_curves_are_those_of_the_result(
     at = np.searchsorted(frames.time_s, np.array(found.time_s) - 1e-6)
     for i, curve in enumerate(found.curves):
         own = frames.scalar[:, frames.layout.scalars.index(MASS_SCALARS[i])]
-        np.testing.assert_allclose(np.array(curve.value_m, dtype=float), own[at], atol=2e-5)
+        np.testing.assert_allclose(np.array(curve.value_m, dtype=float), own[at], atol=4e-5)
         sigma = frames.scalar[at, frames.layout.scalars.index(MASS_SCALARS[3 + i])]
         np.testing.assert_allclose(np.array(curve.sigma_m, dtype=float), sigma, atol=2e-5)
         assert curve.least_m == pytest.approx(np.nanmin(own), abs=2e-5)

@@ -83,7 +83,8 @@ def test_points_are_those_of_the_movement(
     lost = (at >= GAP.start) & (at < GAP.stop)
     position = np.array(wrist.position_m, dtype=float)
     assert np.isnan(position[:, lost]).all()
-    np.testing.assert_allclose(position[:, ~lost].T, frames.point_room_m[at[~lost], column], atol=2e-5)
+    # Of stored orientations: two segments of 0.3 m, each wrong by up to 2 * 2^-16 about an axis.
+    np.testing.assert_allclose(position[:, ~lost].T, frames.point_room_m[at[~lost], column], atol=5e-5)
     # Speed and acceleration against differences of the exact path.
     path = frames.point_room_m[:, column]
     speed = np.linalg.norm(np.gradient(path, frames.time_step_s, axis=0), axis=1)
