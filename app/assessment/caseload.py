@@ -1,8 +1,9 @@
 """The caseload: one line a patient, with at most one reason to look, sorted by it.
 
-Reasons, the most urgent first: `live` (streaming now), `declining` (the main measure fell by more than the
-minimal detectable change), `not_practising`, `bad_data` (the last session failed or lost more than a tenth of
-its packets), `no_template`.
+Reasons, the most urgent first: `declining` (the main measure fell by more than the minimal detectable change),
+`link_lost` (a session is open and nothing comes from its sensors), `not_practising`, `bad_data` (the last
+session failed or lost more than a tenth of its packets), `no_template`. That somebody streams is no worry: it
+stands beside the reason in `live_state` and ranks nobody.
 """
 
 from collections import defaultdict
@@ -26,8 +27,9 @@ from app.patients.repository import note_once_an_hour
 from app.recordings.models import MotionSession
 from estimators.comparison import measure_label
 
-Reason = Literal["live", "declining", "not_practising", "bad_data", "no_template", ""]
-ORDER: tuple[Reason, ...] = ("live", "declining", "not_practising", "bad_data", "no_template", "")
+Reason = Literal["declining", "link_lost", "not_practising", "bad_data", "no_template", ""]
+ORDER: tuple[Reason, ...] = ("declining", "link_lost", "not_practising", "bad_data", "no_template", "")
+LiveState = Literal["streaming", "link_lost"]
 
 LIVE_STATES = ("calibrating", "ready", "recording", "link_lost")
 QUIET = timedelta(days=7)
@@ -44,6 +46,7 @@ class _Sessions:
 
     last: MotionSession | None = None
     live_id: str | None = None
+    live_state: LiveState | None = None
     practised: list[tuple[datetime, str | None]] = field(default_factory=list)
 
 
@@ -104,6 +107,7 @@ def _row(
         due="; ".join(f"{named.name}: {dose(p)}" for p, named in prescriptions),
         last_session_at=(last.started_at or last.created_at) if last else None,
         live_session_id=sessions.live_id,
+        live_state=sessions.live_state,
         main_measure=measure_label(main_measure(exercise)) if exercise and values else None,
         main_unit=values[-1].unit if values else None,
         trend=[value.mean for value in shown],
@@ -122,12 +126,12 @@ def _reason(
     with_version: set[str],
     now: datetime,
 ) -> tuple[Reason, str]:
-    if sessions.live_id is not None:
-        return "live", "Streaming now."
     # The last six sessions: three against the three before them.
     moved = change(values[-6:])
     if moved.is_real and moved.difference is not None and moved.difference < 0.0:
         return "declining", "The range fell by more than chance between repetitions."
+    if sessions.live_state == "link_lost":
+        return "link_lost", "A session is open, but nothing comes from the sensors."
     quiet = _quiet_for(prescriptions, sessions, now)
     if quiet is not None:
         return "not_practising", f"No session for {quiet.days} days."
@@ -199,13 +203,14 @@ def _sessions(session: Session, ids: list[str], now: datetime) -> dict[str, _Ses
     last = select(MotionSession).join(ranked, (ranked.c.id == MotionSession.id) & (ranked.c.rank == 1))
     for row in session.scalars(last):
         found[row.patient_id].last = row
-    live = select(MotionSession.patient_id, MotionSession.id).where(
+    live = select(MotionSession.patient_id, MotionSession.id, MotionSession.state).where(
         MotionSession.patient_id.in_(ids), MotionSession.state.in_(LIVE_STATES)
     )
     # The last one wins: a session that streams before one whose link is lost, then the newest.
     streaming_last = (MotionSession.state != "link_lost", MotionSession.created_at)
-    for patient_id, session_id in session.execute(live.order_by(*streaming_last)):
+    for patient_id, session_id, state in session.execute(live.order_by(*streaming_last)):
         found[patient_id].live_id = session_id
+        found[patient_id].live_state = "link_lost" if state == "link_lost" else "streaming"
     practised = select(
         MotionSession.patient_id,
         MotionSession.started_at,

@@ -75,6 +75,9 @@ class CaseloadRow(Schema):
     """What is prescribed, in a few words; empty when nothing is."""
     last_session_at: datetime | None
     live_session_id: str | None
+    """A session that is open now."""
+    live_state: Literal["streaming", "link_lost"] | None
+    """Whether anything comes from the sensors of the open session."""
     main_measure: str | None
     main_unit: str | None
     trend: list[float]
@@ -82,7 +85,7 @@ class CaseloadRow(Schema):
     trend_low: list[float]
     trend_high: list[float]
     adherence_percent: float | None
-    reason: Literal["live", "declining", "not_practising", "bad_data", "no_template", ""]
+    reason: Literal["declining", "link_lost", "not_practising", "bad_data", "no_template", ""]
     reason_text: str
 
 

@@ -136,8 +136,8 @@ def test_a_line_shows_dose_trend_and_adherence(history, therapist, world):
     assert row["reason"] == ""
 
 
-def reason_live(history):
-    history.session(0, state="recording")
+def reason_link_lost(history):
+    history.session(0, state="link_lost")
 
 
 def reason_not_practising(history):
@@ -156,8 +156,8 @@ def reason_no_template(history):
 @pytest.mark.parametrize(
     ("reason", "arrange"),
     [
-        ("live", reason_live),
         ("declining", reason_declining),
+        ("link_lost", reason_link_lost),
         ("not_practising", reason_not_practising),
         ("bad_data", reason_bad_data),
         ("no_template", reason_no_template),
@@ -176,10 +176,26 @@ def test_the_most_urgent_reason_wins_and_sorts(history, therapist, world):
     history.prescribe(2, template=False, patient_id=world.other_patient_id)
     rows = therapist.get("/api/caseload").json()
     assert [row["reason"] for row in rows] == ["declining", "no_template"]
-    reason_live(history)
+
+
+@pytest.mark.parametrize("state", ["calibrating", "ready", "recording", "link_lost"])
+def test_an_open_session_stands_beside_the_reason_and_hides_none(history, therapist, world, state):
+    reason_declining(history)
+    history.prescribe(2, template=False, patient_id=world.other_patient_id)
+    history.session(0, state=state, patient_id=world.other_patient_id)
+    session_id = history.session(0, state=state)
     rows = therapist.get("/api/caseload").json()
-    assert rows[0]["reason"] == "live"
-    assert rows[0]["live_session_id"]
+    lost = state == "link_lost"
+    assert [row["reason"] for row in rows] == ["declining", "link_lost" if lost else "no_template"]
+    assert [row["live_state"] for row in rows] == ["link_lost" if lost else "streaming"] * 2
+    assert rows[0]["live_session_id"] == session_id
+
+
+def test_who_streams_ranks_behind_every_reason(history, therapist, world):
+    history.prescribe(2, template=False)
+    history.session(0, state="recording", patient_id=world.other_patient_id)
+    rows = therapist.get("/api/caseload").json()
+    assert [(row["reason"], row["live_state"]) for row in rows] == [("no_template", None), ("", "streaming")]
 
 
 def test_improvement_and_rest_are_no_reasons(history, therapist, world):

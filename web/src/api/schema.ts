@@ -1960,6 +1960,8 @@ export interface components {
             last_session_at: string | null;
             /** Live Session Id */
             live_session_id: string | null;
+            /** Live State */
+            live_state: ("streaming" | "link_lost") | null;
             /** Main Measure */
             main_measure: string | null;
             /** Main Unit */
@@ -1970,7 +1972,7 @@ export interface components {
              * Reason
              * @enum {string}
              */
-            reason: "live" | "declining" | "not_practising" | "bad_data" | "no_template" | "";
+            reason: "declining" | "link_lost" | "not_practising" | "bad_data" | "no_template" | "";
             /** Reason Text */
             reason_text: string;
             /** Trend */

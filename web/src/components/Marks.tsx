@@ -1,5 +1,5 @@
 // Small signs that never rely on colour: each has a shape and a word.
-import { IconArrowDownRight, IconBroadcast, IconCalendarOff, IconRouteOff, IconWifiOff } from '@tabler/icons-react';
+import { IconArrowDownRight, IconBroadcast, IconCalendarOff, IconPlugConnectedX, IconRouteOff, IconWifiOff } from '@tabler/icons-react';
 import type { CaseloadRow, SessionState, Side } from '../api/types';
 import { t } from '../i18n';
 
@@ -19,8 +19,8 @@ export function SideMark({ side }: { side: Side | null }) {
 }
 
 const REASONS = {
-  live: { Icon: IconBroadcast, tone: 'tag-accent' },
   declining: { Icon: IconArrowDownRight, tone: 'tag-alert' },
+  link_lost: { Icon: IconPlugConnectedX, tone: 'tag-alert' },
   bad_data: { Icon: IconWifiOff, tone: '' },
   not_practising: { Icon: IconCalendarOff, tone: '' },
   no_template: { Icon: IconRouteOff, tone: '' },
@@ -33,6 +33,18 @@ export function ReasonMark({ reason }: { reason: Exclude<CaseloadRow['reason'], 
     <span className={`tag ${tone}`}>
       <Icon size={17} aria-hidden />
       {t(`reason.${reason}`)}
+    </span>
+  );
+}
+
+/** That a session is open now: no reason to worry by itself, so it stands beside the reason. */
+export function LiveMark({ state }: { state: NonNullable<CaseloadRow['live_state']> }) {
+  const isStreaming = state === 'streaming';
+  const Icon = isStreaming ? IconBroadcast : IconPlugConnectedX;
+  return (
+    <span className={isStreaming ? 'tag tag-accent' : 'tag'}>
+      <Icon size={17} aria-hidden />
+      {t(isStreaming ? 'live.now' : 'reason.link_lost')}
     </span>
   );
 }

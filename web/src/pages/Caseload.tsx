@@ -6,12 +6,12 @@ import { useCaseload } from '../api/queries';
 import type { CaseloadRow } from '../api/types';
 import { Sparkline } from '../charts/Sparkline';
 import { Answer, Empty } from '../components/Feedback';
-import { ReasonMark, SideMark } from '../components/Marks';
+import { LiveMark, ReasonMark, SideMark } from '../components/Marks';
 import { Page } from '../components/Page';
 import { useSignedIn } from '../components/useSignedIn';
 import { t } from '../i18n';
 import { day, number, quantity } from '../lib/format';
-import { byReason, matches, type CaseloadFilter } from '../lib/caseload';
+import { matches, type CaseloadFilter } from '../lib/caseload';
 import { ArchivedPatients } from './patient/ArchivedPatients';
 
 function Practised({ percent }: { percent: number | null }) {
@@ -38,17 +38,20 @@ function Row({ row }: { row: CaseloadRow }) {
       </td>
       <td className="wide">
         {row.reason === '' ? (
-          <span className="muted">{t('reason.none')}</span>
+          !row.live_state && <span className="muted">{t('reason.none')}</span>
         ) : (
           <>
             <ReasonMark reason={row.reason} />
             {row.reason_text && <span className="reason-text">{row.reason_text}</span>}
           </>
         )}
-        {row.live_session_id && (
-          <Button component={Link} to={`/sessions/${row.live_session_id}/live`} size="sm" mt={8} className="above">
-            {t('caseload.watch')}
-          </Button>
+        {row.live_session_id && row.live_state && (
+          <div className="live-now">
+            {row.reason !== 'link_lost' && <LiveMark state={row.live_state} />}
+            <Button component={Link} to={`/sessions/${row.live_session_id}/live`} size="sm" className="above">
+              {t(row.live_state === 'streaming' ? 'caseload.watch' : 'caseload.openSession')}
+            </Button>
+          </div>
         )}
       </td>
       <td data-label={row.main_measure ?? t('caseload.trend')} className="wide">
@@ -101,7 +104,7 @@ function Rows({ rows }: { rows: CaseloadRow[] }) {
       </div>
     );
   }
-  const shown = byReason(rows).filter((row) => matches(row, filter, search));
+  const shown = rows.filter((row) => matches(row, filter, search));
   const count = (one: CaseloadFilter) => rows.filter((row) => matches(row, one, '')).length;
   return (
     <>

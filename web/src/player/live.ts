@@ -11,6 +11,13 @@ import { columnsOf, SnapshotStore, type Clock, type Player, type PlayerSnapshot,
 /** Frames kept for the running curves. */
 export const HELD_S = 60;
 const KEPT_EVENTS = 200;
+/** Frames come twenty times a second: after so long without one, no number on the page is of now. */
+export const FRESH_S = 1.5;
+/** The health of the sensors comes twice a second: after so long without a word the service is out of reach. */
+export const REACH_S = 2.5;
+/** A socket that says nothing for so long is opened anew; a network that went away closes nothing. */
+const GIVE_UP_S = 8;
+const WATCH_MS = 250;
 const EMPTY: Stretch = { timeS: new Float64Array(0), values: [], isComplete: false };
 
 export interface LiveSnapshot extends PlayerSnapshot {
@@ -23,6 +30,10 @@ export interface LiveSnapshot extends PlayerSnapshot {
   error: ErrorMessage | null;
   /** From publication by the service to arrival here, ms. */
   networkMs: number | null;
+  /** When the last frame came, s since the epoch, while none comes any more; null while they come. */
+  silentSinceS: number | null;
+  /** When the service was last heard, s since the epoch, while it is out of reach. */
+  lostSinceS: number | null;
 }
 
 export interface LivePlayerOptions {
@@ -47,6 +58,8 @@ export class LivePlayer implements Player {
     calibration: null,
     error: null,
     networkMs: null,
+    silentSinceS: null,
+    lostSinceS: null,
   });
   readonly #decoder: Decoder;
   readonly #socket: ReturningSocket;
@@ -54,6 +67,9 @@ export class LivePlayer implements Player {
   #ring: FrameRing | null = null;
   /** Session time at which the picture was paused; frames go on being collected. */
   #pausedAtS: number | null = null;
+  #lastFrameS: number | null = null;
+  #lastWordS = 0;
+  readonly #watch: ReturnType<typeof setInterval>;
 
   constructor(options: LivePlayerOptions) {
     this.#decoder = options.decoder ?? createDecoder();
@@ -61,11 +77,17 @@ export class LivePlayer implements Player {
     this.#socket = new ReturningSocket({
       url: options.url,
       create: options.create,
-      onStatus: (connection, reason) =>
-        this.#store.set({ connection, problem: connection === 'open' ? null : reason || this.#store.get().problem }),
-      onText: (text) => this.#takeText(text),
-      onBinary: (buffer) => void this.#takeFrames(buffer),
+      onStatus: (connection, reason) => this.#follow(connection, reason),
+      onText: (text) => {
+        this.#heard();
+        this.#takeText(text);
+      },
+      onBinary: (buffer) => {
+        this.#heard();
+        void this.#takeFrames(buffer);
+      },
     });
+    this.#watch = setInterval(() => this.#look(), WATCH_MS);
   }
 
   getSnapshot = () => this.#store.get();
@@ -74,8 +96,10 @@ export class LivePlayer implements Player {
   clock(): Clock {
     const ring = this.#ring;
     const endS = ring && ring.count ? ring.lastS : 0;
+    // In silence time goes on: curves move out of the picture, and nothing old stands at "now".
+    const silentS = this.#store.get().silentSinceS === null ? 0 : this.#latency.now() - (this.#lastFrameS ?? 0);
     return {
-      timeS: this.#pausedAtS ?? endS,
+      timeS: this.#pausedAtS ?? endS + silentS,
       startS: ring && ring.count ? ring.firstS : 0,
       endS,
       isPlaying: this.#pausedAtS === null,
@@ -102,8 +126,37 @@ export class LivePlayer implements Player {
   setSpeed(): void {}
 
   close(): void {
+    clearInterval(this.#watch);
     this.#socket.close();
     this.#decoder.close();
+  }
+
+  #follow(connection: PlayerSnapshot['connection'], reason: string): void {
+    if (connection === 'open') this.#heard();
+    this.#store.set({
+      connection,
+      problem: connection === 'open' ? null : reason || this.#store.get().problem,
+      lostSinceS: connection === 'lost' ? (this.#store.get().lostSinceS ?? (this.#lastWordS || this.#latency.now())) : null,
+    });
+  }
+
+  /** The service said something. */
+  #heard(): void {
+    this.#lastWordS = this.#latency.now();
+    if (this.#store.get().lostSinceS !== null && this.#socket.isOpen) this.#store.set({ connection: 'open', problem: null, lostSinceS: null });
+  }
+
+  /** What did not come cannot call: look for it. */
+  #look(): void {
+    const { connection, health, state } = this.#store.get();
+    const nowS = this.#latency.now();
+    const isSilent = this.#lastFrameS !== null && nowS - this.#lastFrameS > FRESH_S;
+    this.#store.set({ silentSinceS: isSilent ? this.#lastFrameS : null });
+    const isOver = state !== null && ['closing', 'analysed', 'failed'].includes(state.state);
+    const quietS = nowS - this.#lastWordS;
+    if (!this.#socket.isOpen || health === null || isOver || quietS < REACH_S) return;
+    if (connection === 'open') this.#follow('lost', '');
+    if (quietS > GIVE_UP_S) this.#socket.reopen();
   }
 
   #takeText(text: string): void {
@@ -155,6 +208,8 @@ export class LivePlayer implements Player {
     try {
       const block = await this.#decoder.decode(buffer);
       if (ring !== this.#ring) return;
+      this.#lastFrameS = arrivedAt;
+      this.#store.set({ silentSinceS: null });
       this.#latency.add(arrivedAt, block.publishedS);
       // A session that was restarted begins again at an earlier time: forget what is held.
       if (ring.count && block.startS + block.ticks * block.stepS < ring.lastS - 2) {

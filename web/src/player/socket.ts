@@ -15,6 +15,8 @@ export interface ReturningSocketOptions {
 
 const FIRST_DELAY_MS = 500;
 const LONGEST_DELAY_MS = 15_000;
+/** A try that is not answered for so long will not be: the network was away when it began. */
+const OPEN_TIMEOUT_MS = 6000;
 /** Close codes after which another try cannot help: policy, and the service's own refusals. */
 const isRefusal = (code: number) => code === 1008 || code === 1003 || (code >= 4400 && code < 4500);
 
@@ -58,10 +60,26 @@ export class ReturningSocket {
     this.#options.onStatus('closed', '');
   }
 
+  /** Let go of a socket that is open and says nothing, and open another. */
+  reopen(): void {
+    if (this.#isDone) return;
+    this.#drop();
+    this.#connect();
+  }
+
   #finish(): void {
     this.#isDone = true;
     clearTimeout(this.#timer);
     this.#socket?.close();
+  }
+
+  /** Forget the present socket: it takes long to close where nobody answers. */
+  #drop(): void {
+    clearTimeout(this.#timer);
+    const socket = this.#socket;
+    if (!socket) return;
+    socket.onopen = socket.onmessage = socket.onclose = null;
+    socket.close();
   }
 
   #connect(): void {
@@ -69,7 +87,12 @@ export class ReturningSocket {
     this.#socket = socket;
     socket.binaryType = 'arraybuffer';
     if (!this.#wasOpen) this.#options.onStatus('connecting', '');
+    this.#timer = setTimeout(() => {
+      this.#drop();
+      this.#lost('');
+    }, OPEN_TIMEOUT_MS);
     socket.onopen = () => {
+      clearTimeout(this.#timer);
       this.#attempt = 0;
       this.#wasOpen = true;
       this.#options.onStatus('open', '');
@@ -82,15 +105,20 @@ export class ReturningSocket {
     };
     socket.onclose = (event) => {
       if (this.#isDone) return;
+      clearTimeout(this.#timer);
       if (isRefusal(event.code)) {
         this.#finish();
         this.#options.onStatus('refused', event.reason);
         return;
       }
-      this.#options.onStatus('lost', event.reason);
-      const delay = backOffMs(this.#attempt, this.#options.random);
-      this.#attempt += 1;
-      this.#timer = setTimeout(() => this.#connect(), delay);
+      this.#lost(event.reason);
     };
+  }
+
+  #lost(reason: string): void {
+    this.#options.onStatus('lost', reason);
+    const delay = backOffMs(this.#attempt, this.#options.random);
+    this.#attempt += 1;
+    this.#timer = setTimeout(() => this.#connect(), delay);
   }
 }

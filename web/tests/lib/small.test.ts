@@ -2,24 +2,23 @@ import { describe, expect, it } from 'vitest';
 import type { AuditEntry, CaseloadRow, ProgressMeasure } from '../../src/api/types';
 import { runs, steadyRange } from '../../src/charts/scales';
 import { groupAudit } from '../../src/lib/audit';
-import { byReason, matches } from '../../src/lib/caseload';
+import { matches } from '../../src/lib/caseload';
 import { placementProblem } from '../../src/lib/placements';
 import { plainProgress } from '../../src/lib/plain';
 import type { SessionEvent } from '../../src/api/types';
 import { eventText } from '../../src/lib/events';
 
-const row = (given_name: string, family_name: string, reason: CaseloadRow['reason'], live_session_id: string | null = null) =>
-  ({ given_name, family_name, reason, live_session_id }) as CaseloadRow;
+const row = (given_name: string, family_name: string, reason: CaseloadRow['reason'], live_state: CaseloadRow['live_state'] = null) =>
+  ({ given_name, family_name, reason, live_state }) as CaseloadRow;
 
 describe('caseload', () => {
-  const rows = [row('Ana', 'Zuber', ''), row('José', 'Núñez', 'declining'), row('Bo', 'Abt', ''), row('Li', 'Mo', 'live', 's')];
-  it('puts who needs a look first', () => {
-    expect(byReason(rows).map((one) => one.family_name)).toEqual(['Mo', 'Núñez', 'Abt', 'Zuber']);
-  });
+  const rows = [row('Ana', 'Zuber', ''), row('José', 'Núñez', 'declining'), row('Bo', 'Abt', 'link_lost', 'link_lost'), row('Li', 'Mo', '', 'streaming')];
   it('finds names without accents, in any order', () => {
     expect(rows.filter((one) => matches(one, 'all', 'nunez jos')).map((one) => one.given_name)).toEqual(['José']);
-    expect(rows.filter((one) => matches(one, 'look', ''))).toHaveLength(1);
-    expect(rows.filter((one) => matches(one, 'live', ''))).toHaveLength(1);
+  });
+  it('counts a dead link among those who need a look, and never as live', () => {
+    expect(rows.filter((one) => matches(one, 'look', '')).map((one) => one.family_name)).toEqual(['Núñez', 'Abt']);
+    expect(rows.filter((one) => matches(one, 'live', '')).map((one) => one.family_name)).toEqual(['Mo']);
   });
 });
 

@@ -18,6 +18,7 @@ const row = (change: Partial<CaseloadRow>): CaseloadRow => ({
   due: 'Reaching, 3 times a week',
   last_session_at: null,
   live_session_id: null,
+  live_state: null,
   main_measure: 'Elbow flexion, range of motion',
   main_unit: 'deg',
   trend: [50, 58],
@@ -32,11 +33,11 @@ const row = (change: Partial<CaseloadRow>): CaseloadRow => ({
 describe('caseload', () => {
   it('says in one line a patient who, why, how it goes and what is due', async () => {
     renderPage(<CaseloadPage />, {
-      answers: { '/api/caseload': [row({}), row({ patient_id: 'q', given_name: 'Tomasz', family_name: 'Lind', affected_side: 'left', reason: 'declining', reason_text: 'The range fell.' }), row({ patient_id: 'r', given_name: 'Noor', reason: 'live', live_session_id: 's' })] },
+      answers: { '/api/caseload': [row({ patient_id: 'q', given_name: 'Tomasz', family_name: 'Lind', affected_side: 'left', reason: 'declining', reason_text: 'The range fell.' }), row({}), row({ patient_id: 'r', given_name: 'Noor', live_session_id: 's', live_state: 'streaming' })] },
     });
     const lines = (await screen.findAllByRole('row')).slice(1);
     expect(lines).toHaveLength(3);
-    const first = within(lines[1] as HTMLElement);
+    const first = within(lines[0] as HTMLElement);
     expect(first.getByRole('link', { name: 'Tomasz Lind' })).toHaveProperty('pathname', '/patients/q');
     expect(first.getByText('Declining')).toBeTruthy();
     expect(first.getByText('Left side affected')).toBeTruthy();
@@ -44,6 +45,21 @@ describe('caseload', () => {
     // Who exercises now has a line and a filter of their own: the sentence and the filter count the same people.
     expect(screen.getByText('1 patient needs a look today')).toBeTruthy();
     expect(screen.getByText('Need a look (1)')).toBeTruthy();
+  });
+
+  it('never calls a dead link live, and hides no worry behind an open session', async () => {
+    const open = { live_session_id: 's', reason_text: '' } as const;
+    renderPage(<CaseloadPage />, {
+      answers: {
+        '/api/caseload': [
+          row({ ...open, patient_id: 'a', reason: 'declining', live_state: 'link_lost' }),
+          row({ ...open, patient_id: 'b', reason: 'declining', live_state: 'streaming' }),
+          row({ ...open, patient_id: 'c', reason: 'link_lost', live_state: 'link_lost' }),
+        ],
+      },
+    });
+    const lines = (await screen.findAllByRole('row')).slice(1).map((line) => (line.children[1] as HTMLElement).textContent);
+    expect(lines).toEqual(['DecliningLink lostOpen the session', 'DecliningLive nowWatch live', 'Link lostOpen the session']);
   });
 
   it('says what to do when there is nobody yet', async () => {

@@ -91,6 +91,7 @@ export const common = {
   'caseload.due': 'Prescribed',
   'caseload.nothingDue': 'Nothing',
   'caseload.watch': 'Watch live',
+  'caseload.openSession': 'Open the session',
   'caseload.search': 'Find a patient',
   'caseload.filter': 'Which patients',
   'caseload.filter.all': 'All',
@@ -102,8 +103,8 @@ export const common = {
   'caseload.noMatchTitle': 'No patient matches',
   'caseload.noMatchText': 'Try another name, or show all patients.',
 
-  'reason.live': 'Exercising now',
   'reason.declining': 'Declining',
+  'reason.link_lost': 'Link lost',
   'reason.bad_data': 'Poor data',
   'reason.not_practising': 'Not practising',
   'reason.no_template': 'No template',

@@ -97,6 +97,7 @@ export const session = {
   'health.skew': 'Clock of the gateway off by',
 
   'live.title': 'Live session',
+  'live.now': 'Live now',
   'live.delay': 'Delay',
   'live.delayParts': '{service} ms in the service, {network} ms on the way to you',
   'live.controls': 'Steer the session',
