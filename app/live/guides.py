@@ -18,8 +18,8 @@ def _step(
 
 
 _FACES: Final[tuple[tuple[str, Picture, str], ...]] = (
-    ("face_z_up", "face_z_up", "with the printed z axis up"),
-    ("face_z_down", "face_z_down", "with the z axis down"),
+    ("face_z_up", "face_z_up", "with the printed side up"),
+    ("face_z_down", "face_z_down", "with the printed side down"),
     ("face_x_up", "face_x_up", "on its edge, x axis up"),
     ("face_x_down", "face_x_down", "on its edge, x axis down"),
     ("face_y_up", "face_y_up", "on its edge, y axis up"),

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from app.viewer import palette
 from app.viewer.palette import Rgb
 from estimators import rotation
+from estimators.conventions import placement_words
 from estimators.magnetic import RelativeFlag
 from estimators.pipelines import Frames
 
@@ -36,7 +37,6 @@ _UP: Final = np.array([0.0, 0.0, 1.0], dtype=np.float32)
 _LABEL_SCALE: Final = 1.3
 _LABEL_ABOVE_M: Final = 0.07
 _LABEL_BELOW_M: Final = 0.11
-_WORDS: Final = {"sternum": "Breastbone", "head": "Head", "pelvis": "Pelvis"}
 _LONE: Final = int(RelativeFlag.INERTIAL_ONLY | RelativeFlag.FAULT | RelativeFlag.INVALID)
 
 
@@ -90,12 +90,6 @@ class ModuleTrack:
         return np.percentile(known, 2.0, axis=0), np.percentile(known, 98.0, axis=0)
 
 
-def placement_words(placement: str) -> str:
-    """Return a placement as a person says it, such as `Left upper arm`."""
-    part, _, side = placement.rpartition("_")
-    return _WORDS.get(placement) or (f"{side} {part}" if part else side).replace("_", " ").capitalize()
-
-
 def distance_words(placement: str, distance_m: float, *, is_lone: bool) -> str:
     """Return what is written at a sensor: where it is worn and how far from the source.
 
@@ -107,7 +101,7 @@ def distance_words(placement: str, distance_m: float, *, is_lone: bool) -> str:
         The place goes on without the source: the distance is then not told as if it were measured.
     """
     about = "about " if is_lone else ""
-    return f"{placement_words(placement)}: {about}{100.0 * distance_m:.0f} cm"
+    return f"{placement_words(placement).capitalize()}: {about}{100.0 * distance_m:.0f} cm"
 
 
 def modules_of(frames: Frames) -> ModuleTrack | None:
@@ -175,7 +169,7 @@ class ModuleLayer:
         # Words hang on nothing that turns, so that they stay above and below.
         self._name = scene.add_label(
             "/modules/name",
-            f"{placement_words(names[0])}: source",
+            f"{placement_words(names[0]).capitalize()}: source",
             font_screen_scale=_LABEL_SCALE,
             anchor="top-center",
         )
@@ -268,4 +262,4 @@ def _add_coil(server: viser.ViserServer, number: int) -> Any:
     )
 
 
-__all__ = ["COILS", "ModuleLayer", "ModuleTrack", "distance_words", "modules_of", "placement_words"]
+__all__ = ["COILS", "ModuleLayer", "ModuleTrack", "distance_words", "modules_of"]

@@ -13,6 +13,7 @@ from app.viewer.body_mesh import Piece
 from app.viewer.palette import HALO, MATERIAL_COLOURS, PALETTES, TRAIL, UNMEASURED_SKIN, Rgb, Theme
 from app.viewer.proportions import hip_half_width_m, leg_lengths_m, neck_height_m
 from estimators.body import BodyDimensions
+from estimators.conventions import placement_words
 
 FLOOR: Final = "/room/floor"
 _LIGHTS: Final = ("/room/sky", "/room/key", "/room/fill")
@@ -186,15 +187,25 @@ def add_piece(server: viser.ViserServer, path: str, piece: Piece, measured: froz
 
 def add_lost_label(server: viser.ViserServer, path: str, segment: str) -> Any:
     """Add the hidden words that say which sensor gives nothing."""
-    part, _, side = segment.rpartition("_")
-    words = {"sternum": "Chest", "head": "Head"}.get(segment, f"{side} {part}".replace("_", " ").capitalize())
     return server.scene.add_label(
         f"{path}/lost",
-        f"{words}: no signal",
+        f"{placement_words(segment).capitalize()}: no signal",
         position=(0.0, 0.0, -0.1),
         visible=False,
         font_screen_scale=1.4,
         anchor="center-left",
+    )
+
+
+def add_silence_label(server: viser.ViserServer, path: str) -> Any:
+    """Add the hidden words for when no sensor gives anything: one label, not one over another."""
+    return server.scene.add_label(
+        f"{path}/silent",
+        "No data from the sensors",
+        position=(0.0, 0.0, 0.9),
+        visible=False,
+        font_screen_scale=1.6,
+        anchor="bottom-center",
     )
 
 

@@ -78,6 +78,7 @@ class BodyScene:
             self._lost_labels = {
                 name: nodes.add_lost_label(server, self._solid.path[name], name) for name in _WEARABLE
             }
+            self._silence_label = nodes.add_silence_label(server, self._solid.path["sternum"])
             self._halos = {
                 (number, joint): nodes.Halo(server, self._solid.path[f"{segment}_{side}"], segment, body)
                 for number, side in enumerate(SIDES)
@@ -210,8 +211,12 @@ class BodyScene:
             for part in self._parts.get(name, []):
                 part.handle.color = palette.LOST if lost[number] else part.colour
                 part.handle.opacity = _FADED if lost[number] or self._is_unsure(name) else None
-            if name in self._lost_labels:
-                self._lost_labels[name].visible = bool(lost[number])
+        # Where nothing comes from anywhere one label says so: seven lie over each other and none can be read.
+        measured = self.measured_mask
+        is_silent = bool(measured.any() and lost[measured].all())
+        self._silence_label.visible = is_silent
+        for name, label in self._lost_labels.items():
+            label.visible = bool(lost[SEGMENTS.index(name)]) and not is_silent
         self._lost = lost.copy()
 
 

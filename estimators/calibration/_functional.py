@@ -16,9 +16,10 @@ from estimators.calibration._joint_axes import AxisEstimate, heading_between, pr
 from estimators.calibration._mounting import OUTWARD_HEADING_RAD
 from estimators.calibration._n_pose import n_pose
 from estimators.calibration._placement import MisplacedError, check_sides
-from estimators.calibration._rest import Verdict, mean_orientation, words, wrapped
+from estimators.calibration._rest import Verdict, mean_orientation, wrapped
 from estimators.calibration._static import static_bias
 from estimators.conventions import SIDES, Placement, Side
+from estimators.conventions import placement_words as words
 from estimators.errors import CalibrationError, SetupError
 from estimators.recording import Float
 

@@ -11,8 +11,9 @@ from estimators import rotation
 from estimators.calibration._joint_axes import AxisEstimate
 from estimators.calibration._placement import MisplacedError, PlacementFinding
 from estimators.calibration._placement import check_segments as forearm_and_upper_arm
-from estimators.calibration._rest import Verdict, mostly, words, wrapped
+from estimators.calibration._rest import Verdict, mostly, wrapped
 from estimators.conventions import Placement, Side
+from estimators.conventions import placement_words as words
 from estimators.errors import CalibrationError, ShapeError
 from estimators.orientation import OrientationFlag
 from estimators.recording import Float

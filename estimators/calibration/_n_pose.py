@@ -16,11 +16,11 @@ from estimators.calibration._rest import (
     Verdict,
     mean_orientation,
     mostly,
-    words,
     wrapped,
 )
 from estimators.calibration._static import UNUSUAL_BIAS_SCORE, StaticBias, static_bias, unusual_bias
 from estimators.conventions import GRAVITY_MPS2, Placement
+from estimators.conventions import placement_words as words
 from estimators.errors import CalibrationError, ShapeError
 from estimators.orientation import OrientationFlag
 from estimators.recording import Float
@@ -149,12 +149,12 @@ def n_pose(
         if own_heading[s]:
             if steepness_rad[s] > _STEEP_RAD:
                 raise CalibrationError(
-                    f"the z axis of the {words(placement)} sensor points up or down and it has no compass, "
-                    "so its direction cannot be found; mount it with the z axis away from the body and repeat"
+                    f"the {words(placement)} sensor lies flat and has no compass, so its direction cannot be found; "
+                    "turn its printed side away from the body, then repeat"
                 )
             if steepness_rad[s] > _SLANTED_RAD:
                 verdict.lower(
-                    0.7, f"the {words(placement)} sensor lies flat; mount it with its z axis outward"
+                    0.7, f"the {words(placement)} sensor lies flat; turn its printed side away from the body"
                 )
             offsets[placement] = wrapped(facing_rad + OUTWARD_HEADING_RAD[placement] - heading_rad[s])
         turn = rotation.about_z(offsets.get(placement, 0.0) - facing_rad)
@@ -272,10 +272,10 @@ def _facing(
     candidates = [p for p in FACING_ORDER if p in (shared or placements)]
     usable = [p for p in candidates if steepness_rad[placements.index(p)] <= _STEEP_RAD]
     if not usable:
-        names = ", ".join(words(p) for p in candidates)
+        names = " and ".join(f"the {words(p)} sensor" for p in candidates)
         raise CalibrationError(
-            f"cannot tell where the patient faces: the z axis of every sensor ({names}) points up or down; "
-            "mount one with the z axis away from the body and repeat"
+            f"cannot tell where the patient faces: {names} lie flat; turn the printed side of one sensor away from "
+            "the body, then repeat"
         )
     chosen = usable[0]
     if chosen != candidates[0]:
@@ -326,7 +326,7 @@ def _judge_agreement(
         verdict.lower(
             0.7,
             f"the other sensors face {math.degrees(away_rad):.0f} degrees away from the {words(reference)} "
-            "sensor; if they sit with the z axis outward, check that one",
+            "sensor; if their printed sides face outward, check that one",
         )
 
 

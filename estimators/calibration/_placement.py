@@ -10,8 +10,9 @@ import numpy as np
 from estimators import rotation
 from estimators.calibration._contract import Calibration
 from estimators.calibration._mounting import N_POSE_TURN_RAD, OUTWARD_HEADING_RAD
-from estimators.calibration._rest import words, wrapped
+from estimators.calibration._rest import wrapped
 from estimators.conventions import Placement, Side
+from estimators.conventions import placement_words as words
 from estimators.errors import CalibrationError
 from estimators.recording import Float
 
@@ -143,13 +144,13 @@ def check_mounting(found: Calibration, previous: Calibration | None = None) -> t
         if twin in turned and placement.endswith("left"):
             part = placement.removesuffix("_left").replace("_", " ")
             text = (
-                f"the left and right {part} sensors are swapped, or both are turned by half a turn with the z axis to "
-                "the body; check them"
+                f"the left and right {part} sensors are swapped, or the printed side of both faces the body; check "
+                "them"
             )
             findings.append(PlacementFinding("swapped_sides", (placement, twin), text))
         elif twin not in turned:
             text = (
-                f"the {words(placement)} sensor is turned by half a turn: its z axis points to the body instead of "
+                f"the {words(placement)} sensor is turned by half a turn: its printed side faces the body instead of "
                 "away from it; the calibration allows for it, but check that it is the right one"
             )
             findings.append(PlacementFinding("turned", (placement,), text))

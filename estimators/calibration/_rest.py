@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from estimators import rotation
 from estimators.conventions import Placement
+from estimators.conventions import placement_words as words
 from estimators.errors import CalibrationError
 from estimators.orientation import OrientationFlag
 from estimators.recording import Float
@@ -27,12 +28,6 @@ class Verdict:
         """Multiply the score and say why."""
         self.score *= factor
         self.reasons.append(reason)
-
-
-def words(placement: Placement) -> str:
-    """Return a placement as people say it."""
-    part, _, side = placement.rpartition("_")
-    return f"{side} {part.replace('_', ' ')}" if side in ("left", "right") else placement
 
 
 def wrapped(angle_rad: float) -> float:

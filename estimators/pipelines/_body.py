@@ -183,7 +183,7 @@ class BodyNetwork:
         accelerometer_bias = rest.accelerometer_bias_mps2
         if accelerometer_bias is None or np.abs(accelerometer_bias).max() > _LEVEL_LIMIT_MPS2:
             raise CalibrationError(
-                "a sensor does not lie level with its z axis up; put all on a level table and repeat"
+                "a sensor does not lie level with its printed side up; put all on a level table and repeat"
             )
         known = self.setup.calibration or Calibration({}, {}, method="level")
         found = replace(

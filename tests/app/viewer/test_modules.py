@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import viser
 
-from app.viewer.modules import ModuleTrack, distance_words, modules_of, placement_words
+from app.viewer.modules import ModuleTrack, distance_words, modules_of
 from app.viewer.pose import is_posed, thinned, track_from_frames
 from app.viewer.scene import BodyScene
 from estimators import pipelines, rotation
@@ -95,7 +95,6 @@ def test_the_scene_shows_modules_and_no_figure(frames: Frames) -> None:
 def test_a_place_without_the_source_is_not_told_as_measured() -> None:
     assert distance_words("upper_arm_left", 0.4251, is_lone=False) == "Left upper arm: 43 cm"
     assert distance_words("sternum", 0.4251, is_lone=True) == "Breastbone: about 43 cm"
-    assert placement_words("foot_right") == "Right foot"
 
 
 def test_the_camera_is_told_what_is_mostly_seen(frames: Frames) -> None:

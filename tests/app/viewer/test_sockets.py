@@ -283,11 +283,11 @@ def test_a_live_view_shows_the_newest_frames(therapist, open_view, services, nob
         frames = PublishedFrames(**fields, published_at_s=time.time())
         nobody.portal.call(services.bus.publish, topic(recorded.live_session_id, "frames"), frames)
         until(page, raised_arm)
-        # When nothing more comes, what was measured turns grey and says so.
-        lost = until(
-            page, lambda m: m["type"] == "SetSceneNodeVisibilityMessage" and m["name"].endswith("/lost")
+        # When nothing more comes, what was measured turns grey and one label says so.
+        said = until(
+            page, lambda m: m["type"] == "SetSceneNodeVisibilityMessage" and m["name"].endswith("/silent")
         )
-        assert lost["visible"]
+        assert said["visible"]
 
 
 def test_an_unwatched_scene_is_taken_down_and_comes_back(therapist, open_view, services, nobody) -> None:

@@ -235,7 +235,9 @@ def test_sternum_sensor_lying_flat_is_replaced_by_an_arm():
     pose.accelerometer[0] = rotation.rotate(rotation.conjugate(pose.q[0, 0]), [0, 0, GRAVITY_MPS2])
     found = pose.calibrate()
     np.testing.assert_allclose(pose.mounting_error_deg(found), 0.0, atol=1e-6)
-    assert any("the sternum sensor lies flat, so right upper arm tells" in reason for reason in found.reasons)
+    assert any(
+        "the breastbone sensor lies flat, so right upper arm tells" in reason for reason in found.reasons
+    )
     alone = Pose(("sternum",), noise=0.0)
     alone.q[:] = pose.q[:1]
     alone.accelerometer[:] = pose.accelerometer[:1]
@@ -249,7 +251,7 @@ def test_flat_sensor_without_compass_is_refused():
     pose.q[6] = rotation.multiply(rotation.about_z(pose.facing_rad), flat)
     pose.accelerometer[6] = rotation.rotate(rotation.conjugate(pose.q[6, 0]), [0, 0, GRAVITY_MPS2])
     pose.flags |= NO_HEADING
-    with pytest.raises(CalibrationError, match="left hand sensor points up or down"):
+    with pytest.raises(CalibrationError, match="left hand sensor lies flat and has no compass"):
         pose.calibrate()
 
 
@@ -258,7 +260,7 @@ def test_sternum_turned_against_all_others_is_told():
     pose.q[0] = rotation.multiply(rotation.about_z(2.0), pose.q[0])
     found = pose.calibrate()
     assert found.score == pytest.approx(0.7)
-    assert "115 degrees away from the sternum" in found.reasons[0]
+    assert "115 degrees away from the breastbone" in found.reasons[0]
 
 
 def test_many_faults_together_are_refused():

@@ -16,6 +16,8 @@ import { extent, runs, steadyRange } from './scales';
 const INVALID = 1;
 const SINGULAR = 128;
 const HEIGHT = 132;
+/** A value that is older than this is not of now. */
+const OF_NOW_S = 1.5;
 
 /** A template's value at a time, in the unit it is shown in; NaN where it says nothing. */
 export type TemplateAt = (channel: string, timeS: number) => { mean: number; low: number; high: number } | null;
@@ -123,7 +125,7 @@ function draw(chart: Chart, player: Player, unit: string, fromS: number, untilS:
     low[index] = here - spread;
     high[index] = here + spread;
     const at = read.timeS[index] ?? 0;
-    if (at <= cursorS) now = here;
+    if (at <= cursorS && at > cursorS - OF_NOW_S) now = here;
     const template = templateAt?.(channel, at);
     if (template) {
       mean[index] = template.mean;

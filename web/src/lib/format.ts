@@ -72,6 +72,11 @@ export function clockTime(at: string | Date): string {
   return new Intl.DateTimeFormat(formatLocale(), { hour: '2-digit', minute: '2-digit' }).format(new Date(at));
 }
 
+/** Clock time to the second of a moment in s since the epoch, e.g. `14:05:09`. */
+export function clockTimeS(atS: number): string {
+  return new Intl.DateTimeFormat(formatLocale(), { hour: '2-digit', minute: '2-digit', second: '2-digit' }).format(new Date(atS * 1000));
+}
+
 /** Calendar date, e.g. `3 Mar 2025`; without the year when it is this year's. */
 export function date(at: string | Date, now = new Date()): string {
   const day = new Date(at);

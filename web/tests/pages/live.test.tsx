@@ -1,6 +1,8 @@
-import { screen } from '@testing-library/react';
+import { act, screen } from '@testing-library/react';
 import userEvent from '@testing-library/user-event';
 import { afterEach, expect, it, vi } from 'vitest';
+import type { LiveSnapshot } from '../../src/player/live';
+import { LiveBanners } from '../../src/pages/session/LiveBanners';
 import { LiveButtons } from '../../src/pages/session/LiveButtons';
 import { renderPage } from './render';
 
@@ -22,4 +24,44 @@ it('leaves starting and stopping to the card of a walking test', () => {
   renderPage(<LiveButtons sessionId="s" state="recording" isRecording isGuided />, { answers: {} });
   expect(screen.queryByRole('button', { name: 'Stop recording' })).toBeNull();
   expect(screen.getByRole('button', { name: 'End session' })).toBeTruthy();
+});
+
+const snapshot = (change: Partial<LiveSnapshot>) => ({ connection: 'open', problem: null, lostSinceS: null, silentSinceS: null, state: null, ...change }) as LiveSnapshot;
+
+/** The banner's words at the start and after some seconds. */
+function banner(change: Partial<LiveSnapshot>, laterS: number, isLinkLost = false): [string, string] {
+  vi.useFakeTimers({ now: new Date(2025, 0, 1, 12, 3, 2) });
+  try {
+    renderPage(<LiveBanners snapshot={snapshot(change)} isLinkLost={isLinkLost} />, { answers: {} });
+    const [shown, ...others] = screen.getAllByRole('alert');
+    expect(others).toHaveLength(0);
+    const first = shown?.textContent ?? '';
+    act(() => void vi.advanceTimersByTime(laterS * 1000));
+    return [first, shown?.textContent ?? ''];
+  } finally {
+    vi.useRealTimers();
+  }
+}
+const AT_S = new Date(2025, 0, 1, 12, 3, 0).getTime() / 1000;
+
+it('says only what is known while the service is out of reach', () => {
+  const [first, later] = banner({ connection: 'lost', lostSinceS: AT_S, silentSinceS: AT_S }, 5);
+  expect(first).toContain('Connection to the service lost since 12:03:00');
+  expect(first).toContain('Whether the session is being stored is not known here.');
+  expect(first).toContain('Lost for 2 s');
+  expect(later).toContain('Lost for 7 s');
+});
+
+it('counts the silence of the sensors, with one banner whoever notices first', () => {
+  const [first, later] = banner({ silentSinceS: AT_S }, 3, true);
+  expect(first).toContain('No data from the sensors since 12:03:00');
+  expect(first).toContain('Silent for 2 s');
+  expect(later).toContain('Silent for 5 s');
+});
+
+it('notices silence before the service says so, but not while nothing is to come', () => {
+  const state = (state: string) => ({ state }) as LiveSnapshot['state'];
+  expect(banner({ silentSinceS: AT_S, state: state('recording') }, 0)[0]).toContain('No data');
+  renderPage(<div data-testid="quiet"><LiveBanners snapshot={snapshot({ silentSinceS: AT_S, state: state('calibrating') })} isLinkLost={false} /></div>, { answers: {} });
+  expect(screen.getByTestId('quiet').textContent).toBe('');
 });

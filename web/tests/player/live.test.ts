@@ -115,6 +115,67 @@ describe('LivePlayer', () => {
   });
 });
 
+describe('what does not come', () => {
+  const health = { type: 'health', sensors: [], packets_stored: 1, packets_missing: 0, latency_ms_median: 5, latency_ms_p99: 9, clock_skew_ppm: null };
+  const wait = (seconds: number) => {
+    for (let quarter = 0; quarter < 4 * seconds; quarter += 1) {
+      nowS += 0.25;
+      vi.advanceTimersByTime(250);
+    }
+  };
+  const begin = async () => {
+    FakeSocket.last.accept();
+    FakeSocket.last.say(layoutMessage());
+    FakeSocket.last.say(health);
+    await send(0, 50);
+  };
+
+  it('leaves no number of now behind when frames stop, and goes on with the next one', async () => {
+    await begin();
+    for (let turn = 0; turn < 4; turn += 1) {
+      wait(0.5);
+      FakeSocket.last.say(health);
+    }
+    expect(player.getSnapshot()).toMatchObject({ connection: 'open', silentSinceS: 1000 });
+    expect(player.clock().timeS).toBeCloseTo(0.49 + 2);
+    expect(player.read(player.clock().timeS - 1.5, player.clock().timeS, ['elbow']).timeS).toHaveLength(0);
+    await send(50, 50);
+    expect(player.getSnapshot().silentSinceS).toBeNull();
+    expect(player.clock().timeS).toBeCloseTo(0.99);
+  });
+
+  it('knows within three seconds that a service hangs, although no socket closed, and comes back by itself', async () => {
+    await begin();
+    wait(3);
+    expect(player.getSnapshot()).toMatchObject({ connection: 'lost', lostSinceS: 1000 });
+    FakeSocket.last.say(health);
+    expect(player.getSnapshot()).toMatchObject({ connection: 'open', lostSinceS: null });
+    wait(9);
+    expect(FakeSocket.made).toHaveLength(2);
+    expect(player.getSnapshot()).toMatchObject({ connection: 'lost', lostSinceS: 1003 });
+    // Nobody answers the new one either: another is tried.
+    wait(8);
+    expect(FakeSocket.made.length).toBeGreaterThan(2);
+    FakeSocket.last.accept();
+    expect(player.getSnapshot()).toMatchObject({ connection: 'open', lostSinceS: null });
+  });
+
+  it('says since when, from the moment the service was last heard', async () => {
+    await begin();
+    wait(1);
+    FakeSocket.last.drop();
+    expect(player.getSnapshot()).toMatchObject({ connection: 'lost', lostSinceS: 1000 });
+  });
+
+  it('does not miss a service that has nothing more to say', async () => {
+    await begin();
+    FakeSocket.last.say({ type: 'state', state: 'analysed', reason: '', session_time_s: 3, recording_start_s: null, calibration: null, calibration_progress: null });
+    wait(60);
+    expect(player.getSnapshot().connection).toBe('open');
+    expect(FakeSocket.made).toHaveLength(1);
+  });
+});
+
 describe('backOffMs', () => {
   it('doubles up to a limit and spreads by chance', () => {
     expect(backOffMs(0, () => 1)).toBe(500);

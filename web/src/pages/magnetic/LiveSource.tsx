@@ -11,6 +11,7 @@ import { PulseTimeline } from './PulseTimeline';
 
 const WINDOW_S = 20;
 const REFRESH_MS = 250;
+const OF_NOW_S = 1.5;
 
 interface Reading {
   pulses: Pulse[];
@@ -27,7 +28,8 @@ export function readSource(player: Player, sensors: readonly string[]): Reading 
   const own = sensors.flatMap((name) => [`${name}_distance_m`, `${name}_distance_sigma_m`, `${name}_state`]);
   const read = player.read(timeS - WINDOW_S, timeS + 1e-6, ['source_coil', 'source_current_a', 'source_on_time_s', 'source_charge_as', ...own], 8000);
   const last = read.timeS.length - 1;
-  if (last < 0) return null;
+  // In silence the clock goes on: what came a while ago is not of now.
+  if (timeS - (read.timeS[last] ?? -Infinity) > OF_NOW_S) return null;
   const at = (column: number) => read.values[column]?.[last] ?? NaN;
   return {
     pulses: pulsesIn(read.timeS, read.values[0] ?? [], read.values[1] ?? []),

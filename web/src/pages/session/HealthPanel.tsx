@@ -67,7 +67,9 @@ function Sensor({ sensor, shared }: { sensor: SensorHealth; shared: readonly Tro
   );
 }
 
-export function HealthPanel({ health, placements }: { health: HealthMessage | null; placements: readonly Placement[] }) {
+export function HealthPanel({ health: told, placements, isOutOfReach = false }: { health: HealthMessage | null; placements: readonly Placement[]; isOutOfReach?: boolean }) {
+  // What was good a while ago may not be now.
+  const health = isOutOfReach ? null : told;
   const lost = health?.sensors.filter((sensor) => sensor.status === 'lost') ?? [];
   const shared = health ? sharedTroubles(health.sensors) : [];
   return (
@@ -130,7 +132,7 @@ export function HealthPanel({ health, placements }: { health: HealthMessage | nu
           {placements.map((placement) => (
             <li key={placement} className="sensor">
               <span className="sensor-name">{placementLabel(placement)}</span>
-              <span className="muted">{t('health.waiting')}</span>
+              <span className="muted">{t(isOutOfReach ? 'health.unknown' : 'health.waiting')}</span>
             </li>
           ))}
         </ul>

@@ -1,5 +1,4 @@
 // A session while it happens: the body large, curves beneath, sensors at the side, the delay always in view.
-import { IconPlugConnectedX } from '@tabler/icons-react';
 import { useQueryClient } from '@tanstack/react-query';
 import { useEffect, useMemo, useRef, useState } from 'react';
 import { useParams } from 'react-router';
@@ -30,6 +29,7 @@ import { SourceLegend } from '../magnetic/SourceLegend';
 import { AnalysisWait } from './AnalysisWait';
 import { ConnectHelp } from './ConnectHelp';
 import { HealthPanel } from './HealthPanel';
+import { LiveBanners } from './LiveBanners';
 import { LiveButtons } from './LiveButtons';
 import { StateSteps, stepOf } from './StateSteps';
 
@@ -38,7 +38,7 @@ const LIVE = { mode: 'live' } as const;
 function Delay({ snapshot }: { snapshot: LiveSnapshot }) {
   const service = snapshot.health?.latency_ms_median ?? null;
   const network = snapshot.networkMs;
-  const isKnown = service !== null && network !== null;
+  const isKnown = service !== null && network !== null && snapshot.silentSinceS === null && snapshot.connection === 'open';
   return (
     <span className="delay" title={isKnown ? t('live.delayParts', { service: number(service), network: number(network) }) : undefined}>
       <span className="muted">{t('live.delay')}</span>{' '}
@@ -116,24 +116,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
         <StateSteps step={step.current} />
         {!isOver && <Delay snapshot={snapshot} />}
       </div>
-      {(snapshot.connection === 'lost' || snapshot.connection === 'refused') && !isOver && (
-        <div className="banner banner-alert" role="alert">
-          <IconPlugConnectedX size={24} aria-hidden />
-          <div>
-            <p className="strong">{snapshot.connection === 'lost' ? t('live.viewLost') : t('live.viewRefused')}</p>
-            <p>{snapshot.problem || t('live.viewLostText')}</p>
-          </div>
-        </div>
-      )}
-      {state === 'link_lost' && (
-        <div className="banner banner-alert" role="alert">
-          <IconPlugConnectedX size={24} aria-hidden />
-          <div>
-            <p className="strong">{t('live.linkLost')}</p>
-            <p>{message?.reason || t('live.linkLostText')}</p>
-          </div>
-        </div>
-      )}
+      {!isOver && <LiveBanners snapshot={snapshot} isLinkLost={state === 'link_lost'} />}
       {state === 'failed' && <Problem error={new Error(message?.reason || session.state_reason)} title={t('live.failed')} />}
       {snapshot.error && !snapshot.error.closing && <Problem error={new Error(snapshot.error.message)} />}
       {isOver && state !== 'failed' && (
@@ -215,7 +198,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
           )}
           {isWalk && state !== 'created' && snapshot.columns && <LiveWalk player={player} scalars={session.layout.scalars} delayS={snapshot.columns.delayS} />}
           {isMagnetic && state !== 'created' && <LiveSource player={player} sensors={modules} source={session.layout.segments[0] ?? ''} />}
-          <HealthPanel health={snapshot.health} placements={session.placements} />
+          <HealthPanel health={snapshot.health} placements={session.placements} isOutOfReach={snapshot.connection === 'lost'} />
           {state === 'ready' && !isSelfCalibrated && calibration && mayRecord && <InForce sessionId={session.id} calibration={calibration} placements={session.placements} onAgain={() => setAsked(true)} />}
           <Happened events={snapshot.events.length ? snapshot.events : session.events} />
         </div>
