@@ -1,5 +1,5 @@
 // One channel over the phases of a movement: the template with its band, every repetition, red where it leaves the band.
-import { useMemo, useRef } from 'react';
+import { useEffect, useMemo, useRef } from 'react';
 import type uPlot from 'uplot';
 import type { PhaseCurve } from '../api/types';
 import { t } from '../i18n';
@@ -19,6 +19,8 @@ export interface PhaseChartProps {
   bandScale?: number;
   onPhase?: (phase: number, repetition: number | null) => void;
   height?: number;
+  /** Phase of the moment that is played, asked for every picture; null where there is none. */
+  phaseNow?: () => number | null;
 }
 
 const RAD_STEP = 15;
@@ -100,7 +102,7 @@ function nearest(plot: uPlot, phase: number, top: number, drawn: Drawn): number 
 const PHASES = Array.from({ length: 101 }, (_, phase) => phase);
 const OFFSET = 3;
 
-export function PhaseChart({ curve, left = new Set(), selected = null, outside = [], bandScale = 1, onPhase, height = 240 }: PhaseChartProps) {
+export function PhaseChart({ curve, left = new Set(), selected = null, outside = [], bandScale = 1, onPhase, height = 240, phaseNow }: PhaseChartProps) {
   const unit = displayUnit(curve.unit);
   const drawn = useRef<Drawn>({ outside, left, selected, offset: OFFSET, onPhase });
   drawn.current = { outside, left, selected, offset: OFFSET, onPhase };
@@ -166,13 +168,32 @@ export function PhaseChart({ curve, left = new Set(), selected = null, outside =
     return [PHASES, band(curve.low), band(curve.high), ...curve.repetitions.map(show), show(curve.mean)] as uPlot.AlignedData;
   }, [curve, bandScale, scaled]);
 
+  const plot = useRef<uPlot | null>(null);
+  const head = useRef<HTMLSpanElement>(null);
+  useEffect(() => {
+    if (!phaseNow) return;
+    let frame = 0;
+    const step = () => {
+      frame = requestAnimationFrame(step);
+      const phase = phaseNow();
+      const element = head.current;
+      if (!element) return;
+      element.hidden = phase === null || plot.current === null;
+      if (phase !== null && plot.current) element.style.left = `${plot.current.valToPos(phase, 'x') + plot.current.over.offsetLeft}px`;
+    };
+    step();
+    return () => cancelAnimationFrame(frame);
+  }, [phaseNow]);
+
   const range = extent(curve.mean);
   const leaves = outside.filter((intervals, repetition) => intervals.length > 0 && !left.has(repetition)).length;
   return (
-    <Plot
+    <div className="trace-plot">
+      <Plot
       options={options}
       data={data}
       height={height}
+      onReady={(made) => void (plot.current = made)}
       label={
         t('phase.summary', {
           label: curve.label,
@@ -181,7 +202,9 @@ export function PhaseChart({ curve, left = new Set(), selected = null, outside =
           count: count - left.size,
         }) + (outside.length ? ` ${t('phase.summaryOutside', { count: leaves })}` : '')
       }
-    />
+      />
+      {phaseNow && <span className="trace-cursor" data-testid="playhead" aria-hidden hidden ref={head} />}
+    </div>
   );
 }
 

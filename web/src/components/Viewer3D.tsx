@@ -2,10 +2,11 @@
 import { ActionIcon, Button, SegmentedControl, Skeleton, useComputedColorScheme } from '@mantine/core';
 import { IconPlugConnectedX, IconRotate, IconRotateClockwise, IconZoomIn, IconZoomOut } from '@tabler/icons-react';
 import { useQuery } from '@tanstack/react-query';
-import { useEffect, useState, useSyncExternalStore } from 'react';
+import { useEffect, useRef, useState, useSyncExternalStore } from 'react';
 import { api } from '../api/client';
 import type { CameraCommand, View, ViewIn } from '../api/types';
 import { t } from '../i18n';
+import { passKeysOn } from '../lib/keys';
 import type { Player } from '../player/types';
 import { ViewLink, type GhostChoice, type ViewSnapshot } from '../player/view';
 import { Problem } from './Feedback';
@@ -97,6 +98,16 @@ export function Viewer3D({ sessionId, request, title, player = null, ghost, isRe
 
   const { status, problem, shown } = useSyncExternalStore(link?.subscribe ?? never, link?.getSnapshot ?? (() => NOTHING));
   useEffect(() => onShown?.(shown), [shown, onShown]);
+  // A service that was started again knows nothing of this view: after a loss a new one is opened without a hand.
+  const wasLost = useRef(false);
+  const { refetch } = view;
+  useEffect(() => {
+    if (status === 'lost') wasLost.current = true;
+    else if (status === 'refused' && wasLost.current) {
+      wasLost.current = false;
+      void refetch();
+    }
+  }, [status, refetch]);
 
   if (view.error) {
     return (
@@ -108,9 +119,9 @@ export function Viewer3D({ sessionId, request, title, player = null, ghost, isRe
   const isGone = status === 'lost' || status === 'refused';
   return (
     <div className="viewer-box">
-      <div className="viewer" data-testid="viewer">
+      <div className={isGone ? 'viewer viewer-gone' : 'viewer'} data-testid="viewer">
         {view.data ? (
-          <iframe key={view.data.id} src={view.data.page_path} title={title} allow="fullscreen" />
+          <iframe key={view.data.id} src={view.data.page_path} title={title} allow="fullscreen" onLoad={(event) => passKeysOn(event.currentTarget)} />
         ) : (
           <Skeleton height="100%" radius={0} animate={false} role="status" aria-label={t('state.loading')} />
         )}

@@ -48,6 +48,15 @@ export function repetitionAt<R extends { start_s: number; end_s: number }>(repet
   return repetitions.find((one) => timeS >= one.start_s && timeS < one.end_s) ?? null;
 }
 
+/** Where a moment stands in curves over the template's phases: the inverse of `timeAtTemplatePhase`; null between repetitions. */
+export function templatePhaseAt(repetitions: readonly { repetition: { start_s: number; end_s: number }; warp_template_phase: readonly number[] }[], timeS: number): number | null {
+  for (const { repetition, warp_template_phase: warp } of repetitions) {
+    const phase = phaseAt(repetition, timeS);
+    if (phase !== null) return atPhase(warp, phase);
+  }
+  return null;
+}
+
 /** The template's value at the patient's moment: followed in the patient's timing, or at the therapist's own pace. */
 export function templateValueAt(
   mean: readonly (number | null)[],

@@ -19,6 +19,8 @@ export interface ComparisonPanelProps {
   selected: number | null;
   onSelect: (repetition: number | null) => void;
   onPhase: (repetition: number, templatePhase: number) => void;
+  /** Where the moment that is played stands in the curves. */
+  phaseNow?: () => number | null;
 }
 
 const SHOWN_FIRST = 3;
@@ -104,7 +106,7 @@ function Measures({ measures }: { measures: readonly MeasureValue[] }) {
 }
 
 /** A curve with, beneath it, a button for every stretch that leaves the band: what the pointer does, the keyboard can. */
-function Curve({ curve, comparison, selected, onPhase }: { curve: PhaseCurve; comparison: ComparisonDetail; selected: number | null; onPhase: ComparisonPanelProps['onPhase'] }) {
+function Curve({ curve, comparison, selected, onPhase, phaseNow }: { curve: PhaseCurve; comparison: ComparisonDetail } & Pick<ComparisonPanelProps, 'selected' | 'onPhase' | 'phaseNow'>) {
   const outside = comparison.repetitions.map((one) => one.outside_band[curve.channel] ?? []);
   const left = new Set(comparison.repetitions.flatMap((one, index) => (one.repetition.is_kept ? [] : [index])));
   const stretches = outsideOf(comparison, curve.channel).filter((one) => selected === null || one.repetition === selected);
@@ -117,6 +119,7 @@ function Curve({ curve, comparison, selected, onPhase }: { curve: PhaseCurve; co
         left={left}
         selected={selected}
         height={220}
+        phaseNow={phaseNow}
         onPhase={(phase, repetition) => {
           const target = selected ?? repetition;
           if (target !== null) onPhase(target, phase);
@@ -142,7 +145,7 @@ function Curve({ curve, comparison, selected, onPhase }: { curve: PhaseCurve; co
   );
 }
 
-export function ComparisonPanel({ session, resultId, comparison, hasComparison, selected, onSelect, onPhase }: ComparisonPanelProps) {
+export function ComparisonPanel({ session, resultId, comparison, hasComparison, selected, onSelect, onPhase, phaseNow }: ComparisonPanelProps) {
   const [showsAll, setShowsAll] = useState(false);
   if (!hasComparison) return <Start session={session} resultId={resultId} />;
   if (!comparison) return null;
@@ -182,7 +185,7 @@ export function ComparisonPanel({ session, resultId, comparison, hasComparison, 
       </div>
       <PhaseLegend withOutside patient />
       {curves.map((curve) => (
-        <Curve key={curve.channel} curve={curve} comparison={comparison} selected={selected} onPhase={onPhase} />
+        <Curve key={curve.channel} curve={curve} comparison={comparison} selected={selected} onPhase={onPhase} phaseNow={phaseNow} />
       ))}
       {ordered.length > SHOWN_FIRST && (
         <div>

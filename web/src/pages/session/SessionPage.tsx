@@ -1,7 +1,7 @@
 // Replay and compare on one page: the 3D and the time line stay, the words and curves beside them say what differs.
 import { Button, Select, Switch, Tabs } from '@mantine/core';
 import { IconArrowRight, IconFileText, IconShoe } from '@tabler/icons-react';
-import { useCallback, useEffect, useMemo, useRef, useState, type KeyboardEvent } from 'react';
+import { useCallback, useEffect, useMemo, useRef, useState } from 'react';
 import { Link, Navigate, useParams, useSearchParams } from 'react-router';
 import { useComparison, useComparisons, useEstimators, useExercises, useMarkers, usePatient, useSession, useTemplateVersion } from '../../api/queries';
 import type { ComparisonDetail, Repetition, SessionDetail } from '../../api/types';
@@ -17,7 +17,8 @@ import { dateTime, duration } from '../../lib/format';
 import { massChannels } from '../../lib/massCentre';
 import { templateOver } from '../../lib/overlay';
 import { isLive, sessionTitle } from '../../lib/sessions';
-import { timeAtTemplatePhase } from '../../lib/warp';
+import { useKeys } from '../../lib/keys';
+import { templatePhaseAt, timeAtTemplatePhase } from '../../lib/warp';
 import { useReplayPlayer, useSnapshot } from '../../player/hooks';
 import type { ReplayPlayer } from '../../player/replay';
 import type { PlayerState } from '../../api/types';
@@ -85,18 +86,12 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
   };
   const choose = (repetition: Repetition) => setSelected(repetitions.indexOf(repetition));
 
-  const shortcuts = (event: KeyboardEvent) => {
-    const target = event.target as HTMLElement;
-    if (event.ctrlKey || event.metaKey || event.altKey || target.matches('input[type=text], textarea, [role=option]')) return;
-    const isButton = target.matches('button, a, summary');
-    if (event.key === 'w') setGhost((now) => ({ ...now, warp: !now.warp }));
-    else if (event.key === 'g') setGhost((now) => ({ ...now, ghost: !now.ghost }));
-    else if (event.key === ' ' && !isButton) {
-      event.preventDefault();
-      if (player.clock().isPlaying) player.pause();
-      else player.play();
-    }
-  };
+  useKeys({
+    ' ': () => (player.clock().isPlaying ? player.pause() : player.play()),
+    w: () => setGhost((now) => ({ ...now, warp: !now.warp })),
+    g: () => setGhost((now) => ({ ...now, ghost: !now.ghost })),
+  });
+  const phaseNow = useCallback(() => (comparison ? templatePhaseAt(comparison.repetitions, player.clock().timeS) : null), [comparison, player]);
   const isWalk = session.pipeline === 'gait';
   const isMagnetic = session.pipeline === 'relative_pose';
   const markers = useMarkers(session.id);
@@ -110,9 +105,7 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
   return (
     <>
       {snapshot.problem && <Problem error={new Error(snapshot.problem)} title={t('replay.failed')} />}
-      {/* Keys work only while the focus is in here, so that they never surprise elsewhere. */}
-      {/* eslint-disable-next-line jsx-a11y/no-noninteractive-element-interactions */}
-      <div className="replay-grid" onKeyDown={shortcuts} role="group" aria-label={t('replay.title')}>
+      <div className="replay-grid" role="group" aria-label={t('replay.title')}>
         <div className="stage" ref={stage}>
           <Viewer3D
             sessionId={session.id}
@@ -163,7 +156,7 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
           </Tabs.Panel>
           <Tabs.Panel value="compare">
             <h2 className="visually-hidden">{t('compare.title')}</h2>
-            <ComparisonPanel session={session} resultId={resultId} comparison={comparison} hasComparison={hasComparison} selected={selected} onSelect={setSelected} onPhase={jumpTo} />
+            <ComparisonPanel session={session} resultId={resultId} comparison={comparison} hasComparison={hasComparison} selected={selected} onSelect={setSelected} onPhase={jumpTo} phaseNow={phaseNow} />
           </Tabs.Panel>
           <Tabs.Panel value="angles">
             <h2 className="visually-hidden">{t('traces.title')}</h2>
