@@ -18,6 +18,7 @@ import { RouterProvider } from 'react-router';
 import { ApiError } from './api/client';
 import { keys } from './api/queries';
 import { router } from './App';
+import { isNotFetched } from './lib/pieces';
 import { theme } from './theme';
 
 const queryClient = new QueryClient({
@@ -27,6 +28,9 @@ const queryClient = new QueryClient({
       // What the service refused stays refused; only a lost connection is worth another try.
       retry: (count, error) => error instanceof ApiError && (error.status === 0 || error.status === 503) && count < 3,
       refetchOnWindowFocus: false,
+      // Without a network the page says so at once, and looks again until the service answers.
+      networkMode: 'always',
+      refetchInterval: (query) => (isNotFetched(query.state.error) ? 5_000 : false),
     },
   },
 });

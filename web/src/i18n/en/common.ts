@@ -67,7 +67,11 @@ export const common = {
   'notFound.text': 'The address may be mistyped, or what was here has been removed.',
   'notFound.back': 'Back to the start',
   'crash.title': 'This page stopped working',
-  'crash.text': 'The fault is in the page, not in your data: everything that was recorded is stored by the service.',
+  'crash.text': 'The fault is in the page, not in the recordings that the service has stored.',
+  'crash.oldTitle': 'There is a newer version of this page',
+  'crash.oldText': 'The service was updated since you opened it. Reload to go on; nothing is lost.',
+  'offline.title': 'No connection to the service',
+  'offline.text': 'Check the network. This page opens by itself as soon as the service answers.',
   'crash.reload': 'Reload the page',
 
   'signIn.title': 'Sign in',
