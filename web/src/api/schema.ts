@@ -669,6 +669,8 @@ export interface paths {
         /**
          * Create Session
          * @description Start a session; a gateway then streams to it.
+         *
+         *     Errors: `quota_reached` when the clinic has stored as much as it may.
          */
         post: operations["create_session_api_sessions_post"];
         delete?: never;
