@@ -21,14 +21,17 @@
 
 from typing import Any, ClassVar
 
+from estimators.sentences import Sentence
+
 
 class TelemotionError(Exception):
     """Base of all expected failures.
 
     Parameters
     ----------
-    message : str
-        What was wrong and what to do, without patient data.
+    message : Sentence or str
+        What was wrong and what to do, without patient data. A sentence (`app.sentences.say`) where people read it,
+        so that it can be translated; plain text on the command line.
     details : dict, optional
         Machine-readable facts: field names, limits, positions.
     """
@@ -40,6 +43,11 @@ class TelemotionError(Exception):
         super().__init__(message)
         self.message = message
         self.details = details
+
+    @property
+    def sentence(self) -> Sentence | None:
+        """Code and parameters of the message; None of plain text."""
+        return self.message if isinstance(self.message, Sentence) else None
 
 
 class NotFound(TelemotionError):

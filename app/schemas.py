@@ -1,9 +1,12 @@
-"""Base of the wire types: strict names, no unknown fields."""
+"""Base of the wire types: strict names, no unknown fields; and what their words for people say."""
 
+from collections.abc import Mapping
 from datetime import date, datetime
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StrictBool
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StrictBool, model_validator
+
+from estimators.sentences import Sentence, for_json
 
 
 class Schema(BaseModel):
@@ -44,3 +47,41 @@ Flag = StrictBool
 
 SessionTime = Annotated[float, Field(ge=0, le=1e7)]
 """Seconds since the beginning of a session, as clients ask for them; bounded, which leaves infinity out."""
+
+
+class SentenceOut(Schema):
+    """A sentence for people, for whoever says it in another language: see `web/src/i18n/en/sentences.json`."""
+
+    code: str
+    """Stable name of the sentence."""
+    params: dict[str, Any]
+    """By name: numbers in SI units, strings, sentences of the same form, or lists of them."""
+    text: str
+    """In English."""
+
+
+class Spoken(Schema):
+    """A message with words for people: each text that is a `Sentence` also goes out as code and parameters."""
+
+    sentences: dict[str, SentenceOut | list[SentenceOut | str]] = Field(default_factory=dict)
+    """What the texts of this object say, by the name of their field; plain text has none."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _remember(cls, given: Any) -> Any:
+        is_mapping = isinstance(given, Mapping)
+        names = [name for name in cls.model_fields if not is_mapping or name in given]
+        values = {name: given[name] if is_mapping else getattr(given, name, None) for name in names}
+        said = {name: for_json(value) for name, value in values.items() if _is_said(value)}
+        if not said:
+            return given
+        return {**(given if is_mapping else values), "sentences": said}
+
+
+def _is_said(value: Any) -> bool:
+    if isinstance(value, list | tuple):
+        return bool(value) and isinstance(value[0], str) and any(isinstance(one, Sentence) for one in value)
+    return isinstance(value, Sentence)
+
+
+__all__ = ["Day", "Flag", "Moment", "Schema", "SentenceOut", "SessionTime", "Spoken", "may_be_absent"]

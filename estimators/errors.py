@@ -16,6 +16,11 @@ from collections.abc import Sequence
 class EstimationError(Exception):
     """Base of all expected failures; the message says what was wrong and what to do."""
 
+    @property
+    def message(self) -> str:
+        """The message as it was given: a `Sentence` where people read it."""
+        return self.args[0] if self.args and isinstance(self.args[0], str) else str(self)
+
 
 class ShapeError(EstimationError, ValueError):
     """An array has the wrong shape, type or values."""

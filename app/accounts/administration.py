@@ -12,9 +12,10 @@ from app.accounts.subject import Subject
 from app.database.base import new_id
 from app.database.unit_of_work import unit_of_work
 from app.errors import Conflict, InvalidInput, NotAllowed, NotFound
+from app.sentences import say
 from app.services import Services
 
-NO_SUCH_ACCOUNT = "There is no such account in your clinic."
+NO_SUCH_ACCOUNT = say("account.not_found")
 
 
 def list_accounts(session: Session, subject: Subject) -> list[AccountOut]:
@@ -31,7 +32,7 @@ def list_accounts(session: Session, subject: Subject) -> list[AccountOut]:
     if subject.role == "therapist":
         query = query.where(Account.role.in_(["administrator", "therapist", "integrator"]), Account.is_active)
     elif subject.role != "administrator":
-        raise NotAllowed("Only the clinic's staff can list its accounts.")
+        raise NotAllowed(say("account.list_not_allowed"))
     return [account_out(row) for row in session.scalars(query)]
 
 
@@ -57,14 +58,12 @@ async def create_account(services: Services, subject: Subject, body: AccountIn) 
         No such patient in this clinic.
     """
     if subject.role != "administrator":
-        raise NotAllowed("Only an administrator of the clinic can create accounts.")
+        raise NotAllowed(say("account.create_not_allowed"))
     if (body.role == "patient") != (body.patient_id is not None):
-        raise InvalidInput(
-            "An account with the role patient, and no other, needs patient_id.", field="patient_id"
-        )
+        raise InvalidInput(say("account.patient_id"), field="patient_id")
     email = normalise_email(body.email)
     if email.count("@") != 1 or email.startswith("@") or email.endswith("@"):
-        raise InvalidInput("The e-mail address needs a name, an @ and a host.", field="email")
+        raise InvalidInput(say("account.email_form"), field="email")
     password_hash = await services.passwords.hash_in_turn(body.password)
     return await to_thread.run_sync(_store_account, services, subject, body, email, password_hash)
 
@@ -98,7 +97,7 @@ async def update_account(
     belong to the patients, and each can be revoked there.
     """
     if subject.role != "administrator":
-        raise NotAllowed("Only an administrator of the clinic can change accounts.")
+        raise NotAllowed(say("account.change_not_allowed"))
     password_hash = None
     if body.password is not None:
         password_hash = await services.passwords.hash_in_turn(body.password)
@@ -128,9 +127,9 @@ def _store_account(
         if body.patient_id is not None:
             clinic_id = session.scalar(select(PATIENT.c.clinic_id).where(PATIENT.c.id == body.patient_id))
             if clinic_id != subject.clinic_id:
-                raise NotFound("There is no such patient in this clinic.")
+                raise NotFound(say("account.no_such_patient"))
         if session.scalar(select(Account.id).where(Account.email == email)) is not None:
-            raise Conflict("There is an account with this e-mail address already.", field="email")
+            raise Conflict(say("account.email_taken"), field="email")
         row = Account(
             id=new_id(),
             clinic_id=subject.clinic_id,
@@ -155,10 +154,7 @@ def _change_account(
         if row is None or row.clinic_id != subject.clinic_id:
             raise NotFound(NO_SUCH_ACCOUNT)
         if row.id == subject.account_id and (body.is_active is False or password_hash is not None):
-            raise Conflict(
-                "This is your own account: another administrator can switch it off; change your password with the"
-                " present one."
-            )
+            raise Conflict(say("account.own"))
         actions = []
         if body.display_name is not None and body.display_name != row.display_name:
             row.display_name = body.display_name

@@ -20,6 +20,7 @@ from app.accounts.sign_in import COOKIE, FoundSignIn, find_sign_in, touch
 from app.accounts.subject import Subject
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import NotAllowed, SignInRequired
+from app.sentences import say
 from app.services import services_of
 from app.settings import Settings
 
@@ -61,7 +62,7 @@ def require_own_origin(connection: HTTPConnection) -> None:
         The `Origin` is absent or not ours.
     """
     if not is_own_origin(services_of(connection).settings, connection):
-        raise NotAllowed("This request did not come from a page of this service (wrong or missing Origin).")
+        raise NotAllowed(say("sign_in.origin"))
 
 
 def current_sign_in(connection: HTTPConnection) -> FoundSignIn:
@@ -81,7 +82,7 @@ def current_sign_in(connection: HTTPConnection) -> FoundSignIn:
     services = services_of(connection)
     cookie = connection.cookies.get(COOKIE)
     if not cookie:
-        raise SignInRequired("Please sign in.")
+        raise SignInRequired(say("sign_in.required"))
     with read_only(services.engine) as session:
         found = find_sign_in(session, services.settings, cookie)
     if connection.scope["type"] == "websocket":
@@ -91,7 +92,7 @@ def current_sign_in(connection: HTTPConnection) -> FoundSignIn:
         given = connection.headers.get(CSRF_HEADER, "")
         if not hmac.compare_digest(given.encode(), found.csrf_token.encode()):
             raise NotAllowed(
-                f"The header {CSRF_HEADER} is missing or wrong; read it again from /api/me.",
+                say("sign_in.csrf", header=CSRF_HEADER),
                 header=CSRF_HEADER,
             )
     if found.needs_touch:
@@ -118,7 +119,7 @@ def current_subject(connection: HTTPConnection) -> Subject:
     if not token:
         return current_sign_in(connection).subject
     if scheme.lower() != "bearer":
-        raise SignInRequired("Only `Authorization: Bearer` with a device token is understood.")
+        raise SignInRequired(say("sign_in.bearer_only"))
     services = services_of(connection)
     with read_only(services.engine) as session:
         return subject_of_device_token(session, services.settings, token.strip())
@@ -137,7 +138,7 @@ def current_account(subject: Annotated[Subject, Depends(current_subject)]) -> Su
         A device.
     """
     if subject.kind != "account":
-        raise NotAllowed("A device token cannot be used here; sign in.")
+        raise NotAllowed(say("sign_in.no_device_token"))
     return subject
 
 

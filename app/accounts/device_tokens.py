@@ -11,11 +11,12 @@ from app.accounts.subject import Subject
 from app.accounts.tokens import derive_key
 from app.database.base import new_id, utc_now
 from app.errors import NotFound, SignInRequired
+from app.sentences import say
 from app.settings import Settings
 
 ALGORITHM = "HS256"
 AUDIENCE = "telemotion:device"
-_REFUSED = "The device token is not valid, has expired or was revoked; ask the clinic for a new one."
+_REFUSED = say("device.token_refused")
 
 
 def create_device_token(
@@ -149,5 +150,5 @@ def get_device_token(session: Session, subject: Subject, token_id: str) -> Devic
     """
     row = session.get(DeviceToken, token_id)
     if row is None or row.clinic_id != subject.clinic_id:
-        raise NotFound("There is no such device token, or you have no right to know.")
+        raise NotFound(say("device.token_not_found"))
     return row

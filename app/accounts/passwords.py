@@ -10,6 +10,7 @@ from argon2 import PasswordHasher
 from argon2.exceptions import InvalidHashError, VerificationError
 
 from app.errors import Unavailable
+from app.sentences import say
 
 HASHING_THREADS = 2
 MAXIMUM_WAITING = 40
@@ -78,7 +79,7 @@ class Passwords:
         """
         limiter = self._limiter = self._limiter or CapacityLimiter(HASHING_THREADS)
         if limiter.statistics().tasks_waiting >= MAXIMUM_WAITING:
-            raise Unavailable("Many people are signing in at this moment; try again.", retry_after_s=5)
+            raise Unavailable(say("sign_in.busy"), retry_after_s=5)
         return await to_thread.run_sync(self.verify, password_hash, password, limiter=limiter)
 
     async def hash_in_turn(self, password: str) -> str:

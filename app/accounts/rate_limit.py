@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 from app.accounts.tokens import hash_token
 from app.errors import TooManyAttempts
+from app.sentences import say
 
 
 @dataclass(frozen=True)
@@ -148,9 +149,7 @@ class SignInLimits:
                 self._addresses.give_back(network)
         if wait > 0.0:
             seconds = math.ceil(wait)
-            raise TooManyAttempts(
-                f"Too many failed sign-ins; try again in {seconds} s.", retry_after_s=seconds
-            )
+            raise TooManyAttempts(say("sign_in.too_many", seconds=seconds), retry_after_s=seconds)
 
     def succeeded(self, email: str, address: str) -> None:
         """Take the attempt back: only failures count.

@@ -17,9 +17,10 @@ from app.accounts.sign_in import (
 from app.accounts.tickets import account_subject
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import Conflict, InvalidInput, SignInRequired
+from app.sentences import say
 from app.services import Services
 
-WRONG = "E-mail address or password is wrong."
+WRONG = say("sign_in.wrong")
 
 
 async def check_password(services: Services, email: str, password: str, address: str) -> str:
@@ -102,10 +103,10 @@ async def change_password(services: Services, current: FoundSignIn, body: Passwo
     services.sign_in_limits.attempt(email, address)
     if not await services.passwords.verify_in_turn(password_hash, body.old_password):
         services.refused_sign_ins.note(email)
-        raise InvalidInput("The present password is wrong.", field="old_password")
+        raise InvalidInput(say("account.password_wrong"), field="old_password")
     services.sign_in_limits.succeeded(email, address)
     if body.new_password == body.old_password:
-        raise InvalidInput("The new password is the present one; choose another.", field="new_password")
+        raise InvalidInput(say("account.password_same"), field="new_password")
     renewed = await services.passwords.hash_in_turn(body.new_password)
     await to_thread.run_sync(_replace_hash, services, current, password_hash, renewed)
 
@@ -130,7 +131,7 @@ def _replace_hash(services: Services, current: FoundSignIn, present: str | None,
     with unit_of_work(services.engine) as session:
         row = session.get_one(Account, current.subject.id)
         if row.password_hash != present:
-            raise Conflict("The password was changed elsewhere a moment ago; sign in again.")
+            raise Conflict(say("account.password_changed_elsewhere"))
         row.password_hash = renewed
         ended = end_all_sign_ins(session, row.id, but=current.id)
         audit.record(

@@ -13,12 +13,13 @@ from app.accounts.tickets import account_subject
 from app.accounts.tokens import hash_token, new_token
 from app.database.base import utc_now
 from app.errors import SignInRequired
+from app.sentences import say
 from app.settings import Settings
 
 COOKIE = "telemotion_session"
 SEEN_AGAIN_AFTER = timedelta(seconds=60)
 """`last_seen_at` is written at most this often, so reading stays cheap."""
-_PLEASE = "Please sign in."
+_PLEASE = say("sign_in.required")
 
 
 @dataclass(frozen=True)

@@ -15,10 +15,11 @@ from app.accounts.subject import Subject
 from app.accounts.tokens import hash_token, new_token
 from app.database.base import utc_now
 from app.errors import SignInRequired
+from app.sentences import say
 
 LIFE = timedelta(seconds=30)
 Purpose = Literal["ingest", "live", "viewer"]
-_REFUSED = "The ticket is not valid here, was used before or is older than 30 seconds; ask for a new one."
+_REFUSED = say("sign_in.ticket_refused")
 
 
 @dataclass(frozen=True)
@@ -128,5 +129,5 @@ def account_subject(account: Account) -> Subject:
     """
     role: str = account.role
     if role not in {"administrator", "therapist", "patient", "integrator"}:
-        raise SignInRequired("This account has no role that may sign in.")
+        raise SignInRequired(say("sign_in.no_role"))
     return Subject("account", account.id, account.id, account.clinic_id, role, account.patient_id)  # type: ignore[arg-type]

@@ -118,7 +118,7 @@ def compare_task(context: JobContext) -> str:
 def _conclude(session: Session, found: MotionSession, reason: str) -> None:
     """Let a closed session be analysed."""
     found.state = "analysed"
-    found.state_reason = (found.state_reason or reason)[:500]
+    found.state_reason = found.state_reason or reason
     found.ended_at = found.ended_at or utc_now()
     session.add(SessionEvent(session_id=found.id, kind="state", time_s=found.duration_s, text="Analysed."))
 

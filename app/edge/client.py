@@ -11,6 +11,7 @@ from starlette.responses import Response
 
 from app.edge.error_answers import allowed_methods, method_not_allowed
 from app.errors import NotFound
+from app.sentences import say
 from app.settings import Settings
 
 _TREE = Path(__file__).resolve().parents[2] / "web" / "dist"
@@ -52,7 +53,7 @@ def client_router(settings: Settings) -> APIRouter:
         if path.split("/", 1)[0] in NOT_PAGES:
             if allowed_methods(request):
                 return method_not_allowed(request)
-            raise NotFound("There is nothing at this address.")
+            raise NotFound(say("edge.no_such_address"))
         folder = client_folder(settings)
         if folder is None:
             return HTMLResponse(_NOT_BUILT, status_code=503)
@@ -63,7 +64,7 @@ def client_router(settings: Settings) -> APIRouter:
             caching = "public, max-age=31536000, immutable" if hashed else "no-cache"
             return FileResponse(target, headers={"Cache-Control": caching})
         if "." in path.rsplit("/", 1)[-1]:
-            raise NotFound("There is no such file.")
+            raise NotFound(say("edge.no_such_file"))
         return FileResponse(folder / "index.html", headers={"Cache-Control": "no-cache"})
 
     return router

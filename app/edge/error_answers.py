@@ -1,5 +1,5 @@
-"""The one handler that turns errors into answers: JSON `{"code", "message", "details"}` with the status of
-the error tree.
+"""The one handler that turns errors into answers: JSON `{"code", "message", "details", "sentences"}` with the
+status of the error tree; `sentences` has code and parameters of the message for who says it in another language.
 
 What a client sent never comes back in an answer (it may be a password or a name); only where in the input the
 problem is. Unexpected errors are logged with their trace and answered without any detail.
@@ -22,7 +22,8 @@ from starlette.types import ExceptionHandler
 from starlette.websockets import WebSocket
 
 from app.errors import TelemotionError
-from app.schemas import Schema
+from app.schemas import Spoken
+from app.sentences import say
 
 logger = logging.getLogger("telemotion.errors")
 
@@ -33,7 +34,7 @@ CLOSE_CODES = {401: 4401, 403: 4403, 404: 4404, 409: 4409, 413: 1009, 422: 4422,
 have."""
 
 
-class ErrorOut(Schema):
+class ErrorOut(Spoken):
     """Every refusal: a fixed code for programs, a sentence for people, facts for both."""
 
     code: str
@@ -47,7 +48,7 @@ class BodyTooLarge(HTTPException):
     """
 
     def __init__(self, limit_bytes: int) -> None:
-        super().__init__(413, f"The body is larger than the limit of {limit_bytes} bytes.")
+        super().__init__(413, say("edge.body_too_large", limit_bytes=limit_bytes))
         self.limit_bytes = limit_bytes
 
 
@@ -85,9 +86,8 @@ def answer(status: int, code: str, message: str, details: dict[str, Any]) -> JSO
     headers = {"Cache-Control": "no-store"}
     if "retry_after_s" in details:
         headers["Retry-After"] = str(int(details["retry_after_s"]))
-    return JSONResponse(
-        {"code": code, "message": message, "details": details}, status_code=status, headers=headers
-    )
+    said = ErrorOut(code=code, message=message, details=details)
+    return JSONResponse(said.model_dump(mode="json"), status_code=status, headers=headers)
 
 
 async def _expected(connection: Request | WebSocket, error: Exception) -> Response | None:
@@ -105,12 +105,13 @@ async def _http(connection: Request | WebSocket, error: Exception) -> Response |
         raise error
     if error.status_code == 400:
         # FastAPI's own word for a body that is no JSON; everywhere else input that is not understood is 422.
-        return await _send(connection, 422, "invalid_input", "The body cannot be read as JSON.", {})
+        return await _send(connection, 422, "invalid_input", say("edge.no_json"), {})
     if error.status_code == 405 and isinstance(connection, Request):
         return method_not_allowed(connection)
     details = {"limit_bytes": error.limit_bytes} if isinstance(error, BodyTooLarge) else {}
     code = _CODES.get(error.status_code, "http")
-    return await _send(connection, error.status_code, code, str(error.detail), details)
+    message = say("edge.no_such_address") if error.status_code == 404 else error.detail
+    return await _send(connection, error.status_code, code, message, details)
 
 
 def allowed_methods(request: Request) -> list[str]:
@@ -138,7 +139,7 @@ def method_not_allowed(request: Request) -> JSONResponse:
     request : Request
     """
     allowed = ", ".join(allowed_methods(request))
-    refusal = answer(405, "method_not_allowed", f"This address takes {allowed or 'GET'}.", {})
+    refusal = answer(405, "method_not_allowed", say("edge.method", allowed=allowed or "GET"), {})
     refusal.headers["Allow"] = allowed or "GET"
     return refusal
 
@@ -150,14 +151,13 @@ async def _invalid(connection: Request | WebSocket, error: Exception) -> Respons
         {"field": ".".join(str(part) for part in problem["loc"]), "problem": str(problem["msg"])}
         for problem in error.errors()
     ]
-    named = ", ".join(field["field"] for field in fields[:5])
-    message = f"The request cannot be understood; look at: {named}."
+    message = say("edge.fields", fields=[field["field"] for field in fields[:5]])
     return await _send(connection, 422, "invalid_input", message, {"fields": fields})
 
 
 async def _database_busy(connection: Request | WebSocket, error: Exception) -> Response | None:
     logger.error("the database did not answer in %s", _where(connection), exc_info=error)
-    message = "The database is busy or not reachable; try again in a moment."
+    message = say("edge.database_busy")
     return await _send(connection, 503, "unavailable", message, {"retry_after_s": 5})
 
 
@@ -170,7 +170,7 @@ def unexpected(connection: HTTPConnection, error: Exception) -> JSONResponse:
     error : Exception
     """
     logger.error("unexpected %s in %s", type(error).__name__, _where(connection), exc_info=error)
-    return answer(500, "internal", "Something went wrong on our side; it has been noted.", {})
+    return answer(500, "internal", say("edge.unexpected"), {})
 
 
 async def _send(

@@ -4,13 +4,14 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from app.errors import TelemotionError
 from app.recordings.schemas import SessionState
-from app.schemas import Schema
+from app.schemas import Schema, Spoken
 
 PROTOCOL_VERSION = 1
 
 
-class ErrorMessage(Schema):
+class ErrorMessage(Spoken):
     """A typed error on any socket; the socket stays open unless `closing`."""
 
     type: Literal["error"] = "error"
@@ -18,6 +19,16 @@ class ErrorMessage(Schema):
     message: str
     details: dict[str, Any] = Field(default_factory=dict)
     closing: bool = False
+
+    @classmethod
+    def of(cls, error: TelemotionError, *, closing: bool) -> "ErrorMessage":
+        """Return an error as clients get it."""
+        return cls(
+            code=error.code,
+            message=error.message,
+            details=error.details,
+            closing=closing,
+        )
 
 
 class HelloMessage(Schema):

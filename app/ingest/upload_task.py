@@ -197,7 +197,7 @@ def _finish(context: JobContext, analysis: Analysis) -> None:
         found.setup = analysis.setup.to_dict()
         found.main_result_id = analysis.result_id
         found.ended_at = utc_now()
-        found.state_reason = analysis.message[:500]
+        found.state_reason = analysis.message
         count_session(session, found, analysis)
         if analysis.pose_s is not None:
             start_s, end_s = analysis.pose_s

@@ -314,7 +314,7 @@ class IngestConnection:
 
 def as_message(error: TelemotionError, *, closing: bool = False) -> ErrorMessage:
     """Return a typed error as the message that tells it."""
-    return ErrorMessage(code=error.code, message=error.message, details=error.details, closing=closing)
+    return ErrorMessage.of(error, closing=closing)
 
 
 def in_words(error: ValidationError) -> str:

@@ -104,7 +104,11 @@ class SessionBook(ABC):
                 details=details,
             )
         event = SessionEventOut(
-            kind=kind, time_s=time_s, duration_s=duration_s, placement=placement, text=text[:500]
+            kind=kind,
+            time_s=time_s,
+            duration_s=duration_s,
+            placement=placement,
+            text=text,
         )
         self._bus.publish(self._topics["event"], EventMessage(event=event))
 

@@ -106,7 +106,7 @@ class CalibratedSession(SessionBook):
         if self.is_calibrated and self.machine.state == "calibrating":
             self._change("ready", f"The earlier calibration stays in force. {text}")
         else:
-            self.machine.reason = text[:500]
+            self.machine.reason = text
             self._publish_state()
 
     def _calibrated(self, found: Outcome, kind: CalibrationKind) -> None:

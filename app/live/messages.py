@@ -33,7 +33,7 @@ from app.ingest.messages import (
 )
 from app.live.calibration_messages import CalibrationMessage
 from app.recordings.schemas import CalibrationOut, FrameLayoutOut, SessionEventOut, SessionState
-from app.schemas import Schema
+from app.schemas import Schema, Spoken
 
 
 class LayoutMessage(Schema):
@@ -49,7 +49,7 @@ class LayoutMessage(Schema):
     """By so much the frames show what was, beside the way of the packets: a stance is understood only after it."""
 
 
-class StateMessage(Schema):
+class StateMessage(Spoken):
     """The session's state machine, on change and on connecting."""
 
     type: Literal["state"] = "state"

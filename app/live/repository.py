@@ -231,7 +231,7 @@ def save_state(engine: Engine, session_id: str, state: SessionState, reason: str
     """Store a change of state."""
     with unit_of_work(engine) as session:
         row = _row(session, session_id)
-        row.state, row.state_reason = state, reason[:500]
+        row.state, row.state_reason = state, reason
 
 
 def save_recording(engine: Engine, session_id: str, start_s: float | None, end_s: float | None) -> None:

@@ -153,7 +153,7 @@ async def _keep_checking(websocket: WebSocket, live: LiveManager, check: Check) 
 async def _end(websocket: WebSocket, error: TelemotionError) -> None:
     if websocket.application_state is not WebSocketState.CONNECTED:
         return
-    message = ErrorMessage(code=error.code, message=error.message, details=error.details, closing=True)
+    message = ErrorMessage.of(error, closing=True)
     with contextlib.suppress(WebSocketDisconnect, WebSocketDisconnected):
         await websocket.send_text(message.model_dump_json())
         await websocket.close(code=1008 if error.status < 500 else 1011, reason=error.code)

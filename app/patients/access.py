@@ -35,6 +35,7 @@ from app.accounts.subject import Subject
 from app.database.base import utc_now
 from app.errors import NotAllowed, NotFound
 from app.patients.models import Grant, Patient
+from app.sentences import say
 
 Level = Literal["status", "read", "record", "treat", "manage", "erase"]
 
@@ -47,7 +48,7 @@ _ADMINISTRATOR: frozenset[Level] = frozenset({"status", "read", "manage", "erase
 _OWN: frozenset[Level] = frozenset({"status", "read", "record"})
 _DEVICE: frozenset[Level] = frozenset({"status", "record"})
 
-NO_SUCH_PATIENT = "There is no such patient, or you have no right to know."
+NO_SUCH_PATIENT = say("patient.not_found")
 
 
 def require_patient(session: Session, subject: Subject, patient_id: str, level: Level = "read") -> Patient:
@@ -79,12 +80,10 @@ def require_patient(session: Session, subject: Subject, patient_id: str, level: 
     if patient is None or not held:
         raise NotFound(NO_SUCH_PATIENT)
     if level not in held:
-        raise NotAllowed(f"Your right to this patient does not cover this (it needs: {level}).", level=level)
+        raise NotAllowed(say("patient.level", level=level), level=level)
     if level in {"record", "treat"} and subject.role != "system":
         if patient.archived_at is not None:
-            raise NotAllowed(
-                "This patient is archived: what exists can be read, nothing can be added.", archived=True
-            )
+            raise NotAllowed(say("patient.archived"), archived=True)
         _require_consent(session, subject, patient_id, level)
     return patient
 
@@ -161,13 +160,12 @@ def _granted(session: Session, subject: Subject, patient_id: str) -> frozenset[L
 def _require_consent(session: Session, subject: Subject, patient_id: str, level: Level) -> None:
     if consent(session, patient_id, "treatment") is False:
         raise NotAllowed(
-            "The patient has withdrawn the consent to treatment: what exists can be read, "
-            "nothing can be added.",
+            say("patient.consent_withdrawn"),
             purpose="treatment",
         )
     at_home = subject.role in {"patient", "device"}
     if level == "record" and at_home and consent(session, patient_id, "home_streaming") is not True:
         raise NotAllowed(
-            "The patient has not agreed to recording at home; ask for the consent on the patient's page.",
+            say("patient.no_home_consent"),
             purpose="home_streaming",
         )

@@ -13,8 +13,9 @@ from app.database.base import new_id, utc_now
 from app.errors import InvalidInput, NotAllowed, NotFound
 from app.patients.access import Level, is_in_force, levels, require_patient, visible_patients
 from app.patients.models import Grant, Mounting, Patient
+from app.sentences import say
 
-NO_SUCH_GRANT = "There is no such grant, or you have no right to know."
+NO_SUCH_GRANT = say("grant.not_found")
 
 
 def get_patient(
@@ -101,7 +102,7 @@ def create_patient(session: Session, subject: Subject, fields: dict[str, Any]) -
         Another role.
     """
     if subject.role not in {"therapist", "administrator"}:
-        raise NotAllowed("Only therapists and administrators can create patients.")
+        raise NotAllowed(say("patient.create_not_allowed"))
     patient = Patient(id=new_id(), clinic_id=subject.clinic_id, **fields)
     session.add(patient)
     session.flush()
@@ -282,11 +283,11 @@ def create_grant(
     require_patient(session, subject, patient_id, "manage")
     account = session.get(Account, account_id)
     if account is None or account.clinic_id != subject.clinic_id or not account.is_active:
-        raise InvalidInput("There is no such active account in this clinic.", field="account_id")
+        raise InvalidInput(say("grant.no_account"), field="account_id")
     if account.role == "patient":
-        raise InvalidInput("Patients see their own data without a grant.", field="account_id")
+        raise InvalidInput(say("grant.own_data"), field="account_id")
     if expires_at is not None and expires_at <= utc_now():
-        raise InvalidInput("The end of a grant must be in the future.", field="expires_at")
+        raise InvalidInput(say("grant.ends_in_past"), field="expires_at")
     held = session.scalars(
         select(Grant).where(Grant.patient_id == patient_id, Grant.account_id == account_id, is_in_force())
     )

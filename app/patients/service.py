@@ -23,6 +23,7 @@ from app.patients import repository
 from app.patients.access import levels, require_patient
 from app.patients.models import Grant, Patient
 from app.patients.schemas import BodyDimensionsIn, MountingOut, PatientIn, PatientOut, PatientPatch
+from app.sentences import say
 from app.settings import Settings
 
 
@@ -134,9 +135,7 @@ def create_grant(session: Session, subject: Subject, patient_id: str, body: Gran
     body : GrantIn
     """
     if body.expires_at is not None and body.expires_at.tzinfo is None:
-        raise InvalidInput(
-            "The end of a grant needs a time zone, e.g. 2030-01-31T12:00:00Z.", field="expires_at"
-        )
+        raise InvalidInput(say("grant.end_needs_zone"), field="expires_at")
     return _grant_out(
         *repository.create_grant(session, subject, patient_id, body.account_id, body.level, body.expires_at)
     )
@@ -206,7 +205,7 @@ def revoke_device_token(session: Session, subject: Subject, token_id: str) -> No
     try:
         _require_own_or_manage(session, subject, row.patient_id)
     except NotFound:
-        raise NotFound("There is no such device token, or you have no right to know.") from None
+        raise NotFound(say("device.token_not_found")) from None
     row.revoked_at = row.revoked_at or utc_now()
     record(session, subject, "device_token.revoke", row.patient_id, row.id)
 
@@ -254,7 +253,7 @@ def _require_own_or_manage(session: Session, subject: Subject, patient_id: str) 
     patient = require_patient(session, subject, patient_id, "status")
     is_own = subject.role == "patient" and subject.patient_id == patient_id
     if not is_own and "manage" not in levels(session, subject, patient):
-        raise NotAllowed("Your right to this patient does not cover this (it needs: manage).", level="manage")
+        raise NotAllowed(say("patient.level", level="manage"), level="manage")
     return patient
 
 

@@ -208,7 +208,7 @@ class GroupCommitWriter:
             "time_s": time_s,
             "duration_s": duration_s,
             "placement": placement,
-            "text": text[:500],
+            "text": text,
             "details": details or {},
         }
         with self._lock:

@@ -23,6 +23,7 @@ from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import NotFound, TelemotionError
 from app.recordings.models import Job, MotionSession, Result
 from app.recordings.queue import FairQueue, Waiting
+from app.sentences import say
 from app.settings import Settings
 from estimators.errors import EstimationError
 
@@ -69,11 +70,11 @@ class JobContext:
         self._last_written_s = now_s
         values: dict[str, Any] = {"progress": min(max(fraction, 0.0), 1.0)}
         if message:
-            values["message"] = message[:500]
+            values["message"] = message
         with unit_of_work(self.engine) as session:
             changed = session.execute(update(Job).where(Job.id == self.job_id).values(**values))
             if isinstance(changed, CursorResult) and changed.rowcount == 0:
-                raise NotFound("the session of this task was deleted")
+                raise NotFound(say("job.session_deleted"))
 
     def remember(self, **arguments: Any) -> None:
         """Keep facts with the task that its next attempt needs."""
@@ -122,16 +123,15 @@ def run_job(engine: Engine, settings: Settings, job_id: str, handler: Handler) -
     except MemoryError:
         status, message = (
             "failed",
-            f"This needs more memory than the {settings.job_memory_bytes / 2**30:.1f} GiB that one task may take."
-            " Split the recording and upload the parts.",
+            say("job.memory", limit_bytes=settings.job_memory_bytes),
         )
     except (TelemotionError, EstimationError) as error:
-        status, message = "failed", str(error)
+        status, message = "failed", error.message
     except Exception:
         logger.exception("task %s (%s) failed", job_id, kind)
         status, message = (
             "failed",
-            "An internal error stopped this task; it was logged. The raw data is kept.",
+            say("job.internal"),
         )
     else:
         status = "complete"
@@ -144,18 +144,18 @@ def _finish(engine: Engine, context: JobContext, kind: str, status: str, message
         job = session.get(Job, context.job_id)
         if job is None:
             return
-        job.status, job.message = status, message[:500]
+        job.status, job.message = status, message
         if status == "complete":
             job.progress = 1.0
             return
         owner = session.get(MotionSession, job.session_id)
         # A session that waits for this task must not wait for ever.
         if owner is not None and owner.state == "closing":
-            owner.state, owner.state_reason = "failed", f"Analysis failed: {message}"[:500]
+            owner.state, owner.state_reason = "failed", say("job.analysis_failed", reason=message)
         result_id = context.arguments.get("result_id")
         result = session.get(Result, result_id) if isinstance(result_id, str) else None
         if result is not None and result.status == "running":
-            result.status, result.message = "failed", message[:500]
+            result.status, result.message = "failed", message
 
 
 def _work(emit: processes.Emit, settings: Settings, job_id: str, handler: Handler) -> None:
@@ -260,7 +260,7 @@ class JobRunner:
         job_id = waiting.job_id
         handler = self._handlers.get(waiting.kind)
         if handler is None:
-            message = f"This service cannot do tasks of the kind {waiting.kind}."
+            message = say("job.unknown_kind", kind=waiting.kind)
             with unit_of_work(self._engine) as session:
                 session.execute(update(Job).where(Job.id == job_id).values(status="failed", message=message))
             return None
@@ -296,10 +296,10 @@ class JobRunner:
     def _interrupted(self, job: Job) -> None:
         """Queue a task again, unless that was tried often enough."""
         if job.is_retryable and int(job.arguments.get("attempt", 0)) < MAX_ATTEMPTS:
-            job.status, job.progress, job.message = "queued", 0.0, "Interrupted; it starts again."
+            job.status, job.progress, job.message = "queued", 0.0, say("job.interrupted")
         elif job.status != "queued":
             job.status = "failed"
-            job.message = "The task was interrupted and is not tried again; the raw data is kept."
+            job.message = say("job.given_up")
 
     def _report(self, done: JobDone) -> None:
         for callback in self._subscribers:

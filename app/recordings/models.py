@@ -17,6 +17,7 @@ from sqlalchemy import (
 from sqlalchemy.orm import Mapped, mapped_column
 
 from app.database.base import Base, Identified, UtcDateTime, utc_now
+from app.database.words import Words
 
 
 class MotionSession(Identified, Base):
@@ -34,7 +35,7 @@ class MotionSession(Identified, Base):
     """`stream` or `upload`."""
     state: Mapped[str] = mapped_column(String(20), default="created")
     """created, calibrating, ready, recording, link_lost, closing, analysed, failed."""
-    state_reason: Mapped[str] = mapped_column(String(500), default="")
+    state_reason: Mapped[str] = mapped_column(Words, default="")
     setup: Mapped[dict[str, Any]] = mapped_column(JSON)
     """`estimators.pipelines.SessionSetup` in force."""
     hello: Mapped[dict[str, Any] | None] = mapped_column(JSON)
@@ -86,7 +87,7 @@ class SessionEvent(Identified, Base):
     """Session time."""
     duration_s: Mapped[float] = mapped_column(Float, default=0.0)
     placement: Mapped[str | None] = mapped_column(String(40))
-    text: Mapped[str] = mapped_column(String(500), default="")
+    text: Mapped[str] = mapped_column(Words, default="")
     details: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
 
 
@@ -108,7 +109,7 @@ class Result(Identified, Base):
     status: Mapped[str] = mapped_column(String(20), default="running")
     """running, complete, failed."""
     progress: Mapped[float] = mapped_column(Float, default=0.0)
-    message: Mapped[str] = mapped_column(String(500), default="")
+    message: Mapped[str] = mapped_column(Words, default="")
     completed_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
 
 
@@ -124,7 +125,7 @@ class Job(Identified, Base):
     status: Mapped[str] = mapped_column(String(20), default="queued")
     """queued, running, complete, failed."""
     progress: Mapped[float] = mapped_column(Float, default=0.0)
-    message: Mapped[str] = mapped_column(String(500), default="")
+    message: Mapped[str] = mapped_column(Words, default="")
     created_by: Mapped[str] = mapped_column(String(32))
     updated_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now, onupdate=utc_now)
     is_retryable: Mapped[bool] = mapped_column(Boolean, default=True)

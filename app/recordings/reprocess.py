@@ -260,7 +260,7 @@ def analyse(
     message = " ".join([message, *line.refused]).strip()
     with unit_of_work(context.engine) as session:
         result = session.get_one(Result, result_id)
-        result.status, result.progress, result.message = "complete", 1.0, message[:500]
+        result.status, result.progress, result.message = "complete", 1.0, message
         result.completed_at = utc_now()
     learnt = known.learnt if known is not None else {}
     return Analysis(

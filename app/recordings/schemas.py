@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from app.schemas import Flag, Schema
+from app.schemas import Flag, Schema, Spoken
 from estimators.calibration import Calibration
 from estimators.conventions import Placement
 from estimators.orientation import DEFAULT
@@ -40,7 +40,7 @@ class SessionIn(Schema):
     told by a pose or a heading reset before the session is ready."""
 
 
-class ResultOut(Schema):
+class ResultOut(Spoken):
     """One run of a pipeline over the session."""
 
     id: str
@@ -56,7 +56,7 @@ class ResultOut(Schema):
     created_at: datetime
 
 
-class SessionOut(Schema):
+class SessionOut(Spoken):
     """A session in a list."""
 
     id: str
@@ -77,7 +77,7 @@ class SessionOut(Schema):
     main_result_id: str | None
 
 
-class SessionEventOut(Schema):
+class SessionEventOut(Spoken):
     """Something on the time line: state, gap, sensor_lost, sensor_back, mark, calibration, error."""
 
     kind: str
@@ -96,7 +96,7 @@ class FrameLayoutOut(Schema):
     scalars: list[str]
 
 
-class CalibrationOut(Schema):
+class CalibrationOut(Spoken):
     """Result of a calibration step."""
 
     method: str
@@ -148,7 +148,7 @@ class MarkIn(Schema):
     text: str = Field(max_length=200)
 
 
-class JobOut(Schema):
+class JobOut(Spoken):
     """A long task with its progress from 0 to 1."""
 
     id: str

@@ -32,6 +32,7 @@ from app.recordings.schemas import (
     SessionOut,
 )
 from app.recordings.store import read_frames, read_packets
+from app.sentences import CATALOGUE
 from estimators import orientation, pipelines
 from estimators.body import BodyDimensions, body_from_stature
 from estimators.errors import EstimationError
@@ -150,7 +151,7 @@ def _remembered(session: Session, patient_id: str, placements: tuple[str, ...]) 
         gyroscope_bias_radps={},
         method=stored.get("method", "n_pose").removeprefix("level, "),
         score=stored.get("score", 1.0),
-        reasons=tuple(stored.get("reasons", ())),
+        reasons=tuple(CATALOGUE.restored(stored.get("reasons", []))),
         unknown_headings=placements,  # type: ignore[arg-type]
         mounting_sigma_rad={
             name: tuple(value)
@@ -223,7 +224,7 @@ def _calibration(stored: dict[str, Any] | None) -> CalibrationOut | None:
     return CalibrationOut(
         method=stored["method"],
         score=stored["score"],
-        reasons=list(stored["reasons"]),
+        reasons=CATALOGUE.restored(list(stored["reasons"])),
         needs_headings=bool(stored.get("unknown_headings")),
     )
 

@@ -100,7 +100,7 @@ async def _commands(websocket: WebSocket, viewer: Viewer, view: View) -> None:
                 ) from None
             state = await viewer.obey(view, command)
         except InvalidInput as error:
-            answer = ErrorMessage(code=error.code, message=error.message, details=error.details)
+            answer = ErrorMessage.of(error, closing=False)
             await websocket.send_text(answer.model_dump_json())
             continue
         await websocket.send_text(state.model_dump_json())
@@ -109,7 +109,7 @@ async def _commands(websocket: WebSocket, viewer: Viewer, view: View) -> None:
 async def _say_why(websocket: WebSocket, error: TelemotionError) -> None:
     if websocket.application_state is not WebSocketState.CONNECTED:
         return
-    message = ErrorMessage(code=error.code, message=error.message, details=error.details, closing=True)
+    message = ErrorMessage.of(error, closing=True)
     with contextlib.suppress(WebSocketDisconnect, RuntimeError):
         await websocket.send_text(message.model_dump_json())
 

@@ -21,6 +21,7 @@ from estimators.errors import SetupError
 from estimators.orientation import DEFAULT
 from estimators.orientation import DeviceConstants as DeviceConstants
 from estimators.recording import Float, ImuChunk
+from estimators.sentences import CATALOGUE, for_json
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,10 @@ class SessionSetup:
         """Return plain JSON types; `from_dict` reverses it exactly."""
         from dataclasses import asdict
 
-        return asdict(self)
+        values = asdict(self)
+        if self.calibration is not None:
+            values["calibration"]["reasons"] = for_json(self.calibration.reasons)
+        return values
 
     @classmethod
     def from_dict(cls, stored: Mapping[str, Any]) -> "SessionSetup":
@@ -98,7 +102,7 @@ class SessionSetup:
             calibration["mounting_sigma_rad"] = {
                 k: tuple(v) for k, v in calibration.get("mounting_sigma_rad", {}).items()
             }
-            calibration["reasons"] = tuple(calibration["reasons"])
+            calibration["reasons"] = tuple(CATALOGUE.restored(list(calibration["reasons"])))
             calibration["unknown_headings"] = tuple(calibration.get("unknown_headings", ()))
             values["calibration"] = Calibration(**calibration)
         return cls(**values)

@@ -1,7 +1,8 @@
-"""Write the service's wire types as one OpenAPI document, from which the browser's types are made.
+"""Write what the browser shares with the service: the wire types as one OpenAPI document, or the sentences.
 
-Run from the root of the tree: `python web/scripts/dump_schemas.py > web/src/api/openapi.json`. The REST part is the application's
-own OpenAPI; the messages of the sockets, which OpenAPI does not cover, are added to its components.
+Run from the root of the tree: `python web/scripts/dump_schemas.py > web/src/api/openapi.json`, and with `sentences` for
+`web/src/i18n/en/sentences.json`. The REST part is the application's own OpenAPI; the messages of the sockets, which OpenAPI
+does not cover, are added to its components.
 """
 
 import json
@@ -19,6 +20,7 @@ from app.live import messages
 from app.main import create_app
 from app.recordings import marker_schemas
 from app.recordings import schemas as recordings
+from app.sentences import ENGLISH
 from app.settings import Settings
 
 SENT_BY_BROWSERS = ("PlayerCommand", "CameraCommand")
@@ -55,5 +57,6 @@ def document() -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    json.dump(document(), sys.stdout, indent=1, sort_keys=True, ensure_ascii=False)
+    shared = ENGLISH if sys.argv[1:] == ["sentences"] else document()
+    json.dump(shared, sys.stdout, indent=1, sort_keys=True, ensure_ascii=False)
     sys.stdout.write("\n")

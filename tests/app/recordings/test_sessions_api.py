@@ -104,7 +104,7 @@ def test_body_dimensions_of_the_patient_enter_the_setup(therapist: Any, world: A
         ({"orientation_parameters": {"speed": 3}}, 422, "speed"),
         ({"exercise_id": "0" * 32}, 422, "no such exercise"),
         ({"prescription_id": "0" * 32}, 422, "prescription"),
-        ({"patient_id": "0" * 32}, 404, "no such patient"),
+        ({"patient_id": "0" * 32}, 404, "Patient not found"),
     ],
 )
 def test_a_session_that_cannot_be_is_refused_in_words(

@@ -1,4 +1,5 @@
-// One way to the service: JSON in, JSON out, errors as `ApiError` with the service's own words.
+// One way to the service: JSON in, JSON out with its words in the reader's language, errors as `ApiError`.
+import { inOurWords } from '../i18n/sentence';
 
 /** What the service refused, in words that say what to do. */
 export class ApiError extends Error {
@@ -23,7 +24,7 @@ export function setCsrfToken(token: string): void {
 async function errorOf(response: Response): Promise<ApiError> {
   const fallback = `The service answered ${response.status}. Try again; if it stays, tell the person who runs the service.`;
   try {
-    const body = (await response.json()) as { code?: string; message?: string; details?: Record<string, unknown> };
+    const body = inOurWords((await response.json()) as { code?: string; message?: string; details?: Record<string, unknown> });
     return new ApiError(response.status, body.code ?? 'unknown', body.message ?? fallback, body.details ?? {});
   } catch {
     return new ApiError(response.status, 'unknown', fallback);
@@ -45,7 +46,7 @@ async function send(path: string, init: RequestInit): Promise<Response> {
 async function json<T>(response: Response): Promise<T> {
   if (response.status === 204) return undefined as T;
   const text = await response.text();
-  return (text ? JSON.parse(text) : undefined) as T;
+  return (text ? inOurWords(JSON.parse(text)) : undefined) as T;
 }
 
 function change(method: string) {
@@ -97,7 +98,7 @@ export function upload<T>(path: string, form: FormData, onProgress: (share: numb
       reject(new ApiError(0, 'offline', 'The upload was interrupted. Check the network connection, then send the file again.'));
     request.onabort = () => reject(new DOMException('Aborted', 'AbortError'));
     request.onload = async () => {
-      if (request.status >= 200 && request.status < 300) resolve(JSON.parse(request.responseText) as T);
+      if (request.status >= 200 && request.status < 300) resolve(inOurWords(JSON.parse(request.responseText) as T));
       else reject(await errorOf(new Response(request.responseText, { status: request.status })));
     };
     signal?.addEventListener('abort', () => request.abort());

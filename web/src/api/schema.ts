@@ -1883,6 +1883,10 @@ export interface components {
             reasons: string[];
             /** Score */
             score: number;
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
         };
         /**
          * CalibrationStep
@@ -2313,6 +2317,10 @@ export interface components {
             };
             /** Message */
             message: string;
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
             /**
              * Type
              * @default error
@@ -2333,6 +2341,26 @@ export interface components {
             };
             /** Message */
             message: string;
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
+            $defs: {
+                /**
+                 * SentenceOut
+                 * @description A sentence for people, for whoever says it in another language: see `web/src/i18n/en/sentences.json`.
+                 */
+                SentenceOut: {
+                    /** Code */
+                    code: string;
+                    /** Params */
+                    params: {
+                        [key: string]: unknown;
+                    };
+                    /** Text */
+                    text: string;
+                };
+            };
         };
         /**
          * EstimatorOut
@@ -2617,6 +2645,10 @@ export interface components {
             message: string;
             /** Progress */
             progress: number;
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
             /** Session Id */
             session_id: string;
             /**
@@ -3569,6 +3601,10 @@ export interface components {
             pipeline_version: string;
             /** Progress */
             progress: number;
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
             /**
              * Status
              * @enum {string}
@@ -3652,6 +3688,20 @@ export interface components {
             visited?: boolean[];
         };
         /**
+         * SentenceOut
+         * @description A sentence for people, for whoever says it in another language: see `web/src/i18n/en/sentences.json`.
+         */
+        SentenceOut: {
+            /** Code */
+            code: string;
+            /** Params */
+            params: {
+                [key: string]: unknown;
+            };
+            /** Text */
+            text: string;
+        };
+        /**
          * SequenceOut
          * @description A joint in a rotation sequence; None where there is nothing.
          */
@@ -3726,6 +3776,10 @@ export interface components {
             recording_start_s: number | null;
             /** Results */
             results: components["schemas"]["ResultOut"][];
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
             /**
              * Source
              * @enum {string}
@@ -3752,6 +3806,10 @@ export interface components {
             kind: string;
             /** Placement */
             placement: string | null;
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
             /** Text */
             text: string;
             /** Time S */
@@ -3846,6 +3904,10 @@ export interface components {
              * @enum {string}
              */
             purpose: "exercise" | "template";
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
             /**
              * Source
              * @enum {string}
@@ -4015,6 +4077,10 @@ export interface components {
             reason: string;
             /** Recording Start S */
             recording_start_s: number | null;
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
             /** Session Time S */
             session_time_s: number;
             /**

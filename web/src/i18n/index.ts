@@ -50,6 +50,11 @@ export function tOr(key: string, fallback: string): string {
   return typeof entry === 'string' ? entry : fallback;
 }
 
+/** The language that is spoken at present. */
+export function currentLanguage(): string {
+  return language;
+}
+
 /** The language for number and date formats; dates are written day first in English. */
 export function formatLocale(): string {
   return language === 'en' ? 'en-GB' : language;

@@ -6,6 +6,7 @@ import { createDecoder, type Decoder } from './decoder';
 import { LatencyMeter } from './latency';
 import { FrameRing } from './ring';
 import { ReturningSocket, type ReturningSocketOptions } from './socket';
+import { inOurWords } from '../i18n/sentence';
 import { columnsOf, SnapshotStore, type Clock, type Player, type PlayerSnapshot, type Stretch } from './types';
 
 /** Frames kept for the running curves. */
@@ -162,7 +163,7 @@ export class LivePlayer implements Player {
   #takeText(text: string): void {
     let message: LiveMessage;
     try {
-      message = JSON.parse(text) as LiveMessage;
+      message = inOurWords(JSON.parse(text) as LiveMessage);
     } catch {
       this.#socket.refuse(t('player.notUnderstood'));
       return;

@@ -2,6 +2,7 @@
 import { socketUrl } from '../api/client';
 import type { CameraCommand, ErrorMessage, PlayerCommand, PlayerState } from '../api/types';
 import { ReturningSocket, type ReturningSocketOptions, type SocketStatus } from './socket';
+import { inOurWords } from '../i18n/sentence';
 import { SnapshotStore, type Player } from './types';
 
 const TOGETHER_MS = 1000;
@@ -85,7 +86,7 @@ export class ViewLink {
   }
 
   #take(text: string): void {
-    const message = JSON.parse(text) as PlayerState | ErrorMessage;
+    const message = inOurWords(JSON.parse(text) as PlayerState | ErrorMessage);
     if (message.type === 'player_state') this.#store.set({ shown: message, problem: '' });
     else if (message.type === 'error') {
       if (message.closing) this.#socket.refuse(message.message);

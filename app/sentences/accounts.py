@@ -1,0 +1,57 @@
+"""English sentences of accounts, sign-in and who may see which patient."""
+
+from typing import Final
+
+ENGLISH: Final[dict[str, str | dict[str, str]]] = {
+    "level.status": "see the status",
+    "level.read": "read",
+    "level.record": "record",
+    "level.treat": "treat",
+    "level.manage": "manage",
+    "level.erase": "erase",
+    "account.not_found": "Account not found in your clinic.",
+    "account.list_not_allowed": "Only the clinic's staff can list its accounts.",
+    "account.create_not_allowed": "Only an administrator of the clinic can create accounts.",
+    "account.patient_id": "An account with the role patient needs patient_id; accounts with other roles"
+    " must not have it.",
+    "account.email_form": "Enter a complete e-mail address, for instance name@example.org.",
+    "account.change_not_allowed": "Only an administrator of the clinic can change accounts.",
+    "account.no_such_patient": "Patient not found in this clinic.",
+    "account.email_taken": "There is already an account with this e-mail address.",
+    "account.own": "This is your own account: another administrator can switch it off; to change your"
+    " password, enter the current one.",
+    "sign_in.origin": "This request did not come from a page of this service (wrong or missing Origin).",
+    "sign_in.required": "Please sign in.",
+    "sign_in.csrf": "The header {header} is missing or wrong; read it again from /api/me.",
+    "sign_in.bearer_only": "Only `Authorization: Bearer` with a device token is understood.",
+    "sign_in.no_device_token": "A device token cannot be used here; sign in.",
+    "device.token_refused": "The device token is not valid, has expired or was revoked; ask the clinic"
+    " for a new one.",
+    "device.token_not_found": "Device token not found, or not shared with you.",
+    "sign_in.busy": "Many people are signing in at this moment; try again.",
+    "sign_in.too_many": "Too many failed sign-ins; try again in {seconds:s}.",
+    "sign_in.wrong": "The e-mail address or the password is wrong.",
+    "account.password_wrong": "The current password is wrong.",
+    "account.password_same": "The new password is the current one; choose another.",
+    "account.password_changed_elsewhere": "The password was changed in another browser a moment ago; sign"
+    " in again.",
+    "sign_in.ticket_refused": "The ticket is not valid here, was used before or is older than 30 seconds;"
+    " ask for a new one.",
+    "sign_in.no_role": "This account has no role that may sign in.",
+    "patient.not_found": "Patient not found, or not shared with you.",
+    "patient.level": "Your access to this patient does not cover this; it needs the right to {level:level}.",
+    "patient.archived": "This patient is archived: existing data can be read, nothing can be added.",
+    "patient.consent_withdrawn": "The patient has withdrawn the consent to treatment: existing data can"
+    " be read, nothing can be added.",
+    "patient.no_home_consent": "The patient has not consented to recording at home. Record the consent on"
+    " the patient's page first.",
+    "grant.not_found": "Access right not found, or not shared with you.",
+    "patient.create_not_allowed": "Only therapists and administrators can add patients.",
+    "grant.no_account": "There is no such active account in this clinic.",
+    "grant.own_data": "Patients see their own data without an access right.",
+    "grant.ends_in_past": "The end of an access right must be in the future.",
+    "grant.end_needs_zone": "The end of an access right needs a time zone, for instance"
+    " 2030-01-31T12:00:00Z.",
+}
+
+__all__ = ["ENGLISH"]

@@ -1,0 +1,16 @@
+"""English sentences of the service as a whole: addresses, requests, the database."""
+
+from typing import Final
+
+ENGLISH: Final[dict[str, str | dict[str, str]]] = {
+    "edge.body_too_large": "The request is larger than the limit of {limit_bytes:mib~3}.",
+    "edge.fields": "The request is not valid; check: {fields:and}.",
+    "edge.database_busy": "The database is busy or cannot be reached; try again in a moment.",
+    "edge.unexpected": "Something went wrong in the service; the error was recorded.",
+    "edge.method": "This address takes {allowed}.",
+    "edge.no_json": "The body cannot be read as JSON.",
+    "edge.no_such_address": "There is nothing at this address.",
+    "edge.no_such_file": "There is no such file.",
+}
+
+__all__ = ["ENGLISH"]

@@ -1,0 +1,85 @@
+"""Sentences: formats of places, the way through pickle and JSON, and what the words become meanwhile."""
+
+import copy
+import json
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from estimators.errors import CalibrationError
+from estimators.sentences import ENGLISH, Catalogue, Sentence, for_json
+
+FORMATS = json.loads((Path(__file__).parents[2] / "data" / "sentence_formats.json").read_text())
+WORDS = Catalogue(
+    {
+        **ENGLISH,
+        "test.moved": "The {place:place} moved by {angle_rad:deg}.",
+        "test.again": {"one": "Repeat {count} step.", "other": "Repeat {count} steps."},
+        "test.failed": "That failed: {reason}",
+    }
+)
+
+
+@pytest.mark.parametrize(("words", "value", "expected"), FORMATS)
+def test_a_place_is_written_in_its_format(words, value, expected):
+    value = WORDS.restored(value)
+    assert Catalogue({**ENGLISH, "test": words}).say("test", x=value) == expected
+
+
+def test_a_sentence_is_text_that_knows_its_code():
+    moved = WORDS.say("test.moved", place="forearm_left", angle_rad=np.float64(0.2))
+    assert moved == "The left forearm moved by 11°."
+    assert for_json(moved) == {
+        "code": "test.moved",
+        "params": {"place": "forearm_left", "angle_rad": 0.2},
+        "text": "The left forearm moved by 11°.",
+    }
+    assert CalibrationError(moved).message is moved
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_the_number_chooses_the_words(count):
+    assert WORDS.say("test.again", count=count) == f"Repeat {count} step{'s' * (count > 1)}."
+
+
+@pytest.mark.parametrize(
+    "way",
+    [
+        copy.deepcopy,
+        lambda s: pickle.loads(pickle.dumps(s)),
+        lambda s: WORDS.restored(json.loads(json.dumps(for_json(s)))),
+    ],
+)
+def test_a_sentence_comes_back_from_copies_pickle_and_json(way):
+    inner = WORDS.say("test.moved", place="pelvis", angle_rad=0.1)
+    outer = WORDS.say("test.failed", reason=inner)
+    back = way(outer)
+    assert isinstance(back, Sentence)
+    assert isinstance(back.parameters["reason"], Sentence)
+    assert back == outer
+    assert for_json(back) == for_json(outer)
+
+
+def test_stored_sentences_take_todays_words_and_keep_theirs_when_the_code_is_gone():
+    stored = for_json(WORDS.say("test.again", count=2))
+    later = Catalogue({"test.again": {"one": "Once more.", "other": "{count} more."}})
+    assert later.restored(stored) == "2 more."
+    assert Catalogue({}).restored(stored) == "Repeat 2 steps."
+    assert Catalogue({}).restored(["Plain."]) == ["Plain."]
+
+
+def test_several_sentences_are_said_as_one():
+    once, twice = WORDS.say("test.again", count=1), WORDS.say("test.again", count=2)
+    assert WORDS.together([]) == ""
+    assert WORDS.together([once, ""]) is once
+    both = WORDS.together([once, twice])
+    assert both == "Repeat 1 step. Repeat 2 steps."
+    assert isinstance(both, Sentence)
+
+
+@pytest.mark.parametrize("parameters", [{}, {"place": "pelvis"}])
+def test_a_missing_parameter_is_refused(parameters):
+    with pytest.raises(KeyError):
+        WORDS.say("test.moved", **parameters)

@@ -1,0 +1,74 @@
+"""Every sentence that is said stands in the catalogue with exactly its parameters, and none is left over."""
+
+import ast
+import json
+from pathlib import Path
+
+import pytest
+
+from app.sentences import ENGLISH
+from estimators import sentences as of_estimators
+from estimators.sentences._catalogue import places
+from estimators.sentences._formats import is_of_codes
+
+ROOT = Path(__file__).resolve().parents[2]
+SAID_BY_LIBRARY = ("text.lines",)
+"""By `Catalogue.together`."""
+KINDS = {"place", "side", "level", "state"}
+"""Names that places may refer to as whole lists; the others only where a place does."""
+
+
+def said() -> list[tuple[str, str | None, frozenset[str]]]:
+    """File and line, code, and names of the parameters of each call of `say`."""
+    found = []
+    for path in sorted([*(ROOT / "app").rglob("*.py"), *(ROOT / "estimators").rglob("*.py")]):
+        if path.is_relative_to(ROOT / "estimators" / "sentences"):
+            continue
+        source = path.read_text()
+        if "sentences import" not in source:
+            continue
+        for node in ast.walk(ast.parse(source)):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "say":
+                code = node.args[0].value if isinstance(node.args[0], ast.Constant) else None
+                names = frozenset(keyword.arg or "**" for keyword in node.keywords)
+                found.append((f"{path.relative_to(ROOT)}:{node.lineno}", code, names))
+    return found
+
+
+SAID = said()
+
+
+def expected(code: str) -> frozenset[str]:
+    entry = ENGLISH[code]
+    return frozenset(name for name, _ in places(entry)) | (
+        frozenset() if isinstance(entry, str) else {"count"}
+    )
+
+
+@pytest.mark.parametrize(("where", "code", "names"), SAID, ids=[f"{where} {code}" for where, code, _ in SAID])
+def test_what_is_said_is_in_the_catalogue_with_its_parameters(where, code, names):
+    assert code is not None, f"{where}: write the code out, so that it can be found"
+    words = of_estimators.ENGLISH if where.startswith("estimators") else ENGLISH
+    assert code in words, f"{where}: no sentence {code}"
+    assert names == expected(code), f"{where}: {code} has the parameters {sorted(expected(code))}"
+
+
+def test_nothing_in_the_catalogue_is_left_over():
+    kinds = {
+        form.partition("|")[0] for entry in ENGLISH.values() for _, form in places(entry) if is_of_codes(form)
+    }
+    names = {code for code in ENGLISH if code.rpartition(".")[0] in kinds | KINDS}
+    assert set(ENGLISH) - names - {code for _, code, _ in SAID} - set(SAID_BY_LIBRARY) == set()
+    assert kinds <= {code.rpartition(".")[0] for code in names}, "a place refers to names that nobody wrote"
+
+
+def test_no_code_is_written_twice():
+    from app.sentences import accounts, clinical, general, live, recordings
+
+    rooms = [m.ENGLISH for m in (of_estimators, general, accounts, clinical, recordings, live)]
+    assert sum(len(room) for room in rooms) == len(ENGLISH)
+
+
+def test_the_client_has_the_same_sentences():
+    shared = json.loads((ROOT / "web" / "src" / "i18n" / "en" / "sentences.json").read_text())
+    assert shared == ENGLISH, "run `npm run api` in web/ and commit the result"

@@ -1,0 +1,107 @@
+// Sentences of the service in the language of the reader: code and parameters from the service, words from a catalogue that
+// `npm run api` makes of the service's own. Formats of places are those of `estimators/sentences/_formats.py`.
+import { currentLanguage, formatLocale } from './index';
+import english from './en/sentences.json';
+
+/** What a text of the service says, for saying it again. */
+export interface Sentence {
+  code: string;
+  params?: Record<string, unknown>;
+}
+
+type Entry = string | { one: string; other: string };
+export type Sentences = Record<string, Entry | undefined>;
+
+const catalogues: Record<string, Sentences> = { en: english as Sentences };
+
+const UNITS: Record<string, { factor: number; suffix: string; digits: number } | undefined> = {
+  number: { factor: 1, suffix: '', digits: 0 },
+  s: { factor: 1, suffix: ' s', digits: 0 },
+  ms: { factor: 1e3, suffix: ' ms', digits: 0 },
+  min: { factor: 1 / 60, suffix: ' min', digits: 0 },
+  hz: { factor: 1, suffix: ' Hz', digits: 0 },
+  m: { factor: 1, suffix: ' m', digits: 1 },
+  cm: { factor: 1e2, suffix: ' cm', digits: 0 },
+  mm: { factor: 1e3, suffix: ' mm', digits: 0 },
+  deg: { factor: 180 / Math.PI, suffix: '°', digits: 0 },
+  degps: { factor: 180 / Math.PI, suffix: ' °/s', digits: 0 },
+  mps2: { factor: 1, suffix: ' m/s²', digits: 1 },
+  ut: { factor: 1e6, suffix: ' µT', digits: 0 },
+  percent: { factor: 1e2, suffix: ' %', digits: 0 },
+  mib: { factor: 2 ** -20, suffix: ' MiB', digits: 0 },
+  gib: { factor: 2 ** -30, suffix: ' GiB', digits: 0 },
+  kib: { factor: 2 ** -10, suffix: ' KiB', digits: 0 },
+  kg: { factor: 1, suffix: ' kg', digits: 0 },
+};
+const LISTS = { and: 'conjunction', or: 'disjunction' } as const;
+
+const isSentence = (value: unknown): value is Sentence => typeof value === 'object' && value !== null && 'code' in value;
+const isList = (format: string): format is keyof typeof LISTS => format in LISTS;
+const all = (value: unknown): unknown[] => (Array.isArray(value) ? value : [value]);
+
+function listed(words: readonly string[], kind: keyof typeof LISTS): string {
+  return new Intl.ListFormat(formatLocale(), { type: LISTS[kind] }).format(words);
+}
+
+function quantity(value: unknown, format: string): string | null {
+  const found = /^(?<name>\w+)(?:\.(?<digits>\d+)|~(?<significant>\d+))?$/.exec(format)?.groups;
+  const unit = UNITS[found?.name ?? ''];
+  if (!unit) return null;
+  const digits = found?.digits === undefined ? unit.digits : Number(found.digits);
+  const length = found?.significant === undefined ? { minimumFractionDigits: digits, maximumFractionDigits: digits } : { maximumSignificantDigits: Number(found.significant) };
+  const text = new Intl.NumberFormat(formatLocale(), { ...length, useGrouping: false }).format(Number(value) * unit.factor);
+  return text.replace('-', /[1-9]/.test(text) ? '−' : '') + unit.suffix;
+}
+
+function written(value: unknown, format: string, words: Sentences): string {
+  const plain = (one: unknown) => (isSentence(one) ? said(one, words) ?? '' : String(one));
+  if (isList(format)) return listed(all(value).map(plain), format);
+  if (format === 'lines') return all(value).map(plain).join(' ');
+  if (!format) return plain(value);
+  const number = quantity(value, format);
+  if (number !== null) return number;
+  const [kind = '', list = 'and'] = format.split('|');
+  const names = all(value).map((one) => {
+    const entry = words[`${kind}.${String(one)}`];
+    return typeof entry === 'string' ? entry : String(one);
+  });
+  return listed(names, isList(list) ? list : 'and');
+}
+
+/** A sentence in the words of a catalogue; null where the catalogue does not have it. */
+export function said(sentence: Sentence, words: Sentences): string | null {
+  const entry = words[sentence.code];
+  const params = sentence.params ?? {};
+  if (entry === undefined) return null;
+  const chosen = typeof entry === 'string' ? entry : entry[new Intl.PluralRules(currentLanguage()).select(Number(params.count)) === 'one' ? 'one' : 'other'];
+  const text = chosen.replace(/\{(\w+)(?::([^}]*))?\}/g, (_, name: string, format: string | undefined) => written(params[name] ?? '', format ?? '', words));
+  return text.slice(0, 1).toLocaleUpperCase(formatLocale()) + text.slice(1);
+}
+
+/** The service's text in the reader's language; as the service wrote it where nothing is known of it. */
+export function words(text: string, sentence: Sentence | null | undefined): string {
+  if (!sentence) return text;
+  return said(sentence, catalogues[currentLanguage()] ?? {}) ?? said(sentence, catalogues.en ?? {}) ?? text;
+}
+
+const isObject = (value: unknown): value is Record<string, unknown> => typeof value === 'object' && value !== null && !Array.isArray(value);
+
+function spoken(text: unknown, sentence: unknown): unknown {
+  if (Array.isArray(text) && Array.isArray(sentence)) return text.map((one, at) => spoken(one, sentence[at]));
+  return typeof text === 'string' && isSentence(sentence) ? words(text, sentence) : text;
+}
+
+/** An answer of the service with every text in the reader's language, in place: each object names the sentences of its own texts. */
+export function inOurWords<T>(answer: T): T {
+  if (Array.isArray(answer)) {
+    // Curves are long and hold no words.
+    if (typeof answer[0] !== 'number') answer.forEach(inOurWords);
+  } else if (isObject(answer)) {
+    if (isObject(answer.sentences)) {
+      const fields: Record<string, unknown> = answer;
+      for (const [name, sentence] of Object.entries(answer.sentences)) fields[name] = spoken(fields[name], sentence);
+    }
+    for (const [name, value] of Object.entries(answer)) if (name !== 'sentences' && typeof value === 'object') inOurWords(value);
+  }
+  return answer;
+}

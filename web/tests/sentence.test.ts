@@ -1,0 +1,40 @@
+// Sentences of the service are said by the client with the same words and formats as by the service.
+import { describe, expect, it } from 'vitest';
+import formats from '../../tests/data/sentence_formats.json';
+import english from '../src/i18n/en/sentences.json';
+import { inOurWords, said, words, type Sentences } from '../src/i18n/sentence';
+
+const catalogue = english as Sentences;
+
+describe('sentences of the service', () => {
+  it.each(formats as [string, unknown, string][])('writes %s with %j as %s', (entry, x, expected) => {
+    expect(said({ code: 'test', params: { x } }, { ...catalogue, test: entry })).toBe(expected);
+  });
+
+  it('takes the number for the plural', () => {
+    const plural = { again: { one: 'Repeat {count} step.', other: 'Repeat {count} steps.' } };
+    expect(said({ code: 'again', params: { count: 1 } }, plural)).toBe('Repeat 1 step.');
+    expect(said({ code: 'again', params: { count: 2 } }, plural)).toBe('Repeat 2 steps.');
+  });
+
+  it('shows the words of the service where it knows none of its own', () => {
+    expect(words('An old row.', null)).toBe('An old row.');
+    expect(words('Of a newer service.', { code: 'no.such', params: {} })).toBe('Of a newer service.');
+  });
+
+  it('puts its own words into answers, however deep', () => {
+    const sentence = { code: 'side.left', params: {}, text: 'LEFT' };
+    const answer = inOurWords({ rows: [{ text: 'LEFT', note: 'kept', sentences: { text: sentence } }], reasons: ['LEFT', 'plain'], sentences: { reasons: [sentence, 'plain'] } });
+    expect(answer.rows[0]).toMatchObject({ text: 'Left', note: 'kept' });
+    expect(answer.reasons).toEqual(['Left', 'plain']);
+  });
+
+  it.each(Object.entries(english as Record<string, string | { one: string; other: string }>))('renders %s', (code, entry) => {
+    const every = typeof entry === 'string' ? [entry] : Object.values(entry);
+    const params: Record<string, unknown> = { count: 2 };
+    for (const found of every.join(' ').matchAll(/\{(\w+)/g)) params[found[1] ?? ''] ??= 1;
+    const text = said({ code, params }, catalogue);
+    expect(text).toBeTruthy();
+    expect(text).not.toMatch(/[{}]|undefined|NaN|\s\s/);
+  });
+});
