@@ -2,6 +2,8 @@
 demonstration.
 """
 
+import json
+import re
 from html import escape
 from typing import Any
 
@@ -11,11 +13,13 @@ from starlette.requests import Request
 
 from app.accounts.dependencies import current_subject
 from app.edge.description import describe
+from app.edge.examples import example
 from app.services import services_of
 
 _STYLE = (
     "body{font:16px/1.5 system-ui;max-width:62rem;margin:2rem auto;padding:0 1rem;color:#1b1f24}"
-    "code{background:#eef1f4;padding:.1em .3em;border-radius:4px}dt{margin-top:1rem}dd{margin-left:1.5rem}"
+    "code,pre{background:#eef1f4;padding:.1em .3em;border-radius:4px}pre{padding:.6em;overflow:auto}"
+    "dt{margin-top:1rem}dd{margin-left:1.5rem}"
 )
 
 
@@ -46,13 +50,14 @@ def render(description: dict[str, Any]) -> str:
     Parameters
     ----------
     description : dict
-        OpenAPI 3.1.
+        OpenAPI 3.1, with `components`.
     """
+    components = description.get("components", {})
     groups: dict[str, list[str]] = {}
     for path, operations in description.get("paths", {}).items():
         for method, operation in operations.items():
             tag = (operation.get("tags") or ["service"])[0]
-            groups.setdefault(tag, []).append(_operation(method, path, operation))
+            groups.setdefault(tag, []).append(_operation(method, path, operation, components))
     body = "".join(f"<h2>{escape(tag)}</h2><dl>{''.join(rows)}</dl>" for tag, rows in sorted(groups.items()))
     title = escape(description["info"]["title"])
     return (
@@ -60,27 +65,49 @@ def render(description: dict[str, Any]) -> str:
         f"<style>{_STYLE}</style>"
         f"<h1>{title}: interface</h1><p>Machine-readable: <a href=openapi.json>openapi.json</a>. "
         "Browsers sign in with a cookie and send <code>X-CSRF-Token</code> with every change; gateways send "
-        f"<code>Authorization: Bearer</code> with a device token.</p>{body}</html>"
+        "<code>Authorization: Bearer</code> with a device token. Every refusal has the same shape: "
+        f"<code>code</code> for programs, <code>message</code> for people, <code>details</code>.</p>{body}</html>"
     )
 
 
-def _operation(method: str, path: str, operation: dict[str, Any]) -> str:
+def _operation(method: str, path: str, operation: dict[str, Any], components: dict[str, Any]) -> str:
     parameters = "".join(
         f"<li><code>{escape(p['name'])}</code> ({escape(p['in'])})</li>"
         for p in operation.get("parameters", [])
     )
-    takes = _schema_name(operation.get("requestBody", {}).get("content", {}))
-    gives = _schema_name(operation.get("responses", {}).get("200", {}).get("content", {}))
-    text = escape(operation.get("description", "")).replace("\n\n", "</p><p>")
+    content = operation.get("requestBody", {}).get("content", {})
+    responses = operation.get("responses", {})
+    gives = "".join(
+        f"<li><code>{status}</code> {_marked(_answer(response, components))}</li>"
+        for status, response in sorted(responses.items())
+    )
     return (
-        f"<dt><code>{escape(method.upper())} {escape(path)}</code></dt><dd><p>{text}</p>"
-        f"<p>{_named('takes', takes)} {_named('gives', gives)}</p>"
-        f"<ul>{parameters}</ul></dd>"
+        f"<dt><code>{escape(method.upper())} {escape(path)}</code></dt><dd>{_prose(operation.get('description', ''))}"
+        f"<ul>{parameters}</ul>{_body(content, components)}<p>Answers</p><ul>{gives}</ul></dd>"
     )
 
 
-def _named(verb: str, name: str) -> str:
-    return f"{verb} <code>{escape(name)}</code>" if name else ""
+def _prose(text: str) -> str:
+    """Return paragraphs in which what stands between back-ticks is code."""
+    return f"<p>{_marked(text)}</p>".replace("\n\n", "</p><p>")
+
+
+def _marked(text: str) -> str:
+    return re.sub(r"`+([^`]+)`+", r"<code>\1</code>", escape(text))
+
+
+def _body(content: dict[str, Any], components: dict[str, Any]) -> str:
+    for kind, media in content.items():
+        shown = json.dumps(example(media.get("schema", {}), components.get("schemas", {})), indent=1)
+        return f"<p>Takes <code>{escape(kind)}</code>, for example</p><pre>{escape(shown)}</pre>"
+    return ""
+
+
+def _answer(response: dict[str, Any], components: dict[str, Any]) -> str:
+    if "$ref" in response:
+        response = components["responses"][response["$ref"].rsplit("/", 1)[-1]]
+        return str(response["description"])
+    return _schema_name(response.get("content", {})) or str(response.get("description", ""))
 
 
 def _schema_name(content: dict[str, Any]) -> str:

@@ -1,8 +1,11 @@
 """The description of the interface: every refusal, who may call, and what an address takes."""
 
+import jsonschema_rs
 import pytest
 
 from app.edge.description import describe
+from app.edge.documentation import render
+from app.edge.examples import example
 
 
 @pytest.fixture
@@ -70,3 +73,27 @@ def test_a_body_that_is_no_json_is_input_that_is_not_understood(therapist, world
         f"/api/patients/{world.patient_id}", content=b"\xff\xfe", headers={"Content-Type": "application/json"}
     )
     assert (answer.status_code, answer.json()["code"]) == (422, "invalid_input")
+
+
+def test_the_page_shows_code_as_code_and_an_example_of_what_a_route_takes(application):
+    page = render(describe(application))
+    assert "`" not in page
+    assert "&quot;patient_id&quot;: &quot;text&quot;" in page
+    assert "Nobody is signed in" in page
+
+
+def test_every_example_fits_its_schema(description):
+    schemas = description["components"]["schemas"]
+    for path, operations in description["paths"].items():
+        for operation in operations.values():
+            for kind, media in operation.get("requestBody", {}).get("content", {}).items():
+                if kind != "application/json":
+                    continue
+                schema = {**media["schema"], "components": description["components"]}
+                problems = [
+                    error.message
+                    for error in jsonschema_rs.Draft202012Validator(schema).iter_errors(
+                        example(media["schema"], schemas)
+                    )
+                ]
+                assert problems == [], path

@@ -1,16 +1,12 @@
 """Schemathesis with all its checks over every route: nothing answers what the description does not say."""
 
-import contextlib
 import json
 import os
-import socket
 import subprocess
 import sys
-import threading
 from pathlib import Path
 
 import pytest
-import uvicorn
 
 from app.accounts.sign_in import create_sign_in
 from app.database import migrate
@@ -22,26 +18,12 @@ from app.main import create_app
 from app.settings import Settings
 
 from .access_seed import build_seed
+from .serving import free_port, serving
 
 HERE = Path(__file__).parent
 EXAMPLES_PER_ROUTE = 4
 LEFT_OUT = ("/api/sign-out", "/api/me/password")
 """They end the sign-in that all other requests use; their own tests are in test_sign_in.py."""
-
-
-@contextlib.contextmanager
-def serving(app, port):
-    server = uvicorn.Server(uvicorn.Config(app, port=port, log_level="error", ws="websockets-sansio"))
-    thread = threading.Thread(target=server.run)
-    thread.start()
-    try:
-        while not server.started:
-            assert thread.is_alive(), "the service did not start"
-            thread.join(0.05)
-        yield
-    finally:
-        server.should_exit = True
-        thread.join()
 
 
 @pytest.mark.slow
@@ -51,9 +33,7 @@ def test_every_answer_is_described(database, tmp_path, request, cheap_passwords,
     if database == "postgresql":
         url = request.getfixturevalue("postgresql_database")()
     migrate.upgrade(url)
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
+    port = free_port()
     settings = Settings(
         _env_file=None,
         base_url=f"http://127.0.0.1:{port}",
