@@ -73,7 +73,7 @@ def test_a_walk_is_read_by_keyboard_and_laid_beside_another(
     groups = page.get_by_role("radiogroup")
     groups.nth(0).get_by_text("Eyes open").click()
     groups.nth(1).get_by_text("Eyes closed").click()
-    expect(page.get_by_text("not told apart").first).to_be_visible()
+    expect(page.get_by_text("no clear difference").first).to_be_visible()
     assert serious(visitor) == []
     visitor.picture(f"conditions-{width}")
     assert visitor.faults_outside_the_view() == []

@@ -1,6 +1,6 @@
 // Results in plain words for the patient: a change is told only when it is larger than what repeats by chance.
 import type { ProgressMeasure } from '../api/types';
-import { t } from '../i18n';
+import { t, tOr } from '../i18n';
 import { displayUnit, number } from './format';
 
 /** The measure a patient understands best: how far the main joint moved. */
@@ -19,5 +19,6 @@ export function plainProgress(measure: ProgressMeasure | null): string {
   const size = Math.abs(change * unit.factor);
   if (unit.suffix !== '°') return change > 0 ? t('mine.more') : t('mine.less');
   const degrees = number(size);
-  return change > 0 ? t('mine.further', { degrees }) : t('mine.lessFar', { degrees });
+  const joint = tOr(`mine.joint.${/^range:(\w+)\./.exec(measure.measure)?.[1] ?? ''}`, t('mine.joint.other'));
+  return change > 0 ? t('mine.further', { joint, degrees }) : t('mine.lessFar', { joint, degrees });
 }

@@ -10,8 +10,8 @@ const sources = readdirSync('src', { recursive: true, encoding: 'utf8' })
   .join('\n');
 
 it('puts parameters in and follows the plural', () => {
-  expect(t('caseload.lead', { count: 1 })).toBe('1 patient needs a look today');
-  expect(t('caseload.lead', { count: 3 })).toBe('3 patients need a look today');
+  expect(t('caseload.lead', { count: 1 })).toBe('1 patient needs attention');
+  expect(t('caseload.lead', { count: 3 })).toBe('3 patients need attention');
   expect(isKey('no.such.key')).toBe(false);
 });
 

@@ -65,8 +65,8 @@ describe('plain words', () => {
     is_real_change,
   });
   it('tells a change only when it is larger than chance', () => {
-    expect(plainProgress(measure(0.14, true))).toMatch(/8 degrees further/);
-    expect(plainProgress(measure(0.05, false))).toMatch(/steady/);
+    expect(plainProgress(measure(0.14, true))).toMatch(/8° more/);
+    expect(plainProgress(measure(0.05, false))).toMatch(/No change so far/);
     expect(plainProgress(measure(null, null, 1))).toMatch(/first exercise/);
     expect(plainProgress(null)).toMatch(/After your first/);
   });

@@ -20,6 +20,6 @@ describe('the accuracy page', () => {
     expect(screen.queryByText('What one does.')).toBeNull();
     await user.click(screen.getByRole('link', { name: 'Experiment one' }));
     expect(await screen.findByText('What one does.')).toBeTruthy();
-    expect(screen.getByText('1 of 2 experiments meet what is required')).toBeTruthy();
+    expect(screen.getByText('1 of 2 experiments meet the requirement')).toBeTruthy();
   });
 });

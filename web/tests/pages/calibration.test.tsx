@@ -30,7 +30,7 @@ describe('guided calibration', () => {
     });
     await userEvent.click(await screen.findByRole('button', { name: 'Set the directions' }));
     expect(asked.at(-1)?.body).toEqual({ kind: 'heading_reset' });
-    expect(screen.getByRole('button', { name: 'Calibrate anew' })).toBeTruthy();
+    expect(screen.getByRole('button', { name: 'Calibrate again from the start' })).toBeTruthy();
   });
   it('says how to stand while the directions are set for the first time, and that they are set', () => {
     const steps = [{ key: 'pose', title: 'Let the arms hang', instruction: 'Facing as at the calibration.', picture: 'arm_hanging' as const, ends: 'itself' as const }];
@@ -38,7 +38,7 @@ describe('guided calibration', () => {
       renderPage(<CalibrationPanel sessionId="s" placements={['upper_arm_right']} guide={now} hint="" mayAct isAsked={false} isNeeded isRemembered={isRemembered} onClose={() => undefined} />, { answers: { '/api/calibrations': GUIDES } });
     const running = message({ kind: 'heading_reset', steps });
     const first = panel(running, true);
-    expect(screen.getByText(/look ahead/)).toBeTruthy();
+    expect(screen.getByText(/look straight ahead/)).toBeTruthy();
     expect(screen.queryByText(/as at the calibration/)).toBeNull();
     first.unmount();
     const later = panel(running, false);
@@ -79,17 +79,17 @@ describe('guided calibration', () => {
       { key: 'elbow_flexion', title: 'Bend the elbow', instruction: 'Three times.', picture: 'elbow_flexion' as const, ends: 'next' as const },
     ];
     const early = show(message({ kind: 'functional', steps, step: 1, step_progress: 0.5 }));
-    expect(screen.getByRole('button', { name: 'Done, work it out' })).toHaveProperty('disabled', true);
+    expect(screen.getByRole('button', { name: 'Done, evaluate' })).toHaveProperty('disabled', true);
     early.unmount();
     const { asked } = show(message({ kind: 'functional', steps, step: 1, step_progress: 1 }));
-    await userEvent.click(screen.getByRole('button', { name: 'Done, work it out' }));
+    await userEvent.click(screen.getByRole('button', { name: 'Done, evaluate' }));
     expect(asked.at(-1)?.path).toBe('/api/sessions/s/calibration/next');
   });
   it('names a swapped sensor on the body and what to do again', () => {
     show(message({ phase: 'redo', reasons: ['Swap them and begin again.'], redo_steps: ['pose'], findings: [{ code: 'swapped_segments', placements: ['upper_arm_right', 'forearm_right'], text: 'Upper arm and forearm are swapped.' }] }));
     expect(screen.getByRole('img').getAttribute('aria-label')).toMatch(/Right upper arm, Right forearm/);
     expect(screen.getByText('Upper arm and forearm are swapped.')).toBeTruthy();
-    expect(screen.getByText('Do these again: Hold it.')).toBeTruthy();
+    expect(screen.getByText('Repeat these steps: Hold it.')).toBeTruthy();
   });
   it('shows nothing when nothing is asked for', () => {
     show(null, false);

@@ -27,7 +27,7 @@ it('lists measured sources, takes one from a file and no longer offers one', asy
     me: ADMIN,
     answers: { '/api/accounts': [], '/api/magnetic-sources': [source], 'POST /api/magnetic-sources': source, 'DELETE /api/magnetic-sources/m': {} },
   });
-  expect(await screen.findByText(/Serial S-1. Field known to 0.4 %, measured on a bench/)).toBeTruthy();
+  expect(await screen.findByText(/Serial number S-1. Field uncertainty 0.4 %, measured on a bench/)).toBeTruthy();
   const input = container.querySelector<HTMLInputElement>('input[type=file]');
   if (!input) throw new Error('no file input');
   await userEvent.upload(input, new File([JSON.stringify({ name: 'Belt', coils: [] })], 'b.json', { type: 'application/json' }));
@@ -49,12 +49,12 @@ it('refuses a file that is no source', async () => {
 
 it('erases only what is archived, and only after the name was typed', async () => {
   const first = renderPage(<DataPanel patient={patient()} />, { me: ADMIN, answers: {} });
-  expect(screen.queryByRole('button', { name: 'Erase for good' })).toBeNull();
+  expect(screen.queryByRole('button', { name: 'Erase permanently' })).toBeNull();
   first.unmount();
   const { asked } = renderPage(<DataPanel patient={patient({ archived_at: '2026-01-01T00:00:00Z' })} />, { me: ADMIN, answers: { 'DELETE /api/patients/p': {} } });
-  await userEvent.click(screen.getByRole('button', { name: 'Erase for good' }));
+  await userEvent.click(screen.getByRole('button', { name: 'Erase permanently' }));
   const dialog = within(await screen.findByRole('dialog'));
-  const erase = dialog.getByRole('button', { name: 'Erase for good' });
+  const erase = dialog.getByRole('button', { name: 'Erase permanently' });
   expect(erase).toHaveProperty('disabled', true);
   await userEvent.type(dialog.getByRole('textbox'), 'Berg');
   await userEvent.click(erase);
@@ -64,5 +64,5 @@ it('erases only what is archived, and only after the name was typed', async () =
 it('lets a therapist download and archive, not erase', () => {
   renderPage(<DataPanel patient={patient({ may_treat: true, archived_at: '2026-01-01T00:00:00Z' })} />, { answers: {} });
   expect(screen.getByRole('link', { name: 'Download everything' }).getAttribute('href')).toBe('/api/patients/p/export');
-  expect(screen.queryByRole('button', { name: 'Erase for good' })).toBeNull();
+  expect(screen.queryByRole('button', { name: 'Erase permanently' })).toBeNull();
 });

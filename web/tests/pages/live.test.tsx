@@ -47,7 +47,7 @@ const AT_S = new Date(2025, 0, 1, 12, 3, 0).getTime() / 1000;
 it('says only what is known while the service is out of reach', () => {
   const [first, later] = banner({ connection: 'lost', lostSinceS: AT_S, silentSinceS: AT_S }, 5);
   expect(first).toContain('Connection to the service lost since 12:03:00');
-  expect(first).toContain('Whether the session is being stored is not known here.');
+  expect(first).toContain('This page does not know whether the session is being stored.');
   expect(first).toContain('Lost for 2 s');
   expect(later).toContain('Lost for 7 s');
 });

@@ -65,9 +65,9 @@ it('lets the therapist take the word back, and says until when it holds', async 
   const { asked } = renderPage(<SafetyCard session={session(true)} />, {
     answers: { '/api/sessions/s/magnetic-safety': confirmed, 'DELETE /api/sessions/s/magnetic-safety': SAFETY },
   });
-  expect(await screen.findByText(/It is asked again from/)).toBeTruthy();
-  expect(screen.getByText(/Source Belt, serial S-1: field known to 0.4 %/)).toBeTruthy();
-  await userEvent.click(screen.getByRole('button', { name: 'Take back' }));
+  expect(await screen.findByText(/The question is asked again from/)).toBeTruthy();
+  expect(screen.getByText(/Source Belt, serial number S-1: field uncertainty 0.4 %/)).toBeTruthy();
+  await userEvent.click(screen.getByRole('button', { name: 'Withdraw confirmation' }));
   await userEvent.click(await screen.findByRole('button', { name: 'Stop the source' }));
   await waitFor(() => expect(asked.some((one) => one.method === 'DELETE' && one.path === '/api/sessions/s/magnetic-safety')).toBe(true));
 });
@@ -75,7 +75,7 @@ it('lets the therapist take the word back, and says until when it holds', async 
 it('says why it asks again', async () => {
   const taken = { ...SAFETY, confirmed_at: '2026-11-21T10:00:00Z', withdrawn_at: '2026-11-21T10:05:00Z', withdrawn_by: 'Ingrid Solberg' };
   renderPage(<SafetyCard session={session(true)} />, { answers: { '/api/sessions/s/magnetic-safety': taken } });
-  expect(await screen.findByText(/Taken back by Ingrid Solberg/)).toBeTruthy();
+  expect(await screen.findByText(/withdrawn by Ingrid Solberg/)).toBeTruthy();
   expect(screen.getByRole('button', { name: 'Confirm for this session' })).toBeTruthy();
 });
 
@@ -89,7 +89,7 @@ it('sends the places of a bench in metres and says what was found', async () => 
   });
   await userEvent.click(screen.getByText('Find where the sensor lay still'));
   expect(await screen.findByText(/about 20 \/ 5 \/ 6 cm/)).toBeTruthy();
-  const keep = screen.getByRole('button', { name: 'Find the coils and keep the source' });
+  const keep = screen.getByRole('button', { name: 'Find the coils and save the source' });
   expect(keep).toHaveProperty('disabled', true);
   for (let row = 1; row <= 6; row += 1)
     for (const axis of ['x', 'y', 'z']) await userEvent.type(screen.getByLabelText(`${axis}, stop ${row} (cm)`), `${10 + row}`);
@@ -99,7 +99,7 @@ it('sends the places of a bench in metres and says what was found', async () => 
   const sent = asked.find((one) => one.method === 'POST')?.body;
   expect(sent).toMatchObject({ name: 'Belt', serial: 'S-1', place_sigma_m: 0.001 });
   expect((sent as { positions_m: number[][] }).positions_m[1]).toEqual([0.12, 0.12, 0.12]);
-  expect(await screen.findByText(/its field is known to 0.43 %/)).toBeTruthy();
+  expect(await screen.findByText(/field uncertainty 0.43 %/)).toBeTruthy();
 });
 
 it('draws the pulses of the time shown, and says how many', () => {

@@ -61,7 +61,7 @@ describe('fused motion of a marker', () => {
     expect(rows.at(-1)?.textContent).toBe('38.0 s2.50 s4.2 mm, do not rely on it');
     await userEvent.click(screen.getByRole('button', { name: 'Show the gap at 38.0 s' }));
     expect(onSeek).toHaveBeenCalledWith(38);
-    expect(screen.getAllByRole('img', { name: /Place of the marker along/ })).toHaveLength(3);
+    expect(screen.getAllByRole('img', { name: /Position of the marker along/ })).toHaveLength(3);
     const rules = { 'color-contrast': { enabled: false }, region: { enabled: false }, 'page-has-heading-one': { enabled: false }, 'heading-order': { enabled: false } };
     expect((await axe.run(view.container, { rules })).violations.map((one) => one.id)).toEqual([]);
   });

@@ -45,8 +45,8 @@ describe('markers of a session', () => {
   it('shows clocks, gaps, residuals and what a spline would have made, and tells what failed', async () => {
     const view = show(true, FOUND);
     expect(await screen.findByText('12.3 ± 0.10 ms, drift 80 ± 6 ppm')).toBeTruthy();
-    expect(screen.getByText('1, the longest 3.50 s, known to 6.1 mm')).toBeTruthy();
-    expect(screen.getByText(/no better than 10 mm/)).toBeTruthy();
+    expect(screen.getByText('1, the longest 3.50 s, uncertainty 6.1 mm')).toBeTruthy();
+    expect(screen.getByText(/an uncertainty above 10 mm/)).toBeTruthy();
     expect(screen.getByRole('img', { name: /largest residual 0\.3 mm/ })).toBeTruthy();
     const row = screen.getByRole('row', { name: /^0\.5 s/ });
     expect(within(row).getAllByRole('cell').map((cell) => cell.textContent)).toEqual(['12', '1.1 mm', '52.0 mm']);

@@ -28,9 +28,9 @@ it('makes a session with a source only after both questions were answered by no'
   });
   const pick = async (question: RegExp, answer: RegExp) => userEvent.click(within(await screen.findByRole('group', { name: question })).getByLabelText(answer));
   await pick(/What is recorded/, /Distance by magnetic source/);
-  await pick(/What is measured/, /^Leg/);
+  await pick(/Body part/, /^Leg/);
   await userEvent.click(await screen.findByRole('textbox', { name: 'Which source is worn' }).catch(() => screen.findByRole('combobox', { name: 'Which source is worn' })));
-  await userEvent.click(await screen.findByRole('option', { name: /Belt – Serial S-1. Field known to 0.4 %/, hidden: true }));
+  await userEvent.click(await screen.findByRole('option', { name: /Belt – Serial number S-1. Field uncertainty 0.4 %/, hidden: true }));
   expect(screen.queryByText(/Coils of the source, where/)).toBeNull();
   const go = screen.getByRole('button', { name: /Continue/ });
   expect(go).toHaveProperty('disabled', true);

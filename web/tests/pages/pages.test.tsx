@@ -43,8 +43,8 @@ describe('caseload', () => {
     expect(first.getByText('Left side affected')).toBeTruthy();
     expect(first.getByRole('img').textContent).toMatch(/2 sessions, from 50° to 58°/);
     // Who exercises now has a line and a filter of their own: the sentence and the filter count the same people.
-    expect(screen.getByText('1 patient needs a look today')).toBeTruthy();
-    expect(screen.getByText('Need a look (1)')).toBeTruthy();
+    expect(screen.getByText('1 patient needs attention')).toBeTruthy();
+    expect(screen.getByText('Need attention (1)')).toBeTruthy();
   });
 
   it('never calls a dead link live, and hides no worry behind an open session', async () => {

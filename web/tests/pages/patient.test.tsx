@@ -54,7 +54,7 @@ describe('an archived patient', () => {
 
   it('offers nothing that would be refused, only reading, taking along and restoring', async () => {
     open(patient({ archived_at: '2026-02-01T10:00:00Z', may_treat: false }));
-    expect(await screen.findByRole('button', { name: 'Take out of the archive' })).toBeTruthy();
+    expect(await screen.findByRole('button', { name: 'Restore from the archive' })).toBeTruthy();
     await screen.findByText('Jonas Weber');
     const offered = [...screen.getAllByRole('button'), ...screen.getAllByRole('link')].map((one) => one.textContent);
     for (const refused of ['New session', 'Upload', 'Prescribe', 'Share', 'Add', 'Edit', 'Archive', 'Record a template', 'End']) expect(offered).not.toContain(refused);

@@ -56,7 +56,7 @@ describe('upload', () => {
     const { user, declared, alert } = await send(job({ is_implausible: true, message: 'forearm_right: the axes do not fit.' }));
     expect(within(alert).getByText(/axes do not fit/)).toBeTruthy();
     expect(declared[0]).toMatchObject({ accept_implausible: false, hemisphere: 'north' });
-    await user.click(screen.getByRole('checkbox', { name: 'Estimate it as it is' }));
+    await user.click(screen.getByRole('checkbox', { name: 'Analyse it as it is' }));
     await user.click(screen.getByRole('combobox', { name: 'Recorded' }));
     await user.click(await screen.findByRole('option', { name: 'South of the equator' }));
     await user.click(screen.getByRole('button', { name: 'Upload again' }));
@@ -66,7 +66,7 @@ describe('upload', () => {
   it('lets a file that could not be read be sent again, with nothing to accept', async () => {
     const { alert } = await send(job({ message: 'The file holds no sound packet.' }));
     expect(within(alert).getByText(/no sound packet/)).toBeTruthy();
-    expect(screen.queryByRole('checkbox', { name: 'Estimate it as it is' })).toBeNull();
+    expect(screen.queryByRole('checkbox', { name: 'Analyse it as it is' })).toBeNull();
     expect(screen.getByRole('button', { name: 'Upload again' })).toHaveProperty('disabled', false);
   });
 });

@@ -59,7 +59,7 @@ describe('the report of a walk', () => {
     expect(screen.getByRole('row', { name: /^Step width/ }).textContent).toContain('within chance');
     expect(screen.getByText('the forces of three strides are missing')).toBeTruthy();
     expect(screen.getAllByRole('img')).toHaveLength(2);
-    expect(screen.getByText('18.0 cm apart, told by the forces')).toBeTruthy();
+    expect(screen.getByText('18.0 cm apart (estimated from the forces)')).toBeTruthy();
     expect(screen.getByText('2.0 % of packets missing, 0 gaps, forces of a shoe lost: 1')).toBeTruthy();
     expect(screen.getByText(/^2 of 4;/)).toBeTruthy();
     const found = await axe.run(view.container, { rules: { 'color-contrast': { enabled: false }, region: { enabled: false }, 'page-has-heading-one': { enabled: false } } });

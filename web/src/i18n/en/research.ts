@@ -1,8 +1,8 @@
 // Words of the pages for researchers and integrators: accuracy, estimators side by side.
 export const research = {
   'accuracy.title': 'Accuracy',
-  'accuracy.lead': 'Published experiments, repeated with this version: their figure, what we require, and ours.',
-  'accuracy.overview': '{met} of {all} experiments meet what is required',
+  'accuracy.lead': 'Published experiments, repeated with this version: the published figure, the requirement, and our result.',
+  'accuracy.overview': '{met} of {all} experiments meet the requirement',
   'accuracy.how': 'Each experiment runs with {seeds} random seeds, or on the recordings named. The figure in bold is the one that is judged: the worst case, unless the experiment says the median. Figures marked “only shown” have no limit.',
   'accuracy.made': 'Version {version}, measured on {date} in {seconds} s. {machine}.',
   'accuracy.command': 'Command that measures everything again',
@@ -35,5 +35,5 @@ export const research = {
   'differences.live': '{title}, live',
   'differences.changed': { one: '{name}, {count} parameter changed', other: '{name}, {count} parameters changed' },
   'differences.emptyTitle': 'Only one result so far',
-  'differences.emptyText': 'Open the details of the session and run it with all estimators; then they stand here side by side.',
+  'differences.emptyText': 'Open the details of the session and run every estimator; the results then appear here side by side.',
 } as const;
