@@ -25,6 +25,7 @@ _SNAP_TICKS = 0.05
 """Device ticks this close to the common tick are taken as they are; others are interpolated."""
 _PIECE_TICKS = 1000
 _INERTIAL = int(Channel.GYROSCOPE | Channel.ACCELEROMETER)
+_RARE = int(Channel.COIL_STATE | Channel.FORCE | Channel.MOMENT)
 
 
 @dataclass(frozen=True)
@@ -117,7 +118,8 @@ class Aligner:
             self.late_packets += 1
             return None
         if sequence == self._next_sequence and not self._waiting:
-            return _joined(self._place(packet, sequence, time_us))
+            pieces = self._place(packet, sequence, time_us)
+            return pieces[0] if len(pieces) == 1 else _joined(pieces)
         self._waiting[sequence] = (packet, time_us)
         return self._release(wait=True)
 
@@ -144,7 +146,9 @@ class Aligner:
         self._next_sequence = sequence + 1
         self._released_end_us = time_us + ticks * packet.tick_interval_us
         signals, quality = self._unpacker.unpack(packet)
-        coil, loads = self._unpacker.coil_state(packet), self._unpacker.loads(packet)
+        coil = loads = None
+        if packet.channels & _RARE:
+            coil, loads = self._unpacker.coil_state(packet), self._unpacker.loads(packet)
         position = time_us / self._step_us
         spacing = packet.tick_interval_us / self._step_us
         first = round(position)

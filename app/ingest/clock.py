@@ -123,9 +123,11 @@ class PacketClock:
             return time_us
         steps = sequence - self._highest
         gap_us = time_us - self.session_time_us
-        declared = any(epoch.first_sequence == sequence for epoch in self.declaration.clock_epochs)
         backwards = gap_us < -(packet.tick_interval_us // 2)
         too_far = gap_us > MAX_GAP_US or gap_us > 60_000_000 + 2 * steps * self._highest_duration_us
+        declared = self._is_new_connection and any(
+            epoch.first_sequence == sequence for epoch in self.declaration.clock_epochs
+        )
         if self._is_new_connection and not declared and (backwards or too_far):
             elapsed_us = 1_000_000
             if arrival_s is not None and self._highest_arrival_s is not None:
@@ -166,7 +168,9 @@ class PacketClock:
     def _place_in_epoch(self, sequence: int, device_us: int) -> int:
         """Return session time, with the wraps of a 64-bit or (71 minutes) 32-bit counter undone."""
         epochs = self.declaration.clock_epochs
-        epoch = next((one for one in reversed(epochs) if sequence >= one.first_sequence), epochs[0])
+        epoch = epochs[-1]
+        if sequence < epoch.first_sequence:
+            epoch = next((one for one in reversed(epochs) if sequence >= one.first_sequence), epochs[0])
         elapsed_us = (device_us - epoch.device_start_us + (_WRAP_64 >> 1)) % _WRAP_64 - (_WRAP_64 >> 1)
         if device_us < _WRAP_32 and epoch.device_start_us < _WRAP_32:
             expected_us = self._highest_time_us - epoch.session_start_us

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from functools import cached_property
 from typing import Any, get_args
 
 from app.errors import PacketError
@@ -68,6 +69,18 @@ class Declaration:
     def serial_of(self) -> dict[Placement, str]:
         """Serial number of each sensor; empty when the gateway tells none."""
         return dict(zip(self.placements, self.serials, strict=False))
+
+    @cached_property
+    def countable_channels(self) -> int:
+        """Channel mask of what may be sent as counts: the channels with a declared scale."""
+        scales = (
+            self.gyroscope_scale,
+            self.accelerometer_scale,
+            self.magnetometer_scale,
+            self.force_scale,
+            self.moment_scale,
+        )
+        return sum(1 << bit for bit, scale in enumerate(scales) if scale is not None)
 
     @property
     def sensor_count(self) -> int:

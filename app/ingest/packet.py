@@ -325,7 +325,7 @@ def _check_declared(
             reason="tick_interval",
             sequence=sequence,
         )
-    if encoding == INT16:
+    if encoding == INT16 and mask & ~declaration.countable_channels:
         if mask & ~_COUNTABLE_MASK:
             raise PacketError(
                 f"Channel mask {mask:#x} has channels without a declared scale; send those as float32.",

@@ -3,15 +3,16 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from app.ingest._unpack_kernel import unpack
 from app.ingest.declaration import Declaration
-from app.ingest.packet import INT16, Channel, Packet, PacketFlag
+from app.ingest.packet import FLOAT32, INT16, Channel, Packet, PacketFlag
 from estimators.recording import Float, SampleQuality
 
-_NONE = np.zeros(0, dtype=np.bool_)
 STUCK_LIMIT_S = 0.5
 """A sensor that repeats the same value in every inertial channel for so long is not measuring: noise alone
 moves the last bit."""
 _LARGEST_COUNT = 32767.0
+_BACKFILLED_QUALITY = int(SampleQuality.BACKFILLED)
 _MAGNETOMETER, _LOADS = int(Channel.MAGNETOMETER), int(Channel.FORCE | Channel.MOMENT)
 _BACKFILLED, _CLIPPED = int(PacketFlag.BACKFILLED), int(PacketFlag.SATURATED)
 """Plain integers: an operation on a flag costs a microsecond, and every packet has several."""
@@ -34,21 +35,24 @@ class Unpacker:
             declaration.accelerometer_scale,
             declaration.magnetometer_scale,
         )
-        self._scales = np.array(scales[: self.channel_count], dtype=float).reshape(-1, 1, 1, 1)
-        self._clips = [
+        clips = [
             np.inf if clip is None else 0.999 * clip
             for clip in (declaration.clip_gyroscope_radps, declaration.clip_accelerometer_mps2)
         ]
-        self._count_clips = [
+        count_clips = [
             min(clip, np.inf if scale is None else 32766.5 * scale)
-            for clip, scale in zip(self._clips, scales[:2], strict=True)
+            for clip, scale in zip(clips, scales[:2], strict=True)
         ]
+        self._of_encoding = {
+            FLOAT32: (np.ones(3), np.array(clips)),
+            INT16: (np.array(scales, dtype=float), np.array(count_clips)),
+        }
         self._load_scales = (declaration.force_scale, declaration.moment_scale)
         self._same_loads = np.zeros(declaration.sensor_count, dtype=np.int64)
         self._last_loads = np.full((declaration.sensor_count, 6), np.nan)
         self._stuck_ticks = max(2, round(STUCK_LIMIT_S * declaration.rate_hz))
         self._same_ticks = np.zeros(declaration.sensor_count, dtype=np.int64)
-        self._last_sent: Float | None = None
+        self._last_sent = np.full((2, declaration.sensor_count, 3), np.nan)
 
     def unpack(self, packet: Packet) -> tuple[Float, NDArray[np.uint8]]:
         """Return the next packet's signals and quality.
@@ -67,19 +71,21 @@ class Unpacker:
         """
         ticks, sensors = packet.tick_count, packet.sensor_count
         used = min(3 if packet.channels & _MAGNETOMETER else 2, self.channel_count)
-        values = packet.values[:, :, : 3 * used].reshape(ticks, sensors, used, 3).transpose(2, 1, 0, 3)
+        scales, clips = self._of_encoding[packet.encoding]
         signals = np.empty((self.channel_count, sensors, ticks, 3))
-        if packet.encoding == INT16:
-            np.multiply(values, self._scales[:used], out=signals[:used])
-        else:
-            signals[:used] = values
-        if used < self.channel_count:
-            signals[used:] = np.nan
-        quality = np.zeros((sensors, ticks), dtype=np.uint8)
-        self._mark_saturated(packet, signals, quality)
-        self._mark_dead(signals, quality)
-        if packet.flags & _BACKFILLED:
-            quality |= np.uint8(SampleQuality.BACKFILLED)
+        quality = np.empty((sensors, ticks), dtype=np.uint8)
+        unpack(
+            packet.values,
+            scales[:used],
+            clips,
+            packet.flags & _CLIPPED != 0,
+            _BACKFILLED_QUALITY if packet.flags & _BACKFILLED else 0,
+            self._stuck_ticks,
+            self._last_sent,
+            self._same_ticks,
+            signals,
+            quality,
+        )
         return signals, quality
 
     @staticmethod
@@ -129,39 +135,3 @@ class Unpacker:
         for k in range(loads.shape[1]):
             self._same_loads = np.where(same[:, k], self._same_loads + 1, 0)
             loads[self._same_loads >= self._stuck_ticks, k] = np.nan
-
-    def _mark_saturated(self, packet: Packet, signals: Float, quality: NDArray[np.uint8]) -> None:
-        found = False
-        clips = self._count_clips if packet.encoding == INT16 else self._clips
-        for values, limit in zip(signals[:2], clips, strict=True):
-            if limit < np.inf and (values.max() >= limit or values.min() <= -limit):
-                quality[(np.abs(values) >= limit).any(axis=2)] |= np.uint8(SampleQuality.SATURATED)
-                found = True
-        if packet.flags & _CLIPPED and not found:
-            # The device knows that one of its sensors clipped, the values do not say which.
-            quality |= np.uint8(SampleQuality.SATURATED)
-
-    def _mark_dead(self, signals: Float, quality: NDArray[np.uint8]) -> None:
-        """Mark as MISSING a sensor that sent zeros (the sign of nothing) or stands still to the last bit."""
-        inertial = signals[:2]
-        # Most packets hold neither a zero nor a value of the one before: told by one look at all values.
-        missing = None if inertial[1].all() else ~inertial[1].any(axis=2)
-        previous = self._last_sent
-        if previous is not None:
-            equal = inertial[:, :, 0] == previous
-            repeats = equal.all(axis=(0, 2)) if equal.any() else _NONE
-            if repeats.any():
-                missing = np.zeros(signals.shape[1:3], dtype=np.bool_) if missing is None else missing
-                same = (inertial[:, :, 1:] == inertial[:, :, :-1]).all(axis=(0, 3))
-                for k in range(signals.shape[2]):
-                    self._same_ticks = np.where(
-                        repeats if k == 0 else same[:, k - 1], self._same_ticks + 1, 0
-                    )
-                    missing[:, k] |= self._same_ticks >= self._stuck_ticks
-            else:
-                self._same_ticks[:] = 0
-        self._last_sent = inertial[:, :, -1]
-        if missing is not None and missing.any():
-            self._last_sent = self._last_sent.copy()
-            signals[:, missing] = np.nan
-            quality[missing] |= np.uint8(SampleQuality.MISSING)

@@ -2,8 +2,6 @@
 
 import struct
 import time
-from dataclasses import dataclass
-from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -16,22 +14,27 @@ MAGIC: Final = b"TMF1"
 _HEADER: Final = struct.Struct("<4sIIIddd")
 
 
-@dataclass(frozen=True)
-class PublishedFrames(Frames):
+class PublishedFrames:
     """Frames with the moment they were given to the bus.
 
-    Attributes
+    Parameters
     ----------
+    frames : Frames
     published_at_s : float
         Server time since the epoch.
     """
 
-    published_at_s: float = 0.0
+    def __init__(self, frames: Frames, published_at_s: float) -> None:
+        self.frames = frames
+        self.published_at_s = published_at_s
+        self._block: bytes | None = None
 
-    @cached_property
+    @property
     def block(self) -> bytes:
         """The frames as a binary block, made once for all who watch."""
-        return encode_block(self)
+        if self._block is None:
+            self._block = encode_block(self.frames, self.published_at_s)
+        return self._block
 
 
 def column_names(layout: FrameLayout) -> list[str]:
@@ -46,38 +49,41 @@ def column_names(layout: FrameLayout) -> list[str]:
     ]
 
 
-def encode_block(frames: Frames) -> bytes:
+def encode_block(frames: Frames, published_at_s: float | None = None) -> bytes:
     """Return frames as one binary block.
 
     Parameters
     ----------
     frames : Frames
-        `PublishedFrames` carry their own time of publication; others get the present.
+    published_at_s : float, optional
+        By default the present.
     """
-    ticks = frames.tick_count
-    rows = np.concatenate(
-        [
-            frames.angle_rad,
-            frames.angle_sigma_rad,
-            frames.scalar,
-            # Not -1: a stretch without ticks has columns all the same.
-            frames.point_room_m.reshape(ticks, 3 * len(frames.layout.points)),
-            frames.segment_flags,
-            frames.angle_flags,
-        ],
-        axis=1,
-    ).astype("<f4")
-    published = frames.published_at_s if isinstance(frames, PublishedFrames) else time.time()
-    header = _HEADER.pack(
+    layout = frames.layout
+    ticks, angles, scalars = frames.angle_rad.shape[0], len(layout.angles), len(layout.scalars)
+    points, segments = 3 * len(layout.points), len(layout.segments)
+    width = 3 * angles + scalars + points + segments
+    block = bytearray(_HEADER.size + 4 * ticks * width)
+    _HEADER.pack_into(
+        block,
+        0,
         MAGIC,
         ticks,
-        rows.shape[1],
+        width,
         frames.first_tick % 2**32,
         frames.first_tick * frames.time_step_s,
         frames.time_step_s,
-        published,
+        time.time() if published_at_s is None else published_at_s,
     )
-    return header + rows.tobytes()
+    rows = np.frombuffer(block, "<f4", offset=_HEADER.size).reshape(ticks, width)
+    rows[:, :angles] = frames.angle_rad
+    rows[:, angles : 2 * angles] = frames.angle_sigma_rad
+    start = 2 * angles + scalars
+    rows[:, 2 * angles : start] = frames.scalar
+    # Not -1: a stretch without ticks has columns all the same.
+    rows[:, start : start + points] = frames.point_room_m.reshape(ticks, points)
+    rows[:, start + points : width - angles] = frames.segment_flags
+    rows[:, width - angles :] = frames.angle_flags
+    return bytes(block)
 
 
 def layout_message(

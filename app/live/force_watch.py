@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from estimators.conventions import Side
-from estimators.pipelines import FORCE_STATES, Frames
+from estimators.pipelines import FORCE_STATES, Frames, Pipeline
 
 TOLD_AFTER_S: Final = 0.5
 """A cell that gives nothing for less is not worth a word."""
@@ -58,6 +58,12 @@ class ForceWatch:
         self._delay = delay_ticks
         self._since: dict[Side, tuple[int, int]] = {}
         self._told: dict[Side, bool] = {}
+
+    @classmethod
+    def of(cls, pipeline: Pipeline) -> "ForceWatch | None":
+        """Return a watch over the frames of a pipeline; None when they say nothing of forces."""
+        tells = any(name.endswith("_force_state") for name in pipeline.layout.scalars)
+        return cls(pipeline.delay_ticks) if tells else None
 
     def add(self, frames: Frames) -> list[ForceChange]:
         """Take frames; return what changed for good."""

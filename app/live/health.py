@@ -60,7 +60,9 @@ class LinkHealth:
         self._is_lost = np.zeros(len(placements), dtype=np.bool_)
         self._transit_s: float | None = None
         self._jitter_s = 0.0
-        self._flags: dict[str, int] = {}
+        self._has_gaps = False
+        self._segments: Sequence[str] = ()
+        self._segment_flags: NDArray[np.uint8] | None = None
         self.latencies_s: deque[float] = deque(maxlen=_LATENCIES)
 
     def add_packet(self, device_s: float, arrival_s: float) -> None:
@@ -77,10 +79,10 @@ class LinkHealth:
         """Take aligned ticks; return the sensors that were lost or came back with them."""
         if self._present.ticks * self._step_s >= _WINDOW_S:
             self._previous, self._present = self._present, _Window(len(self.placements))
-        self._present.ticks += chunk.tick_count
         quality = chunk.quality
+        self._present.ticks += quality.shape[1]
         if not quality.any():
-            if self._missing_ticks.any() or self._is_lost.any():
+            if self._has_gaps:
                 return self._changes(np.zeros_like(self._missing_ticks), chunk.first_tick)
             return []
         missing = (quality & SampleQuality.MISSING) != 0
@@ -98,14 +100,15 @@ class LinkHealth:
         back = self._is_lost & (run == 0)
         changed = np.flatnonzero((lost & ~self._is_lost) | back)
         self._is_lost = (self._is_lost | lost) & ~back
+        self._has_gaps = bool(run.any() or self._is_lost.any())
         return [
             SensorChange(self.placements[i], bool(lost[i]), tick - int(run[i]) if lost[i] else tick)
             for i in changed
         ]
 
     def set_flags(self, segments: Sequence[str], flags: NDArray[np.uint8]) -> None:
-        """Take the orientation flags of the newest tick, by segment."""
-        self._flags = dict(zip(segments, flags.tolist(), strict=True))
+        """Take the orientation flags of the newest ticks, shape (K, G), by segment; read when somebody asks."""
+        self._segments, self._segment_flags = segments, flags
 
     def latency_ms(self) -> tuple[float | None, float | None]:
         """Return median and 99th percentile of the last latencies, packet arrival to published frame."""
@@ -120,8 +123,10 @@ class LinkHealth:
         loss = 100.0 * (self._present.lost + self._previous.lost) / ticks
         saturated = self._present.saturated | self._previous.saturated
         found = []
+        newest = [] if self._segment_flags is None else self._segment_flags[-1].tolist()
+        flags_of = dict(zip(self._segments, newest, strict=True))
         for i, placement in enumerate(self.placements):
-            flags = self._flags.get(placement, 0)
+            flags = flags_of.get(placement, 0)
             is_noisy = loss[i] > _NOISY_LOSS_PERCENT or bool(saturated[i])
             found.append(
                 SensorHealth(

@@ -33,6 +33,7 @@ class Intake:
             "The service is stopping; connect again.", reason="stopping"
         )
         self._reviewed_s = time.monotonic()
+        self._clock = session.clock
         self._orders = None if session.actuation is None else session.actuation.connect()
 
     @property
@@ -43,7 +44,7 @@ class Intake:
     @property
     def declaration(self) -> Declaration:
         """What packets must fit."""
-        return self._session.declaration
+        return self._clock.declaration
 
     @property
     def is_open(self) -> bool:

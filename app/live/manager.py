@@ -22,6 +22,7 @@ from app.live.device_rows import with_known_devices
 from app.live.housekeeping import GOODBYE_CLOSE_S, IDLE_CLOSE_S, LONGEST_S, Housekeeping
 from app.live.intake import Intake
 from app.live.messages import LayoutMessage, StateMessage
+from app.live.plausibility import CheckProcess
 from app.live.rebuild import rebuild
 from app.live.runner import LiveSession
 from app.live.states import OPEN
@@ -99,6 +100,7 @@ class LiveManager:
         self._is_stopping = False
         # One thread: the checks of many sockets at once must not outnumber the event loop for the interpreter.
         self._checks = ThreadPoolExecutor(1, thread_name_prefix="live-checks")
+        self._check_process = CheckProcess()
         self._tasks: set[asyncio.Task[Any]] = set()
 
     async def start(self) -> None:
@@ -130,6 +132,7 @@ class LiveManager:
             session.link_lost("The service was stopped.")
             await session.saved()
         self._checks.shutdown(cancel_futures=True)
+        await asyncio.to_thread(self._check_process.close)
 
     def find(self, session_id: str) -> LiveSession | None:
         """Return a session that is live here, or None."""
@@ -228,6 +231,7 @@ class LiveManager:
             result_id=result_id,
             first_unstored_tick=first_unstored,
             hemisphere=self._hemisphere,
+            check=self._check_process,
         )
         session.ledger.durable = await asyncio.to_thread(
             self.writer.open_session, session_id, session.on_durable, session.on_store_failure

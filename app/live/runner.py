@@ -8,7 +8,6 @@ import asyncio
 import contextlib
 import logging
 import time
-from dataclasses import replace
 from functools import partial
 
 from sqlalchemy import Engine
@@ -30,6 +29,7 @@ from app.live.force_watch import ForceWatch
 from app.live.health import LinkHealth
 from app.live.ledger import SequenceLedger
 from app.live.messages import AcknowledgeMessage, HealthMessage, LayoutMessage, StateMessage
+from app.live.plausibility import Check, check
 from app.live.states import OPEN, STREAMING, streaming_state
 from app.live.stray_source import StraySource
 from app.recordings import GroupCommitWriter, RawPacket, SequenceRanges
@@ -62,6 +62,8 @@ class LiveSession(CalibratedSession):
         Frames before it are stored already.
     hemisphere : {"north", "south", "unknown"}
         Of the place: which way the magnetic field must point.
+    check : Check
+        Runs the checks of the first seconds, called in a thread.
     """
 
     def __init__(
@@ -77,6 +79,7 @@ class LiveSession(CalibratedSession):
         first_unstored_tick: int = 0,
         first_tick: int = 0,
         hemisphere: Hemisphere = "north",
+        check: Check = check,
     ) -> None:
         super().__init__(stored, engine, writer, bus)
         self.stored = stored
@@ -92,19 +95,19 @@ class LiveSession(CalibratedSession):
         self.is_finished = False
         """Closed, and everything that came is stored."""
         self._unstored_tick = first_unstored_tick
-        self._epochs_saved = len(declaration.clock_epochs)
+        self._saved_declaration = declaration
+        self._backlog_ticks = BACKLOG_S * declaration.rate_hz
         self.line = EstimationLine(pipeline, self._after, self._fail)
-        self.actuation = Actuation.of(
-            pipeline,
-            lambda kind, at_s, placement, text: self.add_event(kind, at_s, placement=placement, text=text),
-        )
-        self._stray = StraySource(
-            lambda kind, at_s, placement, text: self.add_event(kind, at_s, placement=placement, text=text)
-        )
+
+        def tell(kind: str, at_s: float, placement: str, text: str) -> None:
+            self.add_event(kind, at_s, placement=placement, text=text)
+
+        self.actuation = Actuation.of(pipeline, tell)
+        self._stray = StraySource(tell)
         self.prepare_calibration(hemisphere)
-        self._forces = ForceWatch(pipeline.delay_ticks)
+        self._forces = ForceWatch.of(pipeline)
         self._first_seconds = FirstSeconds(
-            declaration.placements, self._implausible, hemisphere, ALL_SESSIONS
+            declaration.placements, self._implausible, hemisphere, ALL_SESSIONS, check
         )
         self._loop = asyncio.get_running_loop()
 
@@ -142,7 +145,7 @@ class LiveSession(CalibratedSession):
         """
         if self.machine.state not in OPEN:
             raise Conflict("This session is closed; create another one.", state=self.machine.state)
-        if self.line.waiting_ticks > BACKLOG_S * self.declaration.rate_hz:
+        if self.line.waiting_ticks > self._backlog_ticks:
             raise Unavailable("The estimation is behind; wait a moment.", retry_after_s=1, reason="behind")
         place = self.clock.admit(packet, arrival_s)
         if not self._writer.append_packet(self.id, RawPacket.from_packet(packet, arrival_ns, place.sequence)):
@@ -150,12 +153,12 @@ class LiveSession(CalibratedSession):
             return False
         self.ledger.received.add(place.sequence)
         self.last_arrival_s = arrival_s
-        if len(self.declaration.clock_epochs) != self._epochs_saved:
-            self._epochs_saved = len(self.declaration.clock_epochs)
+        declaration = self.clock.declaration
+        if declaration is not self._saved_declaration:
+            # A new clock epoch.
+            self._saved_declaration = declaration
             self.skew.reset()
-            self._saver.save(
-                partial(repository.save_hello, self._engine, self.id, self.declaration.to_dict())
-            )
+            self._saver.save(partial(repository.save_hello, self._engine, self.id, declaration.to_dict()))
         is_live = not packet.flags & _BACKFILLED
         if is_live:
             end_s = (place.time_us + packet.tick_count * packet.tick_interval_us) * 1e-6
@@ -172,23 +175,26 @@ class LiveSession(CalibratedSession):
     def _after(self, chunk: ImuChunk, frames: Frames, arrival_s: float | None) -> None:
         """Publish and store what the pipeline found."""
         # Sigmas of segments are kept of what is analysed afterwards; live they would cost a third more.
-        live = {**vars(frames), "segment_sigma_rad": None}
-        frames = PublishedFrames(**live, published_at_s=time.time())
-        self._bus.publish(self._topics["frames"], frames)
+        frames = frames.without_segment_sigma()
+        if self._bus.has_listeners(self._topics["frames"]):
+            self._bus.publish(self._topics["frames"], PublishedFrames(frames, time.time()))
         if arrival_s is not None:
             self.health.latencies_s.append(time.monotonic() - arrival_s)
         if self.actuation is not None and self.machine.state in STREAMING:
             self.actuation.take(frames, self.declaration, is_live=arrival_s is not None)
-        allowed = None if self.actuation is None else self.actuation.is_allowed
-        self._stray.add(chunk, self.declaration.placements, allowed)
+        if chunk.coil_state is not None or self.actuation is not None:
+            allowed = None if self.actuation is None else self.actuation.is_allowed
+            self._stray.add(chunk, self.declaration.placements, allowed)
         self.store_frames(frames)
-        self.health.set_flags(frames.layout.segments, frames.segment_flags[-1])
+        self.health.set_flags(frames.layout.segments, frames.segment_flags)
         self._tell_changes(chunk)
-        for change in self._forces.add(frames):
-            kind = "forces_lost" if change.is_lost else "forces_back"
-            at_s = change.tick * frames.time_step_s
-            self.add_event(kind, at_s, placement=f"foot_{change.side}", text=change.text)
-        self._calibration.add(chunk)
+        if self._forces is not None:
+            for change in self._forces.add(frames):
+                kind = "forces_lost" if change.is_lost else "forces_back"
+                at_s = change.tick * frames.time_step_s
+                self.add_event(kind, at_s, placement=f"foot_{change.side}", text=change.text)
+        if self._calibration.is_active:
+            self._calibration.add(chunk)
         self._first_seconds.add(chunk)
 
     def _implausible(self, findings: list[Finding], time_s: float) -> None:
@@ -206,26 +212,23 @@ class LiveSession(CalibratedSession):
         if frames.first_tick >= self._unstored_tick:
             with contextlib.suppress(Conflict, Unavailable):
                 # A session that cannot be stored is told so once, by `on_store_failure`.
-                if frames.segment_sigma_rad is not None:
-                    frames = replace(frames, segment_sigma_rad=None)
-                self._writer.append_frames(self.id, self.result_id, frames)
+                self._writer.append_frames(self.id, self.result_id, frames.without_segment_sigma())
 
     def _tell_changes(self, chunk: ImuChunk) -> None:
         changes = self.health.add_chunk(chunk)
         step_s = chunk.time_step_s
         # All sensors at once are a gap of the link, told as one below.
-        if len(changes) < max(2, len(self.health.placements)):
+        if changes and len(changes) < max(2, len(self.health.placements)):
             for change in changes:
                 kind = "sensor_lost" if change.is_lost else "sensor_back"
                 if not change.is_lost:
                     self._first_seconds.restart(change.placement)
                 self.add_event(kind, change.tick * step_s, placement=change.placement)
-        if self.aligner.gaps:
-            for gap in self.aligner.gaps:
-                if not gap.is_bridged:
-                    text = f"{gap.tick_count * step_s:.2f} s missing"
-                    self.add_event("gap", gap.first_tick * step_s, gap.tick_count * step_s, text=text)
-            self.aligner.gaps.clear()
+        for gap in self.aligner.gaps:
+            if not gap.is_bridged:
+                text = f"{gap.tick_count * step_s:.2f} s missing"
+                self.add_event("gap", gap.first_tick * step_s, gap.tick_count * step_s, text=text)
+        self.aligner.gaps.clear()
 
     def silent(self) -> None:
         """Give up waiting for reordered packets: nothing has come for a while."""
@@ -335,8 +338,8 @@ class LiveSession(CalibratedSession):
 
     def layout(self) -> LayoutMessage:
         """Return the columns of the frames."""
-        pipeline = self.pipeline
-        return layout_message(self.id, pipeline.layout, self.declaration.rate_hz, pipeline.delay_ticks)
+        found = self.pipeline
+        return layout_message(self.id, found.layout, self.declaration.rate_hz, found.delay_ticks)
 
     def acknowledge(self, missing: list[tuple[int, int]]) -> AcknowledgeMessage:
         """Return what the gateway may forget."""

@@ -179,7 +179,7 @@ class LivePlayer:
                 except TimeoutError:
                     self._show_silence()
                     items = await subscription.wait()
-                pending += [message for _, message in items]
+                pending += [message.frames for _, message in items]
                 for _, message in states.take():
                     if isinstance(message, StateMessage):
                         self._follow(message)

@@ -137,6 +137,8 @@ class ArmModel:
         angular_velocity_room_radps: Float | None = None,
         sigma_room_rad: Float | None = None,
         previous_angle_rad: Float | None = None,
+        more_points: int = 0,
+        more_scalars: int = 0,
     ) -> ArmResult:
         """Turn segment orientations into joint centres, joint angles and scalars.
 
@@ -153,6 +155,8 @@ class ArmModel:
             angle sigmas are NaN.
         previous_angle_rad : ndarray, shape (18,), optional
             `ArmResult.previous_angle_rad` of the ticks before, so that any chunking gives the same bits.
+        more_points, more_scalars : int
+            Columns left empty behind those of the model, for whoever has more to say of these ticks.
 
         Returns
         -------
@@ -163,7 +167,7 @@ class ArmModel:
         ShapeError
             If an array does not fit the placements.
         """
-        ticks, segments = q_room_segment.shape[0], len(self.placements)
+        ticks, segments, angles = q_room_segment.shape[0], len(self.placements), len(self.angles)
         q = _array("q_room_segment", q_room_segment, (ticks, segments, 4))
         omega = _optional("angular_velocity_room_radps", angular_velocity_room_radps, (ticks, segments, 3))
         sigma = _optional("sigma_room_rad", sigma_room_rad, (ticks, segments, 3))
@@ -180,11 +184,11 @@ class ArmModel:
             if previous.shape != (len(MODEL_ANGLES),):
                 raise ShapeError(f"previous_angle_rad has shape {previous.shape}, not ({len(MODEL_ANGLES)},)")
         result = ArmResult(
-            np.empty((ticks, len(self.points), 3)),
-            np.empty((ticks, len(self.angles))),
-            np.empty((ticks, len(self.angles))),
-            np.empty((ticks, len(self.scalars))),
-            np.empty((ticks, len(self.angles)), dtype=np.uint8),
+            np.empty((ticks, len(self.points) + more_points, 3)),
+            np.empty((ticks, angles)),
+            np.empty((ticks, angles)),
+            np.empty((ticks, len(self.scalars) + more_scalars)),
+            np.empty((ticks, angles), dtype=np.uint8),
             previous,
         )
         evaluate_kernel(

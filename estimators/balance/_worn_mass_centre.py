@@ -5,11 +5,12 @@ from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from estimators.balance import _worn_mass_centre_kernel as at
 from estimators.balance._body_levers import MIDDLE_TRUNK, body_levers, stand_in_of
 from estimators.balance._segments import BodySegments, mean_segments
-from estimators.body import BodyDimensions
+from estimators.body import HIP_HEIGHT_PER_STATURE, BodyDimensions
 from estimators.conventions import PLACEMENTS, SIDES
 from estimators.errors import SetupError, ShapeError
 from estimators.recording import Float
@@ -170,8 +171,11 @@ class WornMassCentre:
                 part = name.rpartition("_")[0] if name.endswith(SIDES) else name
                 spread = float(moved @ moved) * np.eye(3) - np.outer(moved, moved)
                 self._doubt[target, worn.index(carrier[name])] += c.assumed_rad[part] ** 2 * spread
+        self._has_doubt = np.asarray(self._doubt.any(axis=(0, 2, 3)), dtype=np.uint8)
         pelvis, sternum = (worn.index(carrier[name]) for name in ("pelvis", "sternum"))
         shanks = [worn.index(carrier[f"shank_{side}"]) for side in SIDES]
+        self._standing = self._settings.copy()
+        self._standing[at.S_HIP] = HIP_HEIGHT_PER_STATURE * (body or BodyDimensions()).stature_m
         self._source = np.array([pelvis, sternum, *shanks], dtype=np.int64)
 
     def evaluate(self, q_room_segment: Float, sigma_room_rad: Float | None = None) -> WornMassCentreResult:
@@ -195,19 +199,63 @@ class WornMassCentre:
         sigma = np.full((ticks, count, 3), np.nan) if sigma_room_rad is None else sigma_room_rad
         if sigma.shape != (ticks, count, 3):
             raise ShapeError(f"sigma_room_rad has shape {sigma.shape}, not {(ticks, count, 3)}")
-        result = WornMassCentreResult(np.empty((ticks, 3)), np.empty((ticks, len(MASS_SCALARS))))
-        at.mass_centre(
+        from_hip, scalar = np.empty((ticks, 1, 3)), np.empty((ticks, len(MASS_SCALARS)))
+        self._run(
             np.ascontiguousarray(q_room_segment, dtype=np.float64),
             np.ascontiguousarray(sigma, dtype=np.float64),
+            np.zeros((ticks, count), dtype=np.uint8),
+            self._settings,
+            from_hip,
+            scalar,
+        )
+        return WornMassCentreResult(from_hip[:, 0], scalar)
+
+    def write(
+        self,
+        q_room_segment: Float,
+        sigma_room_rad: Float,
+        segment_flags: NDArray[np.uint8],
+        point_room_m: Float,
+        scalar: Float,
+    ) -> None:
+        """Write the centre of mass of K ticks into the last point and the last scalars of frames, unchecked.
+
+        Parameters
+        ----------
+        q_room_segment : ndarray, shape (K, S, 4)
+        sigma_room_rad : ndarray, shape (K, S, 3)
+        segment_flags : ndarray of uint8, shape (K, S)
+            While a sensor is INVALID, the scalars are NaN.
+        point_room_m : ndarray, shape (K, P, 3)
+            With the hips at their height above the floor.
+        scalar : ndarray, shape (K, C)
+            `MASS_SCALARS` are the last six.
+        """
+        self._run(q_room_segment, sigma_room_rad, segment_flags, self._standing, point_room_m, scalar)
+
+    def _run(
+        self,
+        q: Float,
+        sigma: Float,
+        flags: NDArray[np.uint8],
+        settings: Float,
+        point: Float,
+        scalar: Float,
+    ) -> None:
+        at.mass_centre(
+            q,
+            sigma,
+            flags,
             self._lever,
             self._doubt,
+            self._has_doubt,
             self._middle,
             self._feet,
             self._source,
-            self._settings,
-            *result,
+            settings,
+            point,
+            scalar,
         )
-        return result
 
 
 def _way(name: str, worn: Sequence[str]) -> list[str]:

@@ -10,7 +10,8 @@ from estimators.recording import Float
 
 FROM_HIP, FROM_MIDDLE, FROM_LEFT, FROM_RIGHT, TARGETS = range(5)
 PELVIS, STERNUM, SHANK_LEFT, SHANK_RIGHT, SOURCES = range(5)
-S_ANKLE, S_LEVER2, SETTINGS = range(3)
+S_ANKLE, S_LEVER2, S_HIP, SETTINGS = range(4)
+_INVALID = np.uint8(1)  # OrientationFlag.INVALID; numba wants a plain constant
 
 
 @kernel("UniTuple(float64, 4)(float64[::1], float64[::1])")
@@ -31,19 +32,21 @@ def _along(covariance: Float, n: tuple[float, float, float]) -> float:
 
 
 @kernel(
-    "void(float64[:, :, ::1], float64[:, :, ::1], float64[:, :, ::1], float64[:, :, :, ::1], float64[::1],"
-    " float64[:, ::1], int64[::1], float64[::1], float64[:, ::1], float64[:, ::1])"
+    "void(float64[:, :, ::1], float64[:, :, ::1], uint8[:, ::1], float64[:, :, ::1], float64[:, :, :, ::1], uint8[::1],"
+    " float64[::1], float64[:, ::1], int64[::1], float64[::1], float64[:, :, ::1], float64[:, ::1])"
 )
 def mass_centre(
     q: Float,
     sigma: Float,
+    flags: NDArray[np.uint8],
     lever: Float,
     doubt: Float,
+    has_doubt: NDArray[np.uint8],
     middle: Float,
     feet: Float,
     source: NDArray[np.int64],
     settings: Float,
-    from_hip: Float,
+    point: Float,
     scalar: Float,
 ) -> None:
     """Write place and sigma of every tick.
@@ -53,21 +56,29 @@ def mass_centre(
     q : ndarray, shape (K, S, 4)
     sigma : ndarray, shape (K, S, 3)
         About the room axes.
+    flags : ndarray of uint8, shape (K, S)
+        Where a sensor is INVALID, scalars are NaN.
     lever : ndarray, shape (TARGETS, S, 3)
         What each sensor turns of the way to the centre of mass from the hips, the middle of the ankles, the left and
         the right ankle.
     doubt : ndarray, shape (TARGETS, S, 3, 3)
         Covariance, sensor's segment axes, of what only moves with it.
+    has_doubt : ndarray of uint8, shape (S,)
+        Where it is not zero.
     middle : ndarray, shape (3,)
         Lever of the middle trunk.
     feet : ndarray, shape (2, 3)
         Levers of level feet; zero where they are worn.
     source : ndarray of int64, shape (SOURCES,)
     settings : ndarray, shape (SETTINGS,)
-    from_hip : ndarray, shape (K, 3)
-    scalar : ndarray, shape (K, 6)
+    point : ndarray, shape (K, P, 3)
+        The last point is written.
+    scalar : ndarray, shape (K, C)
+        The last six are written.
     """
+    sensors, last, first = q.shape[1], point.shape[1] - 1, scalar.shape[1] - 6
     arm, place = np.empty((TARGETS, 3)), np.empty((TARGETS, 3))
+    turned = np.empty((sensors, TARGETS, 3))
     for k in range(q.shape[0]):
         one, other = q[k, source[PELVIS]], q[k, source[STERNUM]]
         mw, mx, my, mz = _half_way(one, other)
@@ -85,26 +96,34 @@ def mass_centre(
                 common_z += feet[side, 2]
         for t in range(TARGETS):
             place[t, 0], place[t, 1], place[t, 2] = common_x, common_y, common_z
-        for s in range(q.shape[1]):
-            w, x, y, z = q[k, s]
+        lost = False
+        for s in range(sensors):
+            lost |= (flags[k, s] & _INVALID) != 0
+            w, x, y, z = q[k, s, 0], q[k, s, 1], q[k, s, 2], q[k, s, 3]
+            # Four levers turn by one matrix: half the products of turning each by the quaternion.
+            xx, xy, xz = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)
+            yx, yy, yz = 2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)
+            zx, zy, zz = 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)
             for t in range(TARGETS):
-                v = rotate(w, x, y, z, lever[t, s, 0], lever[t, s, 1], lever[t, s, 2])
-                for i in range(3):
-                    place[t, i] += v[i]
+                a, b, c = lever[t, s, 0], lever[t, s, 1], lever[t, s, 2]
+                vx, vy, vz = xx * a + xy * b + xz * c, yx * a + yy * b + yz * c, zx * a + zy * b + zz * c
+                turned[s, t, 0], turned[s, t, 1], turned[s, t, 2] = vx, vy, vz
+                place[t, 0] += vx
+                place[t, 1] += vy
+                place[t, 2] += vz
         # Ahead is where the pelvis faces.
         fx, fy, _ = rotate(one[0], one[1], one[2], one[3], 1.0, 0.0, 0.0)
         flat = math.sqrt(fx * fx + fy * fy)
         c, d = (fx / flat, fy / flat) if flat > 0.0 else (1.0, 0.0)
         lower = FROM_LEFT if place[FROM_LEFT, 2] >= place[FROM_RIGHT, 2] else FROM_RIGHT
         ahead2 = left2 = up2 = settings[S_LEVER2] / 3.0
-        for s in range(q.shape[1]):
-            w, x, y, z = q[k, s]
-            for t in range(TARGETS):
-                v = rotate(w, x, y, z, lever[t, s, 0], lever[t, s, 1], lever[t, s, 2])
-                part = 0.5 * float((s == source[PELVIS]) + (s == source[STERNUM]))
-                arm[t, 0] = c * (v[0] + part * bx) + d * (v[1] + part * by)
-                arm[t, 1] = -d * (v[0] + part * bx) + c * (v[1] + part * by)
-                arm[t, 2] = v[2] + part * bz
+        for s in range(sensors):
+            part = 0.5 * float((s == source[PELVIS]) + (s == source[STERNUM]))
+            for t in (FROM_MIDDLE, lower):
+                vx, vy = turned[s, t, 0] + part * bx, turned[s, t, 1] + part * by
+                arm[t, 0] = c * vx + d * vy
+                arm[t, 1] = -d * vx + c * vy
+                arm[t, 2] = turned[s, t, 2] + part * bz
             sx2, sy2, sz2 = sigma[k, s, 0] ** 2, sigma[k, s, 1] ** 2, sigma[k, s, 2] ** 2
             about_ahead, about_left = c * c * sx2 + d * d * sy2, d * d * sx2 + c * c * sy2
             m = arm[FROM_MIDDLE]
@@ -112,17 +131,24 @@ def mass_centre(
             left2 += about_ahead * m[2] ** 2 + sz2 * m[0] ** 2
             m = arm[lower]
             up2 += about_ahead * m[1] ** 2 + about_left * m[0] ** 2
-            e = doubt[lower, s]
-            up2 += _along(e, rotate_back(w, x, y, z, 0.0, 0.0, 1.0))
-            e = doubt[FROM_MIDDLE, s]
-            ahead2 += _along(e, rotate_back(w, x, y, z, c, d, 0.0))
-            left2 += _along(e, rotate_back(w, x, y, z, -d, c, 0.0))
-        for i in range(3):
-            from_hip[k, i] = place[FROM_HIP, i]
-        scalar[k, 0] = c * place[FROM_MIDDLE, 0] + d * place[FROM_MIDDLE, 1]
-        scalar[k, 1] = -d * place[FROM_MIDDLE, 0] + c * place[FROM_MIDDLE, 1]
-        scalar[k, 2] = place[lower, 2] + settings[S_ANKLE]
-        scalar[k, 3], scalar[k, 4], scalar[k, 5] = math.sqrt(ahead2), math.sqrt(left2), math.sqrt(up2)
+            if has_doubt[s]:
+                w, x, y, z = q[k, s, 0], q[k, s, 1], q[k, s, 2], q[k, s, 3]
+                up2 += _along(doubt[lower, s], rotate_back(w, x, y, z, 0.0, 0.0, 1.0))
+                e = doubt[FROM_MIDDLE, s]
+                ahead2 += _along(e, rotate_back(w, x, y, z, c, d, 0.0))
+                left2 += _along(e, rotate_back(w, x, y, z, -d, c, 0.0))
+        point[k, last, 0], point[k, last, 1] = place[FROM_HIP, 0], place[FROM_HIP, 1]
+        point[k, last, 2] = settings[S_HIP] + place[FROM_HIP, 2]
+        if lost:
+            for i in range(6):
+                scalar[k, first + i] = np.nan
+            continue
+        scalar[k, first] = c * place[FROM_MIDDLE, 0] + d * place[FROM_MIDDLE, 1]
+        scalar[k, first + 1] = -d * place[FROM_MIDDLE, 0] + c * place[FROM_MIDDLE, 1]
+        scalar[k, first + 2] = place[lower, 2] + settings[S_ANKLE]
+        scalar[k, first + 3] = math.sqrt(ahead2)
+        scalar[k, first + 4] = math.sqrt(left2)
+        scalar[k, first + 5] = math.sqrt(up2)
 
 
 __all__ = ["SETTINGS", "SOURCES", "TARGETS", "mass_centre"]

@@ -71,9 +71,9 @@ class KernelEstimator(OrientationEstimator):
 
     def _filter(self, chunk: ImuChunk, field: Float | None, *more: NDArray[Any]) -> OrientationResult:
         """Run the kernel over a chunk that was accepted; `more` are further output arrays of the kernel."""
-        shape = (chunk.sensor_count, chunk.tick_count)
+        shape = chunk.gyroscope_radps.shape[:2]
         # One piece of memory: the system gives a large one in large pages, which cost less than many small ones.
-        ticks = chunk.sensor_count * chunk.tick_count
+        ticks = shape[0] * shape[1]
         whole = np.empty(10 * ticks)
         q = whole[: 4 * ticks].reshape(*shape, 4)
         bias = whole[4 * ticks : 7 * ticks].reshape(*shape, 3)

@@ -29,6 +29,7 @@ _LAST, _FORCE, _RECENT, _HAS_LAST, _DOUBTS = 0, 3, 6, 7, 8
 MEMORY = 9
 """Per sensor: last rate and force believed, largest recent rate, whether there is a last one, doubted in a row."""
 _SAMPLE, _FIELD = 1, 2
+_NO_FIELD: Final = np.empty((0, 0, 3))
 
 
 @kernel(
@@ -118,13 +119,12 @@ class SampleScreen:
 
     def screened(self, chunk: ImuChunk) -> ImuChunk:
         """Return the next ticks with wild samples MISSING, values NaN; the same chunk where there are none."""
-        rate, force = (
-            np.asarray(v, dtype=np.float64) for v in (chunk.gyroscope_radps, chunk.accelerometer_mps2)
-        )
+        rate = np.asarray(chunk.gyroscope_radps, dtype=np.float64)
+        force = np.asarray(chunk.accelerometer_mps2, dtype=np.float64)
         field = chunk.magnetometer_t
         quality = np.asarray(chunk.quality, dtype=np.uint8)
         wild = np.empty(quality.shape, dtype=np.uint8)
-        given = np.empty((0, 0, 3)) if field is None else np.asarray(field, dtype=np.float64)
+        given = _NO_FIELD if field is None else np.asarray(field, dtype=np.float64)
         if not _judge(rate, force, given, quality, self._time_step_s, self.memory, wild):
             return chunk
         lost = (wild & _SAMPLE) != 0

@@ -44,23 +44,33 @@ class ChunkGuard:
 
     def accept(self, chunk: ImuChunk) -> ImuChunk:
         """Return the chunk with wild samples MISSING; `ShapeError` unless it is the next one of this network."""
-        expected = (self.sensor_count, chunk.tick_count, 3)
-        arrays = {"gyroscope_radps": chunk.gyroscope_radps, "accelerometer_mps2": chunk.accelerometer_mps2}
-        if chunk.magnetometer_t is not None:
-            arrays["magnetometer_t"] = chunk.magnetometer_t
-        for name, values in arrays.items():
-            if values.shape != expected:
-                raise ShapeError(f"{name} has shape {values.shape}; this network needs {expected}")
+        first, ticks = chunk.first_tick, chunk.tick_count
+        expected = (self.sensor_count, ticks, 3)
+        field = chunk.magnetometer_t
+        if (
+            chunk.gyroscope_radps.shape != expected
+            or chunk.accelerometer_mps2.shape != expected
+            or (field is not None and field.shape != expected)
+        ):
+            raise _wrong_shape(chunk, expected)
         if chunk.quality.shape != expected[:2]:
             raise ShapeError(f"quality has shape {chunk.quality.shape}; it must be {expected[:2]}")
         if abs(chunk.time_step_s - self.time_step_s) > 1e-9 * self.time_step_s:
             raise ShapeError(
                 f"chunk at {chunk.time_step_s} s per tick; the estimator runs at {self.time_step_s}"
             )
-        if self.next_tick not in (_NEVER, chunk.first_tick):
-            raise ShapeError(f"chunk starts at tick {chunk.first_tick}; tick {self.next_tick} is next")
-        self.next_tick = chunk.first_tick + chunk.tick_count
+        if self.next_tick not in (_NEVER, first):
+            raise ShapeError(f"chunk starts at tick {first}; tick {self.next_tick} is next")
+        self.next_tick = first + ticks
         return self._screen.screened(chunk)
+
+
+def _wrong_shape(chunk: ImuChunk, expected: tuple[int, int, int]) -> ShapeError:
+    for name in ("gyroscope_radps", "accelerometer_mps2", "magnetometer_t"):
+        values = getattr(chunk, name)
+        if values is not None and values.shape != expected:
+            return ShapeError(f"{name} has shape {values.shape}; this network needs {expected}")
+    return ShapeError(f"this network needs {expected}")
 
 
 def usable_samples(chunk: ImuChunk) -> NDArray[np.bool_]:

@@ -1,7 +1,6 @@
 """The arm pipeline: trunk, one or two arms, and whatever else is worn."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -96,8 +95,27 @@ class ArmPipeline(Pipeline):
     def step(self, chunk: ImuChunk) -> Frames:
         """Take the next ticks of all sensors, in the order of `setup.placements`."""
         _, q_room_segment, omega, sigma, flags = self._network.step(chunk)
+        if not self._network.is_calibrated:
+            return self._nothing(chunk, q_room_segment, None, flags)
+        if self._model is None and self._mass is None:
+            return self._nothing(chunk, q_room_segment, None, flags)
+        if self._model is None:
+            frames = self._nothing(chunk, q_room_segment, sigma, flags)
+            frames.point_room_m[:, 0] = (0.0, 0.0, HIP_HEIGHT_PER_STATURE * self.setup.body.stature_m)
+        else:
+            frames = self._with_arms(chunk, self._model, q_room_segment, omega, sigma, flags)
+        if self._mass is not None and frames.segment_sigma_rad is not None:
+            self._mass.write(
+                frames.q_room_segment, frames.segment_sigma_rad, flags, frames.point_room_m, frames.scalar
+            )
+        return frames
+
+    def _nothing(
+        self, chunk: ImuChunk, q_room_segment: Float, sigma: Float | None, flags: NDArray[np.uint8]
+    ) -> Frames:
+        """Return frames of which only the segments are known."""
         ticks, layout = chunk.tick_count, self._layout
-        found = Frames(
+        return Frames(
             layout=layout,
             first_tick=chunk.first_tick,
             time_step_s=chunk.time_step_s,
@@ -108,32 +126,23 @@ class ArmPipeline(Pipeline):
             scalar=np.full((ticks, len(layout.scalars)), np.nan),
             segment_flags=flags,
             angle_flags=np.full((ticks, len(layout.angles)), _INVALID),
+            segment_sigma_rad=sigma,
         )
-        if not self._network.is_calibrated:
-            return found
-        if self._model is not None:
-            found = self._with_arms(found, self._model, omega, sigma)
-            sigma = found.segment_sigma_rad if found.segment_sigma_rad is not None else sigma
-        return found if self._mass is None else self._with_mass(found, self._mass, sigma)
 
-    def _with_mass(self, frames: Frames, model: WornMassCentre, sigma: Float) -> Frames:
-        """Write the centre of mass into the last columns."""
-        mass = model.evaluate(frames.q_room_segment, sigma)
-        hip = np.array([0.0, 0.0, HIP_HEIGHT_PER_STATURE * self.setup.body.stature_m])
-        frames.point_room_m[:, -1] = hip + mass.from_hip_m
-        if self._model is None:
-            frames.point_room_m[:, 0] = hip
-        is_lost = ((frames.segment_flags & _INVALID) != 0).any(axis=1)
-        frames.scalar[:, -len(MASS_SCALARS) :] = np.where(is_lost[:, None], np.nan, mass.scalar)
-        return frames if frames.segment_sigma_rad is not None else replace(frames, segment_sigma_rad=sigma)
-
-    def _with_arms(self, frames: Frames, model: ArmModel, omega: Float, sigma: Float) -> Frames:
-        """Write joint centres, angles and scalars of the arms into the first columns."""
-        q_room_segment, flags = frames.q_room_segment, frames.segment_flags
+    def _with_arms(
+        self,
+        chunk: ImuChunk,
+        model: ArmModel,
+        q_room_segment: Float,
+        omega: Float,
+        sigma: Float,
+        flags: NDArray[np.uint8],
+    ) -> Frames:
+        """Return frames with joint centres, angles and scalars of the arms in the first columns."""
         is_trusted: NDArray[np.bool_] | None = None
         if self._headings is not None:
             q_room_segment, omega, sigma, is_trusted = self._headings.apply(
-                q_room_segment, omega, sigma, flags, frames.first_tick
+                q_room_segment, omega, sigma, flags, chunk.first_tick
             )
         found = model.evaluate(
             q_room_segment,
@@ -141,22 +150,27 @@ class ArmPipeline(Pipeline):
             angular_velocity_room_radps=omega,
             sigma_room_rad=sigma,
             previous_angle_rad=self._previous_angle_rad,
+            more_points=0 if self._mass is None else 1,
+            more_scalars=0 if self._mass is None else len(MASS_SCALARS),
         )
         self._previous_angle_rad = found.previous_angle_rad
         if self._headings is not None and is_trusted is not None:
             for j, joint in enumerate(self._headings.names):
-                columns = [a for a, name in enumerate(frames.layout.angles) if name.startswith(f"{joint}_")]
+                columns = [a for a, name in enumerate(self._layout.angles) if name.startswith(f"{joint}_")]
                 known = np.where(is_trusted[:, j], _HEADING_KNOWN, np.uint8(0xFF))
                 found.angle_flags[:, columns] &= known[:, None]
-        frames.point_room_m[:, : len(model.points)] = found.point_room_m
-        frames.scalar[:, : len(model.scalars)] = found.scalar
-        return replace(
-            frames,
-            q_room_segment=q_room_segment,
-            angle_rad=found.angle_rad,
-            angle_sigma_rad=found.angle_sigma_rad,
-            angle_flags=found.angle_flags,
-            segment_sigma_rad=sigma,
+        return Frames(
+            self._layout,
+            chunk.first_tick,
+            chunk.time_step_s,
+            q_room_segment,
+            found.point_room_m,
+            found.angle_rad,
+            found.angle_sigma_rad,
+            found.scalar,
+            flags,
+            found.angle_flags,
+            sigma,
         )
 
     def calibrate(self, pose: ImuChunk, method: str = "n_pose") -> Calibration:

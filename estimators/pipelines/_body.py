@@ -26,6 +26,7 @@ _LEVEL_LIMIT_MPS2 = 0.1 * GRAVITY_MPS2
 _MEMORY_S = 8.0
 _MEMORY_HZ = 5.0
 """Orientation remembered for a calibration pose: a still pose needs no more."""
+_NO_VARIANCE = np.empty((0, 3))
 _UNCALIBRATED = np.uint8(OrientationFlag.CONVERGING | OrientationFlag.HEADING_NOT_TRUSTED)
 
 
@@ -98,33 +99,34 @@ class BodyNetwork:
         flags : ndarray of uint8, shape (K, S)
         """
         chunk = self.corrected(chunk)
+        first, ticks, sensors = chunk.first_tick, chunk.tick_count, self.sensor_count
         if self._has_accelerometer_bias:
             force = chunk.accelerometer_mps2 - self._accelerometer_bias[:, None]
-            chunk = replace(chunk, accelerometer_mps2=force)
+            # Not `replace`, which costs as much as the subtraction; the filter asks for nothing else.
+            chunk = ImuChunk(
+                first, chunk.time_step_s, chunk.gyroscope_radps, force, chunk.magnetometer_t, chunk.quality
+            )
         result = self._filter.update(chunk)
-        shape = (chunk.tick_count, self.sensor_count)
-        q_room_segment, omega = np.empty((*shape, 4)), np.empty((*shape, 3))
-        sigma, flags = np.empty((*shape, 3)), np.empty(shape, dtype=np.uint8)
+        q_room_segment, omega = np.empty((ticks, sensors, 4)), np.empty((ticks, sensors, 3))
+        sigma, flags = np.empty((ticks, sensors, 3)), np.empty((ticks, sensors), dtype=np.uint8)
         known = result.sigma_rad
         compose(
             result.q_earth_sensor,
-            np.full((*shape[::-1], 3), np.nan) if known is None else known,
+            np.full((sensors, ticks, 3), np.nan) if known is None else known,
             np.ascontiguousarray(chunk.gyroscope_radps, dtype=np.float64),
             result.gyroscope_bias_radps,
             result.flags,
             self._q_room_earth,
             self._q_sensor_segment,
+            self._mounting_variance,
+            self._more_flags,
             q_room_segment,
             omega,
             sigma,
             flags,
         )
-        if self._mounting_variance.any():
-            part = rotation.to_matrix(q_room_segment) ** 2 * self._mounting_variance[:, None]
-            sigma = np.sqrt(sigma**2 + (part[..., 0] + part[..., 1] + part[..., 2]))
-        flags |= self._heading_flags if self.is_calibrated else _UNCALIBRATED
-        self._remember(chunk.first_tick, result)
-        self._next_tick = chunk.first_tick + chunk.tick_count
+        self._remember(first, ticks, result)
+        self._next_tick = first + ticks
         return result, q_room_segment, omega, sigma, flags
 
     def corrected(self, chunk: ImuChunk) -> ImuChunk:
@@ -318,9 +320,8 @@ class BodyNetwork:
             return np.ascontiguousarray(seen), flags
         return np.ascontiguousarray(self._memory_q[inside].swapaxes(0, 1)), flags
 
-    def _remember(self, first_tick: int, result: OrientationResult) -> None:
+    def _remember(self, first_tick: int, ticks: int, result: OrientationResult) -> None:
         """Keep the orientation at every n-th tick, counted since the start so that chunks do not matter."""
-        ticks = result.flags.shape[1]
         start = -first_tick % self._stride
         for k in range(start, ticks, self._stride):
             slot = ((first_tick + k) // self._stride) % len(self._memory_tick)
@@ -337,8 +338,9 @@ class BodyNetwork:
                 self._accelerometer_bias[s] = found.accelerometer_bias_mps2.get(name, (0.0, 0.0, 0.0))
         self._has_accelerometer_bias = bool(self._accelerometer_bias.any())
         unknown = [found is not None and name in found.unknown_headings for name in self.setup.placements]
-        self._heading_flags = np.where(unknown, OrientationFlag.HEADING_NOT_TRUSTED, 0).astype(np.uint8)
+        self._more_flags = np.where(unknown, np.uint8(OrientationFlag.HEADING_NOT_TRUSTED), np.uint8(0))
         if found is None or not found.q_sensor_segment:
+            self._mounting_variance, self._more_flags[:] = _NO_VARIANCE, _UNCALIBRATED
             return
         for s, name in enumerate(self.setup.placements):
             if name not in found.q_sensor_segment:
@@ -349,6 +351,8 @@ class BodyNetwork:
             self._q_room_earth[s] = rotation.about_z(turn_rad)
             self._q_sensor_segment[s] = rotation.normalize(found.q_sensor_segment[name])
             self._mounting_variance[s] = np.square(found.mounting_sigma_rad.get(name, (0.0, 0.0, 0.0)))
+        if not self._mounting_variance.any():
+            self._mounting_variance = _NO_VARIANCE
 
     def _set_bias(self, found: Calibration, sigma_radps: float) -> None:
         if all(name in found.gyroscope_bias_radps for name in self.setup.placements):

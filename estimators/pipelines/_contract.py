@@ -179,6 +179,16 @@ class Frames:
         ticks = np.arange(self.first_tick, self.first_tick + self.tick_count, dtype=np.float64)
         return ticks * self.time_step_s
 
+    def without_segment_sigma(self) -> "Frames":
+        """Return the same frames without `segment_sigma_rad`."""
+        if self.segment_sigma_rad is None:
+            return self
+        # Of every live packet: `replace` would set each field anew, six times as dear.
+        twin = object.__new__(type(self))
+        twin.__dict__.update(self.__dict__)
+        twin.__dict__["segment_sigma_rad"] = None
+        return twin
+
 
 class Pipeline(ABC):
     """One session's estimators behind one call.

@@ -21,8 +21,9 @@ def compose_numpy(
     flags: Flags,
     q_room_earth: Float,
     q_sensor_segment: Float,
+    mounting_variance: Float,
 ) -> tuple[Float, Float, Float]:
-    """Numpy twin of `compose`: the test oracle; returns what `compose` fills."""
+    """Numpy twin of `compose`: the test oracle; returns the first three that `compose` fills."""
     q_room_sensor = rotation.multiply(q_room_earth[:, None], q_earth_sensor)
     q_room_segment = rotation.multiply(q_room_sensor, q_sensor_segment[:, None])
     omega = np.where((flags & _INVALID)[..., None] != 0, np.nan, rotation.rotate(q_room_sensor, rate_radps))
@@ -30,6 +31,9 @@ def compose_numpy(
     sigma = np.sqrt(
         np.einsum("skij,skj->ski", np.broadcast_to(squared, (*flags.shape, 3, 3)), sigma_earth**2)
     )
+    if len(mounting_variance):
+        part = rotation.to_matrix(q_room_segment) ** 2 * mounting_variance[:, None, None]
+        sigma = np.sqrt(sigma**2 + (part[..., 0] + part[..., 1] + part[..., 2]))
     return q_room_segment.swapaxes(0, 1), omega.swapaxes(0, 1), sigma.swapaxes(0, 1)
 
 
@@ -41,17 +45,22 @@ def compose_python(
     flags: Flags,
     q_room_earth: Float,
     q_sensor_segment: Float,
+    mounting_variance: Float,
+    more_flags: Flags,
     q_room_segment: Float,
     omega_room: Float,
     sigma_room: Float,
     segment_flags: Flags,
 ) -> None:
-    """Fill the outputs, shapes (K, S, ...), from inputs of shapes (S, K, ...) and (S, 4).
+    """Fill the outputs, shapes (K, S, ...), from inputs of shapes (S, K, ...), (S, 4), (S, 3) and (S,).
 
     Orientation is `q_room_earth * q_earth_sensor * q_sensor_segment`; the turning rate is that of the segment
-    in room axes, NaN where there is no estimate; sigma is about the room axes.
+    in room axes, NaN where there is no estimate; sigma is about the room axes, that of the orientation and what the
+    mounting adds to it (variances about the segment's axes; shape (0, 3) where nothing is known). `more_flags` are
+    set at every tick of a sensor.
     """
     sensors, ticks = flags.shape
+    has_mounting = mounting_variance.shape[0] > 0
     for s in range(sensors):
         aw, ax, ay, az = q_room_earth[s, 0], q_room_earth[s, 1], q_room_earth[s, 2], q_room_earth[s, 3]
         cw, cx, cy, cz = (
@@ -73,12 +82,16 @@ def compose_python(
             x = aw * bx + ax * bw + ay * bz - az * by
             y = aw * by - ax * bz + ay * bw + az * bx
             z = aw * bz + ax * by - ay * bx + az * bw
-            q_room_segment[k, s, 0] = w * cw - x * cx - y * cy - z * cz
-            q_room_segment[k, s, 1] = w * cx + x * cw + y * cz - z * cy
-            q_room_segment[k, s, 2] = w * cy - x * cz + y * cw + z * cx
-            q_room_segment[k, s, 3] = w * cz + x * cy - y * cx + z * cw
+            gw = w * cw - x * cx - y * cy - z * cz
+            gx = w * cx + x * cw + y * cz - z * cy
+            gy = w * cy - x * cz + y * cw + z * cx
+            gz = w * cz + x * cy - y * cx + z * cw
+            q_room_segment[k, s, 0] = gw
+            q_room_segment[k, s, 1] = gx
+            q_room_segment[k, s, 2] = gy
+            q_room_segment[k, s, 3] = gz
             flag = flags[s, k]
-            segment_flags[k, s] = flag
+            segment_flags[k, s] = flag | more_flags[s]
             if flag & _INVALID:
                 for i in range(3):
                     omega_room[k, s, i] = np.nan
@@ -91,16 +104,27 @@ def compose_python(
                 omega_room[k, s, 1] = q + w * ty + z * tx - x * tz
                 omega_room[k, s, 2] = r + w * tz + x * ty - y * tx
             sx, sy = sigma_earth[s, k, 0], sigma_earth[s, k, 1]
-            sigma_room[k, s, 0] = np.sqrt((cosine * sx) ** 2 + (sine * sy) ** 2)
-            sigma_room[k, s, 1] = np.sqrt((sine * sx) ** 2 + (cosine * sy) ** 2)
-            sigma_room[k, s, 2] = sigma_earth[s, k, 2]
+            about_x = np.sqrt((cosine * sx) ** 2 + (sine * sy) ** 2)
+            about_y = np.sqrt((sine * sx) ** 2 + (cosine * sy) ** 2)
+            about_z = sigma_earth[s, k, 2]
+            if has_mounting:
+                vx, vy, vz = mounting_variance[s, 0], mounting_variance[s, 1], mounting_variance[s, 2]
+                a, b, c = 1 - 2 * (gy * gy + gz * gz), 2 * (gx * gy - gw * gz), 2 * (gx * gz + gw * gy)
+                about_x = np.sqrt(about_x**2 + (a * a * vx + b * b * vy + c * c * vz))
+                a, b, c = 2 * (gx * gy + gw * gz), 1 - 2 * (gx * gx + gz * gz), 2 * (gy * gz - gw * gx)
+                about_y = np.sqrt(about_y**2 + (a * a * vx + b * b * vy + c * c * vz))
+                a, b, c = 2 * (gx * gz - gw * gy), 2 * (gy * gz + gw * gx), 1 - 2 * (gx * gx + gy * gy)
+                about_z = np.sqrt(about_z**2 + (a * a * vx + b * b * vy + c * c * vz))
+            sigma_room[k, s, 0] = about_x
+            sigma_room[k, s, 1] = about_y
+            sigma_room[k, s, 2] = about_z
 
 
 compose = cast(
     Callable[..., None],
     numba.njit(
         "void(f8[:,:,::1],f8[:,:,::1],f8[:,:,::1],f8[:,:,::1],u1[:,::1],f8[:,::1],f8[:,::1],"
-        "f8[:,:,::1],f8[:,:,::1],f8[:,:,::1],u1[:,::1])",
+        "f8[:,::1],u1[::1],f8[:,:,::1],f8[:,:,::1],f8[:,:,::1],u1[:,::1])",
         cache=True,
         nogil=True,
         error_model="numpy",

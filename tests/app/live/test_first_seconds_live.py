@@ -68,7 +68,7 @@ def test_a_check_that_fails_does_not_end_the_session(
     def broken(*_: object) -> None:
         raise ValueError("no")
 
-    monkeypatch.setattr("app.live.first_seconds.check_plausibility", broken)
+    monkeypatch.setattr("app.live.plausibility.check_plausibility", broken)
     watch, told = asyncio.run(watched(sound))
     assert (told, watch.hint) == ([], "")
     assert "could not be checked" in caplog.text

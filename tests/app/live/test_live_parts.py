@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from app.errors import Conflict
-from app.live.blocks import PublishedFrames, column_names, encode_block
+from app.live.blocks import PublishedFrames, column_names
 from app.live.bus import MemoryBus, topic
 from app.live.estimation import INLINE_TICKS, EstimationLine
 from app.live.health import LinkHealth
@@ -15,7 +15,7 @@ from app.live.ledger import GIVE_UP_AFTER_S, REPORT_AFTER_S, SequenceLedger
 from app.live.pose import PoseCollector
 from app.live.states import OPEN, STREAMING, TRANSITIONS, StateMachine, streaming_state
 from app.recordings.schemas import SessionState
-from estimators.pipelines import FrameLayout
+from estimators.pipelines import FrameLayout, Frames
 from estimators.recording import ImuChunk, SampleQuality
 
 STATES: tuple[SessionState, ...] = get_args(SessionState)
@@ -194,7 +194,7 @@ def test_health_counts_loss_jitter_and_saturation() -> None:
         part.quality[1] = SampleQuality.BRIDGED if i % 2 else SampleQuality.SATURATED
         health.add_chunk(part)
         health.add_packet(0.05 * i, 0.05 * i + (0.016 if i % 2 else 0.0))
-    health.set_flags(("sternum", "forearm_left"), np.array([0, 16 | 32], dtype=np.uint8))
+    health.set_flags(("sternum", "forearm_left"), np.array([[255, 255], [0, 16 | 32]], dtype=np.uint8))
     sternum, forearm = health.sensors(link_is_up=True)
     assert (sternum.status, sternum.loss_percent, sternum.saturated) == ("ok", 0.0, False)
     assert (forearm.status, forearm.loss_percent, forearm.saturated) == ("noisy", 50.0, True)
@@ -210,8 +210,8 @@ def test_health_counts_loss_jitter_and_saturation() -> None:
 LAYOUT = FrameLayout(segments=("sternum",), points=("neck",), angles=("a", "b"), scalars=("lean_rad",))
 
 
-def frames(first: int, ticks: int) -> PublishedFrames:
-    return PublishedFrames(
+def frames(first: int, ticks: int) -> Frames:
+    return Frames(
         layout=LAYOUT,
         first_tick=first,
         time_step_s=0.01,
@@ -222,7 +222,6 @@ def frames(first: int, ticks: int) -> PublishedFrames:
         scalar=np.full((ticks, 1), 4.0),
         segment_flags=np.full((ticks, 1), 255, dtype=np.uint8),
         angle_flags=np.full((ticks, 2), 128, dtype=np.uint8),
-        published_at_s=1234.5,
     )
 
 
@@ -232,7 +231,9 @@ def test_a_block_holds_the_columns_that_the_layout_names() -> None:
         "a", "b", "a.sigma", "b.sigma", "lean_rad", "neck.x", "neck.y", "neck.z", "sternum.flags", "a.flags",
         "b.flags",
     ]  # fmt: skip
-    block = encode_block(frames(2**32 + 7, 3))
+    published = PublishedFrames(frames(2**32 + 7, 3), 1234.5)
+    block = published.block
+    assert published.block is block, "made once for all who watch"
     header = np.frombuffer(block[:40], dtype="<u4,<u4,<u4,<u4,<f8,<f8,<f8")[0].tolist()
     assert block[:4] == b"TMF1"
     assert header[1:] == (3, 11, 7, (2**32 + 7) * 0.01, 0.01, 1234.5)

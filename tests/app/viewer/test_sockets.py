@@ -19,6 +19,7 @@ from app.live.blocks import PublishedFrames
 from app.live.bus import topic
 from app.patients.models import Grant
 from app.viewer import wire
+from estimators.pipelines import Frames
 
 CAMERA = msgspec.msgpack.encode(
     {
@@ -280,7 +281,7 @@ def test_a_live_view_shows_the_newest_frames(therapist, open_view, services, nob
         )  # fmt: skip
         fields = {**vars(recorded.frames), "first_tick": tick}
         fields |= {name: getattr(recorded.frames, name)[part] for name in arrays}
-        frames = PublishedFrames(**fields, published_at_s=time.time())
+        frames = PublishedFrames(Frames(**fields), time.time())
         nobody.portal.call(services.bus.publish, topic(recorded.live_session_id, "frames"), frames)
         until(page, raised_arm)
         # When nothing more comes, what was measured turns grey and one label says so.
