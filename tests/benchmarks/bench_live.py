@@ -53,6 +53,9 @@ ROOT = Path(__file__).resolve().parents[2]
 SECRET = "bench-only-0123456789-abcdefghijklmnopq"
 EMAIL, PASSWORD = "therapist@bench.example", "a long enough password"
 LIMIT_MS = 50.0
+LIMIT_CORE = 0.85
+JUDGED_SESSIONS = 50
+"""Up to so many, latency and processor time are judged too; beyond, that no packet is lost."""
 WARM_UP_S = 5.0
 _BLOCK = struct.Struct("<4sIIIddd")
 
@@ -170,6 +173,9 @@ def start_server(url: str, folder: Path, port: int, before: str = "") -> subproc
         "TELEMOTION_LOG_LEVEL": "warning",
         "PYTHONPATH": str(ROOT),
         "OPENBLAS_NUM_THREADS": "1",
+        # All sessions are those of one account.
+        "TELEMOTION_LIMIT_STREAMS": "1000/1000/1000",
+        "TELEMOTION_LIMIT_SOCKETS": "1000/1000/1000",
     }
     code = f"{before}\nfrom app.commands.serve import serve; serve('127.0.0.1', {port})"
     process = subprocess.Popen([sys.executable, "-c", code], env=environment, cwd=ROOT)
@@ -281,8 +287,12 @@ def run_load(
 
 
 def cpu_s(process: psutil.Process) -> float:
-    times = process.cpu_times()
-    return float(times.user + times.system)
+    """Processor time of a process and of those that it started."""
+    total = 0.0
+    for one in (process, *process.children(recursive=True)):
+        times = one.cpu_times()
+        total += times.user + times.system
+    return float(total)
 
 
 def stored(folder: Path) -> dict[str, tuple[int, int, int]]:
@@ -324,7 +334,8 @@ def report(outcome: Outcome, folder: Path, sessions: int, seconds: float, packet
     )
     print(row("load generator late", outcome.late_ms))
     print(
-        f"\nCPU       service {100 * outcome.server_cpu:.0f} %, load {100 * outcome.load_cpu:.0f} % of one core"
+        f"\nCPU       service with its processes {100 * outcome.server_cpu:.0f} %,"
+        f" load {100 * outcome.load_cpu:.0f} % of one core"
     )
     for kind, (chunks, ticks, size) in kept.items():
         print(
@@ -335,11 +346,20 @@ def report(outcome: Outcome, folder: Path, sessions: int, seconds: float, packet
     whole = in_database == outcome.sent == sessions * packet_count
     high = float(np.percentile(outcome.published_ms, 99))
     print(f"\npackets   {outcome.sent} sent, {in_database} stored")
+    print(f"required  every packet stored: {verdict(whole)}")
+    if sessions > JUDGED_SESSIONS:
+        return whole
+    is_quick, is_lean = high < LIMIT_MS, outcome.server_cpu <= LIMIT_CORE
+    print(f"required  p99 below {LIMIT_MS:.0f} ms: {verdict(is_quick)} with {high:.1f} ms")
     print(
-        f"required  p99 below {LIMIT_MS:.0f} ms: {'met' if high < LIMIT_MS else 'MISSED'} with {high:.1f} ms;"
-        f" every packet stored: {'met' if whole else 'MISSED'}"
+        f"required  at most {100 * LIMIT_CORE:.0f} % of a core: {verdict(is_lean)} with"
+        f" {100 * outcome.server_cpu:.0f} %"
     )
-    return high < LIMIT_MS and whole
+    return whole and is_quick and is_lean
+
+
+def verdict(is_met: bool) -> str:
+    return "met" if is_met else "MISSED"
 
 
 def main() -> int:
