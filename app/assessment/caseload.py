@@ -15,7 +15,7 @@ from sqlalchemy import func, or_, select
 from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
-from app.assessment.measures import SessionValue, by_patient, change, pooled_spread, session_values
+from app.assessment.measures import SessionValue, by_patient, pooled_spread, recent_change, session_values
 from app.assessment.practice import ADHERENCE_WINDOW, adherence
 from app.assessment.progress import band, dose, main_measure
 from app.assessment.schemas import CaseloadRow
@@ -126,10 +126,9 @@ def _reason(
     with_version: set[str],
     now: datetime,
 ) -> tuple[Reason, str]:
-    # The last six sessions: three against the three before them.
-    moved = change(values[-6:])
+    moved = recent_change(values)
     if moved.is_real and moved.difference is not None and moved.difference < 0.0:
-        return "declining", "The range fell by more than chance between repetitions."
+        return "declining", "The range fell by more than sessions differ by chance."
     if sessions.live_state == "link_lost":
         return "link_lost", "A session is open, but nothing comes from the sensors."
     quiet = _quiet_for(prescriptions, sessions, now)

@@ -5,16 +5,22 @@ session's main result. Their spread is the standard deviation between repetition
 """
 
 import math
+import statistics
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from itertools import groupby
+from typing import Final
 
+from scipy.stats import t as student
 from sqlalchemy import ColumnElement, func, select
 from sqlalchemy.orm import Session
 
 from app.assessment.models import Comparison, RepetitionMeasure
 from app.recordings.models import MotionSession, Result
+
+BASELINE: Final = 3
+"""Sessions needed before it can be said how much one differs from another without any change."""
 
 
 @dataclass(frozen=True)
@@ -48,14 +54,14 @@ class SessionValue:
 
 @dataclass(frozen=True)
 class Change:
-    """How a measure moved, and whether that is more than chance between repetitions.
+    """How a measure moved from the baseline, and whether that is more than one session differs from another.
 
     Attributes
     ----------
     difference : float or None
-        Mean of the later sessions minus mean of the earlier ones; None with fewer than two sessions.
+        Mean of the later sessions minus mean of the baseline; None without a baseline or a later session.
     minimal_detectable : float or None
-        Smallest difference that is unlikely to be chance; None where no session has two repetitions.
+        Smallest difference of two sessions that is unlikely to be chance; None without a baseline.
     """
 
     difference: float | None
@@ -184,40 +190,82 @@ def pooled_spread(values: Sequence[SessionValue]) -> float | None:
     return math.sqrt(sum(spread**2 * (count - 1) for spread, count in known) / freedom)
 
 
-def minimal_detectable_change(values: Sequence[SessionValue]) -> float | None:
-    """Return 1.96 sqrt(2) SEM, the 95 percent limit of the difference of two measurements without true
-    change.
+def minimal_detectable_change(baseline: Sequence[SessionValue]) -> float | None:
+    """Return how much two sessions must differ before it is unlikely (5 percent) to be chance.
 
     Parameters
     ----------
-    values : sequence of SessionValue
-        Of one measure.
+    baseline : sequence of SessionValue
+        Of one measure, from sessions between which nothing is supposed to have changed.
+
+    Returns
+    -------
+    float or None
+        In the unit of the measure; None with fewer than three sessions.
 
     Notes
     -----
-    The standard error of measurement (SEM) is taken as the pooled standard deviation between repetitions of a
-    session. It is not divided by the root of their number: repetitions of one day resemble each other more
-    than sessions do, so the smaller number would call chance a change. Formula as in Haley and
-    Fragala-Pinkham (2006), Physical Therapy 86(5), 735-743.
+    MDC95 = 1.96 sqrt(2) SEM, with the standard error of measurement SEM from repeated sessions (test and
+    retest): their standard deviation. Haley and Fragala-Pinkham (2006), Physical Therapy 86(5), 735-743; Weir
+    (2005), Journal of Strength and Conditioning Research 19(1), 231-240. They know the SEM from many people;
+    here it comes from a few sessions of one, so Student's quantile with n - 1 degrees of freedom stands in the
+    place of 1.96, which it approaches: with 1.96 and three sessions, one unchanged patient in six would be
+    said to have changed. The spread between repetitions of one day is not used: they resemble each other more
+    than sessions do, and would call a different day a real change.
     """
-    error_of_measurement = pooled_spread(values)
-    return None if error_of_measurement is None else 1.96 * math.sqrt(2.0) * error_of_measurement
+    if len(baseline) < BASELINE:
+        return None
+    error_of_measurement = statistics.stdev(value.mean for value in baseline)
+    return float(student.ppf(0.975, len(baseline) - 1)) * math.sqrt(2.0) * error_of_measurement
 
 
 def change(values: Sequence[SessionValue]) -> Change:
-    """Compare the last sessions with the first: three against three, fewer where there are not six.
+    """Compare the last sessions, at most three, with the first three.
 
     Parameters
     ----------
     values : sequence of SessionValue
         Of one measure, oldest first.
     """
-    taken = min(3, len(values) // 2)
-    if not taken:
-        return Change(None, minimal_detectable_change(values))
-    first = sum(value.mean for value in values[:taken]) / taken
-    last = sum(value.mean for value in values[-taken:]) / taken
-    return Change(last - first, minimal_detectable_change(values))
+    first, later = values[:BASELINE], values[BASELINE:][-BASELINE:]
+    limit = minimal_detectable_change(first)
+    if limit is None or not later:
+        return Change(None, limit)
+    return Change(_mean(later) - _mean(first), limit)
+
+
+def recent_change(values: Sequence[SessionValue]) -> Change:
+    """Compare the last three sessions with the three before them, fewer where there are not six.
+
+    Parameters
+    ----------
+    values : sequence of SessionValue
+        Of one measure, oldest first.
+    """
+    limit = minimal_detectable_change(values[:BASELINE])
+    if len(values) <= BASELINE:
+        return Change(None, limit)
+    recent = values[-2 * BASELINE :]
+    half = len(recent) // 2
+    return Change(_mean(recent[-half:]) - _mean(recent[:half]), limit)
+
+
+def session_change(values: Sequence[SessionValue], index: int) -> Change:
+    """Compare one session with the baseline, the first three.
+
+    Parameters
+    ----------
+    values : sequence of SessionValue
+        Of one measure, oldest first.
+    index : int
+        Of the session; one of the baseline itself has no difference.
+    """
+    later = [values[index]] if index >= BASELINE else []
+    return change([*values[:BASELINE], *later])
+
+
+def _mean(values: Sequence[SessionValue]) -> float:
+    return statistics.fmean(value.mean for value in values)
 
 
 def _spread(mean: float, mean_square: float, count: int) -> float | None:

@@ -9,7 +9,14 @@ from sqlalchemy.orm import Session
 
 from app.accounts import audit
 from app.accounts.subject import Subject
-from app.assessment.measures import SessionValue, change, pooled_spread, session_values
+from app.assessment.measures import (
+    Change,
+    SessionValue,
+    change,
+    pooled_spread,
+    session_change,
+    session_values,
+)
 from app.assessment.schemas import Progress, ProgressEvent, ProgressMeasure, ProgressPoint
 from app.assessment.walk_progress import walk_label, walk_order, walk_values
 from app.errors import NotFound
@@ -87,14 +94,14 @@ def _measure(values: list[SessionValue], label: str | None = None) -> ProgressMe
         measure=values[0].measure,
         label=label or measure_label(values[0].measure),
         unit=values[0].unit,
-        points=[_point(value, pooled) for value in values],
+        points=[_point(value, pooled, session_change(values, index)) for index, value in enumerate(values)],
         change=moved.difference,
         minimal_detectable_change=moved.minimal_detectable,
         is_real_change=moved.is_real,
     )
 
 
-def _point(value: SessionValue, pooled: float | None) -> ProgressPoint:
+def _point(value: SessionValue, pooled: float | None, moved: Change) -> ProgressPoint:
     low, high = band(value, pooled)
     return ProgressPoint(
         session_id=value.session_id,
@@ -105,6 +112,8 @@ def _point(value: SessionValue, pooled: float | None) -> ProgressPoint:
         count=value.count,
         orientation=f"{value.orientation} {value.orientation_version}",
         template_version_id=value.template_version_id or None,
+        change=moved.difference,
+        is_real_change=moved.is_real,
     )
 
 

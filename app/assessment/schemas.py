@@ -101,6 +101,10 @@ class ProgressPoint(Schema):
     """Repetitions behind the value."""
     orientation: str
     template_version_id: str | None
+    change: float | None
+    """Against the mean of the first three sessions; None for these and before there are three."""
+    is_real_change: bool | None
+    """Whether that is more than the minimal detectable change."""
 
 
 class ProgressMeasure(Schema):
@@ -111,10 +115,11 @@ class ProgressMeasure(Schema):
     unit: str
     points: list[ProgressPoint]
     change: float | None
-    """Last three against first three sessions; None with fewer than two points."""
+    """The later sessions, at most the last three, against the first three; None with fewer than four."""
     minimal_detectable_change: float | None
-    """1.96 * sqrt(2) * standard error of measurement, from the spread between repetitions."""
+    """At 95 percent, of test and retest, from the spread between the first three sessions; None before."""
     is_real_change: bool | None
+    """None while there are too few sessions to tell."""
 
 
 class ProgressEvent(Schema):

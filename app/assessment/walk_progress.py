@@ -12,10 +12,10 @@ from app.recordings.walk_schemas import WalkContent, WalkMeasure
 from app.recordings.walks import PIPELINE
 
 _LABELS: Final = {
-    "test_time": "Time of the test",
-    "test_distance": "Distance",
-    "speed": "Walking speed",
-    "stride_length": "Stride length",
+    "test_time": "Time of the test, whole walk",
+    "test_distance": "Distance, whole walk",
+    "speed": "Walking speed, steady strides",
+    "stride_length": "Stride length, steady strides",
     "cadence": "Steps a minute",
     "stance_share": "Stance, part of a stride",
     "double_support_share": "Double support, part of a stride",

@@ -1,6 +1,7 @@
-"""At most three plain sentences that a patient or a therapist understands.
+"""Plain sentences that a patient or a therapist understands, compensation first.
 
-A sentence is written only where the difference from the template exceeds what chance and sensors explain.
+A sentence is written only where the difference from the template exceeds what chance and sensors explain. What
+leaves the therapist's band in most repetitions is always reported; beside it at most three other differences.
 """
 
 from collections.abc import Sequence
@@ -9,15 +10,21 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import t as student
 
-from estimators.comparison._channels import channel_label
+from estimators.comparison._channels import TRUNK_CHANNELS, channel_label
 from estimators.comparison._contract import Measure, RepetitionResult, Template
+from estimators.comparison._outside import Outside, outside_band
 
 _MOST = 3
 _CONFIDENCE = 0.975
 _LEAST_RANGE_RAD = 0.087
 _LEAST_SHARE = 0.15
 _LEAST_SMOOTHNESS = 0.2
-"""Differences below 5 degrees, 15 percent or 0.2 of arc length matter to nobody, however certain."""
+"""Inside the therapist's band, differences below 5 degrees, 15 percent or 0.2 of arc length are not worth a word."""
+_TRUNK_MOVES = {
+    "trunk_lean_forward_rad": "The trunk leaned {more} degrees more forward and back",
+    "trunk_lean_lateral_rad": "The trunk leaned {more} degrees more to the side",
+    "trunk_axial_rotation_rad": "The trunk turned {more} degrees more",
+}
 
 
 @dataclass(frozen=True)
@@ -48,7 +55,7 @@ def write_findings(
     Returns
     -------
     tuple of str
-        One to three sentences.
+        At least one sentence.
     """
     kept = [result for result in results if result.repetition.is_kept]
     if not results:
@@ -56,18 +63,22 @@ def write_findings(
     if not kept:
         return ("Repetitions were found, but none could be used; the reason stands beside each.",)
     by_name = {measure.name: measure for measure in summary}
+    outside = {one.channel: one for one in outside_band(kept, template)}
+    first = _compensation(kept, by_name, template, outside)
     found: list[tuple[float, str]] = []
-    for write in (_range, _compensation, _duration, _smoothness, _path, _band):
+    for write in (_range, _duration, _smoothness, _path):
         sentence = write(kept, by_name, template)
         if sentence is not None:
             found.append(sentence)
-    if not found:
+    left = _left_band(outside, template)
+    if not first and not found and not left:
         share = by_name.get("inside_band")
         if share is not None and share.value > 80:
             return ("The movement matched the template within what can be measured.",)
         return ("No difference from the template is larger than the uncertainty of the measurement.",)
     found.sort(key=lambda item: -item[0])
-    return tuple(sentence for _, sentence in found[:_MOST])
+    most = max(0, _MOST - len(first))
+    return (*first, *(sentence for _, sentence in found[:most]), *left)
 
 
 def _difference(
@@ -124,22 +135,50 @@ def _range(
 
 
 def _compensation(
-    kept: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template
-) -> tuple[float, str] | None:
-    words = {
-        "trunk_lean_forward_rad": "The trunk leaned {more} degrees more forward and back",
-        "trunk_lean_lateral_rad": "The trunk leaned {more} degrees more to the side",
-        "trunk_axial_rotation_rad": "The trunk turned {more} degrees more",
-    }
-    candidates: list[tuple[float, str]] = []
-    for channel, phrase in words.items():
+    kept: Sequence[RepetitionResult],
+    summary: dict[str, Measure],
+    template: Template,
+    outside: dict[str, Outside],
+) -> list[str]:
+    """Say how the trunk helped the arm, the largest first; what has its sentence here leaves `outside`."""
+    found: list[tuple[float, str]] = []
+    for channel in TRUNK_CHANNELS:
         difference = _difference(f"compensation:{channel}", kept, summary, template)
-        if difference is not None and difference.certainty >= 1 and difference.excess > _LEAST_RANGE_RAD:
-            sentence = (
-                phrase.format(more=_degrees(difference.excess)) + " than in the template to help the arm."
-            )
-            candidates.append((2.0 * difference.excess / 0.17, sentence))
-    return max(candidates) if candidates else None
+        left = outside.get(channel)
+        if (
+            difference is not None
+            and difference.certainty >= 1
+            and difference.excess > (0.0 if left is not None else _LEAST_RANGE_RAD)
+        ):
+            moved = _TRUNK_MOVES[channel].format(more=_degrees(difference.excess))
+            often = f"; {left.how_often}" if left is not None else ""
+            found.append((difference.excess, f"{moved} than in the template to help the arm{often}."))
+            outside.pop(channel, None)
+        elif left is not None:
+            label = channel_label(channel)
+            text = f"{label} was {left.how_often}, by up to {_degrees(left.beyond)} degrees."
+            found.append((left.beyond, text))
+            outside.pop(channel)
+    return [sentence for _, sentence in sorted(found, key=lambda item: -item[0])]
+
+
+def _left_band(outside: dict[str, Outside], template: Template) -> list[str]:
+    """Say which angles left the band: the main one with its phases, the others together."""
+    sentences = []
+    main = outside.get(template.primary_channel)
+    if main is not None:
+        sentences.append(
+            f"{channel_label(main.channel)} was {main.how_often}, mostly between {main.start} and {main.end}"
+            " percent of the movement."
+        )
+    others = sorted((one for one in outside.values() if one is not main), key=lambda one: -one.beyond)
+    if others:
+        named = ", ".join(
+            f"{channel_label(one.channel).lower()} (by up to {_degrees(one.beyond)} degrees)"
+            for one in others
+        )
+        sentences.append(f"{'Also outside' if main is not None else 'Outside'} the band: {named}.")
+    return sentences
 
 
 def _duration(
@@ -182,21 +221,3 @@ def _path(
         return None
     more = 100 * difference.excess / difference.reference
     return difference.excess, f"The hand took a longer way than the template, by {more:.0f} percent."
-
-
-def _band(
-    kept: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template
-) -> tuple[float, str] | None:
-    """Say where the primary channel is outside its band in most repetitions."""
-    count = np.zeros(101)
-    for result in kept:
-        for start, end in result.outside.get(template.primary_channel, []):
-            count[start:end] += 1
-    often = np.flatnonzero(count > len(kept) / 2)
-    if len(often) < 10:
-        return None
-    label = channel_label(template.primary_channel)
-    return (
-        0.2,
-        f"{label} was outside the band mostly between {often[0]} and {often[-1]} percent of the movement.",
-    )

@@ -1,12 +1,13 @@
 """Progress and caseload: the statistics by hand, the reasons by example."""
 
 import math
+from dataclasses import replace
 from datetime import timedelta
 
 import numpy as np
 import pytest
 
-from app.assessment.measures import change, minimal_detectable_change, session_values
+from app.assessment.measures import change, minimal_detectable_change, session_change, session_values
 from app.assessment.practice import adherence
 from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
@@ -35,39 +36,60 @@ def test_a_session_is_mean_spread_and_count(history):
 
 
 def test_detectable_change_follows_its_formula(history):
-    groups = [[1.0, 1.2], [1.1, 1.2, 1.3], [0.9, 1.0, 1.4, 1.5]]
-    for age, group in zip((3, 2, 1), groups, strict=True):
-        history.session(age, group)
-    pooled = math.sqrt(
-        sum(np.var(group, ddof=1) * (len(group) - 1) for group in groups) / sum(len(g) - 1 for g in groups)
-    )
-    assert minimal_detectable_change(values_of(history)) == pytest.approx(1.96 * math.sqrt(2) * pooled)
+    """From the spread between three sessions (their means), not from that between repetitions of one."""
+    for age, mean in zip((3, 2, 1), (1.0, 1.3, 1.1), strict=True):
+        history.session(age, [mean - 0.5, mean + 0.5])
+    values = values_of(history)
+    quantile = 4.302653
+    expected = quantile * math.sqrt(2) * np.std([1.0, 1.3, 1.1], ddof=1)
+    assert minimal_detectable_change(values) == pytest.approx(expected, rel=1e-6)
+    assert minimal_detectable_change(values[:2]) is None
 
 
-def test_change_is_last_three_against_first_three_without_overlap(history):
-    means = [1.0, 1.1, 1.2, 5.0, 1.7, 1.8, 1.9]
+def test_change_is_last_three_against_first_three(history):
+    means = [1.0, 1.05, 1.1, 5.0, 1.7, 1.8, 1.9]
     for age, mean in zip(range(7, 0, -1), means, strict=True):
         history.session(age, [mean - 0.01, mean + 0.01])
-    moved = change(values_of(history))
-    assert moved.difference == pytest.approx(0.7)
+    values = values_of(history)
+    moved = change(values)
+    assert moved.difference == pytest.approx(0.75)
     assert moved.is_real is True
-    assert change(values_of(history)[:1]).difference is None
-    assert change(values_of(history)[:3]).difference == pytest.approx(0.2), "one against one of three"
+    assert change(values[:4]).difference == pytest.approx(3.95), "the fourth against the first three"
+    for few in (1, 2, 3):
+        assert (change(values[:few]).difference, change(values[:few]).is_real) == (None, None)
+    assert session_change(values, 5).difference == pytest.approx(0.75)
+    assert session_change(values, 2) == change(values[:3])
 
 
-def test_scatter_is_not_called_change(history):
-    generator = np.random.default_rng(7)
-    for age in range(8, 0, -1):
-        history.session(age, 1.0 + 0.1 * generator.standard_normal(10))
-    assert change(values_of(history)).is_real is False
+def test_unchanged_patients_are_seldom_called_changed(history):
+    """Truth: sessions of one day scatter by 2, days by 6, nothing changes. At most 1 in 20 may seem to."""
+    history.session(1, [1.0, 1.2])
+    (pattern,) = values_of(history)
+    generator = np.random.default_rng(11)
+
+    def patient(step):
+        means = 60.0 + 6.0 * generator.standard_normal(8) + np.where(np.arange(8) < 3, 0.0, step)
+        return [replace(pattern, mean=float(mean), spread=2.0, count=10) for mean in means]
+
+    def said(step):
+        judged = [change(patient(step)[:count]).is_real for count in (4, 8) for _ in range(400)]
+        return np.mean([one is True for one in judged])
+
+    assert said(0.0) <= 0.06
+    assert said(0.0) > 0.0, "a limit that nothing passes is none"
+    assert said(60.0) > 0.7, "ten times the scatter is seen"
 
 
-def test_one_repetition_says_nothing_about_chance(history, therapist, world):
+def test_two_sessions_are_not_enough_to_tell(history, therapist, world):
     for age in (3, 2):
-        history.session(age, [1.0])
+        history.session(age, [float(age), age + 0.01])
     (measure,) = therapist.get(f"/api/patients/{world.patient_id}/progress").json()["measures"]
-    assert (measure["minimal_detectable_change"], measure["is_real_change"]) == (None, None)
-    assert measure["change"] == pytest.approx(0.0)
+    assert (measure["minimal_detectable_change"], measure["is_real_change"], measure["change"]) == (None,) * 3
+    history.session(1.5, [2.5])
+    history.session(1, [40.0])
+    (measure,) = therapist.get(f"/api/patients/{world.patient_id}/progress").json()["measures"]
+    assert [point["is_real_change"] for point in measure["points"]] == [None, None, None, True]
+    assert measure["points"][-1]["change"] == pytest.approx(measure["change"])
 
 
 def test_the_main_result_counts_not_every_comparison(history):

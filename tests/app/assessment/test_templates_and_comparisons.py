@@ -281,7 +281,7 @@ def test_a_closed_session_is_compared_with_what_was_prescribed(
     assert (lean["unit"], lean["group"]) == ("deg", "compensation")
     assert lean["value"] == pytest.approx(true_range(patients, "trunk_lean_forward_rad"), abs=3.0)
     assert lean["value"] > lean["template_value"] + 5.0
-    assert 1 <= len(detail["findings"]) <= 3
+    assert detail["findings"]
     for one in detail["repetitions"]:
         warp = one["warp_template_phase"]
         assert len(warp) == 101

@@ -14,6 +14,7 @@ from estimators.comparison import (
     mirror_template,
     mirror_trajectory,
 )
+from estimators.comparison._channels import channel_label
 from estimators.errors import ComparisonError, SetupError
 
 
@@ -116,8 +117,43 @@ def test_compensation_is_told(planar):
     result = compare(leaning.trajectory, make_template(made), "right", made.reach_m)
     assert value(result.summary, "compensation:trunk_lean_forward_rad").value == pytest.approx(0.35, abs=0.01)
     assert result.findings == (
-        "The trunk leaned 14 degrees more forward and back than in the template to help the arm.",
+        "The trunk leaned 14 degrees more forward and back than in the template to help the arm;"
+        " outside the band in 5 of 5 repetitions.",
     )
+
+
+def test_a_small_lean_outside_the_band_is_the_first_finding(planar):
+    """Twice the template's lean is below 5 degrees here, and the band (3 degrees) is what the therapist allows."""
+    made, leaning = planar(lean_rad=0.07), planar(lean_rad=0.2, sizes=0.7)
+    result = compare(leaning.trajectory, make_template(made), "right", made.reach_m)
+    assert result.findings[0].startswith("The trunk leaned ")
+    assert any("Elbow flexion" in sentence for sentence in result.findings[1:])
+
+
+def test_every_angle_outside_the_band_is_named(planar):
+    made, small = planar(), planar(sizes=0.6, out_s=2.5, tremor_rad=0.08)
+    result = compare(small.trajectory, make_template(made), "right", made.reach_m)
+    said = " ".join(result.findings).lower()
+    for channel in {c for r in result.repetitions for c in r.outside if "." not in c}:
+        assert channel_label(channel).lower() in said, channel
+
+
+def test_what_is_smaller_than_its_uncertainty_is_not_reported(planar):
+    """Five degrees of lean beyond the template, known to no better than four: outside the band, and not a word."""
+    made, leaning = planar(lean_rad=0.07), planar(lean_rad=0.16)
+    template = make_template(made)
+    column = leaning.trajectory.channels.index("trunk_lean_forward_rad")
+
+    def said(sigma_rad):
+        sigma = leaning.trajectory.sigma.copy()
+        sigma[:, column] = sigma_rad
+        unsure = replace(leaning.trajectory, sigma=sigma)
+        found = compare(unsure, template, "right", made.reach_m)
+        assert all("trunk_lean_forward_rad" in one.outside for one in found.repetitions)
+        return " ".join(found.findings)
+
+    assert "trunk" in said(0.01).lower()
+    assert "trunk" not in said(0.08).lower()
 
 
 def test_tremor_is_told(planar):
@@ -131,7 +167,8 @@ def test_tremor_is_told(planar):
 def test_at_most_three_findings_and_none_without_repetitions(planar):
     made = planar()
     bad = planar(sizes=0.5, out_s=2.5, lean_rad=0.5, tremor_rad=0.08)
-    assert len(compare(bad.trajectory, make_template(made), "right", made.reach_m).findings) == 3
+    findings = compare(bad.trajectory, make_template(made), "right", made.reach_m).findings
+    assert len([one for one in findings if "outside the band" not in one.lower()]) <= 3
     still = planar(sizes=0.0, noise_rad=0.001)
     nothing = compare(still.trajectory, make_template(made), "right", made.reach_m)
     assert nothing.repetitions == ()

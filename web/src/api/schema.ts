@@ -3494,10 +3494,14 @@ export interface components {
              * Format: date-time
              */
             at: string;
+            /** Change */
+            change: number | null;
             /** Count */
             count: number;
             /** High */
             high: number;
+            /** Is Real Change */
+            is_real_change: boolean | null;
             /** Low */
             low: number;
             /** Orientation */

@@ -1,6 +1,7 @@
 // Charts for paper: drawn as vectors, sharp at any size, in the colours of the sheet they stand on.
 import type { CycleCurve, PhaseCurve, ProgressMeasure } from '../api/types';
 import { t } from '../i18n';
+import type { OutsideStretch } from '../lib/comparison';
 import { date, displayUnit, quantity } from '../lib/format';
 import { extent, niceTicks } from './scales';
 
@@ -11,6 +12,8 @@ const RIGHT = 12;
 const TOP = 12;
 const BOTTOM = 30;
 const LABEL = 62;
+/** Height of the bars that mark where a repetition is outside its band. */
+const BAR = HEIGHT - BOTTOM + 5;
 
 type Values = readonly (number | null)[];
 
@@ -74,8 +77,19 @@ function Axes({ at, suffix, xTicks }: { at: Frame; suffix: string; xTicks: { at:
   );
 }
 
-/** One channel over the phases: template with band, every repetition that counts. */
-export function PaperPhases({ curve, left }: { curve: PhaseCurve; left: ReadonlySet<number> }) {
+/** Stretches joined where they touch or overlap, in order. */
+export function joined(stretches: readonly { from: number; until: number }[]): { from: number; until: number }[] {
+  const found: { from: number; until: number }[] = [];
+  for (const { from, until } of [...stretches].sort((a, b) => a.from - b.from)) {
+    const last = found.at(-1);
+    if (last && from <= last.until) last.until = Math.max(last.until, until);
+    else found.push({ from, until });
+  }
+  return found;
+}
+
+/** One channel over the phases: template with band, every repetition that counts, thick and barred where it leaves the band. */
+export function PaperPhases({ curve, left, outside = [] }: { curve: PhaseCurve; left: ReadonlySet<number>; outside?: readonly OutsideStretch[] }) {
   const unit = displayUnit(curve.unit);
   const scaled = (values: Values) => values.map((value) => (value === null ? null : value * unit.factor));
   const low = scaled(curve.low);
@@ -91,6 +105,12 @@ export function PaperPhases({ curve, left }: { curve: PhaseCurve; left: Readonly
       <path className="paper-band" d={bandOf(low, high, at.x, at.y)} />
       {repetitions.map((values, index) => (
         <path key={index} className="paper-line" d={pathOf(values, at.x, at.y)} />
+      ))}
+      {outside.map(({ repetition, from, until }) => (
+        <path key={`${repetition}/${from}`} className="paper-outside" d={pathOf(scaled(curve.repetitions[repetition] ?? []).map((value, phase) => (phase >= from && phase < until ? value : null)), at.x, at.y)} />
+      ))}
+      {joined(outside).map(({ from, until }) => (
+        <path key={from} className="paper-outside-bar" d={`M${at.x(from).toFixed(1)} ${BAR - 4}v8m0 -4H${at.x(Math.min(until, 100)).toFixed(1)}m0 -4v8`} />
       ))}
       <path className="paper-template" d={pathOf(mean, at.x, at.y)} />
     </svg>

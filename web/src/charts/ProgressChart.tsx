@@ -3,18 +3,16 @@ import { useMemo } from 'react';
 import type uPlot from 'uplot';
 import type { ProgressEvent, ProgressMeasure } from '../api/types';
 import { t } from '../i18n';
-import { date, dateTime, displayUnit, quantity } from '../lib/format';
+import { date, dateTime, difference, displayUnit, quantity, span } from '../lib/format';
 import { axis, Plot, themeColour, type PlotOptions } from './Plot';
 
 const seconds = (at: string) => new Date(at).getTime() / 1000;
 
-/** The verdict on a change: only called a change when it is larger than what repeats by chance. */
-export function changeText(measure: ProgressMeasure): string {
-  if (measure.change === null || measure.change === undefined) return t('progress.tooFew');
-  const change = (measure.change > 0 ? '+' : '') + quantity(measure.change, measure.unit);
-  const limit = quantity(measure.minimal_detectable_change, measure.unit);
-  if (measure.minimal_detectable_change === null || measure.minimal_detectable_change === undefined) return t('progress.changeUnjudged', { change });
-  return measure.is_real_change ? t('progress.changeReal', { change, limit }) : t('progress.changeNotReal', { change, limit });
+/** The verdict on a change: only called a change when it is larger than two sessions differ by chance. */
+export function changeText({ change, is_real_change: isReal, unit, limit }: { change?: number | null; is_real_change?: boolean | null; unit: string; limit: number | null | undefined }): string {
+  if (change === null || change === undefined || isReal === null || isReal === undefined) return t('progress.tooFew');
+  const words = { change: difference(change, unit), limit: span(limit, unit) };
+  return isReal ? t('progress.changeReal', words) : t('progress.changeNotReal', words);
 }
 
 function pins(plot: uPlot, events: readonly ProgressEvent[]): void {
@@ -108,7 +106,7 @@ export function ProgressChart({ measure, events, height = 260 }: { measure: Prog
         options={options}
         data={data}
         height={height}
-        label={`${t('trend.summary', { label: measure.label, count: points.length, first: quantity(points[0]?.value, measure.unit), last: quantity(points.at(-1)?.value, measure.unit) })}. ${changeText(measure)}`}
+        label={`${t('trend.summary', { label: measure.label, count: points.length, first: quantity(points[0]?.value, measure.unit), last: quantity(points.at(-1)?.value, measure.unit) })}. ${changeText({ ...measure, limit: measure.minimal_detectable_change })}`}
       />
       {within.length > 0 && (
         <ol className="pins small muted">

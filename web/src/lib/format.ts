@@ -46,6 +46,17 @@ export function quantity(value: number | null | undefined, unit: string | null |
   return `${number(value * shown.factor, shown.digits)}${shown.suffix}`;
 }
 
+/** How far two values lie apart: between percentages in percentage points, which are not a share of either. */
+export function span(value: number | null | undefined, unit: string | null | undefined): string {
+  const text = quantity(value, unit);
+  return displayUnit(unit).suffix === ' %' && text !== '–' ? t('unit.points', { number: text.slice(0, -2) }) : text;
+}
+
+/** A difference with its sign. */
+export function difference(value: number, unit: string | null | undefined): string {
+  return (value > 0 ? '+' : '') + span(value, unit);
+}
+
 /** A length of the body in cm, as a tape shows it: tenths only where they say something. */
 export function bodyLength(metres: number | null | undefined): string {
   if (metres === null || metres === undefined || !Number.isFinite(metres)) return '–';

@@ -13,7 +13,8 @@ export function mainMeasure(measures: readonly ProgressMeasure[]): ProgressMeasu
 export function plainProgress(measure: ProgressMeasure | null): string {
   if (!measure || measure.points.length === 0) return t('mine.noResultYet');
   const { change } = measure;
-  if (measure.points.length < 2 || change === null || change === undefined) return t('mine.firstResult');
+  if (measure.points.length < 2) return t('mine.firstResult');
+  if (change === null || change === undefined) return t('mine.tooFew');
   if (!measure.is_real_change) return t('mine.steady');
   const unit = displayUnit(measure.unit);
   const size = Math.abs(change * unit.factor);

@@ -59,7 +59,7 @@ describe('plain words', () => {
     measure: 'range:elbow',
     label: 'Elbow',
     unit: 'rad',
-    points: Array.from({ length: points }, () => ({ session_id: 's', at: '2025-01-01T00:00:00Z', value: 1, low: 1, high: 1, count: 5, orientation: 'vqf', template_version_id: null })),
+    points: Array.from({ length: points }, () => ({ session_id: 's', at: '2025-01-01T00:00:00Z', value: 1, low: 1, high: 1, count: 5, orientation: 'vqf', template_version_id: null, change: null, is_real_change: null })),
     change,
     minimal_detectable_change: 0.1,
     is_real_change,
@@ -68,6 +68,7 @@ describe('plain words', () => {
     expect(plainProgress(measure(0.14, true))).toMatch(/8° more/);
     expect(plainProgress(measure(0.05, false))).toMatch(/No change so far/);
     expect(plainProgress(measure(null, null, 1))).toMatch(/first exercise/);
+    expect(plainProgress(measure(null, null, 3))).toMatch(/A few more times/);
     expect(plainProgress(null)).toMatch(/After your first/);
   });
 });

@@ -70,7 +70,7 @@ describe('the page of a walk', () => {
   it('puts another walk beside it when one is chosen', async () => {
     renderPage(<GaitPage />, { at: '/sessions/s/gait?before=e', path: '/sessions/:sessionId/gait', answers: ANSWERS });
     // By text: looking for roles in a page this large takes longer than the wait on a busy machine.
-    expect((await screen.findByText('Left, before')).tagName).toBe('TH');
+    expect((await screen.findByText('Left, before', {}, { timeout: 5000 })).tagName).toBe('TH');
     expect(screen.getByText('Before, without band')).toBeTruthy();
   });
 

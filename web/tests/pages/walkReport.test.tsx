@@ -30,7 +30,9 @@ const WALK = {
   test: { kind: 'walk', distance_m: 12.4, time_s: 13.1, speed_mps: 0.95, reasons: [] },
   balance: { mass_kg: 81.5, apart_m: 0.18, apart_source: 'forces', measures: [measure('margin', -0.1)] },
 } as unknown as Gait;
-const point = (session_id: string, day: number, value: number) => ({ session_id, at: `2026-11-0${day}T10:00:00Z`, value, low: value - 0.05, high: value + 0.05, count: 6, orientation: 'foot 1', template_version_id: null });
+const point = (session_id: string, day: number, value: number) => ({ session_id, at: `2026-11-0${day}T10:00:00Z`, value, low: value - 0.05, high: value + 0.05, count: 6, orientation: 'foot 1', template_version_id: null, change: null as number | null, is_real_change: null as boolean | null });
+/** Four walks, of which the last is the one reported. */
+const walks = (values: number[], change: number, isReal: boolean) => values.map((value, index) => (index < 3 ? point('abc'[index] ?? '', index + 1, value) : { ...point('s', index + 1, value), change, is_real_change: isReal }));
 const ANSWERS = {
   '/api/sessions/s': { id: 's', patient_id: 'p', pipeline: 'gait', exercise_id: 'e', exercise_name: 'Walk', created_at: '2026-11-02T10:00:00Z', started_at: null, state: 'analysed', placements: ['heel_left', 'heel_right'], rate_hz: 100, packets_stored: 98, packets_missing: 2, events: [{ kind: 'forces_lost' }] },
   '/api/sessions/s/gait': WALK,
@@ -38,8 +40,8 @@ const ANSWERS = {
   '/api/patients/p/progress?exercise_id=e': {
     exercise_id: 'e',
     measures: [
-      { measure: 'walk:speed:left', label: 'Walking speed, left', unit: 'm/s', points: [point('a', 1, 0.7), point('s', 2, 0.9)], change: 0.2, minimal_detectable_change: 0.1, is_real_change: true },
-      { measure: 'walk:step_width', label: 'Step width', unit: 'm', points: [point('a', 1, 0.15), point('s', 2, 0.16)], change: 0.01, minimal_detectable_change: 0.05, is_real_change: false },
+      { measure: 'walk:speed:left', label: 'Walking speed, left', unit: 'm/s', points: walks([0.7, 0.71, 0.69, 0.9], 0.2, true), change: 0.2, minimal_detectable_change: 0.1, is_real_change: true },
+      { measure: 'walk:step_width', label: 'Step width', unit: 'm', points: walks([0.15, 0.14, 0.16, 0.16], 0.01, false), change: 0.01, minimal_detectable_change: 0.05, is_real_change: false },
     ],
     events: [],
   },

@@ -1,5 +1,6 @@
 // Words of the patient's own live page and replay, of consents, and of connecting sensors at home.
 export const home = {
+  'unit.points': '{number} percentage points',
   'consent.title': 'Consent',
   'consent.lead': 'What the patient has agreed to. Ask, then write down the answer; the patient sees it and can change it.',
   'consent.yes': 'Yes',

@@ -23,7 +23,7 @@ function Measure({ measure, events }: { measure: ProgressMeasure; events: Progre
             <span className="muted small"> {t('progress.lastSession', { count: last.count })}</span>
           </span>
         )}
-        <p className={measure.is_real_change ? 'strong' : 'muted'}>{changeText(measure)}</p>
+        <p className={measure.is_real_change ? 'strong' : 'muted'}>{changeText({ ...measure, limit: measure.minimal_detectable_change })}</p>
       </div>
       {measure.points.length > 1 && <ProgressChart measure={measure} events={events} />}
     </div>

@@ -29,10 +29,18 @@ export function CurvesSheet({ session, patient, comparison }: ReportProps & { co
           </svg>
           {t('report.legendRepetitions', { count: comparison.repetition_count })}
         </li>
+        <li>
+          <svg width="34" height="14" aria-hidden>
+            <path className="paper-outside" d="M0 4h34" />
+            <path className="paper-outside-bar" d="M1 8v6m0 -3h32m0 -3v6" />
+          </svg>
+          {t('report.legendOutside')}
+        </li>
       </ul>
       <div className="paper-curves">
         {curves.map((curve) => {
-          const outside = new Set(outsideOf(comparison, curve.channel).map((one) => one.repetition)).size;
+          const stretches = outsideOf(comparison, curve.channel);
+          const outside = new Set(stretches.map((one) => one.repetition)).size;
           const { convention } = channelLabel(curve.channel);
           return (
             <figure key={curve.channel} className="paper-figure">
@@ -40,7 +48,7 @@ export function CurvesSheet({ session, patient, comparison }: ReportProps & { co
                 {curve.label}
                 {convention && <span className="paper-convention">{convention}</span>}
               </figcaption>
-              <PaperPhases curve={curve} left={left} />
+              <PaperPhases curve={curve} left={left} outside={stretches} />
               <p className="paper-note">{outside === 0 ? t('compare.inside') : t('report.outside', { count: outside, of: comparison.repetition_count })}</p>
             </figure>
           );

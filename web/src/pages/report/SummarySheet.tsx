@@ -3,31 +3,44 @@ import { PaperProgress } from '../../charts/PaperChart';
 import { changeText } from '../../charts/ProgressChart';
 import { SideMark } from '../../components/Marks';
 import { t } from '../../i18n';
-import { dateTime, duration, quantity, uncertain } from '../../lib/format';
+import { dateTime, difference, duration, quantity, uncertain } from '../../lib/format';
 import { mainMeasure } from '../../lib/plain';
 import { reportRows } from '../../lib/report';
 import type { ReportProps } from './ReportPage';
 import { Sheet } from './Sheet';
 
-/** Changed for sure, not for sure, or not to be judged: a word each. */
-export function verdict(measure: ProgressMeasure | null): string {
-  if (!measure || measure.change === null || measure.change === undefined) return '–';
-  const change = (measure.change > 0 ? '+' : '') + quantity(measure.change, measure.unit);
-  if (measure.is_real_change === null || measure.is_real_change === undefined) return t('report.unjudged', { change });
-  return measure.is_real_change ? t('report.real', { change }) : t('report.chance', { change });
+/** Sessions that the others are compared with. */
+const BASELINE = 3;
+
+const pointOf = (measure: ProgressMeasure | null, sessionId: string) => measure?.points.find((one) => one.session_id === sessionId) ?? null;
+
+/** What this session changed against the first ones: for sure, within chance, or not to be judged. */
+export function verdict(measure: ProgressMeasure | null, sessionId: string): string {
+  const point = pointOf(measure, sessionId);
+  if (!measure || !point) return '–';
+  if (measure.points.indexOf(point) < BASELINE) return t('report.isFirst');
+  if (typeof point.change !== 'number' || typeof point.is_real_change !== 'boolean') return t('report.unjudged');
+  const change = difference(point.change, measure.unit);
+  return point.is_real_change ? t('report.real', { change }) : t('report.chance', { change });
 }
 
-function Headline({ value, measure }: { value: MeasureValue | null; measure: ProgressMeasure | null }) {
-  const last = measure?.points.at(-1) ?? null;
+/** The same as a sentence. */
+export function verdictText(measure: ProgressMeasure, sessionId: string): string {
+  const point = pointOf(measure, sessionId);
+  return point && measure.points.indexOf(point) < BASELINE && measure.points.length > BASELINE ? t('report.isFirstText') : changeText({ ...point, unit: measure.unit, limit: measure.minimal_detectable_change });
+}
+
+function Headline({ value, measure, sessionId }: { value: MeasureValue | null; measure: ProgressMeasure | null; sessionId: string }) {
+  const here = pointOf(measure, sessionId);
   const label = value?.label ?? measure?.label;
   if (!label) return null;
   return (
     <div className="paper-headline">
-      <p className="paper-big number">{quantity(value?.value ?? last?.value, value?.unit ?? measure?.unit)}</p>
+      <p className="paper-big number">{quantity(value?.value ?? here?.value, value?.unit ?? measure?.unit)}</p>
       <div>
         <p className="strong">{label}</p>
         {typeof value?.template_value === 'number' && <p>{t('report.template', { value: quantity(value.template_value, value.unit) })}</p>}
-        {measure && <p>{changeText(measure)}</p>}
+        {measure && <p>{verdictText(measure, sessionId)}</p>}
       </div>
     </div>
   );
@@ -68,7 +81,7 @@ export function SummarySheet(props: ReportProps) {
           </div>
         )}
       </dl>
-      <Headline value={mainValue} measure={main} />
+      <Headline value={mainValue} measure={main} sessionId={session.id} />
       {comparison && comparison.findings.length > 0 && (
         <>
           <h3>{t('report.findings')}</h3>
@@ -103,7 +116,7 @@ export function SummarySheet(props: ReportProps) {
                 <th scope="row">{value.label}</th>
                 <td className="number" data-label={t('report.thisSession')}>{uncertain(value.value ?? null, value.uncertainty ?? null, value.unit)}</td>
                 <td className="number" data-label={t('compare.template')}>{quantity(value.template_value, value.unit)}</td>
-                <td data-label={t('report.change')}>{verdict(over)}</td>
+                <td data-label={t('report.change')}>{verdict(over, session.id)}</td>
               </tr>
             ))}
           </tbody>

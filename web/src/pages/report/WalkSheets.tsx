@@ -2,7 +2,6 @@
 import { useEstimators, useGait, useProgress } from '../../api/queries';
 import type { CycleCurve, Gait, Patient, ProgressMeasure, SessionDetail, WalkMeasure } from '../../api/types';
 import { PaperCycle, PaperProgress } from '../../charts/PaperChart';
-import { changeText } from '../../charts/ProgressChart';
 import { Answer } from '../../components/Feedback';
 import { SideMark } from '../../components/Marks';
 import { t } from '../../i18n';
@@ -10,7 +9,7 @@ import { placementLabel } from '../../lib/channels';
 import { dateTime, number, quantity } from '../../lib/format';
 import { findMeasure, footOf, measureLabel, measureNames, measureText } from '../../lib/gait';
 import { Sheet } from './Sheet';
-import { verdict } from './SummarySheet';
+import { verdict, verdictText } from './SummarySheet';
 
 interface Walked {
   session: SessionDetail;
@@ -21,9 +20,10 @@ interface Walked {
 const SIDES = ['left', 'right'] as const;
 const shown = (one: WalkMeasure | undefined) => (one ? measureText(one.value, one.unit, one.sigma) : '–');
 /** A change too small to be written is none, whatever its chance. */
-function moved(measure: ProgressMeasure | null): string {
-  const isNothing = measure !== null && typeof measure.change === 'number' && !/[1-9]/.test(quantity(measure.change, measure.unit));
-  return isNothing ? t('walkReport.none') : verdict(measure);
+function moved(measure: ProgressMeasure | null, sessionId: string): string {
+  const change = measure?.points.find((one) => one.session_id === sessionId)?.change;
+  const isNothing = measure !== null && typeof change === 'number' && !/[1-9]/.test(quantity(change, measure.unit));
+  return isNothing ? t('walkReport.none') : verdict(measure, sessionId);
 }
 
 const overTime = (measures: readonly ProgressMeasure[], name: string) => measures.find((one) => one.measure === `walk:${name}`) ?? null;
@@ -61,7 +61,7 @@ function Summary({ session, patient, gait, measures }: Walked & { measures: read
         )}
         {test && (
           <div>
-            <dt>{t(`walk.kind.${test.kind}`)}</dt>
+            <dt>{t('walkReport.wholeWalk', { name: t(`walk.kind.${test.kind}`) })}</dt>
             <dd className="number">
               {number(test.distance_m, test.distance_m < 100 ? 2 : 0)} m · {number(test.time_s, 1)} s · {number(test.speed_mps, 2)} m/s
             </dd>
@@ -77,7 +77,7 @@ function Summary({ session, patient, gait, measures }: Walked & { measures: read
           <p className="paper-big number">{quantity(here?.value, main.unit)}</p>
           <div>
             <p className="strong">{main.label}</p>
-            <p>{changeText(main)}</p>
+            <p>{verdictText(main, session.id)}</p>
           </div>
         </div>
       )}
@@ -114,7 +114,7 @@ function Summary({ session, patient, gait, measures }: Walked & { measures: read
               <td data-label={t('walkReport.change')}>
                 {SIDES.flatMap((side) => {
                   const over = overTime(measures, `${name}:${side}`);
-                  return over ? [`${t(`numbers.${side}`)}: ${moved(over)}`] : [];
+                  return over ? [`${t(`numbers.${side}`)}: ${moved(over, session.id)}`] : [];
                 }).join('; ') || '–'}
               </td>
             </tr>
@@ -136,7 +136,7 @@ function Summary({ session, patient, gait, measures }: Walked & { measures: read
               <tr key={one.measure}>
                 <th scope="row">{measureLabel(one.measure)}</th>
                 <td className="number" data-label={t('walkReport.value')}>{shown(one)}</td>
-                <td data-label={t('walkReport.change')}>{moved(overTime(measures, one.measure))}</td>
+                <td data-label={t('walkReport.change')}>{moved(overTime(measures, one.measure), session.id)}</td>
               </tr>
             ))}
           </tbody>

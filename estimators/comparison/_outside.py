@@ -1,0 +1,105 @@
+"""What leaves the therapist's band in most repetitions, and by more than can be chance or sensor error."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import t as student
+
+from estimators.comparison._contract import RepetitionResult, Template
+
+_CONFIDENCE = 0.975
+
+
+@dataclass(frozen=True)
+class Outside:
+    """An angle that most repetitions carry out of its band.
+
+    Attributes
+    ----------
+    channel : str
+    count, of : int
+        Repetitions outside, and all that count.
+    start, end : int
+        First and last phase of the template, percent, at which most repetitions are outside; where no phase is
+        shared by most, those of the mean curve.
+    beyond : float
+        How far the mean curve is beyond the band where it is farthest, rad or m.
+    """
+
+    channel: str
+    count: int
+    of: int
+    start: int
+    end: int
+    beyond: float
+
+    @property
+    def how_often(self) -> str:
+        """In words."""
+        if self.of == 1:
+            return "outside the band in the one repetition"
+        return f"outside the band in {self.count} of {self.of} repetitions"
+
+
+def outside_band(kept: Sequence[RepetitionResult], template: Template) -> list[Outside]:
+    """Find the angles outside their band in more than half of the repetitions.
+
+    Parameters
+    ----------
+    kept : sequence of RepetitionResult
+        Those that count.
+    template : Template
+
+    Returns
+    -------
+    list of Outside
+        In the order of the template. Positions are left to the curves: they follow from the angles.
+
+    Notes
+    -----
+    Where the mean curve of the repetitions is farthest beyond the band, its distance to the template's mean must
+    exceed the 95 percent limit that the sensors (two standard deviations, common to all repetitions) and the
+    spread between the repetitions (Student) leave it.
+    """
+    found = []
+    for column, channel in enumerate(template.channels):
+        count = sum(bool(one.outside.get(channel)) for one in kept)
+        if "." in channel or 2 * count <= len(kept):
+            continue
+        difference = np.stack([one.aligned[:, column] for one in kept]) - template.mean[:, column]
+        known = np.isfinite(difference).all(axis=0) & np.isfinite(template.tolerance[:, column])
+        if not known.any():
+            continue
+        mean = np.where(known, difference.mean(axis=0), 0.0)
+        beyond = np.where(known, np.abs(mean) - template.tolerance[:, column], -np.inf)
+        phase = int(np.argmax(beyond))
+        limit = _limit(kept, channel, difference[:, phase])
+        if beyond[phase] <= 0.0 or abs(mean[phase]) <= limit:
+            continue
+        often = np.zeros(len(beyond))
+        for one in kept:
+            for start, end in one.outside.get(channel, []):
+                often[start:end] += 1
+        shared = np.flatnonzero(often > len(kept) / 2)
+        phases = shared if len(shared) else np.flatnonzero(beyond > 0.0)
+        found.append(
+            Outside(channel, count, len(kept), int(phases[0]), int(phases[-1]), float(beyond[phase]))
+        )
+    return found
+
+
+def _limit(kept: Sequence[RepetitionResult], channel: str, differences: np.ndarray) -> float:
+    names = {f"range:{channel}", f"compensation:{channel}"}
+    own = [m.uncertainty for one in kept for m in one.measures if m.name in names]
+    known = [value for value in own if np.isfinite(value)]
+    sensor = 2.0 * float(np.median(known)) if known else 0.0
+    count = len(differences)
+    chance = 0.0
+    if count > 1:
+        spread = float(differences.std(ddof=1)) / np.sqrt(count)
+        chance = float(student.ppf(_CONFIDENCE, count - 1)) * spread
+    return float(np.hypot(sensor, chance))
+
+
+__all__ = ["Outside", "outside_band"]
