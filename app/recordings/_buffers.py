@@ -1,12 +1,14 @@
 """What waits to be written for one session, and how it becomes chunks."""
 
 import logging
+import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import Future
 from dataclasses import dataclass, field
-from itertools import groupby
+from itertools import chain, groupby
 from typing import Any
 
+from app.database.base import new_id, utc_now
 from app.errors import TelemotionError
 from app.recordings.chunks import (
     MAX_CHUNK_TICKS,
@@ -45,8 +47,8 @@ class Batch:
 
     @property
     def ranges(self) -> Iterable[tuple[int, int]]:
-        """Sequences of the packets in it."""
-        return ((packet.sequence, packet.sequence + 1) for packet in self.packets)
+        """Sequences of the packets in it, once it is encoded."""
+        return chain.from_iterable(chunk.scale["ranges"] for _, chunk in self.raw)
 
     def encode(self, next_chunk: int) -> int:
         """Make the chunks, numbering those of the raw stream from `next_chunk`; return the next number.
@@ -79,6 +81,8 @@ class OpenSession:
         Monotonic time of the first item that waits.
     repeat : Batch or None
         A batch whose commit failed; it goes first, unchanged, not before `repeat_at_s`.
+    head_start_s : float
+        The first chunk is so much shorter: sessions that begin together must not be due together.
     """
 
     session_id: str
@@ -99,6 +103,7 @@ class OpenSession:
     repeat: Batch | None = None
     repeat_at_s: float = 0.0
     attempts: int = 0
+    head_start_s: float = 0.0
 
     @property
     def is_empty(self) -> bool:
@@ -110,21 +115,23 @@ class OpenSession:
         """Bytes that wait, a batch to repeat included."""
         return self.size + (self.repeat.size if self.repeat else 0)
 
-    def add_packet(self, packet: RawPacket, size: int, now_s: float) -> None:
-        """Take a packet of `size` bytes at monotonic time `now_s`."""
+    def add_packet(self, packet: RawPacket, size: int) -> None:
+        """Take a packet of `size` bytes."""
         self.seen.add(packet.sequence)
         self.packets.append(packet)
-        self._grow(size, now_s)
-
-    def add_frames(self, result_id: str, frames: Frames, size: int, now_s: float) -> None:
-        """Take frames of `size` bytes at monotonic time `now_s`."""
-        self.frame_parts.append((result_id, frames))
-        self._grow(size, now_s)
-
-    def _grow(self, size: int, now_s: float) -> None:
         self.size += size
         if self.oldest_s is None:
-            self.oldest_s = now_s
+            self._begin()
+
+    def add_frames(self, result_id: str, frames: Frames, size: int) -> None:
+        """Take frames of `size` bytes."""
+        self.frame_parts.append((result_id, frames))
+        self.size += size
+        if self.oldest_s is None:
+            self._begin()
+
+    def _begin(self) -> None:
+        self.oldest_s, self.head_start_s = time.monotonic() - self.head_start_s, 0.0
 
     def is_due(self, now_s: float, chunk_s: float, *, everything: bool) -> bool:
         """Whether the next commit should take from this session."""
@@ -156,6 +163,14 @@ class OpenSession:
 
 def _packet_groups(packets: list[RawPacket]) -> Iterable[list[RawPacket]]:
     """Split where the shape of the packets changes, and before a chunk grows too long."""
+    shapes = {
+        (one.sensor_count, one.channel_mask, one.encoding, len(one.payload) // one.tick_count)
+        for one in packets
+    }
+    if len(shapes) == 1 and sum([one.tick_count for one in packets]) <= MAX_CHUNK_TICKS:
+        # The common case; nothing is looked at twice.
+        yield packets
+        return
     for _, same_shape in groupby(packets, key=lambda packet: packet.shape_key):
         group: list[RawPacket] = []
         ticks = 0
@@ -171,22 +186,48 @@ def _packet_groups(packets: list[RawPacket]) -> Iterable[list[RawPacket]]:
 def _frame_groups(parts: list[tuple[str, Frames]]) -> Iterable[tuple[str, list[Frames]]]:
     """Gather consecutive frames of one result; start anew after a gap, another layout or enough ticks."""
     group: list[Frames] = []
-    group_result = ""
+    group_result, start, following = "", 0, 0
     for result_id, frames in parts:
-        if not frames.tick_count:
+        first, ticks = frames.first_tick, frames.segment_flags.shape[0]
+        if not ticks:
             continue
         if group and (
             result_id != group_result
-            or frames.first_tick != group[-1].first_tick + group[-1].tick_count
-            or frames.layout != group[-1].layout
-            or frames.first_tick + frames.tick_count - group[0].first_tick > MAX_CHUNK_TICKS
+            or first != following
+            or (frames.layout is not group[-1].layout and frames.layout != group[-1].layout)
+            or first + ticks - start > MAX_CHUNK_TICKS
         ):
             yield group_result, group
             group = []
+        if not group:
+            group_result, start = result_id, first
         group.append(frames)
-        group_result = result_id
+        following = first + ticks
     if group:
         yield group_result, group
+
+
+def event_row(
+    session_id: str,
+    kind: str,
+    time_s: float,
+    duration_s: float,
+    placement: str | None,
+    text: str,
+    details: dict[str, Any] | None,
+) -> dict[str, Any]:
+    """Return an event of a session's time line as a row."""
+    return {
+        "id": new_id(),
+        "created_at": utc_now(),
+        "session_id": session_id,
+        "kind": kind,
+        "time_s": time_s,
+        "duration_s": duration_s,
+        "placement": placement,
+        "text": text,
+        "details": details or {},
+    }
 
 
 def tell(callback: Callable[[Any], None], argument: Any) -> None:

@@ -7,6 +7,8 @@ bytes of its payload and every field of its header, so each packet can be made a
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -14,8 +16,10 @@ from numpy.typing import NDArray
 
 from app.errors import InvalidInput
 from app.recordings import codecs, frame_codec
+from app.recordings._bit_columns import room_words
+from app.recordings._packet_kernel import pack_packets, unpack_packets
 from app.recordings.models import SignalChunk
-from app.recordings.ranges import SequenceRanges
+from app.recordings.ranges import ranges_of
 from estimators.pipelines._contract import FrameLayout, Frames
 
 if TYPE_CHECKING:
@@ -25,13 +29,17 @@ if TYPE_CHECKING:
 RAW_STREAM: Final = "raw"
 FLOAT32, COUNTS = 0, 1
 _WIDTH: Final = {FLOAT32: 4, COUNTS: 2}
+COUNTS_CODEC: Final = "int16-rice/1"
+_HEAD: Final = attrgetter(
+    "sequence", "device_time_us", "tick_interval_us", "tick_count", "flags", "arrival_ns"
+)
 _HEAD_COLUMNS: Final = 6
 MAX_CHUNK_TICKS: Final = 4096
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class RawPacket:
-    """One packet as it came: the header's fields, the payload's bytes and when it arrived.
+    """One packet as it came: the header's fields, the payload's bytes and when it arrived. Treat as immutable.
 
     Attributes
     ----------
@@ -81,7 +89,7 @@ class RawPacket:
             channel_mask=packet.channels,
             encoding=packet.encoding,
             flags=packet.flags,
-            payload=packet.values.tobytes(),
+            payload=packet.data[len(packet.data) - packet.values.nbytes :],
             arrival_ns=arrival_ns,
         )
 
@@ -128,41 +136,31 @@ def check_packet(packet: RawPacket) -> None:
 def encode_packets(packets: Sequence[RawPacket]) -> EncodedChunk:
     """Encode packets of one `shape_key`, in the given order, as one chunk."""
     first = packets[0]
-    table = np.concatenate([packet.table() for packet in packets])
-    heads = np.array(
-        [
-            (
-                p.sequence,
-                p.device_time_us - (2**64 if p.device_time_us >= 2**63 else 0),
-                p.tick_interval_us,
-                p.tick_count,
-                p.flags,
-                p.arrival_ns,
-            )
-            for p in packets
-        ],
-        dtype=np.int64,
-    )
-    head = codecs.encode_integers(heads)
-    body = codecs.encode_counts(table) if first.encoding == COUNTS else codecs.encode_floats(table)
-    data = head + body
+    # Read without a sign: a device's clock may use all 64 bits.
+    fields = np.fromiter(chain.from_iterable(map(_HEAD, packets)), np.uint64, len(packets) * _HEAD_COLUMNS)
+    heads = fields.view(np.int64).reshape(-1, _HEAD_COLUMNS)
+    payload = bytearray().join([packet.payload for packet in packets])
+    ticks = sum([packet.tick_count for packet in packets])
+    values_per_tick = len(payload) // (ticks * _WIDTH[first.encoding])
     scale = {
         "packets": len(packets),
-        "ranges": list(SequenceRanges((p.sequence, p.sequence + 1) for p in packets)),
-        "head_bytes": len(head),
+        "ranges": ranges_of([packet.sequence for packet in packets]),
         "sensor_count": first.sensor_count,
         "channel_mask": first.channel_mask,
         "encoding": first.encoding,
-        "values_per_tick": int(table.shape[1]),
+        "values_per_tick": values_per_tick,
     }
-    return EncodedChunk(
-        start_ns=first.arrival_ns,
-        ticks=int(table.shape[0]),
-        codec=codecs.COUNTS_CODEC if first.encoding == COUNTS else codecs.FLOATS_CODEC,
-        scale=scale,
-        crc=codecs.checksum(data),
-        data=data,
-    )
+    if first.encoding == COUNTS:
+        codec = COUNTS_CODEC
+        counts = np.frombuffer(payload, "<i2").reshape(ticks, values_per_tick)
+        words = np.empty(room_words(len(heads), _HEAD_COLUMNS) + room_words(*counts.shape), np.uint32)
+        data = words[: pack_packets(words, heads, counts)].tobytes()
+    else:
+        codec = codecs.FLOATS_CODEC
+        head = codecs.encode_integers(heads)
+        data = head + codecs.encode_floats(np.frombuffer(payload, "<f4").reshape(ticks, values_per_tick))
+        scale["head_bytes"] = len(head)
+    return EncodedChunk(first.arrival_ns, ticks, codec, scale, codecs.checksum(data), data)
 
 
 def decode_packets(chunk: EncodedChunk | SignalChunk) -> list[RawPacket]:
@@ -175,18 +173,10 @@ def decode_packets(chunk: EncodedChunk | SignalChunk) -> list[RawPacket]:
     """
     _check(chunk)
     scale = chunk.scale
-    split, columns = scale["head_bytes"], scale["values_per_tick"]
-    heads = codecs.decode_integers(chunk.data[:split], scale["packets"], _HEAD_COLUMNS).tolist()
-    table: NDArray[Any]
-    if chunk.codec == codecs.COUNTS_CODEC:
-        table = codecs.decode_counts(chunk.data[split:], chunk.ticks, columns)
-    elif chunk.codec == codecs.FLOATS_CODEC:
-        table = codecs.decode_floats(chunk.data[split:], chunk.ticks, columns)
-    else:
-        raise codecs.DamagedChunkError(f"codec {chunk.codec} is unknown; it was written by a newer version")
+    heads, table = _heads_and_table(chunk)
     packets: list[RawPacket] = []
     row = 0
-    for sequence, device_time, interval, ticks, flags, arrival in heads:
+    for sequence, device_time, interval, ticks, flags, arrival in heads.tolist():
         packets.append(
             RawPacket(
                 sequence=sequence,
@@ -203,6 +193,27 @@ def decode_packets(chunk: EncodedChunk | SignalChunk) -> list[RawPacket]:
         )
         row += ticks
     return packets
+
+
+def _heads_and_table(chunk: EncodedChunk | SignalChunk) -> tuple[NDArray[np.int64], NDArray[Any]]:
+    scale, data = chunk.scale, chunk.data
+    shape = chunk.ticks, scale["values_per_tick"]
+    if chunk.codec == COUNTS_CODEC:
+        heads, counts = np.empty((scale["packets"], _HEAD_COLUMNS), np.int64), np.empty(shape, np.int16)
+        words = np.frombuffer(data, np.uint32, len(data) // 4).copy()
+        if len(data) % 4 or not unpack_packets(words, heads, counts):
+            raise codecs.DamagedChunkError(
+                "stored packets are cut off or damaged; restore them from the backup"
+            )
+        return heads, counts
+    split = scale.get("head_bytes", 0)
+    if chunk.codec == codecs.SHUFFLED_COUNTS_CODEC:
+        table: NDArray[Any] = codecs.decode_counts(data[split:], *shape)
+    elif chunk.codec == codecs.FLOATS_CODEC:
+        table = codecs.decode_floats(data[split:], *shape)
+    else:
+        raise codecs.DamagedChunkError(f"codec {chunk.codec} is unknown; it was written by a newer version")
+    return codecs.decode_integers(data[:split], scale["packets"], _HEAD_COLUMNS), table
 
 
 def _check(chunk: EncodedChunk | SignalChunk) -> None:
@@ -227,7 +238,7 @@ def encode_frames(*parts: Frames) -> EncodedChunk:
     first = parts[0]
     return EncodedChunk(
         start_ns=round(first.first_tick * first.time_step_s * 1e9),
-        ticks=sum([len(part.q_room_segment) for part in parts]),
+        ticks=sum([part.segment_flags.shape[0] for part in parts]),
         codec=frame_codec.FRAMES_CODEC,
         scale=scale,
         crc=codecs.checksum(data),

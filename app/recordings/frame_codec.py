@@ -13,6 +13,7 @@ before, is still read.
 
 from collections.abc import Sequence
 from functools import lru_cache
+from operator import attrgetter
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -25,6 +26,18 @@ from estimators.pipelines._contract import FrameLayout, Frames
 
 FRAMES_CODEC: Final = "frames-steps-rice/1"
 FLOAT32_FRAMES_CODEC: Final = "frames-float32-shuffle-zstd/1"
+_FIELDS: Final = {
+    name: attrgetter(name)
+    for name in (
+        "q_room_segment",
+        "point_room_m",
+        "angle_rad",
+        "angle_sigma_rad",
+        "scalar",
+        "segment_sigma_rad",
+    )
+}
+_FLAGS: Final = attrgetter("segment_flags"), attrgetter("angle_flags")
 
 
 class Columns(NamedTuple):
@@ -97,23 +110,26 @@ def pack(parts: Sequence[Frames]) -> tuple[bytes, dict[str, Any]]:
         At least one, of one layout, each beginning where the one before ends.
     """
     first = parts[0]
-    sigmas = [part.segment_sigma_rad for part in parts]
-    has_sigma = any(sigma is not None and bool(np.isfinite(sigma).any()) for sigma in sigmas)
+    has_sigma = False
+    for part in parts:
+        if part.segment_sigma_rad is not None and np.isfinite(part.segment_sigma_rad).any():
+            has_sigma = True
+            break
     columns = columns_of(first.layout, has_sigma)
-    ticks = sum([len(part.q_room_segment) for part in parts])
+    ticks = sum(map(len, map(_FLAGS[0], parts)))
     table = np.empty((ticks, len(columns.kinds)))
     for name, (place, shape) in columns.parts.items():
-        values = [getattr(part, name) for part in parts]
+        values = list(map(_FIELDS[name], parts))
         if name == "segment_sigma_rad":
             values = [
-                np.full((part.tick_count, *shape), np.nan) if v is None else v
-                for part, v in zip(parts, values, strict=True)
+                np.full((len(part.segment_flags), *shape), np.nan) if value is None else value
+                for part, value in zip(parts, values, strict=True)
             ]
         np.concatenate(values, out=table[:, place].reshape(ticks, *shape))
     segments = len(first.layout.segments)
     flags = np.empty((ticks, segments + len(first.layout.angles)), np.uint8)
-    np.concatenate([part.segment_flags for part in parts], out=flags[:, :segments])
-    np.concatenate([part.angle_flags for part in parts], out=flags[:, segments:])
+    np.concatenate(list(map(_FLAGS[0], parts)), out=flags[:, :segments])
+    np.concatenate(list(map(_FLAGS[1], parts)), out=flags[:, segments:])
     words = np.empty(room_words(ticks, table.shape[1] + flags.shape[1]), np.uint32)
     used = kernel.pack_frames(words, table, table.view(np.uint64), columns.kinds, columns.pairs, flags)
     scale = {

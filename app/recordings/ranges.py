@@ -111,4 +111,14 @@ class SequenceRanges:
         return self.highest + 1 - self._count
 
 
-__all__ = ["SequenceRanges"]
+def ranges_of(sequences: list[int]) -> list[tuple[int, int]]:
+    """Return numbers as few half-open ranges; those of a stream in order, the common case, at once."""
+    if not sequences:
+        return []
+    start, stop = sequences[0], sequences[0] + len(sequences)
+    if sequences == list(range(start, stop)):
+        return [(start, stop)]
+    return list(SequenceRanges((sequence, sequence + 1) for sequence in sequences))
+
+
+__all__ = ["SequenceRanges", "ranges_of"]
