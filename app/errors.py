@@ -5,7 +5,10 @@
     TelemotionError                500  internal
     ├── NotFound                   404  also for what the subject may not know exists
     ├── NotAllowed                 403
+    │   ├── PasswordChangeRequired   an administrator knows the present one
+    │   └── SecondFactorRequired     the staff of this service must have one
     ├── SignInRequired             401
+    │   └── CodeRequired             the password was right, the account has a second factor
     ├── TooManyAttempts            429  with Retry-After
     ├── LimitReached               429  an account or clinic uses as much as it may at once; with Retry-After
     ├── Conflict                   409  wrong state, or already there
@@ -66,6 +69,24 @@ class SignInRequired(TelemotionError):
     """No valid session, ticket or token."""
 
     status, code = 401, "sign_in_required"
+
+
+class CodeRequired(SignInRequired):
+    """The password was right; the code of the second factor is missing."""
+
+    code = "code_required"
+
+
+class PasswordChangeRequired(NotAllowed):
+    """An administrator knows the password; nothing else can be done before it is changed."""
+
+    code = "password_change_required"
+
+
+class SecondFactorRequired(NotAllowed):
+    """The staff must have a second factor; nothing else can be done before it is set up."""
+
+    code = "second_factor_required"
 
 
 class TooManyAttempts(TelemotionError):

@@ -12,6 +12,7 @@ from anyio import to_thread
 from fastapi import APIRouter, FastAPI, Request
 from sqlalchemy import text
 
+from app import processes
 from app import tables as tables
 from app.accounts.endpoints import router as accounts_router
 from app.accounts.passwords import Passwords
@@ -160,6 +161,7 @@ async def open_services(
     services.disk = DiskUse(engine, settings.clinic_disk_bytes)
 
     await to_thread.run_sync(remove_orphans, engine, settings)
+    processes.prepare(["app.assessment.export", *(handler.__module__ for handler in job_handlers().values())])
     jobs = JobRunner(engine, settings, job_handlers())
     await to_thread.run_sync(jobs.start)
     stack.push_async_callback(partial(to_thread.run_sync, jobs.stop))

@@ -80,10 +80,17 @@ class Settings(BaseSettings):
         default=1 << 20, gt=0, description="Largest body of any other request, in bytes."
     )
     sign_in_idle_minutes: int = Field(
-        default=60, ge=1, le=1440, description="A browser session ends after this long without a request."
+        default=60,
+        ge=1,
+        le=1440,
+        description="A browser session ends after this long without use of keyboard, mouse or touch.",
     )
     sign_in_hours: int = Field(
         default=12, ge=1, le=168, description="A browser session ends after this long in any case."
+    )
+    staff_second_factor: Literal["optional", "required"] = Field(
+        default="optional",
+        description="Whether therapists and administrators must use an authenticator app to sign in.",
     )
     hemisphere: Literal["north", "south", "unknown"] = Field(
         default="north",

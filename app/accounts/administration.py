@@ -4,8 +4,10 @@ from anyio import to_thread
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from app.accounts import audit
+from app.accounts import audit, second_factor
+from app.accounts.browsers import forget_browsers
 from app.accounts.models import PATIENT, Account
+from app.accounts.password_rules import check_password
 from app.accounts.schemas import AccountIn, AccountOut, AccountPatch
 from app.accounts.sign_in import end_all_sign_ins, normalise_email
 from app.accounts.subject import Subject
@@ -53,7 +55,7 @@ async def create_account(services: Services, subject: Subject, body: AccountIn) 
     Conflict
         The e-mail address is taken.
     InvalidInput
-        A patient's account without a patient, or another one with.
+        The password is too easy to guess; a patient's account without a patient, or another one with.
     NotFound
         No such patient in this clinic.
     """
@@ -64,6 +66,7 @@ async def create_account(services: Services, subject: Subject, body: AccountIn) 
     email = normalise_email(body.email)
     if email.count("@") != 1 or email.startswith("@") or email.endswith("@"):
         raise InvalidInput(say("account.email_form"), field="email")
+    check_password(body.password, email, body.display_name)
     password_hash = await services.passwords.hash_in_turn(body.password)
     return await to_thread.run_sync(_store_account, services, subject, body, email, password_hash)
 
@@ -100,6 +103,7 @@ async def update_account(
         raise NotAllowed(say("account.change_not_allowed"))
     password_hash = None
     if body.password is not None:
+        check_password(body.password)
         password_hash = await services.passwords.hash_in_turn(body.password)
     return await to_thread.run_sync(_change_account, services, subject, account_id, body, password_hash)
 
@@ -139,6 +143,7 @@ def _store_account(
             password_hash=password_hash,
             patient_id=body.patient_id,
             is_active=True,
+            must_change_password=True,
         )
         session.add(row)
         session.flush()
@@ -161,12 +166,16 @@ def _change_account(
             actions.append("account.rename")
         if password_hash is not None:
             row.password_hash = password_hash
+            row.must_change_password = True
+            forget_browsers(session, row.id)
             actions.append("account.password_reset")
         if body.is_active is not None and body.is_active != row.is_active:
             row.is_active = body.is_active
             actions.append("account.switch_on" if body.is_active else "account.switch_off")
         if password_hash is not None or not row.is_active:
             end_all_sign_ins(session, row.id)
+        if body.remove_second_factor:
+            second_factor.remove(session, subject, row)
         for action in actions:
             audit.record(session, subject, action, row.patient_id, row.id)
         session.flush()

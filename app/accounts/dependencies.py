@@ -16,14 +16,15 @@ from starlette.requests import HTTPConnection
 from starlette.websockets import WebSocket
 
 from app.accounts.device_tokens import subject_of_device_token
-from app.accounts.sign_in import COOKIE, FoundSignIn, find_sign_in, touch
+from app.accounts.sign_in import COOKIE, SEEN_AGAIN_AFTER, FoundSignIn, find_sign_in, touch
 from app.accounts.subject import Subject
 from app.database.unit_of_work import read_only, unit_of_work
-from app.errors import NotAllowed, SignInRequired
+from app.errors import NotAllowed, PasswordChangeRequired, SecondFactorRequired, SignInRequired
 from app.sentences import say
 from app.services import services_of
 from app.settings import Settings
 
+IDLE_HEADER = "X-Idle-Seconds"
 CSRF_HEADER = "X-CSRF-Token"
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 
@@ -95,10 +96,21 @@ def current_sign_in(connection: HTTPConnection) -> FoundSignIn:
                 say("sign_in.csrf", header=CSRF_HEADER),
                 header=CSRF_HEADER,
             )
-    if found.needs_touch:
+    if found.needs_touch and _is_in_use(connection):
         with unit_of_work(services.engine) as writer:
             touch(writer, found.id)
     return found
+
+
+def _is_in_use(connection: HTTPConnection) -> bool:
+    """Return whether a person is at the browser: a socket that stays open, or a page that asks by itself, is no sign.
+
+    The client says with each request how long nobody has touched keyboard, mouse or screen; a program says nothing.
+    """
+    if connection.scope["type"] == "websocket":
+        return False
+    idle = connection.headers.get(IDLE_HEADER, "0")
+    return idle.isdigit() and len(idle) < 10 and int(idle) < SEEN_AGAIN_AFTER.total_seconds()
 
 
 def current_subject(connection: HTTPConnection) -> Subject:
@@ -117,7 +129,12 @@ def current_subject(connection: HTTPConnection) -> Subject:
     """
     scheme, _, token = connection.headers.get("authorization", "").partition(" ")
     if not token:
-        return current_sign_in(connection).subject
+        found = current_sign_in(connection)
+        if found.must == "password":
+            raise PasswordChangeRequired(say("sign_in.change_password_first"))
+        if found.must == "second_factor":
+            raise SecondFactorRequired(say("sign_in.second_factor_first"))
+        return found.subject
     if scheme.lower() != "bearer":
         raise SignInRequired(say("sign_in.bearer_only"))
     services = services_of(connection)

@@ -3,14 +3,26 @@
 from anyio import to_thread
 from fastapi import APIRouter, Depends, Request, Response
 
-from app.accounts import administration, service
+from app.accounts import administration, browsers, second_factor, service
 from app.accounts.dependencies import (
     CurrentAccount,
     CurrentSignIn,
     is_own_origin,
     require_own_origin,
 )
-from app.accounts.schemas import AccountIn, AccountOut, AccountPatch, Me, PasswordIn, SignInRequest
+from app.accounts.schemas import (
+    AccountIn,
+    AccountOut,
+    AccountPatch,
+    Me,
+    PasswordIn,
+    RecoveryCodes,
+    SecondFactorConfirm,
+    SecondFactorOut,
+    SecondFactorRemove,
+    SecondFactorSetup,
+    SignInRequest,
+)
 from app.accounts.sign_in import COOKIE, end_sign_in, me
 from app.database.dependencies import ReadSession, WriteSession
 from app.services import services_of
@@ -29,16 +41,19 @@ def _not_from_another_site(request: Request) -> None:
 async def sign_in(body: SignInRequest, request: Request, response: Response) -> Me:
     """Sign in with e-mail and password; the answer sets the session cookie.
 
-    Errors: `sign_in_required` for any wrong pair, `too_many_attempts` with Retry-After, `unavailable`.
+    Errors: `sign_in_required` for any wrong pair, `code_required` when the account has a second factor,
+    `too_many_attempts` with Retry-After, `unavailable`.
     """
     services = services_of(request)
     address = _address(request)
     agent = request.headers.get("user-agent", "")
-    account_id = await service.check_password(services, body.email, body.password, address)
-    token, found = await to_thread.run_sync(
-        service.open_sign_in, services, account_id, agent, request.cookies.get(COOKIE)
+    browser = request.cookies.get(browsers.COOKIE)
+    account_id = await service.check_password(services, body, address, browser)
+    token, known, found = await to_thread.run_sync(
+        service.open_sign_in, services, account_id, agent, request.cookies.get(COOKIE), browser
     )
-    _set_cookie(response, services.settings, token)
+    _set_cookie(response, services.settings, COOKIE, token, services.settings.sign_in_hours * 3600)
+    _set_cookie(response, services.settings, browsers.COOKIE, known, int(browsers.LIFE.total_seconds()))
     return found
 
 
@@ -51,9 +66,9 @@ def sign_out(current: CurrentSignIn, request: Request, response: Response, sessi
 
 
 @router.get("/me")
-def who_am_i(current: CurrentSignIn, session: ReadSession) -> Me:
+def who_am_i(current: CurrentSignIn, request: Request, session: ReadSession) -> Me:
     """Return the signed-in account with its CSRF token."""
-    return me(session, current.subject.id, current.csrf_token)
+    return me(session, services_of(request).settings, current.subject.id, current.csrf_token)
 
 
 @router.post("/me/password", status_code=204)
@@ -63,7 +78,43 @@ async def change_password(body: PasswordIn, current: CurrentSignIn, request: Req
     Errors: `invalid_input` with the field when the present password is wrong or the new one is too short or the same,
     `too_many_attempts` with Retry-After.
     """
-    await service.change_password(services_of(request), current, body, _address(request))
+    browser = request.cookies.get(browsers.COOKIE)
+    await service.change_password(services_of(request), current, body, _address(request), browser)
+
+
+@router.get("/me/second-factor")
+def read_second_factor(current: CurrentSignIn, session: ReadSession) -> SecondFactorOut:
+    """Return whether an authenticator app is asked for at sign-in."""
+    return second_factor.second_factor(session, current.subject)
+
+
+@router.post("/me/second-factor", responses={409: {}})
+def begin_second_factor(current: CurrentSignIn, session: WriteSession) -> SecondFactorSetup:
+    """Get a secret for an authenticator app; it counts once a code of the app was sent to `confirm`.
+
+    Errors: `conflict` when one is in force.
+    """
+    return second_factor.begin(session, current.subject)
+
+
+@router.post("/me/second-factor/confirm", responses={409: {}})
+def confirm_second_factor(
+    body: SecondFactorConfirm, current: CurrentSignIn, session: WriteSession
+) -> RecoveryCodes:
+    """Put the second factor in force; the answer has the recovery codes, this once.
+
+    Errors: `invalid_input` for a wrong code, `conflict` when nothing was begun.
+    """
+    return RecoveryCodes(codes=second_factor.confirm(session, current.subject, body.code))
+
+
+@router.post("/me/second-factor/remove", status_code=204)
+async def remove_second_factor(body: SecondFactorRemove, current: CurrentSignIn, request: Request) -> None:
+    """Turn the second factor off, with the own password.
+
+    Errors: `invalid_input` when it is wrong, `too_many_attempts` with Retry-After.
+    """
+    await service.remove_second_factor(services_of(request), current, body.password, _address(request))
 
 
 @router.get("/accounts")
@@ -97,11 +148,11 @@ def _address(request: Request) -> str:
     return request.client.host if request.client else "unknown"
 
 
-def _set_cookie(response: Response, settings: Settings, token: str) -> None:
+def _set_cookie(response: Response, settings: Settings, name: str, value: str, life_s: int) -> None:
     response.set_cookie(
-        COOKIE,
-        token,
-        max_age=settings.sign_in_hours * 3600,
+        name,
+        value,
+        max_age=life_s,
         path="/",
         secure=settings.is_https,
         httponly=True,

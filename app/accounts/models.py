@@ -3,7 +3,19 @@
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import JSON, Boolean, ForeignKey, Index, Integer, String, UniqueConstraint, column, table
+from sqlalchemy import (
+    JSON,
+    BigInteger,
+    Boolean,
+    ForeignKey,
+    Index,
+    Integer,
+    String,
+    UniqueConstraint,
+    column,
+    false,
+    table,
+)
 from sqlalchemy.orm import Mapped, mapped_column
 
 from app.database.base import Base, Identified, UtcDateTime, utc_now
@@ -32,6 +44,15 @@ class Account(Identified, Base):
     """The patient record of an account with the role patient."""
     is_active: Mapped[bool] = mapped_column(Boolean, default=True)
     locale: Mapped[str] = mapped_column(String(10), default="en")
+    must_change_password: Mapped[bool] = mapped_column(Boolean, default=False, server_default=false())
+    """An administrator knows the present one: nothing else can be done before it is changed."""
+    totp_secret: Mapped[str | None] = mapped_column(String(64))
+    """Of the second factor; in force once `totp_since` is set."""
+    totp_since: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    totp_last_step: Mapped[int] = mapped_column(BigInteger, default=0, server_default="0")
+    """The newest step whose code was used: none is good twice."""
+    recovery_hashes: Mapped[list[str]] = mapped_column(JSON, default=list, server_default="[]")
+    """Of the recovery codes that are left."""
 
 
 PATIENT = table("patient", column("id", String(32)), column("clinic_id", String(32)))
@@ -50,6 +71,17 @@ class SignIn(Identified, Base):
     expires_at: Mapped[datetime] = mapped_column(UtcDateTime)
     last_seen_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
     user_agent: Mapped[str] = mapped_column(String(200), default="")
+
+
+class KnownBrowser(Identified, Base):
+    """A browser in which an account has signed in; only the hash of its cookie is stored."""
+
+    __tablename__ = "known_browser"
+    __table_args__ = (UniqueConstraint("account_id", "token_hash"),)
+
+    account_id: Mapped[str] = mapped_column(ForeignKey("account.id", ondelete="CASCADE"))
+    token_hash: Mapped[str] = mapped_column(String(64))
+    seen_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
 
 
 class DeviceToken(Identified, Base):

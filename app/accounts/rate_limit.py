@@ -1,5 +1,8 @@
 """Limits on failed sign-ins, per address and per account, in bounded memory.
 
+A browser that has signed in to the account before has a budget of its own (`app.accounts.browsers`), so that the
+failures of strangers, however many, do not lock its owner out; a stranger cannot have that budget.
+
 Each key has a level that every attempt raises by one and that time lowers steadily; above the capacity an
 attempt is refused with the time after which the next one is allowed. An attempt is counted before its
 password is checked (so many at once cannot slip past) and taken back when it succeeds. Accounts are limited
@@ -108,11 +111,12 @@ class LeakyCounter:
 
 
 class SignInLimits:
-    """Both limits of a sign-in.
+    """The limits of a sign-in.
 
     Parameters
     ----------
     per_account, per_address : Limit
+        `per_account` holds for all strangers together, and for each known browser.
     clock : callable
         Monotonic seconds.
     """
@@ -126,7 +130,7 @@ class SignInLimits:
         self._accounts = LeakyCounter(per_account, clock=clock)
         self._addresses = LeakyCounter(per_address, clock=clock)
 
-    def attempt(self, email: str, address: str) -> None:
+    def attempt(self, email: str, address: str, browser: str | None = None) -> None:
         """Count an attempt before its password is checked.
 
         Parameters
@@ -135,32 +139,40 @@ class SignInLimits:
             Already in lower case.
         address : str
             Of the client.
+        browser : str, optional
+            Key of a browser that has signed in to this account before.
 
         Raises
         ------
         TooManyAttempts
             With `retry_after_s`.
         """
-        network = _network(address)
-        wait = self._addresses.take(network)
-        if wait == 0.0:
-            wait = self._accounts.take(hash_token(email))
+        counters = self._counters(email, address, browser)
+        for number, (counter, key) in enumerate(counters):
+            wait = counter.take(key)
             if wait > 0.0:
-                self._addresses.give_back(network)
-        if wait > 0.0:
-            seconds = math.ceil(wait)
-            raise TooManyAttempts(say("sign_in.too_many", seconds=seconds), retry_after_s=seconds)
+                for taken, its_key in counters[:number]:
+                    taken.give_back(its_key)
+                seconds = math.ceil(wait)
+                raise TooManyAttempts(say("sign_in.too_many", seconds=seconds), retry_after_s=seconds)
 
-    def succeeded(self, email: str, address: str) -> None:
+    def succeeded(self, email: str, address: str, browser: str | None = None) -> None:
         """Take the attempt back: only failures count.
 
         Parameters
         ----------
-        email, address : str
+        email, address, browser : str
             As for `attempt`.
         """
-        self._accounts.give_back(hash_token(email))
-        self._addresses.give_back(_network(address))
+        for counter, key in self._counters(email, address, browser):
+            counter.give_back(key)
+
+    def _counters(self, email: str, address: str, browser: str | None) -> list[tuple[LeakyCounter, str]]:
+        account = hash_token(email)
+        if browser is not None:
+            # Not by address either: a stranger may sit in the same house.
+            return [(self._accounts, f"{account} {browser}")]
+        return [(self._addresses, _network(address)), (self._accounts, account)]
 
 
 def _network(address: str) -> str:

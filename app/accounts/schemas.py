@@ -15,6 +15,8 @@ class SignInRequest(Schema):
 
     email: str = Field(max_length=254)
     password: str = Field(max_length=200)
+    code: str | None = Field(default=None, max_length=40)
+    """Of the authenticator app, or a recovery code; only for accounts with a second factor."""
 
 
 class Me(Schema):
@@ -29,6 +31,44 @@ class Me(Schema):
     patient_id: str | None
     locale: str
     csrf_token: str
+    must: Literal["password", "second_factor"] | None = None
+    """What has to be done before anything else is answered: change the password, or set up the second factor."""
+    idle_minutes: int
+    """The browser session ends after so long without use."""
+
+
+class SecondFactorOut(Schema):
+    """Whether an authenticator app is asked for at sign-in."""
+
+    is_on: bool
+    since: datetime | None
+    recovery_codes_left: int
+
+
+class SecondFactorSetup(Schema):
+    """What an authenticator app needs; shown once."""
+
+    secret: str
+    uri: str
+    """For a QR code."""
+
+
+class SecondFactorConfirm(Schema):
+    """A code of the app: proof that it has the secret."""
+
+    code: str = Field(max_length=40)
+
+
+class SecondFactorRemove(Schema):
+    """The own password."""
+
+    password: str = Field(max_length=200)
+
+
+class RecoveryCodes(Schema):
+    """Each good once, in place of the app's code; shown this once."""
+
+    codes: list[str]
 
 
 class AccountOut(Schema):
@@ -58,7 +98,9 @@ class AccountPatch(Schema):
     is_active: Flag | None = None
     """False switches the account off: it is signed out everywhere and cannot sign in."""
     password: str | None = Field(default=None, min_length=10, max_length=200)
-    """For somebody who forgot theirs; they should change it at once."""
+    """For somebody who forgot theirs; they must change it when they sign in."""
+    remove_second_factor: bool = False
+    """For somebody who lost the telephone and the recovery codes."""
 
 
 class PasswordIn(Schema):

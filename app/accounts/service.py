@@ -2,9 +2,11 @@
 
 from anyio import to_thread
 
-from app.accounts import audit
+from app.accounts import audit, second_factor
+from app.accounts.browsers import forget_browsers, known_browser, remember_browser
 from app.accounts.models import Account
-from app.accounts.schemas import Me, PasswordIn
+from app.accounts.password_rules import check_password as check_password_rules
+from app.accounts.schemas import Me, PasswordIn, SignInRequest
 from app.accounts.sign_in import (
     FoundSignIn,
     create_sign_in,
@@ -16,48 +18,76 @@ from app.accounts.sign_in import (
 )
 from app.accounts.tickets import account_subject
 from app.database.unit_of_work import read_only, unit_of_work
-from app.errors import Conflict, InvalidInput, SignInRequired
+from app.errors import CodeRequired, Conflict, InvalidInput, SignInRequired
 from app.sentences import say
 from app.services import Services
 
 WRONG = say("sign_in.wrong")
 
 
-async def check_password(services: Services, email: str, password: str, address: str) -> str:
-    """Return the account that e-mail and password belong to.
+async def check_password(services: Services, wanted: SignInRequest, address: str, browser: str | None) -> str:
+    """Return the account that e-mail, password and code belong to.
 
     Parameters
     ----------
     services : Services
-    email, password : str
+    wanted : SignInRequest
         As typed.
     address : str
         Of the client, for the rate limit.
+    browser : str or None
+        The cookie of a browser that may have signed in before.
 
     Raises
     ------
     SignInRequired
         One answer for every wrong pair, and the same time to give it.
+    CodeRequired
+        The pair is right, the account has a second factor and no code came with it.
     TooManyAttempts
         After too many failures of this account or address.
     Unavailable
         Too many sign-ins wait already.
     """
-    email = normalise_email(email)
-    services.sign_in_limits.attempt(email, address)
+    email = normalise_email(wanted.email)
+    known = await to_thread.run_sync(_known_browser, services, email, browser)
+    services.sign_in_limits.attempt(email, address, known)
     account_id, password_hash = await to_thread.run_sync(_look_up, services, email)
-    fits = await services.passwords.verify_in_turn(password_hash, password)
+    fits = await services.passwords.verify_in_turn(password_hash, wanted.password)
     if not fits or account_id is None:
         services.refused_sign_ins.note(email)
         raise SignInRequired(WRONG)
-    services.sign_in_limits.succeeded(email, address)
+    # A wrong code is a failed attempt like a wrong password: nothing is given back.
+    has_second = await to_thread.run_sync(_check_code, services, account_id, wanted.code)
+    if has_second is False:
+        services.refused_sign_ins.note(email)
+        raise SignInRequired(say("sign_in.code_wrong"), field="code")
+    services.sign_in_limits.succeeded(email, address, known)
+    if has_second is None:
+        raise CodeRequired(say("sign_in.code_needed"), field="code")
     if password_hash is not None and services.passwords.needs_rehash(password_hash):
-        renewed = await services.passwords.hash_in_turn(password)
+        renewed = await services.passwords.hash_in_turn(wanted.password)
         await to_thread.run_sync(_store_hash, services, account_id, renewed)
     return account_id
 
 
-def open_sign_in(services: Services, account_id: str, agent: str, old_token: str | None) -> tuple[str, Me]:
+def _known_browser(services: Services, email: str, browser: str | None) -> str | None:
+    with read_only(services.engine) as session:
+        return known_browser(session, email, browser)
+
+
+def _check_code(services: Services, account_id: str, code: str | None) -> bool | None:
+    """Return whether the second factor is satisfied; None when a code is needed and there is none."""
+    with unit_of_work(services.engine) as session:
+        account = session.get_one(Account, account_id)
+        if account.totp_since is None:
+            return True
+        return second_factor.use(session, account, code) if code else None
+
+
+def open_sign_in(
+    services: Services, account_id: str, agent: str, old_token: str | None, browser: str | None
+) -> tuple[str, str, Me]:
     """Open a browser session; one that the same browser still had is ended.
 
     Parameters
@@ -66,19 +96,71 @@ def open_sign_in(services: Services, account_id: str, agent: str, old_token: str
     account_id : str
     agent : str
         User agent.
-    old_token : str or None
-        The cookie that came with the request.
+    old_token, browser : str or None
+        The cookies that came with the request.
+
+    Returns
+    -------
+    token, browser : str
+        Values of the cookies.
+    found : Me
     """
     with unit_of_work(services.engine) as session:
         if old_token:
             end_sign_in(session, old_token)
         token, row = create_sign_in(session, services.settings, account_id, agent)
+        browser = remember_browser(session, account_id, browser)
         account = session.get_one(Account, account_id)
         audit.record(session, account_subject(account), "account.sign_in", account.patient_id, account_id)
-        return token, me(session, account_id, row.csrf_token)
+        return token, browser, me(session, services.settings, account_id, row.csrf_token)
 
 
-async def change_password(services: Services, current: FoundSignIn, body: PasswordIn, address: str) -> None:
+async def remove_second_factor(services: Services, current: FoundSignIn, password: str, address: str) -> None:
+    """Turn the own second factor off.
+
+    Parameters
+    ----------
+    services : Services
+    current : FoundSignIn
+    password : str
+        The own one.
+    address : str
+        Of the client.
+
+    Raises
+    ------
+    InvalidInput
+        The password is wrong.
+    TooManyAttempts
+        After too many wrong ones.
+    """
+    await _require_password(services, current, password, address, "password")
+
+    def remove() -> None:
+        with unit_of_work(services.engine) as session:
+            second_factor.remove(session, current.subject, session.get_one(Account, current.subject.id))
+
+    await to_thread.run_sync(remove)
+
+
+async def _require_password(
+    services: Services, current: FoundSignIn, password: str, address: str, field: str
+) -> str | None:
+    """Return the hash of the own password when it was typed rightly."""
+    email, password_hash = await to_thread.run_sync(_own_hash, services, current.subject.id)
+    # Who is signed in has a budget apart from strangers.
+    own = f"signed in {current.subject.id}"
+    services.sign_in_limits.attempt(email, address, own)
+    if not await services.passwords.verify_in_turn(password_hash, password):
+        services.refused_sign_ins.note(email)
+        raise InvalidInput(say("account.password_wrong"), field=field)
+    services.sign_in_limits.succeeded(email, address, own)
+    return password_hash
+
+
+async def change_password(
+    services: Services, current: FoundSignIn, body: PasswordIn, address: str, browser: str | None
+) -> None:
     """Replace the own password; the account is signed out everywhere but here.
 
     Parameters
@@ -89,26 +171,31 @@ async def change_password(services: Services, current: FoundSignIn, body: Passwo
     body : PasswordIn
     address : str
         Of the client: guesses at the present password count as failed sign-ins.
+    browser : str or None
+        The cookie of this browser, which stays known; others are forgotten.
 
     Raises
     ------
     InvalidInput
-        The present password is wrong, or the new one is the same.
+        The present password is wrong, or the new one is the same or too easy to guess.
     TooManyAttempts
         After too many wrong ones.
     Conflict
         The password was changed elsewhere at the same moment.
     """
-    email, password_hash = await to_thread.run_sync(_own_hash, services, current.subject.id)
-    services.sign_in_limits.attempt(email, address)
-    if not await services.passwords.verify_in_turn(password_hash, body.old_password):
-        services.refused_sign_ins.note(email)
-        raise InvalidInput(say("account.password_wrong"), field="old_password")
-    services.sign_in_limits.succeeded(email, address)
+    password_hash = await _require_password(services, current, body.old_password, address, "old_password")
     if body.new_password == body.old_password:
         raise InvalidInput(say("account.password_same"), field="new_password")
+    own = await to_thread.run_sync(_names_of, services, current.subject.id)
+    check_password_rules(body.new_password, *own, field="new_password")
     renewed = await services.passwords.hash_in_turn(body.new_password)
-    await to_thread.run_sync(_replace_hash, services, current, password_hash, renewed)
+    await to_thread.run_sync(_replace_hash, services, current, password_hash, renewed, browser)
+
+
+def _names_of(services: Services, account_id: str) -> tuple[str, str]:
+    with read_only(services.engine) as session:
+        row = session.get_one(Account, account_id)
+        return row.email, row.display_name
 
 
 def _look_up(services: Services, email: str) -> tuple[str | None, str | None]:
@@ -127,12 +214,16 @@ def _own_hash(services: Services, account_id: str) -> tuple[str, str | None]:
         return row.email, row.password_hash
 
 
-def _replace_hash(services: Services, current: FoundSignIn, present: str | None, renewed: str) -> None:
+def _replace_hash(
+    services: Services, current: FoundSignIn, present: str | None, renewed: str, browser: str | None
+) -> None:
     with unit_of_work(services.engine) as session:
         row = session.get_one(Account, current.subject.id)
         if row.password_hash != present:
             raise Conflict(say("account.password_changed_elsewhere"))
         row.password_hash = renewed
+        row.must_change_password = False
+        forget_browsers(session, row.id, but=browser)
         ended = end_all_sign_ins(session, row.id, but=current.id)
         audit.record(
             session,

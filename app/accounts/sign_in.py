@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from datetime import timedelta
+from typing import Literal
 
 from sqlalchemy import delete, select, update
 from sqlalchemy.orm import Session
@@ -22,6 +23,9 @@ SEEN_AGAIN_AFTER = timedelta(seconds=60)
 _PLEASE = say("sign_in.required")
 
 
+Must = Literal["password", "second_factor"]
+
+
 @dataclass(frozen=True)
 class FoundSignIn:
     """A valid browser session."""
@@ -30,6 +34,8 @@ class FoundSignIn:
     subject: Subject
     csrf_token: str
     needs_touch: bool
+    must: Must | None = None
+    """What has to be done before anything else."""
 
 
 def normalise_email(email: str) -> str:
@@ -128,7 +134,24 @@ def find_sign_in(session: Session, settings: Settings, token: str) -> FoundSignI
         subject=account_subject(account),
         csrf_token=sign_in.csrf_token,
         needs_touch=now - sign_in.last_seen_at > SEEN_AGAIN_AFTER,
+        must=must_first(settings, account),
     )
+
+
+def must_first(settings: Settings, account: Account) -> Must | None:
+    """Return what an account has to do before anything else.
+
+    Parameters
+    ----------
+    settings : Settings
+    account : Account
+    """
+    if account.must_change_password:
+        return "password"
+    is_staff = account.role in {"administrator", "therapist"}
+    if is_staff and settings.staff_second_factor == "required" and account.totp_since is None:
+        return "second_factor"
+    return None
 
 
 def touch(session: Session, sign_in_id: str) -> None:
@@ -144,7 +167,7 @@ def touch(session: Session, sign_in_id: str) -> None:
 
 
 def end_sign_in(session: Session, token: str) -> None:
-    """Forget the browser session behind a cookie; nothing happens when there is none.
+    """Forget the browser session behind a cookie and the account's tickets that are still good.
 
     Parameters
     ----------
@@ -152,7 +175,11 @@ def end_sign_in(session: Session, token: str) -> None:
         Writing.
     token : str
     """
-    session.execute(delete(SignIn).where(SignIn.token_hash == hash_token(token)))
+    ended = session.scalars(
+        delete(SignIn).where(SignIn.token_hash == hash_token(token)).returning(SignIn.account_id)
+    ).all()
+    # A ticket lives for seconds: another browser of the same person asks for a new one.
+    session.execute(delete(Ticket).where(Ticket.account_id.in_(ended), Ticket.used_at.is_(None)))
 
 
 def end_all_sign_ins(session: Session, account_id: str, but: str | None = None) -> int:
@@ -178,12 +205,13 @@ def end_all_sign_ins(session: Session, account_id: str, but: str | None = None) 
     return len(ended)
 
 
-def me(session: Session, account_id: str, csrf_token: str) -> Me:
+def me(session: Session, settings: Settings, account_id: str, csrf_token: str) -> Me:
     """Return what a browser needs to know about its own account.
 
     Parameters
     ----------
     session : Session
+    settings : Settings
     account_id : str
     csrf_token : str
     """
@@ -202,4 +230,6 @@ def me(session: Session, account_id: str, csrf_token: str) -> Me:
         patient_id=account.patient_id,
         locale=account.locale,
         csrf_token=csrf_token,
+        must=must_first(settings, account),
+        idle_minutes=settings.sign_in_idle_minutes,
     )

@@ -6,13 +6,15 @@ stays (`app.accounts.audit`), backups too: they are erased by their age (see the
 
 from pathlib import Path
 
-from sqlalchemy import Engine, exists, func, select
+from sqlalchemy import Engine, delete, exists, func, select, update
 from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
+from app.assessment.models import Comparison
 from app.database.engine import forget_deleted
 from app.database.unit_of_work import unit_of_work
 from app.errors import Conflict
+from app.exercises.models import Prescription, Template, TemplateVersion
 from app.ingest.upload import upload_folder
 from app.patients import repository as patients
 from app.patients.access import require_patient
@@ -52,11 +54,35 @@ def erase(engine: Engine, settings: Settings, subject: Subject, patient_id: str)
             raise Conflict("Archive the patient first; erasing cannot be undone.", archived=False)
         _require_rest(session, patient_id)
         files = _uploaded_files(session, settings, patient_id)
+        erase_templates_from(session, patient_id)
         count = session.scalar(select(func.count()).where(MotionSession.patient_id == patient_id)) or 0
         patients.erase_patient(session, subject, patient, {"sessions": count})
     for file in files:
         file.unlink(missing_ok=True)
     forget_deleted(engine)
+
+
+def erase_templates_from(session: Session, patient_id: str) -> None:
+    """Erase versions of the clinic's templates that were made from a recording of the patient; others stay.
+
+    A template whose only versions they were goes with them, and prescriptions of it go on without one.
+
+    Parameters
+    ----------
+    session : Session
+        Writing.
+    patient_id : str
+    """
+    own = select(MotionSession.id).where(MotionSession.patient_id == patient_id)
+    made_from = TemplateVersion.source_session_id.in_(own)
+    touched = session.scalars(select(TemplateVersion.template_id).where(made_from).distinct()).all()
+    versions = select(TemplateVersion.id).where(made_from)
+    session.execute(delete(Comparison).where(Comparison.template_version_id.in_(versions)))
+    session.execute(delete(TemplateVersion).where(made_from))
+    left = select(TemplateVersion.id).where(TemplateVersion.template_id == Template.id)
+    empty = session.scalars(select(Template.id).where(Template.id.in_(touched), ~exists(left))).all()
+    session.execute(update(Prescription).where(Prescription.template_id.in_(empty)).values(template_id=None))
+    session.execute(delete(Template).where(Template.id.in_(empty)))
 
 
 def _require_rest(session: Session, patient_id: str) -> None:

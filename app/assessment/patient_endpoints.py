@@ -57,11 +57,12 @@ def create_prescription(
 def export_patient(patient_id: str, subject: CurrentAccount, request: Request) -> StreamingResponse:
     """Return everything held about a patient as one archive: the record, sessions, packets, movement, comparisons.
 
-    The trail notes it as one event, `patient.export`.
+    The trail notes it as one event, `patient.export`. Errors: `limit_reached` or `unavailable` with Retry-After while
+    too many exports are being made.
     """
     services = services_of(request)
     return StreamingResponse(
-        export(services.engine, services.settings, subject, patient_id),
+        export(services.engine, services.settings, services.limits, subject, patient_id),
         media_type="application/zip",
         headers={
             "Content-Disposition": f'attachment; filename="patient-{patient_id[:8]}.zip"',

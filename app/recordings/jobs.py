@@ -195,7 +195,6 @@ class JobRunner:
 
     def start(self) -> None:
         """Queue again what was running when the service ended, then begin to work."""
-        processes.prepare([handler.__module__ for handler in self._handlers.values()])
         with unit_of_work(self._engine) as session:
             for job in session.scalars(select(Job).where(Job.status == "running")):
                 self._interrupted(job)

@@ -5,16 +5,18 @@ Kept as rows of the signal table, erased with their session: stream `markers/<id
 """
 
 import zlib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import delete, func, select
+from sqlalchemy import Engine, delete, func, select
 from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
 from app.database.base import new_id, utc_now
+from app.database.unit_of_work import read_only
 from app.errors import Conflict, NotFound
 from app.recordings import codecs, repository
 from app.recordings._rows import insert_chunk
@@ -96,6 +98,20 @@ def write_file(session: Session, session_id: str, markers_id: str, path: Path) -
     if declared is None:
         raise NotFound("The uploaded markers are gone; upload them again.")
     return MarkerUploadIn.model_validate(declared)
+
+
+def file_pieces(engine: Engine, session_id: str, markers_id: str) -> Iterator[bytes]:
+    """Yield an uploaded file as it came, piece by piece, each read in a transaction of its own."""
+    key = (SignalChunk.session_id == session_id, SignalChunk.stream == _FILE + markers_id)
+    with read_only(engine) as session:
+        numbers = session.scalars(
+            select(SignalChunk.sequence).where(*key).order_by(SignalChunk.sequence)
+        ).all()
+    for number in numbers:
+        with read_only(engine) as session:
+            row = session.get_one(SignalChunk, (session_id, _FILE + markers_id, number))
+            data = sound(row)
+        yield zlib.decompress(data)
 
 
 def store_fusion(
@@ -192,6 +208,7 @@ __all__ = [
     "COLUMNS",
     "KIND",
     "MOTION_STREAM",
+    "file_pieces",
     "markers_of",
     "session_for",
     "sound",

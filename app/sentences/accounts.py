@@ -35,6 +35,20 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "account.password_same": "The new password is the current one; choose another.",
     "account.password_changed_elsewhere": "The password was changed in another browser a moment ago; sign"
     " in again.",
+    "sign_in.code_needed": "Type the code of your authenticator app, or one of your recovery codes.",
+    "sign_in.code_wrong": "This code is wrong or was used before. Wait for the next one.",
+    "sign_in.change_password_first": "Choose a password of your own first: somebody else knows the current one.",
+    "sign_in.second_factor_first": "Set up two-step sign-in first: this service asks for it.",
+    "second_factor.is_on": "Two-step sign-in is on already; turn it off first to set it up anew.",
+    "second_factor.not_begun": "Begin with setting up the authenticator app.",
+    "second_factor.code_wrong": "This code is wrong. Check that the telephone's clock is right and type the"
+    " newest code.",
+    "password.short": "This password is shorter than {least} characters; choose another, for example four words.",
+    "password.common": "This password is one of those that are tried first; choose another, for example four words.",
+    "password.repeats": "This password repeats itself; choose another, for example four words.",
+    "password.row": "This password follows the alphabet, the numbers or the keyboard; choose another, for"
+    " example four words.",
+    "password.own": "This password is made of your name or e-mail address; choose another, for example four words.",
     "sign_in.ticket_refused": "The ticket is not valid here, was used before or is older than 30 seconds;"
     " ask for a new one.",
     "sign_in.no_role": "This account has no role that may sign in.",

@@ -1,5 +1,6 @@
 // One way to the service: JSON in, JSON out with its words in the reader's language, errors as `ApiError`.
 import { inOurWords } from '../i18n/sentence';
+import { idleSeconds } from '../lib/idle';
 
 /** What the service refused, in words that say what to do. */
 export class ApiError extends Error {
@@ -12,6 +13,10 @@ export class ApiError extends Error {
   ) {
     super(message);
   }
+}
+
+function idleHeader(): Record<string, string> {
+  return { 'X-Idle-Seconds': String(idleSeconds()) };
 }
 
 let csrfToken = '';
@@ -34,7 +39,7 @@ async function errorOf(response: Response): Promise<ApiError> {
 async function send(path: string, init: RequestInit): Promise<Response> {
   let response: Response;
   try {
-    response = await fetch(path, { credentials: 'same-origin', ...init });
+    response = await fetch(path, { credentials: 'same-origin', ...init, headers: { ...idleHeader(), ...(init.headers as Record<string, string> | undefined) } });
   } catch (error) {
     if (error instanceof DOMException && error.name === 'AbortError') throw error;
     throw new ApiError(0, 'offline', 'The service cannot be reached. Check the network connection, then try again.');

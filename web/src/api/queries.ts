@@ -6,6 +6,7 @@ import { setLocale } from '../i18n';
 
 export const keys = {
   me: ['me'] as const,
+  secondFactor: ['second-factor'] as const,
   caseload: ['caseload'] as const,
   patients: ['patients'] as const,
   archived: ['patients', 'archived'] as const,
@@ -193,7 +194,13 @@ export const useChangeAccount = () =>
     ({ id, patch }: { id: string; patch: Wire.AccountPatch }) => api.patch<Wire.Account>(`/api/accounts/${id}`, patch),
     () => [keys.accounts],
   );
-export const useChangePassword = () => useChange((input: Wire.PasswordIn) => api.post<void>('/api/me/password', input), () => []);
+export const useChangePassword = () => useChange((input: Wire.PasswordIn) => api.post<void>('/api/me/password', input), () => [keys.me]);
+export const useSecondFactor = () => useGet<Wire.SecondFactor>(keys.secondFactor, '/api/me/second-factor');
+export const useBeginSecondFactor = () => useChange((_: void) => api.post<Wire.SecondFactorSetup>('/api/me/second-factor'), () => []);
+export const useConfirmSecondFactor = () =>
+  useChange((input: { code: string }) => api.post<Wire.RecoveryCodes>('/api/me/second-factor/confirm', input), () => [keys.secondFactor, keys.me]);
+export const useRemoveSecondFactor = () =>
+  useChange((input: { password: string }) => api.post<void>('/api/me/second-factor/remove', input), () => [keys.secondFactor, keys.me]);
 export const usePrescribe = (id: string) =>
   useChange(
     (input: Wire.PrescriptionIn) => api.post<Wire.Prescription>(`/api/patients/${id}/prescriptions`, input),

@@ -364,6 +364,76 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/me/second-factor": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Read Second Factor
+         * @description Return whether an authenticator app is asked for at sign-in.
+         */
+        get: operations["read_second_factor_api_me_second_factor_get"];
+        put?: never;
+        /**
+         * Begin Second Factor
+         * @description Get a secret for an authenticator app; it counts once a code of the app was sent to `confirm`.
+         *
+         *     Errors: `conflict` when one is in force.
+         */
+        post: operations["begin_second_factor_api_me_second_factor_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/me/second-factor/confirm": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Confirm Second Factor
+         * @description Put the second factor in force; the answer has the recovery codes, this once.
+         *
+         *     Errors: `invalid_input` for a wrong code, `conflict` when nothing was begun.
+         */
+        post: operations["confirm_second_factor_api_me_second_factor_confirm_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/me/second-factor/remove": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Remove Second Factor
+         * @description Turn the second factor off, with the own password.
+         *
+         *     Errors: `invalid_input` when it is wrong, `too_many_attempts` with Retry-After.
+         */
+        post: operations["remove_second_factor_api_me_second_factor_remove_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/patients": {
         parameters: {
             query?: never;
@@ -498,7 +568,8 @@ export interface paths {
          * Export Patient
          * @description Return everything held about a patient as one archive: the record, sessions, packets, movement, comparisons.
          *
-         *     The trail notes it as one event, `patient.export`.
+         *     The trail notes it as one event, `patient.export`. Errors: `limit_reached` or `unavailable` with Retry-After while
+         *     too many exports are being made.
          */
         get: operations["export_patient_api_patients__patient_id__export_get"];
         put?: never;
@@ -1368,7 +1439,8 @@ export interface paths {
          * Sign In
          * @description Sign in with e-mail and password; the answer sets the session cookie.
          *
-         *     Errors: `sign_in_required` for any wrong pair, `too_many_attempts` with Retry-After, `unavailable`.
+         *     Errors: `sign_in_required` for any wrong pair, `code_required` when the account has a second factor,
+         *     `too_many_attempts` with Retry-After, `unavailable`.
          */
         post: operations["sign_in_api_sign_in_post"];
         delete?: never;
@@ -1536,6 +1608,11 @@ export interface components {
             is_active?: boolean | null;
             /** Password */
             password?: string | null;
+            /**
+             * Remove Second Factor
+             * @default false
+             */
+            remove_second_factor?: boolean;
         };
         /**
          * AccuracyCurve
@@ -3080,8 +3157,12 @@ export interface components {
             display_name: string;
             /** Email */
             email: string;
+            /** Idle Minutes */
+            idle_minutes: number;
             /** Locale */
             locale: string;
+            /** Must */
+            must?: ("password" | "second_factor") | null;
             /** Patient Id */
             patient_id: string | null;
             /**
@@ -3514,6 +3595,14 @@ export interface components {
             value: number;
         };
         /**
+         * RecoveryCodes
+         * @description Each good once, in place of the app's code; shown this once.
+         */
+        RecoveryCodes: {
+            /** Codes */
+            codes: string[];
+        };
+        /**
          * RepetitionComparison
          * @description One repetition beside the template.
          */
@@ -3614,6 +3703,44 @@ export interface components {
              * @enum {string}
              */
             status: "running" | "complete" | "failed";
+        };
+        /**
+         * SecondFactorConfirm
+         * @description A code of the app: proof that it has the secret.
+         */
+        SecondFactorConfirm: {
+            /** Code */
+            code: string;
+        };
+        /**
+         * SecondFactorOut
+         * @description Whether an authenticator app is asked for at sign-in.
+         */
+        SecondFactorOut: {
+            /** Is On */
+            is_on: boolean;
+            /** Recovery Codes Left */
+            recovery_codes_left: number;
+            /** Since */
+            since: string | null;
+        };
+        /**
+         * SecondFactorRemove
+         * @description The own password.
+         */
+        SecondFactorRemove: {
+            /** Password */
+            password: string;
+        };
+        /**
+         * SecondFactorSetup
+         * @description What an authenticator app needs; shown once.
+         */
+        SecondFactorSetup: {
+            /** Secret */
+            secret: string;
+            /** Uri */
+            uri: string;
         };
         /**
          * SensorFinding
@@ -3932,6 +4059,8 @@ export interface components {
          * @description E-mail and password.
          */
         SignInRequest: {
+            /** Code */
+            code?: string | null;
             /** Email */
             email: string;
             /** Password */
@@ -5112,6 +5241,126 @@ export interface operations {
         requestBody: {
             content: {
                 "application/json": components["schemas"]["PasswordIn"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            404: components["responses"]["Error404"];
+            409: components["responses"]["Error409"];
+            413: components["responses"]["Error413"];
+            422: components["responses"]["Error422"];
+            429: components["responses"]["Error429"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    read_second_factor_api_me_second_factor_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SecondFactorOut"];
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    begin_second_factor_api_me_second_factor_post: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description From /api/me; browsers send it with every change, devices do not. */
+                "X-CSRF-Token"?: string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SecondFactorSetup"];
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            409: components["responses"]["Error409"];
+            422: components["responses"]["Error422"];
+            429: components["responses"]["Error429"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    confirm_second_factor_api_me_second_factor_confirm_post: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description From /api/me; browsers send it with every change, devices do not. */
+                "X-CSRF-Token"?: string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SecondFactorConfirm"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RecoveryCodes"];
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            404: components["responses"]["Error404"];
+            409: components["responses"]["Error409"];
+            413: components["responses"]["Error413"];
+            422: components["responses"]["Error422"];
+            429: components["responses"]["Error429"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    remove_second_factor_api_me_second_factor_remove_post: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description From /api/me; browsers send it with every change, devices do not. */
+                "X-CSRF-Token"?: string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SecondFactorRemove"];
             };
         };
         responses: {

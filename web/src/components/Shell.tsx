@@ -6,6 +6,7 @@ import { Link, Navigate, NavLink, Outlet, useLocation, useNavigate } from 'react
 import { useMe, useSignOut } from '../api/queries';
 import { t } from '../i18n';
 import { Problem, Waiting } from './Feedback';
+import { IdleWatch } from './IdleWatch';
 
 export function ThemeToggle() {
   const scheme = useComputedColorScheme('light');
@@ -64,6 +65,7 @@ export function Shell() {
     const next = location.pathname + location.search;
     return <Navigate to={next === '/' ? '/sign-in' : `/sign-in?next=${encodeURIComponent(next)}`} replace />;
   }
+  if (me.data.must && location.pathname !== '/account') return <Navigate to="/account" replace />;
   const isPatient = me.data.role === 'patient';
   const links = isPatient
     ? [
@@ -140,6 +142,7 @@ export function Shell() {
           </div>
         </div>
       </header>
+      <IdleWatch minutes={me.data.idle_minutes} />
       <main id="main" tabIndex={-1} ref={main}>
         <Outlet context={me.data} />
       </main>

@@ -6,6 +6,7 @@ import { useEffect, useRef, useState, useSyncExternalStore } from 'react';
 import { api } from '../api/client';
 import type { CameraCommand, View, ViewIn } from '../api/types';
 import { t } from '../i18n';
+import { listenForUse } from '../lib/idle';
 import { passKeysOn } from '../lib/keys';
 import type { Player } from '../player/types';
 import { ViewLink, type GhostChoice, type ViewSnapshot } from '../player/view';
@@ -121,7 +122,16 @@ export function Viewer3D({ sessionId, request, title, player = null, ghost, isRe
     <div className="viewer-box">
       <div className={isGone ? 'viewer viewer-gone' : 'viewer'} data-testid="viewer">
         {view.data ? (
-          <iframe key={view.data.id} src={view.data.page_path} title={title} allow="fullscreen" onLoad={(event) => passKeysOn(event.currentTarget)} />
+            <iframe
+              key={view.data.id}
+              src={view.data.page_path}
+              title={title}
+              allow="fullscreen"
+              onLoad={(event) => {
+                passKeysOn(event.currentTarget);
+                if (event.currentTarget.contentWindow) listenForUse(event.currentTarget.contentWindow);
+              }}
+            />
         ) : (
           <Skeleton height="100%" radius={0} animate={false} role="status" aria-label={t('state.loading')} />
         )}

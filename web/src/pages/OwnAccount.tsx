@@ -5,6 +5,7 @@ import { Notice, Problem } from '../components/Feedback';
 import { Page } from '../components/Page';
 import { useSignedIn } from '../components/useSignedIn';
 import { t } from '../i18n';
+import { SecondFactorCard } from './SecondFactorCard';
 
 const LEAST = 10;
 
@@ -29,6 +30,11 @@ export function OwnAccountPage() {
   const toggle = { 'aria-label': t('signIn.showPassword'), tabIndex: 0, 'aria-hidden': false } as const;
   return (
     <Page narrow title={t('account.title')} lead={`${me.display_name} · ${me.email}`}>
+      {me.must && (
+        <Notice>
+          <p role="status">{me.must === 'password' ? t('account.mustPassword') : t('account.mustSecond')}</p>
+        </Notice>
+      )}
       <form className="card stack form-card" onSubmit={submit} aria-labelledby="password">
         <h2 id="password">{t('account.password')}</h2>
         {change.error && <Problem error={change.error} />}
@@ -45,6 +51,7 @@ export function OwnAccountPage() {
           </Button>
         </div>
       </form>
+      {me.must !== 'password' && <SecondFactorCard />}
     </Page>
   );
 }

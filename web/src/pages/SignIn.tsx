@@ -1,8 +1,9 @@
 import { Button, PasswordInput, TextInput } from '@mantine/core';
 import { useEffect, useState, type FormEvent } from 'react';
 import { Navigate, useSearchParams } from 'react-router';
+import { ApiError } from '../api/client';
 import { useMe, useSignIn } from '../api/queries';
-import { Problem } from '../components/Feedback';
+import { Notice, Problem } from '../components/Feedback';
 import { Wordmark } from '../components/Shell';
 import { t } from '../i18n';
 
@@ -11,12 +12,17 @@ function safeNext(next: string | null): string {
   return next && next.startsWith('/') && !next.startsWith('//') && !next.startsWith('/\\') ? next : '/';
 }
 
+/** The service asks for the code: no failure. */
+const isAsked = (error: Error) => error instanceof ApiError && error.code === 'code_required';
+
 export function SignInPage() {
   const me = useMe();
   const signIn = useSignIn();
   const [search] = useSearchParams();
   const [email, setEmail] = useState('');
   const [password, setPassword] = useState('');
+  const [code, setCode] = useState('');
+  const [asksCode, setAsksCode] = useState(false);
   useEffect(() => {
     document.title = `${t('signIn.title')} · ${t('product.name')}`;
   }, []);
@@ -24,7 +30,10 @@ export function SignInPage() {
 
   const submit = (event: FormEvent) => {
     event.preventDefault();
-    signIn.mutate({ email, password });
+    const onError = (error: Error) => {
+      if (error instanceof ApiError && error.code === 'code_required') setAsksCode(true);
+    };
+    signIn.mutate({ email, password, code: asksCode && code ? code : null }, { onError });
   };
   return (
     <main className="sign-in">
@@ -41,7 +50,12 @@ export function SignInPage() {
       <div className="sign-in-form">
         <form onSubmit={submit}>
           <h1>{t('signIn.title')}</h1>
-          {signIn.error && <Problem error={signIn.error} />}
+          {search.get('ended') === 'idle' && !signIn.error && (
+            <Notice>
+              <p role="status">{t('signIn.endedIdle')}</p>
+            </Notice>
+          )}
+          {signIn.error && !isAsked(signIn.error) && <Problem error={signIn.error} />}
           <TextInput label={t('signIn.email')} type="email" autoComplete="username" required withAsterisk={false} size="lg" value={email} onChange={(event) => setEmail(event.currentTarget.value)} />
           <PasswordInput
             label={t('signIn.password')}
@@ -53,6 +67,9 @@ export function SignInPage() {
             onChange={(event) => setPassword(event.currentTarget.value)}
             visibilityToggleButtonProps={{ 'aria-label': t('signIn.showPassword'), tabIndex: 0, 'aria-hidden': false }}
           />
+          {asksCode && (
+            <TextInput label={t('second.code')} description={t('second.codeHelp')} autoComplete="one-time-code" required withAsterisk={false} size="lg" maxLength={40} value={code} onChange={(event) => setCode(event.currentTarget.value)} />
+          )}
           <Button type="submit" size="lg" loading={signIn.isPending}>
             {t('action.signIn')}
           </Button>

@@ -16,6 +16,7 @@ export const THERAPIST: Me = {
   patient_id: null,
   locale: 'en',
   csrf_token: 'token',
+  idle_minutes: 60,
 };
 
 /** Answer of the service for a path, with its status where it is not 200. */

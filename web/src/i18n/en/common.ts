@@ -78,6 +78,8 @@ export const common = {
   'signIn.email': 'E-mail',
   'signIn.password': 'Password',
   'signIn.showPassword': 'Show password',
+  'signIn.endedIdle': 'You were signed out because nobody used this page for a while. Sessions that were streaming go on without it.',
+  'idle.warning': 'You will be signed out soon: nobody has used this page for nearly {minutes} minutes. Move the mouse, touch the screen or press a key to stay.',
   'signIn.promise': 'See how your patients move at home, compared with the movement you showed them.',
   'signIn.help': 'Forgotten your password? An administrator of your clinic can give you a new one.',
 
