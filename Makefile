@@ -10,6 +10,9 @@ export PYTHONDONTWRITEBYTECODE :=
 # One thread a process for linear algebra: the service scales over sessions, not inside one.
 export OPENBLAS_NUM_THREADS ?= 1
 
+# Says how long a stage of `make run` took since its beginning; says nothing elsewhere.
+ready = @$(if $(STARTED_S),echo "$(1) ready after $$(($$(date +%s) - $(STARTED_S))) s")
+
 .PHONY: help run test test-quick checks lint types web web-test bench-live bench-kernels bench-gait bench-magnetic bench-viewer validate accuracy lock wheel check-versions browser clean
 
 help: ## This list
@@ -20,17 +23,18 @@ check-versions:
 
 $(VENV)/installed: requirements.lock pyproject.toml
 	@$(MAKE) --no-print-directory check-versions
-	@echo "Setting up Python packages (about a minute the first time) ..."
+	@echo "Setting up Python packages (half a minute the first time) ..."
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
 	@touch $@
+	$(call ready,Python packages)
 
-# Numba compiles a changed kernel where it is first imported, one process at a time: here once, for all that follow.
+# Kernels are compiled when they are first called. Tests need nearly all of them: here once, on two cores.
 KERNELS := $(shell find estimators -name '*.py' 2>/dev/null)
 $(VENV)/compiled: $(VENV)/installed $(KERNELS)
 	@echo "Compiling the numerical kernels (two minutes the first time) ..."
-	@$(BIN)/python -c "import app.main"
+	@$(BIN)/telemotion compile --processes 2
 	@touch $@
 
 web/node_modules/installed: web/package-lock.json
@@ -45,12 +49,14 @@ WEB_SOURCES := $(shell find web/src web/public web/index.html web/vite.config.ts
 web/dist/index.html: web/node_modules/installed $(WEB_SOURCES)
 	@echo "Building the browser client ..."
 	@cd web && npm run --silent build
+	$(call ready,Browser client)
 
 web: web/dist/index.html ## Build the browser client
 
+run: STARTED_S := $(shell date +%s)
 run: ## Start the service with a demonstration clinic and a simulated patient
-	@$(MAKE) --no-print-directory -j2 $(VENV)/compiled web/dist/index.html
-	@$(BIN)/telemotion demo --port $(PORT)
+	@$(MAKE) --no-print-directory -j2 $(VENV)/installed web/dist/index.html STARTED_S=$(STARTED_S)
+	@$(BIN)/telemotion demo --port $(PORT) --started-s $(STARTED_S)
 
 browser: ## Install Debian's Chromium when it is absent and this is root
 	@if command -v chromium >/dev/null || [ -n "$$CHROMIUM" ]; then :; \

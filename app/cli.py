@@ -47,6 +47,16 @@ def serve(
     command.serve(host, port)
 
 
+@cli.command("compile")
+def compile_kernels(
+    processes: Annotated[int, typer.Option(help="At once; one for each core is right.", min=1, max=64)] = 2,
+) -> None:
+    """Compile every numerical kernel now, so that no session or analysis waits for it. Takes some minutes."""
+    from app.commands import compile_kernels as command
+
+    command.compile_kernels(processes)
+
+
 @cli.command()
 def migrate() -> None:
     """Bring the database of TELEMOTION_DATABASE_URL to the newest schema."""
@@ -78,6 +88,9 @@ def demo(
     ),
     fresh: Annotated[bool, typer.Option(help="Throw an earlier demonstration away first.")] = False,
     stream: Annotated[bool, typer.Option(help="Start the simulated patient who streams live.")] = True,
+    started_s: Annotated[
+        float | None, typer.Option(help="Epoch second from which stages are timed.", hidden=True)
+    ] = None,
 ) -> None:
     """Start a demonstration clinic with invented patients and one who streams live.
 
@@ -85,7 +98,7 @@ def demo(
     """
     from app.commands import demo as command
 
-    command.demo(port, folder, fresh, stream)
+    command.demo(port, folder, fresh, stream, started_s)
 
 
 @cli.command()

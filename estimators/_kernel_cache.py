@@ -3,10 +3,14 @@
 Numba keeps a compiled function until its own file changes. Ours put helpers and constants of other files into
 themselves, so an edited helper would leave old machine code behind that still runs and gives old numbers. The
 locators here make a kernel as old as the youngest file that it imports, directly or through others.
+
+What a process compiles comes from what it imported. Files that were edited since then say nothing of that, so a
+kernel of theirs is neither kept nor taken from the cache.
 """
 
 import ast
 import functools
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, Final
@@ -15,6 +19,7 @@ import numba
 from numba.core import caching
 
 _ROOT: Final = Path(__file__).parents[1]
+_IMPORTED_AT_S: Final = time.time()
 
 
 @functools.cache
@@ -62,6 +67,19 @@ def _module(name: str, root: Path) -> tuple[Path, ...]:
     return tuple(path for path in (place.with_suffix(".py"), place / "__init__.py") if path.is_file())
 
 
+def is_current(file: Path, root: Path = _ROOT, since_s: float = _IMPORTED_AT_S) -> bool:
+    """Say whether a file and all that it imports under `root` are what this process may have imported.
+
+    Parameters
+    ----------
+    file, root : Path
+        As for `imported_files`.
+    since_s : float
+        Wall clock before the first of them was imported.
+    """
+    return all(one.stat().st_mtime <= since_s for one in imported_files(file, root))
+
+
 class _WithImports:
     """Adds what a kernel's file imports to the stamp by which its compiled code is known."""
 
@@ -98,4 +116,4 @@ def use() -> None:
         )
 
 
-__all__ = ["imported_files", "use"]
+__all__ = ["imported_files", "is_current", "use"]

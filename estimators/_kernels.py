@@ -1,23 +1,18 @@
 """The one decorator of compiled loops, and scalar quaternion helpers that they inline.
 
-A kernel is compiled when its module is imported, for one explicit signature over C-contiguous float64,
-and kept in numba's cache beside the source (`NUMBA_CACHE_DIR` in a read-only installation) until its file, or
-one that it imports, changes.
+A kernel is compiled when it is first called, for one explicit signature over C-contiguous float64, and kept in numba's
+cache beside the source (`NUMBA_CACHE_DIR` in a read-only installation) until its file, or one that it imports, changes.
 
 Helpers take and give scalars in tuples, so that no array is made inside a loop. Quaternions are wxyz.
 """
 
 import math
 from collections.abc import Callable
-from typing import Any, TypeVar, cast
+from typing import Any, TypeVar
 
-import numba
-
-from estimators import _kernel_cache
+from estimators.compiling import compiled
 
 F = TypeVar("F", bound=Callable[..., Any])
-
-_kernel_cache.use()
 
 
 def kernel(signature: str, *, inlined: bool = False) -> Callable[[F], F]:
@@ -35,8 +30,7 @@ def kernel(signature: str, *, inlined: bool = False) -> Callable[[F], F]:
     callable
         Decorator; the plain Python function stays reachable as `.py_func` for tests.
     """
-    compiled = numba.njit(signature, cache=True, nogil=True, error_model="numpy", forceinline=inlined)
-    return cast(Callable[[F], F], compiled)
+    return compiled(signature, forceinline=inlined)
 
 
 Scalars3 = tuple[float, float, float]

@@ -12,19 +12,16 @@ import operator
 from collections.abc import Callable, Iterator
 from typing import Any, Final, TypeVar, cast
 
-import numba
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.core.typing.templates import AbstractTemplate, ConcreteTemplate, infer_global, signature
 from numba.extending import lower_builtin, models, register_model
 
-from estimators import _kernel_cache
+from estimators.compiling import compiled
 from estimators.recording import Float
 
 F = TypeVar("F", bound=Callable[..., Any])
-
-_kernel_cache.use()
 
 LANES: Final = 4
 """Seventeen sensors fill five groups of four better than three of eight, which measured slower as well."""
@@ -68,16 +65,7 @@ class _MaskModel(models.PrimitiveModel):  # type: ignore[misc]
 
 def in_lanes(signature_: Any, *, inlined: bool = True) -> Callable[[F], F]:
     """Compile a step of a filter over lanes, for compiled callers only; as `kernel`, with a type as the signature."""
-    compiled = numba.njit(
-        signature_,
-        cache=True,
-        nogil=True,
-        error_model="numpy",
-        forceinline=inlined,
-        no_cpython_wrapper=True,
-        no_cfunc_wrapper=True,
-    )
-    return cast(Callable[[F], F], compiled)
+    return compiled(signature_, forceinline=inlined, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 
 def of_one(step: F) -> F:

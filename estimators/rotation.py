@@ -9,8 +9,8 @@ other component order (x, y, z, w) occurs.
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial.transform import Rotation
 
 Float = NDArray[np.float64]
 
@@ -261,12 +261,12 @@ def shortest(from_vector: ArrayLike, to_vector: ArrayLike) -> Float:
     return normalize(np.where(cosine < -1.0 + 1e-14, opposite, q))
 
 
-def to_scipy(q: ArrayLike) -> Rotation:
+def to_scipy(q: ArrayLike) -> "scipy.spatial.transform.Rotation":
     """Return a scipy Rotation of quaternions, shape (4,) or (N, 4)."""
-    return Rotation.from_quat(np.asarray(q, dtype=np.float64)[..., [1, 2, 3, 0]])
+    return scipy.spatial.transform.Rotation.from_quat(np.asarray(q, dtype=np.float64)[..., [1, 2, 3, 0]])
 
 
-def from_scipy(rotation: Rotation) -> Float:
+def from_scipy(rotation: "scipy.spatial.transform.Rotation") -> Float:
     """Return quaternions with w >= 0 of a scipy Rotation, shape (4,) or (N, 4)."""
     xyzw: NDArray[Any] = rotation.as_quat()
     return positive(xyzw[..., [3, 0, 1, 2]])

@@ -3,8 +3,8 @@
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy import signal
 
 from estimators import rotation
 from estimators._time_base import ON_THE_TICK, TimeBase, bridge, interpolate
@@ -147,7 +147,7 @@ def _second_order_sections(cutoff_hz: float, rate_hz: float, order: int) -> NDAr
         raise SetupError(
             f"cut-off {cutoff_hz} Hz; it must lie between 0 and half the rate, {0.5 * rate_hz} Hz"
         )
-    return np.asarray(signal.butter(order, cutoff_hz, fs=rate_hz, output="sos"))
+    return np.asarray(scipy.signal.butter(order, cutoff_hz, fs=rate_hz, output="sos"))
 
 
 def low_pass(values: ArrayLike, rate_hz: float, cutoff_hz: float, order: int = 2, axis: int = -2) -> Float:
@@ -172,7 +172,7 @@ def low_pass(values: ArrayLike, rate_hz: float, cutoff_hz: float, order: int = 2
         raise ShapeError("a filter without delay needs finite values; fill or cut out the gaps first")
     sections = _second_order_sections(cutoff_hz, rate_hz, order)
     padding = min(table.shape[axis] - 1, 3 * (2 * order + 1))
-    return np.asarray(signal.sosfiltfilt(sections, table, axis=axis, padlen=max(padding, 0)))
+    return np.asarray(scipy.signal.sosfiltfilt(sections, table, axis=axis, padlen=max(padding, 0)))
 
 
 class CausalLowPass:
@@ -198,9 +198,9 @@ class CausalLowPass:
         if not values.shape[0]:
             return values.copy()
         if self._memory is None:
-            rest = signal.sosfilt_zi(self._sections)
+            rest = scipy.signal.sosfilt_zi(self._sections)
             self._memory = rest.reshape(*rest.shape, *([1] * len(self._shape))) * values[0]
-        smooth, self._memory = signal.sosfilt(self._sections, values, axis=0, zi=self._memory)
+        smooth, self._memory = scipy.signal.sosfilt(self._sections, values, axis=0, zi=self._memory)
         return np.asarray(smooth)
 
 
@@ -225,7 +225,9 @@ def derivative(
     window = min(max(2 * round(0.5 * window_s * rate_hz) + 1, order + 1 + (order % 2)), longest)
     if window <= order:
         raise ShapeError(f"{table.shape[axis]} samples are too few for a derivative of order {order}")
-    return np.asarray(signal.savgol_filter(table, window, order, deriv=1, delta=1.0 / rate_hz, axis=axis))
+    return np.asarray(
+        scipy.signal.savgol_filter(table, window, order, deriv=1, delta=1.0 / rate_hz, axis=axis)
+    )
 
 
 def stillness(

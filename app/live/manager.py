@@ -26,7 +26,7 @@ from app.live.plausibility import CheckProcess
 from app.live.rebuild import rebuild
 from app.live.runner import LiveSession
 from app.live.states import OPEN
-from app.live.warmup import prepare_process, warm_up
+from app.live.warmup import PREPARING, Readiness, prepare_process
 from app.recordings import GroupCommitWriter
 from app.recordings.magnetic import CONFIRMATION_HOURS
 from app.recordings.schemas import CalibrationOut
@@ -98,6 +98,9 @@ class LiveManager:
         self._housekeeper: asyncio.Task[None] | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         self._is_stopping = False
+        self._readiness = Readiness()
+        self._preparing: set[str] = set()
+        """Sessions whose gateway was sent away because the service is not ready for their kind."""
         # One thread: the checks of many sockets at once must not outnumber the event loop for the interpreter.
         self._checks = ThreadPoolExecutor(1, thread_name_prefix="live-checks")
         self._check_process = CheckProcess()
@@ -106,7 +109,7 @@ class LiveManager:
     async def start(self) -> None:
         """Compile what estimation needs, take note of interrupted sessions, begin to watch."""
         self._loop = asyncio.get_running_loop()
-        await asyncio.to_thread(warm_up)
+        await self._readiness.begin()
         prepare_process()
         for stored in await asyncio.to_thread(repository.interrupted, self.engine):
             if stored.state == "closing":
@@ -122,6 +125,7 @@ class LiveManager:
     async def stop(self) -> None:
         """Store what is known and let the gateways come back to the next service."""
         self._is_stopping = True
+        self._readiness.end()
         if self._housekeeper is not None:
             self._housekeeper.cancel()
             await asyncio.gather(self._housekeeper, return_exceptions=True)
@@ -214,6 +218,7 @@ class LiveManager:
             setup = await asyncio.to_thread(
                 with_known_devices, self.engine, stored.clinic_id, setup, declaration
             )
+        await self._prepared(session_id, setup)
         try:
             pipeline = pipelines.create(setup)
         except SetupError as error:
@@ -244,6 +249,15 @@ class LiveManager:
         self._sessions[session_id] = session
         self._housekeeping.taken_up(session_id)
         return session
+
+    async def _prepared(self, session_id: str, setup: SessionSetup) -> None:
+        try:
+            await self._readiness.require(setup)
+        except Unavailable:
+            self._preparing.add(session_id)
+            self._tell_stored(session_id)
+            raise
+        self._preparing.discard(session_id)
 
     # --- people -----------------------------------------------------------------------------------------
 
@@ -337,7 +351,7 @@ class LiveManager:
         calibration = repository.calibration_of(stored.setup)
         return StateMessage(
             state=stored.state,
-            reason=stored.state_reason,
+            reason=PREPARING if stored.id in self._preparing else stored.state_reason,
             session_time_s=0.0,
             recording_start_s=None,
             calibration=calibration and CalibrationOut.of(calibration),

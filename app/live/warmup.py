@@ -1,32 +1,104 @@
-"""Compiling what estimation needs before the first session, so that its first packet does not wait for it."""
+"""What estimation needs is compiled before a session needs it, so that its first packet does not wait for that.
 
+A kind of session is warmed up by letting its pipeline run over moments of stillness: `Readiness` does that in threads
+when the service starts, and when somebody opens a session of another kind. What is in no cache yet is compiled by
+another process (this module as a script), because compiling holds the interpreter: live frames would stand still.
+"""
+
+import asyncio
 import gc
+import logging
+import os
+import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
+from app.errors import Unavailable
 from estimators import pipelines
-from estimators.conventions import PLACEMENTS
+from estimators.compiling import NotCompiled, only_cached
+from estimators.conventions import PLACEMENTS, SHOE_PLACEMENTS, Placement
 from estimators.magnetic import coil_state
-from estimators.pipelines import SessionSetup
+from estimators.orientation import DEFAULT
+from estimators.pipelines import ArmPipeline, GaitPipeline, Pipeline, RelativePosePipeline, SessionSetup
 from estimators.recording import ImuChunk
 
+logger = logging.getLogger(__name__)
+
 SWITCH_INTERVAL_S: Final = 5e-4
+PATIENCE_S: Final = 2.0
+"""Loading from the cache takes less: whoever opens a session waits so long before being sent away for a while."""
+PREPARING: Final = (
+    "The service is being prepared for this kind of session, which takes up to a minute after an installation or an"
+    " update. The sensors connect by themselves when it is done."
+)
+NICENESS: Final = 5
+Kind = tuple[str, str]
+"""Pipeline and orientation estimator: what decides which code runs."""
+FIRST: Final[Kind] = (ArmPipeline.name, DEFAULT)
+USUAL: Final[tuple[Kind, ...]] = (
+    FIRST,
+    (GaitPipeline.name, DEFAULT),
+    (RelativePosePipeline.name, DEFAULT),
+)
 
 
-def warm_up() -> None:
-    """Run the pipelines that live sessions use over moments of stillness, in a thread of the caller.
+def kind_of(setup: SessionSetup) -> Kind:
+    """Return the kind of session that a setup asks for."""
+    if setup.pipeline in (GaitPipeline.name, RelativePosePipeline.name):
+        # They have filters of their own and do not ask for an estimator.
+        return setup.pipeline, DEFAULT
+    return setup.pipeline, setup.orientation
 
-    The arm's calibrated and not; that of a magnetic source from its standstill through its first burst.
+
+def warm_up(kind: Kind) -> None:
+    """Run the pipeline of a kind of session over moments of stillness, in a thread of the caller.
+
+    A body is calibrated on the way; shoes stand; a magnetic source goes from its standstill through its first burst.
     """
-    setup = SessionSetup(pipeline="arm", placements=PLACEMENTS, rate_hz=100.0)
-    pipeline = pipelines.create(setup)
-    for chunk in _still(len(PLACEMENTS), 400):
+    pipeline, orientation = kind
+    if pipeline == RelativePosePipeline.name:
+        _fire_once()
+    elif pipeline == GaitPipeline.name:
+        for feet in (("foot_left", "foot_right"), SHOE_PLACEMENTS):
+            _stand(pipelines.create(SessionSetup(pipeline, feet, 100.0)), len(feet))
+    else:
+        setup = SessionSetup(pipeline, _worn(pipeline), 100.0, orientation=orientation)
+        _calibrate(pipelines.create(setup), len(setup.placements))
+
+
+def _worn(pipeline: str) -> tuple[Placement, ...]:
+    return PLACEMENTS if pipeline == ArmPipeline.name else PLACEMENTS[:2]
+
+
+def _calibrate(pipeline: Pipeline, sensors: int) -> None:
+    chunks = list(_still(sensors, 400))
+    for chunk in chunks:
         pipeline.step(chunk)
-    source = pipelines.create(SessionSetup("relative_pose", ("pelvis", "sternum"), 100.0))
+    pose = ImuChunk(
+        100,
+        0.01,
+        *(
+            np.concatenate([getattr(chunk, name) for chunk in chunks[20:]], axis=1)
+            for name in ("gyroscope_radps", "accelerometer_mps2", "magnetometer_t", "quality")
+        ),
+    )
+    pipeline.calibrate(pose, "n_pose")
+    for chunk in _still(sensors, 20):
+        pipeline.step(replace(chunk, first_tick=chunk.first_tick + 400))
+
+
+def _stand(pipeline: Pipeline, sensors: int) -> None:
+    forces = np.zeros((sensors, 5, 3))
+    for chunk in _still(sensors, 400):
+        pipeline.step(replace(chunk, force_n=forces, moment_nm=forces))
+
+
+def _fire_once() -> None:
+    source = pipelines.create(SessionSetup(RelativePosePipeline.name, ("pelvis", "sternum"), 100.0))
     coil = 0
     for chunk in _still(2, 300):
         state = np.zeros((2, chunk.tick_count))
@@ -44,10 +116,86 @@ def _still(sensors: int, ticks: int) -> Iterator[ImuChunk]:
             start,
             0.01,
             noise[0],
-            noise[1] + np.array([0.0, 0.0, 9.81]),
-            1e-3 * noise[2] + np.array([2e-5, 0.0, -4e-5]),
+            # Upright sensors: the z axis away from a body says where it faces.
+            noise[1] + np.array([0.0, 9.81, 0.0]),
+            1e-3 * noise[2] + np.array([2e-5, -4e-5, 0.0]),
             np.zeros((sensors, 5), dtype=np.uint8),
         )
+
+
+def load_or_compile(kind: Kind) -> None:
+    """Warm up from the cache; where something is not in it, let another process compile that first."""
+    try:
+        with only_cached():
+            warm_up(kind)
+        return
+    except NotCompiled:
+        logger.info("compiling for sessions of kind %s", "/".join(kind))
+    words = [sys.executable, "-m", "app.live.warmup", *kind]
+    failed = subprocess.run(words, stdin=subprocess.DEVNULL, check=False).returncode  # noqa: S603 - our own module
+    if failed:
+        logger.warning("compiling for sessions of kind %s failed; it is done in this process", "/".join(kind))
+    warm_up(kind)
+
+
+class Readiness:
+    """Which kinds of session can be opened at once; warms up the usual ones, and others when they are asked for.
+
+    Parameters
+    ----------
+    prepare : callable(kind), optional
+        Blocking; run in a thread, once for each kind. By default `load_or_compile`.
+    """
+
+    def __init__(self, prepare: Callable[[Kind], None] | None = None) -> None:
+        self._prepare = prepare or load_or_compile
+        self._kinds: dict[Kind, asyncio.Task[None]] = {}
+        self._others: asyncio.Task[None] | None = None
+
+    async def begin(self) -> None:
+        """Begin with the usual kinds; returns when the first is ready, or after a moment."""
+        first = self._of(FIRST)
+        self._others = asyncio.create_task(self._one_by_one(), name="warm up")
+        await asyncio.wait([first], timeout=PATIENCE_S)
+
+    def end(self) -> None:
+        """Wait for nothing any more."""
+        for task in (self._others, *self._kinds.values()):
+            if task is not None:
+                task.cancel()
+
+    async def require(self, setup: SessionSetup) -> None:
+        """Return when a session with this setup can be estimated.
+
+        Raises
+        ------
+        Unavailable
+            That takes longer than a moment; it goes on meanwhile.
+        """
+        done, _ = await asyncio.wait([self._of(kind_of(setup))], timeout=PATIENCE_S)
+        if not done:
+            raise Unavailable(PREPARING, retry_after_s=2, reason="preparing")
+
+    def is_ready(self, setup: SessionSetup) -> bool:
+        """Say whether a session with this setup can be opened at once, as far as is known."""
+        task = self._kinds.get(kind_of(setup))
+        return task is not None and task.done()
+
+    async def _one_by_one(self) -> None:
+        for kind in USUAL:
+            await asyncio.wait([self._of(kind)])
+
+    def _of(self, kind: Kind) -> asyncio.Task[None]:
+        if kind not in self._kinds:
+            self._kinds[kind] = asyncio.create_task(self._warm(kind), name="warm up " + "/".join(kind))
+        return self._kinds[kind]
+
+    async def _warm(self, kind: Kind) -> None:
+        try:
+            await asyncio.to_thread(self._prepare, kind)
+        except Exception:
+            # A session of this kind says for itself what is wrong, as it would have without us.
+            logger.exception("sessions of kind %s could not be prepared", "/".join(kind))
 
 
 def prepare_process() -> None:
@@ -65,3 +213,8 @@ def prepare_process() -> None:
     gc.freeze()
     gc.set_threshold(20_000, 50, 1_000)
     sys.setswitchinterval(SWITCH_INTERVAL_S)
+
+
+if __name__ == "__main__":
+    os.nice(NICENESS)
+    warm_up((sys.argv[1], sys.argv[2]))

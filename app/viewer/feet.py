@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import uniform_filter1d
 
 from estimators.balance import base_of_support
 from estimators.conventions import Side
@@ -100,7 +100,7 @@ def feet_of(frames: Frames) -> FeetTrack | None:
         wxyz=wxyz.astype(np.float32),
         stands=stands,
         lost=(frames.segment_flags[:, segments] & np.uint8(OrientationFlag.INVALID)) != 0,
-        followed_m=uniform_filter1d(middle, ticks, axis=0, mode="nearest").astype(np.float32),
+        followed_m=scipy.ndimage.uniform_filter1d(middle, ticks, axis=0, mode="nearest").astype(np.float32),
         prints=_prints(place, wxyz, stands),
         mass_m=balance("centre_of_mass"),
         pressure_m=balance("centre_of_pressure"),

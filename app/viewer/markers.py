@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import uniform_filter1d
 
 from app.recordings.marker_motion import Motion
 
@@ -110,7 +110,9 @@ def _followed(place: Float32, step_s: float, level_m: float) -> Float32:
         return middle
     for axis in range(2):
         whole = np.interp(np.arange(len(place)), known, place[known, axis])
-        middle[:, axis] = uniform_filter1d(whole, max(1, round(_FOLLOWED_S / step_s)), mode="nearest")
+        middle[:, axis] = scipy.ndimage.uniform_filter1d(
+            whole, max(1, round(_FOLLOWED_S / step_s)), mode="nearest"
+        )
     return middle
 
 

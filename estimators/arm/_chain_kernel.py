@@ -6,23 +6,18 @@ numbers that count what is done with them. The plain numpy twins are in `_denavi
 """
 
 import math
-from collections.abc import Callable
-from typing import Any, TypeVar, cast
+from typing import Any
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.compiling import compiled
+
 Float = NDArray[np.float64]
 Integer = NDArray[np.int64]
-F = TypeVar("F", bound=Callable[..., Any])
 
 
-def _device(function: F) -> F:
-    return cast(F, numba.njit(cache=True, nogil=True, error_model="numpy")(function))
-
-
-@_device
+@compiled()
 def link_matrix(ct: Any, st: Any, ca: Any, sa: Any, length: Any, offset: Any, out: Any) -> None:
     """Fill the 3x4 matrix Rz(joint) Tz(offset) Tx(length) Rx(twist) of one link."""
     out[0, 0] = ct
@@ -39,7 +34,7 @@ def link_matrix(ct: Any, st: Any, ca: Any, sa: Any, length: Any, offset: Any, ou
     out[2, 3] = offset
 
 
-@_device
+@compiled()
 def affine_product(a: Any, b: Any, out: Any) -> None:
     """Multiply two 3x4 affine matrices whose last row (0, 0, 0, 1) is understood."""
     for i in range(3):
@@ -48,7 +43,7 @@ def affine_product(a: Any, b: Any, out: Any) -> None:
         out[i, 3] = a[i, 0] * b[0, 3] + a[i, 1] * b[1, 3] + a[i, 2] * b[2, 3] + a[i, 3]
 
 
-@_device
+@compiled()
 def dual_product(a: Any, b: Any, out: Any) -> None:
     """Multiply two dual quaternions: (A_r B_r, A_r B_d + A_d B_r)."""
     for part in range(0, 8, 4):
@@ -64,7 +59,7 @@ def dual_product(a: Any, b: Any, out: Any) -> None:
     out[7] = out[7] + (a[4] * z + a[5] * y - a[6] * x + a[7] * w)
 
 
-@_device
+@compiled()
 def axes_step(ct: Any, st: Any, ca: Any, sa: Any, length: Any, offset: Any, s: Any, a: Any, p: Any) -> None:
     """Go one link on with joint axis `s`, common normal `a` and origin `p` (Marzouk (4.27) to (4.34))."""
     c0 = s[1] * a[2] - s[2] * a[1]
@@ -171,12 +166,8 @@ def _walk_two_links(q1: Float, q2: Float, upper_arm_m: float, forearm_m: float, 
             pose[3, 3] = 1.0
 
 
-def _compiled(signature: str, function: F) -> F:
-    return cast(F, numba.njit(signature, cache=True, nogil=True, error_model="numpy")(function))
-
-
 _WALK = "void(f8[:,::1],f8[:,::1],i8[::1],"
-walk_matrices = _compiled(_WALK + "f8[:,:,:,::1])", _walk_matrices)
-walk_dual = _compiled(_WALK + "f8[:,:,::1])", _walk_dual)
-walk_axes = _compiled(_WALK + "f8[:,:,:,::1])", _walk_axes)
-walk_two_links = _compiled("void(f8[:,::1],f8[:,::1],f8,f8,f8[:,:,:,::1])", _walk_two_links)
+walk_matrices = compiled(_WALK + "f8[:,:,:,::1])")(_walk_matrices)
+walk_dual = compiled(_WALK + "f8[:,:,::1])")(_walk_dual)
+walk_axes = compiled(_WALK + "f8[:,:,:,::1])")(_walk_axes)
+walk_two_links = compiled("void(f8[:,::1],f8[:,::1],f8,f8,f8[:,:,:,::1])")(_walk_two_links)

@@ -6,17 +6,16 @@ live here because numba's cache does not see a change of a constant in another f
 """
 
 import math
-from collections.abc import Callable
-from typing import Any, Final, TypeVar, cast
+from typing import Any, Final
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
+
+from estimators.compiling import compiled
 
 Float = NDArray[np.float64]
 Integer = NDArray[np.int64]
 Flags = NDArray[np.uint8]
-F = TypeVar("F", bound=Callable[..., Any])
 
 SINGULAR_MARGIN_RAD: Final = math.radians(10.0)
 """Within this of elevation 0 or 180 degrees plane of elevation and axial rotation are flagged SINGULAR.
@@ -48,12 +47,7 @@ _TWO_PI = 2.0 * math.pi
 _SINGULAR = np.uint8(128)  # OrientationFlag.SINGULAR
 
 
-def _device(function: F) -> F:
-    """Compile a helper for whatever the kernel hands it; IEEE arithmetic, so chunking changes no bit."""
-    return cast(F, numba.njit(cache=True, nogil=True, error_model="numpy")(function))
-
-
-@_device
+@compiled()
 def _multiply(p: Any, q: Float, out: Float) -> None:
     out[0] = p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3]
     out[1] = p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2]
@@ -61,7 +55,7 @@ def _multiply(p: Any, q: Float, out: Float) -> None:
     out[3] = p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0]
 
 
-@_device
+@compiled()
 def _matrix(q: Float, out: Float) -> None:
     w, x, y, z = q[0], q[1], q[2], q[3]
     out[0, 0] = 1.0 - 2.0 * (y * y + z * z)
@@ -75,12 +69,12 @@ def _matrix(q: Float, out: Float) -> None:
     out[2, 2] = 1.0 - 2.0 * (x * x + y * y)
 
 
-@_device
+@compiled()
 def _nearest(angle: float, wanted: float) -> float:
     return angle + _TWO_PI * math.floor((wanted - angle) / _TWO_PI + 0.5)
 
 
-@_device
+@compiled()
 def _near(angle: float, previous: float, centre: float) -> float:
     """Choose the turn of an angle closest to the previous one, but no farther off the centre than a joint gets."""
     if math.isfinite(previous):
@@ -90,7 +84,7 @@ def _near(angle: float, previous: float, centre: float) -> float:
     return _nearest(angle, centre)
 
 
-@_device
+@compiled()
 def _relative(parent: Float, child: Float, is_left: bool, out: Float) -> None:
     """Relative rotation, mirrored in the sagittal plane for the left side."""
     inverse = (parent[0], -parent[1], -parent[2], -parent[3])
@@ -100,7 +94,7 @@ def _relative(parent: Float, child: Float, is_left: bool, out: Float) -> None:
         out[3] = -out[3]
 
 
-@_device
+@compiled()
 def _shoulder(r: Float, previous: Float, step_s: float, angle: Float) -> bool:
     """Y-X-Y angles into `angle[0:3]`; returns whether they are near the singularity."""
     elevation = 2.0 * math.atan2(math.hypot(r[1], r[2]), math.hypot(r[0], r[3]))
@@ -123,7 +117,7 @@ def _shoulder(r: Float, previous: Float, step_s: float, angle: Float) -> bool:
     return True
 
 
-@_device
+@compiled()
 def _hinge(r: Float, previous: Float, carrying_sign: float, angle: Float) -> bool:
     """Z-X-Y angles of elbow or wrist into `angle[0:3]`; returns whether they are near the singularity."""
     m12 = 2.0 * (r[2] * r[3] - r[0] * r[1])
@@ -138,7 +132,7 @@ def _hinge(r: Float, previous: Float, carrying_sign: float, angle: Float) -> boo
     return 0.5 * math.pi - abs(across) < SINGULAR_MARGIN_RAD
 
 
-@_device
+@compiled()
 def _first_axes(
     parent: Float, angle: float, is_shoulder: bool, is_left: bool, scratch: Float, out: Float
 ) -> None:
@@ -160,7 +154,7 @@ def _first_axes(
             out[i, 2] = cosine * scratch[i, 2] - sine * scratch[i, 0]
 
 
-@_device
+@compiled()
 def _sigmas(axes: Float, variance: Float, second: float, is_shoulder: bool, out: Float) -> None:
     """First-order one-sigma of three Euler angles; see `_uncertainty` for the derivation."""
     var0 = var1 = var2 = 0.0
@@ -185,7 +179,7 @@ def _sigmas(axes: Float, variance: Float, second: float, is_shoulder: bool, out:
     out[2] = min(math.sqrt(var2), SIGMA_CEILING_RAD) if var2 == var2 else math.nan
 
 
-@_device
+@compiled()
 def _advance(
     q: Float,
     omega: Float,
@@ -363,13 +357,7 @@ def evaluate_python(
                     points[k, point_column[p], i] = position[p, i]
 
 
-evaluate_kernel = cast(
-    Callable[..., None],
-    numba.njit(
-        "void(f8[:,:,::1],f8[:,:,::1],f8[:,:,::1],u1[:,::1],i8[::1],f8[::1],f8,f8[::1],"
-        "i8[::1],i8[::1],i8[::1],f8[:,:,::1],f8[:,::1],f8[:,::1],f8[:,::1],u1[:,::1])",
-        cache=True,
-        nogil=True,
-        error_model="numpy",
-    )(evaluate_python),
-)
+evaluate_kernel = compiled(
+    "void(f8[:,:,::1],f8[:,:,::1],f8[:,:,::1],u1[:,::1],i8[::1],f8[::1],f8,f8[::1],"
+    "i8[::1],i8[::1],i8[::1],f8[:,:,::1],f8[:,::1],f8[:,::1],f8[:,::1],u1[:,::1])"
+)(evaluate_python)

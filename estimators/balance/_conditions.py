@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy import stats
+import scipy
 
 from estimators.balance._repeated_measures import repeated_measures
 from estimators.errors import ShapeError
@@ -87,7 +87,7 @@ def compare_conditions(a: Sequence[Sample], b: Sequence[Sample]) -> Change:
         sigma = float(np.sqrt(variances.sum()))
         freedoms = np.array([max(part.count - 1, 0) for part in (one, two)])
         degrees = float(variances.sum() ** 2 / np.sum(variances**2 / freedoms))
-        p = float(2.0 * stats.t.sf(abs(difference) / sigma, degrees)) if sigma > 0.0 else float("nan")
+        p = float(2.0 * scipy.stats.t.sf(abs(difference) / sigma, degrees)) if sigma > 0.0 else float("nan")
         effect = float(difference / np.sqrt(0.5 * (one.spread**2 + two.spread**2)))
     return Change(one.mean, two.mean, difference, sigma, p, effect, one.count + two.count, "strides")
 

@@ -1,8 +1,8 @@
 """How far the feet are apart, from the forces alone: Newton's law of rotation."""
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import signal
 
 from estimators.balance._mass_centre import acceleration, integrate_twice
 from estimators.conventions import SIDES, Side
@@ -64,11 +64,11 @@ def distance_between_feet(
     anchor += share * np.nan_to_num(reactions["right"].cop_m[:, axis])
     anchor += com_height_m * total[:, axis] / total[:, 2]
     _, moved = integrate_twice(acceleration(total, mass_kg), rate_hz)
-    sections = signal.butter(2, high_pass_hz, "high", fs=rate_hz, output="sos")
+    sections = scipy.signal.butter(2, high_pass_hz, "high", fs=rate_hz, output="sos")
 
     def fast(values: Float) -> Float:
         padding = min(values.size - 1, round(3.0 * rate_hz / high_pass_hz))
-        return np.asarray(signal.sosfiltfilt(sections, values, padlen=padding))
+        return np.asarray(scipy.signal.sosfiltfilt(sections, values, padlen=padding))
 
     counted = np.ones(share.size, dtype=np.bool_) if is_walking is None else is_walking
     stepping = fast(share)[counted]

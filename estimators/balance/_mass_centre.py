@@ -4,8 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy import signal
-from scipy.linalg import solveh_banded
+import scipy
 
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import SetupError, ShapeError
@@ -155,7 +154,7 @@ def least_squares_mass_centre(
         right[[0, -1]] *= 0.5
         right[:-1] -= between[:, axis]
         right[1:] += between[:, axis]
-        position[:, axis] = solveh_banded(bands, right)
+        position[:, axis] = scipy.linalg.solveh_banded(bands, right)
     return MassCentre(position, np.gradient(position, step_s, axis=0), rate)
 
 
@@ -199,12 +198,12 @@ def _filtered(
 ) -> Float:
     if not 0.0 < cutoff_hz < 0.25 * rate_hz:
         raise SetupError(f"cut-off {cutoff_hz} Hz; it must lie between 0 and a quarter of {rate_hz} Hz")
-    numerator, denominator = signal.butter(1, cutoff_hz, kind, fs=rate_hz)
+    numerator, denominator = scipy.signal.butter(1, cutoff_hz, kind, fs=rate_hz)
     if not zero_phase:
-        state = signal.lfilter_zi(numerator, denominator) * values[0]
-        return np.asarray(signal.lfilter(numerator, denominator, values, zi=state)[0])
+        state = scipy.signal.lfilter_zi(numerator, denominator) * values[0]
+        return np.asarray(scipy.signal.lfilter(numerator, denominator, values, zi=state)[0])
     padding = min(values.size - 1, round(3.0 * rate_hz / cutoff_hz))
-    return np.asarray(signal.filtfilt(numerator, denominator, values, padlen=padding))
+    return np.asarray(scipy.signal.filtfilt(numerator, denominator, values, padlen=padding))
 
 
 def _integral(values: Float, rate_hz: float) -> Float:

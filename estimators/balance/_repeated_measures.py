@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from scipy import stats
-from scipy.linalg import null_space
+import scipy
 
 from estimators.errors import ShapeError
 from estimators.recording import Float
@@ -92,7 +91,7 @@ def _effect(flat: Float, levels: tuple[int, ...], chosen: tuple[int, ...], name:
     for number, count in enumerate(levels):
         mean = np.full((count, 1), 1.0 / np.sqrt(count))
         # Columns that sum to zero for a factor of the effect, the mean of the others.
-        contrast = np.kron(contrast, null_space(mean.T) if number in chosen else mean)
+        contrast = np.kron(contrast, scipy.linalg.null_space(mean.T) if number in chosen else mean)
     scores = flat @ contrast
     subjects, width = scores.shape
     of_effect = subjects * float(np.sum(scores.mean(axis=0) ** 2))
@@ -109,9 +108,9 @@ def _effect(flat: Float, levels: tuple[int, ...], chosen: tuple[int, ...], name:
         name,
         f,
         degrees,
-        float(stats.f.sf(f, *degrees)),
+        float(scipy.stats.f.sf(f, *degrees)),
         epsilon,
-        float(stats.f.sf(f, epsilon * degrees[0], epsilon * degrees[1])),
+        float(scipy.stats.f.sf(f, epsilon * degrees[0], epsilon * degrees[1])),
         of_effect / total if total > 0.0 else 0.0,
     )
 

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull, QhullError
 
 from estimators import rotation
 from estimators.conventions import GRAVITY_MPS2, SIDES, Side
@@ -89,8 +89,8 @@ def base_of_support(corners_m: Sequence[Float]) -> Float:
     if len(points) < 3:
         return np.empty((0, 2))
     try:
-        hull = ConvexHull(points)
-    except QhullError:
+        hull = scipy.spatial.ConvexHull(points)
+    except scipy.spatial.QhullError:
         return np.empty((0, 2))
     return np.asarray(points[hull.vertices])
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import optimize
+import scipy
 
 from estimators import rotation
 from estimators.recording import Float
@@ -67,7 +67,7 @@ def fit_sphere(points: Float, shape_sigma: float = UNKNOWN_SHAPE_SIGMA) -> Ellip
     def distance(x: Float) -> Float:
         return np.asarray(np.linalg.norm(scaled - x[:3], axis=1) / x[3] - 1.0)
 
-    found = optimize.least_squares(
+    found = scipy.optimize.least_squares(
         distance,
         np.append(solved[:3], radius),
         loss="soft_l1",
@@ -118,7 +118,7 @@ def fit_ellipsoid(points: Float, start: EllipsoidFit) -> EllipsoidFit:
     def weighed(x: Float) -> Float:
         return np.concatenate((distance(x), weight * (x[3:] - sphere)))
 
-    found = optimize.least_squares(
+    found = scipy.optimize.least_squares(
         weighed, np.concatenate((np.zeros(3), sphere)), loss="soft_l1", f_scale=_OUTLIER
     )
     shape = _symmetric(found.x[3:])

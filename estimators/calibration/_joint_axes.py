@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from scipy import optimize
-from scipy.spatial.transform import Rotation
+import scipy
 
 from estimators import rotation
 from estimators.errors import CalibrationError
@@ -128,7 +127,7 @@ def refine_two_axes(
         out = np.sum(normal * rates, axis=1) / _RATE_SIGMA_RADPS
         return np.concatenate((out, x / _TRUST_RAD))
 
-    found = optimize.least_squares(residual, np.zeros(4), loss="soft_l1")
+    found = scipy.optimize.least_squares(residual, np.zeros(4), loss="soft_l1")
     one, other = axes(found.x)
     return (
         AxisEstimate(first.name, one, first.range_rad, first.sigma_rad),
@@ -155,7 +154,7 @@ def frame_from(directions: Sequence[tuple[Float, Float, float]]) -> tuple[Float,
     segment = np.stack([d[0] for d in directions])
     sensor = np.stack([d[1] for d in directions])
     weights = np.array([1.0 / d[2] ** 2 for d in directions])
-    turn, _ = Rotation.align_vectors(sensor, segment, weights=weights)
+    turn, _ = scipy.spatial.transform.Rotation.align_vectors(sensor, segment, weights=weights)
     angles = np.arccos(np.clip(np.sum(turn.apply(segment) * sensor, axis=1), -1.0, 1.0))
     disagreement = math.sqrt(float(np.sum(weights * angles**2) / weights.sum()))
     # A direction tells the turn about every axis but its own.

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import optimize
 
 from estimators import rotation
 from estimators.conventions import Side
@@ -125,11 +125,11 @@ def elbow_from_movement(
             start[0], start[_FIXED:] = upper, fore
             start[_CARRY] = _CARRYING_RAD
             # A coarse look first: most starts are hopeless.
-            coarse = optimize.least_squares(model.residual, start, max_nfev=6)
+            coarse = scipy.optimize.least_squares(model.residual, start, max_nfev=6)
             if best is None or coarse.cost < best.cost:
                 best = coarse
     assert best is not None
-    found = optimize.least_squares(model.residual, best.x, max_nfev=60)
+    found = scipy.optimize.least_squares(model.residual, best.x, max_nfev=60)
     return model.result(found)
 
 
@@ -194,7 +194,7 @@ class _Model:
             )
         )
 
-    def result(self, found: optimize.OptimizeResult) -> OrdinaryElbow:
+    def result(self, found: "scipy.optimize.OptimizeResult") -> OrdinaryElbow:
         """Return what was found as people and pipelines use it."""
         x = found.x
         upper, fore = self.corrections(x)

@@ -8,9 +8,9 @@ advances in both series, so the cost is symmetric and comes out per sample.
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from estimators.compiling import compiled
 from estimators.errors import ShapeError
 from estimators.recording import Float
 
@@ -86,8 +86,8 @@ def accumulate_numpy(cost: Float, band: int, stray: float) -> Float:
     return total
 
 
-@njit("float64[:,::1](float64[:,::1], float64[:,::1])", cache=True, nogil=True)
-def local_cost(first, second):  # type: ignore[no-untyped-def]  # pragma: no cover
+@compiled("float64[:,::1](float64[:,::1], float64[:,::1])", error_model="python")
+def local_cost(first: Float, second: Float) -> Float:  # pragma: no cover
     """Mean squared difference over the channels that both samples have, shape (N, M); zero if none."""
     rows, columns, channels = first.shape[0], second.shape[0], first.shape[1]
     cost = np.empty((rows, columns))
@@ -104,8 +104,8 @@ def local_cost(first, second):  # type: ignore[no-untyped-def]  # pragma: no cov
     return cost
 
 
-@njit("float64[:,::1](float64[:,::1], int64, float64)", cache=True, nogil=True)
-def accumulate(cost, band, stray):  # type: ignore[no-untyped-def]  # pragma: no cover
+@compiled("float64[:,::1](float64[:,::1], int64, float64)", error_model="python")
+def accumulate(cost: Float, band: int, stray: float) -> Float:  # pragma: no cover
     """Accumulate the symmetric warping cost inside the band; infinite outside."""
     rows, columns = cost.shape
     total = np.full((rows, columns), np.inf)

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import t as student
+import scipy
 
 from estimators.comparison._channels import TRUNK_CHANNELS, channel_label
 from estimators.comparison._contract import Measure, RepetitionResult, Template
@@ -91,13 +91,15 @@ def _difference(
     # Sensor error is common to the repetitions of a session, so it does not average out; spread does.
     sensor = 2.0 * float(np.median(own)) if own else 0.0
     count = measure.count
-    chance = student.ppf(_CONFIDENCE, count - 1) * measure.uncertainty / np.sqrt(count) if count > 1 else 0.0
+    chance = (
+        scipy.stats.t.ppf(_CONFIDENCE, count - 1) * measure.uncertainty / np.sqrt(count) if count > 1 else 0.0
+    )
     deviation = template.measure_sd.get(name, np.nan)
     others = template.repetition_count
     if others > 1 and np.isfinite(deviation):
         # With one repetition of the patient, the therapist's spread is all that is known about chance.
         shrink = 1 / others + (1 if count < 2 else 0)
-        reference_chance = student.ppf(_CONFIDENCE, others - 1) * deviation * np.sqrt(shrink)
+        reference_chance = scipy.stats.t.ppf(_CONFIDENCE, others - 1) * deviation * np.sqrt(shrink)
     else:
         reference_chance = 0.0
     limit = float(np.sqrt(sensor**2 + chance**2 + reference_chance**2))

@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
-from scipy.signal import savgol_filter
+import scipy
 
 from estimators.comparison._channels import (
     TRUNK_CHANNELS,
@@ -101,7 +100,9 @@ def speed_profile(
         angle = arm.column(primary)
         if angle is None or not np.isfinite(angle).any() or len(angle) <= window:
             return None
-        rate = savgol_filter(fill_gaps(angle[:, None])[0][:, 0], window, 3, deriv=1, delta=step_s)
+        rate = scipy.signal.savgol_filter(
+            fill_gaps(angle[:, None])[0][:, 0], window, 3, deriv=1, delta=step_s
+        )
         return SpeedProfile(np.abs(rate), 1.0 / step_s, True)
     name = f"hand_speed_{side}_mps"
     if name in source.channels:
@@ -114,7 +115,7 @@ def speed_profile(
     path = hand_travel(arm, side)
     if path is None or len(path) <= window:
         return None
-    velocity = savgol_filter(path, window, 3, deriv=1, delta=step_s, axis=0)
+    velocity = scipy.signal.savgol_filter(path, window, 3, deriv=1, delta=step_s, axis=0)
     return SpeedProfile(np.linalg.norm(velocity, axis=1), 1.0 / step_s, False)
 
 
@@ -160,7 +161,7 @@ def repetition_measures(
         measures.append(_single(name, group, extent, channel_unit(channel), sigma))
     if not turning and (path := hand_travel(arm, side)) is not None:
         step_s = float(np.median(np.diff(arm.time_s)))
-        path = gaussian_filter1d(path, PATH_SMOOTHING_S / step_s, axis=0, mode="nearest")
+        path = scipy.ndimage.gaussian_filter1d(path, PATH_SMOOTHING_S / step_s, axis=0, mode="nearest")
         measures.append(_path_ratio(path, position_sigma(arm, reach_m)))
     profile = speed_profile(source, arm, side, primary, turning)
     if profile is not None:

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
 
 from estimators.comparison._alignment import align, resample
 from estimators.comparison._channels import arm_channels, fill_gaps
@@ -162,7 +162,7 @@ def _features(source: Trajectory, side: str) -> tuple[Float, Float]:
         )
     filled, _ = fill_gaps(np.stack(columns, axis=1))
     step_s = float(np.median(np.diff(source.time_s)))
-    smooth = gaussian_filter1d(filled, _SMOOTHING_S / step_s, axis=0, mode="nearest")
+    smooth = scipy.ndimage.gaussian_filter1d(filled, _SMOOTHING_S / step_s, axis=0, mode="nearest")
     stride = max(1, int(1.0 / (_RATE_HZ * step_s)))
     return source.time_s[::stride], smooth[::stride]
 

@@ -1,7 +1,7 @@
 """Smoothness and speed profile: spectral arc length, movement units, peak speed."""
 
 import numpy as np
-from scipy.signal import find_peaks
+import scipy
 
 from estimators.recording import Float
 
@@ -91,5 +91,7 @@ def movement_units(speed: Float, rate_hz: float, rise: float = UNIT_RISE_MPS) ->
     if len(speed) < 3:
         return 0
     padded = np.concatenate([[0.0], speed, [0.0]])
-    peaks, _ = find_peaks(padded, prominence=rise, distance=max(1, round(UNIT_SPACING_S * rate_hz)))
+    peaks, _ = scipy.signal.find_peaks(
+        padded, prominence=rise, distance=max(1, round(UNIT_SPACING_S * rate_hz))
+    )
     return len(peaks)

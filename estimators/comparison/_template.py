@@ -3,8 +3,7 @@
 from collections.abc import Mapping
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
-from scipy.stats import t as student
+import scipy
 
 from estimators.comparison._alignment import Alignment, align, apply, resample
 from estimators.comparison._channels import TRUNK_CHANNELS, ArmChannels, arm_channels
@@ -89,7 +88,7 @@ def build_template(
     curves = [phase_curves(cut) for cut in cuts]
     mean, spread = _average(curves, arm.channels)
     count = len(kept)
-    quantile = float(student.ppf(0.5 + COVERAGE / 2, count - 1)) * np.sqrt(1 + 1 / count)
+    quantile = float(scipy.stats.t.ppf(0.5 + COVERAGE / 2, count - 1)) * np.sqrt(1 + 1 / count)
     floor = np.array([_floor(name, arm, reach_m) for name in arm.channels])
     scale = np.array([factors.get(name, 1.0) for name in arm.channels])
     turning = not hand_travels(cuts[0], side, reach_m)
@@ -192,7 +191,7 @@ def _average(curves: list[Float], channels: tuple[str, ...]) -> tuple[Float, Flo
     filled = np.where(known, aligned, 0.0)
     mean = filled.sum(axis=0) / np.maximum(count, 1)
     variance = (np.where(known, aligned - mean, 0.0) ** 2).sum(axis=0) / np.maximum(count - 1, 1)
-    smooth = uniform_filter1d(variance, _SPREAD_WINDOW, axis=0, mode="nearest")
+    smooth = scipy.ndimage.uniform_filter1d(variance, _SPREAD_WINDOW, axis=0, mode="nearest")
     spread = np.sqrt(np.maximum(smooth, 0.0))  # the running sum may end a rounding error below zero
     mean, spread = np.where(enough, mean, np.nan), np.where(enough, spread, np.nan)
     phase = np.arange(PHASES, dtype=np.float64)
@@ -227,5 +226,5 @@ def _floor(channel: str, arm: ArmChannels, reach_m: float) -> float:
     least = FLOOR_TRUNK_RAD if channel in TRUNK_CHANNELS else FLOOR_ARM_RAD
     sigma = arm.sigma[:, arm.channels.index(channel)]
     sigma = sigma[np.isfinite(sigma)]
-    two_sided = float(student.ppf(0.5 + COVERAGE / 2, 1e6))
+    two_sided = float(scipy.stats.t.ppf(0.5 + COVERAGE / 2, 1e6))
     return max(least, two_sided * float(np.median(sigma))) if len(sigma) else least

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from estimators.errors import ShapeError
 from estimators.recording import Float
@@ -99,7 +99,9 @@ def relate_by_course(
     if min(_way(left), _way(right)) < _LEAST_WAY_M:
         raise ShapeError(f"the walk is shorter than {_LEAST_WAY_M:g} m; the feet cannot be related by it")
     problem = _Problem(left, left_s, right, right_s, apart_m, end_apart_m)
-    found = least_squares(problem.residuals, problem.start(), x_scale=problem.scale(), method="trf")
+    found = scipy.optimize.least_squares(
+        problem.residuals, problem.start(), x_scale=problem.scale(), method="trf"
+    )
     placed = problem.placed(found.x)
     # How far the steps may be off together: the relation's own covariance, carried to the mean distance.
     slopes: Float = np.asarray(found.jac, dtype=np.float64)

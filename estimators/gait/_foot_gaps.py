@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
 
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import ShapeError
@@ -77,7 +77,9 @@ def fill_gaps(signals: SensorSignals, rate_hz: float) -> FilledSignals:
     ]
     new_s = np.concatenate(between)
     length = np.concatenate([np.full(len(t), steps[i]) for t, i in zip(between, holes, strict=True)])
-    curve = PchipInterpolator(time_s, np.concatenate([gyroscope, accelerometer], axis=1), axis=0)
+    curve = scipy.interpolate.PchipInterpolator(
+        time_s, np.concatenate([gyroscope, accelerometer], axis=1), axis=0
+    )
     values = curve(new_s)
     is_long = length > BRIDGE_S
     values[is_long, :3] = 0.0

@@ -4,8 +4,8 @@ from dataclasses import dataclass, fields
 from itertools import pairwise
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
 
 from estimators import rotation
 from estimators.conventions import Side
@@ -277,7 +277,7 @@ def _derivatives(trajectory: FootTrajectory) -> tuple[Float, Float]:
     acceleration = np.diff(trajectory.velocity_mps, axis=0) / step[:, None]
     q = trajectory.q_world_sensor
     rate = rotation.log(rotation.multiply(q[1:], rotation.conjugate(q[:-1]))) / step[:, None]
-    both = gaussian_filter1d(np.concatenate([acceleration, rate], axis=1), width, axis=0)
+    both = scipy.ndimage.gaussian_filter1d(np.concatenate([acceleration, rate], axis=1), width, axis=0)
     both = np.concatenate([both, both[-1:]])
     return both[:, :3], both[:, 3:]
 

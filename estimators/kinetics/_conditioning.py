@@ -1,9 +1,8 @@
 """Getting signals ready: one even time base with load cells, gaps, synchronisation, a lower leg's mounting."""
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import signal
-from scipy.interpolate import CubicSpline
 
 from estimators import rotation
 from estimators.errors import CalibrationError, SetupError, ShapeError
@@ -101,7 +100,7 @@ def fill_gaps(values: Float, longest_samples: int = LONGEST_GAP_SAMPLES) -> tupl
     if measured.sum() < 4:
         raise ShapeError("a spline needs at least four measured samples")
     at = np.arange(values.shape[0])
-    curve = CubicSpline(at[measured], values[measured], axis=0)
+    curve = scipy.interpolate.CubicSpline(at[measured], values[measured], axis=0)
     filled = np.zeros(values.shape[0], dtype=np.bool_)
     for start, end in stretches(~measured):
         if start > 0 and end < values.shape[0] and end - start <= longest_samples:
@@ -135,8 +134,8 @@ def lag_s(first: Float, second: Float, rate_hz: float, longest_s: float = 5.0) -
     a, b = first - first.mean(), second - second.mean()
     if min(a.size, b.size) < 3 or not (a.any() and b.any()):
         raise ShapeError("two systems can only be laid over each other by a signal that changes")
-    product = signal.correlate(b, a, method="fft")
-    lags = signal.correlation_lags(b.size, a.size)
+    product = scipy.signal.correlate(b, a, method="fft")
+    lags = scipy.signal.correlation_lags(b.size, a.size)
     near = np.flatnonzero(np.abs(lags) <= longest_s * rate_hz)
     best = int(near[np.argmax(product[near])])
     shift = 0.0

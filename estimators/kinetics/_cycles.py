@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.signal import find_peaks
 
 from estimators.errors import ShapeError
 from estimators.recording import Float
@@ -97,7 +97,7 @@ def force_peaks(vertical_n: Float, weight_n: float, least_depth: float = 0.02) -
     if len(vertical_n) < 5:
         raise ShapeError("a stance of fewer than five samples has no shape")
     force = vertical_n / weight_n
-    peaks, _ = find_peaks(force, prominence=least_depth, height=0.5)
+    peaks, _ = scipy.signal.find_peaks(force, prominence=least_depth, height=0.5)
     if len(peaks) < 2:
         return ForcePeaks(float(force.max()), float("nan"), float("nan"), False)
     half = len(force) / 2.0

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import median_filter
 
 from estimators.errors import CalibrationError, ShapeError
 from estimators.recording import Float
@@ -112,7 +112,7 @@ def unloaded(
 
 
 def _within(force_n: Float, limit_n: float) -> NDArray[np.bool_]:
-    size = median_filter(np.linalg.norm(force_n, axis=1), size=5, mode="nearest")
+    size = scipy.ndimage.median_filter(np.linalg.norm(force_n, axis=1), size=5, mode="nearest")
     return np.asarray(size < limit_n)
 
 

@@ -3,8 +3,8 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.optimize import least_squares
 
 from estimators.errors import CalibrationError, ShapeError
 from estimators.magnetic._coil import Source
@@ -120,7 +120,9 @@ def calibrate_coils(
             seen = predict(trial, number, currents[:, number], position, q).field_sensor_t
             return np.asarray((seen - pulses[:, number]).reshape(-1) / sigma_t)
 
-        fit = least_squares(residuals, np.zeros(PER_COIL), x_scale=[0.02, 0.01, 0.01, 0.01, 0.01, 0.01])
+        fit = scipy.optimize.least_squares(
+            residuals, np.zeros(PER_COIL), x_scale=[0.02, 0.01, 0.01, 0.01, 0.01, 0.01]
+        )
         jacobian = np.asarray(fit.jac, dtype=np.float64)
         information = jacobian.T @ jacobian
         scale = np.sqrt(np.diag(information))

@@ -9,8 +9,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import least_squares
 
 from estimators import rotation
 from estimators.errors import CalibrationError, ShapeError
@@ -117,7 +117,9 @@ def calibrate_at_places(
                 table[typed[:, p - 3], columns] = slope[typed[:, p - 3]]
         return table
 
-    fit = least_squares(residuals, np.zeros(len(scale)), jac=slopes, x_scale=scale, max_nfev=_MOST_STEPS)
+    fit = scipy.optimize.least_squares(
+        residuals, np.zeros(len(scale)), jac=slopes, x_scale=scale, max_nfev=_MOST_STEPS
+    )
     jacobian = np.asarray(fit.jac, dtype=np.float64) * scale
     information = jacobian.T @ jacobian
     size = np.sqrt(np.diag(information))

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from estimators import rotation
 from estimators.conventions import GRAVITY_MPS2
@@ -277,7 +277,7 @@ def _refined(
     Sigma counts residuals as many as are independent of each other: lever arms and frames make them alike for long.
     """
     present = np.isfinite(seen)
-    spline = CubicSpline(camera_time_s[present], seen[present])
+    spline = scipy.interpolate.CubicSpline(camera_time_s[present], seen[present])
     hole = np.where(present, seen, np.nan)
     # The module's signal is the quieter: its slope tells what a shift does, the cameras' noise is all in the residual.
     slope = np.gradient(felt, step_s)

@@ -1,8 +1,8 @@
 """Signals of cameras and modules on common ground: even grids, equal windows, correlation over what both have."""
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.fft import irfft, next_fast_len, rfft
 
 from estimators.errors import ComparisonError, ShapeError
 from estimators.recording import Float
@@ -47,12 +47,12 @@ def linear(time_s: Float, values: Float, at_s: Float, longest_s: float) -> Float
 
 def correlations(a: Float, b: Float, least: int) -> tuple[Float, NDArray[np.int64], Float]:
     """Correlate a[i + lag] with b[i] over what both have, for every lag; NaN where that is too little."""
-    size = next_fast_len(len(a) + len(b))
+    size = scipy.fft.next_fast_len(len(a) + len(b))
     masks = [np.isfinite(x).astype(np.float64) for x in (a, b)]
     filled = [np.where(m > 0, x, 0.0) - m * np.nanmean(x) for x, m in zip((a, b), masks, strict=True)]
 
     def product(x: Float, y: Float) -> Float:
-        return np.asarray(irfft(rfft(x, size) * np.conj(rfft(y, size)), size))
+        return np.asarray(scipy.fft.irfft(scipy.fft.rfft(x, size) * np.conj(scipy.fft.rfft(y, size)), size))
 
     count = np.round(product(masks[0], masks[1]))
     usable = count >= max(least, 10)
@@ -86,9 +86,9 @@ def without_ghosts(marker_m: Float) -> Float:
 def repetition(residual: Float) -> float:
     """Return how many samples of a residual count as one: one plus twice its positive early correlation."""
     r = residual - residual.mean()
-    size = next_fast_len(2 * len(r))
-    spectrum = np.abs(rfft(r, size)) ** 2
-    rho = np.asarray(irfft(spectrum, size))[: max(2, len(r) // 4)]
+    size = scipy.fft.next_fast_len(2 * len(r))
+    spectrum = np.abs(scipy.fft.rfft(r, size)) ** 2
+    rho = np.asarray(scipy.fft.irfft(spectrum, size))[: max(2, len(r) // 4)]
     if not rho[0] > 0.0:
         return 1.0
     rho = rho / rho[0]

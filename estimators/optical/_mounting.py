@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from estimators import rotation
 from estimators.conventions import GRAVITY_MPS2
@@ -132,7 +132,7 @@ def accelerations(
     if present.sum() < 10:
         raise ComparisonError("the marker was seen in fewer than ten frames beside the inertial module")
     held = linear(camera_time_s, np.where(present, 0.0, np.nan), ticks, 1.6 * spacing)
-    path = CubicSpline(camera_time_s[present], marker_m[present])(ticks) + held[:, None]
+    path = scipy.interpolate.CubicSpline(camera_time_s[present], marker_m[present])(ticks) + held[:, None]
     span = (reach * time_step_s) ** 2
     seen = (path[2 * reach :] - 2.0 * path[reach:-reach] + path[: -2 * reach]) / span
     level = rotation.rotate(q_level_sensor, accelerometer_mps2) - np.array([0.0, 0.0, GRAVITY_MPS2])

@@ -1,7 +1,7 @@
 """An optical reference beside a sensor: alignment from still poses, heading offset, and how good its markers are."""
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy
 
 from estimators import rotation
 from estimators.errors import ShapeError
@@ -47,7 +47,7 @@ def align_marker_frame(force_sensor: Float, q_room_marker: Float) -> Float:
         raise ShapeError(
             "the still poses lean too little: tilt the sensor by 45 degrees at least between two of them"
         )
-    found, _ = Rotation.align_vectors(seen, measured)
+    found, _ = scipy.spatial.transform.Rotation.align_vectors(seen, measured)
     return rotation.from_scipy(found)
 
 

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import uniform_filter1d
 
 from estimators import rotation
 from estimators.conventions import GRAVITY_MPS2
@@ -117,8 +117,8 @@ def _rate_spread(rate: Float, places: NDArray[np.intp], settings: Float) -> Floa
     """Return the standard deviation of the measured rate, root of the sum over axes, around each sample."""
     window = max(3, round(0.5 / settings[at.STEP_S]))
     known = rate[places]
-    mean = uniform_filter1d(known, window, axis=0, mode="nearest")
-    square = uniform_filter1d(known * known, window, axis=0, mode="nearest")
+    mean = scipy.ndimage.uniform_filter1d(known, window, axis=0, mode="nearest")
+    square = scipy.ndimage.uniform_filter1d(known * known, window, axis=0, mode="nearest")
     spread = np.zeros(len(rate))
     spread[places] = np.sqrt(np.maximum(square - mean * mean, 0.0).sum(axis=1))
     return spread
@@ -182,8 +182,8 @@ def _fill(
 def _rest(samples: Float, settings: Float) -> NDArray[np.bool_]:
     """Say which samples lie in the middle of rest, from windows around them."""
     window = max(3, round(settings[at.REST_MINIMUM_S] / settings[at.STEP_S]))
-    mean = uniform_filter1d(samples[:, :6], window, axis=0, mode="nearest")
-    square = uniform_filter1d(samples[:, :6] ** 2, window, axis=0, mode="nearest")
+    mean = scipy.ndimage.uniform_filter1d(samples[:, :6], window, axis=0, mode="nearest")
+    square = scipy.ndimage.uniform_filter1d(samples[:, :6] ** 2, window, axis=0, mode="nearest")
     variance = np.maximum(square - mean * mean, 0.0)
     return np.asarray(
         (variance[:, :3].sum(axis=1) < settings[at.REST_RATE])

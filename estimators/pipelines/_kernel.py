@@ -1,13 +1,10 @@
 """From sensors in the earth frame to segments in the room: one compiled call a chunk."""
 
-from collections.abc import Callable
-from typing import cast
-
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from estimators import rotation
+from estimators.compiling import compiled
 from estimators.recording import Float
 
 Flags = NDArray[np.uint8]
@@ -120,13 +117,7 @@ def compose_python(
             sigma_room[k, s, 2] = about_z
 
 
-compose = cast(
-    Callable[..., None],
-    numba.njit(
-        "void(f8[:,:,::1],f8[:,:,::1],f8[:,:,::1],f8[:,:,::1],u1[:,::1],f8[:,::1],f8[:,::1],"
-        "f8[:,::1],u1[::1],f8[:,:,::1],f8[:,:,::1],f8[:,:,::1],u1[:,::1])",
-        cache=True,
-        nogil=True,
-        error_model="numpy",
-    )(compose_python),
-)
+compose = compiled(
+    "void(f8[:,:,::1],f8[:,:,::1],f8[:,:,::1],f8[:,:,::1],u1[:,::1],f8[:,::1],f8[:,::1],"
+    "f8[:,::1],u1[::1],f8[:,:,::1],f8[:,:,::1],f8[:,:,::1],u1[:,::1])"
+)(compose_python)

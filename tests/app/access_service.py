@@ -18,7 +18,7 @@ from app.accounts.tokens import new_token
 from app.database.base import new_id
 from app.database.engine import create_from_url
 from app.database.unit_of_work import unit_of_work
-from app.live import manager
+from app.live import warmup
 from app.main import create_app
 from app.settings import Settings
 from app.tables import metadata
@@ -142,7 +142,7 @@ class AccessService:
 
 @contextmanager
 def running(
-    seed: Seed, folder: Path, log: bytes, passwords: Passwords, warm_up: Callable[[], None]
+    seed: Seed, folder: Path, log: bytes, passwords: Passwords, warm_up: Callable[[warmup.Kind], None]
 ) -> Iterator[AccessService]:
     """Run a service over a fresh copy of the seeded database.
 
@@ -153,7 +153,8 @@ def running(
     settings = make_settings(folder, folder / "telemotion.db")
     engine = create_from_url(settings.database_url)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(manager, "warm_up", warm_up)
+        patch.setattr(warmup, "load_or_compile", warm_up)
+        patch.setattr(warmup, "PATIENCE_S", 600.0)
         app = create_app(settings, passwords=passwords)
         with ServiceClient(app, base_url=BASE_URL, raise_server_exceptions=False) as nobody:
             app.state.services.jobs.stop()

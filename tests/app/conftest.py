@@ -40,7 +40,7 @@ from app.database.base import new_id, utc_now
 from app.database.engine import create_from_url
 from app.database.unit_of_work import unit_of_work
 from app.exercises.models import Exercise
-from app.live import manager, warmup
+from app.live import warmup
 from app.main import create_app
 from app.patients.models import Grant, Patient
 from app.services import Services
@@ -277,7 +277,7 @@ def build_world(engine: Engine, cheap_passwords: Passwords) -> World:
 
 
 @pytest.fixture(scope="session")
-def warm_up_once() -> Callable[[], None]:
+def warm_up_once() -> Callable[[warmup.Kind], None]:
     """Estimation's real warm-up, once per test process: what is compiled stays compiled."""
     return functools.cache(warmup.warm_up)
 
@@ -286,10 +286,12 @@ def warm_up_once() -> Callable[[], None]:
 def application(
     settings: Settings,
     cheap_passwords: Passwords,
-    warm_up_once: Callable[[], None],
+    warm_up_once: Callable[[warmup.Kind], None],
     monkeypatch: pytest.MonkeyPatch,
 ) -> FastAPI:
-    monkeypatch.setattr(manager, "warm_up", warm_up_once)
+    # Compiled in this process, however long it takes: a test is no gateway that comes back.
+    monkeypatch.setattr(warmup, "load_or_compile", warm_up_once)
+    monkeypatch.setattr(warmup, "PATIENCE_S", 600.0)
     return create_app(settings, passwords=cheap_passwords)
 
 

@@ -44,7 +44,7 @@ def test_an_edited_helper_is_compiled_again(tmp_path):
     package = tmp_path / "estimators"
     package.mkdir()
     (package / "__init__.py").touch()
-    for name in ("_kernels.py", "_kernel_cache.py"):
+    for name in ("_kernels.py", "_kernel_cache.py", "compiling.py"):
         (package / name).write_bytes((Path(_kernel_cache.__file__).parent / name).read_bytes())
     (package / "helper.py").write_text("PLACE = 3.0\n")
     (package / "work.py").write_text(

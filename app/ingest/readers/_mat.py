@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-import scipy.io
+import scipy
 
 from app.errors import RecordingFormatError
 from app.ingest.readers._unpacked import check_mat

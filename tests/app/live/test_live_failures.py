@@ -17,7 +17,7 @@ from app.errors import Conflict
 from app.gateway import DeviceStream, stream_of
 from app.ingest import websocket as ingest_websocket
 from app.live import manager as live_manager
-from app.live import repository
+from app.live import repository, warmup
 from app.live.bus import MemoryBus
 from app.live.manager import LiveManager
 from app.recordings import GroupCommitWriter
@@ -158,7 +158,7 @@ def test_an_interrupted_session_is_taken_note_of_and_closed_when_nobody_comes_ba
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """A second live side on the same database stands for the service after a restart."""
-    monkeypatch.setattr(live_manager, "warm_up", lambda: None)
+    monkeypatch.setattr(warmup, "load_or_compile", lambda kind: None)
     monkeypatch.setattr(live_manager, "prepare_process", lambda: None)
     session_id, closing_id = (new_session(therapist, world.patient_id, stream) for _ in range(2))
     with unit_of_work(engine) as session:

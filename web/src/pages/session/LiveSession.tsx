@@ -117,6 +117,11 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
         {!isOver && <Delay snapshot={snapshot} />}
       </div>
       {!isOver && <LiveBanners snapshot={snapshot} isLinkLost={state === 'link_lost'} />}
+      {state === 'created' && message?.reason && (
+        <div className="banner" role="status">
+          <p>{message.reason}</p>
+        </div>
+      )}
       {state === 'failed' && <Problem error={new Error(message?.reason || session.state_reason)} title={t('live.failed')} />}
       {snapshot.error && !snapshot.error.closing && <Problem error={new Error(snapshot.error.message)} />}
       {isOver && state !== 'failed' && (

@@ -1,0 +1,151 @@
+"""The one way in which this package compiles: for a declared signature, when it is first needed, once for everybody.
+
+Importing a module compiles and loads nothing. A kernel is made ready by its first call, or by the compilation of a
+kernel that calls it: from the cache in milliseconds, or compiled in up to half a minute. A service that must not wait
+for that in the middle of its work calls beforehand what it will need.
+"""
+
+import contextlib
+import contextvars
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, ClassVar, Final, TypeVar, cast
+
+from numba.core.caching import FunctionCache
+from numba.core.compiler_lock import global_compiler_lock
+from numba.core.registry import CPUDispatcher
+
+from estimators import _kernel_cache
+
+try:
+    import fcntl
+except ImportError:  # pragma: no cover - where files cannot be locked, two processes may compile the same
+    fcntl = None  # type: ignore[assignment]
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+_kernel_cache.use()
+
+
+_is_compiling_allowed = contextvars.ContextVar("is_compiling_allowed", default=True)
+
+
+class NotCompiled(Exception):
+    """A kernel is needed that is in no cache, where nothing may be compiled."""
+
+
+@contextlib.contextmanager
+def only_cached() -> Iterator[None]:
+    """Compile nothing in this statement and thread: kernels come from the cache, or `NotCompiled` is raised."""
+    token = _is_compiling_allowed.set(False)
+    try:
+        yield
+    finally:
+        _is_compiling_allowed.reset(token)
+
+
+class _Cache(FunctionCache):  # type: ignore[misc]
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        found = super().load_overload(sig, target_context)
+        if found is None and not _is_compiling_allowed.get():
+            raise NotCompiled(self._name)
+        return found
+
+
+class Kernel(CPUDispatcher):  # type: ignore[misc]
+    """A function that is compiled for its declared signature at its first use, and for no other ever.
+
+    Without a signature it is compiled for whatever other kernels hand to it.
+    """
+
+    made: ClassVar[list["Kernel"]] = []
+    """Every kernel with a signature, in the order of the imports: what it calls stands before it."""
+    _declared: Any = None
+    _is_cached = False
+
+    def declare(self, signature: Any) -> None:
+        """Set the signature; None leaves it to the callers."""
+        self._declared = signature
+        if signature is not None:
+            self.made.append(self)
+
+    def prepare(self) -> None:
+        """Compile the declared signature, or load it, unless that was done; waits for another thread that does."""
+        with global_compiler_lock:
+            if self._declared is None:
+                return
+            signature, self._declared = self._declared, None
+            try:
+                self.compile(signature)
+            except BaseException:
+                self._declared = signature
+                raise
+            self.disable_compile()
+
+    def compile(self, sig: Any) -> Any:
+        """Compile for a signature or load it; other processes that want the same wait and load what was made here."""
+        with global_compiler_lock:
+            if not self._is_cached and _kernel_cache.is_current(Path(self.py_func.__code__.co_filename)):
+                self._cache = _Cache(self.py_func)
+            self._is_cached = True
+            with _alone(self._cache):
+                return super().compile(sig)
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Ready the kernel for a caller that is being compiled."""
+        self.prepare()
+        return super().get_call_template(args, kws)
+
+    def _compile_for_args(self, *args: Any, **kws: Any) -> Any:
+        # From the first call. What is returned is called with the same arguments: once more this kernel, ready now.
+        with global_compiler_lock:
+            if self._can_compile and self._declared is None:
+                return super()._compile_for_args(*args, **kws)
+        self.prepare()
+        return self
+
+
+@contextlib.contextmanager
+def _alone(cache: Any) -> Iterator[None]:
+    """Hold what is cached of one function against other processes.
+
+    Callers are locked before what they call, and no kernel calls itself by a detour: nobody waits in a circle.
+    """
+    with contextlib.ExitStack() as stack:
+        if fcntl is not None and cache.cache_path is not None:
+            # A cache that cannot be written to is of use all the same.
+            with contextlib.suppress(OSError):
+                cache._impl.locator.ensure_cache_path()
+                path = Path(cache.cache_path, f"{cache._impl.filename_base}.lock")
+                fcntl.flock(stack.enter_context(path.open("ab")), fcntl.LOCK_EX)
+        yield
+
+
+_ALWAYS: Final = {"nopython": True, "boundscheck": None, "nogil": True, "error_model": "numpy"}
+
+
+def compiled(signature: Any = None, **options: Any) -> Callable[[F], F]:
+    """Compile a function when it is first needed: no GIL, cached, IEEE arithmetic (so chunking cannot change bits).
+
+    Parameters
+    ----------
+    signature : str or numba signature, optional
+        Without, the types are those that the kernels which call it hand over.
+    **options
+        Of `numba.njit`.
+
+    Returns
+    -------
+    callable
+        Decorator; the plain Python function stays reachable as `.py_func`.
+    """
+
+    def decorate(function: F) -> F:
+        made = Kernel(function, targetoptions={**_ALWAYS, **options})
+        made.declare(signature)
+        return cast(F, made)
+
+    return decorate
+
+
+__all__ = ["Kernel", "NotCompiled", "compiled", "only_cached"]

@@ -1,0 +1,143 @@
+"""Kernels are compiled or loaded when they are first needed, for the declared signature, once for every process."""
+
+import subprocess
+import sys
+import threading
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from estimators import compiling
+from estimators.compiling import Kernel, NotCompiled, compiled, only_cached
+
+
+def fresh(signature: str | None = "float64(float64)") -> Any:
+    @compiled(signature)
+    def doubled(x: float) -> float:
+        return x + x
+
+    return doubled
+
+
+@pytest.fixture(autouse=True)
+def nothing_is_remembered():
+    made = len(Kernel.made)
+    yield
+    del Kernel.made[made:]
+
+
+def test_nothing_is_compiled_before_the_first_call(monkeypatch, tmp_path):
+    kernel = fresh()
+    assert not kernel.signatures
+    assert kernel(2.0) == 4.0
+    assert len(kernel.signatures) == 1
+
+
+def test_other_types_are_converted_or_refused_never_compiled():
+    kernel = fresh()
+    assert kernel(2) == 4.0
+    assert isinstance(kernel(2), float)
+    with pytest.raises(TypeError):
+        kernel("two")
+    assert len(kernel.signatures) == 1
+
+
+def test_a_kernel_is_readied_by_the_compilation_of_its_caller():
+    inner = fresh()
+
+    @compiled("float64(float64)")
+    def outer(x: float) -> float:
+        return float(inner(x)) + 1.0
+
+    assert outer(2.0) == 5.0
+    assert len(inner.signatures) == 1
+
+
+def test_a_kernel_without_a_signature_takes_what_its_callers_hand_over():
+    inner = fresh(None)
+
+    @compiled("float64(float64)")
+    def outer(x: float) -> float:
+        return float(inner(x)) + inner(1)
+
+    assert outer(2.0) == 6.0
+    assert len(inner.signatures) == 2
+
+
+def test_a_failed_compilation_can_be_tried_again():
+    @compiled("float64(float64)")
+    def wrong(x: float) -> float:
+        return x.nothing  # type: ignore[attr-defined]
+
+    for _ in range(2):
+        with pytest.raises(Exception, match="nothing"):
+            wrong(1.0)
+
+
+def test_two_threads_compile_once():
+    kernel, answers = fresh(), []
+    threads = [threading.Thread(target=lambda: answers.append(kernel(3.0))) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert answers == [6.0] * 4
+    assert sum(kernel.stats.cache_misses.values()) + sum(kernel.stats.cache_hits.values()) <= 1
+
+
+WORK = """
+import sys
+from estimators.compiling import NotCompiled, compiled, only_cached
+
+@compiled("float64(float64)")
+def shifted(x):
+    return x + 1.0
+
+if "only" in sys.argv:
+    try:
+        with only_cached():
+            print(shifted(1.0))
+    except NotCompiled:
+        print("not compiled")
+else:
+    print(shifted(1.0), sum(shifted.stats.cache_hits.values()))
+"""
+
+
+def start(tmp_path: Path, *words: str) -> "subprocess.Popen[str]":
+    script = tmp_path / "work.py"
+    if not script.exists():
+        script.write_text(WORK)
+    return subprocess.Popen(
+        [sys.executable, str(script), *words], cwd=tmp_path, stdout=subprocess.PIPE, text=True
+    )
+
+
+def said(process: "subprocess.Popen[str]") -> str:
+    text, _ = process.communicate(timeout=120)
+    return text.strip()
+
+
+@pytest.mark.slow
+def test_two_processes_compile_a_kernel_once(tmp_path):
+    assert said(start(tmp_path, "only")) == "not compiled"
+    both = [start(tmp_path), start(tmp_path)]
+    assert sorted(said(one) for one in both) == ["2.0 0", "2.0 1"]
+    assert said(start(tmp_path, "only")) == "2.0"
+
+
+def test_a_file_edited_since_the_import_is_neither_taken_from_the_cache_nor_kept_there(tmp_path):
+    file = tmp_path / "kernel.py"
+    file.write_text("import math\n")
+    edited_s = file.stat().st_mtime
+    assert compiling._kernel_cache.is_current(file, tmp_path, edited_s + 1.0)
+    assert not compiling._kernel_cache.is_current(file, tmp_path, edited_s - 1.0)
+
+
+def test_compiling_is_refused_where_only_the_cache_may_be_used(monkeypatch):
+    kernel = fresh()
+    monkeypatch.setattr(compiling._Cache.__mro__[1], "load_overload", lambda *_: None)
+    with only_cached(), pytest.raises(NotCompiled):
+        kernel(1.0)
+    assert kernel(1.0) == 2.0
