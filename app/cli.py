@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from app.commands.options_demo import compile_kernels, demo
 from app.commands.options_mass_centre import mass_centre
 from app.commands.words import (
     Bursts,
@@ -31,6 +32,8 @@ cli = typer.Typer(
     add_completion=False,
 )
 cli.command("mass-centre")(mass_centre)
+cli.command()(demo)
+cli.command("compile")(compile_kernels)
 
 
 @cli.command()
@@ -45,16 +48,6 @@ def serve(
     from app.commands import serve as command
 
     command.serve(host, port)
-
-
-@cli.command("compile")
-def compile_kernels(
-    processes: Annotated[int, typer.Option(help="At once; one for each core is right.", min=1, max=64)] = 2,
-) -> None:
-    """Compile every numerical kernel now, so that no session or analysis waits for it. Takes some minutes."""
-    from app.commands import compile_kernels as command
-
-    command.compile_kernels(processes)
 
 
 @cli.command()
@@ -78,27 +71,6 @@ def create_clinic(
     from app.commands import store as command
 
     command.create_clinic(clinic, email, name, password)
-
-
-@cli.command()
-def demo(
-    port: Port = 8000,
-    folder: Annotated[Path, typer.Option(help="Where the demonstration keeps its database.")] = Path(
-        "var/demo"
-    ),
-    fresh: Annotated[bool, typer.Option(help="Throw an earlier demonstration away first.")] = False,
-    stream: Annotated[bool, typer.Option(help="Start the simulated patient who streams live.")] = True,
-    started_s: Annotated[
-        float | None, typer.Option(help="Epoch second from which stages are timed.", hidden=True)
-    ] = None,
-) -> None:
-    """Start a demonstration clinic with invented patients and one who streams live.
-
-    Prints the address and how to sign in. Its secrets are known to everybody: never with real patients.
-    """
-    from app.commands import demo as command
-
-    command.demo(port, folder, fresh, stream, started_s)
 
 
 @cli.command()

@@ -26,6 +26,7 @@ from app.database import engine as database_engine
 from app.database.migrate import require_newest
 from app.database.unit_of_work import read_only, unit_of_work
 from app.database.writer_lock import WriterLock, writer_lock
+from app.demo.endpoints import router as demonstration_router
 from app.edge import error_answers
 from app.edge.client import client_router
 from app.edge.documentation import router as documentation_router
@@ -219,6 +220,7 @@ def all_routers() -> list[APIRouter]:
         assessment_router,
         follow_up_router,
         accuracy_router,
+        demonstration_router,
         viewer_router,
     ]
 

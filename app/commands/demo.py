@@ -1,9 +1,13 @@
 """`telemotion demo`: the service with an invented clinic, and a patient who streams live."""
 
+import http.client
 import shutil
 import subprocess
 import sys
+import threading
+import time
 from pathlib import Path
+from typing import Final
 
 import typer
 
@@ -11,15 +15,16 @@ from app.commands.serve import claim, run
 from app.database import engine as engines
 from app.database import migrate
 from app.database.writer_lock import LOCK_SUFFIX
-from app.demo.people import is_seeded, seed_people
+from app.demo.people import PASSWORD, PATIENTS, THERAPIST, is_seeded, seed_people
+from app.demo.progress import HistoryProgress, new_progress
 from app.errors import InvalidInput
 from app.settings import Settings
 
-HISTORY_MARK = "history-complete"
+_ANSWER_POLL_S: Final = 0.1
 
 
-def demo(port: int, folder: Path, fresh: bool, stream: bool) -> None:
-    """Prepare the demonstration's database, start its companion, and serve.
+def demo(port: int, folder: Path, fresh: bool, stream: bool, started_s: float | None = None) -> None:
+    """Prepare the demonstration's people, start its companions, and serve.
 
     Parameters
     ----------
@@ -30,7 +35,10 @@ def demo(port: int, folder: Path, fresh: bool, stream: bool) -> None:
         Throw an earlier demonstration away.
     stream : bool
         Start the simulated patient.
+    started_s : float, optional
+        Since the epoch: from when stages are timed; by default from now.
     """
+    started_s = started_s or time.time()
     database = folder / "telemotion.db"
     if folder.exists() and not database.exists() and _contents(folder):
         raise InvalidInput(f"{folder} holds something else; name a new or empty folder")
@@ -43,15 +51,33 @@ def demo(port: int, folder: Path, fresh: bool, stream: bool) -> None:
         log_level="warning",
     )
     with claim(settings, "127.0.0.1", port, "telemotion demo") as (listener, lock):
-        words = _prepare(settings, folder, fresh)
+        progress = _prepare(settings, folder, fresh)
+        common = [
+            sys.executable,
+            "-m",
+            "app.demo.companion",
+            "--server",
+            server,
+            "--started-s",
+            str(started_s),
+        ]
+        companions = []
+        # Two processes: making history takes all the time it gets, and must take none from the patient who streams.
         if stream:
-            words.append("--stream")
-        companion = subprocess.Popen(words)  # noqa: S603 - our own interpreter and module
+            companions.append([*common, "--stream"])
+        if not progress.is_complete:
+            companions.append([*common, "--history", str(folder), "--database-url", settings.database_url])
+        running = [subprocess.Popen(words) for words in companions]  # noqa: S603 - our own interpreter and module
+        threading.Thread(
+            target=_welcome, args=(port, server, started_s, stream, progress.is_complete), daemon=True
+        ).start()
         try:
             run(settings, listener, lock)
         finally:
-            companion.terminate()
-            companion.wait(timeout=10)
+            for one in running:
+                one.terminate()
+            for one in running:
+                one.wait(timeout=10)
 
 
 def _contents(folder: Path) -> list[Path]:
@@ -59,11 +85,10 @@ def _contents(folder: Path) -> list[Path]:
     return [path for path in folder.iterdir() if not path.name.endswith(LOCK_SUFFIX)]
 
 
-def _prepare(settings: Settings, folder: Path, fresh: bool) -> list[str]:
-    """Bring the database about and return the companion's command line."""
-    mark = folder / HISTORY_MARK
-    if fresh or not mark.exists():
-        # A first start that was interrupted left half a history: begin again rather than show it.
+def _prepare(settings: Settings, folder: Path, fresh: bool) -> HistoryProgress:
+    """Make the database and its people; returns how far the past sessions are."""
+    if fresh or HistoryProgress.of(folder) is None:
+        # Without a word of how far its history is, it was left by an interrupted start of an earlier version.
         for path in _contents(folder):
             if path.is_dir():
                 shutil.rmtree(path)
@@ -72,14 +97,41 @@ def _prepare(settings: Settings, folder: Path, fresh: bool) -> list[str]:
     migrate.upgrade(settings.database_url)
     engine = engines.create(settings)
     try:
-        with_history = not is_seeded(engine)
-        if with_history:
-            typer.echo("Preparing the demonstration clinic (about a minute, the first time only) ...")
+        if not is_seeded(engine):
             seed_people(engine)
+            new_progress(folder).save()
     finally:
         engine.dispose()
-    words = [sys.executable, "-m", "app.demo.companion", "--server", settings.base_url]
-    words += ["--database-url", settings.database_url]
-    if with_history:
-        words += ["--history-mark", str(mark)]
-    return words
+    return HistoryProgress.of(folder) or new_progress(folder)
+
+
+def _welcome(port: int, server: str, started_s: float, with_stream: bool, is_complete: bool) -> None:
+    """Print the address as soon as it answers."""
+    while not _answers(port):
+        time.sleep(_ANSWER_POLL_S)
+    person = PATIENTS[0]
+    lines = [
+        "",
+        f"  Telemotion demonstration:  {server}   (answers after {time.time() - started_s:.0f} s)",
+        "",
+        f"    therapist   {THERAPIST}   password  {PASSWORD}",
+        f"    patient     {person.email}       password  {PASSWORD}",
+        "",
+    ]
+    if with_stream:
+        lines.append(f"  {person.given_name} {person.family_name} streams live: sign in and open her row.")
+    if not is_complete:
+        lines.append("  Past sessions are being made; they appear one after the other.")
+    lines.append("  Ctrl-C stops it. Everything here is invented; never use it with real patients.")
+    typer.echo("\n".join([*lines, ""]))
+
+
+def _answers(port: int) -> bool:
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=5.0)
+    try:
+        connection.request("GET", "/api/health")
+        return connection.getresponse().status == http.HTTPStatus.OK
+    except OSError:
+        return False
+    finally:
+        connection.close()

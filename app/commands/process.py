@@ -6,16 +6,10 @@ from pathlib import Path
 from typing import cast, get_args
 
 import numpy as np
-import pyarrow.csv
-import pyarrow.parquet
 import typer
 
-from app.commands.process_bursts import process_bursts
-from app.commands.process_walk import analyse, write_walk
 from app.errors import InvalidInput
 from app.ingest import readers
-from app.ingest.upload import estimated
-from app.recordings.columns import frames_table
 from app.recordings.schemas import CsvMapping
 from estimators import orientation as orientations
 from estimators import pipelines, signals
@@ -68,6 +62,8 @@ def process(
         When a word is unknown, the file cannot be read as declared, or its readings are implausible.
     """
     if pipeline == pipelines.BURSTS:
+        from app.commands.process_bursts import process_bursts
+
         process_bursts(recording, out, format, rate, orientation, parameters)
         return
     orientation = orientation or orientations.DEFAULT
@@ -76,6 +72,14 @@ def process(
         raise InvalidInput(f"no estimator {orientation!r}; choose one of {', '.join(known)}")
     columns = CsvMapping.model_validate_json(mapping.read_text()) if mapping else None
     measured = readers.read(recording, format, columns)
+    # What follows loads the web framework and Arrow: not for a file that is refused.
+    import pyarrow.csv
+    import pyarrow.parquet
+
+    from app.commands.process_walk import analyse, write_walk
+    from app.ingest.upload import estimated
+    from app.recordings.columns import frames_table
+
     worn = cast(tuple[Placement, ...], measured.placements)
     setup = SessionSetup(
         pipeline=pipeline,

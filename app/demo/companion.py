@@ -1,15 +1,18 @@
-"""Runs beside the demonstration's server: makes the history once, tells how to sign in, then streams live forever.
+"""Runs beside the demonstration's server: makes the history once, or streams a live patient for ever.
 
-A process of its own, so that simulating a patient takes no time from the service.
+Processes of their own, so that simulating patients takes no time from the service.
 """
 
 import argparse
 import asyncio
+import logging
 import os
 import sys
+import time
+from collections.abc import Awaitable, Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import httpx
 
@@ -18,56 +21,56 @@ from app.database import engine as engines
 from app.demo.history import make_history
 from app.demo.on_demand import OnDemand
 from app.demo.people import PASSWORD, PATIENTS, THERAPIST
-from app.errors import TelemotionError
+from app.demo.progress import HistoryProgress
 from app.gateway import DeviceStream, ServiceClient
 from estimators.simulation import ArmScenario
 
-READY_TIMEOUT_S: Final = 180.0
+logger = logging.getLogger("telemotion.demo")
+
 PAUSE_BETWEEN_SESSIONS_S: Final = 5.0
 LIVE_REPETITIONS: Final = 40
+FIRST_REPETITIONS: Final = 4
+"""Until there is a template to compare with, a session is short, so that the next one has it."""
+HISTORY_NICENESS: Final = 10
 
 
-async def run(server: str, database_url: str, history_mark: Path | None, with_stream: bool) -> None:
-    """Do what the module says.
+async def for_ever(server: str, perform: Callable[[ServiceClient], Awaitable[Any]], pause_s: float) -> None:
+    """Sign in and perform again and again, whatever happens.
+
+    The service may be stopped and come back, a sign-in ends over night, and somebody may close the session in the
+    browser: each time a new client signs in and begins anew.
 
     Parameters
     ----------
     server : str
-    database_url : str
-        Of the demonstration, to date its history back.
-    history_mark : Path or None
-        Make the history and write this file when it is complete; None when it is there.
-    with_stream : bool
+    perform : async callable(service)
+        Signed in as the therapist.
+    pause_s : float
+        Between two performances.
     """
-    leaving = asyncio.create_task(_leave_with_parent(os.getppid()))
-    async with asyncio.timeout(READY_TIMEOUT_S):
-        await _until_it_answers(server)
+    told = ""
+    while True:
+        try:
+            await signed_in(server, perform)
+            told = ""
+        except Exception as error:
+            # Once for each kind of trouble: a service that is away for the night must not fill a screen.
+            if type(error).__name__ != told:
+                logger.warning("the simulated patient begins again after: %s", error)
+                told = type(error).__name__
+        await asyncio.sleep(pause_s)
+
+
+async def signed_in(server: str, perform: Callable[[ServiceClient], Awaitable[Any]]) -> None:
+    """Wait until the service answers, sign in as the therapist, and perform once."""
+    await until_it_answers(server)
     async with ServiceClient(server) as service:
         await service.sign_in(THERAPIST, PASSWORD)
-        caseload = (await service.http.get("/api/patients")).json()
-        by_name = {(row["given_name"], row["family_name"]): row["id"] for row in caseload}
-        patient_ids = {person.email: by_name[(person.given_name, person.family_name)] for person in PATIENTS}
-        if history_mark is not None:
-            engine = engines.create_from_url(database_url)
-            try:
-                await make_history(service, engine, patient_ids, _say)
-            finally:
-                engine.dispose()
-            await asyncio.to_thread(history_mark.touch)
-        _say(_welcome(server, with_stream))
-        if with_stream:
-            await _stream_forever(service, patient_ids)
-    leaving.cancel()
+        await perform(service)
 
 
-async def _leave_with_parent(parent: int) -> None:
-    """End when the server's process is gone, however it ended."""
-    while os.getppid() == parent:  # noqa: ASYNC110 - the end of another process sets no event
-        await asyncio.sleep(1.0)
-    os._exit(0)
-
-
-async def _until_it_answers(server: str) -> None:
+async def until_it_answers(server: str) -> None:
+    """Return when the service answers, however long that takes."""
     async with httpx.AsyncClient(base_url=server, trust_env=False) as probe:
         while True:
             try:
@@ -78,67 +81,94 @@ async def _until_it_answers(server: str) -> None:
             await asyncio.sleep(0.2)
 
 
-async def _stream_forever(service: ServiceClient, patient_ids: dict[str, str]) -> None:
-    person = PATIENTS[0]
-    prescriptions = (
-        await service.http.get(f"/api/patients/{patient_ids[person.email]}/prescriptions")
-    ).json()
-    chosen = prescriptions[0] if prescriptions else None
-    options = Options(
-        server="",
-        email="",
-        password="",
-        patient_id=patient_ids[person.email],
-        exercise_id=chosen["exercise_id"] if chosen else None,
-        prescription_id=chosen["id"] if chosen else None,
-        movement=person.movement,
-        arms=person.affected_side,
-        repetitions=LIVE_REPETITIONS,
-        patient_kind="moderate_stroke",
-        progress=1.0,
-        speed=1.0,
-        loss_percent=0.5,
-    )
-
-    async def perform(device: DeviceStream, scenario: ArmScenario, session_id: str) -> None:
-        own_until_s = scenario.schedule.n_pose_s
-        await OnDemand(device, scenario).run(service, session_id, own_until_s)
-
-    number, signed_out = 0, False
-    while True:
-        try:
-            if signed_out:
-                await service.sign_in(THERAPIST, PASSWORD)
-                signed_out = False
-            await stream(service, replace(options, seed=1000 + number), _quiet, perform)
-        except TelemotionError as error:
-            # Signed out over night, or somebody closed the session in the browser: begin a new one.
-            signed_out = error.status == 401
-        number += 1
-        await asyncio.sleep(PAUSE_BETWEEN_SESSIONS_S)
+async def patients_of(service: ServiceClient) -> dict[str, str]:
+    """Return the identifiers of the demonstration's patients by e-mail."""
+    caseload = (await service.http.get("/api/patients")).raise_for_status().json()
+    by_name = {(row["given_name"], row["family_name"]): row["id"] for row in caseload}
+    return {person.email: by_name[(person.given_name, person.family_name)] for person in PATIENTS}
 
 
-def _welcome(server: str, with_stream: bool) -> str:
-    lines = [
-        "",
-        f"  Telemotion demonstration:  {server}",
-        "",
-        f"    therapist   {THERAPIST}   password  {PASSWORD}",
-        f"    patient     {PATIENTS[0].email}       password  {PASSWORD}",
-        "",
-    ]
-    if with_stream:
+class LivePatient:
+    """Streams one session after the other.
+
+    Parameters
+    ----------
+    streamed : callable()
+        Called once, when frames of the first session come.
+    """
+
+    def __init__(self, streamed: Callable[[], None]) -> None:
+        self._streamed: Callable[[], None] | None = streamed
+        self._number = 0
+
+    async def stream_one(self, service: ServiceClient) -> None:
+        """Stream a session to its end."""
         person = PATIENTS[0]
-        lines.append(
-            f"  {person.given_name} {person.family_name} streams live now: sign in and open her row."
+        patient_id = (await patients_of(service))[person.email]
+        found = (await service.http.get(f"/api/patients/{patient_id}/prescriptions")).raise_for_status()
+        prescriptions = found.json()
+        chosen = prescriptions[0] if prescriptions else None
+        options = Options(
+            server="",
+            email="",
+            password="",
+            patient_id=patient_id,
+            exercise_id=chosen["exercise_id"] if chosen else None,
+            prescription_id=chosen["id"] if chosen else None,
+            movement=person.movement,
+            arms=person.affected_side,
+            repetitions=LIVE_REPETITIONS if chosen else FIRST_REPETITIONS,
+            patient_kind="moderate_stroke",
+            progress=1.0,
+            speed=1.0,
+            loss_percent=0.5,
         )
-    lines.append("  Ctrl-C stops it. Everything here is invented; never use it with real patients.")
-    return "\n".join([*lines, ""])
+        self._number += 1
+        await stream(service, replace(options, seed=1000 + self._number), _quiet, self._beside(service))
+
+    def _beside(self, service: ServiceClient) -> Callable[[DeviceStream, ArmScenario, str], Any]:
+        async def perform(device: DeviceStream, scenario: ArmScenario, session_id: str) -> None:
+            if self._streamed is not None:
+                await service.wait_for_state(session_id, "calibrating", "ready", "recording", timeout_s=600.0)
+                self._streamed()
+                self._streamed = None
+            await OnDemand(device, scenario).run(service, session_id, scenario.schedule.n_pose_s)
+
+        return perform
 
 
-def _say(text: str) -> None:
-    sys.stdout.write(text + "\n")
-    sys.stdout.flush()
+async def past_sessions(server: str, folder: Path, database_url: str, say: Callable[[str], None]) -> None:
+    """Make what is missing of the history."""
+    progress = HistoryProgress.of(folder)
+    if progress is None:
+        return
+    engine = engines.create_from_url(database_url)
+
+    async def make(service: ServiceClient) -> None:
+        await make_history(service, engine, await patients_of(service), progress, say)
+
+    try:
+        while not progress.is_complete:
+            try:
+                await signed_in(server, make)
+            except Exception as error:
+                logger.warning("making past sessions goes on after: %s", error)
+                await asyncio.sleep(PAUSE_BETWEEN_SESSIONS_S)
+    finally:
+        engine.dispose()
+
+
+async def _beside_parent(work: Awaitable[None]) -> None:
+    leaving = asyncio.create_task(_leave_with_parent(os.getppid()))
+    await work
+    leaving.cancel()
+
+
+async def _leave_with_parent(parent: int) -> None:
+    """End when the server's process is gone, however it ended."""
+    while os.getppid() == parent:  # noqa: ASYNC110 - the end of another process sets no event
+        await asyncio.sleep(1.0)
+    os._exit(0)
 
 
 def _quiet(text: str) -> None:
@@ -149,12 +179,24 @@ def main() -> None:
     """Run until told to stop."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--server", required=True)
-    parser.add_argument("--database-url", required=True)
-    parser.add_argument("--history-mark", type=Path)
+    parser.add_argument("--started-s", type=float, default=time.time())
     parser.add_argument("--stream", action="store_true")
+    parser.add_argument("--history", type=Path)
+    parser.add_argument("--database-url")
     words = parser.parse_args()
+
+    def say(text: str) -> None:
+        sys.stdout.write(f"  {text} after {time.time() - words.started_s:.0f} s\n")
+        sys.stdout.flush()
+
+    if words.stream:
+        patient = LivePatient(lambda: say("live patient seen"))
+        work = for_ever(words.server, patient.stream_one, PAUSE_BETWEEN_SESSIONS_S)
+    else:
+        os.nice(HISTORY_NICENESS)
+        work = past_sessions(words.server, words.history, words.database_url, say)
     try:
-        asyncio.run(run(words.server, words.database_url, words.history_mark, words.stream))
+        asyncio.run(_beside_parent(work))
     except KeyboardInterrupt:
         sys.exit(0)
 

@@ -1,12 +1,14 @@
 """Past sessions of the demonstration: each streamed through the whole service, only faster, then dated back."""
 
-from collections.abc import Callable
+import contextlib
+from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, replace
 from datetime import timedelta
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
-from sqlalchemy import Engine, update
+from sqlalchemy import Engine, delete, update
 
 from app.commands.simulate import Options, scenario_of, stream
 from app.commands.upload import finished, send
@@ -15,11 +17,13 @@ from app.database.unit_of_work import unit_of_work
 from app.demo.dating import date_back
 from app.demo.markers import send_markers, until_fused
 from app.demo.people import EXERCISES, PATIENTS, DemoPatient
+from app.demo.progress import HistoryProgress
 from app.demo.sources import make_source_session
-from app.demo.walks import make_walks
+from app.demo.walks import PAST_WALKS, PastWalk, make_walk
 from app.errors import TelemotionError
 from app.exercises.models import Prescription, Template, TemplateVersion
 from app.gateway import ServiceClient
+from app.live.states import STREAMING
 from app.recordings.schemas import UploadIn
 from estimators.conventions import Placement
 
@@ -60,9 +64,13 @@ TEMPLATE_DAYS_AGO: Final = {"amara@demo.example": 26.0, "tomasz@demo.example": 1
 
 
 async def make_history(
-    service: ServiceClient, engine: Engine, patient_ids: dict[str, str], say: Callable[[str], None]
+    service: ServiceClient,
+    engine: Engine,
+    patient_ids: dict[str, str],
+    progress: HistoryProgress,
+    say: Callable[[str], None],
 ) -> None:
-    """Record the templates, prescribe, and stream the past sessions.
+    """Record the templates, prescribe, and stream the past sessions; what is there already is not made again.
 
     Parameters
     ----------
@@ -72,55 +80,121 @@ async def make_history(
         The same database, to date the sessions back.
     patient_ids : dict of str to str
         Identifier of each demonstration patient by e-mail.
+    progress : HistoryProgress
     say : callable(text)
-        Told about progress.
+        Told when all is there.
     """
-    exercise_ids = {item["movement"]: item["id"] for item in await _get(service, "/api/exercises")}
-    total = sum(len(sessions) + 1 for sessions in PAST.values()) + 2
-    done, seen = 0, []
-    for person in PATIENTS:
-        patient_id = patient_ids[person.email]
-        exercise_id = exercise_ids[person.movement]
-        prescription_id = await record_template(service, engine, person, patient_id, exercise_id)
-        done += 1
-        say(f"preparing past sessions: {done} of {total}")
-        for number, past in enumerate(PAST[person.email]):
-            options = replace(
-                _options(person, patient_id, exercise_id, seed=100 + number),
-                prescription_id=prescription_id,
-                patient_kind=past.patient_kind,
-                progress=past.progress,
-                loss_percent=past.loss_percent,
-            )
-            session_id, _ = await stream(service, options, _silent)
-            if past.has_cameras:
-                segment: Placement = "hand_left" if person.affected_side == "left" else "hand_right"
-                await send_markers(service, session_id, scenario_of(options), segment)
-                seen.append(session_id)
-            date_back(engine, session_id, past.days_ago)
-            done += 1
-            say(f"preparing past sessions: {done} of {total}")
-    declaration = UploadIn(
-        patient_id=patient_ids[PATIENTS[1].email], format="qmt_mat", calibration_pose_s=REAL_POSE_S
-    )
-    job = await send(service, REAL_RECORDING, declaration)
-    await finished(service, job.session_id)
-    date_back(engine, job.session_id, 3.0)
-    say(f"preparing past sessions: {done + 1} of {total}")
-    await make_walks(service, engine, patient_ids[PATIENTS[1].email], exercise_ids["walk"])
-    await make_source_session(service, engine, patient_ids[PATIENTS[1].email])
-    for session_id in seen:
-        try:
-            await until_fused(service, session_id)
-        except TelemotionError as error:
-            say(f"the markers of one session were not fused: {error}")
-    say(f"preparing past sessions: {total} of {total}")
+    if progress.is_complete:
+        return
+    await _forget_half_made(service, engine, patient_ids, progress)
+    for step, make in History(service, engine, patient_ids, progress).steps():
+        if step not in progress.done:
+            result, session_id = await make()
+            progress.add(step, result, session_id)
+    say("past sessions complete")
+
+
+Made = tuple[str, str]
+"""What later steps need, and the session that was made."""
+
+
+@dataclass(frozen=True)
+class History:
+    """The steps of which the history consists; each is one session."""
+
+    service: ServiceClient
+    engine: Engine
+    patient_ids: dict[str, str]
+    progress: HistoryProgress
+
+    def steps(self) -> list[tuple[str, Callable[[], Awaitable[Made]]]]:
+        """Return them by name, in their order."""
+        made: list[tuple[str, Callable[[], Awaitable[Made]]]] = []
+        for person in PATIENTS:
+            made.append((f"{person.email} template", partial(self._template, person)))
+            made += [
+                (f"{person.email} {number}", partial(self._session, person, number, past))
+                for number, past in enumerate(PAST[person.email])
+            ]
+        made.append(("recording", self._recording))
+        made += [(f"walk {number}", partial(self._walk, walk)) for number, walk in enumerate(PAST_WALKS)]
+        return [*made, ("source", self._source)]
+
+    async def _exercise(self, movement: str) -> str:
+        return next(
+            str(item["id"])
+            for item in await _get(self.service, "/api/exercises")
+            if item["movement"] == movement
+        )
+
+    async def _template(self, person: DemoPatient) -> Made:
+        return await record_template(
+            self.service,
+            self.engine,
+            person,
+            self.patient_ids[person.email],
+            await self._exercise(person.movement),
+        )
+
+    async def _session(self, person: DemoPatient, number: int, past: PastSession) -> Made:
+        exercise_id = await self._exercise(person.movement)
+        options = replace(
+            _options(person, self.patient_ids[person.email], exercise_id, seed=100 + number),
+            prescription_id=self.progress.done[f"{person.email} template"],
+            patient_kind=past.patient_kind,
+            progress=past.progress,
+            loss_percent=past.loss_percent,
+        )
+        session_id, _ = await stream(self.service, options, _silent)
+        if past.has_cameras:
+            segment: Placement = "hand_left" if person.affected_side == "left" else "hand_right"
+            await send_markers(self.service, session_id, scenario_of(options), segment)
+            await until_fused(self.service, session_id)
+        date_back(self.engine, session_id, past.days_ago)
+        return "", session_id
+
+    async def _recording(self) -> Made:
+        declaration = UploadIn(patient_id=self._walker, format="qmt_mat", calibration_pose_s=REAL_POSE_S)
+        job = await send(self.service, REAL_RECORDING, declaration)
+        await finished(self.service, job.session_id)
+        date_back(self.engine, job.session_id, 3.0)
+        return "", job.session_id
+
+    async def _walk(self, walk: PastWalk) -> Made:
+        exercise_id = await self._exercise("walk")
+        return "", await make_walk(self.service, self.engine, self._walker, exercise_id, walk)
+
+    async def _source(self) -> Made:
+        return "", await make_source_session(self.service, self.engine, self._walker)
+
+    @property
+    def _walker(self) -> str:
+        return self.patient_ids[PATIENTS[1].email]
+
+
+async def _forget_half_made(
+    service: ServiceClient, engine: Engine, patient_ids: dict[str, str], progress: HistoryProgress
+) -> None:
+    """Erase what an interrupted start left half made: its sessions, and a template whose step did not end."""
+    for email, patient_id in patient_ids.items():
+        if f"{email} template" not in progress.done:
+            with unit_of_work(engine) as session:
+                session.execute(delete(Prescription).where(Prescription.patient_id == patient_id))
+                session.execute(delete(Template).where(Template.patient_id == patient_id))
+        for row in await _get(service, f"/api/patients/{patient_id}/sessions"):
+            # What is created or streams is the live patient's of now.
+            if row["id"] not in progress.kept_sessions and row["state"] not in ("created", *STREAMING):
+                if row["state"] == "closing":
+                    # Its analysis goes on where it was interrupted; under its feet nothing is erased.
+                    with contextlib.suppress(TelemotionError):
+                        await finished(service, row["id"])
+                await service.http.delete(f"/api/sessions/{row['id']}")
 
 
 async def record_template(
     service: ServiceClient, engine: Engine, person: DemoPatient, patient_id: str, exercise_id: str
-) -> str:
-    """Record and publish the therapist's template and prescribe it; returns the prescription.
+) -> tuple[str, str]:
+    """Record and publish the therapist's template and prescribe it; returns the prescription and the session.
 
     Parameters
     ----------
@@ -173,7 +247,7 @@ async def record_template(
             .where(Prescription.id == prescription["id"])
             .values(created_at=moment, starts_at=moment)
         )
-    return str(prescription["id"])
+    return str(prescription["id"]), session_id
 
 
 def _options(person: DemoPatient, patient_id: str, exercise_id: str, seed: int) -> Options:

@@ -20,6 +20,8 @@ from estimators.pipelines import Frames, RelativePosePipeline, SessionSetup
 
 DAYS_AGO: Final = 6.2
 DURATION_S: Final = 45.0
+MOVEMENT: Final = "shoulder"
+"""Angle and distance both change where one can see it: 80 degrees and 20 cm."""
 _TIMEOUT_S: Final = 120.0
 
 
@@ -76,7 +78,7 @@ def _order(frames: Frames, number: int) -> object:
 
 
 async def make_source_session(service: ServiceClient, engine: Engine, patient_id: str) -> str:
-    """Stream and date back a session in which somebody bends with a source on the pelvis; return it.
+    """Stream and date back a session in which somebody raises an arm beside a source on the pelvis; return it.
 
     Parameters
     ----------
@@ -85,7 +87,7 @@ async def make_source_session(service: ServiceClient, engine: Engine, patient_id
     engine : Engine
     patient_id : str
     """
-    patient = await asyncio.to_thread(RelativePatient, "flexion", DURATION_S, seed=3)
+    patient = await asyncio.to_thread(RelativePatient, MOVEMENT, DURATION_S, seed=3)
     sent = await asyncio.to_thread(rehearse, patient)
     created = await service.create_session(
         SessionIn(
@@ -107,4 +109,4 @@ async def make_source_session(service: ServiceClient, engine: Engine, patient_id
     return created.id
 
 
-__all__ = ["make_source_session", "rehearse", "setup_of"]
+__all__ = ["MOVEMENT", "make_source_session", "rehearse", "setup_of"]

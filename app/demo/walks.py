@@ -34,8 +34,10 @@ PAST_WALKS: Final = (PastWalk(15.9, "stroke", 5), PastWalk(2.2, "centre_of_mass"
 """At first with a paretic left leg, its weight and mass toward the right; at last even."""
 
 
-async def make_walks(service: ServiceClient, engine: Engine, patient_id: str, exercise_id: str) -> None:
-    """Simulate, upload and date back the walks.
+async def make_walk(
+    service: ServiceClient, engine: Engine, patient_id: str, exercise_id: str, walk: PastWalk
+) -> str:
+    """Simulate, upload and date back a walk; returns its session.
 
     Parameters
     ----------
@@ -46,6 +48,7 @@ async def make_walks(service: ServiceClient, engine: Engine, patient_id: str, ex
         Whose left side is affected.
     exercise_id : str
         Of a walk.
+    walk : PastWalk
     """
     declaration = UploadIn(
         patient_id=patient_id,
@@ -55,12 +58,12 @@ async def make_walks(service: ServiceClient, engine: Engine, patient_id: str, ex
         feet_apart_end_m=WIDTH_M,
     )
     with TemporaryDirectory() as folder:
-        for walk in PAST_WALKS:
-            path = Path(folder) / f"{walk.preset}.csv"
-            await asyncio.to_thread(_simulate, walk, path)
-            job = await send(service, path, declaration)
-            await finished(service, job.session_id)
-            date_back(engine, job.session_id, walk.days_ago)
+        path = Path(folder) / f"{walk.preset}.csv"
+        await asyncio.to_thread(_simulate, walk, path)
+        job = await send(service, path, declaration)
+        await finished(service, job.session_id)
+    date_back(engine, job.session_id, walk.days_ago)
+    return job.session_id
 
 
 def _simulate(walk: PastWalk, path: Path) -> None:
@@ -79,4 +82,4 @@ def _simulate(walk: PastWalk, path: Path) -> None:
     write_instrumented_shoe(simulate_gait(scenario).recording, path)
 
 
-__all__ = ["PAST_WALKS", "PastWalk", "make_walks"]
+__all__ = ["PAST_WALKS", "PastWalk", "make_walk"]

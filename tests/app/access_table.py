@@ -107,6 +107,7 @@ LINES: tuple[Line, ...] = (
     Line("GET", "/api/openapi.json", "signed_in"),
     Line("GET", "/api/docs", "signed_in"),
     Line("GET", "/api/accuracy", "signed_in"),
+    Line("GET", "/api/demonstration", "signed_in"),
     # --- accounts ---
     Line("POST", "/api/sign-in", "public", body={"email": "a@b.example", "password": "x"}),
     Line("POST", "/api/sign-out", "signed_in", status=204, note="(cookies only)"),

@@ -124,7 +124,7 @@ async def furnish(address: str, engine: engines.Engine) -> House:
         patient_id = next(row["id"] for row in patients if row["given_name"] == person.given_name)
         exercises = (await service.http.get("/api/exercises")).json()
         exercise_id = next(row["id"] for row in exercises if row["movement"] == person.movement)
-        prescription_id = await history.record_template(service, engine, person, patient_id, exercise_id)
+        prescription_id, _ = await history.record_template(service, engine, person, patient_id, exercise_id)
         sessions = (await service.http.get(f"/api/patients/{patient_id}/sessions")).json()
         options = Options(
             server=address,

@@ -3,7 +3,6 @@
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 
 from app.errors import RecordingFormatError
@@ -73,6 +72,8 @@ def _is_hdf5(path: Path) -> bool:
 
 def _hdf5(path: Path) -> dict[str, Any]:
     try:
+        import h5py
+
         with h5py.File(path, "r") as file:
             check_hdf5(file, _NAMES)
             content = {name: file[name][()] for name in _NAMES if name in file}

@@ -8,6 +8,7 @@ export const keys = {
   me: ['me'] as const,
   secondFactor: ['second-factor'] as const,
   caseload: ['caseload'] as const,
+  demonstration: ['demonstration'] as const,
   patients: ['patients'] as const,
   archived: ['patients', 'archived'] as const,
   patient: (id: string) => ['patients', id] as const,
@@ -105,6 +106,14 @@ function useChange<In, Out>(change: (input: In) => Promise<Out>, old: (input: In
   });
 }
 
+/** How far the past sessions of the demonstration are; null elsewhere, and nobody asks again then. */
+export const useDemonstration = () =>
+  useQuery({
+    queryKey: keys.demonstration,
+    queryFn: ({ signal }) => api.get<Wire.Demonstration | null>('/api/demonstration', signal),
+    refetchInterval: (query) => (query.state.data ? 3_000 : false),
+    staleTime: Infinity,
+  });
 export const useCaseload = () => useGet<Wire.CaseloadRow[]>(keys.caseload, '/api/caseload', { refetchInterval: 15_000 });
 export const usePatients = () => useGet<Wire.Patient[]>(keys.patients, '/api/patients');
 export const useArchivedPatients = () => useGet<Wire.Patient[]>(keys.archived, '/api/patients?archived=true');

@@ -131,6 +131,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/demonstration": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Demonstration
+         * @description Return how far the past sessions of a demonstration are; null elsewhere and when all are there.
+         */
+        get: operations["demonstration_api_demonstration_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/device-tokens/{token_id}": {
         parameters: {
             query?: never;
@@ -2705,6 +2725,16 @@ export interface components {
             type?: "health";
         };
         /**
+         * HistoryOut
+         * @description Past sessions of the demonstration that are there, of those that will be.
+         */
+        HistoryOut: {
+            /** Prepared */
+            prepared: number;
+            /** Total */
+            total: number;
+        };
+        /**
          * JobOut
          * @description A long task with its progress from 0 to 1.
          */
@@ -4894,6 +4924,29 @@ export interface operations {
             404: components["responses"]["Error404"];
             409: components["responses"]["Error409"];
             422: components["responses"]["Error422"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    demonstration_api_demonstration_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HistoryOut"] | null;
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
             503: components["responses"]["Error503"];
         };
     };

@@ -23,6 +23,7 @@ export type AuditEntry = Schemas['AuditOut'];
 export type Ticket = Schemas['TicketOut'];
 
 export type CaseloadRow = Schemas['CaseloadRow'];
+export type Demonstration = Schemas['HistoryOut'];
 export type Patient = Schemas['PatientOut'];
 export type PatientIn = Schemas['PatientIn'];
 export type PatientPatch = Schemas['PatientPatch'];

@@ -2,7 +2,7 @@ import { Button, SegmentedControl, TextInput } from '@mantine/core';
 import { IconSearch, IconUserPlus, IconUsers } from '@tabler/icons-react';
 import { useState } from 'react';
 import { Link } from 'react-router';
-import { useCaseload } from '../api/queries';
+import { useCaseload, useDemonstration } from '../api/queries';
 import type { CaseloadRow } from '../api/types';
 import { Sparkline } from '../charts/Sparkline';
 import { Answer, Empty } from '../components/Feedback';
@@ -166,6 +166,16 @@ function Rows({ rows }: { rows: CaseloadRow[] }) {
   );
 }
 
+function PastSessions() {
+  const { data } = useDemonstration();
+  if (!data) return null;
+  return (
+    <p className="banner banner-note" role="status">
+      {t('caseload.preparing', { prepared: data.prepared, total: data.total })}
+    </p>
+  );
+}
+
 export function CaseloadPage() {
   const me = useSignedIn();
   const caseload = useCaseload();
@@ -180,6 +190,7 @@ export function CaseloadPage() {
         </Button>
       }
     >
+      <PastSessions />
       <Answer of={caseload} lines={8} height={44}>
         {(rows) => <Rows rows={rows} />}
       </Answer>

@@ -62,6 +62,15 @@ describe('caseload', () => {
     expect(lines).toEqual(['DecliningLink lostOpen the session', 'DecliningLive nowWatch live', 'Link lostOpen the session']);
   });
 
+  it('tells in a demonstration how far its past sessions are, and elsewhere nothing', async () => {
+    const demonstration = renderPage(<CaseloadPage />, { answers: { '/api/caseload': [row({})], '/api/demonstration': { prepared: 4, total: 15 } } });
+    expect(await screen.findByText('Preparing past sessions: 4 of 15')).toBeTruthy();
+    demonstration.unmount();
+    renderPage(<CaseloadPage />, { answers: { '/api/caseload': [row({})] } });
+    await screen.findAllByRole('row');
+    expect(screen.queryByText(/Preparing past sessions/)).toBeNull();
+  });
+
   it('says what to do when there is nobody yet', async () => {
     renderPage(<CaseloadPage />, { answers: { '/api/caseload': [] } });
     expect(await screen.findByRole('heading', { name: 'No patients yet' })).toBeTruthy();

@@ -84,6 +84,7 @@ export const common = {
   'signIn.help': 'Forgotten your password? An administrator of your clinic can give you a new one.',
 
   'caseload.title': 'Caseload',
+  'caseload.preparing': 'Preparing past sessions: {prepared} of {total}',
   'caseload.lead': { one: '{count} patient needs attention', other: '{count} patients need attention' },
   'caseload.leadNobody': 'No patient needs attention',
   'caseload.patient': 'Patient',

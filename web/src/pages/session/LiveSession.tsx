@@ -118,7 +118,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
       </div>
       {!isOver && <LiveBanners snapshot={snapshot} isLinkLost={state === 'link_lost'} />}
       {state === 'created' && message?.reason && (
-        <div className="banner" role="status">
+        <div className="banner banner-note" role="status">
           <p>{message.reason}</p>
         </div>
       )}

@@ -1,0 +1,132 @@
+"""The service opens before everything is compiled; sessions of a kind that is not ready wait, and nobody else."""
+
+import asyncio
+import contextlib
+import os
+import subprocess
+import sys
+import threading
+
+import pytest
+
+from app.errors import Unavailable
+from app.live import warmup
+from app.live.warmup import FIRST, USUAL, Kind, Readiness, kind_of
+from estimators.pipelines import SessionSetup
+
+ARM = SessionSetup("arm", ("sternum", "upper_arm_right", "forearm_right"), 100.0)
+GAIT = SessionSetup("gait", ("foot_left", "foot_right"), 100.0)
+OTHER = SessionSetup("arm", ("sternum", "upper_arm_right"), 100.0, orientation="vqf")
+
+
+class Held:
+    """Prepares a kind when it is let go."""
+
+    def __init__(self) -> None:
+        self.begun: list[Kind] = []
+        self.may_end: dict[Kind, threading.Event] = {}
+
+    def __call__(self, kind: Kind) -> None:
+        self.begun.append(kind)
+        self.gate(kind).wait(20.0)
+
+    def gate(self, kind: Kind) -> threading.Event:
+        return self.may_end.setdefault(kind, threading.Event())
+
+
+async def ready_for(ready: Readiness, setup: SessionSetup) -> None:
+    while not ready.is_ready(setup):
+        with contextlib.suppress(Unavailable):
+            await ready.require(setup)
+
+
+def test_a_session_waits_for_its_own_kind_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(warmup, "PATIENCE_S", 0.05)
+    held = Held()
+
+    async def story() -> None:
+        ready = Readiness(held)
+        await ready.begin()
+        with pytest.raises(Unavailable, match="prepared") as refused:
+            await ready.require(ARM)
+        assert refused.value.details["reason"] == "preparing"
+        assert not ready.is_ready(ARM)
+        # Another estimator is begun at once, not after the usual kinds.
+        held.gate(kind_of(OTHER)).set()
+        await ready.require(OTHER)
+        held.gate(FIRST).set()
+        await ready_for(ready, ARM)
+        with pytest.raises(Unavailable):
+            await ready.require(GAIT)
+        for kind in USUAL:
+            held.gate(kind).set()
+        await ready_for(ready, GAIT)
+        ready.end()
+
+    asyncio.run(story())
+    assert held.begun[0] == FIRST
+    assert len(held.begun) == len(set(held.begun))
+
+
+def test_what_cannot_be_prepared_speaks_for_itself_later(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(kind: Kind) -> None:
+        raise RuntimeError("broken")
+
+    async def story() -> None:
+        ready = Readiness(fails)
+        await ready.begin()
+        await ready.require(ARM)
+        ready.end()
+
+    asyncio.run(story())
+
+
+COUNT = """
+import numba.core.event as event
+from app.live.warmup import FIRST, warm_up
+
+class Counter(event.Listener):
+    names = []
+    def on_start(self, one):
+        self.names.append(one.data["dispatcher"].py_func.__name__)
+    def on_end(self, one):
+        pass
+
+event.register("numba:compile", Counter())
+warm_up(FIRST)
+before = len(Counter.names)
+
+from dataclasses import replace
+from estimators import pipelines, signals
+from estimators.simulation import demonstration_scenario, simulate_arm
+
+made = simulate_arm(demonstration_scenario("mild_stroke", "reaching", repetitions=1))
+setup = replace(made.setup, calibration=None)
+pipeline = pipelines.create(setup)
+worn = replace(made.recording, sensors={name: made.recording.sensors[name] for name in setup.placements})
+chunk = signals.to_common_ticks(worn, setup.rate_hz)
+for start in range(0, 600, 5):
+    pipeline.step(chunk.ticks(start, start + 5))
+pipeline.calibrate(chunk.ticks(300, 600))
+for start in range(600, chunk.tick_count, 5):
+    pipeline.step(chunk.ticks(start, min(start + 5, chunk.tick_count)))
+print(before, Counter.names[before:])
+"""
+
+MOST_KERNELS = 100
+"""85 when this was written, 31 s of one core; the service had compiled 357 in four minutes."""
+
+
+@pytest.mark.slow
+def test_a_live_arm_compiles_little_and_nothing_once_it_streams(tmp_path) -> None:
+    """From an empty cache, as after an installation."""
+    done = subprocess.run(
+        [sys.executable, "-c", COUNT],
+        env={**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    count, rest = done.stdout.strip().split(" ", 1)
+    assert rest == "[]"
+    assert int(count) <= MOST_KERNELS
