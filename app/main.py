@@ -26,9 +26,9 @@ from app.database import engine as database_engine
 from app.database.migrate import require_newest
 from app.database.unit_of_work import read_only, unit_of_work
 from app.database.writer_lock import WriterLock, writer_lock
-from app.demo.endpoints import router as demonstration_router
 from app.edge import error_answers
 from app.edge.client import client_router
+from app.edge.demonstration import router as demonstration_router
 from app.edge.documentation import router as documentation_router
 from app.edge.middleware import AccessLog, BodyLimit, SecurityHeaders, UnexpectedErrors
 from app.exercises.endpoints import router as exercises_router

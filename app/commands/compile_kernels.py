@@ -25,7 +25,8 @@ def compile_kernels(processes: int) -> None:
 
 
 def import_all() -> int:
-    """Import every module of the library; returns how many kernels that makes."""
+    """Import every module of the library, and the service with its own; returns how many kernels that makes."""
+    import_module("app.main")
     for module in pkgutil.walk_packages(estimators.__path__, "estimators."):
         import_module(module.name)
     return len(Kernel.made)

@@ -16,7 +16,7 @@ from app.database import engine as engines
 from app.database import migrate
 from app.database.writer_lock import LOCK_SUFFIX
 from app.demo.people import PASSWORD, PATIENTS, THERAPIST, is_seeded, seed_people
-from app.demo.progress import HistoryProgress, new_progress
+from app.edge.demonstration import HistoryProgress, new_progress
 from app.errors import InvalidInput
 from app.settings import Settings
 

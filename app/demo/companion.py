@@ -21,7 +21,7 @@ from app.database import engine as engines
 from app.demo.history import make_history
 from app.demo.on_demand import OnDemand
 from app.demo.people import PASSWORD, PATIENTS, THERAPIST
-from app.demo.progress import HistoryProgress
+from app.edge.demonstration import HistoryProgress
 from app.gateway import DeviceStream, ServiceClient
 from estimators.simulation import ArmScenario
 

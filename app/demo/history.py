@@ -17,9 +17,9 @@ from app.database.unit_of_work import unit_of_work
 from app.demo.dating import date_back
 from app.demo.markers import send_markers, until_fused
 from app.demo.people import EXERCISES, PATIENTS, DemoPatient
-from app.demo.progress import HistoryProgress
 from app.demo.sources import make_source_session
 from app.demo.walks import PAST_WALKS, PastWalk, make_walk
+from app.edge.demonstration import HistoryProgress
 from app.errors import TelemotionError
 from app.exercises.models import Prescription, Template, TemplateVersion
 from app.gateway import ServiceClient

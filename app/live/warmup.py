@@ -18,6 +18,7 @@ from typing import Final
 import numpy as np
 
 from app.errors import Unavailable
+from app.recordings import frame_codec
 from estimators import pipelines
 from estimators.compiling import NotCompiled, only_cached
 from estimators.conventions import PLACEMENTS, SHOE_PLACEMENTS, Placement
@@ -87,8 +88,12 @@ def _calibrate(pipeline: Pipeline, sensors: int) -> None:
         ),
     )
     pipeline.calibrate(pose, "n_pose")
-    for chunk in _still(sensors, 20):
-        pipeline.step(replace(chunk, first_tick=chunk.first_tick + 400))
+    frames = [
+        pipeline.step(replace(chunk, first_tick=chunk.first_tick + 400)) for chunk in _still(sensors, 20)
+    ]
+    # As it is stored and replayed.
+    data, scale = frame_codec.pack(frames)
+    frame_codec.unpack(frame_codec.FRAMES_CODEC, data, scale, 20, pipeline.layout)
 
 
 def _stand(pipeline: Pipeline, sensors: int) -> None:

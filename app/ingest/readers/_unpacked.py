@@ -4,11 +4,12 @@ import struct
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import BinaryIO, Final
-
-import h5py
+from typing import TYPE_CHECKING, BinaryIO, Final
 
 from app.errors import RecordingFormatError
+
+if TYPE_CHECKING:
+    import h5py
 
 MOST_BYTES: Final = 1 << 30
 """Of one file unpacked: four hours of 17 nine-axis sensors at 100 Hz are 1.0 GiB of float32."""
@@ -69,7 +70,7 @@ def _unpacked(file: BinaryIO) -> Iterator[int]:
         file.seek(max(length, 0), 1)
 
 
-def check_hdf5(file: h5py.File, names: list[str], most_bytes: int = MOST_BYTES) -> None:
+def check_hdf5(file: "h5py.File", names: list[str], most_bytes: int = MOST_BYTES) -> None:
     """Refuse an HDF5 file whose data sets are too large to unpack, or are not in the file at all.
 
     Parameters
@@ -84,6 +85,8 @@ def check_hdf5(file: h5py.File, names: list[str], most_bytes: int = MOST_BYTES) 
     RecordingFormatError
         With both sizes; or for a link to another file: an upload must not read what else lies on this machine.
     """
+    import h5py
+
     total = 0
     for name in names:
         if name not in file:

@@ -8,7 +8,7 @@ import pytest
 
 from app.demo import companion, history
 from app.demo.history import History
-from app.demo.progress import STEPS, HistoryProgress, new_progress
+from app.edge.demonstration import STEPS, HistoryProgress, new_progress
 from app.errors import SignInRequired, Unavailable
 
 

@@ -1,10 +1,16 @@
-"""How far the history of the demonstration is: written by who makes it, read by the page and by the next start."""
+"""How far the past sessions of a demonstration are: written by who makes them, read by the page and the next start."""
 
 import json
 import os
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
+
+from fastapi import APIRouter, Request
+
+from app.accounts.dependencies import CurrentSubject
+from app.schemas import Schema
+from app.services import services_of
 
 NAME: Final = "history.json"
 STEPS: Final = 15
@@ -67,4 +73,24 @@ def new_progress(folder: Path) -> HistoryProgress:
     return HistoryProgress(folder / NAME, STEPS)
 
 
-__all__ = ["NAME", "STEPS", "HistoryProgress", "new_progress"]
+router = APIRouter(prefix="/api", tags=["service"])
+
+
+class HistoryOut(Schema):
+    """Past sessions of the demonstration that are there, of those that will be."""
+
+    prepared: int
+    total: int
+
+
+@router.get("/demonstration")
+def demonstration(request: Request, subject: CurrentSubject) -> HistoryOut | None:
+    """Return how far the past sessions of a demonstration are; null elsewhere and when all are there."""
+    settings = services_of(request).settings
+    history = HistoryProgress.of(settings.data_dir) if settings.demo else None
+    if history is None or history.is_complete:
+        return None
+    return HistoryOut(prepared=len(history.done), total=history.total)
+
+
+__all__ = ["NAME", "STEPS", "HistoryProgress", "new_progress", "router"]
