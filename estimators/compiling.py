@@ -76,7 +76,8 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
                 return
             signature, self._declared = self._declared, None
             try:
-                self.compile(signature)
+                for one in signature if isinstance(signature, list) else [signature]:
+                    self.compile(one)
             except BaseException:
                 self._declared = signature
                 raise
@@ -129,7 +130,7 @@ def compiled(signature: Any = None, **options: Any) -> Callable[[F], F]:
 
     Parameters
     ----------
-    signature : str or numba signature, optional
+    signature : str, numba signature or list of them, optional
         Without, the types are those that the kernels which call it hand over.
     **options
         Of `numba.njit`.

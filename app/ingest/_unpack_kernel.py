@@ -1,17 +1,13 @@
 """The loop over one packet's values: scales, clip levels, sensors that gave nothing."""
 
-from collections.abc import Callable
-from typing import Any, Final, cast
+from typing import Any, Final
 
-import numba
 import numpy as np
 from numba.core import types
 from numpy.typing import NDArray
 
-from estimators import _kernel_cache
+from estimators.compiling import compiled
 from estimators.recording import Float, SampleQuality
-
-_kernel_cache.use()
 
 _MISSING: Final = int(SampleQuality.MISSING)
 _SATURATED: Final = int(SampleQuality.SATURATED)
@@ -116,11 +112,6 @@ def _signature(number: Any) -> Any:
     )
 
 
-unpack = cast(
-    Callable[..., None],
-    numba.njit(
-        [_signature(types.int16), _signature(types.float32)], cache=True, nogil=True, error_model="numpy"
-    )(unpack_python),
-)
+unpack = compiled([_signature(types.int16), _signature(types.float32)])(unpack_python)
 
 __all__ = ["unpack", "unpack_python"]

@@ -13,14 +13,15 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import Final
+from typing import Final, cast
 
 import numpy as np
 
 from app.errors import Unavailable
+from app.ingest._unpack_kernel import unpack
 from app.recordings import frame_codec
 from estimators import pipelines
-from estimators.compiling import NotCompiled, only_cached
+from estimators.compiling import Kernel, NotCompiled, only_cached
 from estimators.conventions import PLACEMENTS, SHOE_PLACEMENTS, Placement
 from estimators.magnetic import coil_state
 from estimators.orientation import DEFAULT
@@ -61,6 +62,7 @@ def warm_up(kind: Kind) -> None:
     A body is calibrated on the way; shoes stand; a magnetic source goes from its standstill through its first burst.
     """
     pipeline, orientation = kind
+    cast(Kernel, unpack).prepare()
     if pipeline == RelativePosePipeline.name:
         _fire_once()
     elif pipeline == GaitPipeline.name:
