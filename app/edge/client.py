@@ -2,6 +2,7 @@
 open.
 """
 
+from mimetypes import guess_type
 from pathlib import Path
 
 from fastapi import APIRouter
@@ -62,9 +63,25 @@ def client_router(settings: Settings) -> APIRouter:
             # Built files carry a hash of their content in their name; others (icons, the worker) may change.
             hashed = path.startswith("assets/")
             caching = "public, max-age=31536000, immutable" if hashed else "no-cache"
-            return FileResponse(target, headers={"Cache-Control": caching})
+            return _file(target, caching, request)
         if "." in path.rsplit("/", 1)[-1]:
             raise NotFound(say("edge.no_such_file"))
-        return FileResponse(folder / "index.html", headers={"Cache-Control": "no-cache"})
+        return _file(folder / "index.html", "no-cache", request)
 
     return router
+
+
+def _file(target: Path, caching: str, request: Request) -> Response:
+    """Return a file, packed at build time where the browser takes it so: nothing is packed while one waits."""
+    headers = {"Cache-Control": caching, "Vary": "Accept-Encoding"}
+    accepted = {
+        part.split(";", 1)[0].strip() for part in request.headers.get("accept-encoding", "").split(",")
+    }
+    for encoding, ending in (("br", ".br"), ("gzip", ".gz")):
+        packed = target.with_name(target.name + ending)
+        if encoding in accepted and packed.is_file():
+            media_type = guess_type(target.name)[0] or "application/octet-stream"
+            return FileResponse(
+                packed, media_type=media_type, headers=headers | {"Content-Encoding": encoding}
+            )
+    return FileResponse(target, headers=headers)

@@ -1,5 +1,6 @@
 """The HTTP edge: headers, limits, errors, origin and CSRF, the client's files, the description, logs."""
 
+import gzip
 import logging
 import shutil
 
@@ -33,6 +34,31 @@ def open_client(settings, cheap_passwords, **changes):
     return ServiceClient(
         create_app(settings, passwords=cheap_passwords), base_url=base_url, raise_server_exceptions=False
     )
+
+
+def test_files_are_sent_packed_to_whoever_takes_them(settings, cheap_passwords, client_files):
+    script = client_files / "assets" / "app-1a2b.js"
+    script.with_name("app-1a2b.js.br").write_bytes(b"packed by brotli")
+    script.with_name("app-1a2b.js.gz").write_bytes(gzip.compress(script.read_bytes()))
+    with open_client(settings, cheap_passwords, client_dir=client_files) as client:
+
+        def fetch(accepted, path="/assets/app-1a2b.js"):
+            return client.get(path, headers={"Accept-Encoding": accepted})
+
+        packed = fetch("gzip, deflate")
+        plain = fetch("identity")
+        page = fetch("gzip", "/")
+        best = client.stream("GET", "/assets/app-1a2b.js", headers={"Accept-Encoding": "gzip, br"})
+        with best as answer:
+            assert answer.headers["content-encoding"] == "br"
+    assert (packed.headers["content-encoding"], packed.text) == ("gzip", "void 0")
+    assert packed.headers["content-type"].startswith("text/javascript")
+    assert packed.headers["vary"] == "Accept-Encoding"
+    assert "immutable" in packed.headers["cache-control"]
+    assert "content-encoding" not in plain.headers
+    assert plain.text == "void 0"
+    assert plain.headers["vary"] == "Accept-Encoding", "a cache must not give the packed one to the other"
+    assert "content-encoding" not in page.headers, "no packed twin, no claim"
 
 
 def test_every_answer_carries_the_security_headers(therapist, world):

@@ -1,0 +1,33 @@
+"""Every code of the audit trail has words: patients read the trail, and `session.points` says nothing to them."""
+
+import ast
+import re
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+CODE = re.compile(r"[a-z_]+(\.[a-z_]+)+")
+
+
+def named() -> set[str]:
+    words = "".join(path.read_text("utf-8") for path in (ROOT / "web/src/i18n/en").glob("*.ts"))
+    return set(re.findall(r"'audit\.([a-z_.]+)':", words))
+
+
+def written() -> set[str]:
+    """Every text of the service that is made like a code and speaks of what codes speak of."""
+    texts = {
+        node.value
+        for path in (ROOT / "app").rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text("utf-8")))
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and CODE.fullmatch(node.value)
+    }
+    about = {code.split(".")[0] for code in named() if "." in code} | {"backup", "settings"}
+    # `patient.id` is a column.
+    return {text for text in texts if text.split(".")[0] in about and not text.endswith(".id")}
+
+
+def test_every_audit_code_has_words():
+    assert {"patient.read", "session.points", "source.retire"} <= written(), (
+        "the codes are not found any more"
+    )
+    assert sorted(written() - named()) == []
