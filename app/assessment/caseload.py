@@ -16,7 +16,7 @@ from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
 from app.assessment.measures import SessionValue, by_patient, pooled_spread, recent_change, session_values
-from app.assessment.practice import ADHERENCE_WINDOW, adherence
+from app.assessment.practice import ADHERENCE_WINDOW, adherence, recorded_something
 from app.assessment.progress import band, dose, main_measure
 from app.assessment.schemas import CaseloadRow
 from app.database.base import utc_now
@@ -219,6 +219,7 @@ def _sessions(session: Session, ids: list[str], now: datetime) -> dict[str, _Ses
         MotionSession.patient_id.in_(ids),
         MotionSession.purpose == "exercise",
         MotionSession.state.in_(("closing", "analysed")),
+        recorded_something(),
         now - 4 * ADHERENCE_WINDOW <= _WHEN,
     )
     for patient_id, started_at, created_at, exercise_id in session.execute(practised):

@@ -5,7 +5,7 @@ Prescriptions themselves are the room `exercises`; here they meet the recorded s
 
 from datetime import datetime, timedelta
 
-from sqlalchemy import func, select
+from sqlalchemy import ColumnElement, func, select
 from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
@@ -59,6 +59,12 @@ def week_start(now: datetime) -> datetime:
     return (now - timedelta(days=now.weekday())).replace(hour=0, minute=0, second=0, microsecond=0)
 
 
+def recorded_something() -> ColumnElement[bool]:
+    """Return the condition that a session holds a recording: one that was opened and left is no practice."""
+    end_s = func.coalesce(MotionSession.recording_end_s, MotionSession.duration_s)
+    return end_s > func.coalesce(MotionSession.recording_start_s, 0.0)
+
+
 def done_since(session: Session, patient_id: str, start: datetime) -> dict[str, int]:
     """Return the number of sessions done since a time, by exercise; access was checked.
 
@@ -76,6 +82,7 @@ def done_since(session: Session, patient_id: str, start: datetime) -> dict[str, 
             MotionSession.purpose == "exercise",
             MotionSession.exercise_id.is_not(None),
             MotionSession.state.in_(("closing", "analysed")),
+            recorded_something(),
             at >= start,
         )
         .group_by(MotionSession.exercise_id)

@@ -141,11 +141,11 @@ def _events(
         select(TemplateVersion.id, TemplateVersion.created_at, TemplateVersion.number, Template)
         .join(Template, Template.id == TemplateVersion.template_id)
         .where(Template.exercise_id == exercise_id, TemplateVersion.is_published)
+        .where(TemplateVersion.id.in_(used))
     )
-    for version_id, at, number, template in versions:
-        if template.patient_id == patient_id or (template.patient_id is None and version_id in used):
-            text = f"Template {template.name}, version {number}"
-            events.append(ProgressEvent(at=at, kind="template", text=text))
+    for _, at, number, template in versions:
+        text = f"Template {template.name}, version {number}"
+        events.append(ProgressEvent(at=at, kind="template", text=text))
     prescriptions = session.scalars(
         select(Prescription).where(
             Prescription.patient_id == patient_id, Prescription.exercise_id == exercise_id

@@ -68,6 +68,7 @@ class History:
                 patient_id=fields.pop("patient_id", self.world.patient_id),
                 exercise_id=fields.pop("exercise_id", self.world.exercise_id),
                 state=fields.pop("state", "analysed"),
+                duration_s=fields.pop("duration_s", 60.0),
                 setup={},
                 created_by=self.world.accounts["patient"],
                 **fields,

@@ -131,6 +131,14 @@ def test_progress_over_http_names_what_changed_meanwhile(history, therapist, wor
     assert therapist.get(path, params={"exercise_id": world.foreign_exercise_id}).status_code == 404
 
 
+def test_a_template_that_nothing_was_compared_with_marks_no_curve(history, therapist, world):
+    history.session(4, [1.0, 1.1])
+    unused = History(history.engine, world)
+    assert unused.version_id != history.version_id
+    found = therapist.get(f"/api/patients/{world.patient_id}/progress").json()
+    assert [event["kind"] for event in found["events"]] == ["template"]
+
+
 def line(client, world):
     rows = client.get("/api/caseload").json()
     (row,) = [row for row in rows if row["patient_id"] == world.patient_id]
@@ -248,6 +256,8 @@ def test_adherence_counts_each_exercise_at_most_in_full():
 def test_sessions_of_this_week_are_counted_on_prescriptions(history, patient, world):
     history.prescribe(20)
     history.session(0)
+    history.session(0, duration_s=0.0)
+    history.session(0, recording_start_s=12.0, recording_end_s=12.0)
     history.session(15)
     (row,) = patient.get(f"/api/patients/{world.patient_id}/prescriptions").json()
-    assert row["done_this_week"] == 1
+    assert row["done_this_week"] == 1, "a session that recorded nothing is none"

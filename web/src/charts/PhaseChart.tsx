@@ -3,7 +3,7 @@ import { useEffect, useMemo, useRef } from 'react';
 import type uPlot from 'uplot';
 import type { PhaseCurve } from '../api/types';
 import { t } from '../i18n';
-import { displayUnit, quantity } from '../lib/format';
+import { displayUnit, quantity, tick } from '../lib/format';
 import { axis, Plot, themeColour, type PlotOptions } from './Plot';
 import { extent } from './scales';
 
@@ -128,7 +128,7 @@ export function PhaseChart({ curve, left = new Set(), selected = null, outside =
       },
       axes: [
         axis({ size: 30, space: 60, values: (_, ticks) => ticks.map((tick) => `${tick} %`) }),
-        axis({ size: 56, space: 38, values: (_, ticks) => ticks.map((tick) => `${Number(tick.toFixed(2))}${unit.suffix === '°' ? '°' : ''}`) }),
+        axis({ size: unit.suffix.length > 2 ? 80 : 56, space: 38, values: (_, ticks) => ticks.map((at) => tick(at, unit)) }),
       ],
       series: [
         {},
@@ -159,7 +159,7 @@ export function PhaseChart({ curve, left = new Set(), selected = null, outside =
           : [],
       },
     };
-  }, [count, isClickable, scaled, unit.suffix, sign]);
+  }, [count, isClickable, scaled, unit, sign]);
 
   const data = useMemo<uPlot.AlignedData>(() => {
     const show = (values: readonly (number | null)[]) => values.map((value) => (value === null || !Number.isFinite(value) ? null : value * scaled));

@@ -3,7 +3,7 @@ import { useMemo } from 'react';
 import type uPlot from 'uplot';
 import type { ProgressEvent, ProgressMeasure } from '../api/types';
 import { t } from '../i18n';
-import { date, dateTime, difference, displayUnit, quantity, span } from '../lib/format';
+import { date, dateTime, difference, displayUnit, quantity, span, tick } from '../lib/format';
 import { axis, Plot, themeColour, type PlotOptions } from './Plot';
 
 const seconds = (at: string) => new Date(at).getTime() / 1000;
@@ -74,7 +74,7 @@ export function ProgressChart({ measure, events, height = 260 }: { measure: Prog
           },
           values: (_, ticks) => ticks.map((tick) => date(new Date(tick * 1000))),
         }),
-        axis({ size: 60, space: 44, values: (_, ticks) => ticks.map((tick) => `${Number(tick.toFixed(2))}${unit.suffix === '°' ? '°' : ''}`) }),
+        axis({ size: unit.suffix.length > 2 ? 84 : 60, space: 44, values: (_, ticks) => ticks.map((at) => tick(at, unit)) }),
       ],
       series: [
         {},
@@ -89,7 +89,7 @@ export function ProgressChart({ measure, events, height = 260 }: { measure: Prog
       bands: [{ series: [2, 1], fill: () => themeColour('--tm-accent-band') }],
       hooks: { drawClear: [(plot) => pins(plot, within)] },
     }),
-    [unit.suffix, within, firstS, lastS],
+    [unit, within, firstS, lastS],
   );
   const data = useMemo<uPlot.AlignedData>(
     () => [

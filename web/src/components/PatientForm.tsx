@@ -1,7 +1,10 @@
-import { Button, Group, NumberInput, SimpleGrid, Textarea, TextInput } from '@mantine/core';
+import { Button, Group, SimpleGrid, Textarea, TextInput } from '@mantine/core';
 import { useState, type FormEvent } from 'react';
 import type { BodyDimensions, Patient, PatientIn, Side } from '../api/types';
 import { t } from '../i18n';
+import { bodyLength } from '../lib/format';
+import { readLengthCm } from '../lib/lengths';
+import { DateField, isDateOrEmpty } from './DateField';
 import { SideChoice } from './Choice';
 import { Problem } from './Feedback';
 
@@ -32,25 +35,32 @@ export function PatientForm({ patient, isSaving, error, onSave, onCancel }: Pati
   const [birth, setBirth] = useState(patient?.birth_date ?? '');
   const [side, setSide] = useState<Side | ''>(patient?.affected_side ?? '');
   const [notes, setNotes] = useState(patient?.notes ?? '');
-  const [lengths, setLengths] = useState<Record<Length, number | ''>>(
+  const [lengths, setLengths] = useState<Record<Length, string>>(
     () =>
       Object.fromEntries(
         LENGTHS.map((name) => {
           const metres = patient?.body_dimensions?.[name];
-          return [name, metres === null || metres === undefined ? '' : Math.round(metres * 1000) / 10];
+          return [name, metres === null || metres === undefined ? '' : String(Math.round(metres * 1000) / 10)];
         }),
-      ) as Record<Length, number | ''>,
+      ) as Record<Length, string>,
   );
   const outOfRange = (name: Length) => {
-    const value = lengths[name];
+    const value = readLengthCm(lengths[name]);
     const [low, high] = RANGES_CM[name];
-    return value !== '' && (value < low || value > high) ? t('patient.lengthRange', { low, high }) : null;
+    return value === null || (value >= low && value <= high) ? null : t('patient.lengthRange', { low, high });
+  };
+  const understood = (name: Length) => {
+    const cm = readLengthCm(lengths[name]);
+    return cm === null || outOfRange(name) ? undefined : bodyLength(cm / 100);
   };
   const submit = (event: FormEvent) => {
     event.preventDefault();
-    if (LENGTHS.some(outOfRange)) return;
+    if (LENGTHS.some(outOfRange) || !isDateOrEmpty(birth)) return;
     const body: BodyDimensions = {};
-    for (const name of LENGTHS) body[name] = lengths[name] === '' ? null : Number(lengths[name]) / 100;
+    for (const name of LENGTHS) {
+      const cm = readLengthCm(lengths[name]);
+      body[name] = cm === null ? null : cm / 100;
+    }
     onSave({
       given_name: given.trim(),
       family_name: family.trim(),
@@ -67,22 +77,23 @@ export function PatientForm({ patient, isSaving, error, onSave, onCancel }: Pati
         <TextInput label={t('patient.givenName')} required withAsterisk={false} maxLength={100} value={given} onChange={(event) => setGiven(event.currentTarget.value)} data-autofocus />
         <TextInput label={t('patient.familyName')} required withAsterisk={false} maxLength={100} value={family} onChange={(event) => setFamily(event.currentTarget.value)} />
       </SimpleGrid>
-      <TextInput label={t('patient.birthDate')} type="date" value={birth} onChange={(event) => setBirth(event.currentTarget.value)} maw={260} />
+      <DateField label={t('patient.birthDate')} value={birth} onChange={setBirth} />
       <SideChoice legend={t('patient.affectedSide')} value={side} onChange={setSide} allowNone />
       <fieldset className="fieldset">
         <legend>{t('patient.dimensions')}</legend>
         <p className="muted small">{t('patient.dimensionsHelp')}</p>
         <SimpleGrid cols={{ base: 2, sm: 3 }}>
           {LENGTHS.map((name) => (
-            <NumberInput
+            <TextInput
               key={name}
               label={t(`length.${name}`)}
-              suffix=" cm"
-              hideControls
-              decimalScale={1}
+              inputMode="decimal"
+              autoComplete="off"
               value={lengths[name]}
               error={outOfRange(name)}
-              onChange={(value) => setLengths({ ...lengths, [name]: value === '' ? '' : Number(value) })}
+              description={understood(name)}
+              inputWrapperOrder={['label', 'input', 'description', 'error']}
+              onChange={(event) => setLengths({ ...lengths, [name]: event.currentTarget.value })}
             />
           ))}
         </SimpleGrid>

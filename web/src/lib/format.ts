@@ -29,6 +29,11 @@ export function displayUnit(unit: string | null | undefined): DisplayUnit {
   return UNITS[name] ?? { factor: 1, suffix: name ? ` ${name}` : '', digits: 2 };
 }
 
+/** A number at an axis, never without its unit. */
+export function tick(value: number, unit: DisplayUnit): string {
+  return `${Number(value.toFixed(2))}${unit.suffix}`.replace('-', '−');
+}
+
 /** A plain number with a fixed count of decimals and a true minus sign. */
 export function number(value: number | null | undefined, digits = 0): string {
   if (value === null || value === undefined || !Number.isFinite(value)) return '–';

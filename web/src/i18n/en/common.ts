@@ -52,6 +52,8 @@ export const common = {
   'affected.right': 'Right side affected',
   'affected.both': 'Both sides affected',
 
+  'date.example': '31 Mar 2025',
+  'date.unclear': 'Write the day as 31 Mar 2025.',
   'time.never': 'Never',
   'time.today': 'Today, {time}',
   'time.yesterday': 'Yesterday, {time}',

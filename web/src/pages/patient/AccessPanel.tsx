@@ -1,4 +1,4 @@
-import { Button, Group, Modal, Select, TextInput } from '@mantine/core';
+import { Button, Group, Modal, Select } from '@mantine/core';
 import { useDisclosure } from '@mantine/hooks';
 import { IconEye, IconPlus } from '@tabler/icons-react';
 import { useState, type FormEvent } from 'react';
@@ -6,6 +6,7 @@ import { useAccounts, useAudit, useGrant, useGrants, useRevokeGrant } from '../.
 import type { Grant, Patient } from '../../api/types';
 import { AuditList } from '../../components/AuditList';
 import { RadioCards } from '../../components/Choice';
+import { DateField, isDateOrEmpty } from '../../components/DateField';
 import { Confirm } from '../../components/Confirm';
 import { Answer, Problem } from '../../components/Feedback';
 import { t } from '../../i18n';
@@ -19,7 +20,7 @@ function GiveAccess({ patient, onDone }: { patient: Patient; onDone: () => void 
   const [until, setUntil] = useState('');
   const submit = (event: FormEvent) => {
     event.preventDefault();
-    if (!accountId) return;
+    if (!accountId || !isDateOrEmpty(until)) return;
     grant.mutate(
       { account_id: accountId, level, expires_at: until ? new Date(`${until}T23:59:59`).toISOString() : null },
       { onSuccess: onDone },
@@ -46,7 +47,7 @@ function GiveAccess({ patient, onDone }: { patient: Patient; onDone: () => void 
           { value: 'read', title: t('access.read'), text: t('access.readText') },
         ]}
       />
-      <TextInput type="date" label={t('access.until')} description={t('access.untilHelp')} value={until} onChange={(event) => setUntil(event.currentTarget.value)} maw={300} />
+      <DateField label={t('access.until')} description={t('access.untilHelp')} value={until} onChange={setUntil} />
       <Group justify="flex-end">
         <Button variant="default" onClick={onDone}>
           {t('action.cancel')}

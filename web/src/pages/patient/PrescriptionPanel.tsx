@@ -1,4 +1,4 @@
-import { Button, Group, Modal, NumberInput, Select, SimpleGrid, TextInput } from '@mantine/core';
+import { Button, Group, Modal, NumberInput, Select, SimpleGrid } from '@mantine/core';
 import { useDisclosure } from '@mantine/hooks';
 import { IconPlus, IconRouteOff } from '@tabler/icons-react';
 import { useState, type FormEvent } from 'react';
@@ -6,7 +6,8 @@ import { Link } from 'react-router';
 import { useEndPrescription, useExercises, usePrescribe, usePrescriptions, useTemplates } from '../../api/queries';
 import type { Patient, Prescription } from '../../api/types';
 import { Confirm } from '../../components/Confirm';
-import { Answer, Problem } from '../../components/Feedback';
+import { DateField, isDateOrEmpty } from '../../components/DateField';
+import { Answer, Notice, Problem } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { isWalk, movementOf } from '../../lib/exercises';
 import { date } from '../../lib/format';
@@ -22,6 +23,7 @@ const NO_TEMPLATE = 'none';
 
 function PrescribeForm({ patient, onDone }: { patient: Patient; onDone: () => void }) {
   const exercises = useExercises();
+  const present = usePrescriptions(patient.id);
   const [exerciseId, setExerciseId] = useState<string | null>(null);
   const [templateId, setTemplateId] = useState<string | null>(null);
   const [repetitions, setRepetitions] = useState(10);
@@ -34,7 +36,7 @@ function PrescribeForm({ patient, onDone }: { patient: Patient; onDone: () => vo
   const chosen = templateId ?? choices[0]?.id ?? NO_TEMPLATE;
   const submit = (event: FormEvent) => {
     event.preventDefault();
-    if (!exerciseId) return;
+    if (!exerciseId || !isDateOrEmpty(endsAt)) return;
     prescribe.mutate(
       {
         exercise_id: exerciseId,
@@ -65,6 +67,7 @@ function PrescribeForm({ patient, onDone }: { patient: Patient; onDone: () => vo
         }}
         data-autofocus
       />
+      {present.data?.some((one) => one.exercise_id === exerciseId) && <Notice>{t('prescription.twice')}</Notice>}
       {exerciseId && templates.data && !isWalk(movementOf(exercises.data, exerciseId)) && (
         <Select
           label={t('prescription.template')}
@@ -79,7 +82,7 @@ function PrescribeForm({ patient, onDone }: { patient: Patient; onDone: () => vo
         <NumberInput label={t('prescription.setsLabel')} min={1} max={20} value={sets} onChange={(value) => setSets(Number(value) || 1)} />
         <NumberInput label={t('prescription.perWeekLabel')} min={1} max={28} value={perWeek} onChange={(value) => setPerWeek(Number(value) || 1)} />
       </SimpleGrid>
-      <TextInput type="date" label={t('prescription.until')} description={t('prescription.untilHelp')} value={endsAt} onChange={(event) => setEndsAt(event.currentTarget.value)} maw={300} />
+      <DateField label={t('prescription.until')} description={t('prescription.untilHelp')} value={endsAt} onChange={setEndsAt} />
       <Group justify="flex-end">
         <Button variant="default" onClick={onDone}>
           {t('action.cancel')}
@@ -112,7 +115,7 @@ function Line({ prescription, patient }: { prescription: Prescription; patient: 
             <span key={index} className={index < done ? 'dot dot-full' : 'dot'} />
           ))}
         </span>
-        {t('prescription.doneThisWeek', { done: prescription.done_this_week, of: prescription.times_per_week })}
+        {t('prescription.doneThisWeek', { done, of: prescription.times_per_week })}
       </div>
       {prescription.template_name ? (
         <div className="small">
