@@ -95,7 +95,7 @@ describe('signing in', () => {
     const { router, asked } = renderPage(<SignInPage />, { path: '/sign-in', at: '/sign-in?next=%2Fpatients%2Fp', answers: { '/api/me': nobody, 'POST /api/sign-in': THERAPIST } });
     await fill();
     await waitFor(() => expect(router.state.location.pathname).toBe('/patients/p'));
-    expect(asked.at(-1)?.body).toEqual({ email: 'i@example.org', password: 'secret words' });
+    expect(asked.at(-1)?.body).toEqual({ email: 'i@example.org', password: 'secret words', code: null });
   });
 
   it('never follows an address of another site', async () => {

@@ -52,6 +52,8 @@ export const patient = {
   'audit.account.sign_in_refused': 'tried to sign in and was refused',
   'audit.account.password_change': 'changed the password',
   'audit.account.password_reset': 'set a new password for an account',
+  'audit.account.second_factor_on': 'switched the second sign-in step on',
+  'audit.account.second_factor_off': 'switched the second sign-in step off',
   'audit.account.rename': 'changed the name of an account',
   'audit.account.switch_off': 'switched an account off',
   'audit.account.switch_on': 'switched an account on',
