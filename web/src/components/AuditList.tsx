@@ -2,14 +2,17 @@ import type { AuditEntry } from '../api/types';
 import { t, tOr } from '../i18n';
 import { groupAudit, type AuditDeed } from '../lib/audit';
 import { clockTime, date } from '../lib/format';
+import { useSignedIn } from './useSignedIn';
 
-function deedText({ action, count }: AuditDeed): string {
-  const words = tOr(`audit.${action}`, action.replaceAll('.', ' ').replaceAll('_', ' '));
+function deedText({ action, count }: AuditDeed, isOwn: boolean): string {
+  const staff = tOr(`audit.${action}`, action.replaceAll('.', ' ').replaceAll('_', ' '));
+  const words = isOwn ? tOr(`mine.audit.${action}`, staff) : staff;
   return count > 1 ? `${words} ${t('audit.times', { count })}` : words;
 }
 
 /** Who did what with a patient's data: a line a person and day, with when, and every deed counted. */
 export function AuditList({ entries }: { entries: readonly AuditEntry[] }) {
+  const isOwn = useSignedIn().role === 'patient';
   if (entries.length === 0) return <p className="muted">{t('audit.none')}</p>;
   return (
     <ul className="plain-list lines">
@@ -25,7 +28,7 @@ export function AuditList({ entries }: { entries: readonly AuditEntry[] }) {
           </div>
           <ul className="audit-deeds">
             {deeds.map((deed) => (
-              <li key={deed.action}>{deedText(deed)}</li>
+              <li key={deed.action}>{deedText(deed, isOwn)}</li>
             ))}
           </ul>
         </li>

@@ -114,6 +114,11 @@ export function day(at: string | Date | null, now = new Date()): string {
   return date(then, now);
 }
 
+/** A day by its name, e.g. `Saturday 22 November`. */
+export function weekday(at: string | Date): string {
+  return new Intl.DateTimeFormat(formatLocale(), { weekday: 'long', day: 'numeric', month: 'long' }).format(new Date(at));
+}
+
 /** Date and time, for lists where both count. */
 export function dateTime(at: string | Date): string {
   return `${date(at)}, ${clockTime(at)}`;

@@ -1,5 +1,5 @@
 // Results in plain words for the patient: a change is told only when it is larger than what repeats by chance.
-import type { ProgressMeasure } from '../api/types';
+import type { MeasureValue, ProgressMeasure } from '../api/types';
 import { t, tOr } from '../i18n';
 import { displayUnit, number } from './format';
 
@@ -7,6 +7,11 @@ import { displayUnit, number } from './format';
 export function mainMeasure(measures: readonly ProgressMeasure[]): ProgressMeasure | null {
   const withPoints = measures.filter((one) => one.points.length > 0);
   return withPoints.find((one) => one.measure.startsWith('range:')) ?? withPoints[0] ?? null;
+}
+
+/** The joint whose range a measure is, in a word everybody knows. */
+export function jointOf(measure: string): string {
+  return tOr(`mine.joint.${/^range:([a-z]+_[a-z]+)_(?:left|right)_/.exec(measure)?.[1] ?? ''}`, t('mine.joint.other'));
 }
 
 /** One sentence on how it goes. */
@@ -20,6 +25,25 @@ export function plainProgress(measure: ProgressMeasure | null): string {
   const size = Math.abs(change * unit.factor);
   if (unit.suffix !== '°') return change > 0 ? t('mine.more') : t('mine.less');
   const degrees = number(size);
-  const joint = tOr(`mine.joint.${/^range:(\w+)\./.exec(measure.measure)?.[1] ?? ''}`, t('mine.joint.other'));
+  const joint = jointOf(measure.measure);
   return change > 0 ? t('mine.further', { joint, degrees }) : t('mine.lessFar', { joint, degrees });
+}
+
+/** What one session showed, in sentences that hold whatever was exercised: how often, how far, and how far the example went. */
+export function plainFeedback(summary: readonly MeasureValue[], repetitions: number, primaryAngle: string | undefined): string[] {
+  const ranges = summary.filter((one) => one.measure.startsWith('range:') && one.value !== null);
+  const main = ranges.find((one) => one.measure === `range:${primaryAngle}`) ?? ranges[0];
+  const said = [repetitions > 0 ? t('home.did', { count: repetitions }) : t('home.didNone')];
+  const unit = displayUnit(main?.unit);
+  if (main?.value === null || main?.value === undefined || repetitions === 0 || unit.suffix !== '°') return said;
+  const degrees = number(main.value * unit.factor);
+  const joint = jointOf(main.measure);
+  said.push(main.template_value === null ? t('home.moved', { joint, degrees }) : t('home.movedExample', { joint, degrees, example: number(main.template_value * unit.factor) }));
+  return said;
+}
+
+/** How often a movement was done in a session, by the progress of its exercise; null where that is not known. */
+export function repetitionsOf(measures: readonly ProgressMeasure[], sessionId: string): number | null {
+  const points = measures.filter((one) => one.measure.startsWith('range:')).flatMap((one) => one.points);
+  return points.find((one) => one.session_id === sessionId)?.count ?? null;
 }

@@ -1,13 +1,17 @@
+import { IconChevronRight } from '@tabler/icons-react';
 import { Link } from 'react-router';
 import { usePatientSessions, usePrescriptions, useProgress } from '../../api/queries';
-import { ProgressChart } from '../../charts/ProgressChart';
+import type { Session } from '../../api/types';
 import { Answer } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { useSignedIn } from '../../components/useSignedIn';
 import { t } from '../../i18n';
-import { day, duration } from '../../lib/format';
-import { mainMeasure, plainProgress } from '../../lib/plain';
+import { weekday } from '../../lib/format';
+import { mainMeasure, plainProgress, repetitionsOf } from '../../lib/plain';
 import { NoRecord } from './Today';
+
+/** The newest sessions that are shown. */
+const SHOWN = 30;
 
 function Exercise({ patientId, exerciseId, name }: { patientId: string; exerciseId: string; name: string }) {
   const progress = useProgress(patientId, exerciseId);
@@ -15,23 +19,53 @@ function Exercise({ patientId, exerciseId, name }: { patientId: string; exercise
     <section className="card">
       <h2>{name}</h2>
       <Answer of={progress} lines={3}>
-        {(data) => {
-          const measure = mainMeasure(data.measures);
-          return (
-            <>
-              <p className="mine-say">{plainProgress(measure)}</p>
-              {measure && measure.points.length > 1 && (
-                <details className="as-table">
-                  <summary>{t('mine.showCurve')}</summary>
-                  <ProgressChart measure={measure} events={[]} height={220} />
-                </details>
-              )}
-            </>
-          );
-        }}
+        {(data) => <p className="mine-say">{plainProgress(mainMeasure(data.measures))}</p>}
       </Answer>
     </section>
   );
+}
+
+/** One session: what it was, how often, how long, and the way to look at it. */
+function Done({ session, repetitions }: { session: Session; repetitions: number | null }) {
+  const name = session.exercise_name ?? t('session.free');
+  const minutes = Math.round(session.duration_s / 60);
+  const said = [...(repetitions ? [t('home.times', { count: repetitions })] : []), minutes > 0 ? t('home.minutes', { count: minutes }) : t('home.underMinute')];
+  const words = (
+    <span>
+      <span className="strong">{name}</span>
+      <span className="muted">{said.join(', ')}</span>
+      {session.state === 'closing' && <span className="muted">{t('home.beingPrepared')}</span>}
+    </span>
+  );
+  return (
+    <li>
+      {session.state === 'analysed' ? (
+        <Link to={`/my/sessions/${session.id}`} className="home-done" aria-label={`${t('home.lookAt', { name })}, ${said.join(', ')}`}>
+          {words}
+          <IconChevronRight size={26} aria-hidden />
+        </Link>
+      ) : (
+        <div className="home-done">{words}</div>
+      )}
+    </li>
+  );
+}
+
+/** The same with the repetitions that its exercise's progress counts; asked once for all sessions of an exercise. */
+function DoneExercise({ session, exerciseId }: { session: Session; exerciseId: string }) {
+  const progress = useProgress(session.patient_id, exerciseId);
+  return <Done session={session} repetitions={repetitionsOf(progress.data?.measures ?? [], session.id)} />;
+}
+
+/** Sessions by the day on which they began, newest first. */
+export function byDay(sessions: readonly Session[]): [day: string, sessions: Session[]][] {
+  const begun = (one: Session) => one.started_at ?? one.created_at;
+  const days = new Map<string, Session[]>();
+  for (const one of [...sessions].sort((a, b) => Date.parse(begun(b)) - Date.parse(begun(a)))) {
+    const day = weekday(begun(one));
+    days.set(day, [...(days.get(day) ?? []), one]);
+  }
+  return [...days.entries()];
 }
 
 function Results({ patientId }: { patientId: string }) {
@@ -53,23 +87,16 @@ function Results({ patientId }: { patientId: string }) {
           <h2>{t('mine.sessions')}</h2>
           <Answer of={sessions} lines={4}>
             {(list) => {
-              const done = list.filter((one) => one.state === 'analysed');
-              return done.length === 0 ? (
-                <p className="muted">{t('mine.noSessions')}</p>
-              ) : (
-                <ul className="plain-list lines">
-                  {done.slice(0, 20).map((one) => (
-                    <li key={one.id}>
-                      <Link to={`/sessions/${one.id}`} className="mine-link">
-                        {one.exercise_name ?? t('session.free')}
-                      </Link>
-                      <div className="muted">
-                        {day(one.started_at ?? one.created_at)} · {duration(one.duration_s)}
-                      </div>
-                    </li>
-                  ))}
-                </ul>
-              );
+              const done = list.filter((one) => one.state === 'analysed' || one.state === 'closing');
+              if (done.length === 0) return <p className="muted">{t('mine.noSessions')}</p>;
+              return byDay(done.slice(0, SHOWN)).map(([day, ofDay]) => (
+                <section key={day} className="home-day">
+                  <h3>{day}</h3>
+                  <ul className="plain-list lines">
+                    {ofDay.map((one) => (one.exercise_id ? <DoneExercise key={one.id} session={one} exerciseId={one.exercise_id} /> : <Done key={one.id} session={one} repetitions={null} />))}
+                  </ul>
+                </section>
+              ));
             }}
           </Answer>
         </section>

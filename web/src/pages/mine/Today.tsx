@@ -4,13 +4,14 @@ import { IconCircleCheckFilled, IconMoodHappy, IconPlayerPlayFilled } from '@tab
 import { Link, useNavigate } from 'react-router';
 import { useNewSession, usePatient, usePatientSessions, usePrescriptions, useProgress } from '../../api/queries';
 import type { Me, Prescription } from '../../api/types';
-import { Answer, Empty, Problem } from '../../components/Feedback';
+import { Answer, Empty } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { useSignedIn } from '../../components/useSignedIn';
 import { t } from '../../i18n';
 import { suggestedPlacements } from '../../lib/placements';
 import { mainMeasure, plainProgress } from '../../lib/plain';
 import { isLive } from '../../lib/sessions';
+import { PlainProblem } from './PlainProblem';
 
 function doseWords({ sets, repetitions }: Prescription): string {
   return sets > 1 ? t('mine.setsOf', { sets, repetitions }) : t('mine.times', { count: repetitions });
@@ -29,7 +30,7 @@ function ExerciseCard({ prescription, patientId }: { prescription: Prescription;
         prescription_id: prescription.id,
         placements: suggestedPlacements(patient.data?.affected_side),
       },
-      { onSuccess: (session) => void navigate(`/sessions/${session.id}/live`) },
+      { onSuccess: (session) => void navigate(`/my/sessions/${session.id}/live`) },
     );
   return (
     <li className="card mine-card">
@@ -49,7 +50,7 @@ function ExerciseCard({ prescription, patientId }: { prescription: Prescription;
       >
         {isDone ? t('mine.again') : t('mine.start')}
       </Button>
-      {create.error && <Problem error={create.error} />}
+      {create.error && <PlainProblem error={create.error} />}
     </li>
   );
 }
@@ -70,7 +71,7 @@ function Today({ me, patientId }: { me: Me; patientId: string }) {
               <h2>{t('mine.running')}</h2>
               <p>{running.exercise_name ?? t('session.free')}</p>
             </div>
-            <Button size="xl" component={Link} to={`/sessions/${running.id}/live`}>
+            <Button size="xl" component={Link} to={`/my/sessions/${running.id}/live`}>
               {t('mine.goOn')}
             </Button>
           </section>

@@ -1,0 +1,180 @@
+// The patient's own live page: one large sentence, one large button, and the picture.
+import { Button, Progress } from '@mantine/core';
+import { IconAntennaBarsOff, IconCheck, IconHandStop, IconPlayerPlayFilled, IconPlayerStopFilled, IconRun } from '@tabler/icons-react';
+import { useMutation, useQueryClient } from '@tanstack/react-query';
+import { Link, useParams } from 'react-router';
+import { api } from '../../api/client';
+import { keys, useSession } from '../../api/queries';
+import type { HealthMessage, SessionDetail } from '../../api/types';
+import { Confirm } from '../../components/Confirm';
+import { Waiting } from '../../components/Feedback';
+import { Page } from '../../components/Page';
+import { Viewer3D } from '../../components/Viewer3D';
+import { t } from '../../i18n';
+import { placementLabel } from '../../lib/channels';
+import { useLivePlayer, useSnapshot } from '../../player/hooks';
+import type { LivePlayer } from '../../player/live';
+import { StepPicture } from '../../pictures/StepPicture';
+import { useCalibrating } from '../calibration/CalibrationPanel';
+import { isRecording, momentOf, type Moment } from './moment';
+import { PlainProblem } from './PlainProblem';
+
+const LIVE = { mode: 'live' } as const;
+const EMPTY_PERCENT = 15;
+/** How often to ask whether the result is ready. */
+const ASK_MS = 2000;
+
+const ICONS: Partial<Record<Moment, typeof IconRun>> = { lost: IconAntennaBarsOff, silent: IconAntennaBarsOff, holding: IconHandStop, still: IconHandStop, again: IconHandStop, going: IconRun, preparing: IconCheck, done: IconCheck };
+const BAD: readonly Moment[] = ['lost', 'silent', 'refused', 'failed'];
+const MOVING: readonly Moment[] = ['still', 'holding', 'again', 'wait', 'ready', 'going', 'silent', 'lost'];
+const OPEN: readonly Moment[] = ['putOn', 'still', 'again', 'wait', 'ready', 'silent'];
+
+/** How to begin, in the order in which it is done. */
+function PutOn({ session }: { session: SessionDetail }) {
+  return (
+    <section className="card home-steps">
+      <ol>
+        <li>
+          {t('home.wear')}
+          <ul>
+            {session.placements.map((place) => (
+              <li key={place}>{placementLabel(place)}</li>
+            ))}
+          </ul>
+        </li>
+        <li>{t('home.switchOn')}</li>
+        <li>{t('home.deviceOn')}</li>
+      </ol>
+      <details className="as-table">
+        <summary>{t('home.helpTitle')}</summary>
+        <ul>
+          <li>{t('home.helpCharged')}</li>
+          <li>{t('home.helpNear')}</li>
+          <li>{t('home.helpAsk')}</li>
+        </ul>
+      </details>
+    </section>
+  );
+}
+
+/** Sensors that need a hand; nothing while all is well. */
+function Sensors({ health }: { health: HealthMessage | null }) {
+  const places = (wanted: (one: HealthMessage['sensors'][number]) => boolean) =>
+    (health?.sensors ?? [])
+      .filter(wanted)
+      .map((one) => placementLabel(one.placement))
+      .join(', ');
+  const lost = places((one) => one.status === 'lost');
+  const empty = places((one) => one.status !== 'lost' && typeof one.battery_percent === 'number' && one.battery_percent <= EMPTY_PERCENT);
+  if (!lost && !empty) return null;
+  return (
+    <div className="banner banner-alert" role="alert">
+      <div>
+        {lost && <p>{t('home.sensorLost', { places: lost })}</p>}
+        {empty && <p>{t('home.sensorEmpty', { places: empty })}</p>}
+      </div>
+    </div>
+  );
+}
+
+function Room({ session, player }: { session: SessionDetail; player: LivePlayer }) {
+  const client = useQueryClient();
+  const snapshot = useSnapshot(player);
+  const moment = momentOf(snapshot, session);
+  useSession(session.id, moment === 'preparing' ? ASK_MS : undefined);
+  const { start, cancel, error } = useCalibrating(session.id);
+  const records = isRecording(snapshot, session);
+  const deed = useMutation({
+    mutationFn: async (what: 'record' | 'end') => {
+      if (what === 'record') return api.post<unknown>(`/api/sessions/${session.id}/record`);
+      if (records) await api.post<unknown>(`/api/sessions/${session.id}/stop`);
+      return api.post<unknown>(`/api/sessions/${session.id}/close`);
+    },
+    onSettled: () => client.invalidateQueries({ queryKey: keys.session(session.id) }),
+  });
+  // How the sensors sit may be known from last time: then holding still sets the directions only.
+  const known = (snapshot.state ? snapshot.state.calibration : session.calibration)?.needs_headings ?? false;
+  const guide = snapshot.calibration;
+  const Icon = ICONS[moment];
+  const problem = deed.error ?? error;
+  const isStill = moment === 'still' || moment === 'again';
+  return (
+    <div className="stack">
+      <section className={`card home-moment ${BAD.includes(moment) ? 'home-moment-bad' : ''} ${moment === 'going' ? 'home-moment-go' : ''}`}>
+        <div role="status">
+          <h2>
+            {Icon && <Icon size={38} aria-hidden />}
+            {t(`home.moment.${moment}`)}
+          </h2>
+          <p>{t(`home.moment.${moment}.text`)}</p>
+        </div>
+        {moment === 'holding' && guide && <Progress value={100 * (guide.phase === 'evaluating' ? 1 : guide.step_progress)} size="xl" transitionDuration={0} aria-label={t('home.holdingProgress')} />}
+        {isStill && (
+          <>
+            <div className="home-figure">
+              <StepPicture picture="n_pose" />
+            </div>
+            <Button size="xl" fullWidth loading={start.isPending} onClick={() => start.mutate({ kind: known ? 'heading_reset' : 'n_pose' })}>
+              {t('home.standing')}
+            </Button>
+            <p className="muted">{t('home.cannotStand')}</p>
+          </>
+        )}
+        {moment === 'holding' && (
+          <Button size="lg" fullWidth variant="default" loading={cancel.isPending} onClick={() => cancel.mutate()}>
+            {t('home.cancelStill')}
+          </Button>
+        )}
+        {moment === 'ready' && (
+          <Button size="xl" fullWidth loading={deed.isPending} leftSection={<IconPlayerPlayFilled size={30} aria-hidden />} onClick={() => deed.mutate('record')}>
+            {t('home.go')}
+          </Button>
+        )}
+        {records && (moment === 'going' || moment === 'silent') && (
+          <Button size="xl" fullWidth className="stop-button" loading={deed.isPending} leftSection={<IconPlayerStopFilled size={30} aria-hidden />} onClick={() => deed.mutate('end')}>
+            {t('home.finished')}
+          </Button>
+        )}
+        {moment === 'going' && snapshot.columns && <p className="muted">{t('home.arriving')}</p>}
+        {moment === 'done' && (
+          <Button size="xl" fullWidth component={Link} to={`/my/sessions/${session.id}`}>
+            {t('home.look')}
+          </Button>
+        )}
+        {(moment === 'preparing' || moment === 'done' || moment === 'failed' || moment === 'refused') && (
+          <Button size="lg" fullWidth variant="default" component={Link} to="/">
+            {t('home.back')}
+          </Button>
+        )}
+        {problem && <PlainProblem error={problem} />}
+      </section>
+      {moment === 'putOn' && <PutOn session={session} />}
+      {moment !== 'putOn' && MOVING.includes(moment) && (
+        <>
+          {moment !== 'lost' && moment !== 'silent' && <Sensors health={snapshot.health} />}
+          <Viewer3D sessionId={session.id} request={LIVE} title={t('home.picture')} near={session.pipeline === 'gait' ? 'feet' : session.pipeline === 'relative_pose' ? 'modules' : 'arm'} />
+        </>
+      )}
+      {!records && OPEN.includes(moment) && (
+        <p>
+          <Confirm label={t('home.end')} title={t('home.endTitle')} text={t('home.endText')} confirm={t('home.end')} onConfirm={() => deed.mutate('end')} />
+        </p>
+      )}
+    </div>
+  );
+}
+
+function Loaded({ session }: { session: SessionDetail }) {
+  const player = useLivePlayer(session.id);
+  return player ? <Room session={session} player={player} /> : null;
+}
+
+export function MyLivePage() {
+  const { sessionId = '' } = useParams();
+  const session = useSession(sessionId);
+  return (
+    <Page narrow compact title={session.data?.exercise_name ?? t('home.title')}>
+      {session.data ? <Loaded key={session.data.id} session={session.data} /> : session.error ? <PlainProblem error={session.error} onRetry={() => void session.refetch()} /> : <Waiting lines={6} height={50} />}
+    </Page>
+  );
+}
