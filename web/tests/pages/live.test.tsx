@@ -59,6 +59,12 @@ it('counts the silence of the sensors, with one banner whoever notices first', (
   expect(later).toContain('Silent for 5 s');
 });
 
+it('claims no time for a silence that began before the page was opened', () => {
+  const [first, later] = banner({}, 4, true);
+  expect(first).not.toMatch(/since/);
+  expect(later).toContain('This page has waited for 4 s');
+});
+
 it('notices silence before the service says so, but not while nothing is to come', () => {
   const state = (state: string) => ({ state }) as LiveSnapshot['state'];
   expect(banner({ silentSinceS: AT_S, state: state('recording') }, 0)[0]).toContain('No data');

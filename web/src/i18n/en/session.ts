@@ -119,6 +119,8 @@ export const session = {
   'live.retrying': 'This page reconnects automatically. Lost for',
   'live.viewRefused': 'This page cannot show the session',
   'live.linkLost': 'No data from the sensors since {time}',
+  'live.noData': 'No data from the sensors',
+  'live.silentHere': 'This page has waited for',
   'live.silentFor': 'Silent for',
   'live.linkLostText': 'Check that the gateway is on and connected. This page continues automatically when data arrives.',
   'live.failed': 'This session failed',

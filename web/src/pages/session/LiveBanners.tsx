@@ -43,7 +43,7 @@ export function LiveBanners({ snapshot, isLinkLost }: { snapshot: LiveSnapshot; 
   const { connection, lostSinceS, silentSinceS, state } = snapshot;
   const isLost = connection === 'lost' && lostSinceS !== null;
   const isSilent = !isLost && (isLinkLost || (silentSinceS !== null && (state?.state === 'ready' || state?.state === 'recording')));
-  // Where no frame was ever seen here, the silence counts from when this page learnt of it.
+  // Where no frame was ever seen here, nobody knows since when: only how long this page has waited.
   const [learntS, setLearntS] = useState<number | null>(null);
   useEffect(() => setLearntS(isSilent ? Date.now() / 1000 : null), [isSilent]);
   const nowS = useNowS(isLost || isSilent);
@@ -67,9 +67,9 @@ export function LiveBanners({ snapshot, isLinkLost }: { snapshot: LiveSnapshot; 
   if (isSilent) {
     const sinceS = silentSinceS ?? learntS ?? nowS;
     return (
-      <Banner title={t('live.linkLost', { time: clockTimeS(sinceS) })}>
+      <Banner title={silentSinceS === null ? t('live.noData') : t('live.linkLost', { time: clockTimeS(sinceS) })}>
         <p>
-          {t('live.silentFor')} <Lasting sinceS={sinceS} nowS={nowS} />
+          {t(silentSinceS === null ? 'live.silentHere' : 'live.silentFor')} <Lasting sinceS={sinceS} nowS={nowS} />
         </p>
         <p>{t('live.linkLostText')}</p>
       </Banner>
