@@ -202,7 +202,7 @@ def add_silence_label(server: viser.ViserServer, path: str) -> Any:
     return server.scene.add_label(
         f"{path}/silent",
         "No data from the sensors",
-        position=(0.0, 0.0, 0.9),
+        position=(0.0, 0.0, 0.55),
         visible=False,
         font_screen_scale=1.6,
         anchor="bottom-center",
