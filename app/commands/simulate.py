@@ -24,7 +24,7 @@ from estimators.simulation.faults import LinkFaults
 CALIBRATE_AT_S = 1.0
 ANALYSIS_TIMEOUT_S = 300.0
 RETRY_S = 5.0
-CALIBRATION_SLACK_S = 3.0
+READY_WITHIN_S = 3.0
 LOSSY_POSE_S = 18.0
 """Over a bad link a gap starts the pose anew, so the simulated patient holds it longer."""
 CATCH_UP_SLACK_S = 0.3
@@ -141,6 +141,8 @@ async def stream(
         duplicate_fraction=options.duplicates_percent / 100.0,
         reorder_fraction=options.reordered_percent / 100.0,
         break_count=options.breaks,
+        # A calibration pose that a break cuts short is held again: not what is to be shown.
+        breaks_from_s=scenario.schedule.n_pose_s + READY_WITHIN_S,
     )
     plan = device.plan(faults, options.seed)
 
@@ -148,12 +150,16 @@ async def stream(
         say("holding the N-pose")
         await service.steer(created.id, "calibrate")
 
-    async def record() -> None:
-        # Nothing is sent while this waits, so it waits only for what was sent already.
+    async def record() -> bool:
+        # Nothing new is sent while this waits, so it waits only for what was sent already.
         await _reached(service, created.id, scenario.schedule.n_pose_s - CATCH_UP_SLACK_S)
-        await service.wait_for_state(created.id, "ready", timeout_s=CALIBRATION_SLACK_S)
+        found = await service.wait_for_state(created.id, "ready", "link_lost", timeout_s=READY_WITHIN_S)
+        if found.state == "link_lost":
+            # The service has waited too long for packets: more of them bring the link back.
+            return False
         await service.steer(created.id, "record")
         say("moving")
+        return True
 
     async def stop() -> None:
         # Faster than real time the server is behind what was sent; stopping counts from where it stands.

@@ -72,10 +72,13 @@ class Delivery:
 
 @dataclass(frozen=True)
 class Milestone:
-    """Something to do before the first packet of `at_s` or later is sent; sending waits for it."""
+    """Something to do before the first packet of `at_s` or later is sent; sending waits for it.
+
+    When `act` returns False, one more packet is sent and it is asked again.
+    """
 
     at_s: float
-    act: Callable[[], Awaitable[None]]
+    act: Callable[[], Awaitable[bool | None]]
 
 
 @dataclass
@@ -183,8 +186,11 @@ class GatewayClient:
                 began_s = delivery.send_s if began_s is None else began_s
                 while waiting and delivery.send_s >= waiting[0].at_s:
                     before = time.monotonic()
-                    await waiting.pop(0).act()
+                    is_done = await self._act(waiting[0])
                     started += time.monotonic() - before
+                    if not is_done:
+                        break
+                    waiting.pop(0)
                 while cuts and delivery.send_s >= cuts[0][0]:
                     start, end = cuts.pop(0)
                     await self._cut(end - start)
@@ -196,12 +202,27 @@ class GatewayClient:
                 last = max(last, delivery.sequence)
                 await self._send(delivery.sequence, delivery.data)
             for milestone in waiting:
-                await milestone.act()
+                await self._act(milestone)
             await self._settled(last, goodbye)
         finally:
             await self._disconnect()
         self.report.unacknowledged = len(self._kept)
         return self.report
+
+    async def _act(self, milestone: Milestone) -> bool:
+        """Do what a milestone asks, holding the link meanwhile; false where it is to be asked again."""
+        acting = asyncio.ensure_future(milestone.act())
+        try:
+            while not acting.done():
+                self._changed.clear()
+                if self._connection is None:
+                    await self._connected()
+                changed = asyncio.ensure_future(self._changed.wait())
+                await asyncio.wait({acting, changed}, return_when=asyncio.FIRST_COMPLETED)
+                changed.cancel()
+        finally:
+            acting.cancel()
+        return await acting is not False
 
     def _keep(self, delivery: Delivery) -> None:
         self._kept.setdefault(delivery.sequence, delivery.data)

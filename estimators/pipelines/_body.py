@@ -102,10 +102,12 @@ class BodyNetwork:
         first, ticks, sensors = chunk.first_tick, chunk.tick_count, self.sensor_count
         if self._has_accelerometer_bias:
             force = chunk.accelerometer_mps2 - self._accelerometer_bias[:, None]
-            # Not `replace`, which costs as much as the subtraction; the filter asks for nothing else.
-            chunk = ImuChunk(
-                first, chunk.time_step_s, chunk.gyroscope_radps, force, chunk.magnetometer_t, chunk.quality
-            )
+            if type(chunk) is ImuChunk:
+                # Not `replace`, which costs as much as the subtraction; a live chunk holds nothing else.
+                gyroscope, field = chunk.gyroscope_radps, chunk.magnetometer_t
+                chunk = ImuChunk(first, chunk.time_step_s, gyroscope, force, field, chunk.quality)
+            else:
+                chunk = replace(chunk, accelerometer_mps2=force)
         result = self._filter.update(chunk)
         q_room_segment, omega = np.empty((ticks, sensors, 4)), np.empty((ticks, sensors, 3))
         sigma, flags = np.empty((ticks, sensors, 3)), np.empty((ticks, sensors), dtype=np.uint8)

@@ -28,8 +28,8 @@ class LinkFaults:
         Share of packets held back so that up to `reorder_depth` later ones overtake them.
     jitter_sd_s : float
         Standard deviation of the delay (half normal).
-    break_count, break_s : int, float
-        Broken connections, evenly spread with random shifts, and how long each lasts.
+    break_count, break_s, breaks_from_s : int, float, float
+        Broken connections, evenly spread with random shifts, how long each lasts, and before when there is none.
     clock_skew_ppm, clock_offset_s : float
         The device clock against the true one.
     """
@@ -42,6 +42,7 @@ class LinkFaults:
     jitter_sd_s: float = 0.0
     break_count: int = 0
     break_s: float = 3.0
+    breaks_from_s: float = 0.0
     clock_skew_ppm: float = 0.0
     clock_offset_s: float = 0.0
 
@@ -123,15 +124,17 @@ def device_clock(time_s: Float, skew_ppm: float, offset_s: float) -> Float:
     return np.asarray(time_s * (1.0 + 1e-6 * skew_ppm) + offset_s)
 
 
-def link_breaks(duration_s: float, count: int, length_s: float, seed: int) -> Float:
-    """Return `count` half-open intervals without a connection, in order and apart, shape (count, 2)."""
+def link_breaks(duration_s: float, count: int, length_s: float, seed: int, from_s: float = 0.0) -> Float:
+    """Return `count` half-open intervals without a connection after `from_s`, in order and apart, shape (count, 2)."""
     if count == 0:
         return np.zeros((0, 2))
-    room = duration_s / count
+    room = (duration_s - from_s) / count
     if length_s >= 0.8 * room:
-        raise SetupError(f"{count} breaks of {length_s} s do not fit into {duration_s} s")
+        raise SetupError(f"{count} breaks of {length_s} s do not fit into {duration_s - from_s} s")
     slack = room - length_s
-    start = room * np.arange(count) + slack * np.random.default_rng([seed, 14]).uniform(0.2, 0.8, count)
+    start = (
+        from_s + room * np.arange(count) + slack * np.random.default_rng([seed, 14]).uniform(0.2, 0.8, count)
+    )
     return np.stack((start, start + length_s), axis=1)
 
 
@@ -155,7 +158,9 @@ def plan_delivery(packet_count: int, packet_s: float, faults: LinkFaults, seed: 
     packets = duplicated(np.flatnonzero(~lost).astype(np.int64), faults.duplicate_fraction, seed)
     packets = reordered(packets, faults.reorder_fraction, faults.reorder_depth, seed)
     send = complete_s[packets] + jitter(packets.size, faults.jitter_sd_s, seed)
-    breaks = link_breaks(packet_count * packet_s, faults.break_count, faults.break_s, seed)
+    breaks = link_breaks(
+        packet_count * packet_s, faults.break_count, faults.break_s, seed, faults.breaks_from_s
+    )
     for start, end in breaks:
         send = np.where((send >= start) & (send < end), end, send)
     return DeliveryPlan(

@@ -498,3 +498,25 @@ def test_a_sender_that_gets_nothing_right_is_turned_away(
                 assert len(errors) < 200, "errors a second are limited"
 
     asyncio.run(run())
+
+
+def test_a_link_that_breaks_while_a_milestone_waits_comes_back(signed_in, world, stream):
+    async def run() -> None:
+        async with await signed_in() as service:
+            session_id = await new_session(service, world.patient_id, stream)
+            ticket = partial(service.ticket, session_id)
+            client = GatewayClient(service.ingest_url, ticket, stream.hello, pace=None)
+
+            async def break_and_wait() -> None:
+                assert client._connection is not None
+                client._connection.transport.abort()
+                async with asyncio.timeout(20.0):
+                    while client.report.connections < 2:
+                        await asyncio.sleep(0.02)
+
+            deliveries = list(stream.deliveries(stream.plan()))[:40]
+            milestones = [Milestone(0.5, break_and_wait)]
+            report = await client.run(deliveries, milestones=milestones)
+            assert (report.unacknowledged, report.dropped) == (0, 0)
+
+    asyncio.run(run())

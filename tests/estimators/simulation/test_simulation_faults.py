@@ -96,3 +96,10 @@ def test_dipole_field_is_that_of_the_textbook():
     np.testing.assert_allclose(
         dipole_field(moment, np.array([[0.6, 0.0, 0.0]]))[0], across / 8, rtol=1e-9, atol=1e-20
     )
+
+
+def test_breaks_begin_after_what_must_not_be_broken():
+    breaks = faults.link_breaks(60.0, 2, 3.0, seed=4, from_s=20.0)
+    assert breaks[0, 0] > 20.0
+    assert breaks[1, 0] > breaks[0, 1]
+    assert breaks[1, 1] < 60.0
