@@ -4,6 +4,7 @@
 
     TelemotionError                500  internal
     ├── NotFound                   404  also for what the subject may not know exists
+    │   └── NoOpenSession          nobody has begun a session that a gateway could join
     ├── NotAllowed                 403
     │   ├── PasswordChangeRequired   an administrator knows the present one
     │   └── SecondFactorRequired     the staff of this service must have one
@@ -57,6 +58,12 @@ class NotFound(TelemotionError):
     """No such thing, or nothing that this subject may see."""
 
     status, code = 404, "not_found"
+
+
+class NoOpenSession(NotFound):
+    """A gateway asks which session to join, and there is none."""
+
+    code = "no_open_session"
 
 
 class NotAllowed(TelemotionError):

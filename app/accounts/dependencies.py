@@ -159,6 +159,23 @@ def current_account(subject: Annotated[Subject, Depends(current_subject)]) -> Su
     return subject
 
 
+def current_device(subject: Annotated[Subject, Depends(current_subject)]) -> Subject:
+    """Return the subject when it is a device with a token.
+
+    Parameters
+    ----------
+    subject : Subject
+
+    Raises
+    ------
+    NotAllowed
+        A person that signed in.
+    """
+    if subject.kind != "device":
+        raise NotAllowed(say("sign_in.device_token_only"))
+    return subject
+
+
 async def websocket_subject(websocket: WebSocket) -> Subject:
     """Return who opens a socket by cookie or device token, without blocking the loop.
 
@@ -177,6 +194,9 @@ async def websocket_subject(websocket: WebSocket) -> Subject:
 
 CurrentSubject = Annotated[Subject, Depends(current_subject)]
 """Any valid subject, devices included; the access check decides what it may do."""
+
+CurrentDevice = Annotated[Subject, Depends(current_device)]
+"""A gateway or telephone with a device token."""
 
 CurrentAccount = Annotated[Subject, Depends(current_account)]
 """A person or integrator that signed in."""

@@ -13,6 +13,7 @@ from app.live.calibration_endpoints import router as calibration_router
 from app.live.calibration_messages import CalibrationIn
 from app.live.manager import LiveManager
 from app.live.messages import StateMessage
+from app.live.next_session import router as device_router
 from app.recordings.magnetic_schemas import MagneticSafetyOut
 from app.recordings.schemas import MarkIn
 from app.services import services_of
@@ -123,3 +124,4 @@ async def _live(request: Request, subject: Subject, session_id: str, action: Act
 router = APIRouter()
 router.include_router(steering_router)
 router.include_router(calibration_router)
+router.include_router(device_router)

@@ -38,7 +38,7 @@ OUTSIDERS = (
 WITHOUT_SIGN_IN = frozenset({"nobody", "revoked_device", "forged_cookie"})
 DEVICES = frozenset({"device", "other_device", "foreign_device"})
 
-Kind = Literal["public", "signed_in", "clinic", "list", "patient", "role", "socket"]
+Kind = Literal["public", "signed_in", "clinic", "list", "patient", "role", "device", "socket"]
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,8 @@ class Line:
         `patient`: Ada's data; outsiders get 404 as if it did not exist, insiders without the level 403.
         `clinic`: data of clinic A; other clinics get 404. `list`: answers everybody who is signed in, with
         what is theirs. `signed_in`: the same for everybody who is signed in. `role`: decided by the role
-        alone. `socket`: see the test of sockets. `public`: anybody.
+        alone. `device`: any device token, about its own patient only. `socket`: see the test of sockets.
+        `public`: anybody.
     allowed : frozenset of str
         Who of the insiders may, for `patient` and `role`.
     status : int
@@ -302,6 +303,8 @@ LINES: tuple[Line, ...] = (
     patient("POST", "/api/sessions/{session_id}/mark", RECORD, body={"text": "here"}, status=409),
     patient("POST", "/api/sessions/{session_id}/close", RECORD),
     patient("GET", "/api/sessions/{session_id}/state", STATUS),
+    # Ada's sessions are over: her devices learn that there is none to join.
+    Line("POST", "/api/devices/next-session", "device", status=404),
     Line("WS", "/ws/live/{session_id}", "socket", READ),
     Line("WS", "/ws/ingest", "socket"),
     # --- templates and comparisons ---

@@ -76,7 +76,7 @@ def test_every_route_is_in_the_table(shared):
 
 LINES_BY_KIND = {
     kind: [line for line in LINES if line.kind == kind]
-    for kind in ("public", "signed_in", "clinic", "list", "patient", "role", "socket")
+    for kind in ("public", "signed_in", "clinic", "list", "patient", "role", "device", "socket")
 }
 
 
@@ -142,6 +142,22 @@ def test_roles_decide_alone(line, shared, fresh):
     service = fresh()
     for name in sorted(line.allowed):
         assert service.send(name, line).status_code == line.status
+
+
+@lines("device")
+def test_a_device_asks_about_its_own_patient(line, shared):
+    before = shared.stored()
+    for name in (*OUTSIDERS, *INSIDERS):
+        answer = shared.send(name, line)
+        if name in DEVICES:
+            # Other patients' devices may be refused for want of a consent.
+            assert answer.status_code in ({line.status} if name == "device" else {line.status, 403}), (
+                answer.text
+            )
+        else:
+            assert answer.status_code in {401, 403}, (name, answer.text)
+        assert_silent(answer, name)
+    assert shared.stored() == before
 
 
 @lines("clinic")
