@@ -171,6 +171,30 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/devices/next-session": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Find Next Session
+         * @description Get the open session of the device's patient, with its placements and a ticket for `/ws/ingest`.
+         *
+         *     Only with a device token. The newest session is meant that is open and streamed; one that streams already too, so
+         *     that a gateway that was switched off and on finds back. `no_open_session` (404) says that there is none: ask again
+         *     after some seconds. Audited like a ticket.
+         */
+        post: operations["find_next_session_api_devices_next_session_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/estimators": {
         parameters: {
             query?: never;
@@ -3275,6 +3299,34 @@ export interface components {
             updated_at: string;
         };
         /**
+         * NextSessionOut
+         * @description A session that waits for its gateway, and a one-use right to open its socket within 30 seconds.
+         */
+        NextSessionOut: {
+            /**
+             * Expires At
+             * Format: date-time
+             */
+            expires_at: string;
+            /** Path */
+            path: string;
+            /** Pipeline */
+            pipeline: string;
+            /** Placements */
+            placements: ("head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right" | "heel_left" | "forefoot_left" | "heel_right" | "forefoot_right")[];
+            /** Rate Hz */
+            rate_hz: number;
+            /** Session Id */
+            session_id: string;
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "created" | "calibrating" | "ready" | "recording" | "link_lost" | "closing" | "analysed" | "failed";
+            /** Ticket */
+            ticket: string;
+        };
+        /**
          * ParameterOut
          * @description One parameter of an estimator.
          */
@@ -4970,6 +5022,36 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            404: components["responses"]["Error404"];
+            409: components["responses"]["Error409"];
+            422: components["responses"]["Error422"];
+            429: components["responses"]["Error429"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    find_next_session_api_devices_next_session_post: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description From /api/me; browsers send it with every change, devices do not. */
+                "X-CSRF-Token"?: string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["NextSessionOut"];
+                };
             };
             401: components["responses"]["Error401"];
             403: components["responses"]["Error403"];
