@@ -14,6 +14,7 @@ from app.commands.options_mass_centre import mass_centre
 from app.commands.words import (
     Bursts,
     Email,
+    Guess,
     LogFile,
     Mapping,
     OutFolder,
@@ -243,6 +244,7 @@ def process(
     ] = "",
     format: RecordingFormat = "auto",
     mapping: Mapping = None,
+    guess: Guess = False,
     rate: Annotated[
         float | None, typer.Option(help="Common tick rate in Hz; default: the recording's.")
     ] = None,
@@ -266,7 +268,18 @@ def process(
     from app.commands import process as command
 
     command.process(
-        recording, out, pipeline, orientation, format, mapping, rate, pose, parameters, force, hemisphere
+        recording,
+        out,
+        pipeline,
+        orientation,
+        format,
+        mapping,
+        rate,
+        pose,
+        parameters,
+        force,
+        hemisphere,
+        guess,
     )
 
 

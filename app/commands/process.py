@@ -8,9 +8,9 @@ from typing import cast, get_args
 import numpy as np
 import typer
 
+from app.commands.mapping import guessed_mapping, mapping_from
 from app.errors import InvalidInput
 from app.ingest import readers
-from app.recordings.schemas import CsvMapping
 from estimators import orientation as orientations
 from estimators import pipelines, signals
 from estimators.calibration import Hemisphere, check_first_seconds, in_words
@@ -31,6 +31,7 @@ def process(
     parameters: str,
     force: bool = False,
     hemisphere: str = "north",
+    guess: bool = False,
 ) -> None:
     """Estimate a recording and write `frames.parquet`, `frames.csv` and `setup.json`.
 
@@ -44,7 +45,7 @@ def process(
     format : str
         `auto` goes by the file's ending and content.
     mapping : Path or None
-        JSON with the fields of `CsvMapping`.
+        JSON with the fields of `CsvMapping`; see docs/mappings.md.
     rate : float or None
         Common tick rate; None keeps that of the recording.
     pose : (float, float) or None
@@ -55,6 +56,8 @@ def process(
         Estimate although the readings are implausible.
     hemisphere : str
         `north`, `south` or `unknown`, for the sign of the field.
+    guess : bool
+        Guess the mapping of a table from the names of its columns, as the upload page does.
 
     Raises
     ------
@@ -70,7 +73,9 @@ def process(
     known = orientations.available(with_offline=True)
     if orientation not in known:
         raise InvalidInput(f"no estimator {orientation!r}; choose one of {', '.join(known)}")
-    columns = CsvMapping.model_validate_json(mapping.read_text()) if mapping else None
+    if mapping and guess:
+        raise InvalidInput("give --mapping or --guess, not both")
+    columns = mapping_from(mapping) if mapping else guessed_mapping(recording, out, rate) if guess else None
     measured = readers.read(recording, format, columns)
     # What follows loads the web framework and Arrow: not for a file that is refused.
     import pyarrow.csv

@@ -22,7 +22,16 @@ RecordingFormat = Annotated[
     ),
 ]
 Mapping = Annotated[
-    Path | None, typer.Option(help="JSON file that says which CSV columns of the recording hold what.")
+    Path | None,
+    typer.Option(
+        help="JSON file that says which CSV columns of the recording hold what; see docs/mappings.md."
+    ),
+]
+Guess = Annotated[
+    bool,
+    typer.Option(
+        "--guess", help="Guess the mapping from the columns' names; writes mapping.json to correct."
+    ),
 ]
 Bursts = Annotated[
     bool,
@@ -38,6 +47,7 @@ LogFile = Annotated[
 __all__ = [
     "Bursts",
     "Email",
+    "Guess",
     "LogFile",
     "Mapping",
     "OutFolder",

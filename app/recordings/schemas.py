@@ -171,12 +171,16 @@ class CsvColumn(Schema):
 
 
 class CsvMapping(Schema):
-    """How to read a CSV file: time column with its unit, or a fixed rate, and the columns of each sensor."""
+    """How to read a table: time column with its unit, or a fixed rate, and the columns of each sensor.
+
+    Names of columns are those of docs/mappings.md: header lines joined, repeated names numbered.
+    """
 
     time_column: str | None = None
     time_unit: Literal["s", "ms", "us"] = "s"
     rate_hz: float | None = Field(default=None, gt=0)
-    delimiter: Literal[",", ";", "\t"] = ","
+    delimiter: Literal[",", ";", "\t", " "] | None = None
+    """What stands between the columns; a blank for any number of blanks; None to have it found."""
     signals: list[CsvColumn]
 
 

@@ -10,6 +10,7 @@ from app.ingest.readers import _gait_tracking, _gaitmap, _instrumented_shoe, _py
 from app.ingest.readers._broad import read_broad
 from app.ingest.readers._c3d import C3dPoints, read_c3d
 from app.ingest.readers._csv import read_csv
+from app.ingest.readers._csv_guess import guess_mapping
 from app.ingest.readers._gait_tracking import read_gait_tracking
 from app.ingest.readers._gaitmap import read_gaitmap
 from app.ingest.readers._instrumented_shoe import read_instrumented_shoe, write_instrumented_shoe
@@ -112,6 +113,7 @@ __all__ = [
     "MarkerTracks",
     "RecordingPackets",
     "guess",
+    "guess_mapping",
     "packets_of",
     "read",
     "read_broad",

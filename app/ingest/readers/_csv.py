@@ -1,13 +1,18 @@
 """CSV with a declared mapping: which columns are what, in which unit. Parsed in blocks, checked in words."""
 
+import io
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, BinaryIO, Final
 
 import numpy as np
 import pyarrow as pa
 from pyarrow import csv
 
 from app.errors import RecordingFormatError
+from app.ingest.readers._table_head import TableHead, head_of_file
 from app.ingest.readers._time import HIGHEST_HZ, LOWEST_HZ, nominal_rate, seconds_of
 from app.ingest.readers._units import (
     TO_SI,
@@ -17,6 +22,7 @@ from app.ingest.readers._units import (
     check_magnetometer,
 )
 from app.recordings.schemas import CsvColumn, CsvMapping
+from app.sentences import say
 from estimators.recording import Float, Recording, SensorSignals
 
 MAX_VALUES: Final = 60_000_000
@@ -42,10 +48,12 @@ def read_csv(path: Path, mapping: CsvMapping) -> Recording:
     wanted = [column for signal in mapping.signals for column in signal.columns]
     if mapping.time_column is not None:
         wanted.append(mapping.time_column)
-    table = read_columns(path, list(dict.fromkeys(wanted)), mapping.delimiter)
+    head = head_of_file(path, mapping.delimiter)
+    table = read_table(path, list(dict.fromkeys(wanted)), head)
     rows = len(next(iter(table.values())))
     if mapping.time_column is not None:
-        time_s = seconds_of(table[mapping.time_column], mapping.time_unit)
+        with _naming([mapping.time_column]):
+            time_s = seconds_of(table[mapping.time_column], mapping.time_unit, head.skipped_lines + 1)
         rate_hz = mapping.rate_hz or nominal_rate(time_s)
     else:
         assert mapping.rate_hz is not None
@@ -71,14 +79,16 @@ def _check_mapping(mapping: CsvMapping) -> dict[str, dict[str, CsvColumn]]:
     for signal in mapping.signals:
         if signal.unit not in UNITS[signal.quantity]:
             raise RecordingFormatError(
-                f"{signal.unit} is no unit of a {signal.quantity}; use"
+                f"{signal.unit} is no unit of a {signal.quantity} (columns {', '.join(signal.columns)}); use"
                 f" {' or '.join(UNITS[signal.quantity])}.",
                 sensor=signal.placement,
             )
         quantities = found.setdefault(signal.placement, {})
         if signal.quantity in quantities:
             raise RecordingFormatError(
-                f"The {signal.quantity} of {signal.placement} is mapped twice.", sensor=signal.placement
+                f"The {signal.quantity} of {signal.placement} is mapped twice, to"
+                f" {', '.join(quantities[signal.quantity].columns)} and to {', '.join(signal.columns)}.",
+                sensor=signal.placement,
             )
         quantities[signal.quantity] = signal
     if not found:
@@ -99,6 +109,18 @@ def _check_mapping(mapping: CsvMapping) -> dict[str, dict[str, CsvColumn]]:
     return found
 
 
+@contextmanager
+def _naming(columns: Sequence[str]) -> Iterator[None]:
+    """Add the columns to what is said against their content."""
+    try:
+        yield
+    except RecordingFormatError as error:
+        raise RecordingFormatError(
+            say("table.in_columns", columns=list(columns), reason=error.message),
+            **{**error.details, "columns": list(columns)},
+        ) from error
+
+
 def _sensor(
     placement: str, quantities: dict[str, CsvColumn], table: dict[str, Float], time_s: Float
 ) -> SensorSignals:
@@ -111,98 +133,123 @@ def _sensor(
     gyroscope, accelerometer, field = values("gyroscope"), values("accelerometer"), values("magnetometer")
     assert gyroscope is not None
     assert accelerometer is not None
-    check_gyroscope(gyroscope, quantities["gyroscope"].unit, placement)
-    check_accelerometer(accelerometer, quantities["accelerometer"].unit, placement)
+    with _naming(quantities["gyroscope"].columns):
+        check_gyroscope(gyroscope, quantities["gyroscope"].unit, placement)
+    with _naming(quantities["accelerometer"].columns):
+        check_accelerometer(accelerometer, quantities["accelerometer"].unit, placement)
     if field is not None:
-        check_magnetometer(field, quantities["magnetometer"].unit, placement)
+        with _naming(quantities["magnetometer"].columns):
+            check_magnetometer(field, quantities["magnetometer"].unit, placement)
     return SensorSignals(time_s, gyroscope, accelerometer, field)
 
 
-def read_columns(path: Path, wanted: list[str], delimiter: str) -> dict[str, Float]:
-    """Read the wanted columns as numbers, each shape (N,); a semicolon file may use decimal commas.
+def read_columns(path: Path, wanted: list[str], delimiter: str | None) -> dict[str, Float]:
+    """Read the wanted columns as numbers, each shape (N,), with decimal points or decimal commas.
+
+    Parameters
+    ----------
+    path : Path
+    wanted : list of str
+        Names as `TableHead.columns` has them.
+    delimiter : str or None
+        None where it is to be found; a blank stands for any number of blanks.
 
     Raises
     ------
     RecordingFormatError
         A column is missing or not numeric, or the file is too long or damaged.
     """
-    decimal_points = [".", ","] if delimiter == ";" else ["."]
+    return read_table(path, wanted, head_of_file(path, delimiter))
+
+
+def read_table(path: Path, wanted: list[str], head: TableHead) -> dict[str, Float]:
+    """Read the wanted columns of a table whose head is known; see `read_columns`."""
+    missing = [name for name in wanted if name not in head.columns]
+    if missing:
+        shown = ", ".join(head.columns[:40])[:600]
+        raise RecordingFormatError(
+            say("table.no_column", missing=missing[:9], present=shown), missing=missing[:40]
+        )
+    decimal_points = ["."] if head.delimiter == "," else [".", ","]
     for decimal_point in decimal_points:
         try:
-            return _read_with(path, wanted, delimiter, decimal_point)
+            return _read_with(path, wanted, head, decimal_point)
         except pa.ArrowInvalid as error:
             if decimal_point == decimal_points[-1] or "conversion error" not in str(error):
-                raise _in_words(error) from error
-    raise RecordingFormatError("The file cannot be read.")
+                raise _in_words(error, head) from error
+    raise AssertionError("one of the decimal points was the last")
 
 
-def _read_with(path: Path, wanted: list[str], delimiter: str, decimal_point: str) -> dict[str, Float]:
-    _check_header(path, wanted, delimiter)
-    reader = csv.open_csv(
-        path,
-        read_options=csv.ReadOptions(block_size=_BLOCK_BYTES, use_threads=False),
-        parse_options=csv.ParseOptions(delimiter=delimiter),
-        convert_options=csv.ConvertOptions(
-            include_columns=wanted,
-            column_types={name: pa.float64() for name in wanted},
-            decimal_point=decimal_point,
-            null_values=["", "NaN", "nan", "NA", "null"],
-            strings_can_be_null=True,
-        ),
-    )
+def _read_with(path: Path, wanted: list[str], head: TableHead, decimal_point: str) -> dict[str, Float]:
     parts: dict[str, list[Any]] = {name: [] for name in wanted}
     values = 0
-    with reader:
-        for batch in reader:
-            values += batch.num_rows * len(wanted)
-            if values > MAX_VALUES:
-                raise RecordingFormatError(
-                    f"The file holds more than {MAX_VALUES // len(wanted)} rows for {len(wanted)} columns;"
-                    " split it into shorter recordings."
-                )
-            for name in wanted:
-                parts[name].append(batch.column(name).to_numpy(zero_copy_only=False))
+    with path.open("rb") as file:
+        # Only lines of the beginning were decoded; readline goes past them without a table's rules.
+        for _ in range(head.skipped_lines):
+            file.readline(MAX_LINE_BYTES)
+        try:
+            reader = csv.open_csv(
+                _SingleBlanks(file) if head.delimiter == " " else file,
+                read_options=csv.ReadOptions(
+                    block_size=_BLOCK_BYTES, use_threads=False, column_names=list(head.columns)
+                ),
+                parse_options=csv.ParseOptions(delimiter=head.delimiter),
+                convert_options=csv.ConvertOptions(
+                    include_columns=wanted,
+                    column_types={name: pa.float64() for name in wanted},
+                    decimal_point=decimal_point,
+                    null_values=["", "NaN", "nan", "NA", "null"],
+                    strings_can_be_null=True,
+                ),
+            )
+        except pa.ArrowInvalid as error:
+            if "Empty CSV file" in str(error):
+                raise RecordingFormatError(say("table.no_rows")) from error
+            raise
+        with reader:
+            for batch in reader:
+                values += batch.num_rows * len(wanted)
+                if values > MAX_VALUES:
+                    raise RecordingFormatError(
+                        say("table.too_long", rows=MAX_VALUES // len(wanted), columns=len(wanted))
+                    )
+                for name in wanted:
+                    parts[name].append(batch.column(name).to_numpy(zero_copy_only=False))
     if not values:
-        raise RecordingFormatError("The file has a header but no rows.")
+        raise RecordingFormatError(say("table.no_rows"))
     return {name: np.concatenate(pieces).astype(np.float64, copy=False) for name, pieces in parts.items()}
 
 
-def _check_header(path: Path, wanted: list[str], delimiter: str) -> None:
-    with path.open("rb") as file:
-        line = file.readline(MAX_LINE_BYTES)
-    if len(line) >= MAX_LINE_BYTES and not line.endswith(b"\n"):
-        raise RecordingFormatError("The first line has no end; this is no CSV file.")
-    try:
-        header = line.decode("utf-8-sig").strip("\r\n")
-    except UnicodeDecodeError as error:
-        raise RecordingFormatError("The first line is not UTF-8 text; this is no CSV file.") from error
-    present = [name.strip().strip('"') for name in header.split(delimiter)]
-    missing = [name for name in wanted if name not in present]
-    if missing:
-        shown = ", ".join(present[:40])
-        raise RecordingFormatError(
-            f"The file has no column {', '.join(missing[:9])}. It has: {shown[:600]}."
-            " Correct the mapping, or choose another delimiter.",
-            missing=missing[:40],
-        )
-    repeated = [name for name in wanted if present.count(name) > 1]
-    if repeated:
-        raise RecordingFormatError(f"The column {repeated[0]} stands in the file more than once.")
+class _SingleBlanks(io.RawIOBase):
+    """A text in which any number of blanks stands between two fields, with one each; read block by block."""
+
+    def __init__(self, file: BinaryIO) -> None:
+        self._file, self._left = file, b""
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, target: Any) -> int:
+        while not self._left:
+            line = self._file.readline(MAX_LINE_BYTES)
+            if not line:
+                return 0
+            # Lines of blanks only vanish, as empty ones do in any table.
+            self._left = b" ".join(line.split()) + b"\n" if line.strip() else b""
+        taken, self._left = self._left[: len(target)], self._left[len(target) :]
+        target[: len(taken)] = taken
+        return len(taken)
 
 
-def _in_words(error: pa.ArrowInvalid) -> RecordingFormatError:
+def _in_words(error: pa.ArrowInvalid, head: TableHead) -> RecordingFormatError:
     text = str(error)
     if "conversion error" in text:
-        column = text.split("In CSV column #")[-1].split(":")[0] if "In CSV column #" in text else "?"
-        return RecordingFormatError(
-            f"A value in column number {column} is not a number; the file must hold numbers with a decimal"
-            " point in all mapped columns."
-        )
+        at = re.search(r"In CSV column #(\d+)", text)
+        name = head.columns[int(at[1])] if at else "?"
+        return RecordingFormatError(say("table.not_a_number", column=name), column=name)
     if "Expected" in text and "columns" in text:
-        return RecordingFormatError(
-            "A row has another number of columns than the header; the file is damaged."
-        )
-    return RecordingFormatError("The file cannot be read as CSV; check delimiter and encoding (UTF-8).")
+        return RecordingFormatError(say("table.ragged"))
+    return RecordingFormatError(say("table.unreadable"))
 
 
 __all__ = ["MAX_VALUES", "read_columns", "read_csv"]

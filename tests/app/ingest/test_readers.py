@@ -156,7 +156,7 @@ def test_a_missing_column_is_named_with_those_present(tmp_path: Path) -> None:
         (lambda text: text.replace("\n0.05,", "\n,"), "Row 7 has no time"),
         (lambda text: text.splitlines()[0] + "\n", "no rows"),
         (lambda text: text.replace("\n0.05,", "\n0.05,1,2,"), "another number of columns"),
-        (lambda text: "t," + text, "more than once"),
+        (lambda text: "t," + text, "no column"),
         (lambda _: "\x00\x01\x02", "no column"),
     ],
 )

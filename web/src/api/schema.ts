@@ -2297,15 +2297,16 @@ export interface components {
         };
         /**
          * CsvMapping
-         * @description How to read a CSV file: time column with its unit, or a fixed rate, and the columns of each sensor.
+         * @description How to read a table: time column with its unit, or a fixed rate, and the columns of each sensor.
+         *
+         *     Names of columns are those of docs/mappings.md: header lines joined, repeated names numbered.
          */
         CsvMapping: {
             /**
              * Delimiter
-             * @default ,
-             * @enum {string}
+             * @default null
              */
-            delimiter?: "," | ";" | "\t";
+            delimiter?: ("," | ";" | "\t" | " ") | null;
             /**
              * Rate Hz
              * @default null

@@ -3,7 +3,8 @@ import { IconPlus, IconTrash } from '@tabler/icons-react';
 import type { CsvColumn, CsvMapping, Placement } from '../api/types';
 import { t } from '../i18n';
 import { placementLabel } from '../lib/channels';
-import { mappingProblems, type CsvHead } from '../lib/csv';
+import { deviceOf, mappingProblems, type CsvDraft, type DraftSignal } from '../lib/csv';
+import type { TableHead } from '../lib/tableHead';
 
 const UNITS: Record<CsvColumn['quantity'], CsvColumn['unit'][]> = {
   gyroscope: ['rad/s', 'deg/s'],
@@ -15,15 +16,51 @@ const AXES = ['x', 'y', 'z'] as const;
 const FIXED = '';
 
 /** Which column is what: a line a sensor and quantity, guessed from the header, corrected by hand. */
-export function CsvMappingForm({ head, placements, value, onChange }: { head: CsvHead; placements: readonly Placement[]; value: CsvMapping; onChange: (mapping: CsvMapping) => void }) {
-  const set = (index: number, change: Partial<CsvColumn>) =>
+export function CsvMappingForm({ head, placements, value, onChange }: { head: TableHead; placements: readonly Placement[]; value: CsvDraft; onChange: (mapping: CsvDraft) => void }) {
+  const set = (index: number, change: Partial<DraftSignal>) =>
     onChange({ ...value, signals: value.signals.map((one, position) => (position === index ? { ...one, ...change } : one)) });
+  /** A sensor is chosen once for all signals that its name has in common. */
+  const place = (chosen: DraftSignal, placement: Placement | null) => {
+    const device = deviceOf(chosen.columns[0] ?? '');
+    const isSame = (one: DraftSignal) => one === chosen || (one.placement === chosen.placement && deviceOf(one.columns[0] ?? '') === device);
+    onChange({ ...value, signals: value.signals.map((one) => (isSame(one) ? { ...one, placement } : one)) });
+  };
   const columns = head.columns.map((column) => ({ value: column, label: column }));
   const problems = mappingProblems(value);
   return (
     <fieldset className="fieldset stack">
       <legend>{t('csv.title')}</legend>
-      <p className="muted small">{t('csv.help', { count: head.columns.length })}</p>
+      <p className="muted small">
+        {t('csv.help', { count: head.columns.length })} {head.skippedLines > 1 && t('csv.skipped', { count: head.skippedLines + 1 })}
+      </p>
+      <details className="as-table" open>
+        <summary>{t('csv.preview')}</summary>
+        {/* eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex -- a scrolling region must be reachable by keyboard */}
+        <div className="table-scroll" role="region" aria-label={t('csv.preview')} tabIndex={0}>
+          <table className="plain-table">
+            <thead>
+              <tr>
+                {head.columns.map((column) => (
+                  <th scope="col" key={column}>
+                    {column}
+                  </th>
+                ))}
+              </tr>
+            </thead>
+            <tbody>
+              {head.rows.map((row, index) => (
+                <tr key={index}>
+                  {row.map((field, column) => (
+                    <td key={column} className="number">
+                      {field}
+                    </td>
+                  ))}
+                </tr>
+              ))}
+            </tbody>
+          </table>
+        </div>
+      </details>
       <div className="csv-time">
         <Select
           label={t('csv.time')}
@@ -47,7 +84,7 @@ export function CsvMappingForm({ head, placements, value, onChange }: { head: Cs
           const name = t('csv.signalName', { number: index + 1 });
           return (
             <li key={index} className="csv-signal">
-              <Select aria-label={`${name}: ${t('csv.placement')}`} searchable data={placements.map((one) => ({ value: one, label: placementLabel(one) }))} value={signal.placement} onChange={(placement) => set(index, { placement: placement as Placement })} />
+              <Select aria-label={`${name}: ${t('csv.placement')}`} searchable data={placements.map((one) => ({ value: one, label: placementLabel(one) }))} value={signal.placement} onChange={(placement) => place(signal, placement as Placement | null)} placeholder={t('csv.choosePlacement')} />
               <Select
                 aria-label={`${name}: ${t('csv.quantity')}`}
                 data={(['gyroscope', 'accelerometer', 'magnetometer'] as const).map((one) => ({ value: one, label: t(`csv.${one}`) }))}
@@ -88,34 +125,6 @@ export function CsvMappingForm({ head, placements, value, onChange }: { head: Cs
           {t(problem)}
         </p>
       ))}
-      <details className="as-table">
-        <summary>{t('csv.preview')}</summary>
-        {/* eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex -- a scrolling region must be reachable by keyboard */}
-        <div className="table-scroll" role="region" aria-label={t('csv.preview')} tabIndex={0}>
-          <table className="plain-table">
-            <thead>
-              <tr>
-                {head.columns.map((column) => (
-                  <th scope="col" key={column}>
-                    {column}
-                  </th>
-                ))}
-              </tr>
-            </thead>
-            <tbody>
-              {head.rows.map((row, index) => (
-                <tr key={index}>
-                  {row.map((field, column) => (
-                    <td key={column} className="number">
-                      {field}
-                    </td>
-                  ))}
-                </tr>
-              ))}
-            </tbody>
-          </table>
-        </div>
-      </details>
     </fieldset>
   );
 }

@@ -6,19 +6,19 @@ import { useState, type DragEvent, type FormEvent } from 'react';
 import { Link, useSearchParams } from 'react-router';
 import { upload } from '../api/client';
 import { useEstimators, useExercises, useJob, usePatients } from '../api/queries';
-import type { CsvMapping, Job, Placement, UploadIn } from '../api/types';
+import type { Job, Placement, UploadIn } from '../api/types';
 import { RadioCards } from '../components/Choice';
 import { CsvMappingForm } from '../components/CsvMappingForm';
 import { Problem } from '../components/Feedback';
 import { Page } from '../components/Page';
 import { t } from '../i18n';
 import { LEG_PLACEMENTS } from '../lib/placements';
-import { guessSignals, guessTime, mappingProblems, readHead, type CsvHead } from '../lib/csv';
+import { complete, guessMapping, type CsvDraft } from '../lib/csv';
 import { bytes, number } from '../lib/format';
+import { headOf, type TableHead } from '../lib/tableHead';
 import { JobProgress } from './session/AnalysisWait';
 
 const PLACEMENTS: Placement[] = ['sternum', 'upper_arm_right', 'forearm_right', 'hand_right', 'upper_arm_left', 'forearm_left', 'hand_left', 'pelvis', 'head', 'shoulder_left', 'shoulder_right', ...LEG_PLACEMENTS];
-const HEAD_BYTES = 64 * 1024;
 type Format = UploadIn['format'];
 const FORMATS = ['packet_log', 'csv', 'qmt_mat', 'gaitmap', 'instrumented_shoe', 'pyshoe', 'gait_tracking'] as const;
 const WALKS: readonly Format[] = ['gaitmap', 'instrumented_shoe', 'pyshoe', 'gait_tracking'];
@@ -79,8 +79,8 @@ export function UploadPage() {
   const [patientId, setPatientId] = useState<string | null>(search.get('patient'));
   const [exerciseId, setExerciseId] = useState<string | null>(null);
   const [wantedEstimator, setWantedEstimator] = useState<string | null>(null);
-  const [head, setHead] = useState<CsvHead | null>(null);
-  const [mapping, setMapping] = useState<CsvMapping | null>(null);
+  const [head, setHead] = useState<TableHead | null>(null);
+  const [mapping, setMapping] = useState<CsvDraft | null>(null);
   const [apartCm, setApartCm] = useState<number | null>(null);
   const isWalk = WALKS.includes(format);
   const [knowsPose, setKnowsPose] = useState(false);
@@ -96,10 +96,9 @@ export function UploadPage() {
   const job = useJob(send.data?.id ?? null);
 
   const readCsv = async (chosen: File) => {
-    const found = readHead(await chosen.slice(0, HEAD_BYTES).text());
-    const time = guessTime(found.columns);
+    const found = await headOf(chosen);
     setHead(found);
-    setMapping({ time_column: time, time_unit: 's', rate_hz: time ? null : 100, delimiter: found.delimiter, signals: guessSignals(found.columns, PLACEMENTS, 'forearm_right') });
+    setMapping(guessMapping(found, PLACEMENTS));
   };
   const take = (chosen: File) => {
     setFile(chosen);
@@ -114,7 +113,7 @@ export function UploadPage() {
     if (chosen === 'csv' && file) void readCsv(file);
   };
   const orientation = wantedEstimator ?? estimators.data?.[0]?.name;
-  const isReady = file !== null && patientId !== null && orientation !== undefined && (format !== 'csv' || (mapping !== null && mappingProblems(mapping).length === 0));
+  const isReady = file !== null && patientId !== null && orientation !== undefined && (format !== 'csv' || (mapping !== null && complete(mapping) !== null));
   const submit = (event: FormEvent) => {
     event.preventDefault();
     if (!isReady || !file || !patientId || !orientation) return;
@@ -123,7 +122,7 @@ export function UploadPage() {
       exercise_id: exerciseId,
       purpose: 'exercise',
       format,
-      csv: format === 'csv' ? mapping : null,
+      csv: format === 'csv' && mapping ? complete(mapping) : null,
       orientation,
       calibration_pose_s: knowsPose && !isWalk ? pose : null,
       feet_apart_m: isWalk && apartCm !== null ? apartCm / 100 : null,

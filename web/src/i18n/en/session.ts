@@ -355,6 +355,9 @@ export const session = {
 
   'csv.title': 'Columns',
   'csv.help': 'The file has {count} columns. Check the assignments guessed from their names.',
+  'csv.skipped': 'The table begins in line {count}.',
+  'csv.choosePlacement': 'Choose where it is worn',
+  'csv.needPlacement': 'Choose where each sensor is worn.',
   'csv.time': 'Time column',
   'csv.fixedRate': 'No time column, fixed rate',
   'csv.timeUnit': 'Unit of time',

@@ -1,0 +1,129 @@
+"""Tables of other devices: preambles, header lines, delimiters and names; the browser's answers are the same."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from app.cli import cli
+from app.errors import InvalidInput, RecordingFormatError
+from app.ingest import readers
+from app.ingest.readers._csv_guess import guess_of_head
+from app.ingest.readers._table_head import head_of_file, read_head
+from app.recordings.schemas import CsvMapping
+
+DATA = Path(__file__).parents[2] / "data" / "tables"
+EXPECTED = json.loads((DATA / "expected.json").read_text())
+"""web/tests/lib/tables.test.ts holds the browser to the same answers."""
+
+
+@pytest.mark.parametrize("name", EXPECTED)
+def test_a_table_is_found_and_its_mapping_guessed(name):
+    head, expected = head_of_file(DATA / name), EXPECTED[name]
+    assert list(head.columns) == expected["columns"]
+    assert len(set(head.columns)) == len(head.columns)
+    assert head.skipped_lines == expected["skipped_lines"]
+    assert list(head.rows[0]) == expected["first_row"]
+    assert guess_of_head(head) == expected["mapping"]
+
+
+@pytest.mark.parametrize("name", EXPECTED)
+def test_the_whole_table_is_read_from_its_first_row(name):
+    head = head_of_file(DATA / name)
+    numeric = [c for c, value in zip(head.columns, head.rows[0], strict=True) if value not in ("", "NaN")]
+    table = readers._csv.read_table(DATA / name, numeric, head)
+    for column in numeric:
+        first = head.rows[0][head.columns.index(column)].replace(",", ".")
+        assert table[column][0] == pytest.approx(float(first))
+    lines = [line for line in (DATA / name).read_text().split("\n")[head.skipped_lines :] if line.strip()]
+    assert all(len(values) == len(lines) for values in table.values())
+
+
+def worn(name: str, placements: list[str]) -> CsvMapping:
+    """The guess, with the placements that the file does not tell."""
+    guess = guess_of_head(head_of_file(DATA / name))
+    devices = list(
+        dict.fromkeys(signal["columns"][0].split("/")[0].split(" ")[0] for signal in guess["signals"])
+    )
+    for signal in guess["signals"]:
+        device = signal["columns"][0].split("/")[0].split(" ")[0]
+        signal["placement"] = placements[devices.index(device) % len(placements)]
+    return CsvMapping.model_validate(guess)
+
+
+def test_an_opensense_table_is_a_recording():
+    placements = ["pelvis", "upper_arm_right", "forearm_right", "hand_right"]
+    recording = readers.read(DATA / "opensense_imu.csv", "csv", worn("opensense_imu.csv", placements))
+    assert set(recording.placements) == set(placements)
+    assert recording.nominal_rate_hz == 128.0
+    static = recording.sensors["pelvis"]
+    np.testing.assert_allclose(static.accelerometer_mps2[0], [0.102542184, 0.048829611, 9.804986382])
+    np.testing.assert_allclose(static.magnetometer_t[0], [31.27780876e-6, 13.46964874e-6, -62.79244003e-6])
+
+
+def test_a_refusal_names_the_columns():
+    mapping = worn("gaitmap_two_headers.csv", ["foot_left", "foot_right"]).model_copy(
+        update={"rate_hz": 204.8}
+    )
+    for signal in mapping.signals:
+        if signal.quantity == "accelerometer":
+            signal.unit = "g"
+    with pytest.raises(
+        RecordingFormatError, match=r"left_sensor acc_x, left_sensor acc_y and left_sensor acc_z"
+    ):
+        readers.read(DATA / "gaitmap_two_headers.csv", "csv", mapping)
+
+
+def test_a_word_among_numbers_is_refused_by_the_name_of_its_column(tmp_path):
+    path = tmp_path / "words.csv"
+    path.write_text("made by: nobody\n\nt,unused,a\n0,x,1\n1,y,2\n2,z,none\n")
+    with pytest.raises(RecordingFormatError, match=r"the column a is not a number"):
+        readers._csv.read_columns(path, ["t", "a"], None)
+
+
+def test_names_above_several_columns_and_repeated_names():
+    head = read_head("one,,,two,,\nx,y,z,x,y,z\n1,2,3,4,5,6\n1,2,3,4,5,6\n")
+    assert head.columns == ("one x", "one y", "one z", "two x", "two y", "two z")
+    assert read_head("a,a,a (2),\n1,2,3,4\n").columns == ("a", "a (2)", "a (2) (2)", "column 4")
+
+
+def processed(file: Path, out: Path, *more: str):
+    return CliRunner().invoke(
+        cli, ["process", str(file), "--pipeline", "orientation", "--out", str(out), *more]
+    )
+
+
+def test_the_command_line_guesses_as_the_browser_and_says_what_is_missing(tmp_path):
+    refused = processed(DATA / "opensense_mt_comma.txt", tmp_path, "--guess")
+    assert isinstance(refused.exception, InvalidInput)
+    assert "Acc_X, Acc_Y, Acc_Z; Gyr_X, Gyr_Y, Gyr_Z" in str(refused.exception)
+    assert "--rate" in str(refused.exception)
+    assert (
+        json.loads((tmp_path / "mapping.json").read_text()) == EXPECTED["opensense_mt_comma.txt"]["mapping"]
+    )
+    refused = processed(
+        DATA / "opensense_mt_comma.txt", tmp_path / "b", "--mapping", str(tmp_path / "mapping.json")
+    )
+    assert isinstance(refused.exception, InvalidInput)
+    assert "signal 1 (Acc_X, Acc_Y, Acc_Z), placement" in str(refused.exception)
+    refused = processed(DATA / "opensense_mt_orientation.txt", tmp_path, "--guess")
+    assert "No three columns" in str(refused.exception)
+
+
+def test_a_guessed_recording_is_estimated(tmp_path):
+    rows = [f"{0.01 * k:.2f};0,001;0;0,002;0,1;0,2;9,8" for k in range(400)]
+    names = [
+        "sternum gyr x",
+        "sternum gyr y",
+        "sternum gyr z",
+        "sternum acc x",
+        "sternum acc y",
+        "sternum acc z",
+    ]
+    text = "\n".join([";".join(["Time", *names]), *(row.replace(".", ",") for row in rows)])
+    (tmp_path / "still.csv").write_text("Device: none\n" + text + "\n")
+    done = processed(tmp_path / "still.csv", tmp_path / "out", "--guess", "--force")
+    assert done.exit_code == 0, done.exception
+    assert (tmp_path / "out" / "frames.parquet").exists()
