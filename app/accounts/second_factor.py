@@ -88,7 +88,7 @@ def confirm(session: Session, subject: Subject, code: str) -> list[str]:
     step = totp.step_of(account.totp_secret, code, time.time())
     if step is None:
         raise InvalidInput(
-            "This code is wrong. Check that the telephone's clock is right and type the newest code.",
+            say("second_factor.code_wrong"),
             field="code",
         )
     codes = [

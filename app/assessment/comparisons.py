@@ -23,6 +23,7 @@ from app.exercises.models import Template as TemplateRow
 from app.recordings import repository as recordings
 from app.recordings.jobs import JobContext
 from app.recordings.models import MotionSession, SessionEvent
+from app.sentences import say
 from estimators.comparison import (
     ComparisonResult,
     Template,
@@ -67,7 +68,7 @@ def compare_session(engine: Engine, subject: Subject, session_id: str, wanted: C
             session, subject, wanted.template_version_id, audited=False
         )
         if template.patient_id not in {None, found.patient_id}:
-            raise InvalidInput("This template was made for another patient.", field="template_version_id")
+            raise InvalidInput(say("template.other_patient"), field="template_version_id")
         work = _compute(session, found, template, version, wanted.result_id)
     with unit_of_work(engine) as session:
         found = recordings.get_session(session, subject, session_id, "treat", action="")
@@ -103,13 +104,13 @@ def compare_task(context: JobContext) -> str:
                 # A session that cannot be compared is still analysed: the movement can be seen.
                 if not close:
                     raise
-                message = f"Not compared: {error}"
+                message = say("comparison.not_compared", reason=error.message)
     with unit_of_work(context.engine) as session:
         found = session.get_one(MotionSession, context.session_id)
         if work is not None:
             _store(session, context.subject, found, work)
             kept = sum(1 for r in work.result.repetitions if r.repetition.is_kept)
-            message = f"{kept} of {len(work.result.repetitions)} repetitions compared."
+            message = say("comparison.done", kept=kept, all=len(work.result.repetitions))
         if close and found.state == "closing":
             _conclude(session, found, message if work is None and version is not None else "")
     return message
@@ -120,7 +121,9 @@ def _conclude(session: Session, found: MotionSession, reason: str) -> None:
     found.state = "analysed"
     found.state_reason = found.state_reason or reason
     found.ended_at = found.ended_at or utc_now()
-    session.add(SessionEvent(session_id=found.id, kind="state", time_s=found.duration_s, text="Analysed."))
+    session.add(
+        SessionEvent(session_id=found.id, kind="state", time_s=found.duration_s, text=say("session.analysed"))
+    )
 
 
 def _compute(

@@ -19,6 +19,7 @@ from app.ingest.upload import upload_folder
 from app.patients import repository as patients
 from app.patients.access import require_patient
 from app.recordings.models import Job, MotionSession
+from app.sentences import say
 from app.settings import Settings
 
 STREAMING = ("calibrating", "ready", "recording", "link_lost")
@@ -51,7 +52,7 @@ def erase(engine: Engine, settings: Settings, subject: Subject, patient_id: str)
     with unit_of_work(engine) as session:
         patient = require_patient(session, subject, patient_id, "erase")
         if patient.archived_at is None:
-            raise Conflict("Archive the patient first; erasing cannot be undone.", archived=False)
+            raise Conflict(say("patient.archive_first"), archived=False)
         _require_rest(session, patient_id)
         files = _uploaded_files(session, settings, patient_id)
         erase_templates_from(session, patient_id)
@@ -91,12 +92,10 @@ def _require_rest(session: Session, patient_id: str) -> None:
     is_written = (MotionSession.state == "closing") & ~exists().where(Job.session_id == MotionSession.id)
     live = select(MotionSession.id).where(own, MotionSession.state.in_(STREAMING) | is_written)
     if session.scalar(live.limit(1)) is not None:
-        raise Conflict("A session of this patient is live; close it first.", reason="live")
+        raise Conflict(say("patient.session_live"), reason="live")
     at_work = select(Job.id).join(MotionSession, MotionSession.id == Job.session_id)
     if session.scalar(at_work.where(own, Job.status == "running").limit(1)) is not None:
-        raise Conflict(
-            "A recording of this patient is being analysed; try again in a minute.", reason="analysis"
-        )
+        raise Conflict(say("patient.being_analysed"), reason="analysis")
 
 
 def _uploaded_files(session: Session, settings: Settings, patient_id: str) -> list[Path]:

@@ -22,6 +22,7 @@ from app.assessment.walk_progress import walk_label, walk_order, walk_values
 from app.errors import NotFound
 from app.exercises.models import Exercise, Prescription, Template, TemplateVersion
 from app.patients.access import require_patient
+from app.sentences import say
 from estimators.comparison import measure_label
 
 
@@ -47,7 +48,7 @@ def progress(session: Session, subject: Subject, patient_id: str, exercise_id: s
     if exercise_id is not None:
         exercise = session.get(Exercise, exercise_id)
         if exercise is None or exercise.clinic_id != patient.clinic_id:
-            raise NotFound("There is no such exercise in this clinic.")
+            raise NotFound(say("exercise.not_found"))
     values = session_values(session, [patient_id], exercise_id)
     walked = walk_values(session, patient_id, exercise_id)
     if walked and (not values or walked[-1].at >= values[-1].at):

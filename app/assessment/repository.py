@@ -17,9 +17,10 @@ from app.exercises.models import Exercise, Prescription, Template, TemplateVersi
 from app.patients.access import require_patient
 from app.recordings import repository as recordings
 from app.recordings.models import MotionSession
+from app.sentences import say
 
-NO_SUCH_TEMPLATE = "There is no such template, or you have no right to know."
-NO_SUCH_COMPARISON = "There is no such comparison, or you have no right to know."
+NO_SUCH_TEMPLATE = say("template.not_found")
+NO_SUCH_COMPARISON = say("comparison.not_found")
 STAFF = frozenset({"administrator", "therapist", "integrator", "system"})
 
 
@@ -109,7 +110,7 @@ def exercise_of(session: Session, subject: Subject, exercise_id: str) -> Exercis
     """Return an exercise of the subject's clinic."""
     exercise = session.get(Exercise, exercise_id)
     if exercise is None or exercise.clinic_id != subject.clinic_id:
-        raise InvalidInput("There is no such exercise in this clinic.", field="exercise_id")
+        raise InvalidInput(say("exercise.not_found"), field="exercise_id")
     return exercise
 
 
@@ -134,7 +135,7 @@ def add_version(
         The template is of another exercise or patient.
     """
     if subject.role not in {"therapist", "administrator", "system"} or subject.account_id is None:
-        raise NotAllowed("Only therapists can make templates.")
+        raise NotAllowed(say("template.create_not_allowed"))
     if patient_id is not None:
         require_patient(session, subject, patient_id, "treat")
     if template is None:
@@ -148,9 +149,7 @@ def add_version(
         session.add(template)
         session.flush()
     elif template.exercise_id != exercise.id or template.patient_id != patient_id:
-        raise InvalidInput(
-            "A further version must be of the same exercise and patient as its template.", field="template_id"
-        )
+        raise InvalidInput(say("template.other_exercise"), field="template_id")
     else:
         template.name = name
     last = session.scalar(

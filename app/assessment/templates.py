@@ -23,6 +23,7 @@ from app.exercises.schemas import (
 from app.recordings import read_frames
 from app.recordings import repository as recordings
 from app.recordings.models import MotionSession, Result
+from app.sentences import say
 from estimators.comparison import (
     ArmChannels,
     Repetition,
@@ -42,7 +43,7 @@ from estimators.errors import EstimationError
 from estimators.pipelines import SessionSetup
 from estimators.recording import Float
 
-BY_HAND = "Left out by hand."
+BY_HAND = say("template.by_hand")
 
 
 @dataclass(frozen=True)
@@ -67,7 +68,7 @@ def load_source(session: Session, found: MotionSession, result: Result) -> Sourc
     """Read a result's frames as a trajectory; access was checked."""
     frames = read_frames(session, result.id)
     if not frames.tick_count:
-        raise InvalidInput("This result holds no frames; analyse the session first.", field="result_id")
+        raise InvalidInput(say("result.no_frames"), field="result_id")
     body = SessionSetup.from_dict(result.setup).body
     return Source(
         found.id,
@@ -112,7 +113,7 @@ def build(
         found = find_repetitions(source.moved, side, source.start_s, source.end_s)
         unknown = set(dropped or ()) - {repetition.number for repetition in found}
         if unknown:
-            raise InvalidInput(f"There is no repetition {min(unknown)} in this recording.", field="dropped")
+            raise InvalidInput(say("template.no_repetition", number=min(unknown)), field="dropped")
         judged = judge_repetitions(source.moved, found, side)
         if dropped is not None:
             judged = [_decided(r, is_kept=r.number not in dropped) for r in judged]
@@ -211,9 +212,7 @@ def _what_moved(source: Source) -> tuple[str, str]:
         if finite.size and (extent := float(np.subtract(*np.percentile(finite, [98, 2])))) > best:
             best, channel = extent, name
     if not channel:
-        raise InvalidInput(
-            "No joint angle was measured in this session; calibrate the patient and record again."
-        )
+        raise InvalidInput(say("template.no_angle"))
     return ("left" if "_left_" in channel else "right"), channel
 
 

@@ -12,10 +12,11 @@ from app.errors import InvalidInput, NotAllowed, NotFound
 from app.exercises.models import Exercise, Prescription, Template
 from app.exercises.schemas import ExerciseIn, PrescriptionIn
 from app.patients.access import require_patient
+from app.sentences import say
 from estimators.arm import MODEL_ANGLES
 from estimators.gait import GUIDED_KINDS
 
-NO_SUCH_PRESCRIPTION = "There is no such prescription, or you have no right to know."
+NO_SUCH_PRESCRIPTION = say("prescription.not_found")
 
 
 def list_exercises(session: Session, subject: Subject) -> list[Exercise]:
@@ -46,7 +47,7 @@ def get_exercise(session: Session, subject: Subject, exercise_id: str) -> Exerci
     """
     exercise = session.get(Exercise, exercise_id)
     if exercise is None or exercise.clinic_id != subject.clinic_id:
-        raise NotFound("There is no such exercise in your clinic.")
+        raise NotFound(say("exercise.not_found"))
     return exercise
 
 
@@ -68,7 +69,7 @@ def create_exercise(session: Session, subject: Subject, body: ExerciseIn) -> Exe
         The primary angle is not a joint angle of the exercise's side.
     """
     if subject.role not in {"therapist", "administrator", "system"}:
-        raise NotAllowed("Only therapists and administrators can create exercises.")
+        raise NotAllowed(say("exercise.create_not_allowed"))
     known = [""] if body.movement in GUIDED_KINDS else joint_angles(body.side)
     if body.primary_angle not in known:
         raise InvalidInput(
@@ -144,7 +145,7 @@ def create_prescription(
     patient = require_patient(session, subject, patient_id, "treat")
     exercise = session.get(Exercise, body.exercise_id)
     if exercise is None or exercise.clinic_id != patient.clinic_id:
-        raise InvalidInput("There is no such exercise in this clinic.", field="exercise_id")
+        raise InvalidInput(say("exercise.not_found"), field="exercise_id")
     template = None
     if body.template_id is not None:
         template = session.get(Template, body.template_id)
@@ -154,13 +155,11 @@ def create_prescription(
             or template.exercise_id != exercise.id
             or template.patient_id not in {None, patient_id}
         ):
-            raise InvalidInput(
-                "There is no such template of this exercise for this patient.", field="template_id"
-            )
+            raise InvalidInput(say("prescription.no_such_template"), field="template_id")
     starts_at = _with_zone(body.starts_at, "starts_at") or utc_now()
     ends_at = _with_zone(body.ends_at, "ends_at")
     if ends_at is not None and ends_at <= starts_at:
-        raise InvalidInput("A prescription must end after it starts.", field="ends_at")
+        raise InvalidInput(say("prescription.ends_before_start"), field="ends_at")
     prescription = Prescription(
         id=new_id(),
         patient_id=patient_id,
@@ -210,5 +209,5 @@ def end_prescription(session: Session, subject: Subject, prescription_id: str) -
 
 def _with_zone(value: datetime | None, field: str) -> datetime | None:
     if value is not None and value.tzinfo is None:
-        raise InvalidInput("A time needs its zone, e.g. 2030-01-31T12:00:00Z.", field=field)
+        raise InvalidInput(say("prescription.time_needs_zone"), field=field)
     return value

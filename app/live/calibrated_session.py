@@ -16,6 +16,7 @@ from app.live.estimation import EstimationLine
 from app.live.messages import LayoutMessage
 from app.recordings.magnetic import PIPELINE as MAGNETIC
 from app.recordings.walks import PIPELINE as WALKING
+from app.sentences import say
 from estimators.calibration import Hemisphere
 from estimators.pipelines import Pipeline
 
@@ -76,14 +77,13 @@ class CalibratedSession(SessionBook):
         """
         if self.machine.state not in {"calibrating", "ready"}:
             raise Conflict(
-                "Calibration needs a connected body network and no running recording; stop the recording or"
-                " connect first.",
+                say("live.cannot_calibrate"),
                 state=self.machine.state,
             )
         if self.pipeline.setup.pipeline == WALKING:
-            raise Conflict("A walk needs no calibration; stand still for three seconds and walk.")
+            raise Conflict(say("live.walk_uncalibrated"))
         if self.pipeline.setup.pipeline == MAGNETIC:
-            raise Conflict("A magnetic session needs no calibration pose; stand still for three seconds.")
+            raise Conflict(say("live.magnetic_uncalibrated"))
         message = self._calibration.start(wanted)
         self._change("calibrating", message.steps[0].title + ".")
         return message
@@ -95,7 +95,7 @@ class CalibratedSession(SessionBook):
     def cancel_calibration(self) -> CalibrationMessage:
         """End a guided calibration; what was in force stays."""
         message = self._calibration.cancel()
-        self._back_to_ready("The calibration was cancelled.")
+        self._back_to_ready(say("live.calibration_cancelled"))
         return message
 
     def _calibration_failed(self, text: str) -> None:
@@ -104,7 +104,7 @@ class CalibratedSession(SessionBook):
 
     def _back_to_ready(self, text: str) -> None:
         if self.is_calibrated and self.machine.state == "calibrating":
-            self._change("ready", f"The earlier calibration stays in force. {text}")
+            self._change("ready", say("live.calibration_stays", reason=text))
         else:
             self.machine.reason = text
             self._publish_state()
@@ -134,7 +134,7 @@ class CalibratedSession(SessionBook):
         )
         self._bus.publish(self._topics["layout"], self.layout())
         if self.machine.state == "calibrating" and self.is_calibrated:
-            self._change("ready", f"Calibrated, score {found.score:.2f}.")
+            self._change("ready", say("live.calibrated", score=found.score))
         else:
             self.machine.reason = f"{kind.replace('_', ' ').capitalize()} done, score {found.score:.2f}."
             if setup.calibration is not None and setup.calibration.unknown_headings:

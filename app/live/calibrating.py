@@ -19,6 +19,7 @@ from app.live.collectors import Collector, MovementSteps, Outcome, PoseStep, fin
 from app.live.device_collectors import Compass, SixPositions
 from app.live.estimation import EstimationLine
 from app.recordings.schemas import CalibrationOut
+from app.sentences import say
 from estimators.calibration import Hemisphere, MisplacedError
 from estimators.conventions import Placement
 from estimators.errors import CalibrationError, EstimationError
@@ -29,7 +30,7 @@ logger = logging.getLogger(__name__)
 TELL_EVERY_S: Final = 0.2
 REVIEW_S: Final = 1.0
 """How often the progress of sensors in the hand is worked out anew."""
-NOT_EVALUATED: Final = "This calibration could not be worked out; what was in force stays. Do it again."
+NOT_EVALUATED: Final = say("live.not_evaluated")
 COLLECTORS: Final[dict[CalibrationKind, type[Collector]]] = {
     "static_bias": PoseStep,
     "n_pose": PoseStep,
@@ -117,7 +118,7 @@ class CalibrationDesk:
             It cannot be done with the sensors worn.
         """
         if self._is_evaluating:
-            raise Conflict("The last calibration is being evaluated; wait a moment.")
+            raise Conflict(say("live.still_evaluating"))
         self._collector = COLLECTORS[wanted.kind](wanted, self._placements, self._step_s)
         self._collector.hemisphere = self._hemisphere
         return self._publish("collecting")
@@ -176,7 +177,7 @@ class CalibrationDesk:
 
     def _running(self) -> Collector:
         if self._collector is None or self._is_evaluating:
-            raise Conflict("No calibration is waiting for a step; start one.")
+            raise Conflict(say("live.no_step"))
         return self._collector
 
     async def _review(self, found: Collector) -> None:
@@ -210,7 +211,7 @@ class CalibrationDesk:
         except EstimationError as error:
             findings = findings_out(error.findings) if isinstance(error, MisplacedError) else ()
             redo = error.redo if isinstance(error, CalibrationError) else ()
-            self._loop.call_soon_threadsafe(self._refused, found, str(error), findings, redo)
+            self._loop.call_soon_threadsafe(self._refused, found, error.message, findings, redo)
         except Exception:
             # A calibration that cannot be worked out must not end the session it belongs to.
             logger.exception("a calibration could not be evaluated")

@@ -23,6 +23,7 @@ from app.live.calibration_messages import (
 from app.live.guides import GUIDES
 from app.live.pose import PoseCollector
 from app.recordings.heading_line import HeadingReset
+from app.sentences import say
 from estimators.calibration import DeviceCalibration, Hemisphere, PlacementFinding, check_mounting
 from estimators.conventions import Placement
 from estimators.errors import CalibrationError
@@ -119,7 +120,7 @@ class Collector(ABC):
         Conflict
             It ends by itself, or too early.
         """
-        raise Conflict("This step ends by itself; follow the instruction.", step=self.steps[self.step].key)
+        raise Conflict(say("live.step_ends_itself"), step=self.steps[self.step].key)
 
     @property
     def newest_tick(self) -> int:
@@ -190,7 +191,7 @@ class MovementSteps(Collector):
         super().__init__(wanted, placements, time_step_s)
         self._sides = arms_of(wanted.limbs, placements)
         if not self._sides:
-            raise Conflict("Calibration by movement needs sensors on upper arm and forearm of the same side.")
+            raise Conflict(say("live.functional_sensors"))
         self._pose = PoseCollector(placements, time_step_s, self.steps[0].instruction)
         self._pose.begin()
         self._kept: list[ImuChunk] = []
@@ -213,7 +214,7 @@ class MovementSteps(Collector):
         if self.step > 0:
             self._kept.append(chunk)
             if not self.is_complete and (self._next_tick - self._begin_tick) * self.step_s > LONGEST_STEP_S:
-                self.trouble = "The movement was never ended; begin again and press next after each."
+                self.trouble = say("live.movement_not_ended")
             return
         held = self._pose.add(chunk)
         self.hint = self._pose.hint
@@ -227,10 +228,10 @@ class MovementSteps(Collector):
     def next(self) -> None:
         """End the present movement."""
         if self.is_complete or self.step == 0:
-            raise Conflict("The rest ends by itself; keep still.", step="rest")
+            raise Conflict(say("live.rest_ends_itself"), step="rest")
         if (self._next_tick - self._begin_tick) * self.step_s < LEAST_MOVEMENT_S:
             raise Conflict(
-                f"Make the movement three times first; it takes at least {LEAST_MOVEMENT_S:.0f} s.",
+                say("live.movement_too_short", least_s=LEAST_MOVEMENT_S),
                 step=self.steps[self.step].key,
             )
         self._ranges[self.steps[self.step].key] = (self._begin_tick, self._next_tick)

@@ -12,6 +12,7 @@ import numpy as np
 from app.errors import Conflict
 from app.live.calibration_messages import CalibrationIn, FieldOut, SensorProgress
 from app.live.collectors import Collector, Outcome
+from app.sentences import say
 from estimators.calibration import (
     DeviceCalibration,
     LocalField,
@@ -41,7 +42,7 @@ class _InHand(Collector):
         super().__init__(wanted, placements, time_step_s)
         unknown = [p for p in wanted.placements if p not in placements]
         if unknown:
-            raise Conflict(f"This session has no sensor {', '.join(unknown)}.", placements=list(placements))
+            raise Conflict(say("session.no_sensor", places=list(unknown)), placements=list(placements))
         self.handled: tuple[Placement, ...] = tuple(wanted.placements) or placements
         self.rows = [placements.index(p) for p in self.handled]
         self.first_tick: int | None = None
@@ -56,7 +57,7 @@ class _InHand(Collector):
             return
         self.collect(chunk)
         if self.seconds > LONGEST_S:
-            self.trouble = "It took longer than ten minutes; begin again."
+            self.trouble = say("live.too_long")
 
     @property
     def newest_tick(self) -> int:
@@ -252,7 +253,7 @@ class Compass(_InHand):
     def collect(self, chunk: ImuChunk) -> None:
         """Keep what is needed of a chunk."""
         if chunk.magnetometer_t is None:
-            self.trouble = "These sensors have no magnetometer, or the gateway does not send it."
+            self.trouble = say("live.no_magnetometer")
             return
         picked = slice(-chunk.first_tick % self._stride, None, self._stride)
         self._pending.append(

@@ -16,6 +16,7 @@ from app.live.messages import StateMessage
 from app.live.next_session import router as device_router
 from app.recordings.magnetic_schemas import MagneticSafetyOut
 from app.recordings.schemas import MarkIn
+from app.sentences import say
 from app.services import services_of
 
 steering_router = APIRouter(prefix="/api/sessions", tags=["live"])
@@ -78,7 +79,7 @@ async def mark(session_id: str, body: MarkIn, request: Request, subject: Current
 async def close(session_id: str, request: Request, subject: CurrentSubject) -> StateMessage:
     """End the session: everything is stored, analysed off-line and compared with the prescribed template."""
     live = await _live(request, subject, session_id, "close")
-    return await live.close(session_id, "Closed by a person.")
+    return await live.close(session_id, say("live.closed_by_person"))
 
 
 @steering_router.delete("/{session_id}/magnetic-safety")

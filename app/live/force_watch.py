@@ -5,6 +5,7 @@ from typing import Final
 
 import numpy as np
 
+from app.sentences import say
 from estimators.conventions import Side
 from estimators.pipelines import FORCE_STATES, Frames, Pipeline
 
@@ -39,10 +40,10 @@ class ForceChange:
     def text(self) -> str:
         """What happened, in words."""
         if self.state == "missing":
-            return f"Nothing comes from the load cells of the {self.side} shoe."
+            return say("live.force_lost", side=self.side)
         if self.state == "implausible":
-            return f"The load cells of the {self.side} shoe show what cannot be; check them."
-        return f"The load cells of the {self.side} shoe measure again."
+            return say("live.force_implausible", side=self.side)
+        return say("live.force_back", side=self.side)
 
 
 class ForceWatch:

@@ -8,6 +8,7 @@ from typing import Final
 
 from app.live.runner import LiveSession
 from app.live.states import OPEN, STREAMING
+from app.sentences import say
 
 logger = logging.getLogger(__name__)
 
@@ -20,9 +21,9 @@ IDLE_CLOSE_S: Final = 600.0
 LONGEST_S: Final = 24 * 3600.0
 GOODBYE_CLOSE_S: Final = 60.0
 """A gateway that has said goodbye and lost its link has so long to come back with what is still missing."""
-_IDLE: Final = "Closed by itself: nothing came for ten minutes."
-_LONG: Final = "Closed by itself: it lasted as long as a session may. Create another one to go on."
-_NOT_BROUGHT: Final = "Closed: the gateway had ended the stream and did not bring what was missing."
+_IDLE: Final = say("live.closed_idle")
+_LONG: Final = say("live.closed_long")
+_NOT_BROUGHT: Final = say("live.closed_incomplete")
 
 
 class Housekeeping:
@@ -89,13 +90,13 @@ class Housekeeping:
             session.silent()
         said_goodbye = session.ledger.last_sequence is not None
         if silence_s > LINK_LOST_AFTER_S and session.state in STREAMING and not said_goodbye:
-            session.link_lost(f"No packet for {LINK_LOST_AFTER_S:.0f} s.")
+            session.link_lost(say("live.no_packet", silence_s=LINK_LOST_AFTER_S))
         if publish:
             session.publish_health()
         if session.state not in OPEN:
             return
         if session.ledger.is_settled:
-            self._close_soon(session.id, "The gateway has sent everything.")
+            self._close_soon(session.id, say("live.all_sent"))
         elif session.session_time_s > self._longest_s:
             self._close_soon(session.id, _LONG)
         elif silence_s > self._idle_close_s:

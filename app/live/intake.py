@@ -11,6 +11,7 @@ from app.ingest.packet import Packet
 from app.live.actuation import Order
 from app.live.runner import LiveSession
 from app.live.states import OPEN
+from app.sentences import say
 
 
 class Intake:
@@ -29,9 +30,7 @@ class Intake:
         self._check_right = check_right
         self._detached = detached
         self.ended = asyncio.Event()
-        self.end_error: TelemotionError = Unavailable(
-            "The service is stopping; connect again.", reason="stopping"
-        )
+        self.end_error: TelemotionError = Unavailable(say("live.stopping"), reason="stopping")
         self._reviewed_s = time.monotonic()
         self._clock = session.clock
         self._orders = None if session.actuation is None else session.actuation.connect()

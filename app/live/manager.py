@@ -30,6 +30,7 @@ from app.live.warmup import PREPARING, Readiness, prepare_process
 from app.recordings import GroupCommitWriter
 from app.recordings.magnetic import CONFIRMATION_HOURS
 from app.recordings.schemas import CalibrationOut
+from app.sentences import say
 from estimators import pipelines
 from estimators.calibration import Hemisphere
 from estimators.errors import SetupError
@@ -38,7 +39,7 @@ from estimators.pipelines import RelativePosePipeline, SessionSetup
 logger = logging.getLogger(__name__)
 
 Answer = TypeVar("Answer")
-_NOT_CLOSED = "The session could not be closed in order; what is stored is safe. Analyse it again."
+_NOT_CLOSED = say("live.not_closed")
 
 
 class LiveManager:
@@ -118,7 +119,7 @@ class LiveManager:
             self._housekeeping.abandoned(stored.id)
             if stored.state != "link_lost":
                 await asyncio.to_thread(
-                    repository.save_state, self.engine, stored.id, "link_lost", "The service was restarted."
+                    repository.save_state, self.engine, stored.id, "link_lost", say("live.restarted")
                 )
         self._housekeeper = asyncio.create_task(self._housekeeping.run(), name="live housekeeping")
 
@@ -130,10 +131,10 @@ class LiveManager:
             self._housekeeper.cancel()
             await asyncio.gather(self._housekeeper, return_exceptions=True)
         for intake in list(self._intakes.values()):
-            intake.end(Unavailable("The service is stopping; connect again.", reason="stopping"))
+            intake.end(Unavailable(say("live.stopping"), reason="stopping"))
         await asyncio.gather(*self._closing.values(), return_exceptions=True)
         for session in list(self._sessions.values()):
-            session.link_lost("The service was stopped.")
+            session.link_lost(say("live.stopped"))
             await session.saved()
         self._checks.shutdown(cancel_futures=True)
         await asyncio.to_thread(self._check_process.close)
@@ -164,13 +165,13 @@ class LiveManager:
             Too many sessions are live.
         """
         if self._is_stopping:
-            raise Unavailable("The service is stopping; connect again in a moment.", retry_after_s=5)
+            raise Unavailable(say("live.stopping"), retry_after_s=5)
         subject, stored = await asyncio.to_thread(
             repository.open_by_ticket, self.engine, hello.ticket, self._confirmation_hours
         )
         async with self._opening.setdefault(stored.id, asyncio.Lock()):
             if stored.id in self._closing:
-                raise Conflict("This session is closed; create another one.", state="closing")
+                raise Conflict(say("live.closed"), state="closing")
             session = self._sessions.get(stored.id)
             if session is None:
                 hold = self._limits.take("streams", subject)
@@ -183,14 +184,14 @@ class LiveManager:
             else:
                 _check_network(session.declaration, declaration)
             if session.state not in OPEN:
-                raise Conflict("This session is closed; create another one.", state=session.state)
+                raise Conflict(say("live.closed"), state=session.state)
             # Asked anew: the word may have been taken back while the session was being opened.
             await self.check_source(stored.id)
             may_stream = partial(repository.still_allowed, self.engine, subject, stored.id, "record")
             intake = Intake(session, partial(self._check_gateway, session, may_stream), self._detach)
             before = self._intakes.get(stored.id)
             if before is not None:
-                before.end(Conflict("A newer connection has taken over this session.", reason="superseded"))
+                before.end(Conflict(say("live.superseded"), reason="superseded"))
             self._intakes[stored.id] = intake
             session.connected()
         self.bus.publish(topic(stored.id, "layout"), session.layout())
@@ -203,12 +204,12 @@ class LiveManager:
             if session is not None:
                 # After a goodbye with nothing missing the housekeeping closes the session; otherwise the
                 # gateway still has packets to bring.
-                session.link_lost("The connection to the gateway ended.")
+                session.link_lost(say("live.connection_ended"))
 
     async def _open_session(self, session_id: str, declaration: Declaration) -> LiveSession:
         stored = await asyncio.to_thread(repository.load, self.engine, session_id)
         if stored.state not in OPEN or stored.is_ended:
-            raise Conflict("This session is closed; create another one.", state=stored.state)
+            raise Conflict(say("live.closed"), state=stored.state)
         known = None if stored.hello is None else Declaration.from_dict(stored.hello)
         if known is not None:
             _check_network(known, declaration)
@@ -271,7 +272,7 @@ class LiveManager:
         """
         session = self._sessions.get(session_id)
         if session is None:
-            raise Conflict("No body network is connected to this session; start the gateway first.")
+            raise Conflict(say("live.not_connected"))
         return session
 
     async def close(self, session_id: str, reason: str) -> StateMessage:
@@ -395,8 +396,7 @@ class LiveManager:
 def _check_network(known: Declaration, declared: Declaration) -> None:
     if not known.same_network(declared):
         raise PacketError(
-            "This session began with another network (placements, rate, scales or clip levels); connect with"
-            " the same, or close it and create another session.",
+            say("live.network_changed"),
             reason="network_changed",
         )
 
@@ -405,8 +405,7 @@ def _setup_for(setup: SessionSetup, declaration: Declaration) -> SessionSetup:
     """Return the setup in the packet order and at the rate of the gateway."""
     if set(setup.placements) != set(declaration.placements):
         raise PacketError(
-            "The hello's placements are not those of the session"
-            f" ({', '.join(setup.placements)}); create the session for the sensors that are worn.",
+            say("live.other_placements", places=list(setup.placements)),
             reason="placements",
         )
     parameters = dict(setup.orientation_parameters)

@@ -4,13 +4,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.ingest.alignment import joined_chunks
+from app.sentences import say
 from estimators.recording import Float, ImuChunk, SampleQuality
 
 HOLD_S = 3.0
 SETTLE_S = 3.0
 """The orientation filters need so long after their start, or after a gap, before a pose is worth holding."""
 TIMEOUT_S = 60.0
-BEGIN = "Stand upright, arms hanging, palms to the thighs, and hold still."
+BEGIN = say("live.pose")
 _TURNING_LIMIT_RADPS = 0.25
 """Root mean square over one chunk; a resting tremor stays below."""
 _TILT_LIMIT_MPS2 = 0.8
@@ -70,11 +71,11 @@ class PoseCollector:
             self.hint = fault
             self._held, self._held_ticks = [], 0
             if self._seen_ticks * self._step_s > TIMEOUT_S:
-                self.end(f"The patient was never still for {HOLD_S:.0f} s; begin again when ready.")
+                self.end(say("live.never_still", hold_s=HOLD_S))
             return None
         self._held.append(chunk)
         self._held_ticks += chunk.tick_count
-        self.hint = "Good, keep still."
+        self.hint = say("live.good_still")
         if self._held_ticks * self._step_s < HOLD_S:
             return None
         pose = joined_chunks(self._held)
@@ -83,20 +84,20 @@ class PoseCollector:
 
     def _fault(self, chunk: ImuChunk, missing: NDArray[np.bool_]) -> str:
         if missing.all():
-            return "The link had a gap; hold on."
+            return say("live.gap_hold")
         if missing.any():
-            return f"The sensor {self._names(np.asarray(missing.any(axis=1)))} sends nothing; check it."
+            return say("live.sends_nothing", sensors=self._names(np.asarray(missing.any(axis=1))))
         turning: Float = np.sqrt((chunk.gyroscope_radps**2).sum(axis=2).mean(axis=1))
         if (turning > _TURNING_LIMIT_RADPS).any():
-            return f"Hold still: {self._names(turning > _TURNING_LIMIT_RADPS)} moved."
+            return say("live.moved", sensors=self._names(turning > _TURNING_LIMIT_RADPS))
         if chunk.first_tick < self._settled_tick:
-            return "Hold still; the sensors are settling."
+            return say("live.settling")
         if self._held:
             start = self._held[0].accelerometer_mps2.mean(axis=1)
             drift: Float = np.linalg.norm(chunk.accelerometer_mps2.mean(axis=1) - start, axis=1)
             if (drift > _TILT_LIMIT_MPS2).any():
-                return f"Hold still: {self._names(drift > _TILT_LIMIT_MPS2)} moved."
+                return say("live.moved", sensors=self._names(drift > _TILT_LIMIT_MPS2))
         return ""
 
-    def _names(self, which: NDArray[np.bool_]) -> str:
-        return ", ".join(self._placements[i].replace("_", " ") for i in np.flatnonzero(which)[:3])
+    def _names(self, which: NDArray[np.bool_]) -> list[str]:
+        return [self._placements[i] for i in np.flatnonzero(which)[:3]]

@@ -28,10 +28,11 @@ from app.recordings.models import MotionSession, Result, SignalChunk
 from app.recordings.result_rows import layout_dict
 from app.recordings.schemas import SessionState
 from app.recordings.walks import estimator_of
+from app.sentences import say
 from estimators import orientation
 from estimators.pipelines import Calibration, Pipeline, SessionSetup
 
-NO_SUCH_SESSION = "There is no such session, or you have no right to know."
+NO_SUCH_SESSION = say("session.not_found")
 
 
 @dataclass(frozen=True)
@@ -143,11 +144,11 @@ def still_allowed(engine: Engine, subject: Subject, session_id: str, level: Leve
         if subject.kind == "device":
             device = session.get(DeviceToken, subject.id)
             if device is None or not is_valid(device):
-                raise SignInRequired("The device token was revoked or has expired.")
+                raise SignInRequired(say("live.token_expired"))
         elif subject.kind == "account":
             account = session.get(Account, subject.id)
             if account is None or not account.is_active:
-                raise SignInRequired("This account is no longer active.")
+                raise SignInRequired(say("live.account_inactive"))
         require_patient(session, subject, _row(session, session_id).patient_id, level)
 
 

@@ -34,6 +34,7 @@ from app.live.states import OPEN, STREAMING, streaming_state
 from app.live.stray_source import StraySource
 from app.recordings import GroupCommitWriter, RawPacket, SequenceRanges
 from app.recordings.schemas import CalibrationOut, SessionState
+from app.sentences import CATALOGUE, say
 from estimators.calibration import Finding, Hemisphere
 from estimators.pipelines import Frames, Pipeline
 from estimators.recording import ImuChunk
@@ -226,7 +227,7 @@ class LiveSession(CalibratedSession):
                 self.add_event(kind, change.tick * step_s, placement=change.placement)
         for gap in self.aligner.gaps:
             if not gap.is_bridged:
-                text = f"{gap.tick_count * step_s:.2f} s missing"
+                text = say("live.gap", missing_s=gap.tick_count * step_s)
                 self.add_event("gap", gap.first_tick * step_s, gap.tick_count * step_s, text=text)
         self.aligner.gaps.clear()
 
@@ -268,7 +269,7 @@ class LiveSession(CalibratedSession):
         """Let the magnetic source fire, or stop it at once and say why; nothing where there is none."""
         if self.actuation is not None and self.actuation.allow(is_allowed):
             kind, text = (
-                ("source_allowed", "The source may fire.") if is_allowed else ("source_stopped", reason)
+                ("source_allowed", say("live.source_allowed")) if is_allowed else ("source_stopped", reason)
             )
             self.add_event(kind, self.session_time_s, text=text)
 
@@ -289,10 +290,10 @@ class LiveSession(CalibratedSession):
         following = streaming_state(is_calibrated=self.is_calibrated, is_recording=self._is_recording)
         known = self.pipeline.setup.calibration
         reasons: dict[SessionState, str] = {
-            "calibrating": "Connected; calibrate when the patient holds the pose."
+            "calibrating": say("live.connected_calibrate")
             if known is None or not known.unknown_headings
-            else "Connected. How the sensors sit is remembered; set the directions before anything is measured.",
-            "ready": "Connected.",
+            else say("live.connected_directions"),
+            "ready": say("live.connected"),
         }
         self._change(following, reasons.get(following, ""))
 
@@ -319,9 +320,7 @@ class LiveSession(CalibratedSession):
             recording_start_s=self.recording_start_s if self._is_recording else None,
             calibration=None if calibration is None else CalibrationOut.of(calibration),
             calibration_progress=self._calibration.progress,
-            calibration_hint=" ".join(
-                part for part in (self._first_seconds.hint, self._calibration.hint) if part
-            ),
+            calibration_hint=CATALOGUE.together((self._first_seconds.hint, self._calibration.hint)),
         )
 
     def health_message(self) -> HealthMessage:

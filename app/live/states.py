@@ -13,6 +13,7 @@ from typing import Final
 
 from app.errors import Conflict
 from app.recordings.schemas import SessionState
+from app.sentences import say
 
 TRANSITIONS: Final[dict[SessionState, frozenset[SessionState]]] = {
     "created": frozenset({"calibrating", "ready", "closing", "failed"}),
@@ -62,7 +63,7 @@ class StateMachine:
             return False
         if not self.may(following):
             raise Conflict(
-                f"A session that is {spoken(self.state)} cannot become {spoken(following)}.",
+                say("live.state", state=self.state, following=following),
                 state=self.state,
                 wanted=following,
             )
@@ -75,8 +76,3 @@ def streaming_state(*, is_calibrated: bool, is_recording: bool) -> SessionState:
     if is_recording:
         return "recording"
     return "ready" if is_calibrated else "calibrating"
-
-
-def spoken(state: SessionState) -> str:
-    """Return the state in words for people."""
-    return state.replace("_", " ")

@@ -9,16 +9,14 @@ from typing import Final
 
 import numpy as np
 
+from app.sentences import say
 from estimators.recording import ImuChunk
 
 KIND: Final = "source_unasked"
 GRACE_S: Final = 1.0
 """What was fired before the order to stop arrived is no trouble."""
-_NO_SOURCE: Final = (
-    "A magnetic source fires in this session, which has none; its pulses are not used, and nobody was asked about"
-    " implants. Switch it off, or create a session with a magnetic source."
-)
-_STOPPED: Final = "The magnetic source fires although it was stopped. Switch it off by hand."
+_NO_SOURCE: Final = say("live.stray_source")
+_STOPPED: Final = say("live.source_not_stopped")
 
 
 class StraySource:

@@ -27,6 +27,7 @@ from app.live.blocks import PublishedFrames
 from app.live.bus import Subscription, topic
 from app.live.manager import LiveManager
 from app.schemas import Schema
+from app.sentences import say
 from app.services import Services, services_of
 
 TICKET_TIMEOUT_S = 10.0
@@ -87,7 +88,7 @@ async def _subject_of_ticket(websocket: WebSocket, services: Services, session_i
             text = await websocket.receive_text()
         ticket = TicketMessage.model_validate_json(text).ticket
     except TimeoutError as error:
-        raise SignInRequired("Sign in, or send a ticket as the first message.") from error
+        raise SignInRequired(say("live.ticket_first")) from error
     except (ValidationError, KeyError) as error:
         raise InvalidInput('The first message must be {"ticket": "..."}.') from error
     return await asyncio.to_thread(repository.watch_by_ticket, services.engine, ticket, session_id)

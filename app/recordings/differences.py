@@ -16,6 +16,7 @@ from app.recordings.chunks import frames_stream, layout_from_dict, slice_frames
 from app.recordings.models import Result, SignalChunk
 from app.recordings.schemas import AngleDifference, CurvePair, DifferencesOut
 from app.recordings.store import read_frames
+from app.sentences import say
 from estimators import rotation
 from estimators.orientation import OrientationFlag
 from estimators.pipelines import Frames
@@ -63,7 +64,7 @@ def differences(
     first, second = (repository.result_of(session, found, name) for name in (result_a, result_b))
     for result in (first, second):
         if result.status != "complete":
-            raise Conflict("A result that is not complete cannot be compared; wait for it.", result=result.id)
+            raise Conflict(say("result.not_complete"), result=result.id)
     return _compare(session, first, second, max_points)
 
 

@@ -4,6 +4,7 @@ from typing import Any, Final
 
 from app.errors import Conflict
 from app.recordings.schemas import EstimatorOut, ParameterOut
+from app.sentences import say
 from estimators import orientation
 from estimators.pipelines import SessionSetup
 
@@ -40,9 +41,9 @@ def refuse_walk(setup: SessionSetup) -> None:
         The setup is that of a walk or of a magnetic source.
     """
     if setup.pipeline == "gait":
-        raise Conflict("A walk has one estimator, which has run already; there is no other to choose.")
+        raise Conflict(say("walk.one_estimator"))
     if setup.pipeline == "relative_pose":
-        raise Conflict("A session with a magnetic source has one estimator, which has run already.")
+        raise Conflict(say("magnetic.one_estimator"))
 
 
 def estimators_out() -> list[EstimatorOut]:

@@ -7,8 +7,9 @@ from sqlalchemy.orm import Session
 from app.accounts.subject import Subject
 from app.errors import NotFound
 from app.recordings.models import MagneticSource
+from app.sentences import say
 
-NO_SUCH_SOURCE: Final = "There is no such magnetic source in your clinic."
+NO_SUCH_SOURCE: Final = say("source.not_found")
 
 
 def find_source(session: Session, subject: Subject, source_id: str) -> MagneticSource:

@@ -22,6 +22,7 @@ from app.errors import Conflict, SafetyUnconfirmed
 from app.recordings import repository
 from app.recordings.magnetic_schemas import MagneticSafetyIn, MagneticSafetyOut
 from app.recordings.models import MotionSession, SessionEvent
+from app.sentences import say
 from estimators.errors import SetupError
 from estimators.magnetic import PACEMAKER_LIMIT_T, keep_away_distance_m
 from estimators.pipelines import (
@@ -41,18 +42,9 @@ WARNING: Final = (
     "The source makes magnetic pulses. Nobody with a pacemaker, an implanted defibrillator, a nerve stimulator, a"
     " cochlear implant or a medicine pump may wear it or be close to it while it is worn."
 )
-TAKEN_BACK: Final = (
-    "The word that nobody near the magnetic source has an implant was taken back; the source may not fire until a"
-    " therapist has confirmed it again."
-)
-EXPIRED: Final = (
-    "The word that nobody near the magnetic source has an implant is too old; a therapist must confirm it"
-    " again before the source may fire."
-)
-NOT_CONFIRMED: Final = (
-    "This session has a magnetic source: before it can start, the therapist must confirm that neither the patient nor"
-    " people close by wear a pacemaker or a similar implant."
-)
+NO_LONGER_CONFIRMED: Final = say("magnetic.withdrawn")
+EXPIRED: Final = say("magnetic.expired")
+NOT_CONFIRMED: Final = say("magnetic.not_confirmed")
 
 
 def confirm(
@@ -71,7 +63,7 @@ def confirm(
     """
     found = repository.get_session(session, subject, session_id, "treat", action="")
     if found.setup["pipeline"] != PIPELINE:
-        raise Conflict("This session has no magnetic source; there is nothing to confirm.")
+        raise Conflict(say("magnetic.nothing_to_confirm"))
     if not _word(session, found.id).holds(hours):
         said = wanted.model_dump()
         audit.record(session, subject, "session.implants_excluded", found.patient_id, found.id, said)
@@ -80,7 +72,7 @@ def confirm(
                 session_id=found.id,
                 kind=EVENT,
                 time_s=0.0,
-                text="No implants: confirmed",
+                text=say("magnetic.event_confirmed"),
                 details={"by": subject.id, "at": utc_now().isoformat(), **said},
             )
         )
@@ -100,16 +92,16 @@ def withdraw(
     """
     found = repository.get_session(session, subject, session_id, "treat", action="")
     if found.setup["pipeline"] != PIPELINE:
-        raise Conflict("This session has no magnetic source; there is nothing to withdraw.")
+        raise Conflict(say("magnetic.nothing_to_withdraw"))
     if not _word(session, found.id).holds(hours):
-        raise Conflict("Nothing is confirmed for this session; the source may not fire.")
+        raise Conflict(say("magnetic.not_confirmed_yet"))
     audit.record(session, subject, "session.implants_withdrawn", found.patient_id, found.id)
     session.add(
         SessionEvent(
             session_id=found.id,
             kind=WITHDRAWN,
             time_s=0.0,
-            text="No implants: taken back, the source may not fire",
+            text=say("magnetic.event_withdrawn"),
             details={"by": subject.id, "at": utc_now().isoformat()},
         )
     )
@@ -137,7 +129,11 @@ def require_confirmed(session: Session, found: MotionSession, hours: float = CON
     word = _word(session, found.id)
     if not word.holds(hours):
         raise SafetyUnconfirmed(
-            NOT_CONFIRMED if word.confirmed_at is None else TAKEN_BACK if word.withdrawn_at else EXPIRED,
+            NOT_CONFIRMED
+            if word.confirmed_at is None
+            else NO_LONGER_CONFIRMED
+            if word.withdrawn_at
+            else EXPIRED,
             session_id=found.id,
             confirm=f"POST /api/sessions/{found.id}/magnetic-safety",
         )
@@ -224,7 +220,6 @@ __all__ = [
     "EXPIRED",
     "NOT_CONFIRMED",
     "PIPELINE",
-    "TAKEN_BACK",
     "WARNING",
     "WITHDRAWN",
     "confirm",

@@ -27,6 +27,7 @@ from app.recordings.source_schemas import (
     SourceCalibrationIn,
     SourceStopsOut,
 )
+from app.sentences import say
 from estimators.conventions import Placement
 from estimators.errors import SetupError
 from estimators.pipelines import SessionSetup, relative_source
@@ -103,7 +104,7 @@ def calibrate(
 
 def _require_staff(subject: Subject) -> None:
     if subject.role not in _STAFF:
-        raise NotAllowed("Only people who work in the clinic keep its magnetic sources.")
+        raise NotAllowed(say("source.not_allowed"))
 
 
 def _store(
@@ -143,9 +144,9 @@ def _check(coils: list[dict[str, Any]], current_limit_a: float, gain_sigma: floa
 def _bench_session(session: Session, subject: Subject, session_id: str, action: str) -> MotionSession:
     found = repository.get_session(session, subject, session_id, "treat", action=action)
     if found.setup["pipeline"] != PIPELINE:
-        raise Conflict("This session has no magnetic source.")
+        raise Conflict(say("magnetic.no_source"))
     if found.state not in {"analysed", "failed"}:
-        raise Conflict("This session is not finished; wait until it is analysed.", state=found.state)
+        raise Conflict(say("session.not_finished"), state=found.state)
     return found
 
 

@@ -11,6 +11,7 @@ from app.recordings import repository
 from app.recordings.magnetic import PIPELINE
 from app.recordings.magnetic_schemas import SourceUseOut
 from app.recordings.store import read_frames
+from app.sentences import say
 from estimators.magnetic import RelativeFlag
 from estimators.pipelines import Frames
 from estimators.recording import Float
@@ -31,10 +32,10 @@ def source_use(session: Session, subject: Subject, session_id: str, result_id: s
     """
     found = repository.get_session(session, subject, session_id, action="session.source_use")
     if found.setup["pipeline"] != PIPELINE:
-        raise Conflict("This session has no magnetic source.")
+        raise Conflict(say("magnetic.no_source"))
     result = repository.result_of(session, found, result_id)
     if result.pipeline != PIPELINE:
-        raise Conflict("This result is of the walk; choose one of the magnetic source.")
+        raise Conflict(say("magnetic.result_of_walk"))
     return use_of(result.id, read_frames(session, result.id))
 
 

@@ -15,11 +15,12 @@ from app.recordings import codecs, repository
 from app.recordings.marker_schemas import MarkerMotionOut
 from app.recordings.markers import COLUMNS, KIND, MOTION_STREAM, sound
 from app.recordings.models import Job, SignalChunk
+from app.sentences import say
 
 LONGEST_S: Final = 120.0
 """Of a stretch for curves."""
 _MOST_POINTS: Final = 4000
-_NONE: Final = "This session has no fused markers yet."
+_NONE: Final = say("markers.none")
 
 
 @dataclass(frozen=True)
@@ -135,7 +136,7 @@ def motion_between(
         The stretch is empty or too long.
     """
     if not 0.0 < until_s - from_s <= LONGEST_S:
-        raise InvalidInput(f"Ask for a stretch of up to {LONGEST_S:.0f} s.", field="until_s")
+        raise InvalidInput(say("markers.too_long", longest_s=LONGEST_S), field="until_s")
     repository.get_session(session, subject, session_id, action="session.markers")
     markers_id = markers_id or newest(session, session_id) or ""
     motion = read_motion(session, session_id, markers_id, from_s, until_s)

@@ -23,6 +23,7 @@ from app.recordings._rows import insert_chunk
 from app.recordings.chunks import EncodedChunk
 from app.recordings.marker_schemas import MarkerReport, MarkersOut, MarkerUploadIn
 from app.recordings.models import Job, MotionSession, SignalChunk
+from app.sentences import say
 
 KIND: Final = "markers"
 _PIECE_BYTES: Final = 4 << 20
@@ -58,11 +59,11 @@ def session_for(session: Session, subject: Subject, session_id: str, segment: st
     """
     found = repository.get_session(session, subject, session_id, "treat", action="session.markers.upload")
     if found.state != "analysed":
-        raise Conflict("Markers are added to a session that is closed and analysed.", state=found.state)
+        raise Conflict(say("markers.not_closed"), state=found.state)
     sent = list((found.hello or {}).get("placements", []))
     if segment not in sent:
         raise Conflict(
-            f"This session had no sensor {segment}; choose one of {', '.join(sent) or 'none'}.",
+            say("markers.no_such_sensor", place=segment, sent=list(sent)),
             field="segment",
         )
     return found
@@ -96,7 +97,7 @@ def write_file(session: Session, session_id: str, markers_id: str, path: Path) -
             declared = row.scale["declaration"]
             file.write(zlib.decompress(sound(row)))
     if declared is None:
-        raise NotFound("The uploaded markers are gone; upload them again.")
+        raise NotFound(say("markers.gone"))
     return MarkerUploadIn.model_validate(declared)
 
 

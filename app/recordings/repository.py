@@ -17,8 +17,9 @@ from app.exercises.models import Exercise, Prescription
 from app.patients.access import Level, require_patient
 from app.patients.models import Mounting, Patient
 from app.recordings.models import Job, MotionSession, Result, SessionEvent
+from app.sentences import say
 
-NO_SUCH_SESSION = "There is no such session, or you have no right to know."
+NO_SUCH_SESSION = say("session.not_found")
 
 
 def recording_level(purpose: str) -> Level:
@@ -84,15 +85,15 @@ def create_session(session: Session, subject: Subject, new: MotionSession) -> Mo
     if new.prescription_id is not None:
         prescription = session.get(Prescription, new.prescription_id)
         if prescription is None or prescription.patient_id != patient.id:
-            raise InvalidInput("The prescription is not one of this patient.", field="prescription_id")
+            raise InvalidInput(say("session.other_prescription"), field="prescription_id")
         if new.exercise_id is None:
             new.exercise_id = prescription.exercise_id
         elif new.exercise_id != prescription.exercise_id:
-            raise InvalidInput("The exercise is not the one that was prescribed.", field="exercise_id")
+            raise InvalidInput(say("session.other_exercise"), field="exercise_id")
     if new.exercise_id is not None:
         exercise = session.get(Exercise, new.exercise_id)
         if exercise is None or exercise.clinic_id != patient.clinic_id:
-            raise InvalidInput("There is no such exercise in this clinic.", field="exercise_id")
+            raise InvalidInput(say("exercise.not_found"), field="exercise_id")
     session.add(new)
     session.flush()
     audit.record(
@@ -146,11 +147,11 @@ def result_of(session: Session, found: MotionSession, result_id: str | None = No
     if wanted is None:
         complete = [r for r in results_of(session, found.id) if r.status != "failed"]
         if not complete:
-            raise NotFound("This session has no result yet; wait until its analysis is done.")
+            raise NotFound(say("result.not_yet"))
         return complete[-1]
     result = session.get(Result, wanted)
     if result is None or result.session_id != found.id:
-        raise NotFound("This session has no such result.")
+        raise NotFound(say("result.not_found"))
     return result
 
 
@@ -168,11 +169,11 @@ def get_job(session: Session, subject: Subject, job_id: str) -> Job:
     """Return a task of a patient of whom the subject may know the state; progress is no patient data."""
     job = session.get(Job, job_id)
     if job is None:
-        raise NotFound("There is no such task.")
+        raise NotFound(say("job.not_found"))
     try:
         get_session(session, subject, job.session_id, "status", action="")
     except NotFound:
-        raise NotFound("There is no such task.") from None
+        raise NotFound(say("job.not_found")) from None
     return job
 
 
@@ -194,7 +195,7 @@ def delete_session(session: Session, subject: Subject, session_id: str) -> None:
     """
     found = get_session(session, subject, session_id, "treat", action="session.delete")
     if found.state in {"calibrating", "ready", "recording"}:
-        raise Conflict("This session is live; close it before deleting it.", state=found.state)
+        raise Conflict(say("session.delete_live"), state=found.state)
     session.execute(delete(MotionSession).where(MotionSession.id == session_id))
 
 

@@ -34,6 +34,7 @@ from app.recordings.smoothing import SmoothedModules, SmoothedSession, remember,
 from app.recordings.store import Source, read_packets_in_order, stored_ranges
 from app.recordings.walk_analysis import follow_feet
 from app.recordings.walks import PIPELINE as WALKING
+from app.sentences import say
 from estimators import pipelines
 from estimators.conventions import Placement
 from estimators.errors import CalibrationError, EstimationError
@@ -92,7 +93,7 @@ def aligned(
     `placements` picks sensors of the network, in that order; by default all.
     """
     if hello is None:
-        raise NotFound("This session has no packets: no gateway ever declared itself.")
+        raise NotFound(say("session.no_packets"))
     packets = (decoded(packet) for packet in read_packets_in_order(source, session_id))
     sent = list(hello["placements"])
     if placements is None or list(placements) == sent:
@@ -100,7 +101,7 @@ def aligned(
         return
     missing = [name for name in placements if name not in sent]
     if missing:
-        raise InvalidInput(f"The session has no sensor {', '.join(missing)}.", field="placements")
+        raise InvalidInput(say("session.no_sensor", places=missing), field="placements")
     rows = [sent.index(name) for name in placements]
     for piece in align_chunks(packets, hello, piece_ticks):
         yield _picked(piece, rows)

@@ -9,6 +9,7 @@ from app.accounts.subject import Subject
 from app.errors import InvalidInput
 from app.recordings import service
 from app.recordings.schemas import SequenceOut
+from app.sentences import say
 from estimators.arm import Joint, Sequence, frames_in_sequence, sequence_names
 from estimators.conventions import Side
 from estimators.errors import EstimationError
@@ -35,7 +36,7 @@ def in_sequence(
         The sequence does not fit the joint, or the sensors it needs were not worn.
     """
     if sequence not in get_args(Sequence):
-        raise InvalidInput(f"There is no sequence {sequence}.", field="sequence")
+        raise InvalidInput(say("result.no_sequence", sequence=sequence), field="sequence")
     frames = service.frames(session, subject, session_id, result_id, start_s, end_s, max_points)
     try:
         found = frames_in_sequence(frames.q_room_segment, frames.layout.segments, joint, side, sequence)

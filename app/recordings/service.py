@@ -32,7 +32,7 @@ from app.recordings.schemas import (
     SessionOut,
 )
 from app.recordings.store import read_frames, read_packets
-from app.sentences import CATALOGUE
+from app.sentences import CATALOGUE, say
 from estimators import orientation, pipelines
 from estimators.body import BodyDimensions, body_from_stature
 from estimators.errors import EstimationError
@@ -75,9 +75,7 @@ def checked(setup: SessionSetup) -> SessionSetup:
     except EstimationError as error:
         raise InvalidInput(str(error), field="setup") from error
     except (TypeError, ValueError, OverflowError) as error:
-        raise InvalidInput(
-            "A parameter of the estimator has a value of the wrong type.", field="orientation_parameters"
-        ) from error
+        raise InvalidInput(say("session.parameter_type"), field="orientation_parameters") from error
     return setup
 
 
@@ -88,7 +86,7 @@ def create(session: Session, subject: Subject, wanted: SessionIn) -> SessionDeta
     if wanted.orientation in orientation.smoothers():
         live = orientation.smoothers()[wanted.orientation].follows
         raise InvalidInput(
-            f"{wanted.orientation} needs the whole session; record with {live}, it follows when the session closes.",
+            say("session.offline_estimator", wanted=wanted.orientation, live=live),
             field="orientation",
         )
     remembers = wanted.use_mounting and wanted.pipeline == "arm"
@@ -127,7 +125,7 @@ def _told_parameters(session: Session, subject: Subject, wanted: SessionIn) -> d
     if wanted.magnetic_source_id is None:
         return wanted.orientation_parameters
     if wanted.pipeline != "relative_pose":
-        raise InvalidInput("Only a magnetic session has a source.", field="magnetic_source_id")
+        raise InvalidInput(say("magnetic.only_magnetic"), field="magnetic_source_id")
     return {
         **wanted.orientation_parameters,
         **parameters_of(session, subject, wanted.magnetic_source_id),
@@ -322,7 +320,7 @@ def packet_log(engine: Engine, subject: Subject, session_id: str) -> Iterator[by
         found = repository.get_session(session, subject, session_id, action="session.download")
         hello = found.hello
     if hello is None:
-        raise NotFound("This session has no packets: no gateway ever declared itself.")
+        raise NotFound(say("session.no_packets"))
     return write_log(hello, read_packets(engine, session_id))
 
 
@@ -333,7 +331,7 @@ def queue_reprocess(session: Session, subject: Subject, session_id: str, wanted:
         session, subject, session_id, "treat", action="session.reprocess", details=asked
     )
     if found.state not in {"analysed", "failed"}:
-        raise Conflict("This session is not finished; wait until it is analysed.", state=found.state)
+        raise Conflict(say("session.not_finished"), state=found.state)
     setup = SessionSetup.from_dict(found.setup)
     refuse_walk(setup)
     checked(
@@ -381,7 +379,7 @@ def queue_reprocess_all(
     known = orientation.available(with_offline=True)
     if unknown := [name for name in wanted.orientations if name not in known]:
         raise InvalidInput(
-            f"There is no estimator {', '.join(unknown)}; known are {', '.join(known)}.", field="orientations"
+            say("session.no_estimator", unknown=unknown, known=list(known)), field="orientations"
         )
     found = repository.get_session(session, subject, session_id, "treat", action="")
     refuse_walk(SessionSetup.from_dict(found.setup))

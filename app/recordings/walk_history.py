@@ -21,6 +21,7 @@ from app.recordings.walk_schemas import (
     WalkRow,
 )
 from app.recordings.walks import PIPELINE, walk_stream
+from app.sentences import say
 from estimators.balance import Sample, compare_conditions
 from estimators.errors import ShapeError
 
@@ -117,14 +118,14 @@ def compare(session: Session, subject: Subject, patient_id: str, wanted: Conditi
     found = repository.list_sessions(session, subject, patient_id)
     audit.record(session, subject, "walks.compare", patient_id)
     if set(wanted.a) & set(wanted.b):
-        raise InvalidInput("A walk is in both conditions; choose other ones.", field="b")
+        raise InvalidInput(say("walk.in_both"), field="b")
     known = {one.id: one for one, _ in found}
     sides: list[list[WalkContent]] = []
     for field, ids in (("a", wanted.a), ("b", wanted.b)):
         chosen = [walk_content(session, known[one]) if one in known else None for one in ids]
         contents = [content for content in chosen if content is not None]
         if len(contents) != len(ids):
-            raise InvalidInput("A session chosen is no analysed walk of this patient.", field=field)
+            raise InvalidInput(say("walk.not_analysed"), field=field)
         sides.append(contents)
     is_paired = len(wanted.a) == len(wanted.b) >= 2
     return ConditionsOut(method="pairs" if is_paired else "strides", changes=changes_between(*sides))

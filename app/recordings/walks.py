@@ -32,6 +32,7 @@ from app.recordings.walk_schemas import (
     WalkMeasure,
     WalkTestOut,
 )
+from app.sentences import say
 from estimators.gait import GUIDED_KINDS, GuidedKind, Measure, Strides, guided_test, steady
 from estimators.pipelines import Pipeline, RelativePosePipeline, SessionSetup, ShoeWalk, Walk
 from estimators.recording import Float, ImuChunk, Recording, SampleQuality, SensorSignals
@@ -178,7 +179,7 @@ def gait(session: Session, subject: Subject, session_id: str, result_id: str | N
         walked = [one for one in repository.results_of(session, found.id) if one.pipeline == PIPELINE]
         result_id = walked[-1].id if walked else None
     if found.setup["pipeline"] != PIPELINE and result_id is None:
-        raise Conflict("This session is no walk; record or upload one with sensors on the feet.")
+        raise Conflict(say("walk.no_walk"))
     result = repository.result_of(session, found, result_id)
     row = session.scalar(
         select(SignalChunk).where(
@@ -186,9 +187,7 @@ def gait(session: Session, subject: Subject, session_id: str, result_id: str | N
         )
     )
     if row is None:
-        raise Conflict(
-            "The strides of this result are not known: a live result has none, and an analysis may still run."
-        )
+        raise Conflict(say("walk.no_strides"))
     if checksum(row.data) != row.crc:
         raise DamagedChunkError("a stored walk has a wrong checksum; restore it from the backup")
     content = WalkContent.model_validate_json(zlib.decompress(row.data))

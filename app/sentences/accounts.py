@@ -68,6 +68,9 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "grant.ends_in_past": "The end of an access right must be in the future.",
     "grant.end_needs_zone": "The end of an access right needs a time zone, for instance"
     " 2030-01-31T12:00:00Z.",
+    "patient.archive_first": "Archive the patient first; erasing cannot be undone.",
+    "patient.session_live": "A session of this patient is live; close it first.",
+    "patient.being_analysed": "A recording of this patient is being analysed; try again in a minute.",
 }
 
 __all__ = ["ENGLISH"]

@@ -2,6 +2,84 @@
 
 from typing import Final
 
-ENGLISH: Final[dict[str, str | dict[str, str]]] = {}
+ENGLISH: Final[dict[str, str | dict[str, str]]] = {
+    "live.connected_calibrate": "Connected; calibrate when the patient holds the pose.",
+    "live.connected_directions": "Connected. The sensor positions are saved from last time; set the"
+    " directions before"
+    " anything is measured.",
+    "live.source_allowed": "The source may fire.",
+    "live.gap": "{missing_s:s.2} of data missing",
+    "live.state": "A session that is {state:state} cannot become {following:state}.",
+    "live.stray_source": "A magnetic source fires in this session, which has none; its pulses are not used,"
+    " and nobody was"
+    " asked about implants. Switch it off, or create a session with a magnetic source.",
+    "live.force_lost": "No data from the load cells of the {side:side} shoe.",
+    "live.force_implausible": "The load cell readings of the {side:side} shoe are implausible; check the"
+    " load cells.",
+    "live.force_back": "The load cells of the {side:side} shoe measure again.",
+    "state.created": "created",
+    "state.calibrating": "calibrating",
+    "state.ready": "ready",
+    "state.recording": "recording",
+    "state.link_lost": "link lost",
+    "state.closing": "closing",
+    "state.analysed": "analysed",
+    "state.failed": "failed",
+    "viewer.not_found": "This 3D view no longer exists; open the session again.",
+    "viewer.markers_live": "Markers are shown only in a replay.",
+    "viewer.session_ended": "This session has ended; open a replay instead.",
+    "live.closed_idle": "Closed automatically: no data arrived for ten minutes.",
+    "live.closed_long": "Closed automatically: the session reached the longest time allowed. Create"
+    " another session to continue.",
+    "live.closed_incomplete": "Closed: the gateway ended the stream and did not send what was missing.",
+    "live.no_packet": "No data from the sensors for {silence_s:s}.",
+    "live.all_sent": "The gateway has sent everything.",
+    "live.closed_by_person": "Session ended.",
+    "live.token_expired": "The device token was revoked or has expired.",
+    "live.account_inactive": "This account is no longer active.",
+    "live.ticket_first": "Sign in, or send a ticket as the first message.",
+    "live.stopping": "The service is stopping; connect again.",
+    "live.not_closed": "The session could not be closed properly; what is stored is safe. Analyse it again.",
+    "live.stopped": "The service was stopped.",
+    "live.closed": "This session is closed; create another one.",
+    "live.superseded": "A newer connection has taken over this session.",
+    "live.connection_ended": "The connection to the gateway ended.",
+    "live.not_connected": "No sensors are connected to this session; start the gateway first.",
+    "live.network_changed": "This session began with other sensors (placements, rate, scales or clip"
+    " levels); connect with the same ones, or close it and create another session.",
+    "live.other_placements": "The sensors of the gateway are not those of the session ({places:place});"
+    " create the session for the sensors that are worn.",
+    "live.cannot_calibrate": "Calibration needs connected sensors and no running recording; stop the"
+    " recording or connect first.",
+    "live.walk_uncalibrated": "A walk needs no calibration; stand still for three seconds and walk.",
+    "live.magnetic_uncalibrated": "A magnetic session needs no calibration pose; stand still for three"
+    " seconds.",
+    "live.calibration_cancelled": "The calibration was cancelled.",
+    "live.connected": "Connected.",
+    "live.sends_nothing": "No data from the sensor: {sensors:place}. Check it.",
+    "live.moved": "Hold still: {sensors:place} moved.",
+    "live.not_evaluated": "This calibration could not be evaluated; the earlier one remains valid. Repeat"
+    " it.",
+    "live.still_evaluating": "The last calibration is being evaluated; wait a moment.",
+    "live.no_step": "No calibration is waiting for a step; start one.",
+    "live.step_ends_itself": "This step ends by itself; follow the instruction.",
+    "live.functional_sensors": "Calibration by movement needs sensors on upper arm and forearm of the"
+    " same side.",
+    "live.movement_not_ended": "The movement was never ended; start again and press next after each"
+    " movement.",
+    "live.rest_ends_itself": "This step ends by itself; hold still.",
+    "live.movement_too_short": "Make the movement three times first; it takes at least {least_s:s}.",
+    "live.too_long": "It took longer than ten minutes; start again.",
+    "live.no_magnetometer": "These sensors have no magnetometer, or the gateway does not send it.",
+    "live.pose": "Stand upright, arms hanging, palms to the thighs, and hold still.",
+    "live.never_still": "The patient was never still for {hold_s:s}; start again when ready.",
+    "live.good_still": "Good, hold still.",
+    "live.gap_hold": "Data was missing for a moment; hold still.",
+    "live.settling": "Hold still; the sensors are settling.",
+    "live.calibration_stays": "The earlier calibration remains valid. {reason}",
+    "live.calibrated": "Calibrated, score {score:points} of 100.",
+    "live.restarted": "The service was restarted.",
+    "live.source_not_stopped": "The magnetic source fires although it was stopped. Switch it off by hand.",
+}
 
 __all__ = ["ENGLISH"]

@@ -6,10 +6,12 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "job.analysis_failed": "Analysis failed: {reason}",
     "job.internal": "An internal error stopped this task and was logged. The recorded data is stored.",
     "job.unknown_kind": "This service cannot do tasks of the kind {kind}.",
-    "job.memory": "This needs more memory than the {limit_bytes:gib.1} that one task may take. Split the recording and"
+    "job.memory": "This needs more memory than the {limit_bytes:gib.1} that one task may take. Split the"
+    " recording and"
     " upload the parts.",
     "job.interrupted": "Interrupted; the task starts again.",
-    "job.given_up": "The task was interrupted several times and is not tried again; the recorded data is stored.",
+    "job.given_up": "The task was interrupted several times and is not tried again; the recorded data is"
+    " stored.",
     "job.session_deleted": "The session of this task was deleted.",
     "table.endless_line": "The first line has no end; this is no table.",
     "table.not_utf8": "The file is not UTF-8 text. Save it as CSV in UTF-8 and upload it again.",
@@ -23,6 +25,56 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "table.unreadable": "The file cannot be read as a table; check the character between its columns and its encoding"
     " (UTF-8).",
     "table.in_columns": "{reason} (In the file: {columns:and}.)",
+    "magnetic.withdrawn": "The safety confirmation for the magnetic source was withdrawn; the source may"
+    " not fire until a"
+    " therapist confirms again that nobody near it has an implant.",
+    "magnetic.expired": "The safety confirmation for the magnetic source has expired; a therapist must"
+    " confirm again that"
+    " nobody near it has an implant before the source may fire.",
+    "magnetic.not_confirmed": "This session has a magnetic source: before it can start, a therapist must"
+    " confirm that neither"
+    " the patient nor people nearby have a pacemaker or a similar implant.",
+    "magnetic.event_confirmed": "Safety confirmed: no implants",
+    "magnetic.event_withdrawn": "Safety confirmation withdrawn; the source may not fire",
+    "result.no_frames": "This result holds no movement data; analyse the session first.",
+    "session.not_found": "Session not found, or not shared with you.",
+    "session.other_prescription": "The prescription does not belong to this patient.",
+    "session.other_exercise": "The exercise is not the one that was prescribed.",
+    "result.not_yet": "This session has no result yet; wait until its analysis is finished.",
+    "result.not_found": "This session has no such result.",
+    "job.not_found": "Task not found.",
+    "session.delete_live": "This session is live; close it before deleting it.",
+    "source.not_found": "Magnetic source not found in your clinic.",
+    "markers.none": "This session has no fused markers yet.",
+    "markers.too_long": "Ask for at most {longest_s:s} of the recording.",
+    "markers.not_closed": "Markers can be added only to a session that is closed and analysed.",
+    "markers.no_such_sensor": "This session has no sensor on the {place:place}; it has {sent:place}.",
+    "markers.gone": "The uploaded markers no longer exist; upload them again.",
+    "magnetic.nothing_to_confirm": "This session has no magnetic source; there is nothing to confirm.",
+    "magnetic.nothing_to_withdraw": "This session has no magnetic source; there is nothing to withdraw.",
+    "magnetic.not_confirmed_yet": "No safety confirmation exists for this session; the source may not fire.",
+    "source.not_allowed": "Only staff of the clinic can manage its magnetic sources.",
+    "magnetic.no_source": "This session has no magnetic source.",
+    "session.not_finished": "This session is not finished; wait until it is analysed.",
+    "magnetic.result_of_walk": "This result is of the walk; choose one of the magnetic source.",
+    "result.not_complete": "A result that is not complete cannot be compared; wait until it is.",
+    "walk.one_estimator": "A walk has one estimator, which has run already; there is no other to choose.",
+    "magnetic.one_estimator": "A session with a magnetic source has one estimator, which has run already.",
+    "session.no_packets": "This session holds no data: no gateway ever connected.",
+    "session.no_sensor": "The session has no sensor on the {places:place}.",
+    "result.no_sequence": "There is no rotation sequence {sequence}.",
+    "session.parameter_type": "A parameter of the estimator has a value of the wrong type.",
+    "session.offline_estimator": "{wanted} needs the whole session; record with {live}, it follows when"
+    " the session closes.",
+    "magnetic.only_magnetic": "Only a magnetic session has a source.",
+    "session.no_estimator": "There is no estimator {unknown:or}; choose {known:or}.",
+    "walk.in_both": "A walk is in both conditions; choose different ones.",
+    "walk.not_analysed": "A chosen session is not an analysed walk of this patient.",
+    "walk.no_walk": "This session is not a walk; record or upload one with sensors on the feet.",
+    "walk.no_strides": "This result has no strides: a live result has none, and an analysis may still be"
+    " running.",
+    "result.no_movement": "This result holds no movement yet; wait until its analysis is finished.",
+    "session.analysed": "Analysed.",
 }
 
 __all__ = ["ENGLISH"]

@@ -18,6 +18,7 @@ from app.recordings import repository as recordings
 from app.recordings.models import MotionSession, Result
 from app.recordings.schemas import ViewIn
 from app.recordings.store import read_frames
+from app.sentences import say
 from app.viewer.ghost import Ghost, GhostClock, ghost_from_template
 from app.viewer.markers import markers_of
 from app.viewer.pose import (
@@ -34,7 +35,7 @@ from estimators.conventions import Side
 from estimators.pipelines import SessionSetup
 
 Mode = Literal["live", "replay"]
-NO_SUCH_TEMPLATE = "There is no such template, or you have no right to know."
+NO_SUCH_TEMPLATE = say("template.not_found")
 _ENDED = ("analysed", "failed")
 
 
@@ -102,14 +103,14 @@ def find_target(engine: Engine, subject: Subject, session_id: str, wanted: ViewI
         )
         if wanted.markers_id is not None:
             if wanted.mode == "live":
-                raise InvalidInput("Markers are shown in a replay.", field="markers_id")
+                raise InvalidInput(say("viewer.markers_live"), field="markers_id")
             marker_motion.require(session, found.id, wanted.markers_id)
             return ViewTarget(wanted.mode, found.id, found.patient_id, None, None, wanted.markers_id)
         result_id = None
         if wanted.mode == "replay":
             result_id = recordings.result_of(session, found, wanted.result_id).id
         elif found.state in _ENDED:
-            raise Conflict("This session has ended; open a replay instead.", state=found.state)
+            raise Conflict(say("viewer.session_ended"), state=found.state)
         version_id = wanted.template_version_id
         if version_id is not None:
             _template_version(session, subject, version_id)
@@ -156,11 +157,11 @@ def load_contents(engine: Engine, target: ViewTarget) -> Contents:
         elif target.result_id is not None:
             result = session.get(Result, target.result_id)
             if result is None:
-                raise NotFound("This session has no such result.")
+                raise NotFound(say("result.not_found"))
             setup = SessionSetup.from_dict(result.setup)
             frames = read_frames(session, target.result_id)
             if frames.tick_count == 0:
-                raise InvalidInput("This result holds no movement yet; wait until its analysis is done.")
+                raise InvalidInput(say("result.no_movement"))
             measured = measured_segments(frames)
             track = track_from_frames(thinned(frames), setup.body)
         side = _side(session, found, patient, measured)

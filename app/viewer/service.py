@@ -22,6 +22,7 @@ from app.limits import Hold, Limits
 from app.live.bus import Bus
 from app.live.messages import CameraCommand, PlayerCommand, PlayerState
 from app.recordings.schemas import ViewIn, ViewOut
+from app.sentences import say
 from app.viewer import repository, wire
 from app.viewer.camera import Camera
 from app.viewer.ghost_node import ghost_visibility
@@ -34,7 +35,7 @@ VIEW_LIFE: Final = timedelta(hours=12)
 MAX_VIEWS: Final = 1000
 UNWATCHED_S: Final = 60.0
 CHECK_RIGHT_EVERY_S: Final = 5.0
-NO_SUCH_VIEW: Final = "There is no such view; open the session again."
+NO_SUCH_VIEW: Final = say("viewer.not_found")
 
 Inject = Callable[[bytes], None]
 

@@ -44,6 +44,7 @@ UNITS: Final[dict[str, Unit]] = {
     "mps2": Unit(1.0, " m/s²", 1),
     "ut": Unit(1e6, " µT", 0),
     "percent": Unit(1e2, " %", 0),
+    "points": Unit(1e2, "", 0),
     "mib": Unit(2.0**-20, " MiB", 0),
     "gib": Unit(2.0**-30, " GiB", 0),
     "kib": Unit(2.0**-10, " KiB", 0),

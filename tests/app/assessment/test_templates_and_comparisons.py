@@ -160,7 +160,7 @@ def test_a_repetition_left_out_by_hand_does_not_count(
     body = {"session_id": session_id, "dropped": [2], "tolerance_scale": {}}
     content = therapist.post("/api/templates/preview", json=body).json()
     assert [r["number"] for r in content["repetitions"] if not r["is_kept"]] == [2]
-    assert content["repetitions"][1]["reason"] == "Left out by hand."
+    assert content["repetitions"][1]["reason"] == "Excluded by hand."
     channel = MAIN.removeprefix("range:")
 
     def width(tolerance_scale: dict[str, float]) -> float:
@@ -195,7 +195,7 @@ def test_a_person_may_keep_what_the_service_would_leave_out(
     assert list(automatic) == [3]
     assert "lost track" in automatic[3]
     assert left_out([]) == {}
-    assert left_out([1]) == {1: "Left out by hand."}
+    assert left_out([1]) == {1: "Excluded by hand."}
     assert left_out([3]) == automatic, "the reason stays visible"
     body |= {"exercise_id": world.exercise_id, "name": "All of them", "dropped": []}
     stored = therapist.post("/api/templates", json=body).json()

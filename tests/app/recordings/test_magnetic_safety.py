@@ -117,7 +117,7 @@ def test_a_therapist_takes_the_word_back_and_the_gateway_stays_out_until_it_is_g
     assert told.json()["withdrawn_by"] == told.json()["confirmed_by"]
     refused = therapist.post(f"/api/sessions/{magnetic}/ticket", json={"purpose": "ingest"})
     assert refused.json()["code"] == "safety_unconfirmed"
-    assert "taken back" in refused.json()["message"]
+    assert "withdrawn" in refused.json()["message"]
     again = therapist.post(path, json=SAID).json()
     assert (again["confirmed"], again["withdrawn_at"]) == (True, None)
     assert again["confirmed_at"] > told.json()["confirmed_at"]
@@ -147,7 +147,7 @@ def test_the_word_of_yesterday_is_asked_for_again(therapist: Any, magnetic: str,
     assert (old["confirmed"], old["withdrawn_at"]) == (False, None)
     assert old["expires_at"] < first["confirmed_at"]
     refused = therapist.post(f"/api/sessions/{magnetic}/ticket", json={"purpose": "ingest"})
-    assert "too old" in refused.json()["message"]
+    assert "expired" in refused.json()["message"]
     assert source_refusal(engine, magnetic, CONFIRMATION_HOURS) == refused.json()["message"]
     assert source_refusal(engine, magnetic, CONFIRMATION_HOURS + 1.0) is None
     again = therapist.post(path, json=SAID).json()

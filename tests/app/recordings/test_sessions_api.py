@@ -102,7 +102,7 @@ def test_body_dimensions_of_the_patient_enter_the_setup(therapist: Any, world: A
         ({"placements": ["forearm_right", "forearm_right"]}, 422, "twice"),
         ({"orientation": "magic"}, 422, "magic"),
         ({"orientation_parameters": {"speed": 3}}, 422, "speed"),
-        ({"exercise_id": "0" * 32}, 422, "no such exercise"),
+        ({"exercise_id": "0" * 32}, 422, "Exercise not found"),
         ({"prescription_id": "0" * 32}, 422, "prescription"),
         ({"patient_id": "0" * 32}, 404, "Patient not found"),
     ],
@@ -246,6 +246,7 @@ def test_of_a_remembered_mounting_only_the_mounting_is_used(
         "method": "n_pose",
         "score": 0.9,
         "reasons": [],
+        "sentences": {},
         "needs_headings": True,
     }
     with read_only(engine) as session:

@@ -164,7 +164,7 @@ def test_a_foot_that_never_leaves_the_ground_is_told_and_not_guessed(
 def test_a_session_of_an_arm_is_no_walk(new_session: Any, therapist: Any) -> None:
     answer = therapist.get(f"/api/sessions/{new_session(state='analysed')}/gait")
     assert answer.status_code == 409
-    assert "no walk" in answer.json()["message"]
+    assert "not a walk" in answer.json()["message"]
 
 
 def test_a_live_walk_needs_no_calibration_and_refuses_one(therapist: Any, world: Any) -> None:

@@ -28,6 +28,7 @@ const UNITS: Record<string, { factor: number; suffix: string; digits: number } |
   mps2: { factor: 1, suffix: ' m/s²', digits: 1 },
   ut: { factor: 1e6, suffix: ' µT', digits: 0 },
   percent: { factor: 1e2, suffix: ' %', digits: 0 },
+  points: { factor: 1e2, suffix: '', digits: 0 },
   mib: { factor: 2 ** -20, suffix: ' MiB', digits: 0 },
   gib: { factor: 2 ** -30, suffix: ' GiB', digits: 0 },
   kib: { factor: 2 ** -10, suffix: ' KiB', digits: 0 },
