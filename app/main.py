@@ -6,11 +6,9 @@ import logging
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
 from functools import partial
-from importlib.metadata import PackageNotFoundError, version
 
 from anyio import to_thread
-from fastapi import APIRouter, FastAPI, Request
-from sqlalchemy import text
+from fastapi import APIRouter, FastAPI
 
 from app import processes
 from app import tables as tables
@@ -24,13 +22,18 @@ from app.assessment.endpoints import router as assessment_router
 from app.assessment.patient_endpoints import router as follow_up_router
 from app.database import engine as database_engine
 from app.database.migrate import require_newest
-from app.database.unit_of_work import read_only, unit_of_work
+from app.database.unit_of_work import unit_of_work
 from app.database.writer_lock import WriterLock, writer_lock
 from app.edge import error_answers
+from app.edge.access_log import AccessLog
 from app.edge.client import client_router
 from app.edge.demonstration import router as demonstration_router
 from app.edge.documentation import router as documentation_router
-from app.edge.middleware import AccessLog, BodyLimit, SecurityHeaders, UnexpectedErrors
+from app.edge.health import router as health_router
+from app.edge.health import service_version
+from app.edge.middleware import BodyLimit, SecurityHeaders, UnexpectedErrors
+from app.edge.readiness import Readiness, storing_checks
+from app.edge.readiness import router as readiness_router
 from app.exercises.endpoints import router as exercises_router
 from app.ingest.marker_task import fuse
 from app.ingest.markers import FILE_LIMIT_BYTES as MARKER_LIMIT_BYTES
@@ -56,20 +59,12 @@ from app.recordings.reprocess import reprocess
 from app.recordings.service import queue_closing
 from app.recordings.source_endpoints import router as sources_router
 from app.recordings.walk_endpoints import router as walks_router
-from app.services import Services, services_of
+from app.services import Services
 from app.settings import Settings
 from app.viewer import open_viewer
 from app.viewer import router as viewer_router
 
 logger = logging.getLogger("telemotion.service")
-
-
-def service_version() -> str:
-    """Return the installed version, or `unknown` when run from a tree that was not installed."""
-    try:
-        return version("telemotion")
-    except PackageNotFoundError:
-        return "unknown"
 
 
 def create_app(
@@ -189,6 +184,9 @@ async def open_services(
     jobs.subscribe(lambda done: live.task_done(done.session_id))
 
     await open_viewer(services, stack)
+    services.readiness = Readiness(storing_checks(settings, engine, lock, writer))
+    await services.readiness.start()
+    stack.push_async_callback(services.readiness.stop)
     return services
 
 
@@ -201,6 +199,7 @@ def all_routers() -> list[APIRouter]:
     """Return the routers of every room, in the order in which paths are matched."""
     return [
         health_router,
+        readiness_router,
         documentation_router,
         accounts_router,
         patients_router,
@@ -223,14 +222,3 @@ def all_routers() -> list[APIRouter]:
         demonstration_router,
         viewer_router,
     ]
-
-
-health_router = APIRouter(prefix="/api", tags=["service"])
-
-
-@health_router.get("/health")
-def health(request: Request) -> dict[str, str]:
-    """Return whether the service and its database answer; no sign-in needed."""
-    with read_only(services_of(request).engine) as session:
-        session.execute(text("SELECT 1"))
-    return {"status": "ok", "version": service_version()}

@@ -11,6 +11,7 @@ from typing import Final
 
 import uvicorn
 
+from app import logs
 from app.database import migrate
 from app.database.writer_lock import WriterLock, writer_lock
 from app.errors import Conflict, InvalidInput
@@ -65,6 +66,7 @@ def claim(
     listener : socket
     lock : WriterLock
     """
+    logs.configure(settings)
     with (
         listen(host, port) as listener,
         writer_lock(settings.database_url, purpose, f"{host}:{port}") as lock,
@@ -105,7 +107,7 @@ def run(settings: Settings, listener: socket.socket, lock: WriterLock) -> None:
             ws_per_message_deflate=False,
             ws_max_size=1 << 20,
             access_log=False,
-            log_level=settings.log_level,
+            log_config=None,
             timeout_graceful_shutdown=10,
             server_header=False,
         )

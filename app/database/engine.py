@@ -121,6 +121,36 @@ def _prepare_sqlite(engine: Engine, *, synchronous: str) -> None:
             connection.exec_driver_sql("BEGIN IMMEDIATE")
 
 
+def try_to_write(engine: Engine, patience_ms: int) -> None:
+    """Commit the smallest change that there is; nothing that anybody reads becomes another.
+
+    Parameters
+    ----------
+    engine : Engine
+    patience_ms : int
+        How long to wait for SQLite's write lock.
+
+    Raises
+    ------
+    DBAPIError
+        Nothing can be written: locked, full, read-only or not reachable.
+    """
+    if engine.dialect.name != "sqlite":
+        with engine.connect() as connection:
+            # A transaction with a number is written to the log of the server.
+            connection.exec_driver_sql("SELECT txid_current()")
+            connection.commit()
+        return
+    with engine.connect() as connection:
+        driver: Any = connection.connection.driver_connection
+        driver.execute(f"PRAGMA busy_timeout = {patience_ms}")
+        try:
+            connection.exec_driver_sql("PRAGMA user_version = 0")
+            connection.commit()
+        finally:
+            driver.execute(f"PRAGMA busy_timeout = {BUSY_TIMEOUT_MS}")
+
+
 def forget_deleted(engine: Engine) -> bool:
     """Empty SQLite's write-ahead log, which still holds pages as they were before something was erased.
 

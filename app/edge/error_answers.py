@@ -1,5 +1,6 @@
-"""The one handler that turns errors into answers: JSON `{"code", "message", "details", "sentences"}` with the
-status of the error tree; `sentences` has code and parameters of the message for who says it in another language.
+"""The one handler that turns errors into answers: JSON `{"code", "message", "details", "sentences",
+"request_id"}` with the status of the error tree; `sentences` has code and parameters of the message for who says it in another language, the
+request's identifier finds the lines that the log has on it.
 
 What a client sent never comes back in an answer (it may be a password or a name); only where in the input the
 problem is. Unexpected errors are logged with their trace and answered without any detail.
@@ -22,6 +23,7 @@ from starlette.types import ExceptionHandler
 from starlette.websockets import WebSocket
 
 from app.errors import TelemotionError
+from app.logs import request_id
 from app.schemas import Spoken
 from app.sentences import say
 
@@ -86,7 +88,7 @@ def answer(status: int, code: str, message: str, details: dict[str, Any]) -> JSO
     headers = {"Cache-Control": "no-store"}
     if "retry_after_s" in details:
         headers["Retry-After"] = str(int(details["retry_after_s"]))
-    said = ErrorOut(code=code, message=message, details=details)
+    said = ErrorOut(code=code, message=message, details=details, request_id=request_id.get())
     return JSONResponse(said.model_dump(mode="json"), status_code=status, headers=headers)
 
 

@@ -1,11 +1,9 @@
-"""Plain ASGI middleware: security headers, body limits and the access log.
+"""Plain ASGI middleware: security headers, body limits and errors that nobody expected.
 
 Written against ASGI and not `BaseHTTPMiddleware`, which would buffer streams and break the cancelling of
 requests.
 """
 
-import logging
-import time
 from collections.abc import Mapping
 from urllib.parse import urlsplit
 
@@ -15,8 +13,6 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from app.edge.error_answers import BodyTooLarge, answer, unexpected
 from app.settings import Settings
-
-access_log = logging.getLogger("telemotion.access")
 
 
 def content_security_policy(settings: Settings) -> str:
@@ -176,44 +172,3 @@ class UnexpectedErrors:
             if has_begun:
                 raise
             await unexpected(HTTPConnection(scope), error)(scope, receive, send)
-
-
-class AccessLog:
-    """One line per request: method, route template, status, time. No addresses of patients, no query, no
-    identifiers.
-
-    Parameters
-    ----------
-    app : ASGIApp
-    """
-
-    def __init__(self, app: ASGIApp) -> None:
-        self.app = app
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on and note how it went."""
-        if scope["type"] != "http":
-            await self.app(scope, receive, send)
-            return
-        started = time.perf_counter()
-        status = 500
-
-        async def send_noting(message: Message) -> None:
-            nonlocal status
-            if message["type"] == "http.response.start":
-                status = message["status"]
-            await send(message)
-
-        try:
-            await self.app(scope, receive, send_noting)
-        finally:
-            milliseconds = (time.perf_counter() - started) * 1e3
-            access_log.info("%s %s %d %.1f ms", scope["method"], _template(scope), status, milliseconds)
-
-
-def _template(scope: Scope) -> str:
-    """Return the route's template, e.g. `/api/patients/{patient_id}`; never the path itself, which holds
-    identifiers.
-    """
-    path = getattr(scope.get("route"), "path", None)
-    return path if isinstance(path, str) else "-"

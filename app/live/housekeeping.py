@@ -91,6 +91,7 @@ class Housekeeping:
         said_goodbye = session.ledger.last_sequence is not None
         if silence_s > LINK_LOST_AFTER_S and session.state in STREAMING and not said_goodbye:
             session.link_lost(say("live.no_packet", silence_s=LINK_LOST_AFTER_S))
+        session.is_being_stored()
         if publish:
             session.publish_health()
         if session.state not in OPEN:

@@ -1,5 +1,6 @@
 """Which packets of a session are here, which are safe, and which will never come."""
 
+import time
 from dataclasses import dataclass, field
 
 from app.recordings import SequenceRanges
@@ -9,6 +10,8 @@ REPORT_AFTER_S = 0.3
 GIVE_UP_AFTER_S = 3.0
 """How long a connected gateway is asked for a missing packet; what comes later still is stored."""
 REPORTED_HOLES = 64
+NOT_STORED_AFTER_S = 3.0
+"""Packets wait about a second and a quarter for their commit; when none became durable for so long, none is stored."""
 
 
 @dataclass
@@ -30,6 +33,8 @@ class SequenceLedger:
     given_up: SequenceRanges = field(default_factory=SequenceRanges)
     last_sequence: int | None = None
     """From the goodbye: nothing above will come."""
+    _durable_count: int = 0
+    _durable_s: float = field(default_factory=lambda: time.monotonic())
     _asked_s: dict[tuple[int, int], float] = field(default_factory=dict)
 
     @property
@@ -43,6 +48,13 @@ class SequenceLedger:
     def highest(self) -> int:
         """Highest durable sequence; -1 when none."""
         return self.durable.highest
+
+    def is_being_stored(self) -> bool:
+        """Whether what comes becomes durable; call at least once a second."""
+        count = len(self.durable)
+        if count != self._durable_count or count >= len(self.received):
+            self._durable_count, self._durable_s = count, time.monotonic()
+        return time.monotonic() - self._durable_s < NOT_STORED_AFTER_S
 
     def holes(self) -> list[tuple[int, int]]:
         """Return the half-open ranges, not given up, that are missing below the end."""

@@ -81,8 +81,12 @@ class HealthMessage(Schema):
 
     type: Literal["health"] = "health"
     sensors: list[SensorHealth]
+    packets_received: int
     packets_stored: int
+    """Durable: a crash does not lose them."""
     packets_missing: int
+    is_being_stored: bool
+    """False when packets come and none has become durable for some seconds."""
     latency_ms_median: float | None
     latency_ms_p99: float | None
     """Packet arrival to published frame."""

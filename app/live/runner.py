@@ -95,6 +95,7 @@ class LiveSession(CalibratedSession):
         self.duplicates = 0
         self.is_finished = False
         """Closed, and everything that came is stored."""
+        self._has_store_failed = False
         self._unstored_tick = first_unstored_tick
         self._saved_declaration = declaration
         self._backlog_ticks = BACKLOG_S * declaration.rate_hz
@@ -328,12 +329,18 @@ class LiveSession(CalibratedSession):
         median, high = self.health.latency_ms()
         return HealthMessage(
             sensors=self.health.sensors(self.machine.state in STREAMING or self.machine.state == "failed"),
-            packets_stored=len(self.ledger.received),
+            packets_received=len(self.ledger.received),
+            packets_stored=len(self.ledger.durable),
             packets_missing=self.ledger.missing_count,
+            is_being_stored=self.is_being_stored(),
             latency_ms_median=median,
             latency_ms_p99=high,
             clock_skew_ppm=self.skew.skew_ppm,
         )
+
+    def is_being_stored(self) -> bool:
+        """Whether what comes is stored; looked at with every turn of the housekeeping."""
+        return not self._has_store_failed and self.ledger.is_being_stored()
 
     def layout(self) -> LayoutMessage:
         """Return the columns of the frames."""
@@ -360,6 +367,7 @@ class LiveSession(CalibratedSession):
         self._loop.call_soon_threadsafe(self._store_failed, error)
 
     def _store_failed(self, error: TelemotionError) -> None:
+        self._has_store_failed = True
         self.line.is_running = False
         if self.machine.may("failed"):
             self.machine.to("failed", error.message)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass
 class WriterMetrics:
-    """Counters since the start; read without a lock, for `/api/health` and the bench."""
+    """Counters since the start; read without a lock, for `/metrics` and the bench."""
 
     packets_stored: int = 0
     packets_duplicate: int = 0

@@ -229,6 +229,15 @@ class GroupCommitWriter:
         with self._lock:
             return self._open(session_id).durable.copy()
 
+    def trouble(self) -> str | None:
+        """Return in words why what waits is not being stored; None when all is well."""
+        with self._lock:
+            failing = sum(session.repeat is not None for session in self._sessions.values())
+            is_running = self._thread is not None and self._thread.is_alive()
+        if failing:
+            return f"The last commit of {failing} sessions failed; it is tried again."
+        return None if is_running else "The thread that commits is not running."
+
     def close_session(self, session_id: str) -> None:
         """Forget a session; what waits is still committed. Await `flush` first to know that it was."""
         with self._lock:

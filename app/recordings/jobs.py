@@ -16,7 +16,7 @@ from typing import Any, Final
 
 from sqlalchemy import CursorResult, Engine, select, update
 
-from app import processes
+from app import logs, processes
 from app.accounts.subject import Subject
 from app.database import engine as engines
 from app.database.unit_of_work import read_only, unit_of_work
@@ -121,12 +121,14 @@ def run_job(engine: Engine, settings: Settings, job_id: str, handler: Handler) -
     try:
         message = handler(context)
     except MemoryError:
+        logger.warning("task %s (%s) failed: MemoryError", job_id, kind)
         status, message = (
             "failed",
             say("job.memory", limit_bytes=settings.job_memory_bytes),
         )
     except (TelemotionError, EstimationError) as error:
         status, message = "failed", error.message
+        logger.warning("task %s (%s) failed: %s", job_id, kind, type(error).__name__)
     except Exception:
         logger.exception("task %s (%s) failed", job_id, kind)
         status, message = (
@@ -159,6 +161,7 @@ def _finish(engine: Engine, context: JobContext, kind: str, status: str, message
 
 
 def _work(emit: processes.Emit, settings: Settings, job_id: str, handler: Handler) -> None:
+    logs.configure(settings)
     engine = engines.create(settings)
     emit(run_job(engine, settings, job_id, handler))
     engine.dispose()

@@ -104,6 +104,7 @@ UPLOAD = {"patient_id": "{patient_id}", "format": "packet_log"}
 LINES: tuple[Line, ...] = (
     # --- service ---
     Line("GET", "/api/health", "public"),
+    Line("GET", "/api/ready", "public"),
     Line("GET", "/{path:path}", "public"),
     Line("GET", "/api/openapi.json", "signed_in"),
     Line("GET", "/api/docs", "signed_in"),
