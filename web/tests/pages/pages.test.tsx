@@ -124,7 +124,7 @@ describe('sensor health', () => {
     ...change,
   });
   const show = (sensors: SensorHealth[]) => {
-    const health = { type: 'health' as const, sensors, packets_stored: 1, packets_missing: 0, latency_ms_median: 1, latency_ms_p99: 2, clock_skew_ppm: null };
+    const health = { type: 'health' as const, sensors, packets_stored: 1, packets_received: 1, packets_missing: 0, is_being_stored: true, latency_ms_median: 1, latency_ms_p99: 2, clock_skew_ppm: null };
     renderPage(<HealthPanel health={health} placements={[]} />, { answers: {} });
     return screen.getByRole('region', { name: 'Sensors' });
   };

@@ -123,6 +123,8 @@ export const session = {
   'live.silentHere': 'This page has waited for',
   'live.silentFor': 'Silent for',
   'live.linkLostText': 'Check that the gateway is on and connected. This page continues automatically when data arrives.',
+  'live.notStored': 'Not being stored',
+  'live.notStoredText': 'What the sensors measure now is not saved. The sensors keep it and send it again when saving works. If this lasts longer than a minute, stop the exercise and call whoever looks after this service.',
   'live.failed': 'This session failed',
   'live.toReplay': 'Replay and compare',
   'event.unnamed': 'Event',

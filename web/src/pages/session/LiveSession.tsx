@@ -31,6 +31,7 @@ import { ConnectHelp } from './ConnectHelp';
 import { HealthPanel } from './HealthPanel';
 import { LiveBanners } from './LiveBanners';
 import { LiveButtons } from './LiveButtons';
+import { NotStored } from './NotStored';
 import { StateSteps, stepOf } from './StateSteps';
 
 const LIVE = { mode: 'live' } as const;
@@ -117,6 +118,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
         {!isOver && <Delay snapshot={snapshot} />}
       </div>
       {!isOver && <LiveBanners snapshot={snapshot} isLinkLost={state === 'link_lost'} />}
+      {snapshot.connection === 'open' && !isOver && <NotStored health={snapshot.health} />}
       {state === 'created' && message?.reason && (
         <div className="banner banner-note" role="status">
           <p>{message.reason}</p>
