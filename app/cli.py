@@ -470,28 +470,10 @@ def validate(
 
 def main() -> None:
     """Run the command line; expected failures are one line on standard error and exit code 2."""
-    import sys
-    from json import JSONDecodeError
+    from app.commands.failures import in_one_line
 
-    from pydantic import ValidationError
-
-    from app.errors import TelemotionError
-    from estimators.errors import EstimationError
-
-    try:
+    with in_one_line():
         cli()
-    except (TelemotionError, EstimationError) as error:
-        print(f"telemotion: {error}", file=sys.stderr)
-        sys.exit(2)
-    except ValidationError as error:
-        # Settings that refuse to start, or a mapping that is none: the reasons, without the values.
-        for problem in error.errors(include_url=False, include_input=False, include_context=False):
-            place = ".".join(str(part) for part in problem["loc"])
-            print(f"telemotion: {place + ': ' if place else ''}{problem['msg']}", file=sys.stderr)
-        sys.exit(2)
-    except JSONDecodeError as error:
-        print(f"telemotion: this is no JSON: {error}", file=sys.stderr)
-        sys.exit(2)
 
 
 if __name__ == "__main__":

@@ -31,7 +31,8 @@ from app.edge.demonstration import router as demonstration_router
 from app.edge.documentation import router as documentation_router
 from app.edge.health import router as health_router
 from app.edge.health import service_version
-from app.edge.middleware import BodyLimit, SecurityHeaders, UnexpectedErrors
+from app.edge.metrics import router as metrics_router
+from app.edge.middleware import BodyLimit, SecurityHeaders, UnexpectedErrors, WholeAddresses
 from app.edge.readiness import Readiness, storing_checks
 from app.edge.readiness import router as readiness_router
 from app.exercises.endpoints import router as exercises_router
@@ -47,6 +48,7 @@ from app.live.endpoints import router as live_router
 from app.live.manager import LiveManager
 from app.live.replay import router as replay_router
 from app.live.watch_socket import router as watch_router
+from app.observation import observe
 from app.patients.endpoints import router as patients_router
 from app.recordings import GroupCommitWriter
 from app.recordings.disk import DiskUse
@@ -110,6 +112,7 @@ def create_app(
             "/api/sessions/*/markers": MARKER_LIMIT_BYTES + MULTIPART_SLACK_BYTES,
         },
     )
+    app.add_middleware(WholeAddresses)
     app.add_middleware(UnexpectedErrors)
     app.add_middleware(SecurityHeaders, settings=settings)
     app.add_middleware(AccessLog)
@@ -187,6 +190,7 @@ async def open_services(
     services.readiness = Readiness(storing_checks(settings, engine, lock, writer))
     await services.readiness.start()
     stack.push_async_callback(services.readiness.stop)
+    services.metrics = await observe(services, stack)
     return services
 
 
@@ -200,6 +204,7 @@ def all_routers() -> list[APIRouter]:
     return [
         health_router,
         readiness_router,
+        metrics_router,
         documentation_router,
         accounts_router,
         patients_router,

@@ -14,6 +14,33 @@ class Schema(BaseModel):
 
     model_config = ConfigDict(extra="forbid", from_attributes=True)
 
+    @model_validator(mode="before")
+    @classmethod
+    def _refuse_broken_text(cls, data: Any) -> Any:
+        """Refuse text that PostgreSQL cannot store, on every database."""
+        if isinstance(data, dict):
+            for name, value in data.items():
+                if not is_whole_text(value):
+                    raise ValueError(f"{name}: text must not hold a NUL or half a character; remove it")
+        return data
+
+
+def is_whole_text(value: Any) -> bool:
+    """Return whether no text in a value of JSON holds a NUL or a lone surrogate.
+
+    Parameters
+    ----------
+    value : object
+        Lists are taken to hold one kind of thing: one that begins with a number is not looked through.
+    """
+    if isinstance(value, str):
+        return "\0" not in value and not any("\ud800" <= character <= "\udfff" for character in value)
+    if isinstance(value, dict):
+        return all(is_whole_text(name) and is_whole_text(part) for name, part in value.items())
+    if isinstance(value, list | tuple) and value and not isinstance(value[0], int | float):
+        return all(is_whole_text(part) for part in value)
+    return True
+
 
 def may_be_absent(**limits: Any) -> Any:
     """Return a field of a change that may be left out, but not cleared with null.

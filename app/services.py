@@ -38,6 +38,7 @@ class Services:
     sign_in_limits : app.accounts.rate_limit.SignInLimits
     refused_sign_ins : app.accounts.refusals.RefusedSignIns
     passwords : app.accounts.passwords.Passwords
+    metrics : app.metrics.Registry
     readiness : app.edge.readiness.Readiness
         Whether what is sent now can be stored.
     """
@@ -53,6 +54,7 @@ class Services:
     sign_in_limits: Any = None
     refused_sign_ins: Any = None
     passwords: Any = None
+    metrics: Any = None
     readiness: Any = None
     limits: Limits = field(init=False)
     extras: dict[str, Any] = field(default_factory=dict)

@@ -5,8 +5,11 @@ message names the variable and what to set. `Settings.model_fields` holds the do
 test fails on one without.
 """
 
+import difflib
 import ipaddress
 import math
+import os
+from collections.abc import Collection, Iterable
 from pathlib import Path
 from typing import Annotated, Literal, NamedTuple, Self
 from urllib.parse import urlsplit
@@ -17,6 +20,9 @@ from sqlalchemy import make_url
 from sqlalchemy.exc import ArgumentError
 
 MINIMUM_SECRET_LENGTH = 32
+PREFIX = "TELEMOTION_"
+OF_COMMANDS = frozenset({"email", "password", "server", "service"})
+"""Variables of commands that talk to a service; no settings of one."""
 DEMO_SECRET = "demonstration only, never with real patients"  # noqa: S105 - refused outside the demonstration
 
 
@@ -43,11 +49,33 @@ def _allowance(value: object) -> object:
 Allowed = Annotated[Allowance, NoDecode, BeforeValidator(_allowance)]
 
 
+def misspelt(names: Iterable[str], known: Collection[str]) -> list[str]:
+    """Return what is wrong with variables that look like settings and are none.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Of environment variables.
+    known : collection of str
+        Names of settings, in lower case and without the prefix.
+    """
+    problems = []
+    for name in sorted(names):
+        short = name.removeprefix(PREFIX).lower()
+        if not name.upper().startswith(PREFIX) or short in known or short in OF_COMMANDS:
+            continue
+        if not short.startswith("test_"):
+            near = difflib.get_close_matches(short, known, 1)
+            hint = f"; did you mean {PREFIX}{near[0].upper()}?" if near else ""
+            problems.append(f"{name} is no setting{hint}")
+    return problems
+
+
 class Settings(BaseSettings):
     """How this service runs."""
 
     model_config = SettingsConfigDict(
-        env_prefix="TELEMOTION_", env_file=".env", extra="ignore", frozen=True, hide_input_in_errors=True
+        env_prefix=PREFIX, env_file=".env", extra="ignore", frozen=True, hide_input_in_errors=True
     )
 
     demo: bool = Field(
@@ -152,6 +180,14 @@ class Settings(BaseSettings):
     log_level: Literal["debug", "info", "warning", "error"] = Field(
         default="info", description="Least severe message that is logged."
     )
+    trusted_proxies: str = Field(
+        default="127.0.0.1,::1",
+        description="Addresses or networks of the proxies whose X-Forwarded-For is believed, separated by commas.",
+    )
+    metrics_token: SecretStr = Field(
+        default=SecretStr(""),
+        description="Who sends it as `Authorization: Bearer` may read /metrics; at least 32 characters.",
+    )
     log_format: Literal["text", "json"] = Field(
         default="text", description="Lines for people, or one JSON object a line for programs."
     )
@@ -177,6 +213,23 @@ class Settings(BaseSettings):
             raise ValueError("TELEMOTION_DATABASE_URL must name sqlite or postgresql")
         return value
 
+    @field_validator("trusted_proxies")
+    @classmethod
+    def _check_trusted_proxies(cls, value: str) -> str:
+        for part in filter(None, (part.strip() for part in value.split(","))):
+            try:
+                network = ipaddress.ip_network(part, strict=False)
+            except ValueError as error:
+                raise ValueError(
+                    "TELEMOTION_TRUSTED_PROXIES must hold addresses or networks, e.g. 127.0.0.1,172.30.77.1"
+                ) from error
+            if network.prefixlen == 0:
+                raise ValueError(
+                    "TELEMOTION_TRUSTED_PROXIES would believe everybody, and anybody could forge the address that"
+                    " limits on sign-ins count"
+                )
+        return value
+
     @model_validator(mode="after")
     def _refuse_unsafe(self) -> Self:
         problems = self._problems_everywhere()
@@ -187,13 +240,17 @@ class Settings(BaseSettings):
         return self
 
     def _problems_everywhere(self) -> list[str]:
+        problems = misspelt(os.environ, set(type(self).model_fields))
+        token = self.metrics_token.get_secret_value()
+        if token and len(token) < MINIMUM_SECRET_LENGTH:
+            problems.append(f"TELEMOTION_METRICS_TOKEN must hold at least {MINIMUM_SECRET_LENGTH} characters")
         url = make_url(self.database_url)
         if url.get_backend_name() == "sqlite" and url.database in {None, "", ":memory:"}:
-            return [
+            problems.append(
                 "TELEMOTION_DATABASE_URL is an in-memory database, which would forget every patient "
                 "and cannot be shared between threads; name a file"
-            ]
-        return []
+            )
+        return problems
 
     def _problems_outside_demo(self) -> list[str]:
         problems = []

@@ -44,6 +44,7 @@ class RefusedSignIns:
         self._lock = threading.Lock()
         self._waiting = 0
         self._passed_over = 0
+        self.refused = 0
 
     def note(self, email: str) -> None:
         """Note one refusal soon; returns at once.
@@ -54,6 +55,7 @@ class RefusedSignIns:
             Normalised.
         """
         with self._lock:
+            self.refused += 1
             if self._waiting >= MAXIMUM_WAITING:
                 self._passed_over += 1
                 return

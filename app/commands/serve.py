@@ -110,6 +110,7 @@ def run(settings: Settings, listener: socket.socket, lock: WriterLock) -> None:
             log_config=None,
             timeout_graceful_shutdown=10,
             server_header=False,
+            forwarded_allow_ips=settings.trusted_proxies,
         )
     )
     with contextlib.suppress(KeyboardInterrupt):

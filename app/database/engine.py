@@ -12,6 +12,8 @@ that reads first and asks for the lock later would be refused at once with "data
 else wrote in between; waiting at the start with `busy_timeout` cannot deadlock.
 """
 
+import contextlib
+import os
 from pathlib import Path
 from typing import Any
 
@@ -85,11 +87,12 @@ def create_from_url(url: str, *, durability: str = "process_death") -> Engine:
         hide_parameters=True,
         connect_args={"check_same_thread": False, "timeout": BUSY_TIMEOUT_MS / 1000},
     )
-    _prepare_sqlite(engine, synchronous="FULL" if durability == "power_loss" else "NORMAL")
+    synchronous = "FULL" if durability == "power_loss" else "NORMAL"
+    _prepare_sqlite(engine, parsed.database or "", synchronous=synchronous)
     return engine
 
 
-def _prepare_sqlite(engine: Engine, *, synchronous: str) -> None:
+def _prepare_sqlite(engine: Engine, database: str, *, synchronous: str) -> None:
     """Set the pragmas of each connection and begin transactions ourselves."""
 
     @event.listens_for(engine, "connect")
@@ -110,6 +113,10 @@ def _prepare_sqlite(engine: Engine, *, synchronous: str) -> None:
         ):
             cursor.execute(f"PRAGMA {pragma}")
         cursor.close()
+        for suffix in ("", "-wal", "-shm"):
+            # Others' reading is taken away wherever the folder was; SQLite makes later files like the first.
+            with contextlib.suppress(FileNotFoundError, PermissionError):
+                os.chmod(f"{database}{suffix}", 0o600)
 
     @event.listens_for(engine, "begin")
     def on_begin(connection: Connection) -> None:

@@ -3,13 +3,28 @@
 import logging
 import secrets
 import time
+from collections import Counter
 
 from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from app.logs import request_id
+from app.metrics import Histogram
 
 logger = logging.getLogger("telemotion.access")
+
+SECONDS_BOUNDS = (0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 10.0)
+
+
+class Served:
+    """Counts since the process began: answers by status, and how long they took."""
+
+    def __init__(self) -> None:
+        self.by_status: Counter[str] = Counter()
+        self.seconds = Histogram(SECONDS_BOUNDS)
+
+
+served = Served()
 
 REQUEST_ID_HEADER = "X-Request-ID"
 
@@ -65,6 +80,8 @@ class AccessLog:
                 logger.info("WEBSOCKET %s closed after %.1f s", template(scope), taken_s)
             else:
                 method = "WEBSOCKET" if is_socket else scope["method"]
+                served.by_status[str(status)] += 1
+                served.seconds.observe(taken_s)
                 logger.info("%s %s %d %.1f ms", method, template(scope), status, 1e3 * taken_s)
             request_id.reset(token)
 
@@ -82,4 +99,4 @@ def template(scope: Scope) -> str:
     return path if isinstance(path, str) else "-"
 
 
-__all__ = ["REQUEST_ID_HEADER", "AccessLog", "template"]
+__all__ = ["REQUEST_ID_HEADER", "AccessLog", "served", "template"]

@@ -143,6 +143,30 @@ class BodyLimit:
         await self.app(scope, receive_counted, send)
 
 
+class WholeAddresses:
+    """Refuses a NUL in an address, which no database identifier and no file name holds.
+
+    Parameters
+    ----------
+    app : ASGIApp
+    """
+
+    def __init__(self, app: ASGIApp) -> None:
+        self.app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on, or answer 404 (path) or 422 (query)."""
+        if scope["type"] == "http" and "\0" in scope["path"]:
+            await answer(404, "not_found", "There is nothing at this address.", {})(scope, receive, send)
+        elif scope["type"] == "http" and b"%00" in scope["query_string"]:
+            message = "The query must not hold a NUL; remove %00."
+            await answer(422, "invalid_input", message, {"fields": []})(scope, receive, send)
+        elif scope["type"] == "websocket" and ("\0" in scope["path"] or b"%00" in scope["query_string"]):
+            await send({"type": "websocket.close", "code": 4404, "reason": "not_found"})
+        else:
+            await self.app(scope, receive, send)
+
+
 class UnexpectedErrors:
     """Answers what no handler expected, inside the security headers and the access log.
 

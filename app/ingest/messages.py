@@ -131,4 +131,4 @@ class GoodbyeMessage(Schema):
     """Gateway: no more packets; `last_sequence` lets the server know what is missing."""
 
     type: Literal["goodbye"] = "goodbye"
-    last_sequence: int
+    last_sequence: int = Field(ge=-1, lt=1 << 62)

@@ -64,6 +64,8 @@ class LinkHealth:
         self._segments: Sequence[str] = ()
         self._segment_flags: NDArray[np.uint8] | None = None
         self.latencies_s: deque[float] = deque(maxlen=_LATENCIES)
+        """Not yet taken."""
+        self._taken_s: deque[float] = deque(maxlen=_LATENCIES)
 
     def add_packet(self, device_s: float, arrival_s: float) -> None:
         """Take device time and monotonic arrival time of a packet that came as it was measured.
@@ -110,11 +112,19 @@ class LinkHealth:
         """Take the orientation flags of the newest ticks, shape (K, G), by segment; read when somebody asks."""
         self._segments, self._segment_flags = segments, flags
 
+    def take_latencies(self) -> list[float]:
+        """Return what was measured since the last call; what is asked for a median keeps the last ones."""
+        taken = list(self.latencies_s)
+        self.latencies_s.clear()
+        self._taken_s.extend(taken)
+        return taken
+
     def latency_ms(self) -> tuple[float | None, float | None]:
         """Return median and 99th percentile of the last latencies, packet arrival to published frame."""
-        if not self.latencies_s:
+        known = [*self._taken_s, *self.latencies_s][-_LATENCIES:]
+        if not known:
             return None, None
-        median, high = np.percentile(np.array(self.latencies_s), [50, 99])
+        median, high = np.percentile(np.array(known), [50, 99])
         return round(1e3 * float(median), 3), round(1e3 * float(high), 3)
 
     def sensors(self, link_is_up: bool) -> list[SensorHealth]:

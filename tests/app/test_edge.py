@@ -1,6 +1,7 @@
 """The HTTP edge: headers, limits, errors, origin and CSRF, the client's files, the description, logs."""
 
 import gzip
+import json
 import logging
 import shutil
 
@@ -275,3 +276,28 @@ def test_a_database_that_was_not_migrated_refuses_to_start(settings, cheap_passw
         open_client(settings, cheap_passwords, database_url=f"sqlite:///{tmp_path / 'new.db'}"),
     ):
         pass
+
+
+BROKEN = ["a\0b", "\ud800"]
+
+
+@pytest.mark.parametrize("broken", BROKEN)
+def test_broken_text_is_refused_in_words(nobody, therapist, world, broken):
+    text = json.dumps(broken)
+    json_type = {"Content-Type": "application/json"}
+    body = f'{{"email": {text}, "password": "x"}}'
+    answer = nobody.post("/api/sign-in", content=body, headers={**json_type, "Origin": BASE_URL})
+    assert (answer.status_code, answer.json()["code"]) == (422, "invalid_input")
+    body = f'{{"given_name": {text}, "family_name": "B"}}'
+    assert therapist.post("/api/patients", content=body, headers=json_type).status_code == 422
+    named = f'"patient_id": "{world.patient_id}", "placements": ["hand_right"]'
+    body = f'{{{named}, "orientation_parameters": {{"a": [{text}]}}}}'
+    assert therapist.post("/api/sessions", content=body, headers=json_type).status_code == 422
+
+
+def test_a_nul_in_an_address_is_not_found(nobody, therapist):
+    for path in ("/%00", "/api/patients/%00", "/assets/%00.js", "/viewer/%00/"):
+        answer = therapist.get(path)
+        assert (answer.status_code, answer.json()["code"]) == (404, "not_found"), path
+        assert "default-src 'self'" in answer.headers["content-security-policy"]
+    assert therapist.get("/api/patients?search=%00").status_code == 422

@@ -1,8 +1,11 @@
 """Settings: documented, and unsafe ones refuse to start."""
 
+import asyncio
 import os
+import re
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from pydantic import ValidationError
@@ -80,3 +83,47 @@ def test_a_refusal_does_not_print_the_secret(tmp_path):
     assert done.returncode != 0
     assert "refusing to start" in done.stderr
     assert "short-but-secret" not in done.stderr
+
+
+def test_a_misspelt_setting_refuses_to_start_with_the_nearest_name(monkeypatch):
+    monkeypatch.setenv("TELEMOTION_DATABSE_URL", "sqlite:///elsewhere.db")
+    with pytest.raises(
+        ValidationError, match="TELEMOTION_DATABSE_URL is no setting; did you mean TELEMOTION_DATABASE_URL"
+    ):
+        make()
+    monkeypatch.delenv("TELEMOTION_DATABSE_URL")
+    monkeypatch.setenv("TELEMOTION_PASSWORD", "of a command")
+    make()
+
+
+@pytest.mark.parametrize("value", ["*", "0.0.0.0/0", "::/0", "proxy", "127.0.0.1,*"])
+def test_no_setting_believes_every_proxy(value):
+    with pytest.raises(ValidationError, match="TELEMOTION_TRUSTED_PROXIES"):
+        make(trusted_proxies=value)
+
+
+def test_compose_believes_its_own_gateway_only():
+    compose = (Path(__file__).resolve().parents[2] / "docker" / "compose.yaml").read_text()
+    assert "FORWARDED_ALLOW_IPS" not in compose
+    (trusted,) = re.findall(r'TELEMOTION_TRUSTED_PROXIES: "(.*)"', compose)
+    assert make(trusted_proxies=trusted).trusted_proxies == re.findall(r"gateway: (.*)", compose)[0]
+
+
+@pytest.mark.parametrize(("peer", "seen"), [("172.30.77.1", "203.0.113.9"), ("198.51.100.4", "198.51.100.4")])
+def test_a_forged_client_address_is_not_believed(peer, seen):
+    """The proxy appends whom it saw; what stands before it was written by the client."""
+    from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
+
+    found = []
+
+    async def application(scope, receive, send):
+        found.append(scope["client"][0])
+
+    scope = {
+        "type": "http",
+        "client": (peer, 4711),
+        "headers": [(b"x-forwarded-for", b"10.0.0.1, 127.0.0.1, 203.0.113.9")],
+    }
+    settings = make(trusted_proxies="172.30.77.1")
+    asyncio.run(ProxyHeadersMiddleware(application, settings.trusted_proxies)(scope, None, None))
+    assert found == [seen]

@@ -15,6 +15,7 @@ import httpx
 import pytest
 
 from app.database import migrate
+from app.database.engine import create_from_url
 from app.database.writer_lock import DatabaseInUse, writer_lock
 from app.errors import InvalidInput, Unavailable
 from app.main import create_app
@@ -149,8 +150,6 @@ def test_a_lock_whose_connection_is_lost_is_noticed(postgresql_database):
 def cut_connections(url: str) -> None:
     from sqlalchemy import text
 
-    from app.database.engine import create_from_url
-
     engine = create_from_url(url)
     with engine.begin() as connection:
         connection.execute(
@@ -205,6 +204,20 @@ def test_commands_say_in_one_line_why_they_do_not_begin(tmp_path):
     code, said = command.end("migrate")
     assert (code, said.count("\n")) == (2, 1), said
     assert "newer version" in said
+
+
+def test_only_the_owner_reads_the_database_wherever_the_folder_was(tmp_path):
+    database = tmp_path / "open" / "telemotion.db"
+    database.parent.mkdir(mode=0o755)
+    database.touch(0o644)
+    migrate.upgrade(f"sqlite:///{database}")
+    engine = create_from_url(f"sqlite:///{database}")
+    with engine.begin() as connection:
+        connection.exec_driver_sql("CREATE TABLE more (x)")
+        modes = {path.name: path.stat().st_mode & 0o777 for path in database.parent.iterdir()}
+    engine.dispose()
+    assert modes == dict.fromkeys(modes, 0o600)
+    assert {"telemotion.db", "telemotion.db-wal"} <= modes.keys()
 
 
 @pytest.mark.slow

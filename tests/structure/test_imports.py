@@ -7,7 +7,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 
-FOUNDATION = {"errors", "schemas", "sentences", "settings", "services", "database", "processes", "limits", "logs"}
+FOUNDATION = {"errors", "schemas", "sentences", "settings", "services", "database", "processes", "limits", "logs", "metrics"}
 # Rooms of `app` that each room may import, besides itself, from the lowest to the highest. The nouns stand on each
 # other in one order: accounts, patients, exercises, recordings.
 ALLOWED = {
@@ -17,6 +17,7 @@ ALLOWED = {
     "settings": {"errors"},
     "limits": {"errors", "settings"},
     "logs": {"errors", "settings"},
+    "metrics": set(),
     "services": {"settings", "limits"},
     "processes": {"errors"},
     "lower_priority": set(),
@@ -41,7 +42,7 @@ KNOWN_CIRCLES = {
 }
 # Above all rooms: the command `demo` runs the demonstration, which sends its recordings as the command `upload` does.
 TOP_CIRCLES = {frozenset({"commands", "demo"})}
-TOP = {"main", "cli", "commands", "demo", "tables"}
+TOP = {"main", "observation", "cli", "commands", "demo", "tables"}
 
 
 def modules(package: str) -> list[Path]:

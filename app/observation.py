@@ -1,0 +1,137 @@
+"""Which numbers of which rooms `/metrics` shows; one line each, in one place.
+
+Opened last in the lifespan, when every room stands.
+"""
+
+import asyncio
+import contextlib
+from collections import Counter
+from contextlib import AsyncExitStack
+from typing import Any, Final
+
+from sqlalchemy import func, select
+
+from app.database.unit_of_work import read_only
+from app.edge.access_log import served
+from app.ingest.websocket import metrics as ingest
+from app.live.states import STREAMING
+from app.metrics import Histogram, Registry
+from app.recordings.jobs import JobDone
+from app.recordings.models import Job
+from app.services import Services
+
+LATENCY_BOUNDS_S: Final = (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
+LAG_BOUNDS_S: Final = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
+_TURN_S: Final = 0.25
+
+_WRITER: Final = {
+    "packets_stored": "Packets that became durable.",
+    "packets_duplicate": "Packets that were here before.",
+    "packets_refused": "Packets refused because the store was behind; gateways send them again.",
+    "frame_ticks_stored": "Ticks of live frames that became durable.",
+    "frame_ticks_refused": "Ticks of live frames not stored because the store was behind.",
+    "chunks_written": "Chunks of signals written.",
+    "bytes_written": "Bytes of chunks written.",
+    "commits": "Group commits.",
+    "commit_failures": "Group commits that failed and were tried session by session.",
+    "sessions_failed": "Sessions whose rows could not be written.",
+}
+_INGEST: Final = {
+    "connections": "Connections of gateways accepted.",
+    "packets": "Packets received from gateways.",
+    "duplicates": "Of them, packets that were here before.",
+    "errors": "Messages of gateways that were refused.",
+}
+_BUS: Final = {
+    "published": "Messages published to views.",
+    "delivered": "Messages put into the queue of a view.",
+    "dropped": "Messages that a slow view lost.",
+}
+
+
+async def observe(services: Services, stack: AsyncExitStack) -> Registry:
+    """Return the metrics of the running service.
+
+    Parameters
+    ----------
+    services : Services
+        Everything open.
+    stack : AsyncExitStack
+        Ends the watch over the event loop.
+    """
+    registry = Registry()
+    _counters(registry, "ingest", _INGEST, ingest)
+    _counters(registry, "store", _WRITER, services.recorder.metrics)
+    _counters(registry, "bus", _BUS, services.bus.metrics)
+    store = services.recorder.metrics
+    registry.gauge("store_queued_bytes", "Bytes that wait for their commit.", lambda: store.queued_bytes)
+    registry.gauge(
+        "store_last_commit_seconds", "How long the last group commit took.", lambda: store.last_commit_s
+    )
+    registry.gauge(
+        "live_sessions",
+        "Sessions live here, by whether their gateway streams.",
+        lambda: _by(
+            "streaming", Counter(str(one.state in STREAMING).lower() for one in services.live.sessions)
+        ),
+    )
+    registry.gauge("views", "3D scenes that stand.", lambda: services.viewer.stage_count)
+    registry.counter("sign_ins_refused_total", "Sign-ins refused.", lambda: services.refused_sign_ins.refused)
+    registry.gauge("tasks", "Long tasks waiting and running.", lambda: _tasks(services))
+    ended: Counter[str] = Counter()
+    services.jobs.subscribe(lambda done: _count(ended, done))
+    registry.counter("tasks_ended_total", "Long tasks ended, by outcome.", lambda: _by("status", ended))
+    registry.counter(
+        "http_requests_total", "Requests answered, by status.", lambda: _by("status", served.by_status)
+    )
+    registry.histogram("http_request_seconds", "Time to the end of an answer.", served.seconds)
+    registry.gauge(
+        "ready", "1 when what is sent now can be stored.", lambda: float(not services.readiness.reasons)
+    )
+    latency, lag = Histogram(LATENCY_BOUNDS_S), Histogram(LAG_BOUNDS_S)
+    registry.histogram("live_latency_seconds", "Packet arrival to published frame.", latency)
+    registry.histogram("event_loop_lag_seconds", "By how much the event loop wakes too late.", lag)
+    task = asyncio.create_task(_watch(services.live, latency, lag), name="observation")
+    stack.push_async_callback(_end, task)
+    return registry
+
+
+def _counters(registry: Registry, room: str, meanings: dict[str, str], counted: Any) -> None:
+    for name, meaning in meanings.items():
+        registry.counter(f"{room}_{name}_total", meaning, lambda name=name: getattr(counted, name))  # type: ignore[misc]
+
+
+def _by(label: str, counted: Counter[str]) -> dict[tuple[tuple[str, str], ...], float]:
+    return {((label, name),): count for name, count in dict(counted).items()}
+
+
+def _count(ended: Counter[str], done: JobDone) -> None:
+    ended[done.status] += 1
+
+
+def _tasks(services: Services) -> dict[tuple[tuple[str, str], ...], float]:
+    waiting = ("queued", "running")
+    with read_only(services.engine) as session:
+        rows = session.execute(
+            select(Job.status, func.count()).where(Job.status.in_(waiting)).group_by(Job.status)
+        ).all()
+    found = Counter({row[0]: row[1] for row in rows})
+    return {(("status", status),): found[status] for status in waiting}
+
+
+async def _watch(live: Any, latency: Histogram, lag: Histogram) -> None:
+    """Measure the event loop's lateness and take what the live sessions measured since the last turn."""
+    loop = asyncio.get_running_loop()
+    while True:
+        due = loop.time() + _TURN_S
+        await asyncio.sleep(_TURN_S)
+        lag.observe(max(0.0, loop.time() - due))
+        for session in live.sessions:
+            for value in session.health.take_latencies():
+                latency.observe(value)
+
+
+async def _end(task: "asyncio.Task[None]") -> None:
+    task.cancel()
+    with contextlib.suppress(asyncio.CancelledError):
+        await task
