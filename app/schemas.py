@@ -19,6 +19,8 @@ class Schema(BaseModel):
     def _refuse_broken_text(cls, data: Any) -> Any:
         """Refuse text that PostgreSQL cannot store, on every database."""
         if isinstance(data, dict):
+            if not all(map(is_whole_text, data)):
+                raise ValueError("names must not hold a NUL or half a character; remove it")
             for name, value in data.items():
                 if not is_whole_text(value):
                     raise ValueError(f"{name}: text must not hold a NUL or half a character; remove it")

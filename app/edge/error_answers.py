@@ -1,6 +1,6 @@
-"""The one handler that turns errors into answers: JSON `{"code", "message", "details", "sentences",
-"request_id"}` with the status of the error tree; `sentences` has code and parameters of the message for who says it in another language, the
-request's identifier finds the lines that the log has on it.
+"""The one handler that turns errors into answers: JSON `{"code", "message", "details", "sentences", "request_id"}`
+with the status of the error tree. `sentences` has code and parameters of the message for who says it in another
+language; the request's identifier finds the lines that the log has on it.
 
 What a client sent never comes back in an answer (it may be a password or a name); only where in the input the
 problem is. Unexpected errors are logged with their trace and answered without any detail.

@@ -290,6 +290,8 @@ def test_broken_text_is_refused_in_words(nobody, therapist, world, broken):
     assert (answer.status_code, answer.json()["code"]) == (422, "invalid_input")
     body = f'{{"given_name": {text}, "family_name": "B"}}'
     assert therapist.post("/api/patients", content=body, headers=json_type).status_code == 422
+    body = f'{{{text}: 1, "given_name": "A", "family_name": "B"}}'
+    assert therapist.post("/api/patients", content=body, headers=json_type).status_code == 422
     named = f'"patient_id": "{world.patient_id}", "placements": ["hand_right"]'
     body = f'{{{named}, "orientation_parameters": {{"a": [{text}]}}}}'
     assert therapist.post("/api/sessions", content=body, headers=json_type).status_code == 422

@@ -7,7 +7,18 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 
-FOUNDATION = {"errors", "schemas", "sentences", "settings", "services", "database", "processes", "limits", "logs", "metrics"}
+FOUNDATION = {
+    "errors",
+    "schemas",
+    "sentences",
+    "settings",
+    "services",
+    "database",
+    "processes",
+    "limits",
+    "logs",
+    "metrics",
+}
 # Rooms of `app` that each room may import, besides itself, from the lowest to the highest. The nouns stand on each
 # other in one order: accounts, patients, exercises, recordings.
 ALLOWED = {
