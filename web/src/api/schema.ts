@@ -288,7 +288,7 @@ export interface paths {
         };
         /**
          * Health
-         * @description Return whether the service and its database answer; no sign-in needed.
+         * @description Return that the service answers; no sign-in needed. `/api/ready` says whether it can store.
          */
         get: operations["health_api_health_get"];
         put?: never;
@@ -767,6 +767,26 @@ export interface paths {
          * @description End a prescription now; what was done for it stays.
          */
         delete: operations["delete_prescription_api_prescriptions__prescription_id__delete"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/ready": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Ready
+         * @description Return whether what is sent now can be stored; 503 with the reasons when not. No sign-in needed.
+         */
+        get: operations["ready_api_ready_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
         options?: never;
         head?: never;
         patch?: never;
@@ -2463,6 +2483,8 @@ export interface components {
             };
             /** Message */
             message: string;
+            /** Request Id */
+            request_id: string;
             /** Sentences */
             sentences?: {
                 [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
@@ -2732,12 +2754,16 @@ export interface components {
         HealthMessage: {
             /** Clock Skew Ppm */
             clock_skew_ppm: number | null;
+            /** Is Being Stored */
+            is_being_stored: boolean;
             /** Latency Ms Median */
             latency_ms_median: number | null;
             /** Latency Ms P99 */
             latency_ms_p99: number | null;
             /** Packets Missing */
             packets_missing: number;
+            /** Packets Received */
+            packets_received: number;
             /** Packets Stored */
             packets_stored: number;
             /** Sensors */
@@ -3676,6 +3702,18 @@ export interface components {
             template_version_id: string | null;
             /** Value */
             value: number;
+        };
+        /**
+         * ReadyOut
+         * @description Whether what is sent now can be stored.
+         */
+        ReadyOut: {
+            /** Reasons */
+            reasons: {
+                [key: string]: string;
+            };
+            /** Status */
+            status: string;
         };
         /**
          * RecoveryCodes
@@ -6144,6 +6182,27 @@ export interface operations {
             409: components["responses"]["Error409"];
             422: components["responses"]["Error422"];
             429: components["responses"]["Error429"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    ready_api_ready_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ReadyOut"];
+                };
+            };
             503: components["responses"]["Error503"];
         };
     };
