@@ -17,8 +17,9 @@ level      covers                                          who has it
 `erase`    erase the patient for good                      administrators of the clinic
 =========  ==============================================  ==================================================
 
-Of an archived patient everything can still be read; `record` and `treat` are refused until the patient is taken
-out of the archive.
+`record` and `treat` need the patient's consent to `treatment`: a yes that somebody wrote down, not a question that
+was never asked. Of an archived patient everything can still be read; `record` and `treat` are refused until the
+patient is taken out of the archive.
 
 The service itself (`Subject.system`) has every level inside its clinic. Who has no level at all gets
 `NotFound`, so the patient's existence does not leak; who has another level gets `NotAllowed`.
@@ -158,11 +159,11 @@ def _granted(session: Session, subject: Subject, patient_id: str) -> frozenset[L
 
 
 def _require_consent(session: Session, subject: Subject, patient_id: str, level: Level) -> None:
-    if consent(session, patient_id, "treatment") is False:
-        raise NotAllowed(
-            say("patient.consent_withdrawn"),
-            purpose="treatment",
-        )
+    treatment = consent(session, patient_id, "treatment")
+    if treatment is not True:
+        never_asked = treatment is None
+        reason = say("patient.no_consent") if never_asked else say("patient.consent_withdrawn")
+        raise NotAllowed(reason, purpose="treatment")
     at_home = subject.role in {"patient", "device"}
     if level == "record" and at_home and consent(session, patient_id, "home_streaming") is not True:
         raise NotAllowed(

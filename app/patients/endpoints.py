@@ -21,7 +21,7 @@ from app.accounts.schemas import (
 from app.database.dependencies import ReadSession, WriteSession
 from app.patients import service
 from app.patients.repository import revoke_grant
-from app.patients.schemas import PatientIn, PatientOut, PatientPatch
+from app.patients.schemas import NewPatientIn, PatientOut, PatientPatch
 from app.services import services_of
 
 router = APIRouter(prefix="/api", tags=["patients"])
@@ -36,7 +36,7 @@ def list_patients(
 
 
 @router.post("/patients", status_code=201)
-def create_patient(body: PatientIn, subject: CurrentAccount, session: WriteSession) -> PatientOut:
+def create_patient(body: NewPatientIn, subject: CurrentAccount, session: WriteSession) -> PatientOut:
     """Create a patient; the therapist who does gets the right to treat."""
     return service.create_patient(session, subject, body)
 

@@ -22,7 +22,7 @@ class BodyDimensionsIn(Schema):
 
 
 class PatientIn(Schema):
-    """A new patient or a change."""
+    """What is written down about a patient."""
 
     given_name: str = Field(min_length=1, max_length=100)
     family_name: str = Field(min_length=1, max_length=100)
@@ -30,6 +30,14 @@ class PatientIn(Schema):
     affected_side: Side | None = None
     notes: str = Field(default="", max_length=4000)
     body_dimensions: BodyDimensionsIn = BodyDimensionsIn()
+
+
+class NewPatientIn(PatientIn):
+    """A new patient."""
+
+    agrees_to_treatment: Flag = False
+    """The patient was asked and agrees to the purpose `treatment`. When false, nothing is noted, and nothing can be
+    recorded before somebody asks."""
 
 
 class PatientPatch(Schema):

@@ -22,7 +22,7 @@ from app.errors import InvalidInput, NotAllowed, NotFound
 from app.patients import repository
 from app.patients.access import levels, require_patient
 from app.patients.models import Grant, Patient
-from app.patients.schemas import BodyDimensionsIn, MountingOut, PatientIn, PatientOut, PatientPatch
+from app.patients.schemas import BodyDimensionsIn, MountingOut, NewPatientIn, PatientOut, PatientPatch
 from app.sentences import say
 from app.settings import Settings
 
@@ -56,18 +56,21 @@ def get_patient(session: Session, subject: Subject, patient_id: str) -> PatientO
     return patient_out(session, subject, repository.get_patient(session, subject, patient_id))
 
 
-def create_patient(session: Session, subject: Subject, body: PatientIn) -> PatientOut:
+def create_patient(session: Session, subject: Subject, body: NewPatientIn) -> PatientOut:
     """Store a new patient.
 
     Parameters
     ----------
     session : Session
     subject : Subject
-    body : PatientIn
+    body : NewPatientIn
     """
-    fields = body.model_dump(exclude={"body_dimensions"})
+    fields = body.model_dump(exclude={"body_dimensions", "agrees_to_treatment"})
     fields["body_dimensions"] = body.body_dimensions.model_dump(exclude_none=True)
-    return patient_out(session, subject, repository.create_patient(session, subject, fields))
+    patient = repository.create_patient(session, subject, fields)
+    if body.agrees_to_treatment:
+        _note_consent(session, subject, patient.id, "treatment", True)
+    return patient_out(session, subject, patient)
 
 
 def update_patient(session: Session, subject: Subject, patient_id: str, body: PatientPatch) -> PatientOut:
@@ -236,10 +239,13 @@ def put_consent(session: Session, subject: Subject, patient_id: str, body: Conse
     body : ConsentIn
     """
     _require_own_or_manage(session, subject, patient_id)
-    set_consent(session, patient_id, body.purpose, body.granted, subject.account_id or subject.id)
-    details = {"purpose": body.purpose, "granted": body.granted}
-    record(session, subject, "consent.change", patient_id, None, details)
+    _note_consent(session, subject, patient_id, body.purpose, body.granted)
     return [ConsentOut.model_validate(row) for row in _answers(session, patient_id)]
+
+
+def _note_consent(session: Session, subject: Subject, patient_id: str, purpose: str, granted: bool) -> None:
+    set_consent(session, patient_id, purpose, granted, subject.account_id or subject.id)
+    record(session, subject, "consent.change", patient_id, None, {"purpose": purpose, "granted": granted})
 
 
 def _answers(session: Session, patient_id: str) -> list[dict[str, object]]:

@@ -59,6 +59,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "patient.archived": "This patient is archived: existing data can be read, nothing can be added.",
     "patient.consent_withdrawn": "The patient has withdrawn the consent to treatment: existing data can"
     " be read, nothing can be added.",
+    "patient.no_consent": "Nobody has written down yet that the patient agrees to treatment. Ask the patient, and note"
+    " the answer under Consent on the patient's page; then this can be done.",
     "patient.no_home_consent": "The patient has not consented to recording at home. Record the consent on"
     " the patient's page first.",
     "grant.not_found": "Access right not found, or not shared with you.",

@@ -199,6 +199,26 @@ def test_withdrawn_consent_stops_treatment_but_not_reading(patient, therapist, w
     assert therapist.get(base).status_code == 200
 
 
+def test_nobody_asked_is_not_a_yes(therapist, world):
+    """A patient without an answer can be written down and read, but neither recorded nor treated."""
+    names = {"given_name": "Nora", "family_name": "Nobody"}
+    unasked = therapist.post("/api/patients", json=names).json()["id"]
+    wanted = {"patient_id": unasked, "placements": ["sternum", "upper_arm_right", "forearm_right"]}
+    refused = therapist.post("/api/sessions", json=wanted)
+    assert (refused.status_code, refused.json()["details"]["purpose"]) == (403, "treatment")
+    assert "under Consent on the patient's page" in refused.json()["message"]
+    prescription = {"exercise_id": world.exercise_id}
+    assert therapist.post(f"/api/patients/{unasked}/prescriptions", json=prescription).status_code == 403
+    assert therapist.get(f"/api/patients/{unasked}").status_code == 200
+    assert therapist.get(f"/api/patients/{unasked}/consents").json() == []
+    therapist.put(f"/api/patients/{unasked}/consents", json={"purpose": "treatment", "granted": True})
+    assert therapist.post("/api/sessions", json=wanted).status_code == 201
+    asked = therapist.post("/api/patients", json=names | {"agrees_to_treatment": True}).json()["id"]
+    assert therapist.post("/api/sessions", json=wanted | {"patient_id": asked}).status_code == 201
+    trail = therapist.get(f"/api/patients/{asked}/audit").json()
+    assert {"purpose": "treatment", "granted": True} in [event["details"] for event in trail]
+
+
 def test_a_prescription_is_made_listed_and_ended(therapist, patient, world):
     path = f"/api/patients/{world.patient_id}/prescriptions"
     made = therapist.post(path, json={"exercise_id": world.exercise_id, "times_per_week": 3})

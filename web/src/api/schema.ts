@@ -3326,6 +3326,32 @@ export interface components {
             updated_at: string;
         };
         /**
+         * NewPatientIn
+         * @description A new patient.
+         */
+        NewPatientIn: {
+            /** Affected Side */
+            affected_side?: ("left" | "right" | "both") | null;
+            /**
+             * Agrees To Treatment
+             * @default false
+             */
+            agrees_to_treatment?: boolean;
+            /** Birth Date */
+            birth_date?: string | null;
+            /** @default {} */
+            body_dimensions?: components["schemas"]["BodyDimensionsIn"];
+            /** Family Name */
+            family_name: string;
+            /** Given Name */
+            given_name: string;
+            /**
+             * Notes
+             * @default
+             */
+            notes?: string;
+        };
+        /**
          * NextSessionOut
          * @description A session that waits for its gateway, and a one-use right to open its socket within 30 seconds.
          */
@@ -3376,27 +3402,6 @@ export interface components {
             new_password: string;
             /** Old Password */
             old_password: string;
-        };
-        /**
-         * PatientIn
-         * @description A new patient or a change.
-         */
-        PatientIn: {
-            /** Affected Side */
-            affected_side?: ("left" | "right" | "both") | null;
-            /** Birth Date */
-            birth_date?: string | null;
-            /** @default {} */
-            body_dimensions?: components["schemas"]["BodyDimensionsIn"];
-            /** Family Name */
-            family_name: string;
-            /** Given Name */
-            given_name: string;
-            /**
-             * Notes
-             * @default
-             */
-            notes?: string;
         };
         /**
          * PatientOut
@@ -5593,7 +5598,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["PatientIn"];
+                "application/json": components["schemas"]["NewPatientIn"];
             };
         };
         responses: {

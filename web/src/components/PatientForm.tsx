@@ -1,4 +1,4 @@
-import { Button, Group, SimpleGrid, Textarea, TextInput } from '@mantine/core';
+import { Button, Checkbox, Group, SimpleGrid, Textarea, TextInput } from '@mantine/core';
 import { useState, type FormEvent } from 'react';
 import type { BodyDimensions, Patient, PatientIn, Side } from '../api/types';
 import { t } from '../i18n';
@@ -28,13 +28,14 @@ export interface PatientFormProps {
   onCancel: () => void;
 }
 
-/** A new patient or a change: names, side, and lengths in cm as a tape shows them. */
+/** A new patient or a change: names, side, and lengths in cm as a tape shows them; of a new one also the consent to treatment. */
 export function PatientForm({ patient, isSaving, error, onSave, onCancel }: PatientFormProps) {
   const [given, setGiven] = useState(patient?.given_name ?? '');
   const [family, setFamily] = useState(patient?.family_name ?? '');
   const [birth, setBirth] = useState(patient?.birth_date ?? '');
   const [side, setSide] = useState<Side | ''>(patient?.affected_side ?? '');
   const [notes, setNotes] = useState(patient?.notes ?? '');
+  const [agrees, setAgrees] = useState(false);
   const [lengths, setLengths] = useState<Record<Length, string>>(
     () =>
       Object.fromEntries(
@@ -68,6 +69,7 @@ export function PatientForm({ patient, isSaving, error, onSave, onCancel }: Pati
       affected_side: side || null,
       notes,
       body_dimensions: body,
+      ...(patient ? {} : { agrees_to_treatment: agrees }),
     });
   };
   return (
@@ -99,6 +101,9 @@ export function PatientForm({ patient, isSaving, error, onSave, onCancel }: Pati
         </SimpleGrid>
       </fieldset>
       <Textarea label={t('patient.notes')} autosize minRows={3} maxLength={4000} value={notes} onChange={(event) => setNotes(event.currentTarget.value)} />
+      {!patient && (
+        <Checkbox size="md" label={t('patient.agrees')} description={t('patient.agreesHelp')} checked={agrees} onChange={(event) => setAgrees(event.currentTarget.checked)} />
+      )}
       <Group justify="flex-end">
         <Button variant="default" onClick={onCancel}>
           {t('action.cancel')}

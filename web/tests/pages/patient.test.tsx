@@ -4,6 +4,7 @@ import { afterEach, describe, expect, it, vi } from 'vitest';
 import type { Me, Patient } from '../../src/api/types';
 import { CaseloadPage } from '../../src/pages/Caseload';
 import { MyDataPage } from '../../src/pages/mine/MyData';
+import { PatientNewPage } from '../../src/pages/PatientNew';
 import { PatientPage } from '../../src/pages/patient/PatientPage';
 import { renderPage, THERAPIST } from './render';
 
@@ -32,6 +33,17 @@ describe('consent', () => {
     expect(within(home).queryAllByRole('radio', { checked: true })).toHaveLength(0);
     await userEvent.click(within(home).getByRole('radio', { name: 'Yes' }));
     await waitFor(() => expect(asked.find((one) => one.method === 'PUT')?.body).toEqual({ purpose: 'home_streaming', granted: true }));
+  });
+
+  it('is asked for when a patient is added, and never ticked before', async () => {
+    const { asked } = renderPage(<PatientNewPage />, { answers: { 'POST /api/patients': patient() } });
+    await userEvent.type(await screen.findByLabelText('Given name'), 'Ada');
+    await userEvent.type(screen.getByLabelText('Family name'), 'Berg');
+    const tick = screen.getByRole('checkbox', { name: 'The patient agrees to treatment' });
+    expect(tick).toHaveProperty('checked', false);
+    await userEvent.click(tick);
+    await userEvent.click(screen.getByRole('button', { name: 'Save' }));
+    await waitFor(() => expect(asked.find((one) => one.method === 'POST')?.body).toMatchObject({ given_name: 'Ada', agrees_to_treatment: true }));
   });
 
   it('is the patient’s own to give and to take back', async () => {

@@ -12,6 +12,8 @@ export const patient = {
   'patient.dimensionsHelp': 'In cm or m, between joint centres. Lengths left empty are estimated from stature.',
   'patient.lengthRange': '{low} to {high} cm',
   'patient.notes': 'Notes',
+  'patient.agrees': 'The patient agrees to treatment',
+  'patient.agreesHelp': 'Therapists of this clinic may use the movement data to treat the patient. Ask first: without it nothing can be recorded. You can also note the answer later.',
   'patient.born': 'Born',
   'patient.bornAge': '{date}, {age} years',
   'patient.sensors': 'Sensors',
