@@ -13,7 +13,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 # Says how long a stage of `make run` took since its beginning; says nothing elsewhere.
 ready = @$(if $(STARTED_S),echo "$(1) ready after $$(($$(date +%s) - $(STARTED_S))) s")
 
-.PHONY: help run test test-quick checks lint types web web-test bench-live bench-kernels bench-gait bench-magnetic bench-viewer validate accuracy lock wheel check-versions browser clean
+.PHONY: help run test test-quick checks lint types web web-test bench-live bench-abuse bench-kernels bench-gait bench-magnetic bench-viewer validate accuracy lock wheel check-versions browser clean
 
 help: ## This list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk 'BEGIN {FS = ":.*## "} {printf "  make %-14s %s\n", $$1, $$2}'
@@ -87,6 +87,9 @@ test-quick: $(VENV)/compiled ## Under two minutes, no browser
 
 bench-live: $(VENV)/installed ## 50 live sessions of 17 sensors at 100 Hz; prints latency and load
 	@$(BIN)/python -m tests.benchmarks.bench_live
+
+bench-abuse: $(VENV)/installed ## One account takes all it can; prints what its neighbours notice
+	@$(BIN)/python -m tests.benchmarks.bench_abuse
 
 bench-kernels: $(VENV)/installed ## Orientation kernels beside the vqf package, kinematics, smoother
 	@status=0; for part in kernels kinematics smoother; do $(BIN)/python -m tests.benchmarks.bench_$$part || status=1; done; exit $$status

@@ -20,38 +20,26 @@ import selectors
 import socket
 import sqlite3
 import struct
-import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import httpx
 import numpy as np
 import psutil
 
 from app import tables as tables
-from app.accounts.consents import set_consent
-from app.accounts.models import Account, Clinic
-from app.accounts.passwords import Passwords
-from app.database import migrate
-from app.database.base import new_id
-from app.database.engine import create_from_url
-from app.database.unit_of_work import unit_of_work
-from app.gateway import DeviceStream, ServiceClient, stream_of
+from app.gateway import DeviceStream, stream_of
 from app.live.messages import HealthMessage
-from app.patients.models import Grant, Mounting, Patient
-from app.recordings.schemas import SessionIn
 from estimators import pipelines
 from estimators.conventions import PLACEMENTS
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
 from tests.benchmarks.machine import processor
+from tests.benchmarks.service import free_port, make_patient, open_sessions, start_server
 
-ROOT = Path(__file__).resolve().parents[2]
-SECRET = "bench-only-0123456789-abcdefghijklmnopq"
-EMAIL, PASSWORD = "therapist@bench.example", "a long enough password"
 LIMIT_MS = 50.0
 LIMIT_CORE = 0.85
 JUDGED_SESSIONS = 50
@@ -131,80 +119,22 @@ def prepare(folder: Path, seconds: float) -> tuple[str, str, DeviceStream]:
     return url, patient_id, stream_of(simulated.recording)
 
 
-def make_patient(folder: Path, calibration: dict[str, Any] | None = None) -> tuple[str, str]:
-    """Make the database with one patient who may be streamed; return its URL and the patient."""
-    url = f"sqlite:///{folder / 'bench.db'}"
-    migrate.upgrade(url)
-    engine = create_from_url(url)
-    with unit_of_work(engine) as session:
-        clinic = Clinic(id=new_id(), name="Bench")
-        session.add(clinic)
-        session.flush()
-        patient = Patient(
-            id=new_id(), clinic_id=clinic.id, given_name="B", family_name="B", body_dimensions={}
-        )
-        account = Account(
-            id=new_id(),
-            clinic_id=clinic.id,
-            role="therapist",
-            email=EMAIL,
-            display_name="Bench",
-            password_hash=Passwords().hash(PASSWORD),
-        )
-        session.add_all([patient, account])
-        session.flush()
-        session.add(Grant(patient_id=patient.id, account_id=account.id, level="treat", granted_by=account.id))
-        if calibration is not None:
-            session.add(Mounting(patient_id=patient.id, calibration=calibration, session_id=new_id()))
-        for purpose in ("treatment", "home_streaming"):
-            set_consent(session, patient.id, purpose, True, account.id)
-        patient_id = patient.id
-    engine.dispose()
-    return url, patient_id
+def without_pose(stream: DeviceStream, packet_count: int) -> DeviceStream:
+    """Leave out the N-pose: the sessions begin calibrated, in the middle of the movement."""
+    offset = stream.packet_count - packet_count
+    return DeviceStream(
+        stream.placements, stream.rate_hz, stream.counts[offset * stream.ticks_per_packet :], stream.scales
+    )
 
 
-def start_server(url: str, folder: Path, port: int, before: str = "") -> subprocess.Popen[bytes]:
-    """Start the service; `before` is code that it runs first."""
-    environment = os.environ | {
-        "TELEMOTION_DATABASE_URL": url,
-        "TELEMOTION_SECRET_KEY": SECRET,
-        "TELEMOTION_BASE_URL": f"http://127.0.0.1:{port}",
-        "TELEMOTION_DATA_DIR": str(folder),
-        "TELEMOTION_LOG_LEVEL": "warning",
-        "PYTHONPATH": str(ROOT),
-        "OPENBLAS_NUM_THREADS": "1",
-        # All sessions are those of one account.
-        "TELEMOTION_LIMIT_STREAMS": "1000/1000/1000",
-        "TELEMOTION_LIMIT_SOCKETS": "1000/1000/1000",
-    }
-    code = f"{before}\nfrom app.commands.serve import serve; serve('127.0.0.1', {port})"
-    process = subprocess.Popen([sys.executable, "-c", code], env=environment, cwd=ROOT)
-    deadline = time.monotonic() + 120
-    while time.monotonic() < deadline:
-        try:
-            if httpx.get(f"http://127.0.0.1:{port}/api/health", trust_env=False).is_success:
-                return process
-        except httpx.TransportError:
-            time.sleep(0.2)
-        if process.poll() is not None:
-            raise RuntimeError("the service did not start")
-    process.kill()
-    raise TimeoutError("the service did not answer")
-
-
-async def open_sessions(port: int, patient_id: str, stream: DeviceStream, count: int) -> list[dict[str, str]]:
-    """Create the sessions and get their tickets."""
-    async with ServiceClient(f"http://127.0.0.1:{port}") as client:
-        await client.sign_in(EMAIL, PASSWORD)
-        wanted = SessionIn(patient_id=patient_id, placements=list(stream.placements))  # type: ignore[arg-type]
-        sessions = []
-        for _ in range(count):
-            made = await client.create_session(wanted)
-            assert made.calibration is not None, "the sessions must be calibrated, else little is estimated"
-            sessions.append({"id": made.id})
-            sessions[-1]["ingest"] = await client.ticket(made.id, "ingest")
-            sessions[-1]["live"] = await client.ticket(made.id, "live")
-        return sessions
+def open_sockets(port: int, stream: DeviceStream, sessions: list[dict[str, str]]) -> list[Socket]:
+    """Connect the gateway and the dashboard of every session."""
+    sockets = []
+    for number, one in enumerate(sessions):
+        hello = stream.hello(one["ingest"]).model_dump_json(exclude_none=True)
+        sockets.append(Socket.open(port, "/ws/ingest", number, hello))
+        sockets.append(Socket.open(port, f"/ws/live/{one['id']}", number, f'{{"ticket": "{one["live"]}"}}'))
+    return sockets
 
 
 @dataclass
@@ -295,12 +225,14 @@ def cpu_s(process: psutil.Process) -> float:
     return float(total)
 
 
-def stored(folder: Path) -> dict[str, tuple[int, int, int]]:
-    """Return chunks, ticks and bytes by stream kind."""
+def stored(folder: Path, sessions: Sequence[str] = ()) -> dict[str, tuple[int, int, int]]:
+    """Return chunks, ticks and bytes by stream kind, of all sessions or some."""
+    some = f" WHERE session_id IN ({', '.join('?' * len(sessions))})" if sessions else ""
     with sqlite3.connect(folder / "bench.db") as connection:
         rows = connection.execute(
             "SELECT CASE WHEN stream = 'raw' THEN 'raw' ELSE 'frames' END, COUNT(*), SUM(ticks), SUM(LENGTH(data))"
-            " FROM signal_chunk GROUP BY 1"
+            f" FROM signal_chunk{some} GROUP BY 1",
+            tuple(sessions),
         ).fetchall()
     return {kind: (chunks, ticks, size) for kind, chunks, ticks, size in rows}
 
@@ -375,29 +307,15 @@ def main() -> int:
         print("preparing the stream and the database ...", flush=True)
         url, patient_id, stream = prepare(folder, arguments.seconds + WARM_UP_S)
         packet_count = int((arguments.seconds + WARM_UP_S) / stream.packet_s)
-        # The N-pose of the stream is left out: the sessions begin calibrated, in the middle of the movement.
-        offset = stream.packet_count - packet_count
-        moving = DeviceStream(
-            stream.placements,
-            stream.rate_hz,
-            stream.counts[offset * stream.ticks_per_packet :],
-            stream.scales,
-        )
+        moving = without_pose(stream, packet_count)
         frames = [client_frame(moving.packet(number)) for number in range(packet_count)]
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            port = probe.getsockname()[1]
+        port = free_port()
         process = start_server(url, folder, port)
         if arguments.server_pid_file:
             arguments.server_pid_file.write_text(str(process.pid))
         try:
             sessions = asyncio.run(open_sessions(port, patient_id, moving, arguments.sessions))
-            sockets = []
-            for number, one in enumerate(sessions):
-                hello = moving.hello(one["ingest"]).model_dump_json(exclude_none=True)
-                sockets.append(Socket.open(port, "/ws/ingest", number, hello))
-                path = f"/ws/live/{one['id']}"
-                sockets.append(Socket.open(port, path, number, f'{{"ticket": "{one["live"]}"}}'))
+            sockets = open_sockets(port, moving, sessions)
             phases = np.random.default_rng(1).uniform(0, moving.packet_s, arguments.sessions)
             if arguments.together:
                 phases[:] = 0.0

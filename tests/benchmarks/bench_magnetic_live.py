@@ -32,6 +32,7 @@ from estimators.recording import ImuChunk
 from tests.benchmarks import bench_live as live
 from tests.benchmarks.bench_magnetic import PACKET_TICKS, RATE_HZ, session
 from tests.benchmarks.machine import processor
+from tests.benchmarks.service import EMAIL, PASSWORD, make_patient, start_server
 
 OTHER = "threads of the store; web server"
 PARTS = (
@@ -106,7 +107,7 @@ async def open_sessions(
     """Create sessions whose safety is confirmed; return a gateway's and a dashboard's socket of each."""
     sockets = []
     async with ServiceClient(f"http://127.0.0.1:{port}") as client:
-        await client.sign_in(live.EMAIL, live.PASSWORD)
+        await client.sign_in(EMAIL, PASSWORD)
         wanted = SessionIn(
             patient_id=patient_id,
             pipeline="relative_pose",
@@ -155,12 +156,12 @@ def main() -> int:
     frames = packets(whole)
     with tempfile.TemporaryDirectory(prefix="telemotion-bench-") as name:
         folder = Path(name)
-        url, patient_id = live.make_patient(folder)
+        url, patient_id = make_patient(folder)
         with socket.socket() as probe:
             probe.bind(("127.0.0.1", 0))
             port = probe.getsockname()[1]
         told = folder / "stacks.json"
-        process = live.start_server(url, folder, port, SAMPLER.format(path=str(told)))
+        process = start_server(url, folder, port, SAMPLER.format(path=str(told)))
         server = psutil.Process(process.pid)
         try:
             sockets = asyncio.run(open_sessions(port, patient_id, setup.placements, given.sessions))

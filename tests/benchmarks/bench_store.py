@@ -27,8 +27,8 @@ from estimators import pipelines
 from estimators.conventions import PLACEMENTS
 from estimators.pipelines import Frames
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
-from tests.benchmarks.bench_live import make_patient
 from tests.benchmarks.machine import processor
+from tests.benchmarks.service import make_patient
 
 SESSIONS, SECONDS, PACKETS_A_SECOND = 20, 20, 20
 
