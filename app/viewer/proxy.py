@@ -13,7 +13,7 @@ from typing import Any, Final
 
 from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketState
 from websockets.asyncio.client import ClientConnection, connect
-from websockets.exceptions import ConnectionClosed
+from websockets.exceptions import ConnectionClosed, InvalidHandshake
 from websockets.typing import Subprotocol
 
 from app.accounts.dependencies import websocket_subject
@@ -65,7 +65,8 @@ async def relay(websocket: WebSocket, viewer: Viewer, subject: Subject, view_id:
             proxy=None,
             open_timeout=_CONNECT_TIMEOUT_S,
         )
-    except (OSError, TimeoutError) as error:
+    except (OSError, TimeoutError, InvalidHandshake) as error:
+        # Also a scene that was taken down just now, whose port another scene has taken.
         raise Unavailable("The 3D view is not ready; try again.") from error
     async with upstream:
         await websocket.accept(subprotocol=wire.PROTOCOL)

@@ -272,8 +272,14 @@ class Viewer:
         now = time.monotonic()
         for view in [v for v in self._views.values() if v.expires_at <= utc_now()]:
             self._views.pop(view.id, None)
-        for key, stage in list(self._stages.items()):
-            if stage.watchers == 0 and now - stage.unwatched_since >= unwatched_s:
-                del self._stages[key]
-                self._holds.pop(key).release()
-                await stage.close()
+        idle = {
+            key: stage
+            for key, stage in self._stages.items()
+            if stage.watchers == 0 and now - stage.unwatched_since >= unwatched_s
+        }
+        # All at once, before anything is awaited: another request may sweep meanwhile, or come to watch.
+        for key in idle:
+            del self._stages[key]
+            self._holds.pop(key).release()
+        for stage in idle.values():
+            await stage.close()

@@ -1,5 +1,6 @@
 """Opening views: who may, what comes back, and the page."""
 
+import asyncio
 import re
 
 import pytest
@@ -129,6 +130,20 @@ def test_too_many_scenes_are_refused_and_say_when_to_come_back(
     assert (
         therapist.get(opened["page_path"]).status_code == 200
     )  # the first view's scene is built again when needed
+
+
+def test_many_who_make_room_at_once_do_not_trip_over_each_other(
+    therapist, open_view, services, nobody
+) -> None:
+    for _ in range(3):
+        open_view(therapist)
+
+    async def sweep_together() -> None:
+        await asyncio.gather(*(services.viewer._sweep(0.0) for _ in range(4)))
+
+    nobody.portal.call(sweep_together)
+    assert services.viewer.stage_count == 0
+    assert services.limits.held("views", "service") == 0
 
 
 def test_live_views_share_a_scene_and_replays_do_not(therapist, sign_in, open_view, services) -> None:
