@@ -24,7 +24,13 @@ from app.live.guides import GUIDES
 from app.live.pose import PoseCollector
 from app.recordings.heading_line import HeadingReset
 from app.sentences import say
-from estimators.calibration import DeviceCalibration, Hemisphere, PlacementFinding, check_mounting
+from estimators.calibration import (
+    DeviceCalibration,
+    Hemisphere,
+    PlacementFinding,
+    check_distinct,
+    check_mounting,
+)
 from estimators.conventions import Placement
 from estimators.errors import CalibrationError
 from estimators.pipelines import Calibration, Pipeline
@@ -164,6 +170,7 @@ class PoseStep(Collector):
     def evaluate(self, pipeline: Pipeline) -> Outcome:
         """Evaluate the still seconds."""
         pose = joined_chunks(self._held)
+        check_distinct(pose.gyroscope_radps, pose.accelerometer_mps2, self.placements)
         before = pipeline.setup.calibration
         details: dict[str, Any] = {"kind": self.wanted.kind}
         if self.wanted.kind == "heading_reset":
@@ -245,6 +252,8 @@ class MovementSteps(Collector):
     def evaluate(self, pipeline: Pipeline) -> Outcome:
         """Evaluate rest and movements."""
         chunk = joined_chunks(self._kept)
+        rest = self._kept[0]
+        check_distinct(rest.gyroscope_radps, rest.accelerometer_mps2, self.placements)
         movements = {
             f"{name}{ending}": bounds
             for name, bounds in self._ranges.items()

@@ -236,14 +236,32 @@ def save_state(engine: Engine, session_id: str, state: SessionState, reason: str
 
 
 def save_recording(engine: Engine, session_id: str, start_s: float | None, end_s: float | None) -> None:
-    """Store the interval in which repetitions count."""
+    """Store the interval in which repetitions count, and, once it has an end, how the sensors sat in it."""
     with unit_of_work(engine) as session:
         row = _row(session, session_id)
         row.recording_start_s, row.recording_end_s = start_s, end_s
+        if start_s is not None and end_s is not None and end_s > start_s:
+            _remember_mounting(session, row)
+
+
+def _remember_mounting(session: Session, row: MotionSession) -> None:
+    """Offer the calibration in force at the patient's next session; what is known of sensors not worn today stays."""
+    found = row.setup.get("calibration") or {}
+    if not found.get("q_sensor_segment"):
+        return
+    mounting = session.scalars(select(Mounting).where(Mounting.patient_id == row.patient_id)).first()
+    if mounting is None:
+        mounting = Mounting(patient_id=row.patient_id, calibration={})
+        session.add(mounting)
+    by_placement = ("q_sensor_segment", "mounting_sigma_rad")
+    merged = {key: {**mounting.calibration.get(key, {}), **found.get(key, {})} for key in by_placement}
+    mounting.calibration = {**found, **merged}
+    mounting.session_id = row.id
+    mounting.updated_at = utc_now()
 
 
 def save_calibration(engine: Engine, session_id: str, result_id: str, setup: SessionSetup) -> None:
-    """Store a calibration with the session, its live result and as the patient's mounting."""
+    """Store a calibration with the session and its live result; `save_recording` remembers it for the patient."""
     stored = setup.to_dict()
     with unit_of_work(engine) as session:
         row = _row(session, session_id)
@@ -251,15 +269,6 @@ def save_calibration(engine: Engine, session_id: str, result_id: str, setup: Ses
         result = session.get(Result, result_id)
         if result is not None:
             result.setup = stored
-        if not (stored["calibration"] or {}).get("q_sensor_segment"):
-            return
-        mounting = session.scalars(select(Mounting).where(Mounting.patient_id == row.patient_id)).first()
-        if mounting is None:
-            mounting = Mounting(patient_id=row.patient_id)
-            session.add(mounting)
-        mounting.calibration = stored["calibration"]
-        mounting.session_id = session_id
-        mounting.updated_at = utc_now()
 
 
 def finish_stream(

@@ -16,6 +16,7 @@ from estimators.pipelines._biases import bias_along_gravity, bias_sigma
 from estimators.pipelines._contract import Calibration, SessionSetup
 from estimators.pipelines._kernel import compose
 from estimators.recording import Float, ImuChunk
+from estimators.sentences import say
 
 LYING_BIAS_SIGMA_RADPS = float(np.deg2rad(0.05))
 STANDING_BIAS_SIGMA_RADPS = float(np.deg2rad(0.2))
@@ -23,6 +24,8 @@ STANDING_BIAS_SIGMA_RADPS = float(np.deg2rad(0.2))
 within the seconds of a pose; both with what gyroscopes change between switch-ons."""
 _LEVEL_LIMIT_MPS2 = 0.1 * GRAVITY_MPS2
 """Six degrees of tilt: more is not lying level."""
+POSE_ALONE_SCORE = 0.9
+"""Full marks need movements that turn the sensors as the body's joints can turn."""
 _MEMORY_S = 8.0
 _MEMORY_HZ = 5.0
 """Orientation remembered for a calibration pose: a still pose needs no more."""
@@ -255,6 +258,9 @@ class BodyNetwork:
             gyroscope_bias_radps=self._by_placement(gyroscope_bias),
             accelerometer_bias_mps2=self._by_placement(bias),
             method=f"level, {method}" if was_level else method,
+            # How still somebody stood does not tell whether the pose was the one asked for.
+            score=min(found.score, POSE_ALONE_SCORE),
+            reasons=(*found.reasons, say("calibration.not_checked")),
         )
         self._apply(found)
         if anew is None:

@@ -25,6 +25,10 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "place.forefoot_left": "left forefoot",
     "place.heel_right": "right heel",
     "place.forefoot_right": "right forefoot",
+    "calibration.same_signals": "The sensors on {where:place} send the same signal, down to the noise: one sensor comes"
+    " under several names. Check how the gateway assigns its sensors to the body, then calibrate again.",
+    "calibration.not_checked": "Not checked by a movement yet: a calibration by movement tells whether the sensors turn"
+    " as the body does.",
     "side.left": "left",
     "side.right": "right",
 }

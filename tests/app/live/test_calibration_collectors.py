@@ -55,6 +55,30 @@ def performed(shown: Rehearsal) -> tuple[Collector, Pipeline]:
     return found, pipeline
 
 
+def test_four_copies_of_one_sensor_are_refused_by_name() -> None:
+    found, pipeline = performed(rehearsal_of("n_pose"))
+    held = found._held[0]
+    copied = [0, 0, 0, *range(3, held.sensor_count)]
+    found._held = [
+        replace(
+            held,
+            gyroscope_radps=held.gyroscope_radps[copied],
+            accelerometer_mps2=held.accelerometer_mps2[copied],
+        )
+    ]
+    with pytest.raises(CalibrationError, match="same signal, down to the noise") as refused:
+        found.evaluate(pipeline)
+    assert refused.value.args[0].parameters["where"] == list(found.placements[:3])
+
+
+def test_a_pose_alone_never_has_full_marks() -> None:
+    outcome, pipeline = evaluated(rehearsal_of("n_pose"))
+    assert outcome.score <= 0.9
+    assert pipeline.setup.calibration is not None
+    assert pipeline.setup.calibration.score == outcome.score
+    assert any("Not checked by a movement yet" in reason for reason in outcome.reasons)
+
+
 def evaluated(shown: Rehearsal) -> tuple[Outcome, Pipeline]:
     found, pipeline = performed(shown)
     assert found.is_complete, (found.hint, found.trouble)

@@ -6,8 +6,9 @@ from typing import Any
 import pytest
 from sqlalchemy import Engine, select
 
-from app.database.unit_of_work import read_only
+from app.database.unit_of_work import read_only, unit_of_work
 from app.gateway.rehearsal import rehearsal_of, rehearse
+from app.live import repository
 from app.patients.models import Mounting, SensorDevice
 from app.recordings.models import MotionSession
 from estimators.calibration import DeviceCalibration, ferraris
@@ -87,7 +88,21 @@ def stored_device(engine: Engine, clinic_id: str, placement: str) -> DeviceCalib
 @pytest.mark.slow
 def test_mountings_are_remembered_for_the_patient(signed_in: Any, world: Any, engine: Engine) -> None:
     session_id, _ = perform(signed_in, world.patient_id, rehearsal_of("n_pose"), speed=8.0)
+    assert mounting_of(engine, world.patient_id) is None, "nothing was recorded"
+    other = {"shank_left": [1.0, 0.0, 0.0, 0.0]}
+    with unit_of_work(engine) as session:
+        calibration = {"q_sensor_segment": other, "mounting_sigma_rad": {}}
+        session.add(Mounting(patient_id=world.patient_id, calibration=calibration, session_id="earlier"))
+    repository.save_recording(engine, session_id, 1.0, None)
+    assert mounting_of(engine, world.patient_id) == ("earlier", other), "a recording that has only begun"
+    repository.save_recording(engine, session_id, 1.0, 9.0)
+    found = mounting_of(engine, world.patient_id)
+    assert found is not None
+    assert found[0] == session_id
+    assert set(found[1]) > {"shank_left"}, "sensors that were not worn stay"
+
+
+def mounting_of(engine: Engine, patient_id: str) -> tuple[str, dict[str, Any]] | None:
     with read_only(engine) as session:
-        stored = session.scalars(select(Mounting).where(Mounting.patient_id == world.patient_id)).one()
-        assert stored.session_id == session_id
-        assert stored.calibration["q_sensor_segment"]
+        stored = session.scalars(select(Mounting).where(Mounting.patient_id == patient_id)).first()
+        return None if stored is None else (stored.session_id, stored.calibration["q_sensor_segment"])

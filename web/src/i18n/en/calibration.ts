@@ -17,6 +17,7 @@ export const calibration = {
   'calibration.good': 'Good calibration ({score} of 100)',
   'calibration.fair': 'Usable calibration ({score} of 100)',
   'calibration.poor': 'Poor calibration ({score} of 100): repeat it',
+  'calibration.scoreMeans': 'The score says how still and how consistent the pose was. More than 90 needs a calibration by movement, which checks the pose.',
   'calibration.inForce': 'If a sensor slipped, calibrate again before you record.',
   'calibration.method.n_pose': 'By the standing pose',
   'calibration.method.t_pose': 'By the T-pose',

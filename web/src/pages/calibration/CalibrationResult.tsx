@@ -69,6 +69,7 @@ export function CalibrationResult({ guide, mayAct, isBusy, onAgain, onClose }: {
             {!isDone ? t('guide.redo') : isHeading ? t('calibration.directionsSet') : scoreText(guide.score ?? 0)}
           </h2>
         </div>
+        {isDone && (guide.kind === 'n_pose' || guide.kind === 't_pose') && <p className="muted small">{t('calibration.scoreMeans')}</p>}
         {findings.map((finding) => (
           <p key={finding.text} className="alert-text">
             {finding.text}
