@@ -172,11 +172,16 @@ class SignInLimits:
         if browser is not None:
             # Not by address either: a stranger may sit in the same house.
             return [(self._accounts, f"{account} {browser}")]
-        return [(self._addresses, _network(address)), (self._accounts, account)]
+        return [(self._addresses, network_of(address)), (self._accounts, account)]
 
 
-def _network(address: str) -> str:
-    """Return the key of an address: IPv6 by /64, since one household has 2^64 addresses."""
+def network_of(address: str) -> str:
+    """Return the key of an address: IPv6 by /64, since one household has 2^64 addresses.
+
+    Parameters
+    ----------
+    address : str
+    """
     try:
         parsed = ipaddress.ip_address(address)
     except ValueError:

@@ -136,6 +136,19 @@ class DeviceTokenIn(Schema):
     days: int = Field(default=90, ge=1, le=366)
 
 
+class PairingCodeOut(Schema):
+    """A code that a gateway exchanges once for a device token; it is shown once."""
+
+    code: str
+    expires_at: datetime
+
+
+class PairingIn(Schema):
+    """A gateway's pairing code, as somebody typed or scanned it."""
+
+    code: str = Field(max_length=40)
+
+
 class DeviceTokenOut(Schema):
     """A gateway credential; `token` is shown once, when it is made."""
 

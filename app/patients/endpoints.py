@@ -17,6 +17,8 @@ from app.accounts.schemas import (
     DeviceTokenOut,
     GrantIn,
     GrantOut,
+    PairingCodeOut,
+    PairingIn,
 )
 from app.database.dependencies import ReadSession, WriteSession
 from app.patients import service
@@ -98,6 +100,25 @@ def create_device_token(
 ) -> DeviceTokenOut:
     """Make a device token; the answer is the only one that holds it."""
     return service.add_device_token(session, services_of(request).settings, subject, patient_id, body)
+
+
+@router.post("/patients/{patient_id}/pairing-codes", status_code=201)
+def create_pairing_code(
+    patient_id: str, body: DeviceTokenIn, subject: CurrentAccount, request: Request, session: WriteSession
+) -> PairingCodeOut:
+    """Make a code of eight characters that a gateway exchanges, once and within ten minutes, for a device token."""
+    return service.offer_pairing(session, services_of(request).pairing, subject, patient_id, body)
+
+
+@router.post("/devices/pair", responses={401: {}})
+def pair_device(body: PairingIn, request: Request, session: WriteSession) -> DeviceTokenOut:
+    """Exchange a pairing code for a device token; nobody need be signed in.
+
+    Errors: `sign_in_required` for a code that is wrong, used or too old; `too_many_attempts` with Retry-After.
+    """
+    services = services_of(request)
+    address = request.client.host if request.client else "unknown"
+    return service.pair(session, services.settings, services.pairing.take(body.code, address))
 
 
 @router.delete("/device-tokens/{token_id}", status_code=204)

@@ -1,12 +1,15 @@
 """From patients' rows to what a page shows."""
 
+from datetime import timedelta
+
 from sqlalchemy.orm import Session
 
 from app.accounts.audit import record
 from app.accounts.audit_reading import read_audit
 from app.accounts.consents import list_consents, set_consent
 from app.accounts.device_tokens import create_device_token, get_device_token, list_device_tokens
-from app.accounts.models import DeviceToken
+from app.accounts.models import Account, DeviceToken
+from app.accounts.pairing import LIFE_S, Offer, PairingBook
 from app.accounts.schemas import (
     AuditOut,
     ConsentIn,
@@ -15,10 +18,11 @@ from app.accounts.schemas import (
     DeviceTokenOut,
     GrantIn,
     GrantOut,
+    PairingCodeOut,
 )
 from app.accounts.subject import Subject
 from app.database.base import utc_now
-from app.errors import InvalidInput, NotAllowed, NotFound
+from app.errors import InvalidInput, NotAllowed, NotFound, SignInRequired
 from app.patients import repository
 from app.patients.access import levels, require_patient
 from app.patients.models import Grant, Patient
@@ -192,6 +196,44 @@ def add_device_token(
     row, token = create_device_token(session, settings, subject, patient_id, body.label, body.days)
     record(session, subject, "device_token.create", patient_id, row.id)
     return _token_out(row, token)
+
+
+def offer_pairing(
+    session: Session, book: PairingBook, subject: Subject, patient_id: str, body: DeviceTokenIn
+) -> PairingCodeOut:
+    """Make a code that a gateway exchanges for a device token.
+
+    Parameters
+    ----------
+    session : Session
+    book : PairingBook
+    subject : Subject
+        With the level `manage`, or the patient for an own phone.
+    patient_id : str
+    body : DeviceTokenIn
+        Of the token.
+    """
+    _require_own_or_manage(session, subject, patient_id)
+    record(session, subject, "device_token.offer", patient_id)
+    code = book.offer(Offer(subject, patient_id, body.label, body.days))
+    return PairingCodeOut(code=code, expires_at=utc_now() + timedelta(seconds=LIFE_S))
+
+
+def pair(session: Session, settings: Settings, offer: Offer) -> DeviceTokenOut:
+    """Make the device token that a code stood for; the giver must still have the right to it.
+
+    Parameters
+    ----------
+    session : Session
+    settings : Settings
+    offer : Offer
+        From a code that was used up.
+    """
+    giver = session.get(Account, offer.giver.account_id)
+    if giver is None or not giver.is_active:
+        raise SignInRequired(say("device.code_refused"))
+    body = DeviceTokenIn(label=offer.label, days=offer.days)
+    return add_device_token(session, settings, offer.giver, offer.patient_id, body)
 
 
 def revoke_device_token(session: Session, subject: Subject, token_id: str) -> None:

@@ -27,6 +27,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "sign_in.no_device_token": "A device token cannot be used here; sign in.",
     "sign_in.device_token_only": "This is for gateways: it needs a device token.",
     "device.no_open_session": "No session is open for this patient. Begin one, then ask again.",
+    "device.code_refused": "This pairing code is wrong, was used before or is older than ten minutes; make a new one.",
+    "device.too_many_codes": "Too many wrong pairing codes; try again in {seconds:s}.",
     "device.token_refused": "The device token is not valid, has expired or was revoked; ask the clinic"
     " for a new one.",
     "device.token_not_found": "Device token not found, or not shared with you.",

@@ -191,6 +191,15 @@ LINES: tuple[Line, ...] = (
         body={"label": "phone"},
         status=201,
     ),
+    patient(
+        "POST",
+        "/api/patients/{patient_id}/pairing-codes",
+        OWN_OR_MANAGE,
+        body={"label": "tablet"},
+        status=201,
+    ),
+    # What it takes is the code.
+    Line("POST", "/api/devices/pair", "public", body={"code": "2345 6789"}, status=401),
     patient("DELETE", "/api/device-tokens/{token_id}", OWN_OR_MANAGE, status=204),
     patient("GET", "/api/patients/{patient_id}/consents", READ),
     patient(

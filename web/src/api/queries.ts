@@ -229,6 +229,11 @@ export const useAddDeviceToken = (id: string) =>
     (input: Wire.DeviceTokenIn) => api.post<Wire.DeviceToken>(`/api/patients/${id}/device-tokens`, input),
     () => [keys.deviceTokens(id)],
   );
+export const usePairingCode = (id: string) =>
+  useChange(
+    (input: Wire.DeviceTokenIn) => api.post<Wire.PairingCode>(`/api/patients/${id}/pairing-codes`, input),
+    () => [],
+  );
 export const useRevokeDeviceToken = (id: string) =>
   useChange((tokenId: string) => api.delete<void>(`/api/device-tokens/${tokenId}`), () => [keys.deviceTokens(id)]);
 export const useConsent = (id: string) =>

@@ -195,6 +195,28 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/devices/pair": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Pair Device
+         * @description Exchange a pairing code for a device token; nobody need be signed in.
+         *
+         *     Errors: `sign_in_required` for a code that is wrong, used or too old; `too_many_attempts` with Retry-After.
+         */
+        post: operations["pair_device_api_devices_pair_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/estimators": {
         parameters: {
             query?: never;
@@ -642,6 +664,26 @@ export interface paths {
          * @description Give a colleague a right to this patient; an earlier one of the same colleague ends.
          */
         post: operations["create_grant_api_patients__patient_id__grants_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/patients/{patient_id}/pairing-codes": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Create Pairing Code
+         * @description Make a code of eight characters that a gateway exchanges, once and within ten minutes, for a device token.
+         */
+        post: operations["create_pairing_code_api_patients__patient_id__pairing_codes_post"];
         delete?: never;
         options?: never;
         head?: never;
@@ -3380,6 +3422,27 @@ export interface components {
             ticket: string;
         };
         /**
+         * PairingCodeOut
+         * @description A code that a gateway exchanges once for a device token; it is shown once.
+         */
+        PairingCodeOut: {
+            /** Code */
+            code: string;
+            /**
+             * Expires At
+             * Format: date-time
+             */
+            expires_at: string;
+        };
+        /**
+         * PairingIn
+         * @description A gateway's pairing code, as somebody typed or scanned it.
+         */
+        PairingIn: {
+            /** Code */
+            code: string;
+        };
+        /**
          * ParameterOut
          * @description One parameter of an estimator.
          */
@@ -5106,6 +5169,36 @@ export interface operations {
             503: components["responses"]["Error503"];
         };
     };
+    pair_device_api_devices_pair_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["PairingIn"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DeviceTokenOut"];
+                };
+            };
+            401: components["responses"]["Error401"];
+            409: components["responses"]["Error409"];
+            413: components["responses"]["Error413"];
+            422: components["responses"]["Error422"];
+            429: components["responses"]["Error429"];
+            503: components["responses"]["Error503"];
+        };
+    };
     list_estimators_api_estimators_get: {
         parameters: {
             query?: never;
@@ -5960,6 +6053,43 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["GrantOut"];
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            404: components["responses"]["Error404"];
+            409: components["responses"]["Error409"];
+            413: components["responses"]["Error413"];
+            422: components["responses"]["Error422"];
+            429: components["responses"]["Error429"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    create_pairing_code_api_patients__patient_id__pairing_codes_post: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description From /api/me; browsers send it with every change, devices do not. */
+                "X-CSRF-Token"?: string;
+            };
+            path: {
+                patient_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["DeviceTokenIn"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PairingCodeOut"];
                 };
             };
             401: components["responses"]["Error401"];

@@ -16,6 +16,7 @@ export type PasswordIn = Schemas['PasswordIn'];
 export type Grant = Schemas['GrantOut'];
 export type GrantIn = Schemas['GrantIn'];
 export type DeviceToken = Schemas['DeviceTokenOut'];
+export type PairingCode = Schemas['PairingCodeOut'];
 export type DeviceTokenIn = Schemas['DeviceTokenIn'];
 export type Consent = Schemas['ConsentOut'];
 export type ConsentIn = Schemas['ConsentIn'];

@@ -131,6 +131,17 @@ describe('a patient', () => {
     expect(asked).toContain('POST /api/sessions/s/stop');
   });
 
+  it('reads whether the movement is being stored', async () => {
+    open('/my/sessions/s/live', { state: 'recording', recording_end_s: null });
+    await waitFor(() => expect(FakeSocket.all.length).toBeGreaterThan(0));
+    say(stateMessage('recording', { recording_start_s: 3 }), health);
+    expect(await screen.findByText('Your movement is being stored.')).toBeTruthy();
+    say({ ...health, is_being_stored: false });
+    expect((await screen.findByText('Not being stored')).closest('[role=alert]')).toBeTruthy();
+    expect(screen.queryByText('Your movement is being stored.')).toBeNull();
+    expect(await read()).toEqual([]);
+  });
+
   it('reads that nothing is known while the service is out of reach', async () => {
     open('/my/sessions/s/live', { state: 'recording', recording_end_s: null });
     await waitFor(() => expect(FakeSocket.all.length).toBeGreaterThan(0));
@@ -138,7 +149,7 @@ describe('a patient', () => {
     act(() => socket?.onclose?.({ code: 1006, reason: '' }));
     expect(await screen.findByRole('heading', { name: 'No connection' })).toBeTruthy();
     expect(screen.getByText(/does not know whether your exercise is being stored/)).toBeTruthy();
-    expect(screen.queryByText('Your movement is arriving.')).toBeNull();
+    expect(screen.queryByText('Your movement is being stored.')).toBeNull();
   });
 
   it('sees results by the day, in sentences, and opens the own replay', async () => {

@@ -135,7 +135,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
             {t('home.finished')}
           </Button>
         )}
-        {moment === 'going' && snapshot.columns && <p className="muted">{t('home.arriving')}</p>}
+        {moment === 'going' && snapshot.health?.is_being_stored && <p className="muted">{t('home.stored')}</p>}
         {moment === 'done' && (
           <Button size="xl" fullWidth component={Link} to={`/my/sessions/${session.id}`}>
             {t('home.look')}
@@ -148,6 +148,14 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
         )}
         {problem && <PlainProblem error={problem} />}
       </section>
+      {(moment === 'going' || moment === 'ready') && snapshot.health?.is_being_stored === false && (
+        <div className="banner banner-alert" role="alert">
+          <div>
+            <p className="strong">{t('home.notStored')}</p>
+            <p>{t('home.notStoredText')}</p>
+          </div>
+        </div>
+      )}
       {moment === 'putOn' && <PutOn session={session} />}
       {moment !== 'putOn' && MOVING.includes(moment) && (
         <>

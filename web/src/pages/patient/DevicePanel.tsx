@@ -2,18 +2,38 @@ import { Button, Group, Modal, NumberInput, TextInput } from '@mantine/core';
 import { useDisclosure } from '@mantine/hooks';
 import { IconKey, IconPlus } from '@tabler/icons-react';
 import { useState, type FormEvent } from 'react';
-import { useAddDeviceToken, useDeviceTokens, useRevokeDeviceToken } from '../../api/queries';
-import type { DeviceToken, Patient } from '../../api/types';
+import { useAddDeviceToken, useDeviceTokens, usePairingCode, useRevokeDeviceToken } from '../../api/queries';
+import type { DeviceToken, PairingCode, Patient } from '../../api/types';
 import { Confirm } from '../../components/Confirm';
 import { CopyBox } from '../../components/CopyBox';
 import { Answer, Notice, Problem } from '../../components/Feedback';
+import { QrCode } from '../../components/QrCode';
 import { t } from '../../i18n';
-import { date } from '../../lib/format';
+import { clockTime, date } from '../../lib/format';
+
+/** The code that the gateway exchanges for its token, to type and to scan. */
+function Pairing({ made, onDone }: { made: PairingCode; onDone: () => void }) {
+  const readable = `${made.code.slice(0, 4)} ${made.code.slice(4)}`;
+  return (
+    <div className="stack">
+      <p>{t('device.pairHelp', { time: clockTime(made.expires_at) })}</p>
+      <p className="pairing-code number" aria-label={t('device.pairCode')}>
+        {readable}
+      </p>
+      <QrCode text={`telemotion:pair?server=${encodeURIComponent(window.location.origin)}&code=${made.code}`} label={t('device.pairQr')} />
+      <Group justify="flex-end">
+        <Button onClick={onDone}>{t('action.close')}</Button>
+      </Group>
+    </div>
+  );
+}
 
 function NewToken({ patient, onDone }: { patient: Patient; onDone: () => void }) {
   const add = useAddDeviceToken(patient.id);
+  const pairing = usePairingCode(patient.id);
   const [label, setLabel] = useState('');
   const [days, setDays] = useState(90);
+  if (pairing.data) return <Pairing made={pairing.data} onDone={onDone} />;
   if (add.data?.token) {
     return (
       <div className="stack">
@@ -29,18 +49,22 @@ function NewToken({ patient, onDone }: { patient: Patient; onDone: () => void })
   }
   const submit = (event: FormEvent) => {
     event.preventDefault();
-    add.mutate({ label: label.trim(), days });
+    pairing.mutate({ label: label.trim(), days });
   };
+  const error = pairing.error ?? add.error;
   return (
     <form className="stack" onSubmit={submit}>
-      {add.error && <Problem error={add.error} />}
+      {error && <Problem error={error} />}
       <TextInput label={t('device.label')} description={t('device.labelHelp')} required withAsterisk={false} maxLength={100} value={label} onChange={(event) => setLabel(event.currentTarget.value)} data-autofocus />
       <NumberInput label={t('device.days')} min={1} max={366} value={days} onChange={(value) => setDays(Number(value) || 1)} maw={220} />
       <Group justify="flex-end">
         <Button variant="default" onClick={onDone}>
           {t('action.cancel')}
         </Button>
-        <Button type="submit" loading={add.isPending}>
+        <Button variant="subtle" loading={add.isPending} disabled={!label.trim()} onClick={() => add.mutate({ label: label.trim(), days })}>
+          {t('device.makeToken')}
+        </Button>
+        <Button type="submit" loading={pairing.isPending}>
           {t('device.make')}
         </Button>
       </Group>
@@ -74,6 +98,11 @@ export function DevicePanel({ patient }: { patient: Patient }) {
   const tokens = useDeviceTokens(patient.id, mayManage);
   const [isOpen, dialog] = useDisclosure(false);
   if (!mayManage) return null;
+  // A gateway may have used its code meanwhile.
+  const done = () => {
+    dialog.close();
+    void tokens.refetch();
+  };
   return (
     <section className="card" aria-labelledby="devices">
       <div className="card-head">
@@ -96,8 +125,8 @@ export function DevicePanel({ patient }: { patient: Patient }) {
           );
         }}
       </Answer>
-      <Modal opened={isOpen} onClose={dialog.close} title={t('device.dialogTitle')} closeButtonProps={{ 'aria-label': t('action.close') }}>
-        {isOpen && <NewToken patient={patient} onDone={dialog.close} />}
+      <Modal opened={isOpen} onClose={done} title={t('device.dialogTitle')} closeButtonProps={{ 'aria-label': t('action.close') }}>
+        {isOpen && <NewToken patient={patient} onDone={done} />}
       </Modal>
     </section>
   );
