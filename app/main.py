@@ -13,6 +13,7 @@ from fastapi import APIRouter, FastAPI
 from app import processes
 from app import tables as tables
 from app.accounts.endpoints import router as accounts_router
+from app.accounts.pairing import PairingBook
 from app.accounts.passwords import Passwords
 from app.accounts.rate_limit import SignInLimits
 from app.accounts.refusals import RefusedSignIns
@@ -149,6 +150,7 @@ async def open_services(
     services = Services(settings=settings, engine=engine)
     services.passwords = passwords or await to_thread.run_sync(Passwords)
     services.sign_in_limits = SignInLimits()
+    services.pairing = PairingBook()
     services.refused_sign_ins = RefusedSignIns(engine, settings)
     stack.push_async_callback(partial(to_thread.run_sync, services.refused_sign_ins.close))
 

@@ -9,7 +9,6 @@ from typing import Any
 from sqlalchemy import Engine
 from starlette.requests import HTTPConnection
 
-from app.accounts.pairing import PairingBook
 from app.limits import Limits
 from app.settings import Settings
 
@@ -42,7 +41,7 @@ class Services:
     metrics : app.metrics.Registry
     readiness : app.edge.readiness.Readiness
         Whether what is sent now can be stored.
-    pairing : PairingBook
+    pairing : app.accounts.pairing.PairingBook
         Codes that wait for their gateways.
     """
 
@@ -59,7 +58,7 @@ class Services:
     passwords: Any = None
     metrics: Any = None
     readiness: Any = None
-    pairing: PairingBook = field(default_factory=PairingBook)
+    pairing: Any = None
     limits: Limits = field(init=False)
     extras: dict[str, Any] = field(default_factory=dict)
 
