@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import t as student
+import scipy
 
 from estimators.comparison._contract import RepetitionResult, Template
 
@@ -98,7 +98,7 @@ def _limit(kept: Sequence[RepetitionResult], channel: str, differences: np.ndarr
     chance = 0.0
     if count > 1:
         spread = float(differences.std(ddof=1)) / np.sqrt(count)
-        chance = float(student.ppf(_CONFIDENCE, count - 1)) * spread
+        chance = float(scipy.stats.t.ppf(_CONFIDENCE, count - 1)) * spread
     return float(np.hypot(sensor, chance))
 
 

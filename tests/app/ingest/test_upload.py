@@ -113,8 +113,8 @@ def test_an_upload_equals_the_library_run_on_the_same_file(
     with read_only(engine) as session:
         frames = read_frames(session, found.main_result_id)
     assert frames.tick_count == expected.tick_count
-    # Stored as 32-bit floats.
-    np.testing.assert_allclose(frames.angle_rad, expected.angle_rad, atol=1e-6)
+    # Stored in steps of 2^-14 rad at most.
+    np.testing.assert_allclose(frames.angle_rad, expected.angle_rad, atol=2.0**-15 + 1e-6)
     np.testing.assert_array_equal(frames.angle_flags, expected.angle_flags)
 
 
