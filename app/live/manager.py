@@ -22,6 +22,7 @@ from app.live.device_rows import with_known_devices
 from app.live.housekeeping import GOODBYE_CLOSE_S, IDLE_CLOSE_S, LONGEST_S, Housekeeping
 from app.live.intake import Intake
 from app.live.messages import LayoutMessage, StateMessage
+from app.live.patience import Patience
 from app.live.plausibility import CheckProcess
 from app.live.rebuild import rebuild
 from app.live.runner import LiveSession
@@ -188,7 +189,9 @@ class LiveManager:
             # Asked anew: the word may have been taken back while the session was being opened.
             await self.check_source(stored.id)
             may_stream = partial(repository.still_allowed, self.engine, subject, stored.id, "record")
-            intake = Intake(session, partial(self._check_gateway, session, may_stream), self._detach)
+            intake = Intake(
+                session, partial(self._check_gateway, session, may_stream, Patience()), self._detach
+            )
             before = self._intakes.get(stored.id)
             if before is not None:
                 before.end(Conflict(say("live.superseded"), reason="superseded"))
@@ -369,9 +372,11 @@ class LiveManager:
         """Run a small database read in the thread kept for checks of open sockets."""
         return await asyncio.get_running_loop().run_in_executor(self._checks, work)
 
-    async def _check_gateway(self, session: LiveSession, may_stream: Callable[[], None]) -> None:
+    async def _check_gateway(
+        self, session: LiveSession, may_stream: Callable[[], None], patience: Patience
+    ) -> None:
         """Raise when a gateway has lost its right; stop its source when nobody answers for it any more."""
-        await self.check(may_stream)
+        await patience.wait(self.check(may_stream))
         if session.actuation is not None:
             await self.check_source(session.id)
 

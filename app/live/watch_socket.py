@@ -26,6 +26,7 @@ from app.live import repository
 from app.live.blocks import PublishedFrames
 from app.live.bus import Subscription, topic
 from app.live.manager import LiveManager
+from app.live.patience import Patience
 from app.schemas import Schema
 from app.sentences import say
 from app.services import Services, services_of
@@ -146,8 +147,9 @@ async def _keep_checking(websocket: WebSocket, live: LiveManager, check: Check) 
 
     # Sockets that were opened together must not all be checked at the same moment.
     await asyncio.sleep(random.uniform(0.0, CHECK_RIGHT_EVERY_S))  # noqa: S311
+    patience = Patience()
     while True:
-        await live.check(check_all)
+        await patience.wait(live.check(check_all))
         await asyncio.sleep(CHECK_RIGHT_EVERY_S)
 
 

@@ -1,20 +1,26 @@
 """Nothing can be stored for a while: readiness and the live page say so in time, and nothing acknowledged is lost."""
 
+import asyncio
 import json
 import sqlite3
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
+import anyio
 import pytest
 from sqlalchemy import Engine, event, make_url
+from sqlalchemy.exc import OperationalError
 
 from app.database import migrate
 from app.database.engine import create_from_url
 from app.edge.readiness import Readiness
+from app.errors import NotAllowed
 from app.gateway import DeviceStream, stream_of
 from app.live.ledger import NOT_STORED_AFTER_S, SequenceLedger
+from app.live.patience import Patience
 from app.recordings.store import read_packets
 from app.services import Services
 from app.settings import Settings
@@ -112,10 +118,20 @@ def tell_and_recover(client: Any, services: Services, world: Any, stream: Device
     assert acknowledged < sent
 
 
+def received(socket: Any) -> dict[str, Any]:
+    async def wait() -> Any:
+        with anyio.fail_after(30.0):
+            return await socket._send_rx.receive()
+
+    found: dict[str, Any] = socket.portal.call(wait)
+    return found
+
+
 def receive_health(socket: Any, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
     deadline = time.monotonic() + 30
     while time.monotonic() < deadline:
-        message = socket.receive()
+        message = received(socket)
+        assert message["type"] != "websocket.close", "the page was shut"
         if message.get("text"):
             found: dict[str, Any] = json.loads(message["text"])
             if found["type"] == "health" and wanted(found):
@@ -193,10 +209,21 @@ def test_what_waits_for_its_commit_is_being_stored(monkeypatch) -> None:
     assert ledger.is_being_stored(), "nothing waits"
 
 
-def test_a_check_that_hangs_or_raises_is_not_well(settings) -> None:
-    import asyncio
-    import threading
+@pytest.mark.parametrize("error", [OperationalError("SELECT 1", {}, Exception()), NotAllowed("no")])
+def test_an_open_socket_is_patient_with_the_database_only(error) -> None:
+    async def fails() -> None:
+        raise error
 
+    async def run() -> None:
+        if isinstance(error, OperationalError):
+            await Patience(unanswered_s=60.0).wait(fails())
+        with pytest.raises(type(error)):
+            await Patience(unanswered_s=-1.0).wait(fails())
+
+    asyncio.run(run())
+
+
+def test_a_check_that_hangs_or_raises_is_not_well(settings) -> None:
     release = threading.Event()
     calls: list[int] = []
 
