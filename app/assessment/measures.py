@@ -12,7 +12,7 @@ from datetime import datetime
 from itertools import groupby
 from typing import Final
 
-from scipy.stats import t as student
+import scipy
 from sqlalchemy import ColumnElement, func, select
 from sqlalchemy.orm import Session
 
@@ -216,7 +216,7 @@ def minimal_detectable_change(baseline: Sequence[SessionValue]) -> float | None:
     if len(baseline) < BASELINE:
         return None
     error_of_measurement = statistics.stdev(value.mean for value in baseline)
-    return float(student.ppf(0.975, len(baseline) - 1)) * math.sqrt(2.0) * error_of_measurement
+    return float(scipy.stats.t.ppf(0.975, len(baseline) - 1)) * math.sqrt(2.0) * error_of_measurement
 
 
 def change(values: Sequence[SessionValue]) -> Change:

@@ -72,13 +72,10 @@ class Delivery:
 
 @dataclass(frozen=True)
 class Milestone:
-    """Something to do before the first packet of `at_s` or later is sent; sending waits for it.
-
-    When `act` returns False, one more packet is sent and it is asked again.
-    """
+    """Something to do before the first packet of `at_s` or later is sent; sending waits for it."""
 
     at_s: float
-    act: Callable[[], Awaitable[bool | None]]
+    act: Callable[[], Awaitable[None]]
 
 
 @dataclass
@@ -186,11 +183,8 @@ class GatewayClient:
                 began_s = delivery.send_s if began_s is None else began_s
                 while waiting and delivery.send_s >= waiting[0].at_s:
                     before = time.monotonic()
-                    is_done = await self._act(waiting[0])
+                    await self._act(waiting.pop(0))
                     started += time.monotonic() - before
-                    if not is_done:
-                        break
-                    waiting.pop(0)
                 while cuts and delivery.send_s >= cuts[0][0]:
                     start, end = cuts.pop(0)
                     await self._cut(end - start)
@@ -209,8 +203,8 @@ class GatewayClient:
         self.report.unacknowledged = len(self._kept)
         return self.report
 
-    async def _act(self, milestone: Milestone) -> bool:
-        """Do what a milestone asks, holding the link meanwhile; false where it is to be asked again."""
+    async def _act(self, milestone: Milestone) -> None:
+        """Do what a milestone asks, holding the link meanwhile: it may wait for what only a link brings."""
         acting = asyncio.ensure_future(milestone.act())
         try:
             while not acting.done():
@@ -222,7 +216,7 @@ class GatewayClient:
                 changed.cancel()
         finally:
             acting.cancel()
-        return await acting is not False
+        await acting
 
     def _keep(self, delivery: Delivery) -> None:
         self._kept.setdefault(delivery.sequence, delivery.data)

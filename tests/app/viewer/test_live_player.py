@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from app.live.blocks import PublishedFrames
 from app.live.bus import MemoryBus, topic
 from app.live.messages import StateMessage
 from app.recordings.schemas import SessionState
@@ -75,7 +76,7 @@ def test_the_ghost_waits_while_the_pose_is_held(
     )
     messages: list[tuple[str, Any]] = [("state", told(then))] if then else []
     # More frames than are kept: a word on the state must not be lost among them.
-    messages += 20 * [("frames", few)]
+    messages += 20 * [("frames", PublishedFrames(few, 0.0))]
     shown = asyncio.run(ghosts_of(few, messages, is_calibrating=at_first))
     assert shown
     assert all((phase is not None) == is_shown for phase in shown)
@@ -87,6 +88,7 @@ def test_the_ghost_waits_for_the_first_calibration(reaches: Any) -> None:
         name: value[:2] if isinstance(value, np.ndarray) else value for name, value in vars(frames).items()
     }
     few["point_room_m"] = np.full_like(few["point_room_m"], np.nan)
-    shown = asyncio.run(ghosts_of(None, [("frames", type(frames)(**few))], is_calibrating=False))
+    messages = [("frames", PublishedFrames(type(frames)(**few), 0.0))]
+    shown = asyncio.run(ghosts_of(None, messages, is_calibrating=False))
     assert shown
     assert all(phase is None for phase in shown)
