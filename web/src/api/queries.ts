@@ -205,7 +205,7 @@ export const useChangeAccount = () =>
   );
 export const useChangePassword = () => useChange((input: Wire.PasswordIn) => api.post<void>('/api/me/password', input), () => [keys.me]);
 export const useSecondFactor = () => useGet<Wire.SecondFactor>(keys.secondFactor, '/api/me/second-factor');
-export const useBeginSecondFactor = () => useChange((_: void) => api.post<Wire.SecondFactorSetup>('/api/me/second-factor'), () => []);
+export const useBeginSecondFactor = () => useChange(() => api.post<Wire.SecondFactorSetup>('/api/me/second-factor'), () => []);
 export const useConfirmSecondFactor = () =>
   useChange((input: { code: string }) => api.post<Wire.RecoveryCodes>('/api/me/second-factor/confirm', input), () => [keys.secondFactor, keys.me]);
 export const useRemoveSecondFactor = () =>
