@@ -47,6 +47,8 @@ HELLO_TIMEOUT_S = 60.0
 FIRST_WAIT_S = 0.1
 LONGEST_WAIT_S = 5.0
 KEPT_PACKETS = 200_000
+PONG_WITHIN_S = 120.0
+"""A service that slows a gateway down reads its pings late: that is no broken link."""
 
 Answer = AcknowledgeMessage | ErrorMessage | ActuateMessage | ActuationPlanMessage
 _answer: TypeAdapter[Answer] = TypeAdapter(Annotated[Answer, Field(discriminator="type")])
@@ -295,7 +297,9 @@ class GatewayClient:
     async def _connect_once(self) -> None:
         await self._disconnect()
         ticket = await self._ticket()
-        connection = await connect(self._url, compression=None, max_queue=64, proxy=None)
+        connection = await connect(
+            self._url, compression=None, max_queue=64, proxy=None, ping_timeout=PONG_WITHIN_S
+        )
         try:
             await connection.send(self._hello(ticket).model_dump_json(exclude_none=True))
             async with asyncio.timeout(HELLO_TIMEOUT_S):

@@ -10,7 +10,7 @@ import pytest
 from sqlalchemy import select
 
 from app.database.unit_of_work import read_only
-from app.live import manager
+from app.live import warmup
 from app.main import create_app
 from app.recordings.models import MotionSession, SignalChunk
 
@@ -24,7 +24,7 @@ def test_the_program_of_the_page_stores_a_session(
     settings, engine, world, cheap_passwords, device_token, warm_up_once, monkeypatch
 ):
     (program,) = re.findall(r"```python\n(.*?)```", PAGE.read_text(), flags=re.DOTALL)
-    monkeypatch.setattr(manager, "warm_up", warm_up_once)
+    monkeypatch.setattr(warmup, "load_or_compile", warm_up_once)
     with serving(create_app(settings, passwords=cheap_passwords), free_port()) as address:
         done = subprocess.run(
             [sys.executable, "-c", program],

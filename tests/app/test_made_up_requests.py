@@ -13,7 +13,7 @@ from app.database import migrate
 from app.database.engine import create_from_url
 from app.database.unit_of_work import unit_of_work
 from app.edge.description import describe
-from app.live import manager
+from app.live import warmup
 from app.main import create_app
 from app.settings import Settings
 
@@ -48,7 +48,7 @@ def test_every_answer_is_described(database, tmp_path, request, cheap_passwords,
         csrf_token = row.csrf_token
     engine.dispose()
     # Nothing is streamed here.
-    monkeypatch.setattr(manager, "warm_up", lambda: None)
+    monkeypatch.setattr(warmup, "load_or_compile", lambda kind: None)
     app = create_app(settings, passwords=cheap_passwords)
     (tmp_path / "openapi.json").write_text(json.dumps(describe(app)))
     (tmp_path / "known.json").write_text(json.dumps(seed.own))

@@ -42,6 +42,8 @@ class ServerProcess:
             "TELEMOTION_SECRET_KEY": settings.secret_key.get_secret_value(),
             "TELEMOTION_BASE_URL": self.address,
             "TELEMOTION_DATA_DIR": str(settings.data_dir),
+            # Ten minutes are streamed in one; that streams are slowed is a matter of test_limits.py.
+            "TELEMOTION_STREAM_SPEED_LIMIT": "1000",
             "PYTHONPATH": str(ROOT),
             "OPENBLAS_NUM_THREADS": "1",
         }

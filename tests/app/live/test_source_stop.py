@@ -172,7 +172,7 @@ def test_a_live_source_stops_at_once_and_streams_on(signed_in: SignedIn, world: 
                 assert told.json()["withdrawn_by"]
                 await asyncio.sleep(0.3)
                 done = patient.control.account.asked + patient.control.account.by_plan
-                with pytest.raises(TelemotionError, match="taken back"):
+                with pytest.raises(TelemotionError, match="withdrawn"):
                     await service.ticket(created.id)
                 await asyncio.sleep(1.5)
                 assert patient.control.account.asked + patient.control.account.by_plan == done
