@@ -85,7 +85,6 @@ export const home = {
   'home.times': { one: 'once', other: '{count} times' },
   'home.minutes': { one: 'one minute', other: '{count} minutes' },
   'home.underMinute': 'less than a minute',
-  'home.lookAt': 'See how I moved: {name}',
   'home.beingPrepared': 'The result is being prepared.',
   'home.problem.offline': 'No connection to your clinic. Check the internet connection, then try again.',
   'home.problem.notNow': 'That is not possible right now. Wait a moment, then try again.',

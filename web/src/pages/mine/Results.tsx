@@ -40,7 +40,7 @@ function Done({ session, repetitions }: { session: Session; repetitions: number 
   return (
     <li>
       {session.state === 'analysed' ? (
-        <Link to={`/my/sessions/${session.id}`} className="home-done" aria-label={`${t('home.lookAt', { name })}, ${said.join(', ')}`}>
+        <Link to={`/my/sessions/${session.id}`} className="home-done">
           {words}
           <IconChevronRight size={26} aria-hidden />
         </Link>
