@@ -21,6 +21,7 @@ from app.database.base import new_id
 from app.database.engine import create_from_url
 from app.database.unit_of_work import unit_of_work
 from app.gateway import DeviceStream, ServiceClient
+from app.live.warmup import USUAL
 from app.patients.models import Grant, Mounting, Patient
 from app.recordings.schemas import SessionIn
 
@@ -79,7 +80,7 @@ def add_patient(
 def start_server(
     url: str, folder: Path, port: int, before: str = "", settings: Mapping[str, str] = ROOMY
 ) -> subprocess.Popen[bytes]:
-    """Start the service; `before` is code that it runs first."""
+    """Start the service; `before` is code that it runs first. What live sessions need is compiled before that."""
     environment = os.environ | {
         "TELEMOTION_DATABASE_URL": url,
         "TELEMOTION_SECRET_KEY": SECRET,
@@ -90,6 +91,10 @@ def start_server(
         "OPENBLAS_NUM_THREADS": "1",
         **settings,
     }
+    for kind in USUAL:
+        subprocess.run(
+            [sys.executable, "-m", "app.live.warmup", *kind], env=environment, cwd=ROOT, check=True
+        )
     code = f"{before}\nfrom app.commands.serve import serve; serve('127.0.0.1', {port})"
     process = subprocess.Popen([sys.executable, "-c", code], env=environment, cwd=ROOT)
     deadline = time.monotonic() + 120
