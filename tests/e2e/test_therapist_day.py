@@ -198,9 +198,6 @@ def test_a_template_from_a_stored_recording(visitor: Visitor, house: House) -> N
     assert visitor.faults_outside_the_view() == []
 
 
-@pytest.mark.xfail(
-    reason="One sheet runs over since every angle outside its band is named and marked; to be mended."
-)
 def test_the_report_prints_on_three_sheets(visitor: Visitor, house: House) -> None:
     page = visitor.page
     page.goto(f"{house.address}/sessions/{house.session_id}/report")

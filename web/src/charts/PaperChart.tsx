@@ -5,31 +5,40 @@ import type { OutsideStretch } from '../lib/comparison';
 import { date, displayUnit, quantity } from '../lib/format';
 import { extent, niceTicks } from './scales';
 
-const WIDTH = 380;
-const HEIGHT = 210;
+interface Size {
+  width: number;
+  height: number;
+}
+
+/** One movement from 0 to 100 %: two stand side by side. */
+const PHASES: Size = { width: 380, height: 210 };
+/** Days and weeks: as wide as the sheet, and low, for a table follows. */
+const DAYS: Size = { width: 720, height: 170 };
 const LEFT = 44;
 const RIGHT = 12;
 const TOP = 12;
 const BOTTOM = 30;
 const LABEL = 62;
 /** Height of the bars that mark where a repetition is outside its band. */
-const BAR = HEIGHT - BOTTOM + 5;
+const BAR = PHASES.height - BOTTOM + 5;
 
 type Values = readonly (number | null)[];
 
-interface Frame {
+interface Frame extends Size {
   x: (value: number) => number;
   y: (value: number) => number;
   ticks: number[];
 }
 
-function frame(low: number, high: number, first: number, last: number): Frame {
+function frame({ width, height }: Size, low: number, high: number, first: number, last: number): Frame {
   const ticks = niceTicks(low, high, 4);
   const bottom = Math.min(low, ticks[0] ?? low);
   const top = Math.max(high, ticks.at(-1) ?? high);
   return {
-    x: (value) => LEFT + ((value - first) / (last - first || 1)) * (WIDTH - LEFT - RIGHT),
-    y: (value) => TOP + (1 - (value - bottom) / (top - bottom || 1)) * (HEIGHT - TOP - BOTTOM),
+    width,
+    height,
+    x: (value) => LEFT + ((value - first) / (last - first || 1)) * (width - LEFT - RIGHT),
+    y: (value) => TOP + (1 - (value - bottom) / (top - bottom || 1)) * (height - TOP - BOTTOM),
     ticks,
   };
 }
@@ -62,14 +71,14 @@ function Axes({ at, suffix, xTicks }: { at: Frame; suffix: string; xTicks: { at:
     <g className="paper-axes">
       {at.ticks.map((tick) => (
         <g key={tick}>
-          <path d={`M${LEFT} ${at.y(tick)}H${WIDTH - RIGHT}`} />
+          <path d={`M${LEFT} ${at.y(tick)}H${at.width - RIGHT}`} />
           <text x={LEFT - 6} y={at.y(tick) + 4} textAnchor="end">
             {`${Number(tick.toFixed(3))}${suffix}`.replace('-', '−')}
           </text>
         </g>
       ))}
       {xTicks.map((tick, index) => (
-        <text key={tick.text} x={tick.at} y={HEIGHT - 9} textAnchor={index === 0 && tick.at <= LEFT + 1 ? 'start' : tick.at >= WIDTH - RIGHT - 1 ? 'end' : 'middle'}>
+        <text key={tick.text} x={tick.at} y={at.height - 9} textAnchor={index === 0 && tick.at <= LEFT + 1 ? 'start' : tick.at >= at.width - RIGHT - 1 ? 'end' : 'middle'}>
           {tick.text}
         </text>
       ))}
@@ -97,10 +106,10 @@ export function PaperPhases({ curve, left, outside = [] }: { curve: PhaseCurve; 
   const mean = scaled(curve.mean);
   const repetitions = curve.repetitions.map(scaled).filter((_, index) => !left.has(index));
   const range = extent(low, high, mean, ...repetitions) ?? [0, 1];
-  const at = frame(range[0], range[1], 0, 100);
+  const at = frame(PHASES, range[0], range[1], 0, 100);
   const own = extent(...repetitions);
   return (
-    <svg className="paper-chart" viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="img" aria-label={t('report.phaseLabel', { label: curve.label, low: quantity(own ? own[0] / unit.factor : null, curve.unit), high: quantity(own ? own[1] / unit.factor : null, curve.unit) })}>
+    <svg className="paper-chart" viewBox={`0 0 ${at.width} ${at.height}`} role="img" aria-label={t('report.phaseLabel', { label: curve.label, low: quantity(own ? own[0] / unit.factor : null, curve.unit), high: quantity(own ? own[1] / unit.factor : null, curve.unit) })}>
       <Axes at={at} suffix={unit.suffix === '°' ? '°' : ''} xTicks={[0, 25, 50, 75, 100].map((phase) => ({ at: at.x(phase), text: `${phase} %` }))} />
       <path className="paper-band" d={bandOf(low, high, at.x, at.y)} />
       {repetitions.map((values, index) => (
@@ -123,11 +132,11 @@ export function PaperCycle({ name, left, right }: { name: string; left: CycleCur
   const edge = (curve: CycleCurve | undefined, sign: number) => (curve?.mean ?? []).map((value, index) => (value + sign * (curve?.spread[index] ?? 0)) * unit.factor);
   const line = (curve: CycleCurve | undefined) => edge(curve, 0);
   const range = extent(edge(left, 1), edge(left, -1), edge(right, 1), edge(right, -1)) ?? [0, 1];
-  const at = frame(range[0], range[1], 0, 100);
+  const at = frame(PHASES, range[0], range[1], 0, 100);
   const x = (index: number) => at.x(2 * index);
   const most = (curve: CycleCurve | undefined) => quantity(curve ? Math.max(...curve.mean) : null, (left ?? right)?.unit ?? '');
   return (
-    <svg className="paper-chart" viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="img" aria-label={t('cycle.summary', { name, left: most(left), right: most(right) })}>
+    <svg className="paper-chart" viewBox={`0 0 ${at.width} ${at.height}`} role="img" aria-label={t('cycle.summary', { name, left: most(left), right: most(right) })}>
       <Axes at={at} suffix="" xTicks={[0, 25, 50, 75, 100].map((phase) => ({ at: at.x(phase), text: `${phase} %` }))} />
       <path className="paper-band paper-band-own" d={bandOf(edge(left, -1), edge(left, 1), x, at.y)} />
       <path className="paper-band" d={bandOf(edge(right, -1), edge(right, 1), x, at.y)} />
@@ -147,13 +156,13 @@ export function PaperProgress({ measure, sessionId }: { measure: ProgressMeasure
   const high = scaled((point) => point.high);
   const values = scaled((point) => point.value);
   const range = extent(low, high, values) ?? [0, 1];
-  const at = frame(range[0], range[1], times[0] ?? 0, times.at(-1) ?? 1);
+  const at = frame(DAYS, range[0], range[1], times[0] ?? 0, times.at(-1) ?? 1);
   const x = (index: number) => at.x(times[index] ?? 0);
   const last = points.length - 1;
   // The first and the last day are named, and those between that leave room for their neighbours.
   const shown = points.reduce<number[]>((named, _, index) => (index === 0 || index === last || (x(index) - x(named.at(-1) ?? 0) >= LABEL && x(last) - x(index) >= LABEL) ? [...named, index] : named), []);
   return (
-    <svg className="paper-chart" viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="img" aria-label={t('report.progressLabel', { label: measure.label, count: points.length, first: quantity(points[0]?.value, measure.unit), last: quantity(points.at(-1)?.value, measure.unit) })}>
+    <svg className="paper-chart" viewBox={`0 0 ${at.width} ${at.height}`} role="img" aria-label={t('report.progressLabel', { label: measure.label, count: points.length, first: quantity(points[0]?.value, measure.unit), last: quantity(points.at(-1)?.value, measure.unit) })}>
       <Axes at={at} suffix={unit.suffix === '°' ? '°' : ''} xTicks={shown.map((index) => ({ at: x(index), text: date(points[index]?.at ?? '') }))} />
       <path className="paper-band paper-band-own" d={bandOf(low, high, x, at.y)} />
       <path className="paper-line paper-line-strong" d={pathOf(values, x, at.y)} />
