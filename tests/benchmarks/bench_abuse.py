@@ -25,7 +25,7 @@ from typing import Any
 import httpx
 import numpy as np
 import psutil
-from websockets.asyncio.client import connect
+from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import WebSocketException
 from websockets.typing import Subprotocol
 
@@ -91,6 +91,9 @@ class Greedy:
         self.bomb = bomb_path.read_bytes()
         self.answers: Counter[str] = Counter()
         self.until = time.monotonic() + account.seconds
+        self.opening = asyncio.Lock()
+        self.blocks = 0
+        """Messages of the scenes that arrived."""
 
     async def run(self, session_id: str) -> None:
         tasks = [self.view(session_id) for _ in range(VIEWS)]
@@ -102,6 +105,7 @@ class Greedy:
         for one in open_still:
             one.cancel()
         await asyncio.gather(*open_still, return_exceptions=True)
+        self.answers["view messages received"] = self.blocks
 
     async def again(self, what: str, ask: Callable[[], Awaitable[int]]) -> None:
         while time.monotonic() < self.until:
@@ -127,15 +131,35 @@ class Greedy:
 
     async def view(self, session_id: str) -> None:
         """Open a replay and look at it to the end, with a scene of its own."""
+        while time.monotonic() < self.until:
+            # One after the other: a scene that nobody looks at yet makes room for the next.
+            async with self.opening:
+                socket = await self.look(session_id)
+            if socket is not None:
+                break
+            await asyncio.sleep(AGAIN_S)
+        else:
+            return
+        try:
+            async for _ in socket:
+                self.blocks += 1
+            self.answers[f"view closed {socket.close_code}"] += 1
+        except WebSocketException as error:
+            self.answers[f"view {error}"] += 1
+        finally:
+            await socket.close()
+
+    async def look(self, session_id: str) -> ClientConnection | None:
+        """Ask for a scene and connect to it; None where the service refuses either."""
         http = self.client.http
         opened = await http.post(f"/api/sessions/{session_id}/views", json={"mode": "replay"}, timeout=300.0)
         if opened.is_error:
             self.answers[f"view {opened.status_code}"] += 1
-            return
+            return None
         cookies = "; ".join(f"{one.name}={one.value}" for one in http.cookies.jar)
         address = f"{self.account.address}/viewer/{opened.json()['id']}".replace("http", "ws", 1)
         try:
-            async with connect(
+            socket = await connect(
                 address,
                 additional_headers={"Cookie": cookies},
                 origin=self.account.address,  # type: ignore[arg-type]
@@ -143,12 +167,12 @@ class Greedy:
                 max_size=None,
                 open_timeout=60.0,
                 proxy=None,
-            ) as socket:
-                self.answers["view opened"] += 1
-                async for _ in socket:
-                    pass
+            )
         except (WebSocketException, TimeoutError, OSError) as error:
-            self.answers[f"view {error!s:.40}"] += 1
+            self.answers[f"view's socket: {error}"] += 1
+            return None
+        self.answers["view opened"] += 1
+        return socket
 
     async def stream(self) -> None:
         """Send all that there is, five times faster than real time, again and again."""

@@ -2,12 +2,14 @@
 
 import asyncio
 import os
+import signal
 import socket
 import subprocess
 import sys
 import time
 from collections.abc import Coroutine, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -67,11 +69,19 @@ def free_port() -> int:
         return int(probe.getsockname()[1])
 
 
-@pytest.fixture(scope="session")
-def house(tmp_path_factory: pytest.TempPathFactory) -> Iterator[House]:
-    """Start `telemotion serve` as its own process and let a therapist and a patient work with it."""
+@dataclass(frozen=True)
+class Service:
+    """A process of `telemotion serve` with the people of the demonstration and nothing else."""
+
+    address: str
+    process: "subprocess.Popen[bytes]"
+    engine: engines.Engine
+
+
+@contextmanager
+def serving(folder: Path) -> Iterator[Service]:
+    """Start a service on a database in this folder; stop it in the end, whatever became of it."""
     assert (ROOT / "web" / "dist" / "index.html").exists(), "build the browser client first: make web"
-    folder = tmp_path_factory.mktemp("house")
     port = free_port()
     address = f"http://127.0.0.1:{port}"
     url = f"sqlite:///{folder / 'telemotion.db'}"
@@ -91,11 +101,19 @@ def house(tmp_path_factory: pytest.TempPathFactory) -> Iterator[House]:
     )
     try:
         wait_until_up(address, server)
-        yield apart(furnish(address, engine))
+        yield Service(address, server, engine)
     finally:
+        server.send_signal(signal.SIGCONT)
         server.terminate()
         server.wait(timeout=30)
         engine.dispose()
+
+
+@pytest.fixture(scope="session")
+def house(tmp_path_factory: pytest.TempPathFactory) -> Iterator[House]:
+    """Start `telemotion serve` as its own process and let a therapist and a patient work with it."""
+    with serving(tmp_path_factory.mktemp("house")) as service:
+        yield apart(furnish(service.address, service.engine))
 
 
 def apart(work: Coroutine[Any, Any, Any]) -> Any:
