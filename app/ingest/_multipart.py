@@ -9,6 +9,7 @@ from python_multipart.exceptions import FormParserError
 from python_multipart.multipart import MultipartParser, parse_options_header
 
 from app.errors import InvalidInput, TooLarge
+from app.sentences import say
 
 MAX_FIELD_BYTES: Final = 256 * 1024
 _WRITE_BYTES: Final = 1 << 20
@@ -42,7 +43,7 @@ class UploadReceiver:
         kind, options = parse_options_header(content_type)
         boundary = options.get(b"boundary")
         if kind != b"multipart/form-data" or not boundary:
-            raise InvalidInput("Send multipart/form-data with the parts `declaration` and `file`.")
+            raise InvalidInput(say("upload.multipart"))
         self._target = target
         self._limit_bytes = limit_bytes
         self._on_declaration = on_declaration
@@ -85,19 +86,19 @@ class UploadReceiver:
                 try:
                     self._parser.write(piece)
                 except FormParserError as error:
-                    raise InvalidInput("The body is no well-formed multipart/form-data.") from error
+                    raise InvalidInput(say("upload.malformed")) from error
                 if not is_declared and ("file" in self._seen or self._is_complete):
                     if not self._declaration:
-                        raise InvalidInput("Send the part `declaration` (JSON) before the part `file`.")
+                        raise InvalidInput(say("upload.declaration_first"))
                     await self._on_declaration(self._declaration)
                     is_declared = True
                     file = await to_thread.run_sync(self._target.open, "wb")
                 if file is not None and len(self._pending) >= _WRITE_BYTES:
                     await self._flush(file)
             if not self._is_complete:
-                raise InvalidInput("The upload broke off before its end; send it again.")
+                raise InvalidInput(say("upload.broken_off"))
             if file is None or "file" not in self._seen:
-                raise InvalidInput("The part `file` is missing.")
+                raise InvalidInput(say("upload.no_file"))
             await self._flush(file)
         finally:
             if file is not None:
@@ -117,7 +118,7 @@ class UploadReceiver:
     def _header_value(self, data: bytes, start: int, end: int) -> None:
         self._header_text += data[start:end]
         if len(self._header_text) > MAX_FIELD_BYTES:
-            raise InvalidInput("A header of a part is too long.")
+            raise InvalidInput(say("upload.header_too_long"))
 
     def _header_ends(self) -> None:
         if self._header_name.lower() == b"content-disposition":
@@ -127,16 +128,16 @@ class UploadReceiver:
 
     def _headers_end(self) -> None:
         if self._part not in {"declaration", "file"} or self._part in self._seen:
-            raise InvalidInput("Send exactly the parts `declaration` and `file`, in this order.")
+            raise InvalidInput(say("upload.parts"))
         if self._part == "file" and "declaration" not in self._seen:
-            raise InvalidInput("Send the part `declaration` (JSON) before the part `file`.")
+            raise InvalidInput(say("upload.declaration_first"))
         self._seen.append(self._part)
 
     def _data(self, data: bytes, start: int, end: int) -> None:
         if self._part == "declaration":
             self._declaration += data[start:end]
             if len(self._declaration) > MAX_FIELD_BYTES:
-                raise InvalidInput("The declaration is too long.")
+                raise InvalidInput(say("upload.declaration_too_long"))
             return
         self.file_bytes += end - start
         if self.file_bytes > self._limit_bytes:

@@ -16,6 +16,7 @@ from app.ingest.clock import PacketClock
 from app.ingest.declaration import Declaration
 from app.ingest.packet import Channel, Packet
 from app.ingest.unpack import Unpacker
+from app.sentences import say
 from estimators.recording import Float, ImuChunk, SampleQuality
 from estimators.signals import bridge
 
@@ -106,7 +107,7 @@ class Aligner:
         """
         if packet.channels & _INERTIAL != _INERTIAL:
             raise PacketError(
-                "Estimation needs gyroscope and accelerometer; set bits 0 and 1 of the channel mask.",
+                say("packet.channels_missing"),
                 reason="missing_channels",
                 sequence=packet.sequence,
             )

@@ -13,6 +13,7 @@ import numpy as np
 from app.errors import PacketError
 from app.ingest.declaration import ClockEpoch, Declaration
 from app.ingest.packet import Packet
+from app.sentences import Sentence, say
 from estimators.recording import Float
 
 MAX_GAP_US = 600_000_000
@@ -99,8 +100,7 @@ class PacketClock:
         if known is not None:
             if known != time_us:
                 raise PacketError(
-                    "This sequence number was used for another packet; after a restart go on after the"
-                    " acknowledged `highest`.",
+                    say("packet.sequence_reused"),
                     reason="sequence_reused",
                     sequence=packet.sequence,
                 )
@@ -114,7 +114,9 @@ class PacketClock:
             self._highest_arrival_s = arrival_s
             self._is_new_connection = False
         elif time_us + duration_us > self._highest_time_us + packet.tick_interval_us // 2:
-            raise self._time_error(packet, "time_backwards", "is later than that of a higher sequence number")
+            raise self._time_error(
+                packet, "time_backwards", say("packet.time_later", time_us=packet.device_time_us)
+            )
         self._remember(sequence, time_us)
         return Admitted(sequence, time_us, is_duplicate=False)
 
@@ -136,24 +138,27 @@ class PacketClock:
             self._add_epoch(ClockEpoch(sequence, packet.device_time_us, time_us))
             return time_us
         if backwards:
-            raise self._time_error(packet, "time_backwards", "lies before the end of the packet before it")
+            raise self._time_error(
+                packet, "time_backwards", say("packet.time_before", time_us=packet.device_time_us)
+            )
         if too_far:
             raise self._time_error(
-                packet, "time_jump", f"is {gap_us / 1e6:.0f} s ahead of the packet before it"
+                packet,
+                "time_jump",
+                say("packet.time_ahead", time_us=packet.device_time_us, gap_s=gap_us / 1e6),
             )
         if steps > _SEQUENCE_JUMP:
             raise PacketError(
-                f"The sequence number is {steps} ahead of the newest; count packets one by one.",
+                say("packet.sequence_jump", steps=steps),
                 reason="sequence_jump",
                 sequence=packet.sequence,
             )
         return time_us
 
-    def _time_error(self, packet: Packet, reason: str, what: str) -> PacketError:
+    def _time_error(self, packet: Packet, reason: str, what: Sentence) -> PacketError:
         self.time_errors += 1
         return PacketError(
-            f"The device time {packet.device_time_us} us {what}; if the device clock was set anew, reconnect"
-            " with a new hello.",
+            what,
             reason=reason,
             sequence=packet.sequence,
         )

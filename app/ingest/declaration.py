@@ -8,6 +8,7 @@ from typing import Any, get_args
 
 from app.errors import PacketError
 from app.ingest.messages import PROTOCOL_VERSION, HelloMessage
+from app.sentences import say
 from estimators.conventions import Placement
 
 
@@ -138,8 +139,7 @@ def check_hello(hello: HelloMessage) -> Declaration:
     """
     if hello.protocol_version != PROTOCOL_VERSION:
         raise PacketError(
-            f"This service speaks protocol version {PROTOCOL_VERSION}, the hello says"
-            f" {hello.protocol_version}; update the gateway.",
+            say("hello.protocol_version", ours=PROTOCOL_VERSION, theirs=hello.protocol_version),
             reason="protocol_version",
         )
     return Declaration(
@@ -164,18 +164,19 @@ def check_hello(hello: HelloMessage) -> Declaration:
 def check_placements(names: list[str]) -> tuple[Placement, ...]:
     """Return the placements, or say which name is unknown or given twice."""
     if not names:
-        raise PacketError(
-            "The hello names no sensor; list the placements in packet order.", reason="placements"
-        )
+        raise PacketError(say("hello.no_sensor"), reason="placements")
     unknown = [name for name in names if name not in get_args(Placement)]
     if unknown:
         raise PacketError(
-            f"Unknown placements {', '.join(name[:40] for name in unknown[:5])};"
-            f" use {', '.join(get_args(Placement))}.",
+            say(
+                "hello.placements_unknown",
+                unknown=[name[:40] for name in unknown[:5]],
+                known=list(get_args(Placement)),
+            ),
             reason="placements",
         )
     if len(set(names)) != len(names):
-        raise PacketError("A placement is named twice; each sensor has its own.", reason="placements")
+        raise PacketError(say("hello.placement_twice"), reason="placements")
     return tuple(name for placement in names for name in get_args(Placement) if name == placement)
 
 
@@ -183,8 +184,7 @@ def check_serials(serials: list[str], count: int) -> tuple[str, ...]:
     """Return the serial numbers, one a sensor, or say what is wrong with them."""
     if serials and (len(serials) != count or len(set(serials)) != count):
         raise PacketError(
-            f"The hello names {count} sensors and {len(set(serials))} different serial numbers; send one for each"
-            " sensor, or none.",
+            say("hello.serials", sensors=count, serials=len(set(serials))),
             reason="placements",
         )
     return tuple(serials)
@@ -192,7 +192,7 @@ def check_serials(serials: list[str], count: int) -> tuple[str, ...]:
 
 def _check_rate(rate_hz: float) -> float:
     if not (math.isfinite(rate_hz) and 10.0 <= rate_hz <= 1000.0):
-        raise PacketError(f"A rate of {rate_hz} Hz cannot be used; send 10 to 1000 Hz.", reason="rate")
+        raise PacketError(say("hello.rate", rate_hz=rate_hz), reason="rate")
     return rate_hz
 
 
@@ -200,7 +200,5 @@ def _check_positive(name: str, value: float | None, limit: float) -> float | Non
     if value is None:
         return None
     if not (math.isfinite(value) and 0.0 < value <= limit):
-        raise PacketError(
-            f"{name} is {value}; it must be above 0 and at most {limit:g} in SI units.", reason="scales"
-        )
+        raise PacketError(say("hello.scale", field=name, value=value, limit=f"{limit:g}"), reason="scales")
     return value

@@ -15,6 +15,7 @@ from app.recordings.marker_schemas import (
     MarkerGapCheck,
     MarkerReport,
 )
+from app.sentences import CATALOGUE, say
 from estimators.errors import ContradictionError, EstimationError
 from estimators.optical import TURNS, OpticalFusion, OpticalResult, Provenance, fuse_markers
 from estimators.recording import Float
@@ -68,28 +69,28 @@ def fuse_tracks(
         )
     except ContradictionError as error:
         field = "unit" if error.scale is not None else "up"
-        raise InvalidInput(f"{error}.{_advice(error, declared)}", field=field) from error
+        raise InvalidInput(_contradiction(error, declared), field=field) from error
     except EstimationError as error:
-        raise InvalidInput(f"{error}. Check the segment and which axis points up.") from error
+        raise InvalidInput(say("marker_fusion.refused", reason=error.message)) from error
     return fusion, name
 
 
-def _advice(error: ContradictionError, declared: MarkerFileIn) -> str:
-    """Say in the file's own axes and units what was probably meant."""
-    words = ""
+def _contradiction(error: ContradictionError, declared: MarkerFileIn) -> str:
+    """Return what contradicts, and in the file's own axes and units what was probably meant."""
+    said = [error.message]
     if error.up != "z" and not error.is_mirrored and declared.up != "z":
         # The error speaks of axes that were turned already, as declared.
         axis = np.array(TURNS[error.up][2]) @ np.array(TURNS[declared.up])
         name = "xyz"[int(np.argmax(np.abs(axis)))]
-        words += f" In the axes of the file it is {'-' if axis.sum() < 0 else ''}{name} that points up."
+        said.append(say("marker_fusion.up", axis=f"{'-' if axis.sum() < 0 else ''}{name}"))
     if error.scale is not None:
         true_m = METRES[declared.unit] / error.scale
         near = [name for name, size in METRES.items() if abs(true_m / size - 1.0) < _SAME_UNIT]
         if near and declared.format == "csv":
-            words += f" The numbers of the file look like {near[0]}, not {declared.unit}: choose that unit."
+            said.append(say("marker_fusion.unit", unit=near[0], declared=declared.unit))
         elif min(abs(error.scale / 2.54 - 1.0), abs(error.scale * 2.54 - 1.0)) < _SAME_UNIT:
-            words += " Inches and centimetres seem to have been exchanged when the file was written."
-    return words
+            said.append(say("marker_fusion.inches"))
+    return CATALOGUE.together(said)
 
 
 def report_of(fusion: OpticalFusion, marker: str, start_s: float = 0.0) -> MarkerReport:
@@ -213,7 +214,7 @@ def _cluster(tracks: MarkerTracks, declared: MarkerFileIn) -> Float | None:
     if not declared.cluster:
         return None
     if len(set(declared.cluster)) < 3:
-        raise InvalidInput("A cluster needs three different markers at least.", field="cluster")
+        raise InvalidInput(say("marker_fusion.cluster"), field="cluster")
     return np.stack([tracks.of(name) for name in declared.cluster], axis=1)
 
 

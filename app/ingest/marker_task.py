@@ -16,6 +16,7 @@ from app.recordings.jobs import JobContext
 from app.recordings.marker_schemas import MarkerUploadIn
 from app.recordings.models import MotionSession
 from app.recordings.reprocess import aligned
+from app.sentences import say
 from estimators.recording import Float, SampleQuality
 
 
@@ -34,12 +35,12 @@ def fuse(context: JobContext) -> str:
             found = session.get_one(MotionSession, context.session_id)
             hello = found.hello
             declared = markers.write_file(session, found.id, markers_id, path)
-        context.progress(0.1, "Reading the markers")
+        context.progress(0.1, say("progress.reading_markers"))
         tracks = read_markers(path, declared)
     finally:
         path.unlink(missing_ok=True)
     gyroscope, accelerometer, bridged, step_s = _samples(context, hello, declared)
-    context.progress(0.3, "Aligning and fusing")
+    context.progress(0.3, say("progress.fusing"))
     fusion, name = fuse_tracks(tracks, declared, step_s, gyroscope, accelerometer, bridged)
     with unit_of_work(context.engine) as session:
         markers.store_fusion(
@@ -66,7 +67,7 @@ def _samples(
         bridged.append((piece.quality[0] & SampleQuality.BRIDGED) != 0)
         step_s = piece.time_step_s
     if not rates:
-        raise InvalidInput("This session holds no samples.")
+        raise InvalidInput(say("session.no_samples"))
     return np.concatenate(rates), np.concatenate(forces), np.concatenate(bridged), step_s
 
 

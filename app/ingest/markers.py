@@ -21,6 +21,7 @@ from app.ingest.upload import upload_folder
 from app.recordings import marker_motion, markers, service
 from app.recordings.marker_schemas import MarkerMotionOut, MarkersOut, MarkerUploadIn
 from app.recordings.schemas import JobOut
+from app.sentences import say
 from app.services import services_of
 
 FILE_LIMIT_BYTES: Final = 64 << 20
@@ -129,7 +130,7 @@ def register(
     with unit_of_work(engine) as session:
         found = markers.session_for(session, subject, session_id, declaration.segment)
         if markers.stored_bytes(session, session_id) + path.stat().st_size > SESSION_LIMIT_BYTES:
-            raise TooLarge("This session holds as many marker files as it can.", limit=SESSION_LIMIT_BYTES)
+            raise TooLarge(say("markers.limit", limit_bytes=SESSION_LIMIT_BYTES), limit=SESSION_LIMIT_BYTES)
         return service.job_out(markers.store_file(session, found, declaration, path, subject))
 
 
@@ -146,8 +147,8 @@ def _declaration(text: bytes) -> MarkerUploadIn:
             {"field": ".".join(str(part) for part in item["loc"]), "problem": item["msg"]}
             for item in error.errors()
         ][:20]
-        names = ", ".join(dict.fromkeys(item["field"] or "declaration" for item in problems))
-        raise InvalidInput(f"The declaration is wrong in: {names}.", problems=problems) from error
+        names = list(dict.fromkeys(item["field"] or "declaration" for item in problems))
+        raise InvalidInput(say("upload.fields", fields=names), problems=problems) from error
 
 
 __all__ = ["FILE_LIMIT_BYTES", "register", "router"]

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from app.errors import PacketError
 from app.ingest.declaration import Declaration
 from app.ingest.messages import JsonPacket
+from app.sentences import say
 
 MAGIC: Final = b"BNP1"
 HEADER_BYTES: Final = 32
@@ -150,8 +151,7 @@ def decode_packet(data: bytes, declaration: Declaration | None = None) -> Packet
     size = len(data)
     if size < HEADER_BYTES:
         raise PacketError(
-            f"The packet has {size} bytes; the header alone has {HEADER_BYTES}."
-            " Send one whole packet a message.",
+            say("packet.truncated", size=size, header=HEADER_BYTES),
             reason="truncated",
         )
     magic, sensors, ticks, mask, encoding, flags, reserved, sequence, time_us, interval_us, crc = (
@@ -172,14 +172,15 @@ def decode_packet(data: bytes, declaration: Declaration | None = None) -> Packet
     expected = HEADER_BYTES + ticks * sensors * width * (2 if encoding else 4)
     if size != expected:
         raise PacketError(
-            f"The packet has {size} bytes; {sensors} sensors, {ticks} ticks and channel mask {mask:#x}"
-            f" need {expected}. Check the counts in the header.",
+            say(
+                "packet.length", size=size, sensors=sensors, ticks=ticks, mask=f"{mask:#x}", expected=expected
+            ),
             reason="truncated" if size < expected else "length",
         )
     view = memoryview(data)
     if zlib.crc32(view[HEADER_BYTES:], zlib.crc32(view[:28])) != crc:
         raise PacketError(
-            "The CRC-32 over header bytes 0 to 27 and the payload does not match; send the packet again.",
+            say("packet.crc"),
             reason="crc",
             sequence=sequence,
         )
@@ -217,14 +218,10 @@ def encode_packet(
         When the counts do not fit the format.
     """
     if values.dtype not in (np.dtype("<f4"), np.dtype("<i2")) or values.ndim != 3:
-        raise PacketError(
-            "Give float32 or int16 values of shape (ticks, sensors, values).", reason="encoding"
-        )
+        raise PacketError(say("packet.values"), reason="encoding")
     ticks, sensors, width = values.shape
     if not 0 < int(channels) <= _KNOWN_MASK or width != _VALUES_PER_SENSOR[int(channels)]:
-        raise PacketError(
-            f"{width} values per sensor do not fit mask {int(channels):#x}.", reason="channel_mask"
-        )
+        raise PacketError(say("packet.width", width=width, mask=f"{int(channels):#x}"), reason="channel_mask")
     encoding = INT16 if values.dtype == np.dtype("<i2") else FLOAT32
     if not (
         0 < sensors <= MAX_SENSORS
@@ -280,14 +277,13 @@ def packet_from_json(message: JsonPacket, declaration: Declaration | None = None
             if name in names:
                 channels.append(rows or [])
             elif rows is not None:
-                raise PacketError(f"Give {name} for all sensors or for none.", reason="shape", sensor=number)
+                raise PacketError(say("packet.all_or_none", channel=name), reason="shape", sensor=number)
         states = [[state] for state in channels.pop()] if "coil_state" in names else None
         if any(len(rows) != ticks or any(len(row) != 3 for row in rows) for rows in channels) or (
             states is not None and len(states) != ticks
         ):
             raise PacketError(
-                f"Sensor {number} must have {ticks} rows of three values in every channel, as sensor 0 has"
-                " (of coil states: as many numbers).",
+                say("packet.shape", sensor=number, ticks=ticks),
                 reason="shape",
                 sensor=number,
             )
@@ -313,29 +309,27 @@ def _check_declared(
 ) -> None:
     if sensors != len(declaration.placements):
         raise PacketError(
-            f"The packet has {sensors} sensors, the hello declared {len(declaration.placements)};"
-            " send a new hello when the network changes.",
+            say("packet.sensors_declared", sensors=sensors, declared=len(declaration.placements)),
             reason="sensor_count",
             sequence=sequence,
         )
     if not 0.9 < interval_us * 1e-6 * declaration.rate_hz < 1.1:
         raise PacketError(
-            f"A tick interval of {interval_us} us does not fit the declared {declaration.rate_hz:g} Hz;"
-            " the interval is in microseconds.",
+            say("packet.interval_declared", interval_us=interval_us, rate_hz=declaration.rate_hz),
             reason="tick_interval",
             sequence=sequence,
         )
     if encoding == INT16 and mask & ~declaration.countable_channels:
         if mask & ~_COUNTABLE_MASK:
             raise PacketError(
-                f"Channel mask {mask:#x} has channels without a declared scale; send those as float32.",
+                say("packet.mask_scale", mask=f"{mask:#x}"),
                 reason="undeclared_scale",
                 sequence=sequence,
             )
         for bit, name in _SCALED_CHANNELS:
             if mask & bit and getattr(declaration, name) is None:
                 raise PacketError(
-                    f"Counts need {name} in the hello; declare it or send float32.",
+                    say("packet.scale", field=name),
                     reason="undeclared_scale",
                     sequence=sequence,
                 )
@@ -352,28 +346,26 @@ def _header_error(
     interval_us: int,
 ) -> PacketError:
     if magic != MAGIC:
-        return PacketError(
-            "The message does not start with BNP1; it is no body-network packet.", reason="magic"
-        )
+        return PacketError(say("packet.magic"), reason="magic")
     if reserved:
-        return PacketError("The reserved bytes 10 and 11 must be zero in version 1.", reason="reserved")
+        return PacketError(say("packet.reserved"), reason="reserved")
     if flags > _KNOWN_FLAGS:
-        return PacketError(f"Flags {flags:#x} has unknown bits; only bits 0 and 1 exist.", reason="flags")
+        return PacketError(say("packet.flags", flags=f"{flags:#x}"), reason="flags")
     if encoding > INT16:
-        return PacketError(
-            f"Encoding {encoding} is unknown; use 0 (float32) or 1 (int16).", reason="encoding"
-        )
+        return PacketError(say("packet.encoding", encoding=encoding), reason="encoding")
     if not 0 < mask <= _KNOWN_MASK:
-        return PacketError(
-            f"Channel mask {mask:#x} is empty or has unknown bits; bits 0 to 7 exist.", reason="channel_mask"
-        )
+        return PacketError(say("packet.mask", mask=f"{mask:#x}"), reason="channel_mask")
     if not 0 < sensors <= MAX_SENSORS:
-        return PacketError(f"{sensors} sensors cannot be; send 1 to {MAX_SENSORS}.", reason="sensor_count")
+        return PacketError(say("packet.sensors", sensors=sensors, most=MAX_SENSORS), reason="sensor_count")
     if not 0 < ticks <= MAX_TICKS:
-        return PacketError(f"{ticks} ticks cannot be; send 1 to {MAX_TICKS}.", reason="tick_count")
+        return PacketError(say("packet.ticks", ticks=ticks, most=MAX_TICKS), reason="tick_count")
     return PacketError(
-        f"A tick interval of {interval_us} us cannot be; send {MIN_TICK_INTERVAL_US} to"
-        f" {MAX_TICK_INTERVAL_US} us.",
+        say(
+            "packet.interval",
+            interval_us=interval_us,
+            least_us=MIN_TICK_INTERVAL_US,
+            most_us=MAX_TICK_INTERVAL_US,
+        ),
         reason="tick_interval",
     )
 
@@ -384,13 +376,12 @@ def _value_error(values: NDArray[np.float32] | NDArray[np.float64], sequence: in
     where = {"sequence": sequence, "tick": tick, "sensor": sensor}
     if not np.isfinite(values).all():
         return PacketError(
-            f"Tick {tick} of sensor {sensor} holds NaN or infinity."
-            " Send zeros in all channels for a sensor that gave nothing.",
+            say("packet.not_finite", tick=tick, sensor=sensor),
             reason="not_finite",
             **where,
         )
     return PacketError(
-        f"Tick {tick} of sensor {sensor} holds a value above {VALUE_LIMIT:g}; send SI units.",
+        say("packet.absurd", tick=tick, sensor=sensor, limit=f"{VALUE_LIMIT:g}"),
         reason="absurd_value",
         **where,
     )

@@ -24,6 +24,7 @@ from app.recordings import repository, service
 from app.recordings.models import Job, MotionSession
 from app.recordings.schemas import JobOut, UploadIn
 from app.recordings.walks import PIPELINE as WALKING
+from app.sentences import say
 from app.services import services_of
 from app.settings import Settings
 from estimators.conventions import Placement
@@ -111,18 +112,18 @@ def parse_declaration(text: bytes) -> UploadIn:
     except ValidationError as error:
         fields = [".".join(str(part) for part in item["loc"]) or "declaration" for item in error.errors()]
         raise InvalidInput(
-            f"The declaration is wrong in: {', '.join(fields[:8])}.",
+            say("upload.fields", fields=fields[:8]),
             problems=[
                 {"field": name, "problem": item["msg"]}
                 for name, item in zip(fields, error.errors(), strict=True)
             ][:20],
         ) from error
     if declaration.format == "csv" and declaration.csv is None:
-        raise InvalidInput("A CSV upload needs `csv`: which column is what, in which unit.", field="csv")
+        raise InvalidInput(say("upload.csv_needs_mapping"), field="csv")
     pose = declaration.calibration_pose_s
     if pose is not None and not 0 <= pose[0] < pose[1]:
         raise InvalidInput(
-            "calibration_pose_s must be a start and a later end, in seconds of the recording.",
+            say("upload.pose"),
             field="calibration_pose_s",
         )
     return declaration

@@ -22,6 +22,7 @@ from app.recordings.reprocess import Analysis, analyse, beginning, count_session
 from app.recordings.schemas import UploadIn
 from app.recordings.walk_shoes import store_shoes
 from app.recordings.walks import PIPELINE as WALKING
+from app.sentences import CATALOGUE, say
 from estimators.calibration import SEARCHED_S, check_first_seconds, in_words
 from estimators.pipelines import SessionSetup, has_shoes
 from estimators.recording import Recording
@@ -44,7 +45,7 @@ def upload(context: JobContext) -> str:
     path = upload_folder(context.settings) / Path(str(context.arguments["file"])).name
     try:
         if not path.exists():
-            raise RecordingFormatError("The uploaded file is gone; upload it again.")
+            raise RecordingFormatError(say("upload.gone"))
         notes = _store(context, declaration, path)
         if pipeline_of(declaration) != WALKING:
             # A foot in full walk is rarely still: what a resting sensor must show is no measure of it.
@@ -55,14 +56,14 @@ def upload(context: JobContext) -> str:
         raise
     _finish(context, analysis)
     path.unlink(missing_ok=True)
-    return " ".join(part for part in (analysis.message, *notes) if part)
+    return CATALOGUE.together([analysis.message, *notes])
 
 
 def _store(context: JobContext, declaration: UploadIn, path: Path) -> list[str]:
     """Store the file as packets with the hello that a gateway would have sent; return notes for people."""
-    context.progress(0.01, "Reading the file")
+    context.progress(0.01, say("progress.reading_file"))
     _forget_raw(context)
-    notes = []
+    notes: list[str] = []
     if declaration.format == "packet_log":
         log = readers.LogReader(path)
         size = path.stat().st_size
@@ -71,7 +72,7 @@ def _store(context: JobContext, declaration: UploadIn, path: Path) -> list[str]:
         )
         network = log.declaration
         if log.damaged:
-            notes.append(f"{log.damaged} damaged packets were left out.")
+            notes.append(say("upload.damaged_packets", count=log.damaged))
     else:
         recording = readers.read(path, declaration.format, declaration.csv)
         if has_shoes(recording):
@@ -85,9 +86,9 @@ def _store(context: JobContext, declaration: UploadIn, path: Path) -> list[str]:
             context, prepared.packets(time.time_ns()), lambda packet: packet.tick_count / total
         )
         if prepared.left_out:
-            notes.append(f"Not used, as it is no placement of ours: {', '.join(prepared.left_out)}.")
+            notes.append(say("file.left_out", names=list(prepared.left_out)))
     if not stored_ticks:
-        raise RecordingFormatError("The file holds no sound packet.")
+        raise RecordingFormatError(say("log.no_packet"))
     _declare(context, network, with_legs=declaration.with_legs)
     return notes
 
@@ -128,7 +129,7 @@ def _write_packets(
         if len(chunks) >= _CHUNKS_A_COMMIT:
             _write_chunks(context, chunks)
             chunks = []
-            context.progress(0.1 + (_STORED_AT - 0.1) * min(1.0, done), "Storing the recording")
+            context.progress(0.1 + (_STORED_AT - 0.1) * min(1.0, done), say("progress.storing"))
         group.append(packet)
         group_ticks += packet.tick_count
         ticks += packet.tick_count
@@ -166,7 +167,7 @@ def _check(context: JobContext, declaration: UploadIn) -> list[str]:
     RecordingFormatError
         They cannot, and the declaration does not say that this is known.
     """
-    context.progress(_STORED_AT, "Checking units and axes")
+    context.progress(_STORED_AT, say("progress.checking"))
     with read_only(context.engine) as session:
         setup = SessionSetup.from_dict(session.get_one(MotionSession, context.session_id).setup)
     chunk = beginning(context, setup, round(SEARCHED_S * setup.rate_hz))
@@ -177,8 +178,7 @@ def _check(context: JobContext, declaration: UploadIn) -> list[str]:
     if refused and not declaration.accept_implausible:
         context.remember(implausible=[finding.code for finding in refused])
         raise RecordingFormatError(
-            f"The readings cannot be right. {in_words(refused)} Declare the file rightly and upload it again,"
-            " or declare `accept_implausible` to estimate it as it is.",
+            say("upload.implausible", findings=in_words(refused)),
             findings=[{"sensor": f.sensor, "code": f.code} for f in refused],
         )
     return [in_words(findings)] if findings else []

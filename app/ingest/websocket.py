@@ -33,6 +33,7 @@ from app.ingest.messages import (
 from app.ingest.pace import Pace
 from app.ingest.packet import MAX_PACKET_BYTES, Packet, decode_packet, packet_from_json
 from app.schemas import Schema
+from app.sentences import say
 from app.services import services_of
 
 HELLO_TIMEOUT_S = 10.0
@@ -153,7 +154,7 @@ class IngestConnection:
             intake = await self._hello()
         except (TelemotionError, TimeoutError) as error:
             if isinstance(error, TimeoutError):
-                error = InvalidInput(f"Send a hello within {HELLO_TIMEOUT_S:.0f} s of connecting.")
+                error = InvalidInput(say("hello.timeout", seconds=HELLO_TIMEOUT_S))
             await self._end(error)
             return
         try:
@@ -169,11 +170,11 @@ class IngestConnection:
             raise WebSocketDisconnect(message.get("code", 1000))
         text = message.get("text")
         if text is None or len(text) > MAX_TEXT_BYTES:
-            raise PacketError("The first message must be a JSON hello.", reason="hello")
+            raise PacketError(say("hello.first"), reason="hello")
         try:
             hello = HelloMessage.model_validate_json(text)
         except ValidationError as error:
-            raise PacketError(f"The hello is not understood: {in_words(error)}", reason="hello") from error
+            raise PacketError(say("hello.not_understood", faults=in_words(error)), reason="hello") from error
         return await self._sink.open(hello, check_hello(hello))
 
     async def _converse(self, intake: Intake) -> None:
@@ -229,18 +230,18 @@ class IngestConnection:
     def _decode(data: bytes, intake: Intake) -> Packet:
         if len(data) > MAX_PACKET_BYTES:
             raise PacketError(
-                f"A packet of {len(data)} bytes is too long; send at most {MAX_PACKET_BYTES}.",
+                say("packet.too_long", size=len(data), most=MAX_PACKET_BYTES),
                 reason="length",
             )
         return decode_packet(data, intake.declaration)
 
     async def _take_text(self, intake: Intake, text: str, arrival_s: float, arrival_ns: int) -> None:
         if len(text) > MAX_TEXT_BYTES:
-            raise PacketError("A JSON message may have 256 KiB; send binary packets.", reason="length")
+            raise PacketError(say("packet.json_too_long", limit_bytes=MAX_TEXT_BYTES), reason="length")
         try:
             message = _message.validate_json(text)
         except ValidationError as error:
-            raise PacketError(f"The message is not understood: {in_words(error)}", reason="json") from error
+            raise PacketError(say("packet.not_understood", faults=in_words(error)), reason="json") from error
         if isinstance(message, GoodbyeMessage):
             intake.goodbye(message.last_sequence)
         else:
@@ -288,9 +289,7 @@ class IngestConnection:
         metrics.errors += 1
         self._wrong_in_a_row += 1
         if self._wrong_in_a_row >= WRONG_IN_A_ROW:
-            raise InvalidInput(
-                "Nothing right was sent for a long time; read docs/packet.md.", reason="give_up"
-            )
+            raise InvalidInput(say("packet.nothing_right"), reason="give_up")
         second = int(time.monotonic())
         if second != self._error_second:
             self._error_second, self._errors_sent = second, 0

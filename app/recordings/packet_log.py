@@ -17,6 +17,7 @@ from typing import Any, BinaryIO, Final
 from app.errors import RecordingFormatError
 from app.ingest.packet import MAX_PACKET_BYTES, encode_packet
 from app.recordings.chunks import RawPacket
+from app.sentences import say
 
 MAGIC: Final = b"TML1"
 MAX_HELLO_BYTES: Final = 64 * 1024
@@ -63,18 +64,16 @@ def read_head(source: BinaryIO) -> dict[str, Any]:
         When this is no packet log.
     """
     if source.read(4) != MAGIC:
-        raise RecordingFormatError(
-            "The file does not start with TML1; it is no Telemotion packet log. Choose the right format."
-        )
+        raise RecordingFormatError(say("log.not_a_log"))
     (length,) = _LENGTH.unpack(_exactly(source, 4))
     if length > MAX_HELLO_BYTES:
-        raise RecordingFormatError(f"The hello claims {length} bytes; at most {MAX_HELLO_BYTES} are allowed.")
+        raise RecordingFormatError(say("log.hello_too_long", length=length, most=MAX_HELLO_BYTES))
     try:
         hello = json.loads(_exactly(source, length))
     except ValueError as error:
-        raise RecordingFormatError("The hello at the beginning of the log is no JSON.") from error
+        raise RecordingFormatError(say("log.hello_not_json")) from error
     if not isinstance(hello, dict):
-        raise RecordingFormatError("The hello at the beginning of the log is no JSON object.")
+        raise RecordingFormatError(say("log.hello_not_json"))
     return hello
 
 
@@ -89,10 +88,10 @@ def read_entries(source: BinaryIO) -> Iterator[tuple[int, bytes]]:
     number = 0
     while head := source.read(_PACKET_HEAD.size):
         if len(head) < _PACKET_HEAD.size:
-            raise RecordingFormatError(f"The log ends within the head of packet {number}; it was cut off.")
+            raise RecordingFormatError(say("log.cut_off", number=number))
         arrival_ns, length = _PACKET_HEAD.unpack(head)
         if not 0 < length <= MAX_PACKET_BYTES:
-            raise RecordingFormatError(f"Packet {number} claims {length} bytes; the log is damaged there.")
+            raise RecordingFormatError(say("log.packet_length", number=number, length=length))
         yield arrival_ns, _exactly(source, length, number)
         number += 1
 
@@ -100,8 +99,9 @@ def read_entries(source: BinaryIO) -> Iterator[tuple[int, bytes]]:
 def _exactly(source: BinaryIO, length: int, number: int | None = None) -> bytes:
     data = source.read(length)
     if len(data) < length:
-        where = "hello" if number is None else f"packet {number}"
-        raise RecordingFormatError(f"The log ends within its {where}; it was cut off.")
+        raise RecordingFormatError(
+            say("log.cut_off_in_hello") if number is None else say("log.cut_off", number=number)
+        )
     return data
 
 

@@ -6,7 +6,7 @@ Programs and logs read the English words; the client writes the same code and pa
 
 from typing import Final
 
-from app.sentences import accounts, clinical, general, live, recordings
+from app.sentences import accounts, clinical, files, general, live, recordings, wire
 from estimators import sentences as of_estimators
 from estimators.sentences import Catalogue, Entry, Sentence
 
@@ -16,7 +16,9 @@ ENGLISH: Final[dict[str, Entry]] = {
     **accounts.ENGLISH,
     **clinical.ENGLISH,
     **recordings.ENGLISH,
+    **files.ENGLISH,
     **live.ENGLISH,
+    **wire.ENGLISH,
 }
 CATALOGUE: Final = Catalogue(ENGLISH)
 say = CATALOGUE.say

@@ -27,7 +27,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "sign_in.no_device_token": "A device token cannot be used here; sign in.",
     "sign_in.device_token_only": "This is for gateways: it needs a device token.",
     "device.no_open_session": "No session is open for this patient. Begin one, then ask again.",
-    "device.code_refused": "This pairing code is wrong, was used before or is older than ten minutes; make a new one.",
+    "device.code_refused": "This pairing code is wrong, was used before or is older than ten minutes; make a"
+    " new one.",
     "device.too_many_codes": "Too many wrong pairing codes; try again in {seconds:s}.",
     "device.token_refused": "The device token is not valid, has expired or was revoked; ask the clinic"
     " for a new one.",
@@ -41,18 +42,22 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " in again.",
     "sign_in.code_needed": "Type the code of your authenticator app, or one of your recovery codes.",
     "sign_in.code_wrong": "This code is wrong or was used before. Wait for the next one.",
-    "sign_in.change_password_first": "Choose a password of your own first: somebody else knows the current one.",
+    "sign_in.change_password_first": "Choose a password of your own first: somebody else knows the current"
+    " one.",
     "sign_in.second_factor_first": "Set up two-step sign-in first: this service asks for it.",
     "second_factor.is_on": "Two-step sign-in is on already; turn it off first to set it up anew.",
     "second_factor.not_begun": "Begin with setting up the authenticator app.",
     "second_factor.code_wrong": "This code is wrong. Check that the telephone's clock is right and type the"
     " newest code.",
-    "password.short": "This password is shorter than {least} characters; choose another, for example four words.",
-    "password.common": "This password is one of those that are tried first; choose another, for example four words.",
+    "password.short": "This password is shorter than {least} characters; choose another, for example four"
+    " words.",
+    "password.common": "This password is one of those that are tried first; choose another, for example four"
+    " words.",
     "password.repeats": "This password repeats itself; choose another, for example four words.",
     "password.row": "This password follows the alphabet, the numbers or the keyboard; choose another, for"
     " example four words.",
-    "password.own": "This password is made of your name or e-mail address; choose another, for example four words.",
+    "password.own": "This password is made of your name or e-mail address; choose another, for example four"
+    " words.",
     "sign_in.ticket_refused": "The ticket is not valid here, was used before or is older than 30 seconds;"
     " ask for a new one.",
     "sign_in.no_role": "This account has no role that may sign in.",
@@ -61,7 +66,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "patient.archived": "This patient is archived: existing data can be read, nothing can be added.",
     "patient.consent_withdrawn": "The patient has withdrawn the consent to treatment: existing data can"
     " be read, nothing can be added.",
-    "patient.no_consent": "Nobody has written down yet that the patient agrees to treatment. Ask the patient, and note"
+    "patient.no_consent": "Nobody has written down yet that the patient agrees to treatment. Ask the patient,"
+    " and note"
     " the answer under Consent on the patient's page; then this can be done.",
     "patient.no_home_consent": "The patient has not consented to recording at home. Record the consent on"
     " the patient's page first.",

@@ -13,18 +13,6 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "job.given_up": "The task was interrupted several times and is not tried again; the recorded data is"
     " stored.",
     "job.session_deleted": "The session of this task was deleted.",
-    "table.endless_line": "The first line has no end; this is no table.",
-    "table.not_utf8": "The file is not UTF-8 text. Save it as CSV in UTF-8 and upload it again.",
-    "table.no_column": "The file has no column {missing:and}. It has: {present}. Correct the mapping.",
-    "table.no_rows": "The file has a header but no rows.",
-    "table.too_long": "The file holds more than {rows:number} rows for {columns:number} columns; split it into shorter"
-    " recordings.",
-    "table.not_a_number": "A value in the column {column} is not a number; the columns of the mapping must hold numbers"
-    " only.",
-    "table.ragged": "A row has another number of columns than the header; the file is damaged.",
-    "table.unreadable": "The file cannot be read as a table; check the character between its columns and its encoding"
-    " (UTF-8).",
-    "table.in_columns": "{reason} (In the file: {columns:and}.)",
     "magnetic.withdrawn": "The safety confirmation for the magnetic source was withdrawn; the source may"
     " not fire until a"
     " therapist confirms again that nobody near it has an implant.",
@@ -45,6 +33,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "job.not_found": "Task not found.",
     "session.delete_live": "This session is live; close it before deleting it.",
     "source.not_found": "Magnetic source not found in your clinic.",
+    "session.no_samples": "This session holds no samples.",
+    "markers.limit": "This session holds as many marker files as it may ({limit_bytes:mib}).",
     "markers.none": "This session has no fused markers yet.",
     "markers.too_long": "Ask for at most {longest_s:s} of the recording.",
     "markers.not_closed": "Markers can be added only to a session that is closed and analysed.",

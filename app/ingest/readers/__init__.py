@@ -21,6 +21,7 @@ from app.ingest.readers._packets import RecordingPackets, packets_of
 from app.ingest.readers._pyshoe import read_pyshoe
 from app.ingest.readers._qmt import PLACEMENT_OF, read_qmt
 from app.recordings.schemas import CsvMapping
+from app.sentences import say
 from estimators.recording import Recording
 
 FORMATS = ("packet_log", "csv", "qmt_mat", "broad", "pyshoe", "gait_tracking", "gaitmap", "instrumented_shoe")
@@ -54,9 +55,7 @@ def read(path: Path, format: str = "auto", csv: CsvMapping | None = None) -> Rec
             return read_packet_log(path)
         case "csv":
             if csv is None:
-                raise InvalidInput(
-                    "A CSV file needs a mapping that says which column is what, in which unit.", field="csv"
-                )
+                raise InvalidInput(say("file.csv_needs_mapping"), field="csv")
             return read_csv(path, csv)
         case "qmt_mat":
             return read_qmt(path)
@@ -70,7 +69,7 @@ def read(path: Path, format: str = "auto", csv: CsvMapping | None = None) -> Rec
             return read_gaitmap(path)
         case "instrumented_shoe":
             return read_instrumented_shoe(path)
-    raise InvalidInput(f"The format {format!r} is unknown; use one of {', '.join(FORMATS)}.", field="format")
+    raise InvalidInput(say("file.format_unknown", format=format, formats=list(FORMATS)), field="format")
 
 
 def guess(path: Path) -> str:
@@ -98,10 +97,7 @@ def guess(path: Path) -> str:
         if _instrumented_shoe.looks_like(path):
             return "instrumented_shoe"
         return "gaitmap" if _gaitmap.looks_like(path) else "csv"
-    raise RecordingFormatError(
-        f"The format of a file ending in {path.suffix[:10] or 'nothing'} cannot be told; name it:"
-        f" {', '.join(FORMATS)}."
-    )
+    raise RecordingFormatError(say("file.format_not_recognised", formats=list(FORMATS)))
 
 
 __all__ = [

@@ -9,6 +9,7 @@ from app.errors import RecordingFormatError
 from app.ingest.readers._mat import load_mat
 from app.ingest.readers._units import check_accelerometer, check_gyroscope, check_magnetometer
 from app.ingest.readers._unpacked import check_hdf5
+from app.sentences import say
 from estimators.recording import Float, Recording, SensorSignals
 
 _NAMES = ["imu_gyr", "imu_acc", "imu_mag", "opt_quat", "movement", "sampling_rate"]
@@ -31,7 +32,7 @@ def read_broad(path: Path) -> Recording:
     content = _hdf5(path) if _is_hdf5(path) else load_mat(path, _NAMES)
     missing = [name for name in _NAMES if name not in content]
     if missing:
-        raise RecordingFormatError(f"The file has no {', '.join(missing)}; it is no trial of BROAD.")
+        raise RecordingFormatError(say("file.not_this_kind", missing=missing, kind="broad"))
     try:
         gyroscope = _table(content["imu_gyr"], 3)
         accelerometer = _table(content["imu_acc"], 3)
@@ -40,12 +41,12 @@ def read_broad(path: Path) -> Recording:
         rate_hz = float(np.asarray(content["sampling_rate"]).reshape(-1)[0])
         movement = np.asarray(content["movement"]).reshape(-1).astype(bool)
     except (ValueError, TypeError) as error:
-        raise RecordingFormatError("The arrays of the file are not those of a trial of BROAD.") from error
+        raise RecordingFormatError(say("file.arrays_not_this_kind", kind="broad")) from error
     samples = gyroscope.shape[0]
     if not (accelerometer.shape[0] == field_t.shape[0] == optical.shape[0] == movement.size == samples):
-        raise RecordingFormatError("The arrays of the file differ in length; it is damaged.")
+        raise RecordingFormatError(say("file.array_lengths"))
     if not 1.0 <= rate_hz <= 10_000.0:
-        raise RecordingFormatError(f"A sampling rate of {rate_hz:g} Hz cannot be.")
+        raise RecordingFormatError(say("file.rate_impossible", rate_hz=rate_hz))
     check_gyroscope(gyroscope, "rad/s", "imu")
     check_accelerometer(accelerometer, "m/s^2", "imu")
     check_magnetometer(field_t, "T", "imu")
@@ -81,7 +82,7 @@ def _hdf5(path: Path) -> dict[str, Any]:
                 if name in file.attrs:
                     content[name] = file.attrs[name]
     except (OSError, RuntimeError, KeyError) as error:
-        raise RecordingFormatError("The file cannot be read as HDF5.") from error
+        raise RecordingFormatError(say("file.hdf5_unreadable")) from error
     return content
 
 

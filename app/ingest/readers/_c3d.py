@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.errors import RecordingFormatError
+from app.sentences import say
 from estimators.recording import Float
 
 _BLOCK: Final = 512
@@ -21,7 +22,7 @@ _INTEL, _DEC, _MIPS = 84, 85, 86
 MAX_POINTS: Final = 1000
 MAX_POINT_VALUES: Final = 100_000_000
 _METRES: Final = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}
-_BROKEN: Final = "The parameters of this C3D file are damaged; export it again."
+_BROKEN: Final = say("c3d.damaged")
 
 
 @dataclass(frozen=True)
@@ -51,13 +52,13 @@ def read_c3d(path: Path) -> C3dPoints:
     """
     raw = path.read_bytes()
     if len(raw) < 2 * _BLOCK or raw[1] != _KEY:
-        raise RecordingFormatError("This is no C3D file: its first block is missing or another format's.")
+        raise RecordingFormatError(say("c3d.not_c3d"))
     begin = (raw[0] - 1) * _BLOCK
     if begin < _BLOCK or begin + 4 > len(raw):
         raise RecordingFormatError(_BROKEN)
     processor = raw[begin + 3]
     if processor not in (_INTEL, _DEC, _MIPS):
-        raise RecordingFormatError(f"The number format {processor} of this C3D file is unknown.")
+        raise RecordingFormatError(say("c3d.processor", processor=processor))
     order = ">" if processor == _MIPS else "<"
     groups = _parameters(raw[begin : begin + max(1, raw[begin + 2]) * _BLOCK], processor, order)
     point = groups.get("POINT", {})
@@ -66,15 +67,15 @@ def read_c3d(path: Path) -> C3dPoints:
     block = int(_number(point, "DATA_START", struct.unpack_from(order + "H", raw, 16)[0])) & 0xFFFF
     rate_hz = _number(point, "RATE", _floats(raw[20:24], processor)[0])
     if not 1 <= count <= MAX_POINTS:
-        raise RecordingFormatError(
-            f"The C3D file holds {count} points; one at least and at most {MAX_POINTS} can be used."
-        )
+        raise RecordingFormatError(say("c3d.points", points=count, most=MAX_POINTS))
     if not 1.0 <= rate_hz <= 10_000.0:
-        raise RecordingFormatError(f"The C3D file tells a rate of {rate_hz:g} Hz, which cannot be.")
+        raise RecordingFormatError(say("c3d.rate", rate_hz=rate_hz))
     unit = str((point.get("UNITS") or [""])[0]).strip().lower()
     if unit not in _METRES:
         raise RecordingFormatError(
-            f"The C3D file tells its points in {unit or 'no unit'}; {', '.join(_METRES)} can be read."
+            say("c3d.unit", unit=unit, units=list(_METRES))
+            if unit
+            else say("c3d.no_unit", units=list(_METRES))
         )
     frames = _frame_count(groups, first, last)
     position = _points(raw, max(block - 1, 0) * _BLOCK, frames, count, analogue, scale, processor)
@@ -165,7 +166,7 @@ def _frame_count(groups: dict[str, dict[str, list[Any]]], first: int, last: int)
             told = _number(point, "FRAMES", counted)
             counted = int(_number(point, "LONG_FRAMES", told + 65536 if told < 0 else told))
     if counted < 1:
-        raise RecordingFormatError("The C3D file holds no frames.")
+        raise RecordingFormatError(say("c3d.no_frames"))
     return counted
 
 
@@ -176,11 +177,9 @@ def _points(
     width = 4 * count + analogue
     size = frames * width * (4 if is_real else 2)
     if frames * count * 4 > MAX_POINT_VALUES:
-        raise RecordingFormatError("The C3D file is too long; split it into shorter recordings.")
+        raise RecordingFormatError(say("file.too_long"))
     if start < _BLOCK or start + size > len(raw):
-        raise RecordingFormatError(
-            f"The C3D file is cut off: {frames} frames were announced and are not all there. Export it again."
-        )
+        raise RecordingFormatError(say("c3d.cut_off", frames=frames))
     data = raw[start : start + size]
     if is_real:
         table = _floats(data, processor).reshape(frames, width)[:, : 4 * count].reshape(frames, count, 4)

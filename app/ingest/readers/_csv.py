@@ -60,7 +60,7 @@ def read_csv(path: Path, mapping: CsvMapping) -> Recording:
         rate_hz = mapping.rate_hz
         time_s = np.arange(rows) / rate_hz
         if rows < 2:
-            raise RecordingFormatError("The file holds fewer than two rows; there is nothing to estimate.")
+            raise RecordingFormatError(say("file.too_few_rows"))
     sensors = {
         placement: _sensor(placement, quantities, table, time_s)
         for placement, quantities in by_placement.items()
@@ -70,42 +70,50 @@ def read_csv(path: Path, mapping: CsvMapping) -> Recording:
 
 def _check_mapping(mapping: CsvMapping) -> dict[str, dict[str, CsvColumn]]:
     if mapping.time_column is None and mapping.rate_hz is None:
-        raise RecordingFormatError("The mapping names neither a time column nor a rate; give one of them.")
+        raise RecordingFormatError(say("mapping.no_time"))
     if mapping.rate_hz is not None and not LOWEST_HZ <= mapping.rate_hz <= HIGHEST_HZ:
         raise RecordingFormatError(
-            f"A rate of {mapping.rate_hz:g} Hz cannot be used; use {LOWEST_HZ:g} to {HIGHEST_HZ:g} Hz."
+            say("mapping.rate", rate_hz=mapping.rate_hz, lowest_hz=LOWEST_HZ, highest_hz=HIGHEST_HZ)
         )
     found: dict[str, dict[str, CsvColumn]] = {}
     for signal in mapping.signals:
         if signal.unit not in UNITS[signal.quantity]:
             raise RecordingFormatError(
-                f"{signal.unit} is no unit of a {signal.quantity} (columns {', '.join(signal.columns)}); use"
-                f" {' or '.join(UNITS[signal.quantity])}.",
+                say(
+                    "mapping.unit",
+                    unit=signal.unit,
+                    quantity=signal.quantity,
+                    columns=list(signal.columns),
+                    units=list(UNITS[signal.quantity]),
+                ),
                 sensor=signal.placement,
             )
         quantities = found.setdefault(signal.placement, {})
         if signal.quantity in quantities:
             raise RecordingFormatError(
-                f"The {signal.quantity} of {signal.placement} is mapped twice, to"
-                f" {', '.join(quantities[signal.quantity].columns)} and to {', '.join(signal.columns)}.",
+                say(
+                    "mapping.twice",
+                    where=signal.placement,
+                    quantity=signal.quantity,
+                    first=list(quantities[signal.quantity].columns),
+                    second=list(signal.columns),
+                ),
                 sensor=signal.placement,
             )
         quantities[signal.quantity] = signal
     if not found:
-        raise RecordingFormatError("The mapping names no sensor.")
+        raise RecordingFormatError(say("mapping.no_sensor"))
     for placement, quantities in found.items():
         for needed in ("gyroscope", "accelerometer"):
             if needed not in quantities:
                 raise RecordingFormatError(
-                    f"The {needed} of {placement} is not mapped; gyroscope and accelerometer are needed.",
+                    say("mapping.needed", where=placement, quantity=needed),
                     sensor=placement,
                 )
     with_field = [p for p, quantities in found.items() if "magnetometer" in quantities]
     if with_field and len(with_field) < len(found):
-        without = ", ".join(p for p in found if p not in with_field)
-        raise RecordingFormatError(
-            f"The magnetometer of {without} is not mapped; map the magnetometer of all sensors or of none."
-        )
+        without = [p for p in found if p not in with_field]
+        raise RecordingFormatError(say("mapping.magnetometers", places=without))
     return found
 
 

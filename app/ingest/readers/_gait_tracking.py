@@ -9,6 +9,7 @@ from app.errors import RecordingFormatError
 from app.ingest.readers._csv import read_columns
 from app.ingest.readers._time import nominal_rate, seconds_of
 from app.ingest.readers._units import TO_SI, check_foot_accelerometer, check_foot_gyroscope, check_gyroscope
+from app.sentences import say
 from estimators.recording import Float, Recording, SensorSignals
 
 _TIME: Final = "Time (s)"
@@ -39,10 +40,10 @@ def read_gait_tracking(path: Path) -> Recording:
     accelerometer = np.stack([table[name] for name in _ACCELEROMETER], axis=1) * TO_SI["g"]
     time_s = seconds_of(_apart(table[_TIME]), "s")
     for row in np.flatnonzero(~np.isfinite(gyroscope).all(axis=1) | ~np.isfinite(accelerometer).all(axis=1)):
-        raise RecordingFormatError(f"Row {row + 2} is not complete.", row=int(row + 2))
-    check_gyroscope(gyroscope, "deg/s", "the foot")
-    check_foot_accelerometer(accelerometer, gyroscope, "g", "the foot")
-    check_foot_gyroscope(gyroscope, accelerometer, "deg/s", "the foot")
+        raise RecordingFormatError(say("file.row_incomplete", row=int(row + 2)), row=int(row + 2))
+    check_gyroscope(gyroscope, "deg/s", "foot")
+    check_foot_accelerometer(accelerometer, gyroscope, "g", "foot")
+    check_foot_gyroscope(gyroscope, accelerometer, "deg/s", "foot")
     return Recording(
         {"foot_right": SensorSignals(time_s, gyroscope, accelerometer)},
         nominal_rate(time_s),

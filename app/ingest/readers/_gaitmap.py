@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from app.errors import RecordingFormatError
 from app.ingest.readers._csv import MAX_VALUES
 from app.ingest.readers._units import TO_SI, check_foot_accelerometer, check_foot_gyroscope, check_gyroscope
+from app.sentences import say
 from estimators.conventions import SIDES
 from estimators.recording import Float, Recording, SensorSignals
 
@@ -53,16 +54,14 @@ def read_gaitmap(path: Path) -> Recording:
     else:
         named = [side for side in SIDES if side in path.stem.lower()]
         if len(named) != 1:
-            raise RecordingFormatError(
-                "One foot without a side; its file's name must hold `left` or `right`."
-            )
+            raise RecordingFormatError(say("gaitmap.side"))
         sensors[f"foot_{named[0]}"] = rows[:, [_column(header, (axis,)) for axis in AXES]]
         rate_hz = PATIENT_RATE_HZ
     time_s = np.arange(len(rows)) / rate_hz
     signals = {}
     for name, values in sensors.items():
         if not np.isfinite(values).all():
-            raise RecordingFormatError(f"The sensor {name} has values that are not finite.", sensor=name)
+            raise RecordingFormatError(say("file.sensor_not_finite", where=name), sensor=name)
         gyroscope, accelerometer = values[:, 3:] * TO_SI["deg/s"], values[:, :3].copy()
         check_gyroscope(gyroscope, "deg/s", name)
         check_foot_accelerometer(accelerometer, gyroscope, "m/s^2", name)
@@ -100,19 +99,19 @@ def _table(path: Path) -> tuple[list[list[str]], Float]:
         with path.open(newline="", encoding="utf-8") as file:
             lines = list(csv.reader(file))
     except (UnicodeDecodeError, csv.Error) as error:
-        raise RecordingFormatError("The file cannot be read as CSV in UTF-8.") from error
+        raise RecordingFormatError(say("table.unreadable")) from error
     count = next((i for i, line in enumerate(lines[:3]) if line and _is_number(line[0])), 0)
     if not 1 <= count <= 2 or len(lines) - count < 2:
-        raise RecordingFormatError("The file has no header of one or two rows with numbers below it.")
+        raise RecordingFormatError(say("gaitmap.header"))
     if (len(lines) - count) * len(lines[0]) > MAX_VALUES:
-        raise RecordingFormatError("The file is too long; split it into shorter recordings.")
+        raise RecordingFormatError(say("file.too_long"))
     try:
         rows = np.array(lines[count:], dtype=np.float64)
     except ValueError as error:
-        raise RecordingFormatError("A row is not complete or holds a value that is no number.") from error
+        raise RecordingFormatError(say("file.row_not_numbers")) from error
     header = lines[:count]
     if any(len(line) != rows.shape[1] for line in header):
-        raise RecordingFormatError("The header has another number of columns than the rows.")
+        raise RecordingFormatError(say("table.ragged"))
     return [line[1:] for line in header], rows[:, 1:]
 
 
@@ -127,7 +126,7 @@ def _is_number(text: str) -> bool:
 def _column(header: list[list[str]], name: tuple[str, ...]) -> int:
     names = list(zip(*header, strict=True))
     if name not in names:
-        raise RecordingFormatError(f"The file has no column {' '.join(name)}; it is no recording of gaitmap.")
+        raise RecordingFormatError(say("file.not_this_kind", missing=[" ".join(name)], kind="gaitmap"))
     return names.index(name)
 
 
@@ -149,7 +148,7 @@ def _truth(folder: Path) -> dict[str, NDArray[Any]]:
             chosen = [[float(row[name]) for name in _STRIDE] for row in listed if row["foot"] == side]
             found[f"strides_{side}"] = np.array(chosen).reshape(-1, len(_STRIDE))
     except (KeyError, TypeError, ValueError) as error:
-        raise RecordingFormatError(f"{strides.name} is no list of strides.") from error
+        raise RecordingFormatError(say("gaitmap.strides", file=strides.name)) from error
     return found
 
 

@@ -15,6 +15,7 @@ from app.errors import RecordingFormatError
 from app.ingest.readers._csv import MAX_VALUES
 from app.ingest.readers._time import nominal_rate
 from app.ingest.readers._units import check_foot_accelerometer, check_foot_gyroscope, check_gyroscope
+from app.sentences import say
 from estimators.conventions import GRAVITY_MPS2, SIDES
 from estimators.recording import Float, Recording, SensorSignals
 
@@ -43,11 +44,11 @@ def read_instrumented_shoe(path: Path) -> Recording:
     names, rows = _table(path)
     at = {name: column for column, name in enumerate(names)}
     if "time_s" not in at:
-        raise RecordingFormatError("The file has no column time_s.")
+        raise RecordingFormatError(say("file.no_column", column="time_s"))
     time_s = rows[:, at["time_s"]] - rows[0, at["time_s"]]
     steps = np.diff(time_s)
     if not (steps > 0.0).all() or np.ptp(steps) > _EVEN_SHARE * float(np.median(steps)):
-        raise RecordingFormatError("The samples are not even in time; bring them to one common rate first.")
+        raise RecordingFormatError(say("file.uneven"))
     sensors: dict[str, SensorSignals] = {}
     for side in SIDES:
         for part in ("heel", "forefoot", "shank"):
@@ -57,7 +58,7 @@ def read_instrumented_shoe(path: Path) -> Recording:
             if part == "shank" and len(missing) == 6:
                 continue
             if missing:
-                raise RecordingFormatError(f"The file has no column {missing[0]}.")
+                raise RecordingFormatError(say("file.no_column", column=missing[0]))
             found = {q: np.ascontiguousarray(rows[:, [at[n] for n in group]]) for q, group in wanted.items()}
             name = f"{part}_{side}"
             check_gyroscope(found["gyroscope"], "rad/s", name)
@@ -125,13 +126,13 @@ def _table(path: Path) -> tuple[list[str], Float]:
             names = [name.strip() for name in next(csv.reader(file), [])]
             rows = np.loadtxt(file, delimiter=",", ndmin=2)
     except (UnicodeDecodeError, csv.Error, ValueError) as error:
-        raise RecordingFormatError("The file cannot be read as CSV with numbers below one header.") from error
+        raise RecordingFormatError(say("file.header_then_numbers")) from error
     if len(rows) < 2 or rows.shape[1] != len(names):
-        raise RecordingFormatError("The file holds no samples, or rows as long as its header.")
+        raise RecordingFormatError(say("file.rows_and_header"))
     if rows.size > MAX_VALUES:
-        raise RecordingFormatError("The file is too long; split it into shorter recordings.")
+        raise RecordingFormatError(say("file.too_long"))
     if not np.isfinite(rows).all():
-        raise RecordingFormatError("The file has values that are not finite; fill or cut the gaps first.")
+        raise RecordingFormatError(say("file.not_finite"))
     return names, rows
 
 
@@ -144,8 +145,7 @@ def _check_weight(sensors: dict[str, SensorSignals]) -> None:
     weight = float(np.median(felt))
     if not _WEIGHTS_N[0] <= weight <= _WEIGHTS_N[1]:
         raise RecordingFormatError(
-            f"The shoes carry {weight:.0f} N; a person weighs {_WEIGHTS_N[0]:.0f} to {_WEIGHTS_N[1]:.0f} N."
-            " Check the unit (newton), and that z points up against the foot."
+            say("shoe.weight", weight_n=weight, least_n=_WEIGHTS_N[0], most_n=_WEIGHTS_N[1])
         )
 
 

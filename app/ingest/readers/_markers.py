@@ -11,6 +11,7 @@ from app.ingest.readers._c3d import read_c3d
 from app.ingest.readers._csv import MAX_LINE_BYTES, read_columns
 from app.ingest.readers._time import HIGHEST_HZ, LOWEST_HZ, seconds_of
 from app.recordings.marker_schemas import MarkerFileIn
+from app.sentences import say
 from estimators.optical import TURNS
 from estimators.recording import Float
 
@@ -46,7 +47,7 @@ class MarkerTracks:
         """
         if name not in self.names:
             raise RecordingFormatError(
-                f"The file has no marker {name!r}; it has {', '.join(self.names[:40])}.", field="marker"
+                say("marker_file.no_marker", marker=name, names=list(self.names[:40])), field="marker"
             )
         return self.position_m[:, self.names.index(name)]
 
@@ -67,15 +68,15 @@ def read_markers(path: Path, declared: MarkerFileIn) -> MarkerTracks:
         names, time_s, position = _read_csv(path, declared)
     seen = np.isfinite(position).all(axis=-1)
     if not seen.any():
-        raise RecordingFormatError("No marker was ever seen in this file.")
+        raise RecordingFormatError(say("marker_file.never_seen"))
     far = float(np.nanmax(np.abs(position)))
     if far > _FARTHEST_M:
         advice = (
-            " It looks like mm, or cm; declare that unit."
+            say("marker_file.unit")
             if declared.format == "csv" and declared.unit == "m"
-            else ""
+            else say("marker_file.check_unit")
         )
-        raise RecordingFormatError(f"A marker is {far:.0f} m from the origin, which cannot be.{advice}")
+        raise RecordingFormatError(say("marker_file.far", far_m=far, advice=advice))
     turn = np.array(TURNS[declared.up], dtype=np.float64)
     return MarkerTracks(names, time_s, position @ turn.T)
 
@@ -90,23 +91,18 @@ def _read_csv(path: Path, declared: MarkerFileIn) -> tuple[tuple[str, ...], Floa
             for name in line.decode("utf-8-sig").strip("\r\n").split(declared.delimiter)
         ]
     except UnicodeDecodeError as error:
-        raise RecordingFormatError("The first line is not UTF-8 text; this is no CSV file.") from error
+        raise RecordingFormatError(say("table.not_utf8")) from error
     names = tuple(
         name[:-2]
         for name in header
         if name.endswith("_x") and {name[:-2] + "_y", name[:-2] + "_z"} <= set(header)
     )
     if not names:
-        raise RecordingFormatError(
-            "No marker was found: each needs three columns, NAME_x, NAME_y and NAME_z. The file has:"
-            f" {', '.join(header)[:400]}."
-        )
+        raise RecordingFormatError(say("marker_file.columns", present=", ".join(header)[:400]))
     columns = [f"{name}_{axis}" for name in names for axis in "xyz"]
     wanted = columns if declared.rate_hz is not None else [*columns, "time_s"]
     if declared.rate_hz is None and "time_s" not in header:
-        raise RecordingFormatError(
-            "The file has no column time_s; add it, or declare the rate of the cameras."
-        )
+        raise RecordingFormatError(say("marker_file.no_time"))
     table = read_columns(path, wanted, declared.delimiter)
     position = np.stack([table[name] for name in columns], axis=1).reshape(-1, len(names), 3)
     if declared.rate_hz is not None:
@@ -115,9 +111,7 @@ def _read_csv(path: Path, declared: MarkerFileIn) -> tuple[tuple[str, ...], Floa
         time_s = seconds_of(table["time_s"], "s")
         rate = 1.0 / float(np.median(np.diff(time_s)))
         if not LOWEST_HZ <= rate <= HIGHEST_HZ:
-            raise RecordingFormatError(
-                f"The frames come at {rate:.3g} Hz, which cannot be used; is time_s in seconds?"
-            )
+            raise RecordingFormatError(say("marker_file.rate", rate_hz=rate))
     # A hidden marker is empty, NaN, or all three zero.
     position = np.where((position == 0.0).all(axis=-1, keepdims=True), np.nan, position)
     return names, time_s, position * METRES[declared.unit]

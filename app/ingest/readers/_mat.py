@@ -7,6 +7,7 @@ import scipy
 
 from app.errors import RecordingFormatError
 from app.ingest.readers._unpacked import check_mat
+from app.sentences import say
 
 
 def load_mat(path: Path, names: list[str], *, simplify: bool = False) -> dict[str, Any]:
@@ -21,12 +22,12 @@ def load_mat(path: Path, names: list[str], *, simplify: bool = False) -> dict[st
     try:
         content: dict[str, Any] = scipy.io.loadmat(path, variable_names=names, simplify_cells=simplify)
     except NotImplementedError as error:
-        raise RecordingFormatError("The .mat file is of version 7.3; save it as version 5 or 7.") from error
+        raise RecordingFormatError(say("mat.version")) from error
     except MemoryError:
         raise
     except Exception as error:
         # The reader follows whatever the bytes say and fails with whatever error that leads to.
-        raise RecordingFormatError("The file cannot be read as a .mat file of version 5 or 7.") from error
+        raise RecordingFormatError(say("mat.unreadable")) from error
     return content
 
 
@@ -35,7 +36,7 @@ def variables(path: Path) -> set[str]:
     try:
         return {name for name, _, _ in scipy.io.whosmat(path)}
     except Exception as error:
-        raise RecordingFormatError("The .mat file cannot be read; save it as version 5 or 7.") from error
+        raise RecordingFormatError(say("mat.unreadable")) from error
 
 
 __all__ = ["load_mat", "variables"]

@@ -17,6 +17,7 @@ from app.ingest.packet import Packet, decode_packet
 from app.recordings.chunks import RawPacket
 from app.recordings.packet_log import read_entries, read_head
 from app.recordings.ranges import SequenceRanges
+from app.sentences import say
 from estimators.recording import ImuChunk, Recording, SampleQuality, SensorSignals
 
 
@@ -78,11 +79,9 @@ def declaration_of(hello: dict[str, Any]) -> Declaration:
         if hello.get("clock_epochs"):
             return Declaration.from_dict({**checked.to_dict(), "clock_epochs": hello["clock_epochs"]})
     except PacketError as error:
-        raise RecordingFormatError(f"The hello of the log cannot be used: {error.message}") from error
+        raise RecordingFormatError(say("log.hello_refused", reason=error.message)) from error
     except (ValidationError, TypeError, KeyError) as error:
-        raise RecordingFormatError(
-            "The hello at the beginning of the log lacks placements, rate or scales."
-        ) from error
+        raise RecordingFormatError(say("log.hello_incomplete")) from error
     return checked
 
 
@@ -98,7 +97,7 @@ def read_ticks(path: Path) -> tuple[ImuChunk, LogReader]:
     packets = sorted(((raw.sequence, packet) for raw, packet in log.packets()), key=lambda item: item[0])
     chunk = align_all((packet for _, packet in packets), log.declaration)
     if chunk is None:
-        raise RecordingFormatError("The log holds no sound packet.", damaged=log.damaged)
+        raise RecordingFormatError(say("log.no_packet"), damaged=log.damaged)
     return chunk, log
 
 

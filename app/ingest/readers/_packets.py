@@ -10,6 +10,7 @@ from app.errors import RecordingFormatError
 from app.ingest.declaration import Declaration, check_placements
 from app.ingest.packet import Channel
 from app.recordings.chunks import FLOAT32, RawPacket
+from app.sentences import say
 from estimators.conventions import PLACEMENTS
 from estimators.recording import Recording
 
@@ -88,12 +89,10 @@ def packets_of(recording: Recording) -> RecordingPackets:
     """
     ours: list[str] = [name for name in recording.sensors if name in PLACEMENTS]
     if not ours:
-        raise RecordingFormatError(
-            "None of the sensors is worn on a placement that is known; use " + ", ".join(PLACEMENTS) + "."
-        )
+        raise RecordingFormatError(say("file.no_placement", placements=list(PLACEMENTS)))
     first = recording.sensors[ours[0]]
     if any(not np.array_equal(recording.sensors[name].time_s, first.time_s) for name in ours):
-        raise RecordingFormatError("The sensors have different time stamps; bring them to one time column.")
+        raise RecordingFormatError(say("file.time_stamps_differ"))
     clip_radps = recording.metadata.get("gyroscope_clip_radps")
     declaration = Declaration(
         placements=check_placements(ours),

@@ -13,6 +13,7 @@ from app.errors import RecordingFormatError
 from app.ingest.readers._mat import load_mat
 from app.ingest.readers._time import nominal_rate, seconds_of
 from app.ingest.readers._units import check_foot_accelerometer, check_foot_gyroscope, check_gyroscope
+from app.sentences import say
 from estimators.recording import Float, Recording, SensorSignals
 
 MARKS: Final = ("imu_data", "timestamps_all")
@@ -40,13 +41,11 @@ def read_pyshoe(path: Path) -> Recording:
     content = load_mat(path, [*MARKS, "gt"])
     missing = [name for name in MARKS if name not in content]
     if missing:
-        raise RecordingFormatError(f"The file has no {', '.join(missing)}; it is no walk of the PyShoe set.")
+        raise RecordingFormatError(say("file.not_this_kind", missing=missing, kind="pyshoe"))
     time_s = seconds_of(_numbers(content["timestamps_all"], None).reshape(-1), "s", first_row=1)
     samples = _numbers(content["imu_data"], 6)
     if len(samples) != len(time_s):
-        raise RecordingFormatError(
-            f"The file has {len(samples)} samples and {len(time_s)} time stamps; it is damaged."
-        )
+        raise RecordingFormatError(say("file.samples_and_times", samples=len(samples), times=len(time_s)))
     accelerometer, gyroscope = samples[:, :3].copy(), samples[:, 3:].copy()
     check_gyroscope(gyroscope, "rad/s", "imu_data")
     check_foot_accelerometer(accelerometer, gyroscope, "m/s^2", "imu_data")
@@ -55,7 +54,7 @@ def read_pyshoe(path: Path) -> Recording:
     if "gt" in content:
         track = _numbers(content["gt"], 2)
         if len(track) != len(time_s):
-            raise RecordingFormatError("The optical track differs in length from the samples; it is damaged.")
+            raise RecordingFormatError(say("file.array_lengths"))
         reference["position_xy_m"] = track * _MIRROR
     return Recording(
         {"foot_right": SensorSignals(time_s, gyroscope, accelerometer)},
@@ -70,11 +69,9 @@ def _numbers(values: Any, width: int | None) -> Float:
     try:
         table = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        raise RecordingFormatError("The arrays of the file are no numbers.") from error
+        raise RecordingFormatError(say("file.arrays_not_numbers")) from error
     if width is not None and (table.ndim != 2 or table.shape[1] != width):
-        raise RecordingFormatError(
-            f"An array of the file has the shape {table.shape}; (N, {width}) was expected."
-        )
+        raise RecordingFormatError(say("file.array_shape", shape=str(table.shape), expected=f"(N, {width})"))
     return table
 
 

@@ -9,6 +9,7 @@ from app.errors import RecordingFormatError
 from app.ingest.readers._mat import load_mat
 from app.ingest.readers._time import nominal_rate, seconds_of
 from app.ingest.readers._units import check_accelerometer, check_gyroscope
+from app.sentences import say
 from estimators.conventions import Placement
 from estimators.recording import Float, Recording, SensorSignals
 
@@ -48,13 +49,10 @@ def read_qmt(path: Path) -> Recording:
     """
     content = load_mat(path, ["t", *PLACEMENT_OF, "lower_back"], simplify=True)
     if "t" not in content:
-        raise RecordingFormatError("The .mat file has no time `t`; it is no whole-body recording of qmt.")
+        raise RecordingFormatError(say("file.not_this_kind", missing=["t"], kind="qmt"))
     present = [name for name in PLACEMENT_OF if isinstance(content.get(name), dict)]
     if not present:
-        raise RecordingFormatError(
-            f"The .mat file has none of the sensors {', '.join(PLACEMENT_OF)}; it is no whole-body recording"
-            " of qmt."
-        )
+        raise RecordingFormatError(say("file.none_of_sensors", names=list(PLACEMENT_OF), kind="qmt"))
     time_s = seconds_of(np.asarray(content["t"], dtype=np.float64).reshape(-1), "s", first_row=1)
     sensors: dict[str, SensorSignals] = {}
     for name in present:
@@ -75,10 +73,17 @@ def _signal(sensor: dict[str, Any], name: str, key: str, samples: int) -> Float:
     try:
         values = np.asarray(sensor[key], dtype=np.float64)
     except (KeyError, TypeError, ValueError) as error:
-        raise RecordingFormatError(f"The sensor {name} has no numeric `{key}`.", sensor=name) from error
+        raise RecordingFormatError(say("file.sensor_not_numeric", name=name, key=key), sensor=name) from error
     if values.shape != (samples, 3):
         raise RecordingFormatError(
-            f"`{key}` of {name} has the shape {values.shape}; {samples} time stamps need ({samples}, 3).",
+            say(
+                "file.sensor_shape",
+                name=name,
+                key=key,
+                shape=str(values.shape),
+                samples=samples,
+                expected=f"({samples}, 3)",
+            ),
             sensor=name,
         )
     return values

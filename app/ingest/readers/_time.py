@@ -3,6 +3,7 @@
 import numpy as np
 
 from app.errors import RecordingFormatError
+from app.sentences import say
 from estimators.recording import Float
 
 LOWEST_HZ, HIGHEST_HZ = 10.0, 1000.0
@@ -25,17 +26,22 @@ def seconds_of(column: Float, unit: str, first_row: int = 2) -> Float:
         A value is missing, time stands still or runs backwards, or the unit cannot be right.
     """
     if column.size < 2:
-        raise RecordingFormatError("The file holds fewer than two rows; there is nothing to estimate.")
+        raise RecordingFormatError(say("file.too_few_rows"))
     wrong = np.flatnonzero(~np.isfinite(column))
     if wrong.size:
-        raise RecordingFormatError(f"Row {wrong[0] + first_row} has no time.", row=int(wrong[0] + first_row))
+        raise RecordingFormatError(
+            say("file.no_time_in_row", row=int(wrong[0] + first_row)), row=int(wrong[0] + first_row)
+        )
     steps = np.diff(column)
     wrong = np.flatnonzero(steps <= 0)
     if wrong.size:
         row = int(wrong[0] + first_row + 1)
-        kind = "stands still" if steps[wrong[0]] == 0 else "runs backwards"
         raise RecordingFormatError(
-            f"Time {kind} in row {row}; sort the rows and drop repeated ones.", row=row, count=int(wrong.size)
+            say("file.time_stands_still", row=row)
+            if steps[wrong[0]] == 0
+            else say("file.time_backwards", row=row),
+            row=row,
+            count=int(wrong.size),
         )
     rate_hz = 1.0 / (float(np.median(steps)) * _UNIT_FACTORS[unit])
     if not LOWEST_HZ <= rate_hz <= HIGHEST_HZ:
@@ -44,10 +50,16 @@ def seconds_of(column: Float, unit: str, first_row: int = 2) -> Float:
             for name, factor in _UNIT_FACTORS.items()
             if name != unit and LOWEST_HZ <= 1.0 / (float(np.median(steps)) * factor) <= HIGHEST_HZ
         ]
-        advice = f" It looks like {others[0]}; declare that unit." if others else ""
+        advice = say("file.looks_like_unit", unit=others[0]) if others else say("file.check_time_unit")
         raise RecordingFormatError(
-            f"The time column in {unit} gives {rate_hz:.3g} rows a second;"
-            f" {LOWEST_HZ:g} to {HIGHEST_HZ:g} are possible.{advice}"
+            say(
+                "file.time_unit",
+                unit=unit,
+                rate_hz=rate_hz,
+                lowest_hz=LOWEST_HZ,
+                highest_hz=HIGHEST_HZ,
+                advice=advice,
+            )
         )
     return np.asarray((column - column[0]) * _UNIT_FACTORS[unit])
 

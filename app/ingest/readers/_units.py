@@ -5,6 +5,7 @@ from typing import Final
 import numpy as np
 
 from app.errors import RecordingFormatError
+from app.sentences import Sentence, say
 from estimators.conventions import GRAVITY_MPS2
 from estimators.recording import Float
 
@@ -48,7 +49,7 @@ def check_accelerometer(values: Float, unit: str, where: str) -> None:
     where : str
         Which sensor, for the message.
     """
-    _check_norm(values, unit, where, "accelerometer", GRAVITY_RANGE_MPS2, "gravity (9.81 m/s^2)")
+    _check_norm(values, unit, where, "accelerometer", GRAVITY_RANGE_MPS2)
 
 
 def check_foot_accelerometer(accelerometer: Float, gyroscope: Float, unit: str, where: str) -> None:
@@ -85,12 +86,9 @@ def check_foot_gyroscope(gyroscope: Float, accelerometer: Float, unit: str, wher
     if fastest >= _LEAST_STEP_RADPS or hardest <= _LEAST_STEP_MPS2:
         return
     raw = fastest / TO_SI[unit]
-    advice = (
-        " It looks like rad/s; declare that unit." if unit == "deg/s" and raw >= _LEAST_STEP_RADPS else ""
-    )
+    advice = _advice("rad/s" if unit == "deg/s" and raw >= _LEAST_STEP_RADPS else None)
     raise RecordingFormatError(
-        f"The gyroscope of {where} turns by no more than {raw:.3g} {unit} while its accelerometer feels steps; a"
-        f" walking foot turns by 1 rad/s (57 deg/s) or more.{advice or ' Check its columns and its unit.'}",
+        say("signal.foot_gyroscope", where=where, raw=raw, unit=unit, advice=advice),
         sensor=where,
         quantity="gyroscope",
     )
@@ -98,7 +96,7 @@ def check_foot_gyroscope(gyroscope: Float, accelerometer: Float, unit: str, wher
 
 def check_magnetometer(values: Float, unit: str, where: str) -> None:
     """Refuse a sensor whose median field is not about that of the earth, and guess the unit meant."""
-    _check_norm(values, unit, where, "magnetometer", FIELD_RANGE_T, "the earth's field (22 to 67 uT)")
+    _check_norm(values, unit, where, "magnetometer", FIELD_RANGE_T)
 
 
 def check_gyroscope(values: Float, unit: str, where: str) -> None:
@@ -107,21 +105,24 @@ def check_gyroscope(values: Float, unit: str, where: str) -> None:
     if finite.size and float(np.percentile(finite, 99.0)) > FASTEST_TURN_RADPS:
         fastest = float(finite.max()) / TO_SI[unit]
         raise RecordingFormatError(
-            f"The gyroscope of {where} reaches {fastest:.0f} {unit}, faster than any sensor measures."
-            + (" It looks like deg/s; declare that unit." if unit == "rad/s" else " Check its columns."),
+            say(
+                "signal.gyroscope_fast",
+                where=where,
+                raw=fastest,
+                unit=unit,
+                advice=_advice("deg/s" if unit == "rad/s" else None),
+            ),
             sensor=where,
             quantity="gyroscope",
         )
 
 
-def _check_norm(
-    values: Float, unit: str, where: str, quantity: str, expected: tuple[float, float], of_what: str
-) -> None:
+def _check_norm(values: Float, unit: str, where: str, quantity: str, expected: tuple[float, float]) -> None:
     norms = np.linalg.norm(values, axis=1)
     norms = norms[np.isfinite(norms)]
     if not norms.size:
         raise RecordingFormatError(
-            f"The {quantity} of {where} holds no numbers.", sensor=where, quantity=quantity
+            say("signal.no_numbers", where=where, quantity=quantity), sensor=where, quantity=quantity
         )
     low, high = expected
     median = float(np.median(norms))
@@ -129,16 +130,19 @@ def _check_norm(
         return
     raw = median / TO_SI[unit]
     fitting = [u for u in UNITS[quantity] if u != unit and low <= raw * TO_SI[u] <= high]
-    advice = (
-        f" It looks like {fitting[0]}; declare that unit."
-        if fitting
-        else " Check that its columns and unit are the right ones."
-    )
+    advice = _advice(fitting[0] if fitting else None)
     raise RecordingFormatError(
-        f"The {quantity} of {where} has a median size of {raw:.3g} {unit}; {of_what} was expected.{advice}",
+        say("signal.no_gravity", where=where, raw=raw, unit=unit, advice=advice)
+        if quantity == "accelerometer"
+        else say("signal.no_earth_field", where=where, raw=raw, unit=unit, advice=advice),
         sensor=where,
         quantity=quantity,
     )
+
+
+def _advice(unit: str | None) -> Sentence:
+    """Return what to do: declare the unit that the values fit, or check everything."""
+    return say("file.looks_like_unit", unit=unit) if unit else say("signal.check_columns")
 
 
 __all__ = [

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final
 
 from app.errors import RecordingFormatError
+from app.sentences import say
 
 if TYPE_CHECKING:
     import h5py
@@ -93,7 +94,7 @@ def check_hdf5(file: "h5py.File", names: list[str], most_bytes: int = MOST_BYTES
             continue
         found = file[name] if isinstance(file.get(name, getlink=True), h5py.HardLink) else None
         if not isinstance(found, h5py.Dataset) or found.external or found.is_virtual:
-            raise RecordingFormatError(f"{name} is no data set within this file.")
+            raise RecordingFormatError(say("file.linked_data", name=name))
         # A chunk is unpacked as a whole even when the data set needs a part of it.
         chunk = found.dtype.itemsize
         for length in found.chunks or ():
@@ -106,16 +107,11 @@ def check_hdf5(file: "h5py.File", names: list[str], most_bytes: int = MOST_BYTES
 def _too_much(path: Path, unpacked_bytes: int, most_bytes: int) -> RecordingFormatError:
     packed = path.stat().st_size
     return RecordingFormatError(
-        f"The file has {_mib(packed)} and unpacks to more than {_mib(most_bytes)}, the most that is read at once;"
-        " split the recording.",
+        say("file.unpacks_to_too_much", packed_bytes=packed, limit_bytes=most_bytes),
         packed_bytes=packed,
         unpacked_bytes=unpacked_bytes,
         limit_bytes=most_bytes,
     )
-
-
-def _mib(count: int) -> str:
-    return f"{count / 2**20:,.1f} MiB"
 
 
 __all__ = ["MOST_BYTES", "check_hdf5", "check_mat"]

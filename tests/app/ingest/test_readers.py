@@ -120,22 +120,22 @@ def test_a_csv_without_time_needs_a_rate_and_takes_it(tmp_path: Path) -> None:
 def test_wrong_units_are_named(tmp_path: Path) -> None:
     recording = real_recording()
     in_g = write_csv(tmp_path / "g.csv", recording, accelerometer_factor=1 / 9.80665)
-    with pytest.raises(RecordingFormatError, match="looks like g"):
+    with pytest.raises(RecordingFormatError, match=r"gravity .* look like g:"):
         readers.read(in_g, csv=mapping())
     path = write_csv(tmp_path / "a.csv", recording)
-    with pytest.raises(RecordingFormatError, match="looks like uT"):
+    with pytest.raises(RecordingFormatError, match=r"earth's field .* look like uT:"):
         readers.read(path, csv=mapping(units={"mag": "mT"}))
     fast = {
         name: replace(s, gyroscope_radps=np.degrees(s.gyroscope_radps))
         for name, s in recording.sensors.items()
     }
     degrees = write_csv(tmp_path / "d.csv", replace(recording, sensors=fast))
-    with pytest.raises(RecordingFormatError, match="looks like deg/s"):
+    with pytest.raises(RecordingFormatError, match="look like deg/s:"):
         readers.read(degrees, csv=mapping())
     milliseconds = write_csv(tmp_path / "ms.csv", recording, time_factor=1000.0)
-    with pytest.raises(RecordingFormatError, match="looks like ms"):
+    with pytest.raises(RecordingFormatError, match="look like ms:"):
         readers.read(milliseconds, csv=mapping())
-    with pytest.raises(RecordingFormatError, match="no unit of a gyroscope"):
+    with pytest.raises(RecordingFormatError, match=r"gyroscope .* cannot have the unit g;"):
         readers.read(path, csv=mapping(units={"gyr": "g"}))
 
 
@@ -152,7 +152,7 @@ def test_a_missing_column_is_named_with_those_present(tmp_path: Path) -> None:
     [
         (lambda text: text.replace("\n0.05,", "\nyesterday,"), "not a number"),
         (lambda text: text.replace("\n0.05,", "\n0.01,"), "runs backwards in row 7"),
-        (lambda text: text.replace("\n0.05,", "\n0.04,"), "stands still in row 7"),
+        (lambda text: text.replace("\n0.05,", "\n0.04,"), "does not advance in row 7"),
         (lambda text: text.replace("\n0.05,", "\n,"), "Row 7 has no time"),
         (lambda text: text.splitlines()[0] + "\n", "no rows"),
         (lambda text: text.replace("\n0.05,", "\n0.05,1,2,"), "another number of columns"),
@@ -171,8 +171,8 @@ def test_an_incomplete_mapping_is_refused(tmp_path: Path) -> None:
     path = write_csv(tmp_path / "a.csv", real_recording())
     whole = mapping().signals
     for signals, says in [
-        (whole[:1], "accelerometer of sternum is not mapped"),
-        (whole[:5], "magnetometer of upper_arm_right is not mapped"),
+        (whole[:1], "chest: the accelerometer is not mapped"),
+        (whole[:5], "magnetometer is not mapped for right upper arm"),
         ([*whole, whole[0]], "mapped twice"),
         ([], "names no sensor"),
     ]:
@@ -257,13 +257,13 @@ def test_a_log_leaves_out_damaged_and_repeated_packets(tmp_path: Path) -> None:
     ("content", "says"),
     [
         (b"", "does not start with TML1"),
-        (b"TML1\xff\xff\xff\xff", "claims"),
+        (b"TML1\xff\xff\xff\xff", "states 4294967295 bytes"),
         (b"TML1\x05\x00\x00\x00{}", "cut off"),
-        (b"TML1\x02\x00\x00\x00[]", "no JSON object"),
+        (b"TML1\x02\x00\x00\x00[]", "not a JSON object"),
         (b"TML1\x02\x00\x00\x00{}", "lacks placements"),
-        (log_head({"placements": ["nose"], "rate_hz": 100}), "Unknown placements nose"),
+        (log_head({"placements": ["nose"], "rate_hz": 100}), "Unknown placements: nose; use head"),
         (log_head({"placements": ["head"], "rate_hz": 1}), "rate of 1"),
-        (log_head({"placements": ["head"], "rate_hz": 100}), "no sound packet"),
+        (log_head({"placements": ["head"], "rate_hz": 100}), "no intact packet"),
         (log_head({"placements": ["head"], "rate_hz": 100}) + struct.pack("<QI", 0, 99), "cut off"),
         (log_head({"placements": ["head"], "rate_hz": 100}) + struct.pack("<QI", 0, 2**31), "damaged"),
         (log_head({"placements": ["head"], "rate_hz": 100}) + b"\x00\x01", "cut off"),
@@ -308,11 +308,14 @@ def test_a_whole_body_file_gets_our_placements(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("changes", "says"),
     [
-        ({"t": None}, "no time"),
+        ({"t": None}, "no t; it is not a whole-body"),
         ({"upper_back": None, "upper_arm_right": None}, "none of the sensors"),
-        ({"upper_back": {"acc": np.ones((400, 3))}}, "no numeric `gyr`"),
+        ({"upper_back": {"acc": np.ones((400, 3))}}, "upper_back: `gyr` is missing"),
         ({"upper_back": {"acc": np.ones((9, 3)), "gyr": np.ones((400, 3))}}, "has the shape"),
-        ({"upper_back": {"acc": np.ones((400, 3)), "gyr": np.ones((400, 3))}}, "looks like g|Check that"),
+        (
+            {"upper_back": {"acc": np.ones((400, 3)), "gyr": np.ones((400, 3))}},
+            "gravity .* was expected. Check its columns",
+        ),
     ],
 )
 def test_a_wrong_whole_body_file_is_refused(tmp_path: Path, changes: dict[str, Any], says: str) -> None:
@@ -365,9 +368,9 @@ def test_garbage_is_refused_by_every_reader(tmp_path: Path, format: str, content
 def test_the_format_is_told_from_the_file_or_asked_for(tmp_path: Path) -> None:
     path = tmp_path / "a.xyz"
     path.write_bytes(io.BytesIO(b"hello").getvalue())
-    with pytest.raises(RecordingFormatError, match="cannot be told"):
+    with pytest.raises(RecordingFormatError, match="not recognised; choose it: packet_log"):
         readers.read(path)
-    with pytest.raises(InvalidInput, match="unknown"):
+    with pytest.raises(InvalidInput, match="no format docx; choose packet_log"):
         readers.read(path, "docx")
 
 
