@@ -19,6 +19,8 @@ from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 from sqlalchemy import make_url
 from sqlalchemy.exc import ArgumentError
 
+from app.time_zones import is_time_zone
+
 MINIMUM_SECRET_LENGTH = 32
 PREFIX = "TELEMOTION_"
 OF_COMMANDS = frozenset({"email", "password", "server", "service"})
@@ -124,6 +126,10 @@ class Settings(BaseSettings):
         default="north",
         description="Of the place where sensors stream: the magnetic field points down in the north, up in the south.",
     )
+    time_zone: str = Field(
+        default="UTC",
+        description="Where clinics are that have not set their own, e.g. Europe/Oslo; weeks of exercises begin there.",
+    )
     implant_confirmation_hours: int = Field(
         default=12,
         ge=1,
@@ -211,6 +217,13 @@ class Settings(BaseSettings):
             ) from error
         if backend not in {"sqlite", "postgresql"}:
             raise ValueError("TELEMOTION_DATABASE_URL must name sqlite or postgresql")
+        return value
+
+    @field_validator("time_zone")
+    @classmethod
+    def _check_time_zone(cls, value: str) -> str:
+        if not is_time_zone(value):
+            raise ValueError("TELEMOTION_TIME_ZONE must be the name of a time zone, for instance Europe/Oslo")
         return value
 
     @field_validator("trusted_proxies")

@@ -35,7 +35,7 @@ def list_accounts(session: Session, subject: Subject) -> list[AccountOut]:
         query = query.where(Account.role.in_(["administrator", "therapist", "integrator"]), Account.is_active)
     elif subject.role != "administrator":
         raise NotAllowed(say("account.list_not_allowed"))
-    return [account_out(row) for row in session.scalars(query)]
+    return [account_out(row, subject) for row in session.scalars(query)]
 
 
 async def create_account(services: Services, subject: Subject, body: AccountIn) -> AccountOut:
@@ -91,13 +91,13 @@ async def update_account(
     NotFound
         No such account in this clinic.
     Conflict
-        The administrator's own account: switching it off could leave the clinic without one, and the own password
-        is changed by who knows the present one.
+        The administrator's own account: switching it off could leave the clinic without one, and the own password and
+        second factor are changed by who knows the present password.
 
     Notes
     -----
-    Switched off or with a new password, an account is signed out everywhere. Device tokens that it made stay: they
-    belong to the patients, and each can be revoked there.
+    Switched off, with a new password or without its second factor, an account is signed out everywhere. Device
+    tokens that it made stay: they belong to the patients, and each can be revoked there.
     """
     if subject.role != "administrator":
         raise NotAllowed(say("account.change_not_allowed"))
@@ -108,12 +108,14 @@ async def update_account(
     return await to_thread.run_sync(_change_account, services, subject, account_id, body, password_hash)
 
 
-def account_out(row: Account) -> AccountOut:
+def account_out(row: Account, subject: Subject) -> AccountOut:
     """Return an account as a colleague sees it.
 
     Parameters
     ----------
     row : Account
+    subject : Subject
+        Who looks: only administrators see whether it has a second factor.
     """
     return AccountOut(
         id=row.id,
@@ -121,6 +123,7 @@ def account_out(row: Account) -> AccountOut:
         email=row.email,
         role=row.role,
         is_active=row.is_active,
+        has_second_factor=row.totp_since is not None if subject.role == "administrator" else None,
     )
 
 
@@ -148,7 +151,7 @@ def _store_account(
         session.add(row)
         session.flush()
         audit.record(session, subject, "account.create", body.patient_id, row.id, {"role": body.role})
-        return account_out(row)
+        return account_out(row, subject)
 
 
 def _change_account(
@@ -158,7 +161,9 @@ def _change_account(
         row = session.get(Account, account_id)
         if row is None or row.clinic_id != subject.clinic_id:
             raise NotFound(NO_SUCH_ACCOUNT)
-        if row.id == subject.account_id and (body.is_active is False or password_hash is not None):
+        if row.id == subject.account_id and (
+            body.is_active is False or password_hash is not None or body.remove_second_factor
+        ):
             raise Conflict(say("account.own"))
         actions = []
         if body.display_name is not None and body.display_name != row.display_name:
@@ -172,11 +177,12 @@ def _change_account(
         if body.is_active is not None and body.is_active != row.is_active:
             row.is_active = body.is_active
             actions.append("account.switch_on" if body.is_active else "account.switch_off")
-        if password_hash is not None or not row.is_active:
+        lost_factor = body.remove_second_factor and row.totp_since is not None
+        if password_hash is not None or not row.is_active or lost_factor:
             end_all_sign_ins(session, row.id)
         if body.remove_second_factor:
             second_factor.remove(session, subject, row)
         for action in actions:
             audit.record(session, subject, action, row.patient_id, row.id)
         session.flush()
-        return account_out(row)
+        return account_out(row, subject)

@@ -3,7 +3,7 @@
 from anyio import to_thread
 from fastapi import APIRouter, Depends, Request, Response
 
-from app.accounts import administration, browsers, second_factor, service
+from app.accounts import administration, browsers, clinics, second_factor, service
 from app.accounts.dependencies import (
     CurrentAccount,
     CurrentSignIn,
@@ -14,6 +14,8 @@ from app.accounts.schemas import (
     AccountIn,
     AccountOut,
     AccountPatch,
+    ClinicOut,
+    ClinicPatch,
     Me,
     PasswordIn,
     RecoveryCodes,
@@ -117,6 +119,12 @@ async def remove_second_factor(body: SecondFactorRemove, current: CurrentSignIn,
     await service.remove_second_factor(services_of(request), current, body.password, _address(request))
 
 
+@router.post("/me/second-factor/noted", status_code=204)
+def note_second_factor(current: CurrentSignIn, session: WriteSession) -> None:
+    """Stop telling that an administrator turned the second factor off."""
+    second_factor.note_read(session, current.subject)
+
+
 @router.get("/accounts")
 def list_accounts(subject: CurrentAccount, session: ReadSession) -> list[AccountOut]:
     """Return the clinic's accounts: all for administrators, colleagues only for therapists."""
@@ -137,11 +145,31 @@ async def create_account(body: AccountIn, subject: CurrentAccount, request: Requ
 async def update_account(
     account_id: str, body: AccountPatch, subject: CurrentAccount, request: Request
 ) -> AccountOut:
-    """Rename an account, switch it off or on, or give a new password to who forgot it; administrators only.
+    """Rename an account, switch it off or on, give a new password to who forgot it, or take the second factor away
+    from who lost it; administrators only.
+
+    All but renaming and switching on sign the account out everywhere.
 
     Errors: `not_allowed`, `not_found` for another clinic's account, `conflict` for the own one.
     """
     return await administration.update_account(services_of(request), subject, account_id, body)
+
+
+@router.get("/clinic")
+def read_clinic(subject: CurrentAccount, session: ReadSession, request: Request) -> ClinicOut:
+    """Return the own clinic with the time zone in which its weeks begin."""
+    return clinics.read_clinic(session, subject, services_of(request).settings.time_zone)
+
+
+@router.patch("/clinic")
+def change_clinic(
+    body: ClinicPatch, subject: CurrentAccount, session: WriteSession, request: Request
+) -> ClinicOut:
+    """Set the time zone of the own clinic; administrators only.
+
+    Errors: `not_allowed`, `invalid_input` when there is no such time zone.
+    """
+    return clinics.change_clinic(session, subject, body, services_of(request).settings.time_zone)
 
 
 def _address(request: Request) -> str:

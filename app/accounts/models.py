@@ -27,6 +27,8 @@ class Clinic(Identified, Base):
     __tablename__ = "clinic"
 
     name: Mapped[str] = mapped_column(String(200))
+    time_zone: Mapped[str | None] = mapped_column(String(64))
+    """IANA name, for instance `Europe/Oslo`; None for the setting `time_zone` of the service."""
 
 
 class Account(Identified, Base):
@@ -51,6 +53,8 @@ class Account(Identified, Base):
     totp_since: Mapped[datetime | None] = mapped_column(UtcDateTime)
     totp_last_step: Mapped[int] = mapped_column(BigInteger, default=0, server_default="0")
     """The newest step whose code was used: none is good twice."""
+    totp_removed_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    """When an administrator took the second factor away; the person is told until they have read it."""
     recovery_hashes: Mapped[list[str]] = mapped_column(JSON, default=list, server_default="[]")
     """Of the recovery codes that are left."""
 

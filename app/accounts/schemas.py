@@ -33,6 +33,8 @@ class Me(Schema):
     csrf_token: str
     must: Literal["password", "second_factor"] | None = None
     """What has to be done before anything else is answered: change the password, or set up the second factor."""
+    second_factor_removed_at: datetime | None = None
+    """When an administrator turned two-step sign-in off; until the person has read it or set it up again."""
     idle_minutes: int
     """The browser session ends after so long without use."""
 
@@ -71,6 +73,23 @@ class RecoveryCodes(Schema):
     codes: list[str]
 
 
+class ClinicOut(Schema):
+    """The clinic of who asks."""
+
+    name: str
+    time_zone: str
+    """IANA name; weeks begin on Monday 00:00 there."""
+    is_time_zone_set: bool
+    """False while the service's setting stands in."""
+
+
+class ClinicPatch(Schema):
+    """What an administrator may change of the clinic."""
+
+    time_zone: str = Field(max_length=64)
+    """IANA name, for instance Europe/Oslo."""
+
+
 class AccountOut(Schema):
     """An account as a colleague sees it."""
 
@@ -79,6 +98,8 @@ class AccountOut(Schema):
     email: str
     role: Role
     is_active: bool
+    has_second_factor: bool | None = None
+    """Whether a code is asked for at sign-in; only administrators are told."""
 
 
 class AccountIn(Schema):

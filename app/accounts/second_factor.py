@@ -95,7 +95,7 @@ def confirm(session: Session, subject: Subject, code: str) -> list[str]:
         "-".join("".join(secrets.choice(_LETTERS) for _ in range(4)) for _ in range(4))
         for _ in range(RECOVERY_CODES)
     ]
-    account.totp_since, account.totp_last_step = utc_now(), step
+    account.totp_since, account.totp_last_step, account.totp_removed_at = utc_now(), step, None
     account.recovery_hashes = [hash_token(one) for one in codes]
     audit.record(session, subject, "account.second_factor_on", account.patient_id, account.id)
     return codes
@@ -148,8 +148,23 @@ def remove(session: Session, acting: Subject, account: Account) -> None:
     """
     if account.totp_since is not None:
         audit.record(session, acting, "account.second_factor_off", account.patient_id, account.id)
+        if acting.account_id != account.id:
+            account.totp_removed_at = utc_now()
     account.totp_secret = account.totp_since = None
     account.recovery_hashes = []
 
 
-__all__ = ["begin", "confirm", "remove", "second_factor", "use"]
+def note_read(session: Session, subject: Subject) -> None:
+    """Note that the person has read that an administrator took the second factor away.
+
+    Parameters
+    ----------
+    session : Session
+        Writing.
+    subject : Subject
+        An account.
+    """
+    session.get_one(Account, subject.id).totp_removed_at = None
+
+
+__all__ = ["begin", "confirm", "note_read", "remove", "second_factor", "use"]

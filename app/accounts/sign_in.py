@@ -231,5 +231,6 @@ def me(session: Session, settings: Settings, account_id: str, csrf_token: str) -
         locale=account.locale,
         csrf_token=csrf_token,
         must=must_first(settings, account),
+        second_factor_removed_at=account.totp_removed_at,
         idle_minutes=settings.sign_in_idle_minutes,
     )

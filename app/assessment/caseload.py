@@ -8,7 +8,7 @@ stands beside the reason in `live_state` and ranks nobody.
 
 from collections import defaultdict
 from dataclasses import dataclass, field
-from datetime import datetime, timedelta
+from datetime import datetime, timedelta, tzinfo
 from typing import Literal
 
 from sqlalchemy import func, or_, select
@@ -16,7 +16,7 @@ from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
 from app.assessment.measures import SessionValue, by_patient, pooled_spread, recent_change, session_values
-from app.assessment.practice import ADHERENCE_WINDOW, adherence, recorded_something
+from app.assessment.practice import ADHERENCE_WINDOW, WHEN, Done, adherence, done_since, zone_of
 from app.assessment.progress import band, dose, main_measure
 from app.assessment.schemas import CaseloadRow
 from app.database.base import utc_now
@@ -37,7 +37,6 @@ QUIET = timedelta(days=7)
 longer."""
 LOSS_LIMIT = 0.10
 TREND_LENGTH = 10
-_WHEN = func.coalesce(MotionSession.started_at, MotionSession.created_at)
 
 
 @dataclass
@@ -47,18 +46,21 @@ class _Sessions:
     last: MotionSession | None = None
     live_id: str | None = None
     live_state: LiveState | None = None
-    practised: list[tuple[datetime, str | None]] = field(default_factory=list)
+    practised: list[Done] = field(default_factory=list)
 
 
-def caseload(session: Session, subject: Subject) -> list[CaseloadRow]:
+def caseload(session: Session, subject: Subject, default_zone: str) -> list[CaseloadRow]:
     """Return the lines of every patient in reach.
 
     Parameters
     ----------
     session : Session
     subject : Subject
+    default_zone : str
+        Setting `time_zone`, for clinics that have not set theirs.
     """
     now = utc_now()
+    zone = zone_of(session, subject.clinic_id, default_zone)
     patients = list(session.scalars(visible_patients(subject).where(Patient.archived_at.is_(None))))
     ids = [patient.id for patient in patients]
     note_once_an_hour(session, subject, "caseload.read", ids)
@@ -80,7 +82,16 @@ def caseload(session: Session, subject: Subject) -> list[CaseloadRow]:
             and value.measure == main_measure(exercise)
         ]
         rows.append(
-            _row(patient, prescriptions[patient.id], sessions[patient.id], own, exercise, with_version, now)
+            _row(
+                patient,
+                prescriptions[patient.id],
+                sessions[patient.id],
+                own,
+                exercise,
+                with_version,
+                now,
+                zone,
+            )
         )
     return sorted(rows, key=lambda row: (ORDER.index(row.reason), row.family_name, row.given_name))
 
@@ -93,6 +104,7 @@ def _row(
     exercise: Exercise | None,
     with_version: set[str],
     now: datetime,
+    zone: tzinfo,
 ) -> CaseloadRow:
     reason, text = _reason([p for p, _ in prescriptions], sessions, values, with_version, now)
     shown = values[-TREND_LENGTH:]
@@ -113,7 +125,7 @@ def _row(
         trend=[value.mean for value in shown],
         trend_low=[low for low, _ in bands],
         trend_high=[high for _, high in bands],
-        adherence_percent=adherence([p for p, _ in prescriptions], sessions.practised, now),
+        adherence_percent=adherence([p for p, _ in prescriptions], sessions.practised, now, zone),
         reason=reason,
         reason_text=text,
     )
@@ -148,7 +160,7 @@ def _quiet_for(prescriptions: list[Prescription], sessions: _Sessions, now: date
     often = max(prescription.times_per_week for prescription in prescriptions)
     allowed = max(QUIET, 2 * timedelta(weeks=1) / often)
     begun = min(prescription.starts_at for prescription in prescriptions)
-    last = max([at for at, _ in sessions.practised], default=begun)
+    last = max([one.at for one in sessions.practised], default=begun)
     quiet = now - max(last, begun)
     return quiet if quiet > allowed else None
 
@@ -188,9 +200,7 @@ def _sessions(session: Session, ids: list[str], now: datetime) -> dict[str, _Ses
     ranked = (
         select(
             MotionSession.id,
-            func.row_number()
-            .over(partition_by=MotionSession.patient_id, order_by=_WHEN.desc())
-            .label("rank"),
+            func.row_number().over(partition_by=MotionSession.patient_id, order_by=WHEN.desc()).label("rank"),
         )
         .where(
             MotionSession.patient_id.in_(ids),
@@ -210,20 +220,8 @@ def _sessions(session: Session, ids: list[str], now: datetime) -> dict[str, _Ses
     for patient_id, session_id, state in session.execute(live.order_by(*streaming_last)):
         found[patient_id].live_id = session_id
         found[patient_id].live_state = "link_lost" if state == "link_lost" else "streaming"
-    practised = select(
-        MotionSession.patient_id,
-        MotionSession.started_at,
-        MotionSession.created_at,
-        MotionSession.exercise_id,
-    ).where(
-        MotionSession.patient_id.in_(ids),
-        MotionSession.purpose == "exercise",
-        MotionSession.state.in_(("closing", "analysed")),
-        recorded_something(),
-        now - 4 * ADHERENCE_WINDOW <= _WHEN,
-    )
-    for patient_id, started_at, created_at, exercise_id in session.execute(practised):
-        found[patient_id].practised.append((started_at or created_at, exercise_id))
+    for patient_id, done in done_since(session, ids, now - 4 * ADHERENCE_WINDOW).items():
+        found[patient_id].practised = done
     return found
 
 

@@ -8,6 +8,7 @@ from sqlalchemy.orm import Session
 from app.accounts.subject import Subject
 from app.assessment import repository
 from app.assessment.models import Comparison, RepetitionMeasure
+from app.assessment.practised import practised
 from app.assessment.presentation import (
     phase_curves_out,
     repetition_comparison,
@@ -105,8 +106,17 @@ def compare_task(context: JobContext) -> str:
                 if not close:
                     raise
                 message = say("comparison.not_compared", reason=error.message)
+        counts = (
+            practised(
+                session, found, None if work is None else [one.repetition for one in work.result.repetitions]
+            )
+            if close and found.purpose == "exercise"
+            else None
+        )
     with unit_of_work(context.engine) as session:
         found = session.get_one(MotionSession, context.session_id)
+        if counts is not None:
+            found.valid_repetitions, found.active_s = counts
         if work is not None:
             _store(session, context.subject, found, work)
             kept = sum(1 for r in work.result.repetitions if r.repetition.is_kept)

@@ -83,7 +83,7 @@ def _make(emit: Emit, settings: Settings, subject: Subject, patient_id: str) -> 
     engine = engines.create(settings)
     pipe = _Pieces(emit)
     with zipfile.ZipFile(pipe, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
-        write_archive(archive, engine, subject, patient_id)
+        write_archive(archive, engine, subject, patient_id, settings.time_zone)
     pipe.flush()
 
 

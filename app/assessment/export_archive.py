@@ -55,7 +55,9 @@ Times are UTC. Angles are in radians, lengths in metres. JSON and Parquet open i
 """
 
 
-def write_archive(archive: zipfile.ZipFile, engine: Engine, subject: Subject, patient_id: str) -> None:
+def write_archive(
+    archive: zipfile.ZipFile, engine: Engine, subject: Subject, patient_id: str, default_zone: str
+) -> None:
     """Write everything, each part read in a short transaction of its own so that nothing is held up.
 
     Parameters
@@ -66,11 +68,13 @@ def write_archive(archive: zipfile.ZipFile, engine: Engine, subject: Subject, pa
     subject : Subject
         Whose access was decided and noted.
     patient_id : str
+    default_zone : str
+        Setting `time_zone`: where the week of what was practised begins, if the clinic has not said so.
     """
     archive.writestr("README.txt", _GUIDE)
     with _reading(engine) as session:
         patient = require_patient(session, subject, patient_id, "read")
-        _json(archive, "patient.json", _master(session, subject, patient))
+        _json(archive, "patient.json", _master(session, subject, patient, default_zone))
         access = [_plain(one) for one in read_audit(session, patient.clinic_id, patient.id, _MOST_EVENTS)]
         sessions = session.scalars(
             select(MotionSession.id)
@@ -107,7 +111,7 @@ def _templates_of(patient_id: str) -> Any:
     )
 
 
-def _master(session: Session, subject: Subject, patient: Patient) -> dict[str, Any]:
+def _master(session: Session, subject: Subject, patient: Patient, default_zone: str) -> dict[str, Any]:
     return {
         "patient": _plain(patient_out(session, subject, patient)),
         "grants": [
@@ -123,7 +127,9 @@ def _master(session: Session, subject: Subject, patient: Patient) -> dict[str, A
             {"purpose": row.purpose, "granted": row.granted, "changed_at": row.changed_at.isoformat()}
             for row in list_consents(session, patient.id)
         ],
-        "prescriptions": [_plain(one) for one in list_prescriptions(session, subject, patient.id)],
+        "prescriptions": [
+            _plain(one) for one in list_prescriptions(session, subject, patient.id, default_zone)
+        ],
         "templates": [
             {"name": name, "version": number, "made_at": made.isoformat()}
             for name, number, made in session.execute(

@@ -24,9 +24,9 @@ router = APIRouter(prefix="/api")
 
 
 @router.get("/caseload", tags=["patients"])
-def read_caseload(subject: CurrentAccount, session: ReadSession) -> list[CaseloadRow]:
+def read_caseload(subject: CurrentAccount, session: ReadSession, request: Request) -> list[CaseloadRow]:
     """Return one line per patient in reach, those with a reason to look first."""
-    return caseload(session, subject)
+    return caseload(session, subject, services_of(request).settings.time_zone)
 
 
 @router.get("/patients/{patient_id}/progress", tags=["patients"])
@@ -39,18 +39,21 @@ def read_progress(
 
 @router.get("/patients/{patient_id}/prescriptions", tags=["exercises"])
 def list_prescriptions(
-    patient_id: str, subject: CurrentAccount, session: ReadSession
+    patient_id: str, subject: CurrentAccount, session: ReadSession, request: Request
 ) -> list[PrescriptionOut]:
-    """Return what is prescribed now or soon, with the sessions done this week (from Monday, UTC)."""
-    return practice.list_prescriptions(session, subject, patient_id)
+    """Return what is prescribed now or soon, with what was done of it this week (from Monday by the clinic's clocks).
+
+    A session counts when something valid was done in it, and for one prescription only.
+    """
+    return practice.list_prescriptions(session, subject, patient_id, services_of(request).settings.time_zone)
 
 
 @router.post("/patients/{patient_id}/prescriptions", status_code=201, tags=["exercises"])
 def create_prescription(
-    patient_id: str, body: PrescriptionIn, subject: CurrentAccount, session: WriteSession
+    patient_id: str, body: PrescriptionIn, subject: CurrentAccount, session: WriteSession, request: Request
 ) -> PrescriptionOut:
-    """Prescribe an exercise."""
-    return practice.prescribe(session, subject, patient_id, body)
+    """Prescribe an exercise; `is_twice` says that it is prescribed already."""
+    return practice.prescribe(session, subject, patient_id, body, services_of(request).settings.time_zone)
 
 
 @router.get("/patients/{patient_id}/export", tags=["patients"], response_class=StreamingResponse)

@@ -1,25 +1,76 @@
 """What was practised of what was prescribed: the sessions done this week, and adherence over four weeks.
 
-Prescriptions themselves are the room `exercises`; here they meet the recorded sessions.
+Prescriptions themselves are the room `exercises`; what of a session is valid is measured once, when it is analysed
+(`app.assessment.practised`). Here they meet. Each session counts once:
+
+1. for the prescription that it was begun from, when that is one of those given and had begun;
+2. else for the oldest prescription of its exercise whose week is not full yet;
+3. else, when all are full, for the oldest.
 """
 
-from datetime import datetime, timedelta
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from datetime import datetime, timedelta, tzinfo
 
-from sqlalchemy import ColumnElement, func, select
+from sqlalchemy import ColumnElement, and_, func, or_, select
 from sqlalchemy.orm import Session
 
+from app.accounts.models import Clinic
 from app.accounts.subject import Subject
 from app.database.base import utc_now
 from app.exercises import repository as exercises
 from app.exercises.models import Prescription
 from app.exercises.schemas import PrescriptionIn, PrescriptionOut
 from app.recordings.models import MotionSession
+from app.time_zones import time_zone, week_start
 
 ADHERENCE_WINDOW = timedelta(days=28)
+WHEN = func.coalesce(MotionSession.started_at, MotionSession.created_at)
 
 
-def list_prescriptions(session: Session, subject: Subject, patient_id: str) -> list[PrescriptionOut]:
-    """Return a patient's present and coming prescriptions with the sessions done this week.
+@dataclass(frozen=True)
+class Done:
+    """One session that counts.
+
+    Attributes
+    ----------
+    at : datetime
+        When it began.
+    exercise_id : str or None
+    prescription_id : str or None
+        What it was begun from.
+    repetitions : int
+        Valid ones.
+    active_s : float
+        Time in them, in steady strides or in movement.
+    """
+
+    at: datetime
+    exercise_id: str | None
+    prescription_id: str | None = None
+    repetitions: int = 0
+    active_s: float = 0.0
+
+
+def zone_of(session: Session, clinic_id: str, default_zone: str) -> tzinfo:
+    """Return the time zone in which the weeks of a clinic begin.
+
+    Parameters
+    ----------
+    session : Session
+    clinic_id : str
+    default_zone : str
+        Setting `time_zone`, for clinics that have not set theirs.
+    """
+    own = session.scalar(select(Clinic.time_zone).where(Clinic.id == clinic_id))
+    return time_zone(own or default_zone)
+
+
+def list_prescriptions(
+    session: Session, subject: Subject, patient_id: str, default_zone: str
+) -> list[PrescriptionOut]:
+    """Return a patient's present and coming prescriptions with what was done of them this week.
 
     Parameters
     ----------
@@ -27,14 +78,18 @@ def list_prescriptions(session: Session, subject: Subject, patient_id: str) -> l
     subject : Subject
         With the level `read`.
     patient_id : str
+    default_zone : str
+        Setting `time_zone`.
     """
     rows = exercises.list_prescriptions(session, subject, patient_id)
-    done = done_since(session, patient_id, week_start(utc_now()))
-    return [_out(*row, done.get(row[0].exercise_id, 0)) for row in rows]
+    zone = zone_of(session, subject.clinic_id, default_zone)
+    return _with_practice(session, patient_id, rows, zone)
 
 
-def prescribe(session: Session, subject: Subject, patient_id: str, body: PrescriptionIn) -> PrescriptionOut:
-    """Prescribe an exercise; what was done of it earlier this week counts.
+def prescribe(
+    session: Session, subject: Subject, patient_id: str, body: PrescriptionIn, default_zone: str
+) -> PrescriptionOut:
+    """Prescribe an exercise; what was done of it earlier this week counts, unless it counts for another prescription.
 
     Parameters
     ----------
@@ -43,93 +98,180 @@ def prescribe(session: Session, subject: Subject, patient_id: str, body: Prescri
         With the level `treat`.
     patient_id : str
     body : PrescriptionIn
+    default_zone : str
+        Setting `time_zone`.
     """
-    row, exercise, template = exercises.create_prescription(session, subject, patient_id, body)
-    done = done_since(session, patient_id, week_start(utc_now()))
-    return _out(row, exercise, template, done.get(row.exercise_id, 0))
+    new = exercises.create_prescription(session, subject, patient_id, body)
+    others = [row for row in exercises.present_prescriptions(session, patient_id) if row[0].id != new[0].id]
+    zone = zone_of(session, subject.clinic_id, default_zone)
+    return _with_practice(session, patient_id, [*others, new], zone)[-1]
 
 
-def week_start(now: datetime) -> datetime:
-    """Return the last Monday, 00:00 UTC.
+def counts() -> ColumnElement[bool]:
+    """Return the condition that a session counts as practice: something valid was done in it.
 
-    Parameters
-    ----------
-    now : datetime
+    Sessions that were analysed before this was measured count when they recorded anything.
     """
-    return (now - timedelta(days=now.weekday())).replace(hour=0, minute=0, second=0, microsecond=0)
-
-
-def recorded_something() -> ColumnElement[bool]:
-    """Return the condition that a session holds a recording: one that was opened and left is no practice."""
     end_s = func.coalesce(MotionSession.recording_end_s, MotionSession.duration_s)
-    return end_s > func.coalesce(MotionSession.recording_start_s, 0.0)
+    recorded = end_s > func.coalesce(MotionSession.recording_start_s, 0.0)
+    unknown = and_(MotionSession.valid_repetitions.is_(None), MotionSession.active_s.is_(None))
+    return and_(
+        MotionSession.purpose == "exercise",
+        MotionSession.state == "analysed",
+        or_(MotionSession.valid_repetitions > 0, MotionSession.active_s > 0.0, and_(unknown, recorded)),
+    )
 
 
-def done_since(session: Session, patient_id: str, start: datetime) -> dict[str, int]:
-    """Return the number of sessions done since a time, by exercise; access was checked.
+def done_since(session: Session, patient_ids: Iterable[str], start: datetime) -> dict[str, list[Done]]:
+    """Return the sessions that count since a time, by patient, oldest first; access was checked.
 
     Parameters
     ----------
     session : Session
-    patient_id : str
+    patient_ids : iterable of str
     start : datetime
     """
-    at = func.coalesce(MotionSession.started_at, MotionSession.created_at)
+    found: dict[str, list[Done]] = defaultdict(list)
     rows = session.execute(
-        select(MotionSession.exercise_id, func.count())
-        .where(
-            MotionSession.patient_id == patient_id,
-            MotionSession.purpose == "exercise",
-            MotionSession.exercise_id.is_not(None),
-            MotionSession.state.in_(("closing", "analysed")),
-            recorded_something(),
-            at >= start,
+        select(
+            MotionSession.patient_id,
+            MotionSession.started_at,
+            MotionSession.created_at,
+            MotionSession.exercise_id,
+            MotionSession.prescription_id,
+            MotionSession.valid_repetitions,
+            MotionSession.active_s,
         )
-        .group_by(MotionSession.exercise_id)
+        .where(MotionSession.patient_id.in_(patient_ids), counts(), start <= WHEN)
+        .order_by(WHEN, MotionSession.id)
     )
-    return {exercise_id: count for exercise_id, count in rows if exercise_id is not None}
+    for patient_id, started_at, created_at, exercise_id, prescription_id, repetitions, active_s in rows:
+        found[patient_id].append(
+            Done(started_at or created_at, exercise_id, prescription_id, repetitions or 0, active_s or 0.0)
+        )
+    return found
+
+
+def share_out(
+    prescriptions: Sequence[Prescription], done: Iterable[Done], zone: tzinfo, *, from_monday: bool = False
+) -> dict[str, list[Done]]:
+    """Give each session to the one prescription that it counts for.
+
+    Parameters
+    ----------
+    prescriptions : sequence of Prescription
+        Of one patient.
+    done : iterable of Done
+        Oldest first.
+    zone : tzinfo
+        In which weeks begin.
+    from_monday : bool
+        Whether a prescription also takes what was done in its first week before it began.
+
+    Returns
+    -------
+    dict of str to list of Done
+        By prescription; a session of an exercise that nobody prescribed is in none.
+    """
+    oldest_first = sorted(prescriptions, key=lambda one: (one.starts_at, one.id))
+    shared: dict[str, list[Done]] = {one.id: [] for one in oldest_first}
+    taken: Counter[tuple[str, datetime]] = Counter()
+    for each in done:
+        week = week_start(each.at, zone)
+        fitting = [
+            one
+            for one in oldest_first
+            if one.exercise_id == each.exercise_id
+            and (week_start(one.starts_at, zone) if from_monday else one.starts_at) <= each.at
+            and (one.ends_at is None or each.at <= one.ends_at)
+        ]
+        if not fitting:
+            continue
+        named = [one for one in fitting if one.id == each.prescription_id]
+        open_yet = [one for one in fitting if taken[one.id, week] < one.times_per_week]
+        chosen = (named or open_yet or fitting)[0]
+        taken[chosen.id, week] += 1
+        shared[chosen.id].append(each)
+    return shared
 
 
 def adherence(
-    prescriptions: list[Prescription], practised: list[tuple[datetime, str | None]], now: datetime
+    prescriptions: Sequence[Prescription], done: Iterable[Done], now: datetime, zone: tzinfo
 ) -> float | None:
     """Return sessions done in percent of sessions prescribed, over the last four weeks; None before the first
     is due.
 
     Parameters
     ----------
-    prescriptions : list of Prescription
-    practised : list of (time, exercise)
+    prescriptions : sequence of Prescription
+        Of one patient.
+    done : iterable of Done
+        Oldest first.
     now : datetime
+    zone : tzinfo
+        In which weeks begin.
 
     Notes
     -----
     More than prescribed in one exercise does not make up for none in another: each counts at most in full.
     """
+    shared = share_out(prescriptions, done, zone)
     expected_total, done_total = 0.0, 0.0
     for prescription in prescriptions:
         start = max(prescription.starts_at, now - ADHERENCE_WINDOW)
         end = min(prescription.ends_at or now, now)
         expected = prescription.times_per_week * max(0.0, (end - start) / timedelta(weeks=1))
-        done = sum(
-            1 for at, exercise in practised if exercise == prescription.exercise_id and start <= at <= end
-        )
+        count = sum(1 for one in shared[prescription.id] if start <= one.at <= end)
         expected_total += expected
-        done_total += min(float(done), expected)
+        done_total += min(float(count), expected)
     return round(100.0 * done_total / expected_total, 1) if expected_total >= 1.0 else None
 
 
-def _out(row: Prescription, exercise: str, template: str | None, done: int) -> PrescriptionOut:
-    return PrescriptionOut(
-        id=row.id,
-        exercise_id=row.exercise_id,
-        exercise_name=exercise,
-        template_id=row.template_id,
-        template_name=template,
-        repetitions=row.repetitions,
-        sets=row.sets,
-        times_per_week=row.times_per_week,
-        starts_at=row.starts_at,
-        ends_at=row.ends_at,
-        done_this_week=done,
+def _with_practice(
+    session: Session, patient_id: str, rows: list[tuple[Prescription, str, str | None]], zone: tzinfo
+) -> list[PrescriptionOut]:
+    start = week_start(utc_now(), zone)
+    done = done_since(session, [patient_id], start)[patient_id]
+    shared = share_out([row[0] for row in rows], done, zone, from_monday=True)
+    return [
+        PrescriptionOut(
+            id=row.id,
+            exercise_id=row.exercise_id,
+            exercise_name=exercise,
+            template_id=row.template_id,
+            template_name=template,
+            repetitions=row.repetitions,
+            sets=row.sets,
+            times_per_week=row.times_per_week,
+            starts_at=row.starts_at,
+            ends_at=row.ends_at,
+            done_this_week=len(shared[row.id]),
+            repetitions_this_week=sum(one.repetitions for one in shared[row.id]),
+            active_s_this_week=sum(one.active_s for one in shared[row.id]),
+            is_twice=any(_run_together(row, other) for other, _, _ in rows),
+        )
+        for row, exercise, template in rows
+    ]
+
+
+def _run_together(one: Prescription, other: Prescription) -> bool:
+    return (
+        one.id != other.id
+        and one.exercise_id == other.exercise_id
+        and (one.ends_at is None or other.starts_at < one.ends_at)
+        and (other.ends_at is None or one.starts_at < other.ends_at)
     )
+
+
+__all__ = [
+    "ADHERENCE_WINDOW",
+    "WHEN",
+    "Done",
+    "adherence",
+    "counts",
+    "done_since",
+    "list_prescriptions",
+    "prescribe",
+    "share_out",
+    "zone_of",
+]

@@ -110,6 +110,17 @@ def list_prescriptions(
     """
     require_patient(session, subject, patient_id, "read")
     audit.record(session, subject, "prescription.list", patient_id)
+    return present_prescriptions(session, patient_id)
+
+
+def present_prescriptions(session: Session, patient_id: str) -> list[tuple[Prescription, str, str | None]]:
+    """Return the same without a question who may; access was checked.
+
+    Parameters
+    ----------
+    session : Session
+    patient_id : str
+    """
     now = utc_now()
     rows = session.execute(
         select(Prescription, Exercise.name, Template.name)

@@ -145,3 +145,10 @@ class PrescriptionOut(Schema):
     starts_at: datetime
     ends_at: datetime | None
     done_this_week: int
+    """Sessions since Monday, by the clinic's clocks, in which something valid was done; each counts once."""
+    repetitions_this_week: int
+    """Valid repetitions of these sessions; 0 for walks."""
+    active_s_this_week: float
+    """Time inside these repetitions, in steady strides or in movement."""
+    is_twice: bool
+    """Whether the same exercise is prescribed a second time: each session counts for one of the two."""

@@ -51,6 +51,10 @@ class MotionSession(Identified, Base):
     duration_s: Mapped[float] = mapped_column(Float, default=0.0)
     main_result_id: Mapped[str | None] = mapped_column(String(32))
     """The result that views open by default."""
+    valid_repetitions: Mapped[int | None] = mapped_column(Integer)
+    """Repetitions that were kept; 0 for walks. None until it is analysed, and where that was before it was counted."""
+    active_s: Mapped[float | None] = mapped_column(Float)
+    """How long the exercise was really done; 0 when nothing valid was. None as `valid_repetitions`."""
 
 
 class SignalChunk(Base):

@@ -212,9 +212,26 @@ def walk_content(session: Session, found: MotionSession) -> WalkContent | None:
     """Return the walk of a session's main result; None where it is none, or not analysed. Access was checked."""
     if found.setup["pipeline"] != PIPELINE or found.main_result_id is None:
         return None
+    return _stored_walk(session, found.id, found.main_result_id)
+
+
+def any_walk(session: Session, found: MotionSession) -> WalkContent | None:
+    """Return the walk of the main result, or the one beside it where a magnetic source was worn on one shoe.
+
+    Access was checked.
+    """
+    content = walk_content(session, found)
+    beside = repository.results_of(session, found.id) if content is None else []
+    for result in reversed(beside):
+        if result.pipeline == PIPELINE and content is None:
+            content = _stored_walk(session, found.id, result.id)
+    return content
+
+
+def _stored_walk(session: Session, session_id: str, result_id: str) -> WalkContent | None:
     row = session.scalar(
         select(SignalChunk).where(
-            SignalChunk.session_id == found.id, SignalChunk.stream == walk_stream(found.main_result_id)
+            SignalChunk.session_id == session_id, SignalChunk.stream == walk_stream(result_id)
         )
     )
     return None if row is None else WalkContent.model_validate_json(zlib.decompress(row.data))
@@ -224,4 +241,4 @@ def _plain(value: float) -> float | None:
     return value if value == value else None
 
 
-__all__ = ["changes_between", "compare", "walk_content", "walks_of"]
+__all__ = ["any_walk", "changes_between", "compare", "walk_content", "walks_of"]

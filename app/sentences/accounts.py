@@ -16,6 +16,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " must not have it.",
     "account.email_form": "Enter a complete e-mail address, for instance name@example.org.",
     "account.change_not_allowed": "Only an administrator of the clinic can change accounts.",
+    "clinic.change_not_allowed": "Only an administrator can change the clinic.",
+    "clinic.no_such_zone": "There is no such time zone; choose one of the list, for instance Europe/Oslo.",
     "account.no_such_patient": "Patient not found in this clinic.",
     "account.email_taken": "There is already an account with this e-mail address.",
     "account.own": "This is your own account: another administrator can switch it off; to change your"

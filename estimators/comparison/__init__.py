@@ -8,6 +8,7 @@
     result = compare(trajectory(patient_frames), template, "right", reach_m=0.52)
 """
 
+from estimators.comparison._activity import moving_time
 from estimators.comparison._alignment import Alignment, align
 from estimators.comparison._channels import (
     ArmChannels,
@@ -65,6 +66,7 @@ __all__ = [
     "mirror_template",
     "mirror_trajectory",
     "movement_units",
+    "moving_time",
     "near",
     "phase_curves",
     "repetition_measures",

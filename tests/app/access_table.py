@@ -114,6 +114,8 @@ LINES: tuple[Line, ...] = (
     Line("POST", "/api/sign-in", "public", body={"email": "a@b.example", "password": "x"}),
     Line("POST", "/api/sign-out", "signed_in", status=204, note="(cookies only)"),
     Line("GET", "/api/me", "signed_in", note="(cookies only)"),
+    Line("GET", "/api/clinic", "list"),
+    Line("PATCH", "/api/clinic", "role", frozenset({"administrator"}), body={"time_zone": "Europe/Oslo"}),
     Line("GET", "/api/accounts", "list"),
     Line("POST", "/api/accounts", "role", frozenset({"administrator"}), body=ACCOUNT, status=201),
     patient(
@@ -142,6 +144,7 @@ LINES: tuple[Line, ...] = (
         status=409,
         note="(cookies only)",
     ),
+    Line("POST", "/api/me/second-factor/noted", "signed_in", status=204, note="(cookies only)"),
     Line(
         "POST",
         "/api/me/second-factor/remove",

@@ -43,6 +43,9 @@ class History:
         self.template_id, self.version_id = template.id, version.id
 
     def prescribe(self, days_ago, times_per_week=5, template=True, patient_id=None):
+        return self.prescribe_at(utc_now() - timedelta(days=days_ago), times_per_week, template, patient_id)
+
+    def prescribe_at(self, starts_at, times_per_week=5, template=True, patient_id=None):
         with unit_of_work(self.engine) as session:
             row = Prescription(
                 id=new_id(),
@@ -51,14 +54,16 @@ class History:
                 template_id=self.template_id if template else None,
                 times_per_week=times_per_week,
                 prescribed_by=self.world.accounts["therapist"],
-                starts_at=utc_now() - timedelta(days=days_ago),
+                starts_at=starts_at,
                 ends_at=None,
             )
             session.add(row)
         return row
 
-    def session(self, days_ago, values=(), orientation="vqf", measure=MEASURE, **fields):
-        at = utc_now() - timedelta(days=days_ago)
+    def session(self, days_ago, *arguments, **fields):
+        return self.session_at(utc_now() - timedelta(days=days_ago), *arguments, **fields)
+
+    def session_at(self, at, values=(), orientation="vqf", measure=MEASURE, **fields):
         with unit_of_work(self.engine) as session:
             motion = MotionSession(
                 id=new_id(),

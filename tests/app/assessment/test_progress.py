@@ -2,14 +2,14 @@
 
 import math
 from dataclasses import replace
-from datetime import timedelta
+from datetime import UTC, timedelta
 
 import numpy as np
 import pytest
 
 from app.assessment.measures import change, minimal_detectable_change, session_change, session_values
-from app.assessment.practice import adherence
-from app.database.base import utc_now
+from app.assessment.practice import Done, adherence
+from app.database.base import new_id, utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 from app.exercises.models import Prescription
 
@@ -240,17 +240,25 @@ def test_adherence_counts_each_exercise_at_most_in_full():
 
     def prescription(exercise, **fields):
         return Prescription(
-            exercise_id=exercise, times_per_week=7, starts_at=now - timedelta(days=7), ends_at=None, **fields
+            id=new_id(),
+            exercise_id=exercise,
+            times_per_week=7,
+            starts_at=now - timedelta(days=7),
+            ends_at=None,
+            **fields,
         )
 
-    daily = [(now - timedelta(days=day, hours=1), "a") for day in range(7)]
-    assert adherence([prescription("a")], daily, now) == 100.0
-    assert adherence([prescription("a")], daily + daily, now) == 100.0
-    assert adherence([prescription("a"), prescription("b")], daily + daily, now) == 50.0
-    assert adherence([prescription("a")], [], now) == 0.0
-    assert adherence([], daily, now) is None
-    coming = Prescription(exercise_id="a", times_per_week=7, starts_at=now + timedelta(days=1), ends_at=None)
-    assert adherence([coming], [], now) is None
+    daily = [Done(now - timedelta(days=day, hours=1), "a") for day in reversed(range(7))]
+    twice = [one for one in daily for _ in range(2)]
+    assert adherence([prescription("a")], daily, now, UTC) == 100.0
+    assert adherence([prescription("a")], twice, now, UTC) == 100.0
+    assert adherence([prescription("a"), prescription("b")], twice, now, UTC) == 50.0
+    assert adherence([prescription("a")], [], now, UTC) == 0.0
+    assert adherence([], daily, now, UTC) is None
+    coming = Prescription(
+        id=new_id(), exercise_id="a", times_per_week=7, starts_at=now + timedelta(days=1), ends_at=None
+    )
+    assert adherence([coming], [], now, UTC) is None
 
 
 def test_sessions_of_this_week_are_counted_on_prescriptions(history, patient, world):

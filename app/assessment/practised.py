@@ -1,0 +1,112 @@
+"""What was valid in one session: repetitions that were kept, and how long the exercise was really done."""
+
+from collections.abc import Iterable
+from typing import Final, NamedTuple
+
+from sqlalchemy.orm import Session
+
+from app.assessment.templates import load_source
+from app.errors import InvalidInput, NotFound
+from app.exercises.models import Exercise
+from app.recordings import read_frames
+from app.recordings import repository as recordings
+from app.recordings.models import MotionSession
+from app.recordings.walk_history import any_walk
+from app.recordings.walk_schemas import WalkContent
+from estimators.comparison import Repetition, find_repetitions, judge_repetitions, moving_time
+from estimators.errors import EstimationError
+from estimators.gait import GUIDED_KINDS
+
+WITHOUT_REPETITIONS: Final = frozenset({"other"})
+"""Kinds of exercises that need not repeat anything: balance, holding, stretching."""
+LEAST_MOVING_S: Final = 10.0
+"""Putting the sensors on and off moves them too; less than this is no exercise."""
+
+
+class Practised(NamedTuple):
+    """What was valid in one session.
+
+    Attributes
+    ----------
+    repetitions : int
+        Kept; 0 for walks.
+    active_s : float
+        Time inside the kept repetitions, in the strides that count, or in movement; 0 when nothing was valid.
+    """
+
+    repetitions: int
+    active_s: float
+
+
+NOTHING: Final = Practised(0, 0.0)
+
+
+def practised(
+    session: Session, found: MotionSession, repetitions: Iterable[Repetition] | None = None
+) -> Practised:
+    """Measure what was valid in an analysed session, in its main result.
+
+    Parameters
+    ----------
+    session : Session
+    found : MotionSession
+    repetitions : iterable of Repetition, optional
+        Judged, where a comparison has found them already.
+
+    Notes
+    -----
+    Walks count by the strides that are steady, walking tests by the time of the test, everything else by repetitions
+    that were kept. Exercises that need not repeat anything count by movement where nothing repeats.
+    """
+    exercise = session.get(Exercise, found.exercise_id) if found.exercise_id else None
+    if exercise is not None and exercise.movement in GUIDED_KINDS:
+        content = any_walk(session, found)
+        return NOTHING if content is None else Practised(0, walked_s(content))
+    try:
+        if repetitions is None:
+            repetitions = _found(session, found, exercise.side if exercise is not None else "right")
+        kept = [one for one in repetitions if one.is_kept]
+        if not kept and exercise is not None and exercise.movement in WITHOUT_REPETITIONS:
+            return Practised(0, _moving_s(session, found))
+    except (EstimationError, InvalidInput, NotFound):
+        return NOTHING
+    return Practised(len(kept), sum(one.end_s - one.start_s for one in kept))
+
+
+def walked_s(content: WalkContent) -> float:
+    """Return how long somebody walked steadily, or how long a walking test took, in seconds.
+
+    Parameters
+    ----------
+    content : WalkContent
+
+    Notes
+    -----
+    Of the foot with more of it: the strides of both feet overlap. In a test that starts, turns and sits down on a few
+    metres hardly a stride is steady, and the test itself is what was to be done.
+    """
+    if content.test is not None and content.test.kind != "walk":
+        return content.test.time_s
+    return max(
+        (sum(one.duration_s or 0.0 for one in foot.strides if one.is_counted) for foot in content.feet),
+        default=0.0,
+    )
+
+
+def _found(session: Session, found: MotionSession, side: str) -> list[Repetition]:
+    source = load_source(session, found, recordings.result_of(session, found, None))
+    try:
+        repetitions = find_repetitions(source.moved, side, source.start_s, source.end_s)
+        return judge_repetitions(source.moved, repetitions, side)
+    except EstimationError:
+        # Nothing of that arm was worn.
+        return []
+
+
+def _moving_s(session: Session, found: MotionSession) -> float:
+    result = recordings.result_of(session, found, None)
+    moved_s = moving_time(read_frames(session, result.id), found.recording_start_s, found.recording_end_s)
+    return moved_s if moved_s >= LEAST_MOVING_S else 0.0
+
+
+__all__ = ["NOTHING", "Practised", "practised", "walked_s"]
