@@ -1,5 +1,8 @@
 """Migrations: from nothing to the models and back, on both databases."""
 
+import json
+import zlib
+
 import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
@@ -102,3 +105,143 @@ def fill(engine):
         with unit_of_work(engine) as session:
             audit.record(session, Subject.system(clinic_id), "test.event", details={"number": number})
     return clinic_id
+
+
+def test_what_was_practised_before_is_filled_in(empty_url):
+    """Sessions as version 0005 left them: compared, compared and nothing kept, walked, tested, and without any."""
+    url, _ = empty_url
+    migrate.upgrade(url, "0005_second_factor")
+    engine = create_from_url(url)
+    ids = {name: new_id() for name in ("compared", "empty", "walked", "tested", "bare", "template", "open")}
+    strides = [{"duration_s": 1.1, "is_counted": True}, {"duration_s": 1.5, "is_counted": False}] * 3
+    walk = {"feet": [{"strides": strides}, {"strides": []}], "test": {"kind": "walk", "time_s": 9.0}}
+    walks = {"walked": walk, "tested": walk | {"test": {"kind": "timed_up_and_go", "time_s": 11.5}}}
+    with engine.begin() as connection:
+        for statement, rows in _sessions_of_0005(ids, walks):
+            connection.execute(text(statement), rows)
+    migrate.upgrade(url)
+    assert differences(engine) == []
+    with read_only(engine) as session:
+        rows = session.execute(text("SELECT id, valid_repetitions, active_s FROM motion_session")).all()
+    found = {one.id: (one.valid_repetitions, one.active_s) for one in rows}
+    assert {name: found[of] for name, of in ids.items()} == {
+        "compared": (2, pytest.approx(5.5)),
+        "empty": (0, 0.0),
+        "walked": (0, pytest.approx(3.3)),
+        "tested": (0, 11.5),
+        "bare": (None, None),
+        "template": (None, None),
+        "open": (None, None),
+    }
+    migrate.downgrade(url, "0005_second_factor")
+    migrate.upgrade(url)
+    engine.dispose()
+
+
+def _sessions_of_0005(ids, walks):
+    """Rows by plain SQL: the models have gone on since."""
+    now, by = "2026-01-01 10:00:00+00:00", new_id()
+    clinic, patient, exercise, template, version = (new_id() for _ in range(5))
+    yield (
+        "INSERT INTO clinic (id, name, created_at) VALUES (:id, 'C', :now)",
+        [{"id": clinic, "now": now}],
+    )
+    yield (
+        "INSERT INTO account (id, clinic_id, role, email, display_name, is_active, locale, created_at)"
+        " VALUES (:id, :clinic, 'therapist', 't@c.example', 'T', :yes, 'en', :now)",
+        [{"id": by, "clinic": clinic, "yes": True, "now": now}],
+    )
+    yield (
+        "INSERT INTO patient (id, clinic_id, given_name, family_name, notes, body_dimensions, created_at)"
+        " VALUES (:id, :clinic, 'A', 'B', '', '{}', :now)",
+        [{"id": patient, "clinic": clinic, "now": now}],
+    )
+    yield (
+        "INSERT INTO exercise (id, clinic_id, name, description, movement, side, primary_angle, created_at)"
+        " VALUES (:id, :clinic, 'E', '', 'reaching', 'right', 'x', :now)",
+        [{"id": exercise, "clinic": clinic, "now": now}],
+    )
+    yield (
+        "INSERT INTO template (id, clinic_id, exercise_id, name, created_by, created_at)"
+        " VALUES (:id, :clinic, :exercise, 'T', :by, :now)",
+        [{"id": template, "clinic": clinic, "exercise": exercise, "by": by, "now": now}],
+    )
+    yield (
+        "INSERT INTO template_version (id, template_id, number, source_session_id, source_result_id, repetitions,"
+        " tolerance_scale, content, is_published, created_by, created_at)"
+        " VALUES (:id, :template, 1, :id, :id, '[]', '{}', :none, :yes, :by, :now)",
+        [{"id": version, "template": template, "none": b"", "yes": True, "by": by, "now": now}],
+    )
+    sessions = [
+        {
+            "id": of,
+            "clinic": clinic,
+            "patient": patient,
+            "exercise": exercise,
+            "purpose": "template" if name == "template" else "exercise",
+            "state": "recording" if name == "open" else "analysed",
+            "main": new_id(),
+            "now": now,
+        }
+        for name, of in ids.items()
+    ]
+    yield (
+        "INSERT INTO motion_session (id, clinic_id, patient_id, exercise_id, purpose, source, state, state_reason,"
+        " setup, created_by, packets_stored, packets_missing, duration_s, main_result_id, created_at)"
+        " VALUES (:id, :clinic, :patient, :exercise, :purpose, 'stream', :state, '', '{}', :id, 0, 0, 60.0, :main,"
+        " :now)",
+        sessions,
+    )
+    results = [{"id": one["main"], "of": one["id"], "now": now} for one in sessions]
+    compared, empty = results[0], results[1]
+    older = {"id": new_id(), "of": compared["of"], "now": now}
+    yield (
+        "INSERT INTO result (id, session_id, kind, pipeline, pipeline_version, orientation, orientation_version,"
+        " setup, layout, status, progress, message, created_at)"
+        " VALUES (:id, :of, 'offline', 'arm', '1', 'vqf', '1', '{}', '{}', 'complete', 1.0, '', :now)",
+        [*results, older],
+    )
+    # An earlier comparison, one of another result, and the newest, which counts.
+    comparisons = [
+        {
+            "id": new_id(),
+            "of": of,
+            "result": result,
+            "count": count,
+            "version": version,
+            "none": b"",
+            "at": at,
+        }
+        for of, result, count, at in [
+            (compared["of"], compared["id"], 9, "2026-01-01 10:00:00+00:00"),
+            (compared["of"], compared["id"], 2, "2026-01-02 10:00:00+00:00"),
+            (compared["of"], older["id"], 7, "2026-01-03 10:00:00+00:00"),
+            (empty["of"], empty["id"], 0, "2026-01-01 10:00:00+00:00"),
+            (ids["open"], results[-1]["id"], 3, "2026-01-01 10:00:00+00:00"),
+        ]
+    ]
+    yield (
+        "INSERT INTO comparison (id, session_id, result_id, template_version_id, version, repetition_count, summary,"
+        " content, created_at) VALUES (:id, :of, :result, :version, '1', :count, '{}', :none, :at)",
+        comparisons,
+    )
+    yield (
+        "INSERT INTO repetition_measure (comparison_id, repetition, measure, value, unit)"
+        " VALUES (:of, :number, :measure, :value, 's')",
+        [
+            {"of": one["id"], "number": number, "measure": measure, "value": value}
+            for one in comparisons[:3]
+            for number, value in ((1, 2.5), (2, 3.0))
+            for measure in ("duration", "duration_ratio")
+        ],
+    )
+    data = {name: zlib.compress(json.dumps(walk).encode()) for name, walk in walks.items()}
+    mains = {one["id"]: one["main"] for one in sessions}
+    yield (
+        "INSERT INTO signal_chunk (session_id, stream, sequence, start_ns, ticks, codec, scale, crc, data)"
+        " VALUES (:of, :stream, 0, 0, 2, 'json.zlib', '{}', 0, :data)",
+        [
+            {"of": ids[name], "stream": f"gait/{mains[ids[name]]}", "data": content}
+            for name, content in data.items()
+        ],
+    )

@@ -7,7 +7,7 @@ import pytest
 from sqlalchemy import select, update
 
 from app.accounts import totp
-from app.accounts.models import Account, SignIn, Ticket
+from app.accounts.models import Account, AuditEvent, SignIn, Ticket
 from app.accounts.password_rules import check_password
 from app.accounts.rate_limit import PER_ACCOUNT
 from app.database.base import utc_now
@@ -175,3 +175,55 @@ def test_tickets_end_with_the_sign_in(therapist, engine, world) -> None:
     assert therapist.post("/api/sign-out").status_code == 204
     with read_only(engine) as session:
         assert session.scalars(select(Ticket.token_hash)).all() == ["b"]
+
+
+def test_who_lost_the_device_is_signed_out_and_told(
+    new_client, email, enrolled, therapist, sign_in, engine, world
+) -> None:
+    administrator, path = sign_in("administrator"), f"/api/accounts/{world.accounts['therapist']}"
+    accounts = {row["id"]: row["has_second_factor"] for row in administrator.get("/api/accounts").json()}
+    assert accounts[world.accounts["therapist"]] is True
+    assert accounts[world.accounts["administrator"]] is False
+    assert {row["has_second_factor"] for row in therapist.get("/api/accounts").json()} == {None}
+    assert therapist.patch(path, json={"remove_second_factor": True}).status_code == 403
+    foreign = sign_in("foreign_administrator").patch(path, json={"remove_second_factor": True})
+    assert foreign.status_code == 404
+    assert enter(new_client(), email).json()["code"] == "code_required"
+    changed = administrator.patch(path, json={"remove_second_factor": True})
+    assert (changed.status_code, changed.json()["has_second_factor"]) == (200, False)
+    assert therapist.get("/api/me").status_code == 401
+    client = new_client()
+    found = enter(client, email).json()
+    assert found["second_factor_removed_at"] is not None
+    client.headers.update({"Origin": "http://127.0.0.1:8000", "X-CSRF-Token": found["csrf_token"]})
+    assert client.get("/api/me").json()["second_factor_removed_at"] == found["second_factor_removed_at"]
+    assert client.post("/api/me/second-factor/noted").status_code == 204
+    assert client.get("/api/me").json()["second_factor_removed_at"] is None
+    with read_only(engine) as session:
+        query = select(AuditEvent.subject_id).where(
+            AuditEvent.action == "account.second_factor_off",
+            AuditEvent.resource_id == world.accounts["therapist"],
+        )
+        assert session.scalars(query).all() == [world.accounts["administrator"]]
+    # Nothing to take away: nobody is signed out, nothing is told.
+    assert administrator.patch(path, json={"remove_second_factor": True}).status_code == 200
+    assert client.get("/api/me").json()["second_factor_removed_at"] is None
+
+
+def test_setting_it_up_again_ends_the_notice_and_the_own_one_needs_the_password(
+    new_client, email, enrolled, sign_in, world
+) -> None:
+    administrator = sign_in("administrator")
+    path = f"/api/accounts/{world.accounts['therapist']}"
+    assert administrator.patch(path, json={"remove_second_factor": True}).status_code == 200
+    client = new_client()
+    found = enter(client, email).json()
+    client.headers.update({"Origin": "http://127.0.0.1:8000", "X-CSRF-Token": found["csrf_token"]})
+    secret = client.post("/api/me/second-factor").json()["secret"]
+    code = totp.code_at(secret, int(time.time()) // totp.STEP_S)
+    assert client.post("/api/me/second-factor/confirm", json={"code": code}).status_code == 200
+    assert client.get("/api/me").json()["second_factor_removed_at"] is None
+    own = f"/api/accounts/{world.accounts['administrator']}"
+    assert administrator.patch(own, json={"remove_second_factor": True}).status_code == 409
+    assert client.post("/api/me/second-factor/remove", json={"password": PASSWORD}).status_code == 204
+    assert client.get("/api/me").json()["second_factor_removed_at"] is None, "they did it themselves"

@@ -20,6 +20,7 @@ export const keys = {
   consents: (id: string) => ['patients', id, 'consents'] as const,
   audit: (id: string) => ['patients', id, 'audit'] as const,
   accounts: ['accounts'] as const,
+  clinic: ['clinic'] as const,
   exercises: ['exercises'] as const,
   templates: (exerciseId: string | null, patientId: string | null) => ['templates', exerciseId, patientId] as const,
   templateVersion: (id: string) => ['template-versions', id] as const,
@@ -131,6 +132,7 @@ export const useConsents = (id: string) => useGet<Wire.Consent[]>(keys.consents(
 export const useAudit = (id: string, enabled = true) =>
   useGet<Wire.AuditEntry[]>(keys.audit(id), `/api/patients/${id}/audit`, { enabled });
 export const useAccounts = (enabled = true) => useGet<Wire.Account[]>(keys.accounts, '/api/accounts', { enabled });
+export const useClinic = () => useGet<Wire.Clinic>(keys.clinic, '/api/clinic');
 export const useExercises = () => useGet<Wire.Exercise[]>(keys.exercises, '/api/exercises', { staleTime: 60_000 });
 export const useTemplates = (exerciseId: string | null, patientId: string | null, enabled = true) =>
   useGet<Wire.Template[]>(
@@ -203,6 +205,12 @@ export const useChangeAccount = () =>
     ({ id, patch }: { id: string; patch: Wire.AccountPatch }) => api.patch<Wire.Account>(`/api/accounts/${id}`, patch),
     () => [keys.accounts],
   );
+export const useChangeClinic = () =>
+  useChange(
+    (patch: Wire.ClinicPatch) => api.patch<Wire.Clinic>('/api/clinic', patch),
+    () => [keys.clinic, keys.patients, keys.caseload],
+  );
+export const useNoteSecondFactor = () => useChange(() => api.post<void>('/api/me/second-factor/noted'), () => [keys.me]);
 export const useChangePassword = () => useChange((input: Wire.PasswordIn) => api.post<void>('/api/me/password', input), () => [keys.me]);
 export const useSecondFactor = () => useGet<Wire.SecondFactor>(keys.secondFactor, '/api/me/second-factor');
 export const useBeginSecondFactor = () => useChange(() => api.post<Wire.SecondFactorSetup>('/api/me/second-factor'), () => []);

@@ -44,7 +44,10 @@ export interface paths {
         head?: never;
         /**
          * Update Account
-         * @description Rename an account, switch it off or on, or give a new password to who forgot it; administrators only.
+         * @description Rename an account, switch it off or on, give a new password to who forgot it, or take the second factor away
+         *     from who lost it; administrators only.
+         *
+         *     All but renaming and switching on sign the account out everywhere.
          *
          *     Errors: `not_allowed`, `not_found` for another clinic's account, `conflict` for the own one.
          */
@@ -109,6 +112,32 @@ export interface paths {
         options?: never;
         head?: never;
         patch?: never;
+        trace?: never;
+    };
+    "/api/clinic": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Read Clinic
+         * @description Return the own clinic with the time zone in which its weeks begin.
+         */
+        get: operations["read_clinic_api_clinic_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        /**
+         * Change Clinic
+         * @description Set the time zone of the own clinic; administrators only.
+         *
+         *     Errors: `not_allowed`, `invalid_input` when there is no such time zone.
+         */
+        patch: operations["change_clinic_api_clinic_patch"];
         trace?: never;
     };
     "/api/comparisons/{comparison_id}": {
@@ -478,6 +507,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/me/second-factor/noted": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Note Second Factor
+         * @description Stop telling that an administrator turned the second factor off.
+         */
+        post: operations["note_second_factor_api_me_second_factor_noted_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/me/second-factor/remove": {
         parameters: {
             query?: never;
@@ -699,13 +748,15 @@ export interface paths {
         };
         /**
          * List Prescriptions
-         * @description Return what is prescribed now or soon, with the sessions done this week (from Monday, UTC).
+         * @description Return what is prescribed now or soon, with what was done of it this week (from Monday by the clinic's clocks).
+         *
+         *     A session counts when something valid was done in it, and for one prescription only.
          */
         get: operations["list_prescriptions_api_patients__patient_id__prescriptions_get"];
         put?: never;
         /**
          * Create Prescription
-         * @description Prescribe an exercise.
+         * @description Prescribe an exercise; `is_twice` says that it is prescribed already.
          */
         post: operations["create_prescription_api_patients__patient_id__prescriptions_post"];
         delete?: never;
@@ -1693,6 +1744,8 @@ export interface components {
             display_name: string;
             /** Email */
             email: string;
+            /** Has Second Factor */
+            has_second_factor?: boolean | null;
             /** Id */
             id: string;
             /** Is Active */
@@ -2170,6 +2223,26 @@ export interface components {
             trend_high: number[];
             /** Trend Low */
             trend_low: number[];
+        };
+        /**
+         * ClinicOut
+         * @description The clinic of who asks.
+         */
+        ClinicOut: {
+            /** Is Time Zone Set */
+            is_time_zone_set: boolean;
+            /** Name */
+            name: string;
+            /** Time Zone */
+            time_zone: string;
+        };
+        /**
+         * ClinicPatch
+         * @description What an administrator may change of the clinic.
+         */
+        ClinicPatch: {
+            /** Time Zone */
+            time_zone: string;
         };
         /**
          * CoilIn
@@ -3293,6 +3366,8 @@ export interface components {
              * @enum {string}
              */
             role: "administrator" | "therapist" | "patient" | "integrator";
+            /** Second Factor Removed At */
+            second_factor_removed_at?: string | null;
         };
         /**
          * MeasureChange
@@ -3666,6 +3741,8 @@ export interface components {
          * @description A prescription with the names a person needs.
          */
         PrescriptionOut: {
+            /** Active S This Week */
+            active_s_this_week: number;
             /** Done This Week */
             done_this_week: number;
             /** Ends At */
@@ -3676,8 +3753,12 @@ export interface components {
             exercise_name: string;
             /** Id */
             id: string;
+            /** Is Twice */
+            is_twice: boolean;
             /** Repetitions */
             repetitions: number;
+            /** Repetitions This Week */
+            repetitions_this_week: number;
             /** Sets */
             sets: number;
             /**
@@ -5058,6 +5139,64 @@ export interface operations {
             503: components["responses"]["Error503"];
         };
     };
+    read_clinic_api_clinic_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ClinicOut"];
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    change_clinic_api_clinic_patch: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description From /api/me; browsers send it with every change, devices do not. */
+                "X-CSRF-Token"?: string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ClinicPatch"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ClinicOut"];
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            404: components["responses"]["Error404"];
+            409: components["responses"]["Error409"];
+            413: components["responses"]["Error413"];
+            422: components["responses"]["Error422"];
+            429: components["responses"]["Error429"];
+            503: components["responses"]["Error503"];
+        };
+    };
     get_comparison_api_comparisons__comparison_id__get: {
         parameters: {
             query?: never;
@@ -5615,6 +5754,33 @@ export interface operations {
             404: components["responses"]["Error404"];
             409: components["responses"]["Error409"];
             413: components["responses"]["Error413"];
+            422: components["responses"]["Error422"];
+            429: components["responses"]["Error429"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    note_second_factor_api_me_second_factor_noted_post: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description From /api/me; browsers send it with every change, devices do not. */
+                "X-CSRF-Token"?: string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            409: components["responses"]["Error409"];
             422: components["responses"]["Error422"];
             429: components["responses"]["Error429"];
             503: components["responses"]["Error503"];

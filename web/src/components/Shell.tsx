@@ -7,6 +7,7 @@ import { useMe, useSignOut } from '../api/queries';
 import { t } from '../i18n';
 import { Problem, Waiting } from './Feedback';
 import { IdleWatch } from './IdleWatch';
+import { SecondFactorRemoved } from './SecondFactorRemoved';
 
 export function ThemeToggle() {
   const scheme = useComputedColorScheme('light');
@@ -144,6 +145,7 @@ export function Shell() {
       </header>
       <IdleWatch minutes={me.data.idle_minutes} />
       <main id="main" tabIndex={-1} ref={main}>
+        {me.data.second_factor_removed_at && <SecondFactorRemoved at={me.data.second_factor_removed_at} />}
         <Outlet context={me.data} />
       </main>
     </div>

@@ -7,10 +7,12 @@ import { Link } from 'react-router';
 import { useAccounts, useAddAccount, useChangeAccount, usePatients } from '../api/queries';
 import type { Account, Role } from '../api/types';
 import { RadioCards } from '../components/Choice';
+import { Confirm } from '../components/Confirm';
 import { Answer, Problem } from '../components/Feedback';
 import { Page } from '../components/Page';
 import { useSignedIn } from '../components/useSignedIn';
 import { t } from '../i18n';
+import { ClinicCard } from './ClinicCard';
 import { SourcesCard } from './magnetic/SourcesCard';
 
 const ROLES: readonly Role[] = ['therapist', 'patient', 'administrator', 'integrator'];
@@ -106,6 +108,7 @@ function Row({ account, onReset }: { account: Account; onReset: () => void }) {
     <li className="account">
       <div>
         <span className="strong">{account.display_name}</span> <span className="tag">{t(`role.${account.role}`)}</span>
+        {account.has_second_factor && <span className="tag">{t('clinic.hasSecond')}</span>}
         <div className="muted small account-mail">{account.email}</div>
         {change.error && <Problem error={change.error} />}
       </div>
@@ -115,6 +118,16 @@ function Row({ account, onReset }: { account: Account; onReset: () => void }) {
         </Link>
       ) : (
         <Group gap="md">
+          {account.has_second_factor && (
+            <Confirm
+              label={t('clinic.removeSecond')}
+              accessibleLabel={t('clinic.removeSecondNamed', { name: account.display_name })}
+              title={t('clinic.removeSecondTitle', { name: account.display_name })}
+              text={t('clinic.removeSecondText')}
+              confirm={t('clinic.removeSecond')}
+              onConfirm={() => change.mutate({ id: account.id, patch: { remove_second_factor: true } })}
+            />
+          )}
           <Switch
             label={account.is_active ? t('clinic.active') : t('clinic.inactive')}
             aria-label={t('clinic.mayS', { name: account.display_name })}
@@ -163,6 +176,7 @@ export function ClinicPage() {
         </Answer>
         <p className="muted small">{t('clinic.devices')}</p>
       </section>
+      {me.role === 'administrator' && <ClinicCard />}
       <SourcesCard />
       <Modal opened={isAdding} onClose={adding.close} title={t('clinic.add')} closeButtonProps={{ 'aria-label': t('action.close') }}>
         {isAdding && <NewAccount onDone={adding.close} />}

@@ -2,6 +2,7 @@ import { screen, waitFor, within } from '@testing-library/react';
 import userEvent from '@testing-library/user-event';
 import { afterEach, expect, it, vi } from 'vitest';
 import type { Account, Me, Patient } from '../../src/api/types';
+import { SecondFactorRemoved } from '../../src/components/SecondFactorRemoved';
 import { ClinicPage } from '../../src/pages/Clinic';
 import { DataPanel } from '../../src/pages/patient/DataPanel';
 import { renderPage, THERAPIST } from './render';
@@ -19,6 +20,49 @@ it('switches an account off, but never the own one', async () => {
   await userEvent.click(off);
   await waitFor(() => expect(asked.some((one) => one.method === 'PATCH')).toBe(true));
   expect(asked.find((one) => one.method === 'PATCH')).toMatchObject({ path: '/api/accounts/a', body: { is_active: false } });
+});
+
+it('removes the second factor of who lost the device, after asking', async () => {
+  const answers = { '/api/accounts': [account('a', { has_second_factor: true }), account('b', { has_second_factor: false })], 'PATCH /api/accounts/a': account('a', { has_second_factor: false }) };
+  const { asked } = renderPage(<ClinicPage />, { me: ADMIN, answers });
+  const buttons = await screen.findAllByRole('button', { name: /^Turn off two-step sign-in of/ });
+  expect(buttons.map((one) => one.getAttribute('aria-label'))).toEqual(['Turn off two-step sign-in of Person a']);
+  await userEvent.click(buttons[0] as HTMLElement);
+  const dialog = within(await screen.findByRole('dialog'));
+  expect(dialog.getByText(/signed out everywhere/)).toBeTruthy();
+  expect(asked.some((one) => one.method === 'PATCH')).toBe(false);
+  await userEvent.click(dialog.getByRole('button', { name: 'Turn off two-step sign-in' }));
+  await waitFor(() => expect(asked.find((one) => one.method === 'PATCH')).toMatchObject({ path: '/api/accounts/a', body: { remove_second_factor: true } }));
+});
+
+it('shows a therapist neither the button nor the time zone', async () => {
+  renderPage(<ClinicPage />, { answers: { '/api/accounts': [account('a', { has_second_factor: null })], '/api/clinic': { name: 'C', time_zone: 'UTC', is_time_zone_set: false } } });
+  await screen.findByText('Person a');
+  expect(screen.queryByRole('button', { name: /two-step/ })).toBeNull();
+  expect(screen.queryByRole('heading', { name: 'Time zone' })).toBeNull();
+});
+
+it('lets an administrator choose the time zone of the clinic', async () => {
+  const { asked } = renderPage(<ClinicPage />, {
+    me: ADMIN,
+    answers: { '/api/accounts': [], '/api/clinic': { name: 'C', time_zone: 'UTC', is_time_zone_set: false }, 'PATCH /api/clinic': { name: 'C', time_zone: 'Europe/Oslo', is_time_zone_set: true } },
+  });
+  expect(await screen.findByText(/Not chosen yet/)).toBeTruthy();
+  const field = screen.getByRole('combobox', { name: 'Time zone of the clinic' });
+  await userEvent.click(field);
+  await userEvent.clear(field);
+  await userEvent.type(field, 'Oslo');
+  await userEvent.click(await screen.findByRole('option', { name: 'Europe/Oslo', hidden: true }));
+  await waitFor(() => expect(asked.find((one) => one.method === 'PATCH')).toMatchObject({ path: '/api/clinic', body: { time_zone: 'Europe/Oslo' } }));
+  expect(await screen.findByText(/^Saved/)).toBeTruthy();
+});
+
+it('tells who signs in that an administrator turned the second factor off, until it is read', async () => {
+  const { asked } = renderPage(<SecondFactorRemoved at="2026-11-20T09:00:00Z" />, { answers: { 'POST /api/me/second-factor/noted': {} } });
+  expect(screen.getByText(/administrator of your clinic turned off two-step sign-in .* on 20 Nov/)).toBeTruthy();
+  expect(screen.getByRole('link', { name: 'Set it up again' }).getAttribute('href')).toBe('/account');
+  await userEvent.click(screen.getByRole('button', { name: 'Understood' }));
+  await waitFor(() => expect(asked.some((one) => one.path === '/api/me/second-factor/noted' && one.method === 'POST')).toBe(true));
 });
 
 it('lists measured sources, takes one from a file and no longer offers one', async () => {

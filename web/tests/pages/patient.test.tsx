@@ -25,6 +25,29 @@ const answersOf = (one: Patient) => ({
 });
 const open = (one: Patient) => renderPage(<PatientPage />, { path: '/patients/:patientId', at: '/patients/p', answers: { ...answersOf(one), 'PUT /api/patients/p/consents': [] } });
 
+describe('a prescription', () => {
+  const given = answersOf(patient())['/api/patients/p/prescriptions'][0];
+  const week = { done_this_week: 13, repetitions_this_week: 130, active_s_this_week: 1320, is_twice: false };
+  const shown = (change: object) => renderPage(<PatientPage />, { path: '/patients/:patientId', at: '/patients/p', answers: { ...answersOf(patient()), '/api/exercises': [{ id: 'e', name: 'Reach', movement: 'reaching' }], '/api/patients/p/prescriptions': [{ ...given, ...week, ...change }] } });
+
+  it('says what was done this week, and never more sessions than prescribed', async () => {
+    shown({});
+    expect(await screen.findByText('3 of 3 sessions this week · 10 more than prescribed · 130 repetitions · 22 min active')).toBeTruthy();
+    expect(screen.queryByText(/Prescribed twice/)).toBeNull();
+  });
+
+  it('says when the exercise is prescribed twice, in the list and before it is', async () => {
+    shown({ is_twice: true });
+    expect(await screen.findByText(/Prescribed twice. A session counts once/)).toBeTruthy();
+    await userEvent.click(screen.getByRole('button', { name: 'Prescribe' }));
+    const dialog = within(await screen.findByRole('dialog'));
+    expect(dialog.queryByText(/prescribed already/)).toBeNull();
+    await userEvent.click(dialog.getByRole('combobox', { name: 'Exercise' }));
+    await userEvent.click(await screen.findByRole('option', { name: 'Reach', hidden: true }));
+    expect(await dialog.findByText(/prescribed already. A session counts for one of the two only/)).toBeTruthy();
+  });
+});
+
 describe('consent', () => {
   it('is asked for on the patient’s page, where the refusal sends people', async () => {
     const { asked } = open(patient());

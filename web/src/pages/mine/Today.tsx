@@ -10,6 +10,7 @@ import { useSignedIn } from '../../components/useSignedIn';
 import { t } from '../../i18n';
 import { suggestedPlacements } from '../../lib/placements';
 import { mainMeasure, plainProgress } from '../../lib/plain';
+import { weekText } from '../../lib/practice';
 import { isLive } from '../../lib/sessions';
 import { PlainProblem } from './PlainProblem';
 
@@ -37,6 +38,7 @@ function ExerciseCard({ prescription, patientId }: { prescription: Prescription;
       <div>
         <h2>{prescription.exercise_name}</h2>
         <p>{doseWords(prescription)}</p>
+        <p className="small">{weekText(prescription)}</p>
         <p className="muted">{isDone ? t('mine.doneForWeek') : t('mine.left', { count: prescription.times_per_week - prescription.done_this_week })}</p>
       </div>
       <Button

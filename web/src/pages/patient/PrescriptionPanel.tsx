@@ -11,6 +11,7 @@ import { Answer, Notice, Problem } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { isWalk, movementOf } from '../../lib/exercises';
 import { date } from '../../lib/format';
+import { weekText } from '../../lib/practice';
 
 /** The dose in words: sets, repetitions, times a week. */
 export function doseText(prescription: Pick<Prescription, 'sets' | 'repetitions' | 'times_per_week'>): string {
@@ -115,8 +116,9 @@ function Line({ prescription, patient }: { prescription: Prescription; patient: 
             <span key={index} className={index < done ? 'dot dot-full' : 'dot'} />
           ))}
         </span>
-        {t('prescription.doneThisWeek', { done, of: prescription.times_per_week })}
+        {weekText(prescription)}
       </div>
+      {prescription.is_twice && <div className="small missing">{t('prescription.isTwice')}</div>}
       {prescription.template_name ? (
         <div className="small">
           <Link to={`/exercises/${prescription.exercise_id}?patient=${patient.id}`}>{t('prescription.withTemplate', { name: prescription.template_name })}</Link>

@@ -1,0 +1,22 @@
+import { expect, it } from 'vitest';
+import { activeText, weekText } from '../../src/lib/practice';
+
+const week = (done: number, of: number, repetitions = 0, active = 0) => ({ done_this_week: done, times_per_week: of, repetitions_this_week: repetitions, active_s_this_week: active });
+
+it('says sessions, repetitions and time of the week', () => {
+  expect(weekText(week(2, 3, 24, 360))).toBe('2 of 3 sessions this week · 24 repetitions · 6 min active');
+  expect(weekText(week(1, 3, 0, 45))).toBe('1 of 3 sessions this week · 45 s active');
+  expect(weekText(week(0, 1))).toBe('0 of 1 session this week');
+  expect(weekText(week(1, 2, 1))).toBe('1 of 2 sessions this week · 1 repetition');
+});
+
+it('never says thirteen of three', () => {
+  expect(weekText(week(13, 3, 130, 1300))).toBe('3 of 3 sessions this week · 10 more than prescribed · 130 repetitions · 22 min active');
+});
+
+it('rounds time once', () => {
+  expect(activeText(59.4)).toBe('59 s active');
+  expect(activeText(59.6)).toBe('1 min active');
+  expect(activeText(89)).toBe('1 min active');
+  expect(activeText(91)).toBe('2 min active');
+});
