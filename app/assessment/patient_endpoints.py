@@ -56,7 +56,12 @@ def create_prescription(
     return practice.prescribe(session, subject, patient_id, body, services_of(request).settings.time_zone)
 
 
-@router.get("/patients/{patient_id}/export", tags=["patients"], response_class=StreamingResponse)
+@router.get(
+    "/patients/{patient_id}/export",
+    tags=["patients"],
+    response_class=StreamingResponse,
+    responses={429: {}},
+)
 def export_patient(patient_id: str, subject: CurrentAccount, request: Request) -> StreamingResponse:
     """Return everything held about a patient as one archive: the record, sessions, packets, movement, comparisons.
 

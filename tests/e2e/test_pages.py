@@ -10,6 +10,7 @@ from tests.e2e.conftest import ROOT, House, Visitor
 pytestmark = [pytest.mark.e2e, pytest.mark.slow]
 
 PATIENT = PATIENTS[0].email
+TABLET = 1024
 AXE = ROOT / "web" / "node_modules" / "axe-core" / "axe.min.js"
 
 THERAPIST_PAGES = {
@@ -70,8 +71,17 @@ def test_page(visitor: Visitor, house: House, name: str, path: str) -> None:
     visitor.picture(f"{name}-{width}")
     assert visitor.faults_outside_the_view() == []
     assert serious(visitor) == []
-    overflow = visitor.page.evaluate("() => document.documentElement.scrollWidth - window.innerWidth")
-    assert overflow <= 0, "the page scrolls sideways"
+    assert overflow(visitor) <= 0, "the page scrolls sideways"
+    if width > TABLET:
+        visitor.page.set_viewport_size({"width": TABLET, "height": 768})
+        visitor.page.wait_for_timeout(200)
+        visitor.picture(f"{name}-{TABLET}")
+        assert overflow(visitor) <= 0, "the page scrolls sideways on a tablet"
+
+
+def overflow(visitor: Visitor) -> int:
+    """Pixels by which the page is wider than its window."""
+    return int(visitor.page.evaluate("() => document.documentElement.scrollWidth - window.innerWidth"))
 
 
 @pytest.mark.parametrize("visitor", [(THERAPIST, 390)], indirect=True)
