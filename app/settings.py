@@ -6,6 +6,7 @@ test fails on one without.
 """
 
 import difflib
+import hmac
 import ipaddress
 import math
 import os
@@ -307,3 +308,14 @@ class Settings(BaseSettings):
     def signing_secret(self) -> str:
         """The secret in force; the well-known one only in a demonstration without its own."""
         return self.secret_key.get_secret_value() or DEMO_SECRET
+
+    def key_for(self, purpose: str) -> bytes:
+        """Return a key for one purpose from the service's secret, so one leaked use does not open another.
+
+        Parameters
+        ----------
+        purpose : str
+            A fixed word, e.g. `device-token`.
+        """
+        secret = self.signing_secret.encode()
+        return hmac.digest(secret, f"telemotion/{purpose}/1".encode(), "sha256")

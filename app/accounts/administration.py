@@ -14,14 +14,15 @@ from app.accounts.subject import Subject
 from app.database.base import new_id
 from app.database.unit_of_work import unit_of_work
 from app.errors import Conflict, InvalidInput, NotAllowed, NotFound
+from app.pages import Page, rows_of
 from app.sentences import say
 from app.services import Services
 
 NO_SUCH_ACCOUNT = say("account.not_found")
 
 
-def list_accounts(session: Session, subject: Subject) -> list[AccountOut]:
-    """Return the accounts that the subject may know of.
+def list_accounts(session: Session, subject: Subject, page: Page) -> list[AccountOut]:
+    """Return a page of the accounts that the subject may know of, by name.
 
     Parameters
     ----------
@@ -29,13 +30,15 @@ def list_accounts(session: Session, subject: Subject) -> list[AccountOut]:
     subject : Subject
         Administrators see all of their clinic, therapists their colleagues (to give grants to), others
         nobody.
+    page : Page
     """
-    query = select(Account).where(Account.clinic_id == subject.clinic_id).order_by(Account.display_name)
+    query = select(Account).where(Account.clinic_id == subject.clinic_id)
     if subject.role == "therapist":
         query = query.where(Account.role.in_(["administrator", "therapist", "integrator"]), Account.is_active)
     elif subject.role != "administrator":
         raise NotAllowed(say("account.list_not_allowed"))
-    return [account_out(row, subject) for row in session.scalars(query)]
+    rows = rows_of(session, query, (Account.display_name, Account.id), page)
+    return [account_out(row, subject) for (row,) in rows]
 
 
 async def create_account(services: Services, subject: Subject, body: AccountIn) -> AccountOut:

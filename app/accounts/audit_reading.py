@@ -5,24 +5,22 @@ from sqlalchemy.orm import Session
 
 from app.accounts.models import Account, AuditEvent, DeviceToken
 from app.accounts.schemas import AuditOut
+from app.pages import Page, rows_of
 
 
-def read_audit(session: Session, clinic_id: str, patient_id: str, limit: int) -> list[AuditOut]:
-    """Return the newest events about a patient; the caller has checked the right to the patient.
+def read_audit(session: Session, clinic_id: str, patient_id: str, page: Page) -> list[AuditOut]:
+    """Return a page of the events about a patient, newest first; the caller has checked the right to the patient.
 
     Parameters
     ----------
     session : Session
     clinic_id : str
     patient_id : str
-    limit : int
+    page : Page
     """
-    events = session.scalars(
-        select(AuditEvent)
-        .where(AuditEvent.clinic_id == clinic_id, AuditEvent.patient_id == patient_id)
-        .order_by(AuditEvent.number.desc())
-        .limit(limit)
-    ).all()
+    query = select(AuditEvent).where(AuditEvent.clinic_id == clinic_id, AuditEvent.patient_id == patient_id)
+    rows = rows_of(session, query, (AuditEvent.number,), page, newest_first=True)
+    events = [event for (event,) in rows]
     people = _people(session, {event.subject_id for event in events})
     return [_out(event, people) for event in events]
 

@@ -8,9 +8,9 @@ from sqlalchemy.orm import Session
 
 from app.accounts.models import DeviceToken
 from app.accounts.subject import Subject
-from app.accounts.tokens import derive_key
 from app.database.base import new_id, utc_now
 from app.errors import NotFound, SignInRequired
+from app.pages import Page, rows_of
 from app.sentences import say
 from app.settings import Settings
 
@@ -66,7 +66,7 @@ def create_device_token(
         "iat": now,
         "exp": row.expires_at,
     }
-    return row, jwt.encode(claims, derive_key(settings.signing_secret, "device-token"), algorithm=ALGORITHM)
+    return row, jwt.encode(claims, settings.key_for("device-token"), algorithm=ALGORITHM)
 
 
 def subject_of_device_token(session: Session, settings: Settings, token: str) -> Subject:
@@ -87,7 +87,7 @@ def subject_of_device_token(session: Session, settings: Settings, token: str) ->
     try:
         claims = jwt.decode(
             token,
-            derive_key(settings.signing_secret, "device-token"),
+            settings.key_for("device-token"),
             algorithms=[ALGORITHM],
             audience=AUDIENCE,
             options={"require": ["sub", "aud", "exp", "iat"]},
@@ -122,16 +122,18 @@ def is_valid(row: DeviceToken, at: datetime | None = None) -> bool:
     return row.revoked_at is None and row.expires_at > (at or datetime.now(UTC))
 
 
-def list_device_tokens(session: Session, patient_id: str) -> list[DeviceToken]:
-    """Return every credential of a patient's devices, newest first; the caller has checked the right.
+def list_device_tokens(session: Session, patient_id: str, page: Page) -> list[DeviceToken]:
+    """Return a page of the credentials of a patient's devices, newest first; the caller has checked the right.
 
     Parameters
     ----------
     session : Session
     patient_id : str
+    page : Page
     """
     query = select(DeviceToken).where(DeviceToken.patient_id == patient_id)
-    return list(session.scalars(query.order_by(DeviceToken.created_at.desc())))
+    order = (DeviceToken.created_at, DeviceToken.id)
+    return [row for (row,) in rows_of(session, query, order, page, newest_first=True)]
 
 
 def get_device_token(session: Session, subject: Subject, token_id: str) -> DeviceToken:

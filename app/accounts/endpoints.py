@@ -27,6 +27,7 @@ from app.accounts.schemas import (
 )
 from app.accounts.sign_in import COOKIE, end_sign_in, me
 from app.database.dependencies import ReadSession, WriteSession
+from app.pages import WantedPage
 from app.services import services_of
 from app.settings import Settings
 
@@ -126,9 +127,9 @@ def note_second_factor(current: CurrentSignIn, session: WriteSession) -> None:
 
 
 @router.get("/accounts")
-def list_accounts(subject: CurrentAccount, session: ReadSession) -> list[AccountOut]:
+def list_accounts(subject: CurrentAccount, session: ReadSession, page: WantedPage) -> list[AccountOut]:
     """Return the clinic's accounts: all for administrators, colleagues only for therapists."""
-    return administration.list_accounts(session, subject)
+    return administration.list_accounts(session, subject, page)
 
 
 @router.post("/accounts", status_code=201)

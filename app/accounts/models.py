@@ -92,9 +92,10 @@ class DeviceToken(Identified, Base):
     """A gateway's credential, bound to one patient; the JWT carries this id and can be revoked here."""
 
     __tablename__ = "device_token"
+    __table_args__ = (Index(None, "patient_id", "created_at", "id"),)
 
     clinic_id: Mapped[str] = mapped_column(ForeignKey("clinic.id"), index=True)
-    patient_id: Mapped[str] = mapped_column(ForeignKey("patient.id", ondelete="CASCADE"), index=True)
+    patient_id: Mapped[str] = mapped_column(ForeignKey("patient.id", ondelete="CASCADE"))
     label: Mapped[str] = mapped_column(String(100))
     created_by: Mapped[str] = mapped_column(ForeignKey("account.id"))
     expires_at: Mapped[datetime] = mapped_column(UtcDateTime)
@@ -135,6 +136,7 @@ class AuditEvent(Base):
     __table_args__ = (
         UniqueConstraint("clinic_id", "number"),
         Index("ix_audit_event_patient_id_at", "patient_id", "at"),
+        Index(None, "patient_id", "number"),
     )
 
     id: Mapped[int] = mapped_column(Integer, primary_key=True, autoincrement=True)

@@ -17,7 +17,6 @@ from sqlalchemy import Engine, select
 from app.accounts import audit
 from app.accounts.models import Account
 from app.accounts.subject import Subject
-from app.accounts.tokens import derive_key
 from app.database.unit_of_work import read_only, unit_of_work
 from app.settings import Settings
 
@@ -39,7 +38,7 @@ class RefusedSignIns:
 
     def __init__(self, engine: Engine, settings: Settings) -> None:
         self._engine = engine
-        self._key = derive_key(settings.signing_secret, "refused-sign-in")
+        self._key = settings.key_for("refused-sign-in")
         self._pool = ThreadPoolExecutor(1, thread_name_prefix="refused sign-ins")
         self._lock = threading.Lock()
         self._waiting = 0

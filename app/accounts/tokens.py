@@ -5,7 +5,6 @@ there is no dictionary of random tokens to try.
 """
 
 import hashlib
-import hmac
 import secrets
 
 
@@ -22,16 +21,3 @@ def hash_token(token: str) -> str:
     token : str
     """
     return hashlib.sha256(token.encode()).hexdigest()
-
-
-def derive_key(secret: str, purpose: str) -> bytes:
-    """Return a key for one purpose from the service's secret, so one leaked use does not open another.
-
-    Parameters
-    ----------
-    secret : str
-        `Settings.signing_secret`.
-    purpose : str
-        A fixed word, e.g. `device-token`.
-    """
-    return hmac.new(secret.encode(), f"telemotion/{purpose}/1".encode(), hashlib.sha256).digest()

@@ -9,7 +9,7 @@ stands beside the reason in `live_state` and ranks nobody.
 from collections import defaultdict
 from dataclasses import dataclass, field
 from datetime import datetime, timedelta, tzinfo
-from typing import Literal
+from typing import Any, Literal
 
 from sqlalchemy import func, or_, select
 from sqlalchemy.orm import Session
@@ -21,6 +21,7 @@ from app.assessment.progress import band, dose, main_measure
 from app.assessment.schemas import CaseloadRow
 from app.database.base import utc_now
 from app.exercises.models import Exercise, Prescription, TemplateVersion
+from app.pages import Page
 from app.patients.access import visible_patients
 from app.patients.models import Patient
 from app.patients.repository import note_once_an_hour
@@ -49,8 +50,8 @@ class _Sessions:
     practised: list[Done] = field(default_factory=list)
 
 
-def caseload(session: Session, subject: Subject, default_zone: str) -> list[CaseloadRow]:
-    """Return the lines of every patient in reach.
+def caseload(session: Session, subject: Subject, default_zone: str, page: Page) -> list[CaseloadRow]:
+    """Return a page of the lines of the patients in reach.
 
     Parameters
     ----------
@@ -58,6 +59,8 @@ def caseload(session: Session, subject: Subject, default_zone: str) -> list[Case
     subject : Subject
     default_zone : str
         Setting `time_zone`, for clinics that have not set theirs.
+    page : Page
+        The order is worked out from everybody's newest sessions: who rises between two pages is seen in both.
     """
     now = utc_now()
     zone = zone_of(session, subject.clinic_id, default_zone)
@@ -93,7 +96,11 @@ def caseload(session: Session, subject: Subject, default_zone: str) -> list[Case
                 zone,
             )
         )
-    return sorted(rows, key=lambda row: (ORDER.index(row.reason), row.family_name, row.given_name))
+    return page.cut(sorted(rows, key=_place), _place)
+
+
+def _place(row: CaseloadRow) -> list[Any]:
+    return [ORDER.index(row.reason), row.family_name, row.given_name, row.patient_id]
 
 
 def _row(

@@ -21,6 +21,7 @@ from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput, NotFound
 from app.exercises.models import Exercise, TemplateVersion
 from app.exercises.models import Template as TemplateRow
+from app.pages import Page
 from app.recordings import repository as recordings
 from app.recordings.jobs import JobContext
 from app.recordings.models import MotionSession, SessionEvent
@@ -184,9 +185,10 @@ def _store(session: Session, subject: Subject, found: MotionSession, work: _Work
     return repository.add_comparison(session, subject, found, new, rows)
 
 
-def list_of(session: Session, subject: Subject, session_id: str) -> list[ComparisonOut]:
-    """Return a session's comparisons, newest first."""
-    return [_out(found, name) for found, name in repository.list_comparisons(session, subject, session_id)]
+def list_of(session: Session, subject: Subject, session_id: str, page: Page) -> list[ComparisonOut]:
+    """Return a page of a session's comparisons, newest first."""
+    rows = repository.list_comparisons(session, subject, session_id, page)
+    return [_out(found, name) for found, name in rows]
 
 
 def detail(session: Session, subject: Subject, comparison_id: str) -> ComparisonDetail:

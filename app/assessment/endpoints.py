@@ -20,6 +20,7 @@ from app.exercises.schemas import (
     TemplatePreviewIn,
     TemplateVersionDetail,
 )
+from app.pages import WantedPage
 from app.services import services_of
 
 router = APIRouter(prefix="/api", tags=["assessment"])
@@ -29,11 +30,12 @@ router = APIRouter(prefix="/api", tags=["assessment"])
 def list_templates(
     session: ReadSession,
     subject: CurrentSubject,
+    page: WantedPage,
     exercise_id: Annotated[str | None, Query(max_length=32)] = None,
     patient_id: Annotated[str | None, Query(max_length=32)] = None,
 ) -> list[TemplateOut]:
     """Return the clinic's templates and, with `patient_id`, those made for that patient."""
-    return templates.list_of(session, subject, exercise_id, patient_id)
+    return templates.list_of(session, subject, exercise_id, patient_id, page)
 
 
 @router.post("/templates/preview")
@@ -63,9 +65,11 @@ def get_template_version(
 
 
 @router.get("/sessions/{session_id}/comparisons")
-def list_comparisons(session_id: str, session: ReadSession, subject: CurrentSubject) -> list[ComparisonOut]:
+def list_comparisons(
+    session_id: str, session: ReadSession, subject: CurrentSubject, page: WantedPage
+) -> list[ComparisonOut]:
     """Return a session's comparisons, newest first."""
-    return comparisons.list_of(session, subject, session_id)
+    return comparisons.list_of(session, subject, session_id, page)
 
 
 @router.post("/sessions/{session_id}/comparisons", status_code=201)

@@ -20,6 +20,7 @@ from app.assessment.models import Comparison
 from app.assessment.practice import list_prescriptions
 from app.database.unit_of_work import read_only
 from app.exercises.models import Template, TemplateVersion
+from app.pages import Page
 from app.patients.access import require_patient
 from app.patients.models import Patient
 from app.patients.repository import list_grants
@@ -75,7 +76,9 @@ def write_archive(
     with _reading(engine) as session:
         patient = require_patient(session, subject, patient_id, "read")
         _json(archive, "patient.json", _master(session, subject, patient, default_zone))
-        access = [_plain(one) for one in read_audit(session, patient.clinic_id, patient.id, _MOST_EVENTS)]
+        access = [
+            _plain(one) for one in read_audit(session, patient.clinic_id, patient.id, Page(_MOST_EVENTS))
+        ]
         sessions = session.scalars(
             select(MotionSession.id)
             .where(MotionSession.patient_id == patient_id)
@@ -147,7 +150,7 @@ def _master(session: Session, subject: Subject, patient: Patient, default_zone: 
                 "until": row.expires_at.isoformat(),
                 "revoked_at": row.revoked_at.isoformat() if row.revoked_at else None,
             }
-            for row in list_device_tokens(session, patient.id)
+            for row in list_device_tokens(session, patient.id, Page())
         ],
     }
 
@@ -171,7 +174,7 @@ def _write_session(archive: zipfile.ZipFile, engine: Engine, subject: Subject, s
         ).all()
         if said:
             _json(archive, f"{folder}/safety.json", [{"text": one.text, **one.details} for one in said])
-        markers = markers_of(session, subject, session_id)
+        markers = markers_of(session, subject, session_id, Page())
         results = [result.id for result in results_of(session, session_id) if result.status == "complete"]
     for one in markers:
         _json(archive, f"{folder}/markers-{one.id[:8]}.json", _plain(one))

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from sqlalchemy import JSON, Float, ForeignKey, Integer, LargeBinary, String
+from sqlalchemy import JSON, Float, ForeignKey, Index, Integer, LargeBinary, String
 from sqlalchemy.orm import Mapped, mapped_column
 
 from app.database.base import Base, Identified
@@ -12,8 +12,9 @@ class Comparison(Identified, Base):
     """One result compared with one template version."""
 
     __tablename__ = "comparison"
+    __table_args__ = (Index(None, "session_id", "created_at", "id"),)
 
-    session_id: Mapped[str] = mapped_column(ForeignKey("motion_session.id", ondelete="CASCADE"), index=True)
+    session_id: Mapped[str] = mapped_column(ForeignKey("motion_session.id", ondelete="CASCADE"))
     result_id: Mapped[str] = mapped_column(ForeignKey("result.id", ondelete="CASCADE"), index=True)
     template_version_id: Mapped[str] = mapped_column(ForeignKey("template_version.id"))
     version: Mapped[str] = mapped_column(String(20))

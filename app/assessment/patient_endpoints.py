@@ -17,6 +17,7 @@ from app.assessment.progress import progress
 from app.assessment.schemas import CaseloadRow, Progress
 from app.database.dependencies import ReadSession, WriteSession
 from app.exercises.schemas import PrescriptionIn, PrescriptionOut
+from app.pages import WantedPage
 from app.patients.schemas import ErasureIn
 from app.services import services_of
 
@@ -24,9 +25,11 @@ router = APIRouter(prefix="/api")
 
 
 @router.get("/caseload", tags=["patients"])
-def read_caseload(subject: CurrentAccount, session: ReadSession, request: Request) -> list[CaseloadRow]:
+def read_caseload(
+    subject: CurrentAccount, session: ReadSession, request: Request, page: WantedPage
+) -> list[CaseloadRow]:
     """Return one line per patient in reach, those with a reason to look first."""
-    return caseload(session, subject, services_of(request).settings.time_zone)
+    return caseload(session, subject, services_of(request).settings.time_zone, page)
 
 
 @router.get("/patients/{patient_id}/progress", tags=["patients"])

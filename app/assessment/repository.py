@@ -4,16 +4,15 @@ A template made for one patient is that patient's data. A template of the clinic
 works there; a patient sees those that were prescribed to them or that they were compared with.
 """
 
-from collections.abc import Sequence
-
-from sqlalchemy import ColumnElement, func, or_, select
-from sqlalchemy.orm import Session
+from sqlalchemy import ColumnElement, false, func, or_, select, true
+from sqlalchemy.orm import Session, defer
 
 from app.accounts import audit
 from app.accounts.subject import Subject
 from app.assessment.models import Comparison, RepetitionMeasure
 from app.errors import InvalidInput, NotAllowed, NotFound
 from app.exercises.models import Exercise, Prescription, Template, TemplateVersion
+from app.pages import Page, rows_of
 from app.patients.access import require_patient
 from app.recordings import repository as recordings
 from app.recordings.models import MotionSession
@@ -25,13 +24,13 @@ STAFF = frozenset({"administrator", "therapist", "integrator", "system"})
 
 
 def list_templates(
-    session: Session, subject: Subject, exercise_id: str | None, patient_id: str | None
+    session: Session, subject: Subject, exercise_id: str | None, patient_id: str | None, page: Page
 ) -> list[tuple[Template, list[TemplateVersion]]]:
-    """Return templates by name with their published versions, newest first.
+    """Return a page of the templates by name with their published versions, newest first.
 
     Those of the clinic that the subject may use and, with `patient_id`, those of that patient.
     """
-    visible: ColumnElement[bool] = Template.patient_id.is_(None)
+    visible: ColumnElement[bool] = Template.patient_id.is_(None) & _usable(subject)
     if patient_id is not None:
         require_patient(session, subject, patient_id, "read")
         audit.record(session, subject, "template.list", patient_id)
@@ -39,16 +38,13 @@ def list_templates(
     query = select(Template).where(Template.clinic_id == subject.clinic_id, visible)
     if exercise_id is not None:
         query = query.where(Template.exercise_id == exercise_id)
-    found = [
-        template
-        for template in session.scalars(query.order_by(Template.name, Template.id))
-        if template.patient_id is not None or _may_use(session, subject, template)
-    ]
+    found = [template for (template,) in rows_of(session, query, (Template.name, Template.id), page)]
     versions = session.scalars(
         select(TemplateVersion)
         .where(TemplateVersion.template_id.in_([template.id for template in found]))
         .where(TemplateVersion.is_published)
         .order_by(TemplateVersion.number.desc())
+        .options(defer(TemplateVersion.content))
     ).all()
     return [(template, [v for v in versions if v.template_id == template.id]) for template in found]
 
@@ -65,7 +61,8 @@ def get_template(session: Session, subject: Subject, template_id: str) -> Templa
     if template is None or template.clinic_id != subject.clinic_id:
         raise NotFound(NO_SUCH_TEMPLATE)
     if template.patient_id is None:
-        if not _may_use(session, subject, template):
+        usable = select(Template.id).where(Template.id == template.id, _usable(subject))
+        if session.scalar(usable) is None:
             raise NotFound(NO_SUCH_TEMPLATE)
         return template
     try:
@@ -88,22 +85,22 @@ def get_version(
     return template, version
 
 
-def _may_use(session: Session, subject: Subject, template: Template) -> bool:
-    """Whether a template of the clinic is open to the subject."""
+def _usable(subject: Subject) -> ColumnElement[bool]:
+    """Return the condition that a template of the clinic is open to the subject."""
     if subject.role in STAFF:
-        return True
+        return true()
     if subject.patient_id is None:
-        return False
+        return false()
     prescribed = select(Prescription.id).where(
-        Prescription.patient_id == subject.patient_id, Prescription.template_id == template.id
+        Prescription.patient_id == subject.patient_id, Prescription.template_id == Template.id
     )
     compared = (
         select(Comparison.id)
         .join(TemplateVersion, TemplateVersion.id == Comparison.template_version_id)
         .join(MotionSession, MotionSession.id == Comparison.session_id)
-        .where(MotionSession.patient_id == subject.patient_id, TemplateVersion.template_id == template.id)
+        .where(MotionSession.patient_id == subject.patient_id, TemplateVersion.template_id == Template.id)
     )
-    return session.scalar(select(or_(prescribed.exists(), compared.exists()))) is True
+    return or_(prescribed.exists(), compared.exists())
 
 
 def exercise_of(session: Session, subject: Subject, exercise_id: str) -> Exercise:
@@ -209,17 +206,20 @@ def add_comparison(
     return new
 
 
-def list_comparisons(session: Session, subject: Subject, session_id: str) -> Sequence[tuple[Comparison, str]]:
-    """Return a session's comparisons, newest first, each with its template's name."""
+def list_comparisons(
+    session: Session, subject: Subject, session_id: str, page: Page
+) -> list[tuple[Comparison, str]]:
+    """Return a page of a session's comparisons, newest first, each with its template's name."""
     recordings.get_session(session, subject, session_id, action="comparison.list")
-    rows = session.execute(
+    query = (
         select(Comparison, Template.name)
         .join(TemplateVersion, TemplateVersion.id == Comparison.template_version_id)
         .join(Template, Template.id == TemplateVersion.template_id)
         .where(Comparison.session_id == session_id)
-        .order_by(Comparison.created_at.desc(), Comparison.id)
+        .options(defer(Comparison.content))
     )
-    return [(comparison, name) for comparison, name in rows]
+    order = (Comparison.created_at, Comparison.id)
+    return [(found, name) for found, name in rows_of(session, query, order, page, newest_first=True)]
 
 
 def get_comparison(

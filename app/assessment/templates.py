@@ -20,6 +20,7 @@ from app.exercises.schemas import (
     TemplateVersionDetail,
     TemplateVersionOut,
 )
+from app.pages import Page
 from app.recordings import read_frames
 from app.recordings import repository as recordings
 from app.recordings.models import MotionSession, Result
@@ -226,9 +227,9 @@ def content_of(built: Built) -> TemplateContent:
 
 
 def list_of(
-    session: Session, subject: Subject, exercise_id: str | None, patient_id: str | None
+    session: Session, subject: Subject, exercise_id: str | None, patient_id: str | None, page: Page
 ) -> list[TemplateOut]:
-    """Return the templates that the subject may use."""
+    """Return a page of the templates that the subject may use."""
     return [
         TemplateOut(
             id=template.id,
@@ -238,7 +239,7 @@ def list_of(
             created_at=template.created_at,
             versions=[version_out(version) for version in versions],
         )
-        for template, versions in repository.list_templates(session, subject, exercise_id, patient_id)
+        for template, versions in repository.list_templates(session, subject, exercise_id, patient_id, page)
     ]
 
 

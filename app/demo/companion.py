@@ -83,8 +83,8 @@ async def until_it_answers(server: str) -> None:
 
 async def patients_of(service: ServiceClient) -> dict[str, str]:
     """Return the identifiers of the demonstration's patients by e-mail."""
-    caseload = (await service.http.get("/api/patients")).raise_for_status().json()
-    by_name = {(row["given_name"], row["family_name"]): row["id"] for row in caseload}
+    patients = await service.every("/api/patients")
+    by_name = {(row["given_name"], row["family_name"]): row["id"] for row in patients}
     return {person.email: by_name[(person.given_name, person.family_name)] for person in PATIENTS}
 
 

@@ -181,7 +181,7 @@ async def _forget_half_made(
             with unit_of_work(engine) as session:
                 session.execute(delete(Prescription).where(Prescription.patient_id == patient_id))
                 session.execute(delete(Template).where(Template.patient_id == patient_id))
-        for row in await _get(service, f"/api/patients/{patient_id}/sessions"):
+        for row in await service.every(f"/api/patients/{patient_id}/sessions"):
             # What is created or streams is the live patient's of now.
             if row["id"] not in progress.kept_sessions and row["state"] not in ("created", *STREAMING):
                 if row["state"] == "closing":

@@ -3,6 +3,7 @@
 What a route can refuse follows from what it is made of, so it is derived and not written at each route: a
 signed-in subject (401, 403), something named (404) and its state (409), input (422) with a body (413), a budget
 (429), and storage that does not answer (503). A route adds what only it refuses by `responses={401: {}}`.
+The header of a list in pages is derived in the same way.
 """
 
 from collections.abc import Iterator
@@ -23,6 +24,7 @@ from app.accounts.dependencies import (
 )
 from app.accounts.sign_in import COOKIE
 from app.edge.error_answers import ErrorOut
+from app.pages import wanted_page
 
 _MEANING: Final = {
     401: "Nobody is signed in, or the session, token or ticket has ended.",
@@ -51,6 +53,12 @@ _CSRF: Final = {
     "required": False,
     "schema": {"type": "string"},
     "description": "From /api/me; browsers send it with every change, devices do not.",
+}
+
+
+_LINK: Final = {
+    "description": 'The address of the next page, `<...>; rel="next"` (RFC 8288); absent on the last page.',
+    "schema": {"type": "string"},
 }
 
 
@@ -128,6 +136,8 @@ def _complete(operation: dict[str, Any], method: str, dependant: Dependant) -> N
     if names:
         statuses.add(422)
     responses = operation["responses"]
+    if wanted_page in calls:
+        responses["200"]["headers"] = {"Link": deepcopy(_LINK)}
     responses.pop("422", None)
     statuses |= {status for status in _MEANING if str(status) in responses}
     for status in sorted(statuses):

@@ -143,18 +143,37 @@ class ServiceClient:
             await asyncio.sleep(0.2)
 
     async def jobs(self, session_id: str) -> list[JobOut]:
-        """Get the long tasks of a session."""
+        """Get the newest long tasks of a session, newest first."""
         return [
             JobOut.model_validate(job) for job in await self._call("GET", f"/api/sessions/{session_id}/jobs")
         ]
 
+    async def every(self, path: str) -> list[dict[str, Any]]:
+        """Get a whole list, page after page.
+
+        Parameters
+        ----------
+        path : str
+            Of the list, with its query.
+        """
+        rows: list[dict[str, Any]] = []
+        following: str | None = path
+        while following is not None:
+            response = await self._answer("GET", following)
+            rows += response.json()
+            following = response.links.get("next", {}).get("url")
+        return rows
+
     async def _call(self, method: str, path: str, body: dict[str, Any] | None = None) -> Any:
+        return (await self._answer(method, path, body)).json()
+
+    async def _answer(self, method: str, path: str, body: dict[str, Any] | None = None) -> httpx.Response:
         try:
             response = await self.http.request(method, path, json=body)
         except httpx.TransportError as error:
             raise Unavailable(f"{self.server} cannot be reached: {type(error).__name__}.") from error
         if response.is_success:
-            return response.json()
+            return response
         try:
             content = response.json()
             message, details = str(content["message"]), dict(content.get("details") or {})

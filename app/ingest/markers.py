@@ -18,6 +18,7 @@ from app.errors import InvalidInput, TooLarge
 from app.ingest._multipart import UploadReceiver
 from app.ingest.readers import read_markers
 from app.ingest.upload import upload_folder
+from app.pages import WantedPage
 from app.recordings import marker_motion, markers, service
 from app.recordings.marker_schemas import MarkerMotionOut, MarkersOut, MarkerUploadIn
 from app.recordings.schemas import JobOut
@@ -82,9 +83,11 @@ async def upload_markers(session_id: str, request: Request, subject: CurrentSubj
 
 
 @router.get("/sessions/{session_id}/markers")
-def list_markers(session_id: str, session: ReadSession, subject: CurrentSubject) -> list[MarkersOut]:
+def list_markers(
+    session_id: str, session: ReadSession, subject: CurrentSubject, page: WantedPage
+) -> list[MarkersOut]:
     """Return uploaded markers, newest first, with alignment, residuals and gaps of each."""
-    return markers.markers_of(session, subject, session_id)
+    return markers.markers_of(session, subject, session_id, page)
 
 
 @router.get("/sessions/{session_id}/markers/motion", response_class=StreamingResponse)

@@ -4,9 +4,7 @@ Errors of every route: `not_found` for a patient out of reach (existing or not),
 does not cover the request, `invalid_input` with the fields.
 """
 
-from typing import Annotated
-
-from fastapi import APIRouter, Query, Request
+from fastapi import APIRouter, Request
 
 from app.accounts.dependencies import CurrentAccount
 from app.accounts.schemas import (
@@ -21,6 +19,7 @@ from app.accounts.schemas import (
     PairingIn,
 )
 from app.database.dependencies import ReadSession, WriteSession
+from app.pages import WantedPage
 from app.patients import service
 from app.patients.repository import revoke_grant
 from app.patients.schemas import NewPatientIn, PatientOut, PatientPatch
@@ -31,10 +30,10 @@ router = APIRouter(prefix="/api", tags=["patients"])
 
 @router.get("/patients")
 def list_patients(
-    subject: CurrentAccount, session: ReadSession, archived: bool | None = None
+    subject: CurrentAccount, session: ReadSession, page: WantedPage, archived: bool | None = None
 ) -> list[PatientOut]:
     """Return the patients in reach, all or by whether they are archived; a patient gets the own record only."""
-    return service.list_patients(session, subject, archived)
+    return service.list_patients(session, subject, page, archived)
 
 
 @router.post("/patients", status_code=201)
@@ -77,21 +76,18 @@ def delete_grant(grant_id: str, subject: CurrentAccount, session: WriteSession) 
 
 @router.get("/patients/{patient_id}/audit")
 def read_audit(
-    patient_id: str,
-    subject: CurrentAccount,
-    session: ReadSession,
-    limit: Annotated[int, Query(ge=1, le=1000)] = 200,
+    patient_id: str, subject: CurrentAccount, session: ReadSession, page: WantedPage
 ) -> list[AuditOut]:
     """Return who did what with this patient's data, newest first."""
-    return service.patient_audit(session, subject, patient_id, limit)
+    return service.patient_audit(session, subject, patient_id, page)
 
 
 @router.get("/patients/{patient_id}/device-tokens")
 def list_device_tokens(
-    patient_id: str, subject: CurrentAccount, session: ReadSession
+    patient_id: str, subject: CurrentAccount, session: ReadSession, page: WantedPage
 ) -> list[DeviceTokenOut]:
-    """Return this patient's device tokens, without their secrets."""
-    return service.device_tokens(session, subject, patient_id)
+    """Return this patient's device tokens, newest first, without their secrets."""
+    return service.device_tokens(session, subject, patient_id, page)
 
 
 @router.post("/patients/{patient_id}/device-tokens", status_code=201)

@@ -3,7 +3,7 @@
 from datetime import datetime, timedelta
 from typing import Any
 
-from sqlalchemy import delete, select, update
+from sqlalchemy import case, delete, select, update
 from sqlalchemy.orm import Session
 
 from app.accounts import audit
@@ -11,6 +11,7 @@ from app.accounts.models import Account, AuditEvent
 from app.accounts.subject import Subject
 from app.database.base import new_id, utc_now
 from app.errors import InvalidInput, NotAllowed, NotFound
+from app.pages import Page, rows_of
 from app.patients.access import Level, is_in_force, levels, require_patient, visible_patients
 from app.patients.models import Grant, Mounting, Patient
 from app.sentences import say
@@ -38,23 +39,25 @@ def get_patient(
     return patient
 
 
-def list_patients(session: Session, subject: Subject, archived: bool | None = None) -> list[Patient]:
-    """Return every patient whose data the subject may read, by name; archived ones last.
+def list_patients(
+    session: Session, subject: Subject, page: Page, archived: bool | None = None
+) -> list[Patient]:
+    """Return a page of the patients whose data the subject may read, by name; archived ones last.
 
     Parameters
     ----------
     session : Session
     subject : Subject
+    page : Page
     archived : bool, optional
         Only archived patients, or only the others; all when absent.
     """
     query = visible_patients(subject)
     if archived is not None:
         query = query.where(Patient.archived_at.is_not(None) if archived else Patient.archived_at.is_(None))
-    query = query.order_by(
-        Patient.archived_at.is_not(None), Patient.family_name, Patient.given_name, Patient.id
-    )
-    patients = list(session.scalars(query))
+    is_archived = case((Patient.archived_at.is_(None), 0), else_=1)
+    order = (is_archived, Patient.family_name, Patient.given_name, Patient.id)
+    patients = [patient for (patient,) in rows_of(session, query, order, page)]
     note_once_an_hour(session, subject, "patient.list", [patient.id for patient in patients])
     return patients
 

@@ -23,6 +23,7 @@ from app.accounts.schemas import (
 from app.accounts.subject import Subject
 from app.database.base import utc_now
 from app.errors import InvalidInput, NotAllowed, NotFound, SignInRequired
+from app.pages import Page
 from app.patients import repository
 from app.patients.access import levels, require_patient
 from app.patients.models import Grant, Patient
@@ -31,17 +32,20 @@ from app.sentences import say
 from app.settings import Settings
 
 
-def list_patients(session: Session, subject: Subject, archived: bool | None = None) -> list[PatientOut]:
-    """Return every patient in reach.
+def list_patients(
+    session: Session, subject: Subject, page: Page, archived: bool | None = None
+) -> list[PatientOut]:
+    """Return a page of the patients in reach.
 
     Parameters
     ----------
     session : Session
     subject : Subject
+    page : Page
     archived : bool, optional
         Only archived patients, or only the others; all when absent.
     """
-    patients = repository.list_patients(session, subject, archived)
+    patients = repository.list_patients(session, subject, page, archived)
     ids = [patient.id for patient in patients]
     mounted = repository.mounted_patients(session, ids)
     treated = repository.treated_patients(session, subject, ids)
@@ -148,7 +152,7 @@ def create_grant(session: Session, subject: Subject, patient_id: str, body: Gran
     )
 
 
-def patient_audit(session: Session, subject: Subject, patient_id: str, limit: int) -> list[AuditOut]:
+def patient_audit(session: Session, subject: Subject, patient_id: str, page: Page) -> list[AuditOut]:
     """Return who did what with a patient's data, newest first; patients read their own.
 
     Parameters
@@ -156,15 +160,15 @@ def patient_audit(session: Session, subject: Subject, patient_id: str, limit: in
     session : Session
     subject : Subject
     patient_id : str
-    limit : int
+    page : Page
     """
     patient = require_patient(session, subject, patient_id, "read")
     record(session, subject, "audit.read", patient_id)
-    return read_audit(session, patient.clinic_id, patient_id, limit)
+    return read_audit(session, patient.clinic_id, patient_id, page)
 
 
-def device_tokens(session: Session, subject: Subject, patient_id: str) -> list[DeviceTokenOut]:
-    """Return a patient's device tokens without the tokens themselves.
+def device_tokens(session: Session, subject: Subject, patient_id: str, page: Page) -> list[DeviceTokenOut]:
+    """Return a page of a patient's device tokens without the tokens themselves.
 
     Parameters
     ----------
@@ -172,10 +176,11 @@ def device_tokens(session: Session, subject: Subject, patient_id: str) -> list[D
     subject : Subject
         With the level `manage`, or the patient.
     patient_id : str
+    page : Page
     """
     _require_own_or_manage(session, subject, patient_id)
     record(session, subject, "device_token.list", patient_id)
-    return [_token_out(row) for row in list_device_tokens(session, patient_id)]
+    return [_token_out(row) for row in list_device_tokens(session, patient_id, page)]
 
 
 def add_device_token(

@@ -7,6 +7,7 @@ from fastapi.responses import StreamingResponse
 
 from app.accounts.dependencies import CurrentSubject
 from app.database.dependencies import ReadSession, WriteSession
+from app.pages import WantedPage
 from app.recordings import repository, service
 from app.recordings.differences import MAX_CURVE_POINTS, differences
 from app.recordings.estimator_choice import estimators_out
@@ -43,9 +44,11 @@ def create_session(
 
 
 @router.get("/patients/{patient_id}/sessions")
-def list_sessions(patient_id: str, session: ReadSession, subject: CurrentSubject) -> list[SessionOut]:
+def list_sessions(
+    patient_id: str, session: ReadSession, subject: CurrentSubject, page: WantedPage
+) -> list[SessionOut]:
     """Return a patient's sessions, newest first."""
-    return service.list_of_patient(session, subject, patient_id)
+    return service.list_of_patient(session, subject, patient_id, page)
 
 
 @router.get("/sessions/{session_id}")
@@ -130,9 +133,11 @@ def get_sequence(
 
 
 @router.get("/sessions/{session_id}/jobs")
-def list_jobs(session_id: str, session: ReadSession, subject: CurrentSubject) -> list[JobOut]:
+def list_jobs(
+    session_id: str, session: ReadSession, subject: CurrentSubject, page: WantedPage
+) -> list[JobOut]:
     """Return the long tasks of a session, newest first."""
-    return [service.job_out(job) for job in repository.jobs_of(session, subject, session_id)]
+    return [service.job_out(job) for job in repository.jobs_of(session, subject, session_id, page)]
 
 
 @router.get("/jobs/{job_id}")

@@ -18,6 +18,7 @@ from app.accounts.subject import Subject
 from app.database.base import new_id, utc_now
 from app.database.unit_of_work import read_only
 from app.errors import Conflict, NotFound
+from app.pages import Page, rows_of
 from app.recordings import codecs, repository
 from app.recordings._rows import insert_chunk
 from app.recordings.chunks import EncodedChunk
@@ -143,25 +144,24 @@ def store_fusion(
     insert_chunk(session, session_id, _REPORT + markers_id, 0, chunk)
 
 
-def markers_of(session: Session, subject: Subject, session_id: str) -> list[MarkersOut]:
-    """Return uploaded markers with their reports, newest first."""
+def markers_of(session: Session, subject: Subject, session_id: str, page: Page) -> list[MarkersOut]:
+    """Return a page of the uploaded markers with their reports, newest first."""
     repository.get_session(session, subject, session_id, action="session.markers")
-    jobs = session.scalars(
-        select(Job)
-        .where(Job.session_id == session_id, Job.kind == KIND)
-        .order_by(Job.created_at.desc(), Job.id)
-    )
+    query = select(Job).where(Job.session_id == session_id, Job.kind == KIND)
+    rows = rows_of(session, query, (Job.created_at, Job.id), page, newest_first=True)
+    jobs = {str(job.arguments["markers_id"]): job for (job,) in rows}
+    streams = [kind + markers_id for markers_id in jobs for kind in (_FILE, _REPORT)]
+    # The first piece of a file says how it was declared; its bytes are not needed, those of a report are.
+    first = (SignalChunk.session_id == session_id, SignalChunk.stream.in_(streams), SignalChunk.sequence == 0)
+    declared_as = session.execute(select(SignalChunk.stream, SignalChunk.scale).where(*first))
+    scales: dict[str, Any] = {row.stream: row.scale for row in declared_as}
+    is_report = SignalChunk.stream.startswith(_REPORT)
+    reports = {row.stream: row for row in session.scalars(select(SignalChunk).where(*first, is_report))}
     found = []
-    for job in jobs:
-        markers_id = str(job.arguments["markers_id"])
-        first = session.scalar(
-            select(SignalChunk.scale)
-            .where(SignalChunk.session_id == session_id, SignalChunk.stream == _FILE + markers_id)
-            .limit(1)
-        )
-        told: dict[str, Any] = first or {}
+    for markers_id, job in jobs.items():
+        told: dict[str, Any] = scales.get(_FILE + markers_id, {})
         declared = told.get("declaration", {})
-        row = session.get(SignalChunk, (session_id, _REPORT + markers_id, 0))
+        row = reports.get(_REPORT + markers_id)
         found.append(
             MarkersOut(
                 id=markers_id,

@@ -1,7 +1,7 @@
 """Tables of sessions, their signals and what was estimated from them."""
 
 from datetime import datetime
-from typing import Any
+from typing import Any, Final
 
 from sqlalchemy import (
     JSON,
@@ -9,6 +9,7 @@ from sqlalchemy import (
     Boolean,
     Float,
     ForeignKey,
+    Index,
     Integer,
     LargeBinary,
     String,
@@ -19,14 +20,18 @@ from sqlalchemy.orm import Mapped, mapped_column
 from app.database.base import Base, Identified, UtcDateTime, utc_now
 from app.database.words import Words
 
+WALK_STREAM: Final = "gait/"
+"""Before a result's identifier: the stream that holds its walk in numbers, where it is one."""
+
 
 class MotionSession(Identified, Base):
     """One wearing of the body network, live or uploaded."""
 
     __tablename__ = "motion_session"
+    __table_args__ = (Index(None, "patient_id", "created_at", "id"),)
 
     clinic_id: Mapped[str] = mapped_column(ForeignKey("clinic.id"), index=True)
-    patient_id: Mapped[str] = mapped_column(ForeignKey("patient.id", ondelete="CASCADE"), index=True)
+    patient_id: Mapped[str] = mapped_column(ForeignKey("patient.id", ondelete="CASCADE"))
     prescription_id: Mapped[str | None] = mapped_column(ForeignKey("prescription.id"))
     exercise_id: Mapped[str | None] = mapped_column(ForeignKey("exercise.id"))
     purpose: Mapped[str] = mapped_column(String(20), default="exercise")
@@ -121,8 +126,9 @@ class Job(Identified, Base):
     """A long upload or analysis with its progress; survives a restart and is taken up again."""
 
     __tablename__ = "job"
+    __table_args__ = (Index(None, "session_id", "created_at", "id"),)
 
-    session_id: Mapped[str] = mapped_column(ForeignKey("motion_session.id", ondelete="CASCADE"), index=True)
+    session_id: Mapped[str] = mapped_column(ForeignKey("motion_session.id", ondelete="CASCADE"))
     kind: Mapped[str] = mapped_column(String(20))
     """`upload`, `reprocess`, `compare` or `markers`."""
     arguments: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)

@@ -14,9 +14,10 @@ from app.accounts import audit
 from app.accounts.subject import Subject
 from app.errors import Conflict, InvalidInput, NotFound
 from app.exercises.models import Exercise, Prescription
+from app.pages import Page, rows_of
 from app.patients.access import Level, require_patient
 from app.patients.models import Mounting, Patient
-from app.recordings.models import Job, MotionSession, Result, SessionEvent
+from app.recordings.models import WALK_STREAM, Job, MotionSession, Result, SessionEvent, SignalChunk
 from app.sentences import say
 
 NO_SUCH_SESSION = say("session.not_found")
@@ -58,18 +59,48 @@ def get_session(
 
 
 def list_sessions(
-    session: Session, subject: Subject, patient_id: str
+    session: Session, subject: Subject, patient_id: str, page: Page
 ) -> list[tuple[MotionSession, str | None]]:
-    """Return a patient's sessions, newest first, each with the name of its exercise."""
+    """Return a page of a patient's sessions, newest first, each with the name of its exercise."""
     require_patient(session, subject, patient_id, "read")
     audit.record(session, subject, "session.list", patient_id)
-    rows = session.execute(
+    query = (
         select(MotionSession, Exercise.name)
         .outerjoin(Exercise, Exercise.id == MotionSession.exercise_id)
         .where(MotionSession.patient_id == patient_id)
-        .order_by(MotionSession.created_at.desc(), MotionSession.id)
     )
-    return [(found, name) for found, name in rows]
+    order = (MotionSession.created_at, MotionSession.id)
+    return [(found, name) for found, name in rows_of(session, query, order, page, newest_first=True)]
+
+
+def list_walks(
+    session: Session, subject: Subject, patient_id: str, page: Page
+) -> list[tuple[MotionSession, str | None, SignalChunk]]:
+    """Return a page of a patient's analysed walks, newest first: session, exercise and the walk in numbers."""
+    require_patient(session, subject, patient_id, "read")
+    audit.record(session, subject, "session.list", patient_id)
+    query = (
+        select(MotionSession, Exercise.name, SignalChunk)
+        .join(
+            SignalChunk,
+            (SignalChunk.session_id == MotionSession.id)
+            & (SignalChunk.stream == WALK_STREAM + MotionSession.main_result_id),
+        )
+        .outerjoin(Exercise, Exercise.id == MotionSession.exercise_id)
+        .where(MotionSession.patient_id == patient_id)
+    )
+    order = (MotionSession.created_at, MotionSession.id)
+    return [tuple(row) for row in rows_of(session, query, order, page, newest_first=True)]
+
+
+def sessions_among(
+    session: Session, subject: Subject, patient_id: str, ids: list[str]
+) -> dict[str, MotionSession]:
+    """Return which of the sessions are the patient's, by identifier."""
+    require_patient(session, subject, patient_id, "read")
+    audit.record(session, subject, "session.list", patient_id)
+    query = select(MotionSession).where(MotionSession.patient_id == patient_id, MotionSession.id.in_(ids))
+    return {found.id: found for found in session.scalars(query)}
 
 
 def create_session(session: Session, subject: Subject, new: MotionSession) -> MotionSession:
@@ -177,12 +208,11 @@ def get_job(session: Session, subject: Subject, job_id: str) -> Job:
     return job
 
 
-def jobs_of(session: Session, subject: Subject, session_id: str) -> Sequence[Job]:
-    """Return the tasks of a session, newest first."""
+def jobs_of(session: Session, subject: Subject, session_id: str, page: Page) -> list[Job]:
+    """Return a page of the tasks of a session, newest first."""
     get_session(session, subject, session_id, "status", action="")
-    return session.scalars(
-        select(Job).where(Job.session_id == session_id).order_by(Job.created_at.desc(), Job.id)
-    ).all()
+    query = select(Job).where(Job.session_id == session_id)
+    return [job for (job,) in rows_of(session, query, (Job.created_at, Job.id), page, newest_first=True)]
 
 
 def delete_session(session: Session, subject: Subject, session_id: str) -> None:

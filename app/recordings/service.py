@@ -11,6 +11,7 @@ from sqlalchemy.orm import Session
 from app.accounts.subject import Subject
 from app.database.unit_of_work import read_only
 from app.errors import Conflict, InvalidInput, NotFound
+from app.pages import Page
 from app.patients.access import levels
 from app.patients.models import Patient
 from app.recordings import repository
@@ -159,11 +160,11 @@ def _remembered(session: Session, patient_id: str, placements: tuple[str, ...]) 
     )
 
 
-def list_of_patient(session: Session, subject: Subject, patient_id: str) -> list[SessionOut]:
-    """Return a patient's sessions, newest first."""
+def list_of_patient(session: Session, subject: Subject, patient_id: str, page: Page) -> list[SessionOut]:
+    """Return a page of a patient's sessions, newest first."""
     return [
         SessionOut(**_row(found, name))
-        for found, name in repository.list_sessions(session, subject, patient_id)
+        for found, name in repository.list_sessions(session, subject, patient_id, page)
     ]
 
 

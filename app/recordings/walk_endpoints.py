@@ -4,6 +4,7 @@ from fastapi import APIRouter
 
 from app.accounts.dependencies import CurrentSubject
 from app.database.dependencies import ReadSession
+from app.pages import WantedPage
 from app.recordings.walk_history import compare, walks_of
 from app.recordings.walk_schemas import ConditionsIn, ConditionsOut, GaitOut, WalkRow
 from app.recordings.walks import gait
@@ -20,9 +21,11 @@ def get_gait(
 
 
 @router.get("/patients/{patient_id}/walks")
-def list_walks(patient_id: str, session: ReadSession, subject: CurrentSubject) -> list[WalkRow]:
+def list_walks(
+    patient_id: str, session: ReadSession, subject: CurrentSubject, page: WantedPage
+) -> list[WalkRow]:
     """Return the analysed walks of a patient, newest first."""
-    return walks_of(session, subject, patient_id)
+    return walks_of(session, subject, patient_id, page)
 
 
 @router.post("/patients/{patient_id}/walks/comparison")

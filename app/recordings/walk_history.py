@@ -10,6 +10,7 @@ from sqlalchemy.orm import Session
 from app.accounts import audit
 from app.accounts.subject import Subject
 from app.errors import InvalidInput
+from app.pages import Page
 from app.recordings import repository
 from app.recordings.models import MotionSession, SignalChunk
 from app.recordings.walk_schemas import (
@@ -69,8 +70,8 @@ _SUFFIX: Final = "_asymmetry"
 _LEAST_FOR_SPREAD: Final = 3
 
 
-def walks_of(session: Session, subject: Subject, patient_id: str) -> list[WalkRow]:
-    """Return the analysed walks of a patient, newest first.
+def walks_of(session: Session, subject: Subject, patient_id: str, page: Page) -> list[WalkRow]:
+    """Return a page of the analysed walks of a patient, newest first.
 
     Parameters
     ----------
@@ -78,12 +79,11 @@ def walks_of(session: Session, subject: Subject, patient_id: str) -> list[WalkRo
     subject : Subject
         May read the patient.
     patient_id : str
+    page : Page
     """
     rows = []
-    for found, exercise in repository.list_sessions(session, subject, patient_id):
-        content = walk_content(session, found)
-        if content is None:
-            continue
+    for found, exercise, chunk in repository.list_walks(session, subject, patient_id, page):
+        content = _content(chunk)
         test = content.test
         rows.append(
             WalkRow(
@@ -115,11 +115,10 @@ def compare(session: Session, subject: Subject, patient_id: str, wanted: Conditi
     InvalidInput
         A session is no analysed walk of this patient, or is in both conditions.
     """
-    found = repository.list_sessions(session, subject, patient_id)
+    known = repository.sessions_among(session, subject, patient_id, [*wanted.a, *wanted.b])
     audit.record(session, subject, "walks.compare", patient_id)
     if set(wanted.a) & set(wanted.b):
         raise InvalidInput(say("walk.in_both"), field="b")
-    known = {one.id: one for one, _ in found}
     sides: list[list[WalkContent]] = []
     for field, ids in (("a", wanted.a), ("b", wanted.b)):
         chosen = [walk_content(session, known[one]) if one in known else None for one in ids]
@@ -234,7 +233,11 @@ def _stored_walk(session: Session, session_id: str, result_id: str) -> WalkConte
             SignalChunk.session_id == session_id, SignalChunk.stream == walk_stream(result_id)
         )
     )
-    return None if row is None else WalkContent.model_validate_json(zlib.decompress(row.data))
+    return None if row is None else _content(row)
+
+
+def _content(row: SignalChunk) -> WalkContent:
+    return WalkContent.model_validate_json(zlib.decompress(row.data))
 
 
 def _plain(value: float) -> float | None:

@@ -20,7 +20,7 @@ from app.recordings import repository, service
 from app.recordings._rows import insert_chunk
 from app.recordings.chunks import EncodedChunk
 from app.recordings.codecs import DamagedChunkError, checksum
-from app.recordings.models import SignalChunk
+from app.recordings.models import WALK_STREAM, SignalChunk
 from app.recordings.walk_balance import balance_of
 from app.recordings.walk_curves import cycle_curves, force_curves, peak_measures
 from app.recordings.walk_schemas import (
@@ -196,7 +196,7 @@ def gait(session: Session, subject: Subject, session_id: str, result_id: str | N
 
 def walk_stream(result_id: str) -> str:
     """Return the name of the stream that holds the walk of a result."""
-    return f"gait/{result_id}"
+    return WALK_STREAM + result_id
 
 
 def _measures(found: Mapping[str, Measure]) -> list[WalkMeasure]:

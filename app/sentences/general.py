@@ -10,6 +10,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "edge.method": "This address takes {allowed}.",
     "edge.no_json": "The body cannot be read as JSON.",
     "edge.no_such_address": "There is nothing at this address.",
+    "edge.no_such_page": "This is no page of this list; read the list from its beginning.",
     "edge.no_such_file": "There is no such file.",
 }
 

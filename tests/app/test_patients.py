@@ -151,11 +151,9 @@ def test_device_tokens_are_shown_once_and_revoked(therapist, world, new_client, 
 def test_forged_and_foreign_device_tokens_are_refused(device_token, new_client, world, settings):
     import jwt
 
-    from app.accounts.tokens import derive_key
-
     good = device_token(world.patient_id)
     claims = jwt.decode(good, options={"verify_signature": False})
-    key = derive_key(settings.signing_secret, "device-token")
+    key = settings.key_for("device-token")
     now = int(utc_now().timestamp())
     forged = {
         "other key": jwt.encode(claims, b"x" * 32, algorithm="HS256"),

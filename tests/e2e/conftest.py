@@ -138,12 +138,12 @@ async def furnish(address: str, engine: engines.Engine) -> House:
     person = PATIENTS[0]
     async with ServiceClient(address) as service:
         await service.sign_in(THERAPIST, PASSWORD)
-        patients = (await service.http.get("/api/patients")).json()
+        patients = await service.every("/api/patients")
         patient_id = next(row["id"] for row in patients if row["given_name"] == person.given_name)
         exercises = (await service.http.get("/api/exercises")).json()
         exercise_id = next(row["id"] for row in exercises if row["movement"] == person.movement)
         prescription_id, _ = await history.record_template(service, engine, person, patient_id, exercise_id)
-        sessions = (await service.http.get(f"/api/patients/{patient_id}/sessions")).json()
+        sessions = await service.every(f"/api/patients/{patient_id}/sessions")
         options = Options(
             server=address,
             email="",

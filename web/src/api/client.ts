@@ -80,8 +80,33 @@ export function withQuery(path: string, query: Query): string {
   return text ? `${path}?${text}` : path;
 }
 
+/** One page of a list, and the address of the next while there is more. */
+export interface ListPage<T> {
+  rows: T[];
+  next: string | null;
+}
+
+async function page<T>(path: string, signal?: AbortSignal): Promise<ListPage<T>> {
+  const response = await send(path, { signal });
+  const next = /<([^>]*)>;\s*rel="next"/.exec(response.headers.get('Link') ?? '')?.[1];
+  return { rows: await json<T[]>(response), next: next ?? null };
+}
+
+/** A whole list, page after page, for what needs every row: choices in a form, a comparison over all. */
+async function all<T>(path: string, signal?: AbortSignal): Promise<T[]> {
+  const found: T[] = [];
+  for (let at: string | null = path; at !== null; ) {
+    const { rows, next }: ListPage<T> = await page<T>(at, signal);
+    found.push(...rows);
+    at = next;
+  }
+  return found;
+}
+
 export const api = {
   get: async <T>(path: string, signal?: AbortSignal): Promise<T> => json<T>(await send(path, { signal })),
+  page,
+  all,
   binary: async (path: string, signal?: AbortSignal): Promise<ArrayBuffer> =>
     (await send(path, { signal })).arrayBuffer(),
   post: change('POST'),

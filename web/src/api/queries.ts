@@ -1,6 +1,6 @@
 // Every question the client asks the service, with one key each, so a change refreshes what it touched.
-import { useMutation, useQuery, useQueryClient, type QueryClient } from '@tanstack/react-query';
-import { api, ApiError, setCsrfToken, withQuery } from './client';
+import { useInfiniteQuery, useMutation, useQuery, useQueryClient, type InfiniteData, type QueryClient } from '@tanstack/react-query';
+import { api, ApiError, setCsrfToken, withQuery, type ListPage } from './client';
 import type * as Wire from './types';
 import { setLocale } from '../i18n';
 
@@ -97,6 +97,25 @@ function useGet<T>(queryKey: readonly unknown[], path: string, options: { enable
   return useQuery({ queryKey, queryFn: ({ signal }) => api.get<T>(path, signal), ...options });
 }
 
+const rowsOf = <T>(data: InfiniteData<ListPage<T>>): T[] => data.pages.flatMap((page) => page.rows);
+
+/** A list that people read: its first page, and further ones when they ask (`ShowMore`). */
+function usePages<T>(queryKey: readonly unknown[], path: string, options: { enabled?: boolean; refetchInterval?: number } = {}) {
+  return useInfiniteQuery({
+    queryKey,
+    queryFn: ({ pageParam, signal }) => api.page<T>(pageParam, signal),
+    initialPageParam: path,
+    getNextPageParam: (last) => last.next,
+    select: rowsOf<T>,
+    ...options,
+  });
+}
+
+/** A list of which every row is needed. */
+function useAll<T>(queryKey: readonly unknown[], path: string, options: { enabled?: boolean } = {}) {
+  return useQuery({ queryKey, queryFn: ({ signal }) => api.all<T>(path, signal), ...options });
+}
+
 /** A change, and the keys that it makes old. */
 function useChange<In, Out>(change: (input: In) => Promise<Out>, old: (input: In, output: Out) => readonly (readonly unknown[])[]) {
   const client = useQueryClient();
@@ -115,27 +134,27 @@ export const useDemonstration = () =>
     refetchInterval: (query) => (query.state.data ? 3_000 : false),
     staleTime: Infinity,
   });
-export const useCaseload = () => useGet<Wire.CaseloadRow[]>(keys.caseload, '/api/caseload', { refetchInterval: 15_000 });
-export const usePatients = () => useGet<Wire.Patient[]>(keys.patients, '/api/patients');
-export const useArchivedPatients = () => useGet<Wire.Patient[]>(keys.archived, '/api/patients?archived=true');
+export const useCaseload = () => usePages<Wire.CaseloadRow>(keys.caseload, '/api/caseload', { refetchInterval: 15_000 });
+export const usePatients = () => useAll<Wire.Patient>(keys.patients, '/api/patients');
+export const useArchivedPatients = () => usePages<Wire.Patient>(keys.archived, '/api/patients?archived=true');
 export const usePatient = (id: string) => useGet<Wire.Patient>(keys.patient(id), `/api/patients/${id}`, { enabled: id !== '' });
 export const useProgress = (id: string, exerciseId: string | null) =>
   useGet<Wire.Progress>(keys.progress(id, exerciseId), withQuery(`/api/patients/${id}/progress`, { exercise_id: exerciseId }));
 export const usePatientSessions = (id: string, enabled = true) =>
-  useGet<Wire.Session[]>(keys.patientSessions(id), `/api/patients/${id}/sessions`, { enabled: enabled && id !== '' });
+  usePages<Wire.Session>(keys.patientSessions(id), `/api/patients/${id}/sessions`, { enabled: enabled && id !== '' });
 export const usePrescriptions = (id: string) =>
   useGet<Wire.Prescription[]>(keys.prescriptions(id), `/api/patients/${id}/prescriptions`, { enabled: id !== '' });
 export const useGrants = (id: string, enabled = true) => useGet<Wire.Grant[]>(keys.grants(id), `/api/patients/${id}/grants`, { enabled });
 export const useDeviceTokens = (id: string, enabled = true) =>
-  useGet<Wire.DeviceToken[]>(keys.deviceTokens(id), `/api/patients/${id}/device-tokens`, { enabled });
+  useAll<Wire.DeviceToken>(keys.deviceTokens(id), `/api/patients/${id}/device-tokens`, { enabled });
 export const useConsents = (id: string) => useGet<Wire.Consent[]>(keys.consents(id), `/api/patients/${id}/consents`);
 export const useAudit = (id: string, enabled = true) =>
-  useGet<Wire.AuditEntry[]>(keys.audit(id), `/api/patients/${id}/audit`, { enabled });
-export const useAccounts = (enabled = true) => useGet<Wire.Account[]>(keys.accounts, '/api/accounts', { enabled });
+  usePages<Wire.AuditEntry>(keys.audit(id), `/api/patients/${id}/audit`, { enabled });
+export const useAccounts = (enabled = true) => useAll<Wire.Account>(keys.accounts, '/api/accounts', { enabled });
 export const useClinic = () => useGet<Wire.Clinic>(keys.clinic, '/api/clinic');
 export const useExercises = () => useGet<Wire.Exercise[]>(keys.exercises, '/api/exercises', { staleTime: 60_000 });
 export const useTemplates = (exerciseId: string | null, patientId: string | null, enabled = true) =>
-  useGet<Wire.Template[]>(
+  useAll<Wire.Template>(
     keys.templates(exerciseId, patientId),
     withQuery('/api/templates', { exercise_id: exerciseId, patient_id: patientId }),
     { enabled },
@@ -147,9 +166,10 @@ export const useTemplateVersion = (id: string | null) =>
   });
 export const useSession = (id: string, refetchInterval?: number) =>
   useGet<Wire.SessionDetail>(keys.session(id), `/api/sessions/${id}`, { enabled: id !== '', refetchInterval });
+/** The newest tasks: a page holds more than a session has at once. */
 export const useSessionJobs = (id: string, refetchInterval?: number) =>
   useGet<Wire.Job[]>(keys.sessionJobs(id), `/api/sessions/${id}/jobs`, { refetchInterval, enabled: id !== '' });
-export const useMarkers = (id: string) => useGet<Wire.Markers[]>(keys.markers(id), `/api/sessions/${id}/markers`);
+export const useMarkers = (id: string) => useAll<Wire.Markers>(keys.markers(id), `/api/sessions/${id}/markers`);
 /** Fused motion in blocks of so many seconds, so that a long session is fetched as it is looked at. */
 export const MOTION_BLOCK_S = 20;
 export const useMarkerMotion = (id: string, markersId: string, block: number) =>
@@ -158,7 +178,7 @@ export const useMarkerMotion = (id: string, markersId: string, block: number) =>
     withQuery(`/api/sessions/${id}/markers/motion/stretch`, { markers_id: markersId, from_s: block * MOTION_BLOCK_S, until_s: (block + 1) * MOTION_BLOCK_S }),
     { staleTime: Infinity },
   );
-export const useComparisons = (id: string) => useGet<Wire.Comparison[]>(keys.comparisons(id), `/api/sessions/${id}/comparisons`);
+export const useComparisons = (id: string) => useAll<Wire.Comparison>(keys.comparisons(id), `/api/sessions/${id}/comparisons`);
 export const useComparison = (id: string | null) =>
   useGet<Wire.ComparisonDetail>(keys.comparison(id ?? ''), `/api/comparisons/${id}`, { enabled: id !== null, staleTime: Infinity });
 export const useEstimators = () => useGet<Wire.Estimator[]>(keys.estimators, '/api/estimators', { staleTime: Infinity });
@@ -322,7 +342,7 @@ export const useSourceUse = (id: string, resultId: string | null) =>
 export const useMassCentre = (id: string, resultId: string | null) =>
   useGet<Wire.MassCentre>(keys.massCentre(id, resultId), withQuery(`/api/sessions/${id}/mass-centre`, { result_id: resultId, max_points: 1000 }), { staleTime: 60_000 });
 export const useGait = (id: string | null) => useGet<Wire.Gait>(keys.gait(id ?? ''), `/api/sessions/${id}/gait`, { enabled: id !== null && id !== '', staleTime: 60_000 });
-export const useWalks = (patientId: string) => useGet<Wire.WalkRow[]>(keys.walks(patientId), `/api/patients/${patientId}/walks`, { enabled: patientId !== '' });
+export const useWalks = (patientId: string) => useAll<Wire.WalkRow>(keys.walks(patientId), `/api/patients/${patientId}/walks`, { enabled: patientId !== '' });
 /** Two conditions compared; asked anew whenever the choice of walks changes. */
 export const useConditions = (patientId: string, a: readonly string[], b: readonly string[]) =>
   useQuery({

@@ -657,7 +657,7 @@ export interface paths {
         };
         /**
          * List Device Tokens
-         * @description Return this patient's device tokens, without their secrets.
+         * @description Return this patient's device tokens, newest first, without their secrets.
          */
         get: operations["list_device_tokens_api_patients__patient_id__device_tokens_get"];
         put?: never;
@@ -4977,7 +4977,12 @@ export type $defs = Record<string, never>;
 export interface operations {
     list_accounts_api_accounts_get: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description From the header `Link` of the page before; not to be made up. */
+                after?: string | null;
+                /** @description Most rows of this page. */
+                limit?: number;
+            };
             header?: never;
             path?: never;
             cookie?: never;
@@ -4987,6 +4992,8 @@ export interface operations {
             /** @description Successful Response */
             200: {
                 headers: {
+                    /** @description The address of the next page, `<...>; rel="next"` (RFC 8288); absent on the last page. */
+                    Link?: string;
                     [name: string]: unknown;
                 };
                 content: {
@@ -4995,6 +5002,7 @@ export interface operations {
             };
             401: components["responses"]["Error401"];
             403: components["responses"]["Error403"];
+            422: components["responses"]["Error422"];
             503: components["responses"]["Error503"];
         };
     };
@@ -5118,7 +5126,12 @@ export interface operations {
     };
     read_caseload_api_caseload_get: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description From the header `Link` of the page before; not to be made up. */
+                after?: string | null;
+                /** @description Most rows of this page. */
+                limit?: number;
+            };
             header?: never;
             path?: never;
             cookie?: never;
@@ -5128,6 +5141,8 @@ export interface operations {
             /** @description Successful Response */
             200: {
                 headers: {
+                    /** @description The address of the next page, `<...>; rel="next"` (RFC 8288); absent on the last page. */
+                    Link?: string;
                     [name: string]: unknown;
                 };
                 content: {
@@ -5136,6 +5151,7 @@ export interface operations {
             };
             401: components["responses"]["Error401"];
             403: components["responses"]["Error403"];
+            422: components["responses"]["Error422"];
             503: components["responses"]["Error503"];
         };
     };
@@ -5822,7 +5838,11 @@ export interface operations {
     list_patients_api_patients_get: {
         parameters: {
             query?: {
+                /** @description From the header `Link` of the page before; not to be made up. */
+                after?: string | null;
                 archived?: boolean | null;
+                /** @description Most rows of this page. */
+                limit?: number;
             };
             header?: never;
             path?: never;
@@ -5833,6 +5853,8 @@ export interface operations {
             /** @description Successful Response */
             200: {
                 headers: {
+                    /** @description The address of the next page, `<...>; rel="next"` (RFC 8288); absent on the last page. */
+                    Link?: string;
                     [name: string]: unknown;
                 };
                 content: {
@@ -5983,6 +6005,9 @@ export interface operations {
     read_audit_api_patients__patient_id__audit_get: {
         parameters: {
             query?: {
+                /** @description From the header `Link` of the page before; not to be made up. */
+                after?: string | null;
+                /** @description Most rows of this page. */
                 limit?: number;
             };
             header?: never;
@@ -5996,6 +6021,8 @@ export interface operations {
             /** @description Successful Response */
             200: {
                 headers: {
+                    /** @description The address of the next page, `<...>; rel="next"` (RFC 8288); absent on the last page. */
+                    Link?: string;
                     [name: string]: unknown;
                 };
                 content: {
@@ -6077,7 +6104,12 @@ export interface operations {
     };
     list_device_tokens_api_patients__patient_id__device_tokens_get: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description From the header `Link` of the page before; not to be made up. */
+                after?: string | null;
+                /** @description Most rows of this page. */
+                limit?: number;
+            };
             header?: never;
             path: {
                 patient_id: string;
@@ -6089,6 +6121,8 @@ export interface operations {
             /** @description Successful Response */
             200: {
                 headers: {
+                    /** @description The address of the next page, `<...>; rel="next"` (RFC 8288); absent on the last page. */
+                    Link?: string;
                     [name: string]: unknown;
                 };
                 content: {
@@ -6365,7 +6399,12 @@ export interface operations {
     };
     list_sessions_api_patients__patient_id__sessions_get: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description From the header `Link` of the page before; not to be made up. */
+                after?: string | null;
+                /** @description Most rows of this page. */
+                limit?: number;
+            };
             header?: never;
             path: {
                 patient_id: string;
@@ -6377,6 +6416,8 @@ export interface operations {
             /** @description Successful Response */
             200: {
                 headers: {
+                    /** @description The address of the next page, `<...>; rel="next"` (RFC 8288); absent on the last page. */
+                    Link?: string;
                     [name: string]: unknown;
                 };
                 content: {
@@ -6393,7 +6434,12 @@ export interface operations {
     };
     list_walks_api_patients__patient_id__walks_get: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description From the header `Link` of the page before; not to be made up. */
+                after?: string | null;
+                /** @description Most rows of this page. */
+                limit?: number;
+            };
             header?: never;
             path: {
                 patient_id: string;
@@ -6405,6 +6451,8 @@ export interface operations {
             /** @description Successful Response */
             200: {
                 headers: {
+                    /** @description The address of the next page, `<...>; rel="next"` (RFC 8288); absent on the last page. */
+                    Link?: string;
                     [name: string]: unknown;
                 };
                 content: {
@@ -6795,7 +6843,12 @@ export interface operations {
     };
     list_comparisons_api_sessions__session_id__comparisons_get: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description From the header `Link` of the page before; not to be made up. */
+                after?: string | null;
+                /** @description Most rows of this page. */
+                limit?: number;
+            };
             header?: never;
             path: {
                 session_id: string;
@@ -6807,6 +6860,8 @@ export interface operations {
             /** @description Successful Response */
             200: {
                 headers: {
+                    /** @description The address of the next page, `<...>; rel="next"` (RFC 8288); absent on the last page. */
+                    Link?: string;
                     [name: string]: unknown;
                 };
                 content: {
@@ -6923,7 +6978,12 @@ export interface operations {
     };
     list_jobs_api_sessions__session_id__jobs_get: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description From the header `Link` of the page before; not to be made up. */
+                after?: string | null;
+                /** @description Most rows of this page. */
+                limit?: number;
+            };
             header?: never;
             path: {
                 session_id: string;
@@ -6935,6 +6995,8 @@ export interface operations {
             /** @description Successful Response */
             200: {
                 headers: {
+                    /** @description The address of the next page, `<...>; rel="next"` (RFC 8288); absent on the last page. */
+                    Link?: string;
                     [name: string]: unknown;
                 };
                 content: {
@@ -7115,7 +7177,12 @@ export interface operations {
     };
     list_markers_api_sessions__session_id__markers_get: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description From the header `Link` of the page before; not to be made up. */
+                after?: string | null;
+                /** @description Most rows of this page. */
+                limit?: number;
+            };
             header?: never;
             path: {
                 session_id: string;
@@ -7127,6 +7194,8 @@ export interface operations {
             /** @description Successful Response */
             200: {
                 headers: {
+                    /** @description The address of the next page, `<...>; rel="next"` (RFC 8288); absent on the last page. */
+                    Link?: string;
                     [name: string]: unknown;
                 };
                 content: {
@@ -7829,7 +7898,11 @@ export interface operations {
     list_templates_api_templates_get: {
         parameters: {
             query?: {
+                /** @description From the header `Link` of the page before; not to be made up. */
+                after?: string | null;
                 exercise_id?: string | null;
+                /** @description Most rows of this page. */
+                limit?: number;
                 patient_id?: string | null;
             };
             header?: never;
@@ -7841,6 +7914,8 @@ export interface operations {
             /** @description Successful Response */
             200: {
                 headers: {
+                    /** @description The address of the next page, `<...>; rel="next"` (RFC 8288); absent on the last page. */
+                    Link?: string;
                     [name: string]: unknown;
                 };
                 content: {

@@ -61,6 +61,27 @@ export function Waiting({ lines = 4, height = 22 }: { lines?: number; height?: n
   );
 }
 
+interface Paged {
+  hasNextPage: boolean;
+  isFetchingNextPage: boolean;
+  isFetchNextPageError: boolean;
+  error: unknown;
+  fetchNextPage: () => unknown;
+}
+
+/** The way to the next page of a list, while there is one. */
+export function ShowMore({ of }: { of: Paged }) {
+  if (!of.hasNextPage) return null;
+  return (
+    <div className="show-more">
+      {of.isFetchNextPageError && <Problem error={of.error} />}
+      <Button mt={14} variant="default" size="sm" loading={of.isFetchingNextPage} onClick={() => void of.fetchNextPage()}>
+        {t('action.showMore')}
+      </Button>
+    </div>
+  );
+}
+
 interface Asked<T> {
   data: T | undefined;
   error: unknown;

@@ -1,11 +1,11 @@
 import { Button, SegmentedControl, TextInput } from '@mantine/core';
 import { IconSearch, IconUserPlus, IconUsers } from '@tabler/icons-react';
-import { useState } from 'react';
+import { useEffect, useState } from 'react';
 import { Link } from 'react-router';
 import { useCaseload, useDemonstration } from '../api/queries';
 import type { CaseloadRow } from '../api/types';
 import { Sparkline } from '../charts/Sparkline';
-import { Answer, Empty } from '../components/Feedback';
+import { Answer, Empty, ShowMore } from '../components/Feedback';
 import { LiveMark, ReasonMark, SideMark } from '../components/Marks';
 import { Page } from '../components/Page';
 import { useSignedIn } from '../components/useSignedIn';
@@ -76,10 +76,17 @@ function Row({ row }: { row: CaseloadRow }) {
   );
 }
 
-function Rows({ rows }: { rows: CaseloadRow[] }) {
+function Rows({ rows, of }: { rows: CaseloadRow[]; of: ReturnType<typeof useCaseload> }) {
   const [search, setSearch] = useState('');
   const [filter, setFilter] = useState<CaseloadFilter>('all');
   const [seesArchive, setSeesArchive] = useState(false);
+  const { hasNextPage, isFetchingNextPage, fetchNextPage } = of;
+  // Who needs attention comes first: once somebody without a reason is read, all of them are.
+  const mayMoreNeedAttention = hasNextPage && rows.at(-1)?.reason !== '';
+  const needsRest = hasNextPage && !isFetchingNextPage && !of.isFetchNextPageError && (search !== '' || filter === 'live' || mayMoreNeedAttention);
+  useEffect(() => {
+    if (needsRest) void fetchNextPage();
+  }, [needsRest, fetchNextPage]);
   if (rows.length === 0) {
     return (
       <div className="card">
@@ -105,7 +112,10 @@ function Rows({ rows }: { rows: CaseloadRow[] }) {
     );
   }
   const shown = rows.filter((row) => matches(row, filter, search));
-  const count = (one: CaseloadFilter) => rows.filter((row) => matches(row, one, '')).length;
+  const count = (one: CaseloadFilter) => {
+    const isSure = one === 'look' ? !mayMoreNeedAttention : !hasNextPage;
+    return `${rows.filter((row) => matches(row, one, '')).length}${isSure ? '' : '+'}`;
+  };
   return (
     <>
       <div className="caseload-tools">
@@ -162,6 +172,7 @@ function Rows({ rows }: { rows: CaseloadRow[] }) {
           </tbody>
         </table>
       )}
+      {!seesArchive && <ShowMore of={of} />}
     </>
   );
 }
@@ -192,7 +203,7 @@ export function CaseloadPage() {
     >
       <PastSessions />
       <Answer of={caseload} lines={8} height={44}>
-        {(rows) => <Rows rows={rows} />}
+        {(rows) => <Rows rows={rows} of={caseload} />}
       </Answer>
     </Page>
   );

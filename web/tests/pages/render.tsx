@@ -22,6 +22,14 @@ export const THERAPIST: Me = {
 /** Answer of the service for a path, with its status where it is not 200. */
 export type Answers = Record<string, unknown | [number, unknown]>;
 
+/** A page of a list that another follows, as the answer for its path. */
+export class Paged {
+  constructor(
+    readonly rows: unknown[],
+    readonly next: string,
+  ) {}
+}
+
 /** Render a page at a path inside the shell's context, against answers instead of a service. */
 export function renderPage(element: ReactElement, options: { at?: string; path?: string; answers: Answers; me?: Me }) {
   const { at = '/', path = '/', answers, me = THERAPIST } = options;
@@ -30,6 +38,7 @@ export function renderPage(element: ReactElement, options: { at?: string; path?:
     const method = init.method ?? 'GET';
     asked.push({ method, path: input, body: init.body ? JSON.parse(String(init.body)) : undefined, headers: new Headers(init.headers) });
     const found = answers[method === 'GET' ? input : `${method} ${input}`];
+    if (found instanceof Paged) return Promise.resolve(Response.json(found.rows, { headers: { Link: `<${found.next}>; rel="next"` } }));
     const [status, body] = Array.isArray(found) && typeof found[0] === 'number' ? (found as [number, unknown]) : [found === undefined ? 404 : 200, found];
     return Promise.resolve(Response.json(body ?? { code: 'not_found', message: `nothing at ${input}`, details: {} }, { status }));
   });

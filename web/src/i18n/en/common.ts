@@ -26,6 +26,7 @@ export const common = {
 
   'action.signIn': 'Sign in',
   'action.signOut': 'Sign out',
+  'action.showMore': 'Show more',
   'action.tryAgain': 'Try again',
   'action.save': 'Save',
   'action.cancel': 'Cancel',

@@ -1,7 +1,7 @@
 import { useAudit, useGrants } from '../../api/queries';
 import { AuditList } from '../../components/AuditList';
 import { Consents } from '../../components/Consents';
-import { Answer } from '../../components/Feedback';
+import { Answer, ShowMore } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { useSignedIn } from '../../components/useSignedIn';
 import { t } from '../../i18n';
@@ -45,6 +45,7 @@ function MyData({ patientId }: { patientId: string }) {
           <Answer of={audit} lines={5}>
             {(entries) => <AuditList entries={entries} />}
           </Answer>
+          <ShowMore of={audit} />
         </section>
       </div>
     </Page>

@@ -2,16 +2,13 @@ import { IconChevronRight } from '@tabler/icons-react';
 import { Link } from 'react-router';
 import { usePatientSessions, usePrescriptions, useProgress } from '../../api/queries';
 import type { Session } from '../../api/types';
-import { Answer } from '../../components/Feedback';
+import { Answer, ShowMore } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { useSignedIn } from '../../components/useSignedIn';
 import { t } from '../../i18n';
 import { weekday } from '../../lib/format';
 import { mainMeasure, plainProgress, repetitionsOf } from '../../lib/plain';
 import { NoRecord } from './Today';
-
-/** The newest sessions that are shown. */
-const SHOWN = 30;
 
 function Exercise({ patientId, exerciseId, name }: { patientId: string; exerciseId: string; name: string }) {
   const progress = useProgress(patientId, exerciseId);
@@ -89,7 +86,7 @@ function Results({ patientId }: { patientId: string }) {
             {(list) => {
               const done = list.filter((one) => one.state === 'analysed' || one.state === 'closing');
               if (done.length === 0) return <p className="muted">{t('mine.noSessions')}</p>;
-              return byDay(done.slice(0, SHOWN)).map(([day, ofDay]) => (
+              return byDay(done).map(([day, ofDay]) => (
                 <section key={day} className="home-day">
                   <h3>{day}</h3>
                   <ul className="plain-list lines">
@@ -99,6 +96,7 @@ function Results({ patientId }: { patientId: string }) {
               ));
             }}
           </Answer>
+          <ShowMore of={sessions} />
         </section>
       </div>
     </Page>

@@ -8,7 +8,7 @@ import { AuditList } from '../../components/AuditList';
 import { RadioCards } from '../../components/Choice';
 import { DateField, isDateOrEmpty } from '../../components/DateField';
 import { Confirm } from '../../components/Confirm';
-import { Answer, Problem } from '../../components/Feedback';
+import { Answer, Problem, ShowMore } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { date } from '../../lib/format';
 
@@ -118,6 +118,7 @@ export function AccessPanel({ patient }: { patient: Patient }) {
       </Modal>
       <Modal opened={isReading} onClose={reading.close} size="xl" title={t('audit.open')} closeButtonProps={{ 'aria-label': t('action.close') }}>
         <Answer of={audit}>{(entries) => <AuditList entries={entries} />}</Answer>
+        <ShowMore of={audit} />
       </Modal>
     </section>
   );

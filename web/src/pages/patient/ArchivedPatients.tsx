@@ -1,7 +1,8 @@
+import { useEffect } from 'react';
 import { IconArchive } from '@tabler/icons-react';
 import { Link } from 'react-router';
 import { useArchivedPatients } from '../../api/queries';
-import { Answer, Empty } from '../../components/Feedback';
+import { Answer, Empty, ShowMore } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { holdsWords } from '../../lib/caseload';
 import { date } from '../../lib/format';
@@ -9,6 +10,11 @@ import { date } from '../../lib/format';
 /** Who was taken off the caseload; the patient's page has the way back. */
 export function ArchivedPatients({ search = '' }: { search?: string }) {
   const patients = useArchivedPatients();
+  const { hasNextPage, isFetchingNextPage, fetchNextPage } = patients;
+  const looksForMore = search !== '' && hasNextPage && !isFetchingNextPage;
+  useEffect(() => {
+    if (looksForMore) void fetchNextPage();
+  }, [looksForMore, fetchNextPage]);
   return (
     <div className="card">
       <Answer of={patients} lines={3}>
@@ -30,6 +36,7 @@ export function ArchivedPatients({ search = '' }: { search?: string }) {
           );
         }}
       </Answer>
+      <ShowMore of={patients} />
     </div>
   );
 }

@@ -3,7 +3,7 @@ import { useState } from 'react';
 import { Link } from 'react-router';
 import { usePatientSessions, useWalks } from '../../api/queries';
 import type { Patient, Session } from '../../api/types';
-import { Answer } from '../../components/Feedback';
+import { Answer, ShowMore } from '../../components/Feedback';
 import { StateMark } from '../../components/Marks';
 import { t } from '../../i18n';
 import { day, duration } from '../../lib/format';
@@ -55,9 +55,10 @@ export function SessionPanel({ patient }: { patient: Patient }) {
                   <Line key={one.id} session={one} />
                 ))}
               </ul>
+              {showsAll && <ShowMore of={sessions} />}
               {list.length > SHOWN_FIRST && (
                 <Button mt={14} variant="default" size="sm" aria-expanded={showsAll} onClick={() => setShowsAll(!showsAll)}>
-                  {showsAll ? t('session.fewer') : t('session.all', { count: list.length })}
+                  {showsAll ? t('session.fewer') : sessions.hasNextPage ? t('action.showMore') : t('session.all', { count: list.length })}
                 </Button>
               )}
             </>

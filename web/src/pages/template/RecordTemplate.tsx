@@ -16,6 +16,8 @@ import { t } from '../../i18n';
 import { day, duration, number, position } from '../../lib/format';
 import { pickCurves } from '../../lib/comparison';
 
+const SHOWN_FIRST = 12;
+const SHOWN_MORE = 24;
 const NARROWEST = 0.5;
 const WIDEST = 3;
 
@@ -27,6 +29,7 @@ function Source({ patientId, exerciseId, onPatient, onSession }: { patientId: st
     .filter((one) => one.state === 'analysed')
     .sort((a, b) => (exerciseId ? Number(b.exercise_id === exerciseId) - Number(a.exercise_id === exerciseId) : 0) || Number(b.purpose === 'template') - Number(a.purpose === 'template'));
   const [picked, setPicked] = useState('');
+  const [shown, setShown] = useState(SHOWN_FIRST);
   const chosen = picked || (analysed[0]?.id ?? '');
   return (
     <section className="card stack" aria-labelledby="source">
@@ -53,7 +56,7 @@ function Source({ patientId, exerciseId, onPatient, onSession }: { patientId: st
                 legend={t('template.stored')}
                 value={chosen}
                 onChange={setPicked}
-                options={analysed.slice(0, 12).map((one) => ({
+                options={analysed.slice(0, shown).map((one) => ({
                   value: one.id,
                   title: one.exercise_name ?? t('session.free'),
                   text: `${day(one.started_at ?? one.created_at)} · ${duration(one.duration_s)}${one.purpose === 'template' ? ` · ${t('session.forTemplate')}` : ''}`,
@@ -62,6 +65,21 @@ function Source({ patientId, exerciseId, onPatient, onSession }: { patientId: st
             )
           }
         </Answer>
+      )}
+      {(analysed.length > shown || sessions.hasNextPage) && (
+        <div>
+          <Button
+            variant="default"
+            size="sm"
+            loading={sessions.isFetchingNextPage}
+            onClick={() => {
+              setShown(shown + SHOWN_MORE);
+              if (analysed.length < shown + SHOWN_MORE && sessions.hasNextPage) void sessions.fetchNextPage();
+            }}
+          >
+            {t('action.showMore')}
+          </Button>
+        </div>
       )}
       {patientId && (
         <Group>
