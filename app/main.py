@@ -36,6 +36,7 @@ from app.edge.metrics import router as metrics_router
 from app.edge.middleware import BodyLimit, SecurityHeaders, UnexpectedErrors, WholeAddresses
 from app.edge.readiness import Readiness, storing_checks
 from app.edge.readiness import router as readiness_router
+from app.edge.slow_senders import TimedBodies
 from app.exercises.endpoints import router as exercises_router
 from app.ingest.marker_task import fuse
 from app.ingest.markers import FILE_LIMIT_BYTES as MARKER_LIMIT_BYTES
@@ -112,6 +113,11 @@ def create_app(
             "/api/uploads": settings.upload_limit_bytes + MULTIPART_SLACK_BYTES,
             "/api/sessions/*/markers": MARKER_LIMIT_BYTES + MULTIPART_SLACK_BYTES,
         },
+    )
+    app.add_middleware(
+        TimedBodies,
+        floor_bytes_per_s=settings.request_floor_bytes_per_s,
+        patience_s=settings.request_patience_seconds,
     )
     app.add_middleware(WholeAddresses)
     app.add_middleware(UnexpectedErrors)

@@ -110,6 +110,20 @@ class Settings(BaseSettings):
     request_limit_bytes: int = Field(
         default=1 << 20, gt=0, description="Largest body of any other request, in bytes."
     )
+    request_header_seconds: float = Field(
+        default=10.0, gt=0, le=300, description="A connection whose request headers take longer is closed."
+    )
+    request_floor_bytes_per_s: float = Field(
+        default=2048.0,
+        gt=0,
+        description="Slowest body of a request that is waited for to its end, in bytes a second.",
+    )
+    request_patience_seconds: float = Field(
+        default=30.0,
+        gt=0,
+        le=3600,
+        description="A body that stops, or is slower than the floor, for so long is refused with 408.",
+    )
     sign_in_idle_minutes: int = Field(
         default=60,
         ge=1,

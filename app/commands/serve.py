@@ -96,6 +96,7 @@ def run(settings: Settings, listener: socket.socket, lock: WriterLock) -> None:
     One process: a live session's estimator state lives in it. Per-message deflate is off because packets are
     binary and small, and access lines are the service's own (no query strings, no patient data).
     """
+    from app.edge.slow_senders import timed_headers
     from app.main import create_app
 
     server = uvicorn.Server(
@@ -103,7 +104,7 @@ def run(settings: Settings, listener: socket.socket, lock: WriterLock) -> None:
             create_app(settings, lock=lock),
             ws="websockets-sansio",
             loop="uvloop",
-            http="httptools",
+            http=timed_headers(settings.request_header_seconds),
             ws_per_message_deflate=False,
             ws_max_size=1 << 20,
             access_log=False,

@@ -30,6 +30,7 @@ _MEANING: Final = {
     401: "Nobody is signed in, or the session, token or ticket has ended.",
     403: "Known, but not allowed: the role or grant does not cover it, or the CSRF token or Origin is wrong.",
     404: "There is no such thing, or nothing that the subject may see.",
+    408: "The body stopped, or came too slowly for too long; the connection is closed.",
     409: "The thing is in another state than the request needs, or exists already.",
     413: "The body is larger than the limit.",
     422: "The input cannot be understood or used; the details name the fields.",
@@ -132,7 +133,7 @@ def _complete(operation: dict[str, Any], method: str, dependant: Dependant) -> N
     if changes:
         statuses.add(429)
     if operation.get("requestBody"):
-        statuses |= {413, 422}
+        statuses |= {408, 413, 422}
     if names:
         statuses.add(422)
     responses = operation["responses"]

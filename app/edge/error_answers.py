@@ -29,7 +29,7 @@ from app.sentences import say
 
 logger = logging.getLogger("telemotion.errors")
 
-_CODES = {404: "not_found", 413: "too_large"}
+_CODES = {404: "not_found", 408: "too_slow", 413: "too_large"}
 
 CLOSE_CODES = {401: 4401, 403: 4403, 404: 4404, 409: 4409, 413: 1009, 422: 4422, 429: 4429, 503: 1013}
 """WebSocket close code by status: the private range tells a browser what a refused HTTP request would
@@ -54,6 +54,14 @@ class BodyTooLarge(HTTPException):
     def __init__(self, limit_bytes: int) -> None:
         super().__init__(413, say("edge.body_too_large", limit_bytes=limit_bytes))
         self.limit_bytes = limit_bytes
+
+
+class BodyTooSlow(HTTPException):
+    """Raised like `BodyTooLarge` when the sender of a body stops, or is too slow for too long."""
+
+    def __init__(self, patience_s: float) -> None:
+        # What still comes of the body is no request: the connection ends with the answer.
+        super().__init__(408, say("edge.body_too_slow", patience_s=patience_s), {"Connection": "close"})
 
 
 def register(app: FastAPI) -> None:
@@ -115,7 +123,10 @@ async def _http(connection: Request | WebSocket, error: Exception) -> Response |
     details = {"limit_bytes": error.limit_bytes} if isinstance(error, BodyTooLarge) else {}
     code = _CODES.get(error.status_code, "http")
     message = say("edge.no_such_address") if error.status_code == 404 else error.detail
-    return await _send(connection, error.status_code, code, message, details)
+    refusal = await _send(connection, error.status_code, code, message, details)
+    if refusal is not None:
+        refusal.headers.update(error.headers or {})
+    return refusal
 
 
 def allowed_methods(request: Request) -> list[str]:

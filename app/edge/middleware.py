@@ -4,15 +4,21 @@ Written against ASGI and not `BaseHTTPMiddleware`, which would buffer streams an
 requests.
 """
 
+import logging
 from collections.abc import Mapping
+from typing import Final
 from urllib.parse import urlsplit
 
 from starlette.datastructures import MutableHeaders
-from starlette.requests import HTTPConnection
+from starlette.requests import ClientDisconnect, HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from app.edge.error_answers import BodyTooLarge, answer, unexpected
 from app.settings import Settings
+
+logger = logging.getLogger("telemotion.requests")
+
+CLIENT_GONE: Final = 499
 
 
 def content_security_policy(settings: Settings) -> str:
@@ -192,6 +198,11 @@ class UnexpectedErrors:
 
         try:
             await self.app(scope, receive, send_noting)
+        except ClientDisconnect:
+            # Nobody hears an answer; the access log and the counters get the status that proxies use for it.
+            logger.info("the client went away before its request was whole")
+            if not has_begun:
+                await answer(CLIENT_GONE, "client_gone", "", {})(scope, receive, send)
         except Exception as error:
             if has_begun:
                 raise

@@ -4,6 +4,7 @@ from typing import Final
 
 ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "edge.body_too_large": "The request is larger than the limit of {limit_bytes:mib~3}.",
+    "edge.body_too_slow": "The request stopped or came too slowly for {patience_s:s}; send it again.",
     "edge.fields": "The request is not valid; check: {fields:and}.",
     "edge.database_busy": "The database is busy or cannot be reached; try again in a moment.",
     "edge.unexpected": "Something went wrong in the service; the error was recorded.",

@@ -4,9 +4,10 @@ import contextlib
 import socket
 import threading
 from collections.abc import Iterator
+from typing import Any
 
 import uvicorn
-from fastapi import FastAPI
+from starlette.types import ASGIApp
 
 
 def free_port() -> int:
@@ -16,9 +17,10 @@ def free_port() -> int:
 
 
 @contextlib.contextmanager
-def serving(app: FastAPI, port: int) -> Iterator[str]:
+def serving(app: ASGIApp, port: int, **config: Any) -> Iterator[str]:
     """Serve in a thread while the context lasts; gives the address."""
-    server = uvicorn.Server(uvicorn.Config(app, port=port, log_level="error", ws="websockets-sansio"))
+    config = {"log_level": "error", "ws": "websockets-sansio"} | config
+    server = uvicorn.Server(uvicorn.Config(app, port=port, **config))
     thread = threading.Thread(target=server.run)
     thread.start()
     try:

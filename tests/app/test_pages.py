@@ -233,9 +233,13 @@ def test_a_page_has_at_most_so_many_rows(therapist: ServiceClient, world: World)
 def check_twenty_thousand(client: ServiceClient, engine: Engine, world: World) -> None:
     add_sessions(engine, world, 20_000)
     statements: list[str] = []
-    event.listen(
-        client.app.state.services.engine, "before_cursor_execute", lambda *told: statements.append(told[2])
-    )
+
+    def note(*told: Any) -> None:
+        # Not the service's own, such as the check each second that it can store.
+        if "motion_session" in told[2] or "exercise" in told[2] or "FROM patient" in told[2]:
+            statements.append(told[2])
+
+    event.listen(client.app.state.services.engine, "before_cursor_execute", note)
     path = f"/api/patients/{world.patient_id}/sessions"
     few, asked = client.get(f"{path}?limit=1"), len(statements)
     many, asked_for_many = client.get(f"{path}?limit=200"), len(statements) - asked
