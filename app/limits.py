@@ -12,18 +12,19 @@ from types import TracebackType
 from typing import Final, Literal, Protocol
 
 from app.errors import LimitReached, Unavailable
+from app.sentences import Sentence, say
 from app.settings import Allowance
 
 Resource = Literal["views", "streams", "sockets", "uploads", "exports"]
 
-RESOURCES: Final[dict[Resource, tuple[str, str, int]]] = {
-    "views": ("3D views are open", "Close one, or try again in a minute.", 60),
-    "streams": ("body networks are streaming", "Close a session, then connect again.", 30),
-    "sockets": ("live views are open", "Close one, then open this again.", 30),
-    "uploads": ("uploads are under way", "Wait until one has arrived, then send this again.", 15),
-    "exports": ("exports are being made", "Wait until one is done, then ask again.", 30),
+RESOURCES: Final[dict[Resource, tuple[Sentence, int]]] = {
+    "views": (say("limit.views"), 60),
+    "streams": (say("limit.streams"), 30),
+    "sockets": (say("limit.sockets"), 30),
+    "uploads": (say("limit.uploads"), 15),
+    "exports": (say("limit.exports"), 30),
 }
-"""What is counted: in words, what to do, and when to come back, s."""
+"""What is counted: what to do when there are too many, and when to come back, s."""
 
 
 class Holder(Protocol):
@@ -67,19 +68,19 @@ class Limits:
             The whole service is full.
         """
         allowed = self._allowances[resource]
-        words, advice, retry_after_s = RESOURCES[resource]
+        advice, retry_after_s = RESOURCES[resource]
         scopes = (
-            ("account", holder.id, allowed.account, f"{allowed.account} of your {words}"),
-            ("clinic", holder.clinic_id, allowed.clinic, f"{allowed.clinic} {words} in your clinic"),
-            ("service", "", allowed.service, f"{allowed.service} {words} on this service"),
+            ("account", holder.id, allowed.account),
+            ("clinic", holder.clinic_id, allowed.clinic),
+            ("service", "", allowed.service),
         )
-        keys = [(resource, f"{scope} {key}") for scope, key, _, _ in scopes]
+        keys = [(resource, f"{scope} {key}") for scope, key, _ in scopes]
         with self._lock:
-            for (scope, _, most, so_many), counted in zip(scopes, keys, strict=True):
+            for (scope, _, most), counted in zip(scopes, keys, strict=True):
                 if self._held[counted] >= most:
                     kind = Unavailable if scope == "service" else LimitReached
                     raise kind(
-                        f"{so_many} already, and no more are allowed at once. {advice}",
+                        say("limit.reached", most=most, what=resource, scope=scope, advice=advice),
                         resource=resource,
                         scope=scope,
                         limit=most,

@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from app.errors import Unavailable
+from app.sentences import say
 
 _PRELOADED: Final = ("app.lower_priority", "app.tables")
 _context = multiprocessing.get_context("forkserver")
@@ -67,7 +68,7 @@ class Child:
             self._process.start()
         except (OSError, EOFError) as error:
             self._pipe.close()
-            raise Unavailable("No process can be started at this moment; try again.") from error
+            raise Unavailable(say("service.no_process")) from error
         finally:
             theirs.close()
 

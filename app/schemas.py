@@ -6,7 +6,8 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StrictBool, model_validator
 
-from estimators.sentences import Sentence, for_json
+from app.sentences import CATALOGUE, Sentence
+from estimators.sentences import for_json
 
 
 class Schema(BaseModel):
@@ -105,6 +106,22 @@ class Spoken(Schema):
         if not said:
             return given
         return {**(given if is_mapping else values), "sentences": said}
+
+    def said(self, name: str) -> str:
+        """Return a text with the code that the field itself has lost, for telling it elsewhere.
+
+        Parameters
+        ----------
+        name : str
+            Of a field with one text; plain text comes back as it is.
+        """
+        sentence = self.sentences.get(name)
+        text: str = (
+            CATALOGUE.restored(sentence.model_dump())
+            if isinstance(sentence, SentenceOut)
+            else getattr(self, name)
+        )
+        return text
 
 
 def _is_said(value: Any) -> bool:

@@ -95,7 +95,7 @@ async def update_account(
         No such account in this clinic.
     Conflict
         The administrator's own account: switching it off could leave the clinic without one, and the own password and
-        second factor are changed by who knows the present password.
+        second factor are changed by who knows the current password.
 
     Notes
     -----

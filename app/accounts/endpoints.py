@@ -78,7 +78,7 @@ def who_am_i(current: CurrentSignIn, request: Request, session: ReadSession) -> 
 async def change_password(body: PasswordIn, current: CurrentSignIn, request: Request) -> None:
     """Change the own password; every other browser is signed out.
 
-    Errors: `invalid_input` with the field when the present password is wrong or the new one is too short or the same,
+    Errors: `invalid_input` with the field when the current password is wrong or the new one is too short or the same,
     `too_many_attempts` with Retry-After.
     """
     browser = request.cookies.get(browsers.COOKIE)

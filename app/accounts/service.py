@@ -170,14 +170,14 @@ async def change_password(
         Whose password, and the one browser session that stays.
     body : PasswordIn
     address : str
-        Of the client: guesses at the present password count as failed sign-ins.
+        Of the client: guesses at the current password count as failed sign-ins.
     browser : str or None
         The cookie of this browser, which stays known; others are forgotten.
 
     Raises
     ------
     InvalidInput
-        The present password is wrong, or the new one is the same or too easy to guess.
+        The current password is wrong, or the new one is the same or too easy to guess.
     TooManyAttempts
         After too many wrong ones.
     Conflict

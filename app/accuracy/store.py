@@ -5,6 +5,7 @@ from importlib.resources import files
 
 from app.accuracy.schemas import AccuracyReport
 from app.errors import NotFound
+from app.sentences import say
 
 FILE = "report.json"
 """Written by `telemotion validate --out app/accuracy/report.json`, so that every number has its command."""
@@ -21,7 +22,7 @@ def stored_report() -> AccuracyReport:
     """
     file = files("app.accuracy") / FILE
     if not file.is_file():
-        raise NotFound("this build carries no accuracy report; make one with `telemotion validate`")
+        raise NotFound(say("edge.no_accuracy"))
     return AccuracyReport.model_validate_json(file.read_text(encoding="utf-8"))
 
 

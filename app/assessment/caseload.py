@@ -26,6 +26,7 @@ from app.patients.access import visible_patients
 from app.patients.models import Patient
 from app.patients.repository import note_once_an_hour
 from app.recordings.models import MotionSession
+from app.sentences import say
 from estimators.comparison import measure_label
 
 Reason = Literal["declining", "link_lost", "not_practising", "bad_data", "no_template", ""]
@@ -147,17 +148,17 @@ def _reason(
 ) -> tuple[Reason, str]:
     moved = recent_change(values)
     if moved.is_real and moved.difference is not None and moved.difference < 0.0:
-        return "declining", "The range fell by more than sessions differ by chance."
+        return "declining", say("caseload.declining")
     if sessions.live_state == "link_lost":
-        return "link_lost", "A session is open, but nothing comes from the sensors."
+        return "link_lost", say("caseload.link_lost")
     quiet = _quiet_for(prescriptions, sessions, now)
     if quiet is not None:
-        return "not_practising", f"No session for {quiet.days} days."
+        return "not_practising", say("caseload.not_practising", count=quiet.days)
     text = _bad_data(sessions.last)
     if text:
         return "bad_data", text
     if any(p.template_id is None or p.template_id not in with_version for p in prescriptions):
-        return "no_template", "An exercise is prescribed without a template to compare with."
+        return "no_template", say("caseload.no_template")
     return "", ""
 
 
@@ -176,10 +177,10 @@ def _bad_data(last: MotionSession | None) -> str:
     if last is None:
         return ""
     if last.state == "failed":
-        return "The last session failed."
+        return say("caseload.failed")
     total = last.packets_stored + last.packets_missing
     if total and last.packets_missing / total > LOSS_LIMIT:
-        return f"The last session lost {100 * last.packets_missing / total:.0f} percent of its packets."
+        return say("caseload.lost", share=last.packets_missing / total)
     return ""
 
 

@@ -96,9 +96,9 @@ def compare_task(context: JobContext) -> str:
             else None
         )
         if version is None:
-            message = "No template is prescribed; there was nothing to compare with."
+            message = say("comparison.no_template")
         else:
-            context.progress(0.1, "Comparing with the template")
+            context.progress(0.1, say("progress.comparing"))
             template = session.get_one(TemplateRow, version.template_id)
             try:
                 work = _compute(session, found, template, version, context.arguments.get("result_id"))
@@ -152,7 +152,7 @@ def _compute(
     try:
         compared = compare(source.moved, template, side, source.reach_m, source.start_s, source.end_s)
     except EstimationError as error:
-        raise InvalidInput(str(error)) from error
+        raise InvalidInput(error.message) from error
     if template.side != side:
         template = mirror_template(template)
     return _Work(result.id, version.id, template, template_row.name, compared)

@@ -22,7 +22,7 @@ from app.assessment.walk_progress import walk_label, walk_order, walk_values
 from app.errors import NotFound
 from app.exercises.models import Exercise, Prescription, Template, TemplateVersion
 from app.patients.access import require_patient
-from app.sentences import say
+from app.sentences import Sentence, say
 from estimators.comparison import measure_label
 
 
@@ -145,7 +145,7 @@ def _events(
         .where(TemplateVersion.id.in_(used))
     )
     for _, at, number, template in versions:
-        text = f"Template {template.name}, version {number}"
+        text = say("progress.template", name=template.name, number=number)
         events.append(ProgressEvent(at=at, kind="template", text=text))
     prescriptions = session.scalars(
         select(Prescription).where(
@@ -153,7 +153,7 @@ def _events(
         )
     )
     for prescription in prescriptions:
-        text = f"Prescribed: {dose(prescription)}"
+        text = say("progress.prescribed", dose=dose(prescription))
         events.append(ProgressEvent(at=prescription.starts_at, kind="prescription", text=text))
     return sorted(events, key=lambda event: event.at)
 
@@ -166,22 +166,19 @@ def _estimator_events(values: list[SessionValue]) -> list[ProgressEvent]:
         old = (before.orientation, before.orientation_version, before.pipeline_version)
         new = (after.orientation, after.orientation_version, after.pipeline_version)
         if old != new:
-            text = f"Estimator {new[0]} {new[1]}, pipeline {new[2]}"
+            text = say("progress.estimator", estimator=new[0], version=new[1], pipeline=new[2])
             events.append(ProgressEvent(at=after.at, kind="estimator", text=text))
     return events
 
 
-def dose(prescription: Prescription) -> str:
+def dose(prescription: Prescription) -> Sentence:
     """Return a prescription's dose in a few words.
 
     Parameters
     ----------
     prescription : Prescription
     """
-    amount = f"{prescription.repetitions} repetitions"
+    amount = say("dose.repetitions", count=prescription.repetitions)
     if prescription.sets > 1:
-        amount = f"{prescription.sets} sets of {amount}"
-    often = (
-        "once a week" if prescription.times_per_week == 1 else f"{prescription.times_per_week} times a week"
-    )
-    return f"{amount}, {often}"
+        amount = say("dose.sets", sets=prescription.sets, amount=amount)
+    return say("dose.weekly", amount=amount, count=prescription.times_per_week)

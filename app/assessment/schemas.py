@@ -5,7 +5,7 @@ from typing import Literal
 
 from app.exercises.schemas import PhaseCurve, RepetitionOut
 from app.patients.schemas import Side
-from app.schemas import Schema
+from app.schemas import Schema, Spoken
 
 
 class MeasureValue(Schema):
@@ -64,7 +64,7 @@ class ComparisonDetail(ComparisonOut):
     """At most three plain sentences, the most important first."""
 
 
-class CaseloadRow(Schema):
+class CaseloadRow(Spoken):
     """One line of the caseload."""
 
     patient_id: str
@@ -122,7 +122,7 @@ class ProgressMeasure(Schema):
     """None while there are too few sessions to tell."""
 
 
-class ProgressEvent(Schema):
+class ProgressEvent(Spoken):
     """Something pinned to the time axis."""
 
     at: datetime

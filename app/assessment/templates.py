@@ -128,7 +128,7 @@ def build(
             judge=dropped is None,
         )
     except EstimationError as error:
-        raise InvalidInput(str(error)) from error
+        raise InvalidInput(error.message) from error
     arm = arm_channels(source.moved, side)
     return Built(template, judged, [_curve(arm, repetition, template) for repetition in judged])
 

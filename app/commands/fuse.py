@@ -191,7 +191,7 @@ def _say(report: MarkerReport, fusion: OpticalFusion, sensor: str, out: Path) ->
     typer.echo(f"  marker from sensor {_millimetres(report.lever_arm_m)} mm")
     typer.echo(
         f"  residual {_millimetres(report.residual_rms_m, 2)} mm RMS; {report.used_count} of {report.frame_count}"
-        f" frames used, {report.rejected_count} shut out"
+        f" frames used, {report.rejected_count} rejected"
     )
     longest = max((gap.length_s for gap in report.gaps), default=0.0)
     withheld = sum(gap.withheld for gap in fusion.gaps)

@@ -105,7 +105,7 @@ async def stream(
     say(f"session {created.id}: walking, {', '.join(placements)}")
 
     async def record() -> None:
-        # Nothing is to be calibrated: connected means ready.
+        # No calibration needed: connected means ready.
         await service.wait_for_state(created.id, "ready", timeout_s=_READY_S)
         await service.steer(created.id, "record")
 

@@ -8,6 +8,7 @@ from fastapi.responses import PlainTextResponse
 
 from app.errors import NotAllowed
 from app.metrics import CONTENT_TYPE
+from app.sentences import say
 from app.services import services_of
 
 router = APIRouter(include_in_schema=False)
@@ -34,10 +35,7 @@ def _require_watcher(request: Request) -> None:
         allowed = settings.is_loopback and _is_here(request.client.host if request.client else "")
         allowed = allowed and "x-forwarded-for" not in request.headers and "origin" not in request.headers
     if not allowed:
-        raise NotAllowed(
-            "Metrics are for who watches over the service: set TELEMOTION_METRICS_TOKEN and send it as"
-            " `Authorization: Bearer`."
-        )
+        raise NotAllowed(say("edge.metrics"))
 
 
 def _is_here(address: str) -> bool:

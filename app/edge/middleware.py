@@ -14,6 +14,7 @@ from starlette.requests import ClientDisconnect, HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from app.edge.error_answers import BodyTooLarge, answer, unexpected
+from app.sentences import say
 from app.settings import Settings
 
 logger = logging.getLogger("telemotion.requests")
@@ -131,7 +132,7 @@ class BodyLimit:
         for name, value in scope["headers"]:
             if name == b"content-length" and value.isdigit() and int(value) > limit:
                 error = BodyTooLarge(limit)
-                refusal = answer(413, "too_large", str(error.detail), {"limit_bytes": limit})
+                refusal = answer(413, "too_large", error.detail, {"limit_bytes": limit})
                 refusal.headers["Connection"] = "close"
                 await refusal(scope, receive, send)
                 return
@@ -163,9 +164,9 @@ class WholeAddresses:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or answer 404 (path) or 422 (query)."""
         if scope["type"] == "http" and "\0" in scope["path"]:
-            await answer(404, "not_found", "There is nothing at this address.", {})(scope, receive, send)
+            await answer(404, "not_found", say("edge.no_such_address"), {})(scope, receive, send)
         elif scope["type"] == "http" and b"%00" in scope["query_string"]:
-            message = "The query must not hold a NUL; remove %00."
+            message = say("edge.query_nul")
             await answer(422, "invalid_input", message, {"fields": []})(scope, receive, send)
         elif scope["type"] == "websocket" and ("\0" in scope["path"] or b"%00" in scope["query_string"]):
             await send({"type": "websocket.close", "code": 4404, "reason": "not_found"})

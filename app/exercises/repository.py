@@ -73,9 +73,7 @@ def create_exercise(session: Session, subject: Subject, body: ExerciseIn) -> Exe
     known = [""] if body.movement in GUIDED_KINDS else joint_angles(body.side)
     if body.primary_angle not in known:
         raise InvalidInput(
-            "A walk has no primary angle; leave it empty."
-            if known == [""]
-            else f"The primary angle is not a joint angle of the {body.side} side; take one of the list.",
+            say("exercise.walk_angle") if known == [""] else say("exercise.angle", side=body.side),
             field="primary_angle",
             allowed=known,
         )

@@ -154,7 +154,7 @@ class UploadReceiver:
 def too_large(limit_bytes: int) -> TooLarge:
     """Return the error for a file above the limit."""
     return TooLarge(
-        f"The file is larger than the limit of {limit_bytes / 2**20:.0f} MiB; split the recording.",
+        say("upload.too_large", limit_bytes=limit_bytes),
         limit_bytes=limit_bytes,
     )
 

@@ -16,7 +16,7 @@ from app.recordings.jobs import JobContext
 from app.recordings.marker_schemas import MarkerUploadIn
 from app.recordings.models import MotionSession
 from app.recordings.reprocess import aligned
-from app.sentences import say
+from app.sentences import CATALOGUE, say
 from estimators.recording import Float, SampleQuality
 
 
@@ -52,7 +52,7 @@ def fuse(context: JobContext) -> str:
             fusion.time_step_s,
             motion_of(fusion),
         )
-    return " ".join(fusion.reasons)[:500]
+    return CATALOGUE.together(fusion.reasons)
 
 
 def _samples(

@@ -207,7 +207,7 @@ def _finish(context: JobContext, analysis: Analysis) -> None:
                     kind="calibration",
                     time_s=start_s,
                     duration_s=end_s - start_s,
-                    text="Calibration pose found in the recording.",
+                    text=say("session.pose_found"),
                 )
             )
         enqueue_comparison(session, found)

@@ -12,6 +12,7 @@ from typing import Final
 
 from app.ingest.declaration import Declaration
 from app.ingest.messages import ActuateMessage, ActuationPlanMessage
+from app.sentences import CATALOGUE, say
 from estimators.magnetic import RelativeFlag
 from estimators.pipelines import Frames, Pipeline, RelativePosePipeline
 
@@ -27,15 +28,13 @@ _SOUND_AFTER_S: Final = 1.0
 _WAITING: Final = 8
 
 _TROUBLE: Final = {
-    RelativeFlag.MISSING_PULSE: "pulses that were asked for do not come; is the source switched on?",
-    RelativeFlag.FAULT: "the pulses fit no position; check the numbers of the coils and which module is where",
-    RelativeFlag.DISTURBED: "iron or another magnet is near",
-    RelativeFlag.SATURATED: "the magnetometer is at its limit; the sensor is too close to a coil",
-    RelativeFlag.INERTIAL_ONLY: "the source is not used; the uncertainty grows",
+    RelativeFlag.MISSING_PULSE: say("source_trouble.missing"),
+    RelativeFlag.FAULT: say("source_trouble.fault"),
+    RelativeFlag.DISTURBED: say("source_trouble.disturbed"),
+    RelativeFlag.SATURATED: say("source_trouble.saturated"),
+    RelativeFlag.INERTIAL_ONLY: say("source_trouble.alone"),
 }
-_WIRING: Final = (
-    "coils fire that the source does not have; check their numbers, and which module is the source"
-)
+_WIRING: Final = say("source_trouble.wiring")
 _ANY: Final = int(sum(_TROUBLE))
 _STARTING: Final = int(RelativeFlag.CALIBRATING)
 _FAULT, _MISSING, _ALONE = (
@@ -161,14 +160,14 @@ class Actuation:
                 since = self._sound_since.setdefault(name, now_s)
                 if self._trouble[name] and now_s - since >= _SOUND_AFTER_S:
                     self._trouble[name] = 0
-                    self._tell("source_sound", now_s, name, "The source is used again.")
+                    self._tell("source_sound", now_s, name, say("source_trouble.over"))
                 continue
             self._sound_since.pop(name, None)
             # One missing pulse is asked for again; several put the source aside, which is a flag of its own.
             new = present & ~self._trouble[name]
             if new and present != _MISSING:
                 words = [text for flag, text in _TROUBLE.items() if present & flag]
-                self._tell("source_trouble", now_s, name, "; ".join(words)[:500])
+                self._tell("source_trouble", now_s, name, CATALOGUE.together(words))
                 self._trouble[name] |= present
 
     @staticmethod

@@ -16,7 +16,7 @@ from app.live.estimation import EstimationLine
 from app.live.messages import LayoutMessage
 from app.recordings.magnetic import PIPELINE as MAGNETIC
 from app.recordings.walks import PIPELINE as WALKING
-from app.sentences import say
+from app.sentences import CATALOGUE, say
 from estimators.calibration import Hemisphere
 from estimators.pipelines import Pipeline
 
@@ -85,7 +85,7 @@ class CalibratedSession(SessionBook):
         if self.pipeline.setup.pipeline == MAGNETIC:
             raise Conflict(say("live.magnetic_uncalibrated"))
         message = self._calibration.start(wanted)
-        self._change("calibrating", message.steps[0].title + ".")
+        self._change("calibrating", message.steps[0].said("title"))
         return message
 
     def next_calibration_step(self) -> CalibrationMessage:
@@ -129,17 +129,18 @@ class CalibratedSession(SessionBook):
             "calibration" if found.calibration is not None else "device_calibration",
             found.start_s,
             found.end_s - found.start_s,
-            text="; ".join(found.reasons),
+            text=CATALOGUE.together(found.reasons),
             details=dict(found.details),
         )
         self._bus.publish(self._topics["layout"], self.layout())
         if self.machine.state == "calibrating" and self.is_calibrated:
             self._change("ready", say("live.calibrated", score=found.score))
         else:
-            self.machine.reason = f"{kind.replace('_', ' ').capitalize()} done, score {found.score:.2f}."
-            if setup.calibration is not None and setup.calibration.unknown_headings:
-                left = ", ".join(name.replace("_", " ") for name in setup.calibration.unknown_headings)
-                self.machine.reason += f" The directions of {left} are still to be set."
+            done = say("live.calibration_done", kind=kind, score=found.score)
+            left = [] if setup.calibration is None else list(setup.calibration.unknown_headings)
+            self.machine.reason = CATALOGUE.together(
+                [done, say("live.directions_left", places=left) if left else ""]
+            )
             self._publish_state()
 
 

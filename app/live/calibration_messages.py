@@ -6,7 +6,7 @@ from typing import Literal
 from pydantic import Field
 
 from app.recordings.schemas import CalibrationOut
-from app.schemas import Schema
+from app.schemas import Schema, Spoken
 from estimators.calibration import LocalField
 from estimators.conventions import Placement
 
@@ -50,7 +50,7 @@ Picture = Literal[
 """Which drawing the browser shows beside a step."""
 
 
-class CalibrationStep(Schema):
+class CalibrationStep(Spoken):
     """One thing to do."""
 
     key: str
@@ -62,7 +62,7 @@ class CalibrationStep(Schema):
     """`itself`: seen on the stream when it is done. `next`: a person says so, by `calibration/next`."""
 
 
-class CalibrationGuide(Schema):
+class CalibrationGuide(Spoken):
     """One kind of calibration, for the choice and for the guide beside the live view."""
 
     kind: CalibrationKind
@@ -87,7 +87,7 @@ class CalibrationIn(Schema):
     empty means those with sensors on upper arm and forearm."""
 
 
-class SensorProgress(Schema):
+class SensorProgress(Spoken):
     """How far one sensor is."""
 
     placement: Placement
@@ -157,7 +157,7 @@ class SensorFinding(Schema):
     """Plain words: which sensor, and what to do."""
 
 
-class CalibrationMessage(Schema):
+class CalibrationMessage(Spoken):
     """Live socket: a guided calibration, on every change and at most five times a second; also on connecting."""
 
     type: Literal["calibration"] = "calibration"

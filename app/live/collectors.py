@@ -88,7 +88,7 @@ class Collector(ABC):
         self.wanted, self.placements, self.step_s = wanted, placements, time_step_s
         self.steps: list[CalibrationStep] = list(GUIDES[wanted.kind].steps)
         self.step = 0
-        self.hint = self.steps[0].instruction
+        self.hint = self.steps[0].said("instruction")
         self.hemisphere: Hemisphere = "unknown"
         """Of the place; whoever begins a calibration says it."""
         self.trouble = ""
@@ -146,7 +146,7 @@ class PoseStep(Collector):
 
     def __init__(self, wanted: CalibrationIn, placements: tuple[Placement, ...], time_step_s: float) -> None:
         super().__init__(wanted, placements, time_step_s)
-        self._pose = PoseCollector(placements, time_step_s, self.steps[0].instruction)
+        self._pose = PoseCollector(placements, time_step_s, self.steps[0].said("instruction"))
         self._pose.begin()
         self._held: list[ImuChunk] = []
         self.hint = self._pose.hint
@@ -199,7 +199,7 @@ class MovementSteps(Collector):
         self._sides = arms_of(wanted.limbs, placements)
         if not self._sides:
             raise Conflict(say("live.functional_sensors"))
-        self._pose = PoseCollector(placements, time_step_s, self.steps[0].instruction)
+        self._pose = PoseCollector(placements, time_step_s, self.steps[0].said("instruction"))
         self._pose.begin()
         self._kept: list[ImuChunk] = []
         self._ranges: dict[str, tuple[int, int]] = {}
@@ -247,7 +247,7 @@ class MovementSteps(Collector):
     def _advance(self) -> None:
         self.step += 1
         self._begin_tick = self._next_tick
-        self.hint = "" if self.is_complete else self.steps[self.step].instruction
+        self.hint = "" if self.is_complete else self.steps[self.step].said("instruction")
 
     def evaluate(self, pipeline: Pipeline) -> Outcome:
         """Evaluate rest and movements."""
@@ -305,7 +305,7 @@ def limb_placements(limbs: Sequence[str], worn: Sequence[Placement]) -> list[Pla
     wanted = {name for limb in (limbs or parts) for name in parts[limb]}
     found = [name for name in worn if name in wanted]
     if not found:
-        raise CalibrationError("no sensor of that limb is worn")
+        raise CalibrationError(say("live.no_sensor_of_limb"))
     return found
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from app.errors import Conflict
 from app.live.calibration_messages import CalibrationIn, FieldOut, SensorProgress
 from app.live.collectors import Collector, Outcome
-from app.sentences import say
+from app.sentences import Sentence, say
 from estimators.calibration import (
     DeviceCalibration,
     LocalField,
@@ -143,12 +143,11 @@ class SixPositions(_InHand):
             return ""
         axis = step.key.removeprefix("turn_")
         if axis not in doubted:
-            return step.instruction
-        return (
-            f"The turn about {axis} was {360 * abs(doubted[axis]):.0f} degrees "
-            f"{'more' if doubted[axis] > 0 else 'less'} than a whole one. Mark where you begin, and turn it once"
-            " more by exactly one turn. If it was exact, turn it again: two turns that agree are believed."
-        )
+            return step.said("instruction")
+        turned_rad = 2.0 * math.pi * abs(doubted[axis])
+        if doubted[axis] > 0:
+            return say("live.turned_too_far", axis=axis, excess_rad=turned_rad)
+        return say("live.turned_too_little", axis=axis, missing_rad=turned_rad)
 
     def collect(self, chunk: ImuChunk) -> None:
         """Keep what is needed of a chunk."""
@@ -194,13 +193,12 @@ class SixPositions(_InHand):
         scores: dict[Placement, float] = {}
         reasons: list[str] = []
         for i, placement in enumerate(self.handled):
-            name = placement.replace("_", " ")
             try:
                 result = ferraris(*self._samples(i), 1.0 / self.step_s)
             except CalibrationError as error:
-                raise CalibrationError(f"{name} sensor: {error}", redo=error.redo) from error
+                raise CalibrationError(_of(placement, error.message), redo=error.redo) from error
             found[placement], scores[placement] = result.device, result.score
-            reasons += [f"{name} sensor: {reason}" for reason in result.reasons]
+            reasons += [_of(placement, reason) for reason in result.reasons]
         return self.outcome(pipeline, found, scores, tuple(reasons))
 
 
@@ -273,8 +271,8 @@ class Compass(_InHand):
             self._take()
             self._progress = [fit.progress() for fit in self._fits]
         least = min(range(len(self.handled)), key=lambda i: self._part(self._progress[i]))
-        name = "" if len(self.handled) == 1 else f"{self.handled[least].replace('_', ' ')}: "
-        self.hint = name + self._progress[least].hint
+        hint = self._progress[least].hint
+        self.hint = hint if len(self.handled) == 1 or not hint else _of(self.handled[least], hint)
         if all(now.is_complete and now.coverage > 0.8 for now in self._progress):
             self.step = 1
 
@@ -292,14 +290,13 @@ class Compass(_InHand):
             self._take()
             self._progress = [fit.progress() for fit in self._fits]
             for placement, fit in zip(self.handled, self._fits, strict=True):
-                name = placement.replace("_", " ")
                 try:
                     result = fit.result()
                 except CalibrationError as error:
-                    raise CalibrationError(f"{name} sensor: {error}") from error
+                    raise CalibrationError(_of(placement, error.message)) from error
                 found[placement] = DeviceCalibration(magnetometer=result.calibration, field=result.field)
                 fields[placement], scores[placement] = result.field, result.score
-                reasons += [f"{name} sensor: {reason}" for reason in result.reasons]
+                reasons += [_of(placement, reason) for reason in result.reasons]
         told, doubts = self._told(fields, pipeline.setup.devices)
         return replace(self.outcome(pipeline, found, scores, (*reasons, *doubts)), fields=told)
 
@@ -308,14 +305,20 @@ class Compass(_InHand):
     ) -> tuple[tuple[FieldOut, ...], list[str]]:
         """Return the field that each sensor saw, and why it cannot be the earth's."""
         odd = odd_fields({str(placement): seen for placement, seen in fields.items()})
-        told, doubts = [], []
+        told: list[FieldOut] = []
+        doubts: list[str] = []
         for placement, seen in fields.items():
             why = [*seen.doubts(self.hemisphere), *([odd[placement]] if placement in odd else [])]
-            doubts += [f"{placement.replace('_', ' ')} sensor: {one}" for one in why]
+            doubts += [_of(placement, one) for one in why]
             told.append(
                 FieldOut.of(placement, seen, known[placement].field if placement in known else None, not why)
             )
         return tuple(told), doubts
+
+
+def _of(placement: Placement, what: str) -> Sentence:
+    """Return what is said of one sensor, with its place on the body before it."""
+    return say("live.of_sensor", place=placement, what=what)
 
 
 def _finite(value: float) -> float | None:

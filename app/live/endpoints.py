@@ -84,7 +84,7 @@ async def close(session_id: str, request: Request, subject: CurrentSubject) -> S
 
 @steering_router.delete("/{session_id}/magnetic-safety")
 async def withdraw_safety(session_id: str, request: Request, subject: CurrentSubject) -> MagneticSafetyOut:
-    """Take back that nobody has an implant: the source is stopped at once and may not fire until it is confirmed anew.
+    """Withdraw the confirmation that nobody has an implant: the source stops at once until it is confirmed again.
 
     Needs the right to treat. Audited. The sensors go on streaming, without the source.
     """
@@ -96,7 +96,7 @@ async def withdraw_safety(session_id: str, request: Request, subject: CurrentSub
             repository.withdraw_safety, services.engine, subject, session_id, hours
         )
     finally:
-        # Also when there was nothing left to take back: whoever presses again wants the source off.
+        # Also when there was nothing left to withdraw: whoever presses again wants the source off.
         await live.check_source(session_id)
 
 

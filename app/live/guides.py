@@ -3,10 +3,11 @@
 from typing import Final
 
 from app.live.calibration_messages import CalibrationGuide, CalibrationKind, CalibrationStep, Picture
+from app.sentences import Sentence, say
 
 
 def _step(
-    key: str, title: str, instruction: str, picture: Picture, *, itself: bool = True
+    key: str, title: Sentence, instruction: Sentence, picture: Picture, *, itself: bool = True
 ) -> CalibrationStep:
     return CalibrationStep(
         key=key,
@@ -17,13 +18,13 @@ def _step(
     )
 
 
-_FACES: Final[tuple[tuple[str, Picture, str], ...]] = (
-    ("face_z_up", "face_z_up", "with the printed side up"),
-    ("face_z_down", "face_z_down", "with the printed side down"),
-    ("face_x_up", "face_x_up", "on its edge, x axis up"),
-    ("face_x_down", "face_x_down", "on its edge, x axis down"),
-    ("face_y_up", "face_y_up", "on its edge, y axis up"),
-    ("face_y_down", "face_y_down", "on its edge, y axis down"),
+_FACES: Final[tuple[tuple[str, Picture, Sentence], ...]] = (
+    ("face_z_up", "face_z_up", say("guide_six_position.face_z_up")),
+    ("face_z_down", "face_z_down", say("guide_six_position.face_z_down")),
+    ("face_x_up", "face_x_up", say("guide_six_position.face_x_up")),
+    ("face_x_down", "face_x_down", say("guide_six_position.face_x_down")),
+    ("face_y_up", "face_y_up", say("guide_six_position.face_y_up")),
+    ("face_y_down", "face_y_down", say("guide_six_position.face_y_down")),
 )
 _TURNS: Final[tuple[tuple[str, Picture, str], ...]] = (
     ("turn_x", "turn_x", "x"),
@@ -32,14 +33,14 @@ _TURNS: Final[tuple[tuple[str, Picture, str], ...]] = (
 )
 _REST = _step(
     "rest",
-    "Stand still",
-    "Stand upright with hanging arms, thumbs forward, for three seconds.",
+    say("guide_functional.rest_title"),
+    say("guide_functional.rest"),
     "n_pose",
 )
 _SEATED = _step(
     "rest",
-    "Sit still",
-    "Sit upright, upper arm hanging, elbow bent, thumb up, for three seconds; the arm may lie on a support.",
+    say("guide_passive.rest_title"),
+    say("guide_passive.rest"),
     "seated_rest",
 )
 
@@ -48,38 +49,35 @@ GUIDES: Final[dict[CalibrationKind, CalibrationGuide]] = {
     for guide in (
         CalibrationGuide(
             kind="static_bias",
-            title="Rest of the gyroscopes",
-            summary="Finds what the gyroscopes read at rest. Lay all sensors on a table for five seconds; do it when"
-            " they have warmed up.",
+            title=say("guide_static_bias.title"),
+            summary=say("guide_static_bias.summary"),
             worn=False,
             one_sensor=False,
             steps=[
                 _step(
                     "rest",
-                    "Lay the sensors down",
-                    "Lay every sensor on a table, any way up, and do not touch it.",
+                    say("guide_static_bias.rest_title"),
+                    say("guide_static_bias.rest"),
                     "lie_still",
                 )
             ],
         ),
         CalibrationGuide(
             kind="six_position",
-            title="Six positions",
-            summary="Finds scale, bias and axes of accelerometer and gyroscope of a sensor; once a device, and after a"
-            " fall.",
+            title=say("guide_six_position.title"),
+            summary=say("guide_six_position.summary"),
             worn=False,
             one_sensor=True,
             steps=[
                 *(
-                    _step(key, "Lay it down", f"Lay the sensor {how}, and let go for two seconds.", picture)
-                    for key, picture, how in _FACES
+                    _step(key, say("guide_six_position.face_title"), instruction, picture)
+                    for key, picture, instruction in _FACES
                 ),
                 *(
                     _step(
                         key,
-                        f"Turn about {axis}",
-                        f"With the {axis} axis up or down, mark where it lies, turn the sensor on the table by"
-                        " exactly one whole turn, and let it lie still before and after.",
+                        say("guide_six_position.turn_title", axis=axis),
+                        say("guide_six_position.turn", axis=axis),
                         picture,
                     )
                     for key, picture, axis in _TURNS
@@ -88,86 +86,82 @@ GUIDES: Final[dict[CalibrationKind, CalibrationGuide]] = {
         ),
         CalibrationGuide(
             kind="magnetometer",
-            title="Compass",
-            summary="Finds how iron in the sensor bends the magnetic field. Turn the sensor slowly in all directions,"
-            " away from iron.",
+            title=say("guide_magnetometer.title"),
+            summary=say("guide_magnetometer.summary"),
             worn=False,
             one_sensor=True,
             steps=[
                 _step(
                     "turn_all_ways",
-                    "Turn it in all directions",
-                    "Turn the sensor slowly in all directions, as if painting the inside of a ball, until every"
-                    " field is filled.",
+                    say("guide_magnetometer.turn_all_ways_title"),
+                    say("guide_magnetometer.turn_all_ways"),
                     "turn_all_ways",
                 )
             ],
         ),
         CalibrationGuide(
             kind="n_pose",
-            title="Standing pose",
-            summary="Finds how the sensors sit on the body. Stand still with hanging arms for three seconds.",
+            title=say("guide_n_pose.title"),
+            summary=say("guide_n_pose.summary"),
             worn=True,
             one_sensor=False,
             steps=[
                 _step(
                     "pose",
-                    "Hold the N-pose",
-                    "Stand upright, arms hanging, palms to the thighs, thumbs forward, and hold still.",
+                    say("guide_n_pose.pose_title"),
+                    say("guide_n_pose.pose"),
                     "n_pose",
                 )
             ],
         ),
         CalibrationGuide(
             kind="t_pose",
-            title="T-pose",
-            summary="As the standing pose, with the arms stretched out to the sides; needs working compasses.",
+            title=say("guide_t_pose.title"),
+            summary=say("guide_t_pose.summary"),
             worn=True,
             one_sensor=False,
             steps=[
                 _step(
                     "pose",
-                    "Hold the T-pose",
-                    "Stand upright, both arms straight out to the sides at shoulder height, palms down, and hold"
-                    " still.",
+                    say("guide_t_pose.pose_title"),
+                    say("guide_t_pose.pose"),
                     "t_pose",
                 )
             ],
         ),
         CalibrationGuide(
             kind="functional",
-            title="By movement",
-            summary="Finds the patient's own joint axes, the most exact choice. Stand still, then bend the elbows, turn"
-            " the palms, and raise the arms forward and sideways.",
+            title=say("guide_functional.title"),
+            summary=say("guide_functional.summary"),
             worn=True,
             one_sensor=False,
             steps=[
                 _REST,
                 _step(
                     "elbow_flexion",
-                    "Bend the elbow",
-                    "With the upper arm hanging, bend the elbow fully and stretch it again, three times.",
+                    say("guide_functional.elbow_flexion_title"),
+                    say("guide_functional.elbow_flexion"),
                     "elbow_flexion",
                     itself=False,
                 ),
                 _step(
                     "pronation",
-                    "Turn the palm",
-                    "With the elbow bent at the side, turn the palm up and down, three times.",
+                    say("guide_functional.pronation_title"),
+                    say("guide_functional.pronation"),
                     "pronation",
                     itself=False,
                 ),
                 _step(
                     "raise_forward",
-                    "Raise forward",
-                    "Raise the straight arm forward to shoulder height and lower it, three times.",
+                    say("guide_functional.raise_forward_title"),
+                    say("guide_functional.raise_forward"),
                     "raise_forward",
                     itself=False,
                 ),
                 _step(
                     "raise_sideways",
-                    "Raise sideways",
-                    "Raise the straight arm sideways to shoulder height and lower it, three times.",
+                    say("guide_functional.raise_sideways_title"),
+                    say("guide_functional.raise_sideways"),
                     "raise_sideways",
                     itself=False,
                 ),
@@ -175,38 +169,37 @@ GUIDES: Final[dict[CalibrationKind, CalibrationGuide]] = {
         ),
         CalibrationGuide(
             kind="passive",
-            title="Seated, assisted",
-            summary="For patients who cannot stand or hold a pose: somebody else moves the arm, seated. Half the range"
-            " of the active movements is enough.",
+            title=say("guide_passive.title"),
+            summary=say("guide_passive.summary"),
             worn=True,
             one_sensor=False,
             steps=[
                 _SEATED,
                 _step(
                     "elbow_flexion",
-                    "Bend the elbow for the patient",
-                    "Bend and stretch the patient's elbow, three times, as far as it goes without pain.",
+                    say("guide_passive.elbow_flexion_title"),
+                    say("guide_passive.elbow_flexion"),
                     "seated_elbow_flexion",
                     itself=False,
                 ),
                 _step(
                     "pronation",
-                    "Turn the palm for the patient",
-                    "Turn the patient's palm up and down, three times.",
+                    say("guide_passive.pronation_title"),
+                    say("guide_passive.pronation"),
                     "seated_pronation",
                     itself=False,
                 ),
                 _step(
                     "raise_forward",
-                    "Raise the arm forward for the patient",
-                    "Raise the patient's arm forward and lower it, three times.",
+                    say("guide_passive.raise_forward_title"),
+                    say("guide_passive.raise_forward"),
                     "seated_raise_forward",
                     itself=False,
                 ),
                 _step(
                     "raise_sideways",
-                    "Raise the arm sideways for the patient",
-                    "Raise the patient's arm sideways and lower it, three times.",
+                    say("guide_passive.raise_sideways_title"),
+                    say("guide_passive.raise_sideways"),
                     "seated_raise_sideways",
                     itself=False,
                 ),
@@ -214,16 +207,15 @@ GUIDES: Final[dict[CalibrationKind, CalibrationGuide]] = {
         ),
         CalibrationGuide(
             kind="heading_reset",
-            title="Set headings anew",
-            summary="Sets the heading of a limb anew when it has drifted; the calibration stays. Stand still with"
-            " hanging arms for two seconds, facing as at the calibration.",
+            title=say("guide_heading_reset.title"),
+            summary=say("guide_heading_reset.summary"),
             worn=True,
             one_sensor=False,
             steps=[
                 _step(
                     "pose",
-                    "Let the arms hang",
-                    "Stand upright, facing as at the calibration, arms hanging, palms to the thighs, and hold still.",
+                    say("guide_heading_reset.pose_title"),
+                    say("guide_heading_reset.pose"),
                     "arm_hanging",
                 )
             ],

@@ -226,7 +226,7 @@ class LiveManager:
         try:
             pipeline = pipelines.create(setup)
         except SetupError as error:
-            raise InvalidInput(str(error)) from error
+            raise InvalidInput(error.message) from error
         result_id, first_unstored = await asyncio.to_thread(
             repository.begin_stream, self.engine, session_id, declaration.to_dict(), pipeline
         )

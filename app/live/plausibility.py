@@ -18,6 +18,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from app.errors import Unavailable
+from app.sentences import say
 from estimators.calibration import Finding, Hemisphere, check_plausibility
 from estimators.recording import Float, ImuChunk
 
@@ -122,7 +123,7 @@ class CheckProcess:
         """
         with self._lock:
             if self._is_closed:
-                raise Unavailable("The service is stopping.", reason="stopping")
+                raise Unavailable(say("live.stopping"), reason="stopping")
             if self._pool is None:
                 self._pool = ProcessPoolExecutor(
                     1, mp_context=multiprocessing.get_context("spawn"), initializer=_begin

@@ -146,9 +146,9 @@ class LiveSession(CalibratedSession):
             The session takes no packets any more.
         """
         if self.machine.state not in OPEN:
-            raise Conflict("This session is closed; create another one.", state=self.machine.state)
+            raise Conflict(say("live.closed"), state=self.machine.state)
         if self.line.waiting_ticks > self._backlog_ticks:
-            raise Unavailable("The estimation is behind; wait a moment.", retry_after_s=1, reason="behind")
+            raise Unavailable(say("live.behind"), retry_after_s=1, reason="behind")
         place = self.clock.admit(packet, arrival_s)
         if not self._writer.append_packet(self.id, RawPacket.from_packet(packet, arrival_ns, place.sequence)):
             self.duplicates += 1
@@ -244,9 +244,7 @@ class LiveSession(CalibratedSession):
     def record(self) -> None:
         """Begin the interval in which repetitions count; only from `ready`."""
         if self.machine.state != "ready":
-            raise Conflict(
-                "Recording begins when the session is ready: connected and calibrated.", state=self.state
-            )
+            raise Conflict(say("live.record_first"), state=self.state)
         self.recording_start_s, self.recording_end_s = self.session_time_s, None
         self._save_recording()
         self._change("recording", "")
@@ -254,11 +252,11 @@ class LiveSession(CalibratedSession):
     def stop(self) -> None:
         """End the interval; only while recording, or when the link broke during a recording."""
         if not self._is_recording:
-            raise Conflict("Nothing is being recorded.", state=self.state)
+            raise Conflict(say("live.not_recording"), state=self.state)
         self.recording_end_s = self.session_time_s
         self._save_recording()
         if self.machine.state == "recording":
-            self._change("ready", "Recording stopped.")
+            self._change("ready", say("live.recording_stopped"))
         else:
             self._publish_state()
 
@@ -302,7 +300,7 @@ class LiveSession(CalibratedSession):
         """Tell that the estimation has stopped; storing goes on."""
         self._calibration.end()
         logger.error("the estimation of session %s failed", self.id, exc_info=error)
-        reason = "The live estimation failed; what the sensors send is stored and can be analysed afterwards."
+        reason: str = say("live.estimation_failed")
         if isinstance(error, TelemotionError):
             reason = error.message
         self.add_event("error", self.session_time_s, text=reason)

@@ -20,6 +20,7 @@ import numpy as np
 from app.errors import Unavailable
 from app.ingest._unpack_kernel import unpack
 from app.recordings import frame_codec
+from app.sentences import say
 from estimators import pipelines
 from estimators.compiling import Kernel, NotCompiled, only_cached
 from estimators.conventions import PLACEMENTS, SHOE_PLACEMENTS, Placement
@@ -33,10 +34,7 @@ logger = logging.getLogger(__name__)
 SWITCH_INTERVAL_S: Final = 5e-4
 PATIENCE_S: Final = 2.0
 """Loading from the cache takes less: whoever opens a session waits so long before being sent away for a while."""
-PREPARING: Final = (
-    "The service is being prepared for this kind of session, which takes up to a minute after an installation or an"
-    " update. The sensors connect by themselves when it is done."
-)
+PREPARING: Final = say("live.preparing")
 NICENESS: Final = 5
 Kind = tuple[str, str]
 """Pipeline and orientation estimator: what decides which code runs."""

@@ -91,7 +91,7 @@ async def _subject_of_ticket(websocket: WebSocket, services: Services, session_i
     except TimeoutError as error:
         raise SignInRequired(say("live.ticket_first")) from error
     except (ValidationError, KeyError) as error:
-        raise InvalidInput('The first message must be {"ticket": "..."}.') from error
+        raise InvalidInput(say("live.ticket_message")) from error
     return await asyncio.to_thread(repository.watch_by_ticket, services.engine, ticket, session_id)
 
 

@@ -15,6 +15,7 @@ from app.errors import Conflict
 from app.recordings._buffers import Batch
 from app.recordings.chunks import RAW_STREAM, EncodedChunk
 from app.recordings.models import MotionSession, SessionEvent, SignalChunk
+from app.sentences import say
 
 _CHUNKS: Final[Any] = SignalChunk.__table__
 _EVENTS: Final[Any] = SessionEvent.__table__
@@ -51,7 +52,7 @@ def insert_chunk(
     ).one()
     if tuple(present) != (chunk.crc, chunk.ticks):
         raise Conflict(
-            "another process stores this session too; a session belongs to one server at a time",
+            say("stored.other_process"),
             stream=stream,
         )
     return False
@@ -86,7 +87,7 @@ def write_batches(connection: Connection, batches: Sequence[tuple[str, Batch]]) 
         for sequence, chunk in batch.raw
     ]
     if _insert_new(connection, _CHUNKS, rows) != len(rows):
-        raise AlreadyStoredError("some of these packets are stored already")
+        raise AlreadyStoredError(say("stored.already"))
     stored = {
         session_id: sum([int(chunk.scale["packets"]) for _, chunk in batch.raw])
         for session_id, batch in batches

@@ -20,6 +20,7 @@ from app.recordings._bit_columns import room_words
 from app.recordings._packet_kernel import pack_packets, unpack_packets
 from app.recordings.models import SignalChunk
 from app.recordings.ranges import ranges_of
+from app.sentences import say
 from estimators.pipelines._contract import FrameLayout, Frames
 
 if TYPE_CHECKING:
@@ -120,17 +121,17 @@ def check_packet(packet: RawPacket) -> None:
         With the field that is wrong; the decoder of the wire format catches these first.
     """
     if packet.encoding not in _WIDTH:
-        raise InvalidInput(f"packet encoding {packet.encoding} is unknown; use 0 (float32) or 1 (counts)")
+        raise InvalidInput(say("stored.packet_encoding", encoding=packet.encoding))
     if not 1 <= packet.tick_count <= MAX_CHUNK_TICKS or packet.sensor_count < 1:
-        raise InvalidInput("a packet needs at least one tick of at least one sensor", field="tick_count")
+        raise InvalidInput(say("stored.packet_empty"), field="tick_count")
     unit = packet.tick_count * _WIDTH[packet.encoding]
     if not packet.payload or len(packet.payload) % unit:
         raise InvalidInput(
-            f"a payload of {len(packet.payload)} bytes does not divide into {packet.tick_count} ticks",
+            say("stored.packet_payload", size=len(packet.payload), ticks=packet.tick_count),
             field="payload",
         )
     if not 0 <= packet.sequence < 2**63 or not 0 <= packet.device_time_us < 2**64:
-        raise InvalidInput("sequence or device time is out of range", field="sequence")
+        raise InvalidInput(say("stored.packet_range"), field="sequence")
 
 
 def encode_packets(packets: Sequence[RawPacket]) -> EncodedChunk:
@@ -202,9 +203,7 @@ def _heads_and_table(chunk: EncodedChunk | SignalChunk) -> tuple[NDArray[np.int6
         heads, counts = np.empty((scale["packets"], _HEAD_COLUMNS), np.int64), np.empty(shape, np.int16)
         words = np.frombuffer(data, np.uint32, len(data) // 4).copy()
         if len(data) % 4 or not unpack_packets(words, heads, counts):
-            raise codecs.DamagedChunkError(
-                "stored packets are cut off or damaged; restore them from the backup"
-            )
+            raise codecs.DamagedChunkError(say("stored.cut_off"))
         return heads, counts
     split = scale.get("head_bytes", 0)
     if chunk.codec == codecs.SHUFFLED_COUNTS_CODEC:
@@ -212,13 +211,13 @@ def _heads_and_table(chunk: EncodedChunk | SignalChunk) -> tuple[NDArray[np.int6
     elif chunk.codec == codecs.FLOATS_CODEC:
         table = codecs.decode_floats(data[split:], *shape)
     else:
-        raise codecs.DamagedChunkError(f"codec {chunk.codec} is unknown; it was written by a newer version")
+        raise codecs.DamagedChunkError(say("stored.codec", codec=chunk.codec))
     return codecs.decode_integers(data[:split], scale["packets"], _HEAD_COLUMNS), table
 
 
 def _check(chunk: EncodedChunk | SignalChunk) -> None:
     if codecs.checksum(chunk.data) != chunk.crc:
-        raise codecs.DamagedChunkError("a stored chunk has a wrong checksum; restore it from the backup")
+        raise codecs.DamagedChunkError(say("stored.checksum"))
 
 
 def frames_stream(result_id: str) -> str:

@@ -16,6 +16,7 @@ import zstandard
 from numpy.typing import NDArray
 
 from app.errors import TelemotionError
+from app.sentences import say
 
 SHUFFLED_COUNTS_CODEC: Final = "int16-delta-shuffle-zstd/1"
 FLOATS_CODEC: Final = "float32-shuffle-zstd/1"
@@ -43,13 +44,9 @@ def _decompress(data: bytes, expected_bytes: int) -> bytes:
     try:
         plain = zstandard.ZstdDecompressor().decompress(data, max_output_size=_MAX_DECODED_BYTES)
     except zstandard.ZstdError as error:
-        raise DamagedChunkError(
-            "a stored chunk cannot be decompressed; restore it from the backup"
-        ) from error
+        raise DamagedChunkError(say("stored.undecodable")) from error
     if len(plain) != expected_bytes:
-        raise DamagedChunkError(
-            f"a stored chunk holds {len(plain)} bytes instead of {expected_bytes}; restore it from the backup"
-        )
+        raise DamagedChunkError(say("stored.length", found=len(plain), expected=expected_bytes))
     return plain
 
 

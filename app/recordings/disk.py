@@ -13,6 +13,7 @@ from sqlalchemy import Engine, func, select
 from app.database.unit_of_work import read_only
 from app.errors import QuotaReached
 from app.recordings.models import MotionSession, SignalChunk
+from app.sentences import say
 
 COUNTED_EVERY_S: Final = 300.0
 
@@ -51,8 +52,7 @@ class DiskUse:
         used = self.used_bytes(clinic_id)
         if used >= self._most_bytes:
             raise QuotaReached(
-                f"Your clinic has stored {used / 2**30:.1f} GiB of signals; {self._most_bytes / 2**30:.1f} GiB are"
-                " allowed. Delete sessions that are no longer needed, or ask who runs the service for more.",
+                say("stored.quota", used_bytes=used, limit_bytes=self._most_bytes),
                 used_bytes=used,
                 limit_bytes=self._most_bytes,
             )

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from app.recordings import _frame_kernel as kernel
 from app.recordings import codecs
 from app.recordings._bit_columns import room_words
+from app.sentences import say
 from estimators.pipelines._contract import FrameLayout, Frames
 
 FRAMES_CODEC: Final = "frames-steps-rice/1"
@@ -155,21 +156,19 @@ def unpack(codec: str, data: bytes, scale: dict[str, Any], ticks: int, layout: F
     segments = len(layout.segments)
     shapes = (ticks, len(columns.kinds)), (ticks, segments + len(layout.angles))
     if (shapes[0][1], shapes[1][1]) != (scale["floats"], scale["flags"]):
-        raise codecs.DamagedChunkError("stored frames do not fit the layout of their result")
+        raise codecs.DamagedChunkError(say("stored.layout"))
     if codec == FRAMES_CODEC:
         table, flags = np.empty(shapes[0]), np.empty(shapes[1], np.uint8)
         # A copy, because compiled code takes no read-only memory where it declares writable.
         words = np.frombuffer(data, np.uint32, len(data) // 4).copy()
         if len(data) % 4 or not kernel.unpack_frames(words, table, table.view(np.uint64), flags):
-            raise codecs.DamagedChunkError(
-                "stored frames are cut off or damaged; restore them from the backup"
-            )
+            raise codecs.DamagedChunkError(say("stored.cut_off"))
     elif codec == FLOAT32_FRAMES_CODEC:
         split = scale["head_bytes"]
         table = codecs.decode_floats(data[:split], *shapes[0]).astype(np.float64)
         flags = codecs.decode_flags(data[split:], *shapes[1])
     else:
-        raise codecs.DamagedChunkError(f"codec {codec} is unknown; it was written by a newer version")
+        raise codecs.DamagedChunkError(say("stored.codec", codec=codec))
     values = {name: table[:, place].reshape(ticks, *shape) for name, (place, shape) in columns.parts.items()}
     return Frames(
         layout=layout,

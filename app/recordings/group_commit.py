@@ -39,6 +39,7 @@ from app.recordings.chunks import RAW_STREAM, RawPacket, check_packet
 from app.recordings.models import SignalChunk
 from app.recordings.ranges import SequenceRanges
 from app.recordings.store import stored_ranges
+from app.sentences import say
 from estimators.pipelines._contract import Frames
 
 logger = logging.getLogger(__name__)
@@ -254,11 +255,11 @@ class GroupCommitWriter:
     def _open(self, session_id: str) -> OpenSession:
         session = self._sessions.get(session_id)
         if session is None:
-            raise Conflict("this session is not open for storing; open it first")
+            raise Conflict(say("stored.not_open"))
         if session.failure is not None:
-            raise Conflict(f"this session can no longer be stored: {session.failure.message}")
+            raise Conflict(say("stored.failed", reason=session.failure.message))
         if self._stopping:
-            raise Unavailable("the service is shutting down; send again to the next one", retry_after_s=5)
+            raise Unavailable(say("stored.stopping"), retry_after_s=5)
         return session
 
     def _make_sure_there_is_room(self, session: OpenSession, size: int) -> None:
@@ -268,7 +269,7 @@ class GroupCommitWriter:
         ):
             self.metrics.packets_refused += 1
             raise Unavailable(
-                "the store is behind; keep the packet and send it again",
+                say("stored.behind"),
                 retry_after_s=1,
                 reason="store_behind",
             )
@@ -347,7 +348,7 @@ class GroupCommitWriter:
             session.next_chunk = batch.encode(session.next_chunk)
         except (ValueError, OverflowError, TelemotionError) as error:
             logger.exception("a session's data cannot be encoded")
-            self._fail(session, batch, Conflict(f"its data cannot be encoded: {type(error).__name__}"))
+            self._fail(session, batch, Conflict(say("stored.not_encoded", error=type(error).__name__)))
         return batch.is_encoded
 
     def _commit_alone(self, session: OpenSession, batch: Batch) -> None:
@@ -355,7 +356,7 @@ class GroupCommitWriter:
             with self._engine.begin() as connection:
                 write_batch(connection, session.session_id, batch)
         except IntegrityError:
-            self._fail(session, batch, Conflict("the session no longer exists"))
+            self._fail(session, batch, Conflict(say("stored.session_gone")))
         except DBAPIError as error:
             # Locked, disk full, connection lost: nothing is lost while memory allows; repeat it, unchanged.
             with self._lock:
@@ -365,7 +366,7 @@ class GroupCommitWriter:
                 session.repeat_at_s = time.monotonic() + pause_s
             logger.error("storing a session failed (attempt %d): %s", session.attempts, type(error).__name__)
         except (SQLAlchemyError, TelemotionError) as error:
-            message = error.message if isinstance(error, TelemotionError) else "the database refused its rows"
+            message = error.message if isinstance(error, TelemotionError) else say("stored.refused")
             self._fail(session, batch, Conflict(message))
         else:
             self._report_durable(session, batch)

@@ -13,6 +13,7 @@ from sqlalchemy.orm import Session
 
 from app.ingest.alignment import joined_chunks
 from app.recordings.models import SessionEvent
+from app.sentences import say
 from estimators import pipelines
 from estimators.calibration import Calibration
 from estimators.conventions import Placement
@@ -111,7 +112,9 @@ class HeadingLine:
             try:
                 self.pipeline.reset_heading(self._pose(piece, first, stop), reset.placements)
             except CalibrationError as error:
-                self.refused.append(f"The headings set anew at {reset.stop_s:.0f} s are left out: {error}")
+                self.refused.append(
+                    say("session.headings_left_out", time_s=reset.stop_s, reason=error.message)
+                )
         if start < piece.tick_count:
             yield self.pipeline.step(piece.ticks(start, piece.tick_count))
         self._before = piece

@@ -38,10 +38,7 @@ EVENT: Final = "implants_excluded"
 WITHDRAWN: Final = "implants_withdrawn"
 CONFIRMATION_HOURS: Final = 12.0
 """Who was in the room yesterday says nothing of today."""
-WARNING: Final = (
-    "The source makes magnetic pulses. Nobody with a pacemaker, an implanted defibrillator, a nerve stimulator, a"
-    " cochlear implant or a medicine pump may wear it or be close to it while it is worn."
-)
+WARNING: Final = say("magnetic.warning")
 NO_LONGER_CONFIRMED: Final = say("magnetic.withdrawn")
 EXPIRED: Final = say("magnetic.expired")
 NOT_CONFIRMED: Final = say("magnetic.not_confirmed")

@@ -3,7 +3,7 @@
 from datetime import datetime
 from typing import Literal
 
-from app.schemas import Schema
+from app.schemas import Schema, Spoken
 
 
 class MagneticSafetyIn(Schema):
@@ -15,7 +15,7 @@ class MagneticSafetyIn(Schema):
     """Nor does anybody within `keep_away_m` of the source while it is worn."""
 
 
-class MagneticSafetyOut(Schema):
+class MagneticSafetyOut(Spoken):
     """Whether a session may let its source fire."""
 
     required: bool

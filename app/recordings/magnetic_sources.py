@@ -138,7 +138,7 @@ def _check(coils: list[dict[str, Any]], current_limit_a: float, gain_sigma: floa
             SessionSetup("relative_pose", ("pelvis", "sternum"), 100.0, orientation_parameters=told)
         )
     except SetupError as error:
-        raise InvalidInput(f"This is no source that can be worn: {error}.", field="coils") from error
+        raise InvalidInput(say("source.impossible", reason=error.message), field="coils") from error
 
 
 def _bench_session(session: Session, subject: Subject, session_id: str, action: str) -> MotionSession:

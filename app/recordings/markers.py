@@ -201,7 +201,7 @@ def _rows(session: Session, session_id: str, stream: str) -> list[SignalChunk]:
 def sound(row: SignalChunk) -> bytes:
     """Return the data of a row whose checksum is right."""
     if codecs.checksum(row.data) != row.crc:
-        raise codecs.DamagedChunkError("stored markers have a wrong checksum; restore them from the backup")
+        raise codecs.DamagedChunkError(say("stored.checksum"))
     return row.data
 
 

@@ -10,6 +10,7 @@ from app.recordings import repository
 from app.recordings.mass_centre_schemas import MassCentreCurve, MassCentreOut
 from app.recordings.points import ticks_between
 from app.recordings.store import read_frames
+from app.sentences import say
 from estimators.balance import MASS_SCALARS
 from estimators.conventions import PLACEMENTS
 from estimators.pipelines import SessionSetup
@@ -54,11 +55,7 @@ def mass_centre_of(
     assumed = [name for name in PLACEMENTS if name not in setup.placements]
     scalars = list(result.layout["scalars"])
     if MASS_SCALARS[0] not in scalars:
-        reason = (
-            "The centre of mass needs sensors on both thighs and on the breastbone or the pelvis."
-            if setup.pipeline == "arm"
-            else "Sensors of this kind of session do not tell the centre of mass of the body."
-        )
+        reason = say("mass_centre.sensors") if setup.pipeline == "arm" else say("mass_centre.other_kind")
         return MassCentreOut(result_id=result.id, time_s=[], curves=[], assumed=[], reason=reason)
     columns = [scalars.index(name) for name in MASS_SCALARS]
     step_s = 1.0 / setup.rate_hz

@@ -1,6 +1,6 @@
 """Wire types of the centre of mass of a body with worn sensors."""
 
-from app.schemas import Schema
+from app.schemas import Schema, Spoken
 
 
 class MassCentreCurve(Schema):
@@ -17,7 +17,7 @@ class MassCentreCurve(Schema):
     """Over the whole result at full rate."""
 
 
-class MassCentreOut(Schema):
+class MassCentreOut(Spoken):
     """The centre of mass of a result."""
 
     result_id: str

@@ -34,7 +34,7 @@ from app.recordings.smoothing import SmoothedModules, SmoothedSession, remember,
 from app.recordings.store import Source, read_packets_in_order, stored_ranges
 from app.recordings.walk_analysis import follow_feet
 from app.recordings.walks import PIPELINE as WALKING
-from app.sentences import say
+from app.sentences import CATALOGUE, say
 from estimators import pipelines
 from estimators.conventions import Placement
 from estimators.errors import CalibrationError, EstimationError
@@ -221,7 +221,7 @@ def analyse(
     if setup.pipeline == WALKING:
         with read_only(context.engine) as session:
             hello = session.get_one(MotionSession, context.session_id).hello
-        context.progress(progress_from, "Reading the walk")
+        context.progress(progress_from, say("progress.reading_walk"))
         pieces = aligned(context.engine, context.session_id, hello, setup.placements)
         return Analysis(*follow_feet(context, setup, pieces, hello, progress_from), setup, None, "")
     message = ""
@@ -230,9 +230,9 @@ def analyse(
         try:
             setup, pose_s = calibrated(context, setup, pose_s, known)
         except CalibrationError as error:
-            message = f"Not calibrated, so there are no joint angles: {error}"
+            message = say("session.not_calibrated_because", reason=error.message)
     elif setup.calibration is None and setup.pipeline != MAGNETIC:
-        message = "Not calibrated, so there are no joint angles: no calibration pose was recorded."
+        message = say("session.no_pose")
     if setup.calibration is not None and pose_s is not None:
         setup = with_elbows(setup, pose_s, _pieces(context, setup, known))
     if setup.calibration is not None and setup.calibration.unknown_headings:
@@ -254,11 +254,11 @@ def analyse(
             write_frames(context, result_id, waiting)
             waiting = []
         done = min(1.0, ticks / max(1, total or 1))
-        context.progress(progress_from + (1 - progress_from) * done, "Estimating the movement")
+        context.progress(progress_from + (1 - progress_from) * done, say("progress.estimating"))
     write_frames(context, result_id, waiting)
     if not ticks:
-        message = "The session holds no packets that can be estimated."
-    message = " ".join([message, *line.refused]).strip()
+        message = say("session.nothing_to_estimate")
+    message = CATALOGUE.together([message, *line.refused])
     with unit_of_work(context.engine) as session:
         result = session.get_one(Result, result_id)
         result.status, result.progress, result.message = "complete", 1.0, message
@@ -272,13 +272,13 @@ def analyse(
 def _smoothed(context: JobContext, setup: SessionSetup) -> SmoothedSession:
     """Read the whole session and smooth it."""
     pieces = _pieces(context, setup, None)
-    context.progress(0.0, "Estimating the movement, forward and backward")
+    context.progress(0.0, say("progress.smoothing"))
     return SmoothedSession(pieces, setup)
 
 
 def _modules(context: JobContext, setup: SessionSetup) -> SmoothedModules:
     """Read a whole session with a magnetic source and smooth it."""
-    context.progress(0.0, "Estimating the movement, forward and backward")
+    context.progress(0.0, say("progress.smoothing"))
     return SmoothedModules(_pieces(context, setup, None), setup)
 
 
@@ -310,13 +310,13 @@ def calibrated(
     limit = round(limit_s * setup.rate_hz)
     chunk = beginning(context, setup, limit) if known is None else known.until(limit)
     if chunk is None:
-        raise CalibrationError("the session holds no packets")
+        raise CalibrationError(say("session.no_packets"))
     if pose_s is None:
         first, stop = pipelines.find_pose(chunk)
     else:
         first, stop = round(pose_s[0] * setup.rate_hz), chunk.tick_count
         if stop - first < 0.5 * setup.rate_hz:
-            raise CalibrationError(f"the pose from {pose_s[0]:g} to {pose_s[1]:g} s is not in the recording")
+            raise CalibrationError(say("session.pose_outside", start_s=pose_s[0], end_s=pose_s[1]))
     pipeline = pipelines.create(setup)
     pipelines.step_through(pipeline, chunk.ticks(0, stop))
     pipeline.calibrate(chunk.ticks(first, stop))

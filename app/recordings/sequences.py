@@ -41,7 +41,7 @@ def in_sequence(
     try:
         found = frames_in_sequence(frames.q_room_segment, frames.layout.segments, joint, side, sequence)
     except EstimationError as error:
-        raise InvalidInput(str(error), field="joint") from error
+        raise InvalidInput(error.message, field="joint") from error
     return SequenceOut(
         names=list(sequence_names(joint, side, sequence)),
         time_s=[round(float(t), 4) for t in frames.time_s],

@@ -74,7 +74,7 @@ def checked(setup: SessionSetup) -> SessionSetup:
     try:
         pipelines.create(setup)
     except EstimationError as error:
-        raise InvalidInput(str(error), field="setup") from error
+        raise InvalidInput(error.message, field="setup") from error
     except (TypeError, ValueError, OverflowError) as error:
         raise InvalidInput(say("session.parameter_type"), field="orientation_parameters") from error
     return setup

@@ -11,6 +11,7 @@ import numpy as np
 from app.errors import InvalidInput
 from app.ingest.alignment import joined_chunks
 from app.recordings.source_schemas import WORST_GAIN_SIGMA, CoilIn, SourceFindings, SourceStopOut
+from app.sentences import say
 from estimators.conventions import Placement
 from estimators.errors import EstimationError
 from estimators.magnetic import (
@@ -57,20 +58,18 @@ class Bench:
         settings = relative_source(setup)
         others = [name for name in setup.placements if name != settings.source]
         if sensor is not None and sensor not in others:
-            raise InvalidInput(f"The session has no sensor {sensor}.", field="sensor")
+            raise InvalidInput(say("bench.no_sensor", place=sensor), field="sensor")
         kept, ticks = [], 0
         for piece in pieces:
             kept.append(piece)
             ticks += piece.tick_count
             if ticks > LONGEST_S * setup.rate_hz:
-                raise InvalidInput("A bench session lasts an hour at most; this one is longer.")
+                raise InvalidInput(say("bench.too_long"))
         if not kept:
-            raise InvalidInput("The session holds no packets.")
+            raise InvalidInput(say("session.no_packets"))
         chunk = joined_chunks(kept)
         if chunk.coil_state is None or chunk.magnetometer_t is None:
-            raise InvalidInput(
-                "The packets of this session have no coil states or no magnetometer (bits 6 and 2)."
-            )
+            raise InvalidInput(say("bench.no_coils"))
         self.source = next(name for name in setup.placements if name == settings.source)
         self.sensor: Placement = sensor or others[0]
         self.design: Source = settings.coils
@@ -112,10 +111,11 @@ class Bench:
             As many places as stops are needed, or the fit says what is wrong.
         """
         if len(positions_m) != len(self.stops):
-            times = ", ".join(f"{one.start_s:.0f} to {one.end_s:.0f} s" for one in self.told()[:40])
+            times = [say("bench.time", start_s=one.start_s, end_s=one.end_s) for one in self.told()[:40]] or [
+                say("bench.no_stop")
+            ]
             raise InvalidInput(
-                f"The sensor lay still at {len(self.stops)} places ({times or 'none'}), and"
-                f" {len(positions_m)} were given; give one for each, and leave out what is no place.",
+                say("bench.places", stops=len(self.stops), places=len(positions_m), times=times),
                 field="positions_m",
             )
         pairs = [
@@ -131,11 +131,16 @@ class Bench:
                 place_sigma_m,
             )
         except (EstimationError, np.linalg.LinAlgError) as error:
-            raise InvalidInput(f"The coils could not be found: {error}.", field="positions_m") from error
+            raise InvalidInput(
+                say(
+                    "bench.no_fit",
+                    reason=error.message if isinstance(error, EstimationError) else say("bench.singular"),
+                ),
+                field="positions_m",
+            ) from error
         if not fit.gain_sigma <= WORST_GAIN_SIGMA:
             raise InvalidInput(
-                f"These places tell the field only to {100.0 * fit.gain_sigma:.0f} %; lay the sensor at more places,"
-                " and nearer: 10 to 25 cm from the middle, on every side.",
+                say("bench.weak", sigma=fit.gain_sigma),
                 field="positions_m",
             )
         return fit

@@ -27,6 +27,7 @@ from app.recordings.chunks import (
 )
 from app.recordings.models import Result, SignalChunk
 from app.recordings.ranges import SequenceRanges
+from app.sentences import say
 from estimators.pipelines._contract import Frames
 
 Source = Engine | Connection | Session
@@ -148,7 +149,7 @@ def read_frames(
     """
     result = session.get(Result, result_id)
     if result is None:
-        raise NotFound("there is no such result")
+        raise NotFound(say("result.not_found"))
     layout = layout_from_dict(result.layout)
     parts = list(iterate_frames(session, result, start_s, end_s))
     return merge_frames(parts, layout, 1.0 / float(result.setup["rate_hz"]))

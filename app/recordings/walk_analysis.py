@@ -13,6 +13,7 @@ from app.recordings.models import MotionSession, Result
 from app.recordings.result_rows import CHUNKS_A_COMMIT, layout_dict, new_result, write_frames
 from app.recordings.walk_shoes import load_shoes, shoes_of
 from app.recordings.walks import content_of, kind_of, recording_of, store_walk
+from app.sentences import CATALOGUE, say
 from estimators import pipelines
 from estimators.errors import EstimationError
 from estimators.gait import RelativeFeet
@@ -60,18 +61,18 @@ def follow_feet(
     """
     parts = list(pieces)
     measured = recording_of(parts, setup, hello)
-    context.progress(progress_from + 0.3 * (1 - progress_from), "Following the feet")
+    context.progress(progress_from + 0.3 * (1 - progress_from), say("progress.feet"))
     result_id = new_result(context, setup, pipelines.create(setup))
     try:
         walk = pipelines.analyse_walk(measured, setup)
     except EstimationError as error:
-        raise InvalidInput(str(error)) from error
+        raise InvalidInput(error.message) from error
     note, related = "", None
     if relative is not None:
         try:
             walk = pipelines.with_relative_feet(walk, relative)
         except EstimationError as error:
-            note = f"the feet could not be related: {error}"
+            note = say("walk.feet_unrelated", reason=error.message)
         else:
             # The source tells forces and centre of mass how far the feet stand apart, and the steps themselves.
             related = walk.steps
@@ -80,7 +81,7 @@ def follow_feet(
     if shoes is not None:
         walk = pipelines.with_shoes(walk, shoes)
         walk = walk if related is None else replace(walk, steps=related)
-    note = "; ".join(text for text in (note, doubt) if text)
+    notes = [text for text in (note, doubt) if text]
     frames = walk.frames
     starts = range(0, frames.tick_count, _PIECE_TICKS)
     for first in range(0, len(starts), CHUNKS_A_COMMIT):
@@ -91,12 +92,12 @@ def follow_feet(
     with unit_of_work(context.engine) as session:
         kind = kind_of(session, session.get_one(MotionSession, context.session_id).exercise_id)
         content = content_of(walk, shoes, kind)
-        content.reasons += [note] if note else []
+        content.reasons += notes
         store_walk(session, context.session_id, result_id, content)
         result = session.get_one(Result, result_id)
         result.status, result.progress = "complete", 1.0
         result.layout = layout_dict(frames.layout)
-        result.message = "; ".join(content.reasons)[:500]
+        result.message = CATALOGUE.together(content.reasons)
         result.completed_at = utc_now()
     return result_id, frames.first_tick + frames.tick_count
 
@@ -115,11 +116,11 @@ def _with_forces(
             setup = replace(setup, feet_apart_m=None)
     if recording is None:
         return None, note
-    context.progress(0.7, "Forces and balance")
+    context.progress(0.7, say("progress.forces"))
     try:
         return pipelines.analyse_shoes(recording, setup, walk), note
     except EstimationError as error:
-        return None, f"no forces: {error}"
+        return None, say("walk.no_forces", reason=error.message)
 
 
 __all__ = ["follow_feet"]

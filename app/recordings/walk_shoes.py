@@ -14,6 +14,7 @@ from app.recordings._rows import insert_chunk
 from app.recordings.chunks import EncodedChunk
 from app.recordings.codecs import DamagedChunkError, checksum
 from app.recordings.models import SignalChunk
+from app.sentences import say
 from estimators.conventions import SHOE_PLACEMENTS
 from estimators.kinetics import stretches
 from estimators.pipelines import SessionSetup
@@ -63,7 +64,7 @@ def load_shoes(session: Session, session_id: str) -> Recording | None:
     if row is None:
         return None
     if checksum(row.data) != row.crc:
-        raise DamagedChunkError("stored signals of shoes have a wrong checksum; restore them from the backup")
+        raise DamagedChunkError(say("stored.checksum"))
     with np.load(io.BytesIO(zlib.decompress(row.data)), allow_pickle=False) as content:
         arrays = {name: np.asarray(content[name], dtype=np.float64) for name in content.files}
     time_s = arrays.pop("time_s")
@@ -109,7 +110,7 @@ def shoes_of(pieces: Sequence[ImuChunk], setup: SessionSetup) -> tuple[Recording
     known = np.isfinite(columns).all(axis=2)
     silent = [name for name, one in zip(SHOE_PLACEMENTS, known, strict=True) if not one.any()]
     if silent:
-        return None, 0.0, f"no forces: nothing usable came from {', '.join(silent).replace('_', ' ')}"
+        return None, 0.0, say("walk.no_forces_from", places=silent)
     step_s = pieces[0].time_step_s
     whole = known.all(axis=0)
     holes = [hole for hole in stretches(~whole) if (hole[1] - hole[0]) * step_s > _LONGEST_HOLE_S]
@@ -117,19 +118,22 @@ def shoes_of(pieces: Sequence[ImuChunk], setup: SessionSetup) -> tuple[Recording
     first, stop = max(zip(edges[::2], edges[1::2], strict=True), key=lambda part: part[1] - part[0])
     measured = np.flatnonzero(whole[first:stop]) + first
     if not len(measured):
-        return None, 0.0, "no forces: the four load cells never measured at the same time"
+        return None, 0.0, say("walk.no_forces_together")
     first, stop = int(measured[0]), int(measured[-1]) + 1
     note = ""
     if holes:
         worst = max(holes, key=lambda hole: int(hole[1] - hole[0]))
         missing = [
-            name.replace("_", " ")
+            name
             for name, one in zip(SHOE_PLACEMENTS, known, strict=True)
             if not one[worst[0] : worst[1]].all()
         ]
-        note = (
-            f"forces from {time_s[first]:.1f} to {time_s[stop - 1]:.1f} s only: at {time_s[worst[0]]:.1f} s"
-            f" nothing usable came from {', '.join(missing)}"
+        note = say(
+            "walk.forces_partly",
+            start_s=time_s[first],
+            end_s=time_s[stop - 1],
+            lost_s=time_s[worst[0]],
+            places=missing,
         )
     sensors = {}
     for number, name in enumerate(SHOE_PLACEMENTS):

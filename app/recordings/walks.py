@@ -189,7 +189,7 @@ def gait(session: Session, subject: Subject, session_id: str, result_id: str | N
     if row is None:
         raise Conflict(say("walk.no_strides"))
     if checksum(row.data) != row.crc:
-        raise DamagedChunkError("a stored walk has a wrong checksum; restore it from the backup")
+        raise DamagedChunkError(say("stored.checksum"))
     content = WalkContent.model_validate_json(zlib.decompress(row.data))
     return GaitOut(session_id=session_id, result=service.result_out(result), **content.model_dump())
 

@@ -6,7 +6,7 @@ Programs and logs read the English words; the client writes the same code and pa
 
 from typing import Final
 
-from app.sentences import accounts, clinical, files, general, live, recordings, wire
+from app.sentences import accounts, clinical, files, general, guides, live, recordings, tasks, wire
 from estimators import sentences as of_estimators
 from estimators.sentences import Catalogue, Entry, Sentence
 
@@ -17,7 +17,9 @@ ENGLISH: Final[dict[str, Entry]] = {
     **clinical.ENGLISH,
     **recordings.ENGLISH,
     **files.ENGLISH,
+    **guides.ENGLISH,
     **live.ENGLISH,
+    **tasks.ENGLISH,
     **wire.ENGLISH,
 }
 CATALOGUE: Final = Catalogue(ENGLISH)

@@ -3,6 +3,55 @@
 from typing import Final
 
 ENGLISH: Final[dict[str, str | dict[str, str]]] = {
+    "live.behind": "The estimation is behind; wait a moment.",
+    "live.record_first": "Recording starts when the session is ready: connected and calibrated.",
+    "live.not_recording": "Nothing is being recorded.",
+    "live.recording_stopped": "Recording stopped.",
+    "live.estimation_failed": "The live estimation failed. What the sensors send is stored and can be analysed"
+    " afterwards.",
+    "live.ticket_message": "The first message must be a JSON object with the field ticket.",
+    "live.preparing": "The service is being prepared for this kind of session, which takes up to a minute"
+    " after an"
+    " installation or an update. The sensors connect by themselves when it is done.",
+    "live.no_sensor_of_limb": "No sensor is worn on that limb; choose another.",
+    "live.calibration_done": "{kind:calibration_kind} done, score {score:points} of 100.",
+    "live.directions_left": "The directions of {places:place} must still be set.",
+    "live.of_sensor": "Sensor on {place:place}: {what}",
+    "live.turned_too_far": "The turn about {axis} was {excess_rad:deg} more than a whole one. Mark where you"
+    " begin, and"
+    " turn it once more by exactly one turn. If it was exact, turn it again: two turns that agree are"
+    " accepted.",
+    "live.turned_too_little": "The turn about {axis} was {missing_rad:deg} less than a whole one. Mark where"
+    " you begin,"
+    " and turn it once more by exactly one turn. If it was exact, turn it again: two turns that agree are"
+    " accepted.",
+    "calibration_kind.static_bias": "Gyroscope zero",
+    "calibration_kind.six_position": "Six positions",
+    "calibration_kind.magnetometer": "Compass",
+    "calibration_kind.n_pose": "Standing pose",
+    "calibration_kind.t_pose": "T-pose",
+    "calibration_kind.functional": "Calibration by movement",
+    "calibration_kind.passive": "Seated calibration",
+    "calibration_kind.heading_reset": "Setting the directions",
+    "source_trouble.missing": "Pulses that were asked for do not come; check that the source is switched on.",
+    "source_trouble.fault": "The pulses fit no position; check the numbers of the coils and which module is"
+    " where.",
+    "source_trouble.disturbed": "Iron or another magnet is near; move away from it.",
+    "source_trouble.saturated": "The magnetometer is at its limit: the sensor is too close to a coil.",
+    "source_trouble.alone": "The source is not used; the uncertainty grows.",
+    "source_trouble.wiring": "Coils fire that the source does not have; check their numbers, and which module"
+    " is the"
+    " source.",
+    "source_trouble.over": "The source is used again.",
+    "viewer.command_too_long": "A command is at most 2 kB of JSON.",
+    "viewer.command": "Send `player` or `camera` commands as JSON; see the interface.",
+    "viewer.no_guard": "The 3D view cannot be protected with this version of viser; install viser 1.1.",
+    "viewer.version": "The 3D view does not know the page of this version of viser; install viser 1.1.",
+    "viewer.protocol": "The page and the 3D view have different versions ({version}); reload the page.",
+    "viewer.silent": "No data from the sensors",
+    "viewer.distance": "{place:place}: {distance_m:cm}",
+    "viewer.distance_about": "{place:place}: about {distance_m:cm}",
+    "viewer.not_ready": "The 3D view is not ready; try again.",
     "live.connected_calibrate": "Connected; calibrate when the patient holds the pose.",
     "live.connected_directions": "Connected. The sensor positions are saved from last time; set the"
     " directions before"

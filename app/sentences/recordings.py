@@ -35,6 +35,10 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "source.not_found": "Magnetic source not found in your clinic.",
     "session.no_samples": "This session holds no samples.",
     "markers.limit": "This session holds as many marker files as it may ({limit_bytes:mib}).",
+    "source.impossible": "These values do not describe a source that can be worn. {reason}",
+    "magnetic.warning": "The source makes magnetic pulses. Nobody with a pacemaker, an implanted"
+    " defibrillator, a nerve"
+    " stimulator, a cochlear implant or a medicine pump may wear it or be close to it while it is worn.",
     "markers.none": "This session has no fused markers yet.",
     "markers.too_long": "Ask for at most {longest_s:s} of the recording.",
     "markers.not_closed": "Markers can be added only to a session that is closed and analysed.",

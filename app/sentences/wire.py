@@ -4,6 +4,7 @@ from typing import Final
 
 ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "upload.multipart": "Send multipart/form-data with the parts `declaration` and `file`.",
+    "upload.too_large": "The file is larger than the limit of {limit_bytes:mib}; split the recording.",
     "upload.malformed": "The body is not well-formed multipart/form-data.",
     "upload.broken_off": "The upload broke off before its end; send it again.",
     "upload.no_file": "The part `file` is missing.",
@@ -75,7 +76,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "packet.sensors": "{sensors} sensors are not possible; send 1 to {most}.",
     "packet.ticks": "{ticks} ticks are not possible; send 1 to {most}.",
     "packet.interval": "A tick interval of {interval_us} µs is not possible; send {least_us} to {most_us} µs.",
-    "packet.not_finite": "Tick {tick} of sensor {sensor} holds a value that is not finite. Send zeros in all channels"
+    "packet.not_finite": "Tick {tick} of sensor {sensor} holds a value that is not finite. Send zeros in all"
+    " channels"
     " for a sensor"
     " that gave nothing.",
     "packet.absurd": "Tick {tick} of sensor {sensor} holds a value above {limit}; send SI units.",

@@ -15,6 +15,7 @@ from app.accounts.dependencies import CurrentAccount, websocket_subject
 from app.errors import InvalidInput, TelemotionError
 from app.live.messages import CameraCommand, ErrorMessage, PlayerCommand
 from app.recordings.schemas import ViewIn, ViewOut
+from app.sentences import say
 from app.services import Services, services_of
 from app.viewer.page import build_page
 from app.viewer.proxy import keep_checking, relay, until_one_ends
@@ -90,14 +91,12 @@ async def _commands(websocket: WebSocket, viewer: Viewer, view: View) -> None:
         text = received.get("text") or ""
         try:
             if len(text) > _LARGEST_COMMAND:
-                raise InvalidInput("A command is at most 2 kB of JSON.")
+                raise InvalidInput(say("viewer.command_too_long"))
             try:
                 command = _COMMAND.validate_json(text)
             except ValidationError as error:
                 fields = sorted({".".join(str(part) for part in found["loc"]) for found in error.errors()})
-                raise InvalidInput(
-                    "Send `player` or `camera` commands as JSON; see the interface.", fields=fields
-                ) from None
+                raise InvalidInput(say("viewer.command"), fields=fields) from None
             state = await viewer.obey(view, command)
         except InvalidInput as error:
             answer = ErrorMessage.of(error, closing=False)

@@ -19,6 +19,7 @@ from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
 from app.errors import Unavailable
+from app.sentences import say
 
 HEADER: Final = "X-Telemotion-Scene"
 _one_at_a_time = threading.Lock()
@@ -78,4 +79,4 @@ def guarded(secret: SceneSecret) -> Iterator[None]:
         finally:
             websockets_server.serve = begin  # type: ignore[misc]
     if not begun:
-        raise Unavailable("The 3D view cannot be guarded; install viser 1.1.")
+        raise Unavailable(say("viewer.no_guard"))

@@ -10,6 +10,7 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from app.sentences import say
 from app.viewer import palette
 from app.viewer.palette import Rgb
 from estimators import rotation
@@ -100,8 +101,9 @@ def distance_words(placement: str, distance_m: float, *, is_lone: bool) -> str:
     is_lone : bool
         The place goes on without the source: the distance is then not told as if it were measured.
     """
-    about = "about " if is_lone else ""
-    return f"{placement_words(placement).capitalize()}: {about}{100.0 * distance_m:.0f} cm"
+    if is_lone:
+        return say("viewer.distance_about", place=placement, distance_m=distance_m)
+    return say("viewer.distance", place=placement, distance_m=distance_m)
 
 
 def modules_of(frames: Frames) -> ModuleTrack | None:

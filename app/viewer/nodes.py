@@ -9,6 +9,7 @@ import viser
 from numpy.typing import NDArray
 from viser import _messages as wire
 
+from app.sentences import say
 from app.viewer.body_mesh import Piece
 from app.viewer.palette import HALO, MATERIAL_COLOURS, PALETTES, TRAIL, UNMEASURED_SKIN, Rgb, Theme
 from app.viewer.proportions import hip_half_width_m, leg_lengths_m, neck_height_m
@@ -201,7 +202,7 @@ def add_silence_label(server: viser.ViserServer, path: str) -> Any:
     """Add the hidden words for when no sensor gives anything: one label, not one over another."""
     return server.scene.add_label(
         f"{path}/silent",
-        "No data from the sensors",
+        say("viewer.silent"),
         position=(0.0, 0.0, 0.55),
         visible=False,
         font_screen_scale=1.6,

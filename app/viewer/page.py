@@ -17,6 +17,7 @@ import viser
 import zstandard
 
 from app.errors import Unavailable
+from app.sentences import say
 from app.viewer.palette import PALETTES, Palette
 
 _ALPHABET: Final = "".join(chr(code) for code in range(0x21, 0x7F) if chr(code) not in "\"&<>'`")
@@ -99,7 +100,7 @@ def build_page() -> Page:
     source = (Path(viser.__file__).parent / "client" / "build" / "index.html").read_text(encoding="utf-8")
     scripts = list(_SCRIPT.finditer(source))
     if len(scripts) != 1:
-        raise Unavailable("The 3D view does not know this version of its page; install viser 1.1.")
+        raise Unavailable(say("viewer.version"))
     loader = scripts[0]
     hashes = [_hash(loader["code"]), _hash(_packed_program(loader["attributes"]))]
     own = _KEEP_CONNECTING + _NO_EVALUATION + _DESCRIBE
@@ -120,7 +121,7 @@ def _packed_program(attributes: str) -> str:
         )
         return unpacked[int(found["ss"]) :].decode("utf-8")
     except (KeyError, ValueError, zstandard.ZstdError) as error:
-        raise Unavailable("The 3D view does not know this version of its page; install viser 1.1.") from error
+        raise Unavailable(say("viewer.version")) from error
 
 
 def _from_base88(text: str) -> bytes:

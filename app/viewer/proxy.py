@@ -19,6 +19,7 @@ from websockets.typing import Subprotocol
 from app.accounts.dependencies import websocket_subject
 from app.accounts.subject import Subject
 from app.errors import InvalidInput, Unavailable
+from app.sentences import say
 from app.viewer import wire
 from app.viewer.camera import Camera
 from app.viewer.service import View, Viewer
@@ -50,9 +51,7 @@ async def relay(websocket: WebSocket, viewer: Viewer, subject: Subject, view_id:
     """
     view = await viewer.check(subject, view_id)
     if wire.PROTOCOL not in websocket.scope.get("subprotocols", []):
-        raise InvalidInput(
-            f"The page speaks another version than the scene ({wire.PROTOCOL}); load it again."
-        )
+        raise InvalidInput(say("viewer.protocol", version=wire.PROTOCOL))
     stage = await viewer.stage_of(view)
     try:
         upstream = await connect(
@@ -67,7 +66,7 @@ async def relay(websocket: WebSocket, viewer: Viewer, subject: Subject, view_id:
         )
     except (OSError, TimeoutError, InvalidHandshake) as error:
         # Also a scene that was taken down just now, whose port another scene has taken.
-        raise Unavailable("The 3D view is not ready; try again.") from error
+        raise Unavailable(say("viewer.not_ready")) from error
     async with upstream:
         await websocket.accept(subprotocol=wire.PROTOCOL)
         stage.enter()

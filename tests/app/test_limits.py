@@ -26,11 +26,11 @@ ADA, BERT, CARL, DORA = Person("a", "one"), Person("b", "one"), Person("c", "two
 def test_an_account_a_clinic_and_the_service_are_counted_apart() -> None:
     limits = Limits({"views": Allowance(2, 3, 4)})
     first, second = limits.take("views", ADA), limits.take("views", ADA)
-    with pytest.raises(LimitReached, match="2 of your 3D views") as own:
+    with pytest.raises(LimitReached, match="Open 3D views for one account: at most 2") as own:
         limits.take("views", ADA)
     assert (own.value.details["scope"], own.value.details["retry_after_s"]) == ("account", 60)
     limits.take("views", BERT)
-    with pytest.raises(LimitReached, match="3 3D views are open in your clinic"):
+    with pytest.raises(LimitReached, match="Open 3D views in your clinic: at most 3"):
         limits.take("views", BERT)
     neighbour = limits.take("views", CARL)
     with pytest.raises(Unavailable, match="on this service"):

@@ -6,6 +6,7 @@ from sqlalchemy import text
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput
 from app.ingest.messages import ErrorMessage
+from app.live.guides import GUIDES
 from app.recordings.models import SessionEvent
 from app.recordings.schemas import CalibrationOut, SessionEventOut
 from app.sentences import Sentence, say
@@ -75,3 +76,13 @@ def test_refusals_carry_their_sentence(nobody):
     }
     message = ErrorMessage.of(InvalidInput(say("account.password_wrong"), field="old_password"), closing=True)
     assert message.sentences["message"].code == "account.password_wrong"
+
+
+def test_a_field_gives_its_code_back_for_telling_it_elsewhere():
+    step = GUIDES["six_position"].steps[-1]
+    instruction = step.said("instruction")
+    assert isinstance(instruction, Sentence)
+    assert (instruction, instruction.code) == (step.instruction, "guide_six_position.turn")
+    assert instruction.parameters == {"axis": "z"}
+    plain = SessionEventOut(kind="mark", time_s=0.0, duration_s=0.0, placement=None, text="Left arm hurts.")
+    assert plain.said("text") == "Left arm hurts."

@@ -28,7 +28,7 @@ class RecordingPackets:
     declaration : Declaration
         What a gateway would have said in its hello.
     left_out : tuple of str
-        Sensors of the file that are no placement of ours.
+        Sensors of the file at no supported position.
     """
 
     recording: Recording

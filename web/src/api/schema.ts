@@ -449,7 +449,7 @@ export interface paths {
          * Change Password
          * @description Change the own password; every other browser is signed out.
          *
-         *     Errors: `invalid_input` with the field when the present password is wrong or the new one is too short or the same,
+         *     Errors: `invalid_input` with the field when the current password is wrong or the new one is too short or the same,
          *     `too_many_attempts` with Retry-After.
          */
         post: operations["change_password_api_me_password_post"];
@@ -1183,7 +1183,7 @@ export interface paths {
         post: operations["confirm_safety_api_sessions__session_id__magnetic_safety_post"];
         /**
          * Withdraw Safety
-         * @description Take back that nobody has an implant: the source is stopped at once and may not fire until it is confirmed anew.
+         * @description Withdraw the confirmation that nobody has an implant: the source stops at once until it is confirmed again.
          *
          *     Needs the right to treat. Audited. The sensors go on streaming, without the source.
          */
@@ -2028,6 +2028,10 @@ export interface components {
             kind: "static_bias" | "six_position" | "magnetometer" | "n_pose" | "t_pose" | "functional" | "passive" | "heading_reset";
             /** One Sensor */
             one_sensor: boolean;
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
             /** Steps */
             steps: components["schemas"]["CalibrationStep"][];
             /** Summary */
@@ -2090,6 +2094,10 @@ export interface components {
             score?: number | null;
             /** Sensors */
             sensors?: components["schemas"]["SensorProgress"][];
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
             /** Step */
             step: number;
             /** Step Progress */
@@ -2143,6 +2151,10 @@ export interface components {
              * @enum {string}
              */
             picture: "lie_still" | "face_x_up" | "face_x_down" | "face_y_up" | "face_y_down" | "face_z_up" | "face_z_down" | "turn_x" | "turn_y" | "turn_z" | "turn_all_ways" | "n_pose" | "t_pose" | "elbow_flexion" | "pronation" | "raise_forward" | "raise_sideways" | "seated_rest" | "seated_elbow_flexion" | "seated_pronation" | "seated_raise_forward" | "seated_raise_sideways" | "arm_hanging";
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
             /** Title */
             title: string;
         };
@@ -2217,6 +2229,10 @@ export interface components {
             reason: "declining" | "link_lost" | "not_practising" | "bad_data" | "no_template" | "";
             /** Reason Text */
             reason_text: string;
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
             /** Trend */
             trend: number[];
             /** Trend High */
@@ -2998,6 +3014,10 @@ export interface components {
             limit_t: number;
             /** Required */
             required: boolean;
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
             /** Source */
             source: string | null;
             /** Source Name */
@@ -3333,6 +3353,10 @@ export interface components {
             reason: string;
             /** Result Id */
             result_id: string;
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
             /** Time S */
             time_s: number[];
         };
@@ -3800,6 +3824,10 @@ export interface components {
              * @enum {string}
              */
             kind: "template" | "estimator" | "prescription";
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
             /** Text */
             text: string;
         };
@@ -4085,6 +4113,10 @@ export interface components {
             progress: number;
             /** Residual Percent */
             residual_percent?: number | null;
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
             /** Visited */
             visited?: boolean[];
         };

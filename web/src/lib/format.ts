@@ -20,7 +20,7 @@ const UNITS: Record<string, DisplayUnit> = {
   '1': { factor: 1, suffix: '', digits: 2 },
   '': { factor: 1, suffix: '', digits: 2 },
   count: { factor: 1, suffix: '', digits: 0 },
-  bands: { factor: 1, suffix: ' bands', digits: 1 },
+  bands: { factor: 1, suffix: ' × tolerance', digits: 1 },
 };
 
 /** How to show values of this unit; an unknown unit is shown as it is. */

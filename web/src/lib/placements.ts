@@ -5,7 +5,7 @@ export function armPlacements(side: 'left' | 'right'): Placement[] {
   return [`upper_arm_${side}`, `forearm_${side}`, `hand_${side}`];
 }
 
-/** What to wear for a side: the breastbone for the trunk, then the arm or both arms. */
+/** What to wear for a side: the chest for the trunk, then the arm or both arms. */
 export function suggestedPlacements(side: Side | null | undefined): Placement[] {
   if (side === 'both') return ['sternum', ...armPlacements('left'), ...armPlacements('right')];
   return ['sternum', ...armPlacements(side === 'left' ? 'left' : 'right')];

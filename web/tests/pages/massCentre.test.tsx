@@ -23,7 +23,7 @@ describe('the centre of mass', () => {
   });
 
   it('says why there is none', async () => {
-    const reason = 'The centre of mass needs sensors on both thighs and on the breastbone or the pelvis.';
+    const reason = 'The centre of mass needs sensors on both thighs and on the chest or the pelvis.';
     renderPage(<MassFacts sessionId="s" resultId="r" />, { answers: { [at]: { ...found, curves: [], assumed: [], reason } } });
     expect(await screen.findByText(reason)).toBeTruthy();
   });

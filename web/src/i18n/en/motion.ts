@@ -39,7 +39,7 @@ export const motion = {
   'axis.z': 'height',
 
   'placement.head': 'Head',
-  'placement.sternum': 'Breastbone',
+  'placement.sternum': 'Chest',
   'placement.pelvis': 'Pelvis',
   'placement.shoulder_left': 'Left shoulder',
   'placement.shoulder_right': 'Right shoulder',

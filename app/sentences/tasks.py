@@ -1,0 +1,82 @@
+"""English sentences of storage, long tasks and what analyses say of a session."""
+
+from typing import Final
+
+ENGLISH: Final[dict[str, str | dict[str, str]]] = {
+    "stored.other_process": "Another process stores this session too; a session belongs to one server at a"
+    " time.",
+    "stored.already": "Some of these packets are stored already.",
+    "stored.packet_encoding": "Packet encoding {encoding} is unknown; use 0 (float32) or 1 (counts).",
+    "stored.packet_empty": "A packet needs at least one tick of at least one sensor.",
+    "stored.packet_payload": "A payload of {size} bytes does not divide into {ticks} ticks.",
+    "stored.packet_range": "Sequence or device time is out of range.",
+    "stored.checksum": "Stored data is damaged (wrong checksum); restore it from a backup.",
+    "stored.cut_off": "Stored data is cut off or damaged; restore it from a backup.",
+    "stored.codec": "Stored data was written by a newer version of the service (codec {codec}); install that"
+    " version.",
+    "stored.length": "Stored data holds {found} bytes instead of {expected}; restore it from a backup.",
+    "stored.undecodable": "Stored data cannot be decompressed; restore it from a backup.",
+    "stored.layout": "Stored frames do not fit the layout of their result; restore them from a backup.",
+    "stored.quota": "Your clinic has stored {used_bytes:gib.1} of signals; {limit_bytes:gib.1} are allowed."
+    " Delete"
+    " sessions that are no longer needed, or ask the operator of this service for more.",
+    "stored.not_open": "This session is not open for storing; open it first.",
+    "stored.failed": "This session can no longer be stored. {reason}",
+    "stored.stopping": "The service is stopping; send again to the next one.",
+    "stored.behind": "Storage is behind; keep the packet and send it again.",
+    "stored.not_encoded": "Its data cannot be encoded ({error}).",
+    "stored.session_gone": "The session no longer exists.",
+    "stored.refused": "The database refused its data.",
+    "service.no_process": "No process can be started at this moment; try again.",
+    "limit.views": "Close one, or try again in a minute.",
+    "limit.streams": "Close a session, then connect again.",
+    "limit.sockets": "Close one, then open this again.",
+    "limit.uploads": "Wait until one has arrived, then send this again.",
+    "limit.exports": "Wait until one is done, then ask again.",
+    "limit.reached": "{what:limited} {scope:limit_scope}: at most {most} at once. {advice}",
+    "limited.views": "Open 3D views",
+    "limited.streams": "Streaming gateways",
+    "limited.sockets": "Open live views",
+    "limited.uploads": "Uploads under way",
+    "limited.exports": "Exports being made",
+    "limit_scope.account": "for one account",
+    "limit_scope.clinic": "in your clinic",
+    "limit_scope.service": "on this service",
+    "progress.reading_walk": "Reading the walk",
+    "progress.estimating": "Estimating the movement",
+    "progress.smoothing": "Estimating the movement, forward and backward",
+    "progress.feet": "Following the feet",
+    "progress.forces": "Forces and balance",
+    "progress.comparing": "Comparing with the template",
+    "session.not_calibrated_because": "Not calibrated, so there are no joint angles. {reason}",
+    "session.no_pose": "Not calibrated, so there are no joint angles: no calibration pose was recorded.",
+    "session.pose_found": "Calibration pose found in the recording.",
+    "session.pose_outside": "The pose from {start_s:s.1} to {end_s:s.1} is not in the recording.",
+    "session.nothing_to_estimate": "The session holds no packets that can be analysed.",
+    "session.headings_left_out": "The directions set at {time_s:s} were not used. {reason}",
+    "mass_centre.sensors": "The centre of mass needs sensors on both thighs and on the chest or the pelvis.",
+    "mass_centre.other_kind": "The sensors of this kind of session do not measure the centre of mass of the"
+    " body.",
+    "walk.no_forces": "There are no forces. {reason}",
+    "walk.no_forces_from": "There are no forces: no usable data came from {places:place}.",
+    "walk.no_forces_together": "There are no forces: the four load cells never measured at the same time.",
+    "walk.forces_partly": "Forces are known from {start_s:s.1} to {end_s:s.1} only: at {lost_s:s.1} no usable"
+    " data came"
+    " from {places:place}.",
+    "walk.feet_unrelated": "The positions of the feet relative to each other are not known. {reason}",
+    "bench.no_sensor": "The session has no sensor {place:place}.",
+    "bench.too_long": "This session is longer than an hour, the most for a calibration on the bench.",
+    "bench.no_coils": "The packets of this session have no coil states or no magnetometer (bits 6 and 2).",
+    "bench.places": "The sensor lay still at {stops} places ({times:and}), but {places} were given. Give one"
+    " for each,"
+    " and leave out movements between them.",
+    "bench.time": "{start_s:number} to {end_s:s}",
+    "bench.no_stop": "none",
+    "bench.no_fit": "The coils could not be found. {reason}",
+    "bench.singular": "The places do not determine them.",
+    "bench.weak": "These places determine the field only to ±{sigma:percent}. Lay the sensor at more places"
+    " and nearer:"
+    " 10 to 25 cm from the middle, on every side.",
+}
+
+__all__ = ["ENGLISH"]
