@@ -11,14 +11,11 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "edge.method": "This address takes {allowed}.",
     "edge.no_json": "The body cannot be read as JSON.",
     "edge.no_such_address": "There is nothing at this address.",
-<<<<<<< HEAD
     "edge.no_such_page": "This is no page of this list; read the list from its beginning.",
-=======
     "edge.query_nul": "The query must not hold a NUL; remove %00.",
     "edge.metrics": "Metrics are for the operator of the service: set TELEMOTION_METRICS_TOKEN and send it as"
     " `Authorization: Bearer`.",
     "edge.no_accuracy": "This installation has no accuracy report; make one with `telemotion validate`.",
->>>>>>> 0e0e3cc (Say what storage, tasks, live sessions and guides tell people as codes with parameters (issue 10))
     "edge.no_such_file": "There is no such file.",
 }
 
