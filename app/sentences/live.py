@@ -48,6 +48,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "viewer.no_guard": "The 3D view cannot be protected with this version of viser; install viser 1.1.",
     "viewer.version": "The 3D view does not know the page of this version of viser; install viser 1.1.",
     "viewer.protocol": "The page and the 3D view have different versions ({version}); reload the page.",
+    "viewer.no_signal": "{place:place}: no signal",
+    "viewer.source": "{place:place}: source",
     "viewer.silent": "No data from the sensors",
     "viewer.distance": "{place:place}: {distance_m:cm}",
     "viewer.distance_about": "{place:place}: about {distance_m:cm}",

@@ -14,7 +14,6 @@ from app.sentences import say
 from app.viewer import palette
 from app.viewer.palette import Rgb
 from estimators import rotation
-from estimators.conventions import placement_words
 from estimators.magnetic import RelativeFlag
 from estimators.pipelines import Frames
 
@@ -171,7 +170,7 @@ class ModuleLayer:
         # Words hang on nothing that turns, so that they stay above and below.
         self._name = scene.add_label(
             "/modules/name",
-            f"{placement_words(names[0]).capitalize()}: source",
+            say("viewer.source", place=names[0]),
             font_screen_scale=_LABEL_SCALE,
             anchor="top-center",
         )

@@ -14,7 +14,6 @@ from app.viewer.body_mesh import Piece
 from app.viewer.palette import HALO, MATERIAL_COLOURS, PALETTES, TRAIL, UNMEASURED_SKIN, Rgb, Theme
 from app.viewer.proportions import hip_half_width_m, leg_lengths_m, neck_height_m
 from estimators.body import BodyDimensions
-from estimators.conventions import placement_words
 
 FLOOR: Final = "/room/floor"
 _LIGHTS: Final = ("/room/sky", "/room/key", "/room/fill")
@@ -190,7 +189,7 @@ def add_lost_label(server: viser.ViserServer, path: str, segment: str) -> Any:
     """Add the hidden words that say which sensor gives nothing."""
     return server.scene.add_label(
         f"{path}/lost",
-        f"{placement_words(segment).capitalize()}: no signal",
+        say("viewer.no_signal", place=segment),
         position=(0.0, 0.0, -0.1),
         visible=False,
         font_screen_scale=1.4,

@@ -24,15 +24,15 @@ FOUNDATION = {
 # other in one order: accounts, patients, exercises, recordings.
 ALLOWED = {
     "errors": set(),
-    "schemas": set(),
+    "schemas": {"sentences"},
     "sentences": set(),
     "time_zones": set(),
     "settings": {"errors", "time_zones"},
-    "limits": {"errors", "settings"},
+    "limits": {"errors", "sentences", "settings"},
     "logs": {"errors", "settings"},
     "metrics": set(),
     "services": {"settings", "limits"},
-    "processes": {"errors"},
+    "processes": {"errors", "sentences"},
     "pages": {"errors", "sentences", "services", "settings"},
     "lower_priority": set(),
     "database": {"errors", "sentences", "settings", "services"},

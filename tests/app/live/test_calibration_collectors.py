@@ -327,4 +327,4 @@ def test_a_turn_that_was_not_whole_is_told_while_it_can_be_repeated() -> None:
     found.add(ImuChunk(0, 0.01, rate, force, None, np.zeros(rate.shape[:2], np.uint8)))
     found.review()
     assert "turn_x" not in found.sensors[0].found
-    assert "degrees less than a whole one" in found.hint
+    assert "° less than a whole one" in found.hint

@@ -72,4 +72,4 @@ def test_mass_and_pressure_live_over_the_socket(signed_in: SignedIn, world: Any)
     # The store has the forces: what is analysed afterwards knows balance, and says which stretch.
     assert np.isfinite(after["centre_of_mass.x"]).mean() > 0.4
     assert walk["balance"] is not None
-    assert any("heel right" in reason for reason in walk["reasons"])
+    assert any("right heel" in reason for reason in walk["reasons"])

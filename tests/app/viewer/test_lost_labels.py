@@ -7,11 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from app.sentences import ENGLISH
 from app.viewer.pose import SEGMENTS, measured_segments, track_from_frames
 from app.viewer.scene import BodyScene
 from app.viewer.stage import LoopbackServer
 from estimators.body import BodyDimensions
-from estimators.conventions import PLACEMENTS, SHOE_PLACEMENTS, placement_words
+from estimators.conventions import PLACEMENTS, SHOE_PLACEMENTS
 
 CATALOGUE = Path(__file__).resolve().parents[3] / "web" / "src" / "i18n" / "en" / "motion.ts"
 
@@ -35,9 +36,9 @@ def test_one_label_when_nothing_comes_at_all(reaches) -> None:
             return labels_seen(server)
 
         assert say(set()) == []
-        assert say({"sternum"}) == ["Breastbone: no signal"]
+        assert say({"sternum"}) == ["Chest: no signal"]
         assert say(set(measured)) == ["No data from the sensors"]
-        assert say({"sternum"}) == ["Breastbone: no signal"], "the others came back"
+        assert say({"sternum"}) == ["Chest: no signal"], "the others came back"
     finally:
         server.stop()
 
@@ -46,4 +47,4 @@ def test_one_label_when_nothing_comes_at_all(reaches) -> None:
 def test_the_service_names_a_place_as_the_browser_does(placement: str) -> None:
     said = re.search(rf"'placement\.{placement}': '([^']+)'", CATALOGUE.read_text(encoding="utf-8"))
     assert said is not None
-    assert placement_words(placement).capitalize() == said[1]
+    assert ENGLISH[f"place.{placement}"].capitalize() == said[1]

@@ -94,7 +94,7 @@ def test_the_scene_shows_modules_and_no_figure(frames: Frames) -> None:
 
 def test_a_place_without_the_source_is_not_told_as_measured() -> None:
     assert distance_words("upper_arm_left", 0.4251, is_lone=False) == "Left upper arm: 43 cm"
-    assert distance_words("sternum", 0.4251, is_lone=True) == "Breastbone: about 43 cm"
+    assert distance_words("sternum", 0.4251, is_lone=True) == "Chest: about 43 cm"
 
 
 def test_the_camera_is_told_what_is_mostly_seen(frames: Frames) -> None:
