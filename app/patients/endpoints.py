@@ -32,7 +32,7 @@ router = APIRouter(prefix="/api", tags=["patients"])
 def list_patients(
     subject: CurrentAccount, session: ReadSession, page: WantedPage, archived: bool | None = None
 ) -> list[PatientOut]:
-    """Return the patients in reach, all or by whether they are archived; a patient gets the own record only."""
+    """Return the patients in reach, all or by whether they are archived; patients get their own record only."""
     return service.list_patients(session, subject, page, archived)
 
 

@@ -16,8 +16,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "template.other_patient": "This template was made for another patient.",
     "template.by_hand": "Excluded by hand.",
     "template.no_repetition": "There is no repetition {number} in this recording.",
-    "template.no_angle": "No joint angle was measured in this session; calibrate the sensors on the"
-    " patient and record again.",
+    "template.no_angle": "No joint angle was measured in this session; calibrate the sensors on the patient"
+    " and record again.",
     "exercise.walk_angle": "A walk has no primary angle; leave it empty.",
     "exercise.angle": "The primary angle is not a joint angle of the {side:side} side; choose one of the list.",
     "comparison.no_template": "No template is prescribed, so there was no comparison.",

@@ -12,10 +12,9 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "file.too_few_rows": "The file holds fewer than two rows; there is nothing to analyse.",
     "file.too_long": "The file is too long; split it into shorter recordings.",
     "file.unpacks_to_too_much": "The file has {packed_bytes:mib.1} and unpacks to more than"
-    " {limit_bytes:mib~4}, the"
-    " most that is read at once; split the recording.",
-    "file.linked_data": "The data set {name} must be in the file itself; links and other kinds of data are"
-    " not read.",
+    " {limit_bytes:mib~4}, the most that is read at once; split the recording.",
+    "file.linked_data": "The data set {name} must be in the file itself; links and other kinds of data are not"
+    " read.",
     "file.not_finite": "The file holds values that are not finite; fill or cut these gaps first.",
     "file.sensor_not_finite": "Sensor {where:place}: some values are not finite; fill or cut these gaps first.",
     "file.no_time_in_row": "Row {row} has no time; fill it in or remove the row.",
@@ -55,9 +54,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "gaitmap.side": "The file holds one foot without its side; put `left` or `right` into the file's name.",
     "gaitmap.header": "The file needs a header of one or two rows, with numbers below it.",
     "gaitmap.strides": "{file} is not a list of strides.",
-    "shoe.weight": "Body weight measured by the shoes is {weight_n:number} N; a person weighs"
-    " {least_n:number} to"
-    " {most_n:number} N. Check the unit (newton) and that z points up against the foot.",
+    "shoe.weight": "Body weight measured by the shoes is {weight_n:number} N; a person weighs {least_n:number}"
+    " to {most_n:number} N. Check the unit (newton) and that z points up against the foot.",
     "c3d.not_c3d": "This is not a C3D file; choose the format that it has.",
     "c3d.damaged": "The parameters of this C3D file are damaged; export it again.",
     "c3d.processor": "The number format {processor} of this C3D file is unknown; export it with Intel numbers.",
@@ -73,9 +71,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "marker_file.far": "A marker is {far_m:m.0} from the origin, which is not possible. {advice}",
     "marker_file.unit": "The values look like mm or cm: declare that unit.",
     "marker_file.check_unit": "Check the unit.",
-    "marker_file.columns": "No marker was found: each needs three columns, NAME_x, NAME_y and NAME_z. The"
-    " file has:"
-    " {present}.",
+    "marker_file.columns": "No marker was found: each needs three columns, NAME_x, NAME_y and NAME_z. The file"
+    " has: {present}.",
     "marker_file.no_time": "The file has no column time_s; add it, or declare the rate of the cameras.",
     "marker_file.rate": "The frames come at {rate_hz:hz~3}, which is not possible; check that time_s is in"
     " seconds.",
@@ -85,14 +82,12 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "mapping.unit": "The {quantity:quantity} (columns {columns:and}) cannot have the unit {unit}; use"
     " {units:or}.",
     "mapping.twice": "Sensor {where:place}: the {quantity:quantity} is mapped twice, to the columns"
-    " {first:and} and again to"
-    " {second:and}; keep one.",
+    " {first:and} and again to {second:and}; keep one.",
     "mapping.no_sensor": "The mapping names no sensor; map gyroscope and accelerometer of at least one.",
     "mapping.needed": "Sensor {where:place}: the {quantity:quantity} is not mapped; gyroscope and"
-    " accelerometer are both"
-    " needed.",
-    "mapping.magnetometers": "The magnetometer is not mapped for {places:place}; map it for all sensors or"
-    " for none.",
+    " accelerometer are both needed.",
+    "mapping.magnetometers": "The magnetometer is not mapped for {places:place}; map it for all sensors or for"
+    " none.",
     "log.not_a_log": "The file does not start with TML1: it is not a Telemotion packet log. Choose the right"
     " format.",
     "log.hello_too_long": "The hello of the log states {length} bytes; at most {most} are allowed.",
@@ -104,33 +99,26 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "log.packet_length": "Packet {number} states {length} bytes; the log is damaged there.",
     "log.no_packet": "The log holds no intact packet.",
     "signal.foot_gyroscope": "Sensor {where:place}: the gyroscope turns by no more than {raw:number~3} {unit}"
-    " although the"
-    " accelerometer shows steps; a walking foot turns by 1 rad/s (57 deg/s) or more. {advice}",
+    " although the accelerometer shows steps; a walking foot turns by 1 rad/s (57 deg/s) or more. {advice}",
     "signal.gyroscope_fast": "Sensor {where:place}: the gyroscope reads {raw:number} {unit}, faster than any"
-    " sensor measures."
-    " {advice}",
+    " sensor measures. {advice}",
     "signal.no_numbers": "Sensor {where:place}: the {quantity:quantity} holds no numbers.",
     "signal.no_gravity": "Sensor {where:place}: the accelerometer has a median of {raw:number~3} {unit};"
-    " gravity (9.81 m/s²)"
-    " was expected. {advice}",
+    " gravity (9.81 m/s²) was expected. {advice}",
     "signal.no_earth_field": "Sensor {where:place}: the magnetometer has a median of {raw:number~3} {unit};"
-    " the earth's field"
-    " (22 to 67 µT) was expected. {advice}",
+    " the earth's field (22 to 67 µT) was expected. {advice}",
     "signal.check_columns": "Check its columns and its unit.",
     "table.endless_line": "The first line has no end; this is no table.",
     "table.not_utf8": "The file is not UTF-8 text. Save it as CSV in UTF-8 and upload it again.",
     "table.no_column": "The file has no column {missing:and}. It has: {present}. Correct the mapping.",
     "table.no_rows": "The file has a header but no rows.",
-    "table.too_long": "The file holds more than {rows:number} rows for {columns:number} columns; split it"
-    " into shorter"
-    " recordings.",
+    "table.too_long": "The file holds more than {rows:number} rows for {columns:number} columns; split it into"
+    " shorter recordings.",
     "table.not_a_number": "A value in the column {column} is not a number; the columns of the mapping must"
-    " hold numbers"
-    " only.",
+    " hold numbers only.",
     "table.ragged": "A row has another number of columns than the header; the file is damaged.",
     "table.unreadable": "The file cannot be read as a table; check the character between its columns and its"
-    " encoding"
-    " (UTF-8).",
+    " encoding (UTF-8).",
     "table.in_columns": "{reason} (In the file: {columns:and}.)",
 }
 

@@ -5,8 +5,7 @@ from typing import Final
 ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "guide_functional.title": "By movement",
     "guide_functional.summary": "Finds the patient's own joint axes, the most accurate calibration. Stand"
-    " still, then"
-    " bend the elbows, turn the palms, and raise the arms forward and sideways.",
+    " still, then bend the elbows, turn the palms, and raise the arms forward and sideways.",
     "guide_functional.elbow_flexion_title": "Bend the elbow",
     "guide_functional.elbow_flexion": "With the upper arm hanging, bend the elbow fully and stretch it again,"
     " three times.",
@@ -16,14 +15,13 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "guide_functional.raise_forward": "Raise the straight arm forward to shoulder height and lower it, three"
     " times.",
     "guide_functional.raise_sideways_title": "Raise sideways",
-    "guide_functional.raise_sideways": "Raise the straight arm sideways to shoulder height and lower it,"
-    " three times.",
+    "guide_functional.raise_sideways": "Raise the straight arm sideways to shoulder height and lower it, three"
+    " times.",
     "guide_functional.rest_title": "Stand still",
     "guide_functional.rest": "Stand upright with hanging arms, thumbs forward, for three seconds.",
     "guide_heading_reset.title": "Set the directions",
     "guide_heading_reset.summary": "Sets the directions of a limb again when they have drifted; the"
-    " calibration stays."
-    " Stand still with hanging arms for two seconds, facing as at the calibration.",
+    " calibration stays. Stand still with hanging arms for two seconds, facing as at the calibration.",
     "guide_heading_reset.pose_title": "Let the arms hang",
     "guide_heading_reset.pose": "Stand upright, facing as at the calibration, arms hanging, palms to the"
     " thighs, and hold still.",
@@ -55,8 +53,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " may lie on a support.",
     "guide_six_position.title": "Six positions",
     "guide_six_position.summary": "Finds scale, zero and axes of a sensor's accelerometer and gyroscope;"
-    " needed once for"
-    " each sensor, and after a fall.",
+    " needed once for each sensor, and after a fall.",
     "guide_six_position.face_z_up": "Lay the sensor with the printed side up, and let go for two seconds.",
     "guide_six_position.face_z_down": "Lay the sensor with the printed side down, and let go for two seconds.",
     "guide_six_position.face_x_up": "Lay the sensor on its edge, x axis up, and let go for two seconds.",

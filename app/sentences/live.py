@@ -11,20 +11,17 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " afterwards.",
     "live.ticket_message": "The first message must be a JSON object with the field ticket.",
     "live.preparing": "The service is being prepared for this kind of session, which takes up to a minute"
-    " after an"
-    " installation or an update. The sensors connect by themselves when it is done.",
+    " after an installation or an update. The sensors connect by themselves when it is done.",
     "live.no_sensor_of_limb": "No sensor is worn on that limb; choose another.",
     "live.calibration_done": "{kind:calibration_kind} done, score {score:points} of 100.",
     "live.directions_left": "The directions of {places:place} must still be set.",
     "live.of_sensor": "Sensor on {place:place}: {what}",
     "live.turned_too_far": "The turn about {axis} was {excess_rad:deg} more than a whole one. Mark where you"
-    " begin, and"
-    " turn it once more by exactly one turn. If it was exact, turn it again: two turns that agree are"
-    " accepted.",
+    " begin, and turn it once more by exactly one turn. If it was exact, turn it again: two turns that agree"
+    " are accepted.",
     "live.turned_too_little": "The turn about {axis} was {missing_rad:deg} less than a whole one. Mark where"
-    " you begin,"
-    " and turn it once more by exactly one turn. If it was exact, turn it again: two turns that agree are"
-    " accepted.",
+    " you begin, and turn it once more by exactly one turn. If it was exact, turn it again: two turns that"
+    " agree are accepted.",
     "calibration_kind.static_bias": "Gyroscope zero",
     "calibration_kind.six_position": "Six positions",
     "calibration_kind.magnetometer": "Compass",
@@ -40,8 +37,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "source_trouble.saturated": "The magnetometer is at its limit: the sensor is too close to a coil.",
     "source_trouble.alone": "The source is not used; the uncertainty grows.",
     "source_trouble.wiring": "Coils fire that the source does not have; check their numbers, and which module"
-    " is the"
-    " source.",
+    " is the source.",
     "source_trouble.over": "The source is used again.",
     "viewer.command_too_long": "A command is at most 2 kB of JSON.",
     "viewer.command": "Send `player` or `camera` commands as JSON; see the interface.",
@@ -55,24 +51,22 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "viewer.distance_about": "{place:place}: about {distance_m:cm}",
     "viewer.not_ready": "The 3D view is not ready; try again.",
     "live.connected_calibrate": "Connected; calibrate when the patient holds the pose.",
-    "live.connected_directions": "Connected. The sensor positions are saved from last time; set the"
-    " directions before"
-    " anything is measured.",
+    "live.connected_directions": "Connected. The sensor positions are saved from last time; set the directions"
+    " before anything is measured.",
     "live.source_allowed": "The source may fire.",
     "live.gap": "{missing_s:s.2} of data missing",
     "live.state": "A session that is {state:state} cannot become {following:state}.",
     "live.stray_source": "A magnetic source fires in this session, which has none; its pulses are not used,"
-    " and nobody was"
-    " asked about implants. Switch it off, or create a session with a magnetic source.",
+    " and nobody was asked about implants. Switch it off, or create a session with a magnetic source.",
     "live.force_lost": "No data from the load cells of the {side:side} shoe.",
-    "live.force_implausible": "The load cell readings of the {side:side} shoe are implausible; check the"
-    " load cells.",
+    "live.force_implausible": "The load cell readings of the {side:side} shoe are implausible; check the load"
+    " cells.",
     "live.force_back": "The load cells of the {side:side} shoe measure again.",
     "state.created": "created",
     "state.calibrating": "calibrating",
     "state.ready": "ready",
     "state.recording": "recording",
-    "state.link_lost": "link lost",
+    "state.link_lost": "signal lost",
     "state.closing": "closing",
     "state.analysed": "analysed",
     "state.failed": "failed",
@@ -80,8 +74,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "viewer.markers_live": "Markers are shown only in a replay.",
     "viewer.session_ended": "This session has ended; open a replay instead.",
     "live.closed_idle": "Closed automatically: no data arrived for ten minutes.",
-    "live.closed_long": "Closed automatically: the session reached the longest time allowed. Create"
-    " another session to continue.",
+    "live.closed_long": "Closed automatically: the session reached the longest time allowed. Create another"
+    " session to continue.",
     "live.closed_incomplete": "Closed: the gateway ended the stream and did not send what was missing.",
     "live.no_packet": "No data from the sensors for {silence_s:s}.",
     "live.all_sent": "The gateway has sent everything.",
@@ -96,12 +90,12 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "live.superseded": "A newer connection has taken over this session.",
     "live.connection_ended": "The connection to the gateway ended.",
     "live.not_connected": "No sensors are connected to this session; start the gateway first.",
-    "live.network_changed": "This session began with other sensors (placements, rate, scales or clip"
-    " levels); connect with the same ones, or close it and create another session.",
-    "live.other_placements": "The sensors of the gateway are not those of the session ({places:place});"
-    " create the session for the sensors that are worn.",
-    "live.cannot_calibrate": "Calibration needs connected sensors and no running recording; stop the"
-    " recording or connect first.",
+    "live.network_changed": "This session began with other sensors (placements, rate, scales or clip levels);"
+    " connect with the same ones, or close it and create another session.",
+    "live.other_placements": "The sensors of the gateway are not those of the session ({places:place}); create"
+    " the session for the sensors that are worn.",
+    "live.cannot_calibrate": "Calibration needs connected sensors and no running recording; stop the recording"
+    " or connect first.",
     "live.walk_uncalibrated": "A walk needs no calibration; stand still for three seconds and walk.",
     "live.magnetic_uncalibrated": "A magnetic session needs no calibration pose; stand still for three"
     " seconds.",
@@ -109,15 +103,13 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "live.connected": "Connected.",
     "live.sends_nothing": "No data from the sensor: {sensors:place}. Check it.",
     "live.moved": "Hold still: {sensors:place} moved.",
-    "live.not_evaluated": "This calibration could not be evaluated; the earlier one remains valid. Repeat"
-    " it.",
+    "live.not_evaluated": "This calibration could not be evaluated; the earlier one remains valid. Repeat it.",
     "live.still_evaluating": "The last calibration is being evaluated; wait a moment.",
     "live.no_step": "No calibration is waiting for a step; start one.",
     "live.step_ends_itself": "This step ends by itself; follow the instruction.",
-    "live.functional_sensors": "Calibration by movement needs sensors on upper arm and forearm of the"
-    " same side.",
-    "live.movement_not_ended": "The movement was never ended; start again and press next after each"
-    " movement.",
+    "live.functional_sensors": "Calibration by movement needs sensors on upper arm and forearm of the same"
+    " side.",
+    "live.movement_not_ended": "The movement was never ended; start again and press next after each movement.",
     "live.rest_ends_itself": "This step ends by itself; hold still.",
     "live.movement_too_short": "Make the movement three times first; it takes at least {least_s:s}.",
     "live.too_long": "It took longer than ten minutes; start again.",

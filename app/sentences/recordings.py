@@ -7,21 +7,17 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "job.internal": "An internal error stopped this task and was logged. The recorded data is stored.",
     "job.unknown_kind": "This service cannot do tasks of the kind {kind}.",
     "job.memory": "This needs more memory than the {limit_bytes:gib.1} that one task may take. Split the"
-    " recording and"
-    " upload the parts.",
+    " recording and upload the parts.",
     "job.interrupted": "Interrupted; the task starts again.",
     "job.given_up": "The task was interrupted several times and is not tried again; the recorded data is"
     " stored.",
     "job.session_deleted": "The session of this task was deleted.",
-    "magnetic.withdrawn": "The safety confirmation for the magnetic source was withdrawn; the source may"
-    " not fire until a"
-    " therapist confirms again that nobody near it has an implant.",
-    "magnetic.expired": "The safety confirmation for the magnetic source has expired; a therapist must"
-    " confirm again that"
-    " nobody near it has an implant before the source may fire.",
+    "magnetic.withdrawn": "The safety confirmation for the magnetic source was withdrawn; the source may not"
+    " fire until a therapist confirms again that nobody near it has an implant.",
+    "magnetic.expired": "The safety confirmation for the magnetic source has expired; a therapist must confirm"
+    " again that nobody near it has an implant before the source may fire.",
     "magnetic.not_confirmed": "This session has a magnetic source: before it can start, a therapist must"
-    " confirm that neither"
-    " the patient nor people nearby have a pacemaker or a similar implant.",
+    " confirm that neither the patient nor people nearby have a pacemaker or a similar implant.",
     "magnetic.event_confirmed": "Safety confirmed: no implants",
     "magnetic.event_withdrawn": "Safety confirmation withdrawn; the source may not fire",
     "result.no_frames": "This result holds no movement data; analyse the session first.",
@@ -37,8 +33,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "markers.limit": "This session holds as many marker files as it may ({limit_bytes:mib}).",
     "source.impossible": "These values do not describe a source that can be worn. {reason}",
     "magnetic.warning": "The source makes magnetic pulses. Nobody with a pacemaker, an implanted"
-    " defibrillator, a nerve"
-    " stimulator, a cochlear implant or a medicine pump may wear it or be close to it while it is worn.",
+    " defibrillator, a nerve stimulator, a cochlear implant or a medicine pump may wear it or be close to it"
+    " while it is worn.",
     "markers.none": "This session has no fused markers yet.",
     "markers.too_long": "Ask for at most {longest_s:s} of the recording.",
     "markers.not_closed": "Markers can be added only to a session that is closed and analysed.",
@@ -58,8 +54,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "session.no_sensor": "The session has no sensor on the {places:place}.",
     "result.no_sequence": "There is no rotation sequence {sequence}.",
     "session.parameter_type": "A parameter of the estimator has a value of the wrong type.",
-    "session.offline_estimator": "{wanted} needs the whole session; record with {live}, it follows when"
-    " the session closes.",
+    "session.offline_estimator": "{wanted} needs the whole session; record with {live}, it follows when the"
+    " session closes.",
     "magnetic.only_magnetic": "Only a magnetic session has a source.",
     "session.no_estimator": "There is no estimator {unknown:or}; choose {known:or}.",
     "walk.in_both": "A walk is in both conditions; choose different ones.",

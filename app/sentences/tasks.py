@@ -18,8 +18,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "stored.undecodable": "Stored data cannot be decompressed; restore it from a backup.",
     "stored.layout": "Stored frames do not fit the layout of their result; restore them from a backup.",
     "stored.quota": "Your clinic has stored {used_bytes:gib.1} of signals; {limit_bytes:gib.1} are allowed."
-    " Delete"
-    " sessions that are no longer needed, or ask the operator of this service for more.",
+    " Delete sessions that are no longer needed, or ask the operator of this service for more.",
     "stored.not_open": "This session is not open for storing; open it first.",
     "stored.failed": "This session can no longer be stored. {reason}",
     "stored.stopping": "The service is stopping; send again to the next one.",
@@ -61,22 +60,19 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "walk.no_forces_from": "There are no forces: no usable data came from {places:place}.",
     "walk.no_forces_together": "There are no forces: the four load cells never measured at the same time.",
     "walk.forces_partly": "Forces are known from {start_s:s.1} to {end_s:s.1} only: at {lost_s:s.1} no usable"
-    " data came"
-    " from {places:place}.",
+    " data came from {places:place}.",
     "walk.feet_unrelated": "The positions of the feet relative to each other are not known. {reason}",
     "bench.no_sensor": "The session has no sensor {place:place}.",
     "bench.too_long": "This session is longer than an hour, the most for a calibration on the bench.",
     "bench.no_coils": "The packets of this session have no coil states or no magnetometer (bits 6 and 2).",
     "bench.places": "The sensor lay still at {stops} places ({times:and}), but {places} were given. Give one"
-    " for each,"
-    " and leave out movements between them.",
+    " for each, and leave out movements between them.",
     "bench.time": "{start_s:number} to {end_s:s}",
     "bench.no_stop": "none",
     "bench.no_fit": "The coils could not be found. {reason}",
     "bench.singular": "The places do not determine them.",
     "bench.weak": "These places determine the field only to ±{sigma:percent}. Lay the sensor at more places"
-    " and nearer:"
-    " 10 to 25 cm from the middle, on every side.",
+    " and nearer: 10 to 25 cm from the middle, on every side.",
 }
 
 __all__ = ["ENGLISH"]

@@ -22,8 +22,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
         "other": "{count} damaged packets were rejected.",
     },
     "upload.implausible": "The readings cannot be right. {findings} Correct the declaration and upload the"
-    " file again,"
-    " or declare `accept_implausible` to analyse it as it is.",
+    " file again, or declare `accept_implausible` to analyse it as it is.",
     "progress.reading_file": "Reading the file",
     "progress.storing": "Storing the recording",
     "progress.checking": "Checking units and axes",
@@ -43,29 +42,23 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "hello.placements_unknown": "Unknown placements: {unknown:and}; use {known:or}.",
     "hello.placement_twice": "A placement is named twice; each sensor has its own.",
     "hello.serials": "The hello names {sensors} sensors and {serials} different serial numbers; send one for"
-    " each"
-    " sensor, or none.",
+    " each sensor, or none.",
     "hello.rate": "A rate of {rate_hz:number~4} Hz is not possible; send 10 to 1000 Hz.",
     "hello.scale": "The value of {field} is {value}; it must be above 0 and at most {limit} in SI units.",
     "packet.truncated": "The packet has {size} bytes; the header alone has {header}. Send one whole packet in"
-    " each"
-    " message.",
+    " each message.",
     "packet.length": "The packet has {size} bytes; {sensors} sensors, {ticks} ticks and channel mask {mask}"
-    " need"
-    " {expected}. Check the counts in the header.",
+    " need {expected}. Check the counts in the header.",
     "packet.crc": "The CRC-32 over header bytes 0 to 27 and the payload does not match; send the packet again.",
     "packet.values": "Give float32 or int16 values of shape (ticks, sensors, values).",
     "packet.width": "{width} values per sensor do not fit channel mask {mask}.",
     "packet.all_or_none": "Give {channel} for all sensors or for none.",
     "packet.shape": "Sensor {sensor} must have {ticks} rows of three values in every channel, as sensor 0 has"
-    " (of coil"
-    " states: as many numbers).",
+    " (of coil states: as many numbers).",
     "packet.sensors_declared": "The packet has {sensors} sensors, the hello declared {declared}; send a new"
-    " hello when"
-    " the network changes.",
-    "packet.interval_declared": "A tick interval of {interval_us} µs does not fit the declared"
-    " {rate_hz:hz~4}; the"
-    " interval is in microseconds.",
+    " hello when the network changes.",
+    "packet.interval_declared": "A tick interval of {interval_us} µs does not fit the declared {rate_hz:hz~4};"
+    " the interval is in microseconds.",
     "packet.mask_scale": "Channel mask {mask} has channels without a declared scale; send those as float32.",
     "packet.scale": "Counts need {field} in the hello; declare it or send float32.",
     "packet.magic": "The message does not start with BNP1: it is not a body-network packet.",
@@ -77,23 +70,17 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "packet.ticks": "{ticks} ticks are not possible; send 1 to {most}.",
     "packet.interval": "A tick interval of {interval_us} µs is not possible; send {least_us} to {most_us} µs.",
     "packet.not_finite": "Tick {tick} of sensor {sensor} holds a value that is not finite. Send zeros in all"
-    " channels"
-    " for a sensor"
-    " that gave nothing.",
+    " channels for a sensor that gave nothing.",
     "packet.absurd": "Tick {tick} of sensor {sensor} holds a value above {limit}; send SI units.",
     "packet.sequence_reused": "This sequence number was used for another packet; after a restart, continue"
-    " after the"
-    " acknowledged `highest`.",
+    " after the acknowledged `highest`.",
     "packet.sequence_jump": "The sequence number is {steps} ahead of the newest; count packets one by one.",
     "packet.time_later": "The device time {time_us} µs is later than that of a higher sequence number. If the"
-    " device"
-    " clock was reset, reconnect with a new hello.",
+    " device clock was reset, reconnect with a new hello.",
     "packet.time_before": "The device time {time_us} µs lies before the end of the packet before it. If the"
-    " device"
-    " clock was reset, reconnect with a new hello.",
+    " device clock was reset, reconnect with a new hello.",
     "packet.time_ahead": "The device time {time_us} µs is {gap_s:s} ahead of the packet before it. If the"
-    " device clock"
-    " was reset, reconnect with a new hello.",
+    " device clock was reset, reconnect with a new hello.",
     "packet.channels_missing": "Estimation needs gyroscope and accelerometer; set bits 0 and 1 of the channel"
     " mask.",
     "packet.too_long": "A packet of {size} bytes is too long; send at most {most}.",

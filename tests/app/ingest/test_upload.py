@@ -142,11 +142,11 @@ def test_an_upload_without_stillness_is_kept_uncalibrated_and_says_so(
     job_id = queue(path, declare(world))
     done = run_job(engine, settings, job_id, upload)
     assert done.status == "complete"
-    assert "Not calibrated" in done.message
+    assert done.message.parameters["lines"][0].code == "session.not_calibrated_because"
     assert "still" in done.message
     found = session_of(engine, job_id)
     assert found.setup["calibration"] is None
-    assert "Not calibrated" in found.state_reason
+    assert found.state_reason.parameters["lines"][0].code == "session.not_calibrated_because"
     with read_only(engine) as session:
         assert np.isnan(read_frames(session, found.main_result_id).angle_rad).all()
 
@@ -161,7 +161,8 @@ def test_a_file_that_breaks_off_fails_in_words_and_is_removed(
     assert "cut off" in done.message
     found = session_of(engine, job_id)
     assert (found.state, found.main_result_id) == ("failed", None)
-    assert "cut off" in found.state_reason
+    assert found.state_reason.code == "job.analysis_failed"
+    assert found.state_reason.parameters["reason"].code == "log.cut_off"
     assert not list(upload_folder(settings).iterdir())
 
 
@@ -456,6 +457,7 @@ def test_a_csv_with_a_missing_column_fails_in_words(
     assert done.status == "failed"
     assert "no column not there" in done.message
     assert not shown(engine, done).is_implausible
+    assert shown(engine, done).sentences["message"].code == "table.no_column"
     assert session_of(engine, job_id).state == "failed"
 
 
@@ -474,6 +476,7 @@ def test_wrong_axes_fail_in_words_until_they_are_declared_or_accepted(
     assert done.status == "failed"
     assert "forearm_right: the gyroscope's axes do not fit" in done.message
     assert shown(engine, done).is_implausible
+    assert shown(engine, done).sentences["message"].code == "upload.implausible"
     accepted = run_job(
         engine, settings, queue(path, declare(world, **declared, accept_implausible=True)), upload
     )
