@@ -558,7 +558,7 @@ export interface paths {
         };
         /**
          * List Patients
-         * @description Return the patients in reach, all or by whether they are archived; a patient gets the own record only.
+         * @description Return the patients in reach, all or by whether they are archived; patients get their own record only.
          */
         get: operations["list_patients_api_patients_get"];
         put?: never;
