@@ -146,7 +146,7 @@ def test_an_upload_without_stillness_is_kept_uncalibrated_and_says_so(
     assert "still" in done.message
     found = session_of(engine, job_id)
     assert found.setup["calibration"] is None
-    assert found.state_reason.parameters["lines"][0].code == "session.not_calibrated_because"
+    assert found.state_reason.code == "session.not_calibrated_because"
     with read_only(engine) as session:
         assert np.isnan(read_frames(session, found.main_result_id).angle_rad).all()
 
