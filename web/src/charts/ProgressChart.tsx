@@ -37,6 +37,9 @@ function pins(plot: uPlot, events: readonly ProgressEvent[]): void {
   ctx.restore();
 }
 
+/** Room of a date under the axis. */
+const DATE_PX = 76;
+
 export function ProgressChart({ measure, events, height = 260 }: { measure: ProgressMeasure; events: readonly ProgressEvent[]; height?: number }) {
   const unit = displayUnit(measure.unit);
   const { points } = measure;
@@ -64,10 +67,11 @@ export function ProgressChart({ measure, events, height = 260 }: { measure: Prog
           size: 34,
           space: 80,
           grid: { show: false },
-          splits: (_, __, low, high) => {
-            // Whole days only: two labels may not show the same date.
+          splits: (chart, __, low, high) => {
+            // Whole days only: two labels may not show the same date, nor touch.
             const days = Math.max(1, Math.round((high - low) / 86_400));
-            const every = Math.max(1, Math.ceil(days / 6));
+            const most = Math.min(6, Math.max(1, Math.floor(chart.over.clientWidth / DATE_PX)));
+            const every = Math.max(1, Math.ceil(days / most));
             const start = new Date(low * 1000);
             const first = new Date(start.getFullYear(), start.getMonth(), start.getDate() + 1).getTime() / 1000 + 43_200;
             return Array.from({ length: Math.ceil(days / every) }, (___, index) => first + index * every * 86_400).filter((at) => at <= high);

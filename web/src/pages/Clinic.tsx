@@ -161,23 +161,25 @@ export function ClinicPage() {
         )
       }
     >
-      <section className="card" aria-labelledby="accounts">
-        <div className="card-head">
-          <h2 id="accounts">{t('clinic.accounts')}</h2>
-        </div>
-        <Answer of={accounts} lines={5}>
-          {(list) => (
-            <ul className="plain-list lines">
-              {list.map((one) => (
-                <Row key={one.id} account={one} onReset={() => setReset(one)} />
-              ))}
-            </ul>
-          )}
-        </Answer>
-        <p className="muted small">{t('clinic.devices')}</p>
-      </section>
-      {me.role === 'administrator' && <ClinicCard />}
-      <SourcesCard />
+      <div className="stack">
+        <section className="card" aria-labelledby="accounts">
+          <div className="card-head">
+            <h2 id="accounts">{t('clinic.accounts')}</h2>
+          </div>
+          <Answer of={accounts} lines={5}>
+            {(list) => (
+              <ul className="plain-list lines">
+                {list.map((one) => (
+                  <Row key={one.id} account={one} onReset={() => setReset(one)} />
+                ))}
+              </ul>
+            )}
+          </Answer>
+          <p className="muted small">{t('clinic.devices')}</p>
+        </section>
+        {me.role === 'administrator' && <ClinicCard />}
+        <SourcesCard />
+      </div>
       <Modal opened={isAdding} onClose={adding.close} title={t('clinic.add')} closeButtonProps={{ 'aria-label': t('action.close') }}>
         {isAdding && <NewAccount onDone={adding.close} />}
       </Modal>

@@ -58,7 +58,7 @@ export function SourcesCard() {
     }
   };
   return (
-    <section className="card stack" aria-labelledby="magnetic-sources" style={{ marginTop: 20 }}>
+    <section className="card stack" aria-labelledby="magnetic-sources">
       <div className="card-head">
         <h2 id="magnetic-sources">{t('sources.title')}</h2>
         <FileButton onChange={(file) => void take(file)} accept="application/json,.json">
