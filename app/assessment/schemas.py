@@ -41,7 +41,7 @@ class ComparisonIn(Schema):
     result_id: str | None = None
 
 
-class ComparisonOut(Schema):
+class ComparisonOut(Spoken):
     """A comparison in a list."""
 
     id: str

@@ -24,7 +24,7 @@ from app.pages import Page
 from app.recordings import read_frames
 from app.recordings import repository as recordings
 from app.recordings.models import MotionSession, Result
-from app.sentences import say
+from app.sentences import CATALOGUE, say
 from estimators.comparison import (
     ArmChannels,
     Repetition,
@@ -43,6 +43,7 @@ from estimators.comparison import (
 from estimators.errors import EstimationError
 from estimators.pipelines import SessionSetup
 from estimators.recording import Float
+from estimators.sentences import for_json
 
 BY_HAND = say("template.by_hand")
 
@@ -163,7 +164,9 @@ def prepare(
     version = TemplateVersion(
         source_session_id=found.id,
         source_result_id=result.id,
-        repetitions=[asdict(repetition) for repetition in built.repetitions],
+        repetitions=[
+            {**asdict(repetition), "reason": for_json(repetition.reason)} for repetition in built.repetitions
+        ],
         tolerance_scale=dict(wanted.tolerance_scale),
         content=template_to_bytes(built.template),
     )
@@ -247,7 +250,10 @@ def detail(session: Session, subject: Subject, version_id: str) -> TemplateVersi
     """Return a version with its curves; single repetitions only to those who may read their recording."""
     template, version = repository.get_version(session, subject, version_id)
     stored = template_from_bytes(version.content)
-    repetitions = [Repetition(**repetition) for repetition in version.repetitions]
+    repetitions = [
+        Repetition(**{**repetition, "reason": CATALOGUE.restored(repetition["reason"])})
+        for repetition in version.repetitions
+    ]
     content = TemplateContent(
         duration_s=stored.duration_s,
         repetitions=[repetition_out(repetition) for repetition in repetitions],

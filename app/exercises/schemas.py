@@ -5,7 +5,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from app.schemas import Moment, Schema
+from app.schemas import Moment, Schema, Spoken
 
 
 class ExerciseIn(Schema):
@@ -35,7 +35,7 @@ class ExerciseOut(ExerciseIn):
     id: str
 
 
-class RepetitionOut(Schema):
+class RepetitionOut(Spoken):
     """One repetition found in a recording, in session time."""
 
     number: int

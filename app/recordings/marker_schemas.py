@@ -5,7 +5,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from app.schemas import Schema
+from app.schemas import Schema, Spoken
 from estimators.conventions import Placement
 
 MarkerFormat = Literal["c3d", "csv"]
@@ -127,7 +127,7 @@ class MarkerMotionOut(Schema):
     """The cameras did not see the marker for longer than they take from frame to frame: filled by the sensor."""
 
 
-class MarkersOut(Schema):
+class MarkersOut(Spoken):
     """Uploaded trajectories with what became of them."""
 
     id: str

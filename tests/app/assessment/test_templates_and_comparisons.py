@@ -223,6 +223,11 @@ def test_versions_of_a_template_are_kept_beside_each_other(
     )
     assert answer.status_code == 201, answer.text
     second = answer.json()
+    stored = therapist.get(f"/api/template-versions/{second['id']}").json()["content"]["repetitions"][0]
+    assert (stored["reason"], stored["sentences"]["reason"]["code"]) == (
+        "Excluded by hand.",
+        "template.by_hand",
+    )
     assert (second["number"], second["repetition_count"]) == (2, 4)
     first = therapist.get(f"/api/template-versions/{template_version['id']}").json()
     assert first["content"] == template_version["content"]

@@ -2325,6 +2325,10 @@ export interface components {
             repetitions: components["schemas"]["RepetitionComparison"][];
             /** Result Id */
             result_id: string;
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
             /** Session Id */
             session_id: string;
             /** Summary */
@@ -2360,6 +2364,10 @@ export interface components {
             repetition_count: number;
             /** Result Id */
             result_id: string;
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
             /** Session Id */
             session_id: string;
             /** Summary */
@@ -3246,6 +3254,10 @@ export interface components {
             report: components["schemas"]["MarkerReport"] | null;
             /** Segment */
             segment: string;
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
             /** Session Id */
             session_id: string;
             /**
@@ -3931,6 +3943,10 @@ export interface components {
             number: number;
             /** Reason */
             reason: string;
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
             /** Start S */
             start_s: number;
         };
