@@ -6,6 +6,7 @@ A module of its own, below `arm` and `pipelines`, because both need it.
 from dataclasses import dataclass
 
 from estimators.errors import SetupError
+from estimators.sentences import say
 
 UPPER_ARM_PER_STATURE = 0.186
 FOREARM_PER_STATURE = 0.146
@@ -55,7 +56,7 @@ def body_from_stature(stature_m: float) -> BodyDimensions:
         If the stature is no human height; a likely cause is centimetres.
     """
     if not 0.5 <= stature_m <= 2.5:
-        raise SetupError(f"stature {stature_m} m is outside 0.5 to 2.5 m; give metres, not centimetres")
+        raise SetupError(say("body.stature", stature_m=stature_m))
     return BodyDimensions(
         stature_m=stature_m,
         upper_arm_m=UPPER_ARM_PER_STATURE * stature_m,

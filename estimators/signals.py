@@ -11,6 +11,7 @@ from estimators._time_base import ON_THE_TICK, TimeBase, bridge, interpolate
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import SetupError, ShapeError
 from estimators.recording import Float, ImuChunk, Recording, SampleQuality, SensorSignals
+from estimators.sentences import say
 
 BRIDGE_S = 0.2
 """The longest stretch without samples that is interpolated."""
@@ -61,20 +62,17 @@ def to_common_ticks(
     over one tick is taken, which keeps the angle that the gyroscope turned through.
     """
     if not (np.isfinite(rate_hz) and 1.0 <= rate_hz <= 10_000.0):
-        raise SetupError(f"rate {rate_hz} Hz; it must lie between 1 and 10000 Hz")
+        raise SetupError(say("recording.tick_rate", rate_hz=rate_hz))
     sensors = [_without_holes(sensor) for sensor in recording.sensors.values()]
     filled = [sensor for sensor in sensors if sensor.time_s.size]
     if not filled:
-        raise SetupError("the recording has no finite samples; check the file and its column mapping")
+        raise SetupError(say("recording.no_samples"))
     start_s = min(float(sensor.time_s[0]) for sensor in filled)
     end_s = max(float(sensor.time_s[-1]) for sensor in filled)
     span = np.floor((end_s - start_s) * rate_hz + ON_THE_TICK) + 1.0
     samples = max(sensor.time_s.size for sensor in filled)
     if span > _TICKS_A_SAMPLE * samples + _TICKS_BEYOND:
-        raise SetupError(
-            f"the time stamps span {end_s - start_s:.0f} s, but no sensor has more than {samples} samples; "
-            "a stamp must be wrong: check their unit, and the first and the last of them"
-        )
+        raise SetupError(say("recording.span", span_s=end_s - start_s, samples=samples))
     ticks = int(span)
     shape = (len(sensors), ticks, 3)
     gyroscope, accelerometer = np.full(shape, np.nan), np.full(shape, np.nan)

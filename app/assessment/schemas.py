@@ -54,7 +54,7 @@ class ComparisonOut(Spoken):
     summary: list[MeasureValue]
 
 
-class ComparisonDetail(ComparisonOut):
+class ComparisonDetail(ComparisonOut, Spoken):
     """A comparison with everything a page draws."""
 
     repetitions: list[RepetitionComparison]

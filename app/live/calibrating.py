@@ -257,7 +257,7 @@ class CalibrationDesk:
             directions=found.directions,
             score=None if outcome is None else outcome.score,
             reasons=[text] if text else list(outcome.reasons) if outcome else [],
-            redo_steps=redo_steps(found, text, redo) if text else [],
+            redo_steps=redo_steps(found, redo) if text else [],
             axes=list(outcome.axes) if outcome else [],
             findings=list(outcome.findings if outcome else findings),
             fields=list(outcome.fields) if outcome else [],
@@ -268,11 +268,10 @@ class CalibrationDesk:
         return message
 
 
-def redo_steps(found: Collector, text: str, redo: Sequence[str] = ()) -> list[str]:
-    """Return the steps that a refusal names, by key or in its words; all when it names none."""
+def redo_steps(found: Collector, redo: Sequence[str] = ()) -> list[str]:
+    """Return the steps that a refusal names; all when it names none."""
     keys = [step.key for step in found.steps]
-    named = [key for key in keys if key in redo] or [key for key in keys if key.replace("_", " ") in text]
-    return named or keys
+    return [key for key in keys if key in redo] or keys
 
 
 __all__ = ["COLLECTORS", "CalibrationDesk", "redo_steps"]

@@ -148,7 +148,7 @@ def _degrees(field: LocalField) -> float | None:
     return round(math.degrees(field.dip_rad), 1) if math.isfinite(field.dip_rad) else None
 
 
-class SensorFinding(Schema):
+class SensorFinding(Spoken):
     """A sensor that does not sit where it should."""
 
     code: Literal["swapped_sides", "swapped_segments", "turned", "moved_since", "faulty"]

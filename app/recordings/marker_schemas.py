@@ -74,7 +74,7 @@ class MarkerCurves(Schema):
     speed_mps: list[float | None]
 
 
-class MarkerReport(Schema):
+class MarkerReport(Spoken):
     """How markers and a sensor fit."""
 
     marker: str

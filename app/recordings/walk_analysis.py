@@ -12,7 +12,7 @@ from app.recordings.jobs import JobContext
 from app.recordings.models import MotionSession, Result
 from app.recordings.result_rows import CHUNKS_A_COMMIT, layout_dict, new_result, write_frames
 from app.recordings.walk_shoes import load_shoes, shoes_of
-from app.recordings.walks import content_of, kind_of, recording_of, store_walk
+from app.recordings.walks import content_of, kind_of, reasons_of, recording_of, store_walk
 from app.sentences import CATALOGUE, say
 from estimators import pipelines
 from estimators.errors import EstimationError
@@ -91,13 +91,12 @@ def follow_feet(
         )
     with unit_of_work(context.engine) as session:
         kind = kind_of(session, session.get_one(MotionSession, context.session_id).exercise_id)
-        content = content_of(walk, shoes, kind)
-        content.reasons += notes
+        content = content_of(walk, shoes, kind, notes)
         store_walk(session, context.session_id, result_id, content)
         result = session.get_one(Result, result_id)
         result.status, result.progress = "complete", 1.0
         result.layout = layout_dict(frames.layout)
-        result.message = CATALOGUE.together(content.reasons)
+        result.message = CATALOGUE.together([*reasons_of(walk, shoes), *notes])
         result.completed_at = utc_now()
     return result_id, frames.first_tick + frames.tick_count
 

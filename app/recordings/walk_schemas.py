@@ -6,7 +6,7 @@ from typing import Literal
 from pydantic import Field
 
 from app.recordings.schemas import ResultOut
-from app.schemas import Schema
+from app.schemas import Schema, Spoken
 
 CurveName = Literal[
     "height",
@@ -131,7 +131,7 @@ class BalanceOut(Schema):
     """About five a second."""
 
 
-class WalkTestOut(Schema):
+class WalkTestOut(Spoken):
     """Result of a walking test, found off-line."""
 
     kind: Literal["walk", "timed_up_and_go", "six_minute_walk"]
@@ -152,7 +152,7 @@ class WalkTestOut(Schema):
     reasons: list[str]
 
 
-class WalkContent(Schema):
+class WalkContent(Spoken):
     """What is kept of a walk with its result."""
 
     feet: list[FootOut]

@@ -5,7 +5,7 @@ the result, are erased with it, and are small (a ten-minute walk about 100 kB).
 """
 
 import zlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -90,7 +90,9 @@ def _column(parts: list[ImuChunk], field: str, row: int, measured: NDArray[np.bo
     return np.concatenate(pieces)[measured] if pieces else np.zeros((0, 3))
 
 
-def content_of(walk: Walk, shoes: ShoeWalk | None = None, test: GuidedKind = "walk") -> WalkContent:
+def content_of(
+    walk: Walk, shoes: ShoeWalk | None = None, test: GuidedKind = "walk", notes: Sequence[str] = ()
+) -> WalkContent:
     """Return what is kept of a walk beside its frames.
 
     Parameters
@@ -100,6 +102,8 @@ def content_of(walk: Walk, shoes: ShoeWalk | None = None, test: GuidedKind = "wa
     shoes : ShoeWalk, optional
     test : str
         Which walking test it was.
+    notes : sequence of str
+        What else to tell after the walk's own reasons.
 
     Returns
     -------
@@ -138,11 +142,22 @@ def content_of(walk: Walk, shoes: ShoeWalk | None = None, test: GuidedKind = "wa
         asymmetry=_measures(walk.summary.asymmetry),
         turn_count=walk.summary.turn_count,
         bout_count=walk.summary.bout_count,
-        reasons=[*walk.summary.reasons, *(() if shoes is None else shoes.reasons)],
+        reasons=[*reasons_of(walk, shoes), *notes],
         has_step_width=walk.steps is not None,
         test=_test(walk, test),
         balance=None if shoes is None else balance_of(shoes),
     )
+
+
+def reasons_of(walk: Walk, shoes: ShoeWalk | None) -> list[str]:
+    """Return what a reader of a walk's numbers must know.
+
+    Parameters
+    ----------
+    walk : Walk
+    shoes : ShoeWalk, optional
+    """
+    return [*walk.summary.reasons, *(() if shoes is None else shoes.reasons)]
 
 
 def store_walk(session: Session, session_id: str, result_id: str, content: WalkContent) -> None:

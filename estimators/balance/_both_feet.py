@@ -11,6 +11,7 @@ from estimators.conventions import GRAVITY_MPS2, SIDES, Side
 from estimators.errors import SetupError, ShapeError
 from estimators.kinetics import GroundReaction, ShoeKinetics, ShoePose, ground_reaction, stretches
 from estimators.recording import Float
+from estimators.sentences import say
 
 Weights = Literal["vertical", "published"]
 FOOTHOLD_SD_M = 0.02
@@ -159,7 +160,7 @@ def total_reaction(
     all_of_it = total[:, 2] if weights == "vertical" else np.linalg.norm(total, axis=1)
     carried = total[:, 2] > least_n
     if not carried.any():
-        raise ShapeError("the shoes were never loaded; check calibration and units (newton)")
+        raise ShapeError(say("shoes.never_loaded"))
     with np.errstate(invalid="ignore", divide="ignore"):
         parts = [
             np.where(reactions[side].is_loaded, size[side] / all_of_it, 0.0)[:, None]
@@ -202,7 +203,7 @@ def body_mass(force_n: Float, is_standing: NDArray[np.bool_]) -> float:
         Without standing; give mean force over whole strides divided by g instead.
     """
     if not is_standing.any():
-        raise ShapeError("nobody stands still in this recording; weigh over whole strides instead")
+        raise ShapeError(say("shoes.never_still"))
     return float(force_n[is_standing, 2].mean() / GRAVITY_MPS2)
 
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from estimators.calibration._ellipsoid import EllipsoidFit
 from estimators.recording import Float
+from estimators.sentences import Sentence, say
 
 _BINS: Final = 72
 _BIN_RADIUS_RAD: Final = math.radians(17.0)
@@ -30,10 +31,10 @@ def visited_directions(fit: EllipsoidFit, cells: Float, directions: Float) -> ND
     return np.asarray((directions @ unit.T).max(axis=1) > math.cos(_BIN_RADIUS_RAD))
 
 
-def next_turn(directions: Float, visited: NDArray[np.bool_], is_complete: bool) -> str:
+def next_turn(directions: Float, visited: NDArray[np.bool_], is_complete: bool) -> Sentence:
     """Name the sensor axis toward the middle of the largest unvisited region."""
     if visited.all() or (is_complete and visited.mean() > 0.85):
-        return "all directions were visited"
+        return say("compass.all_visited")
     open_ = directions[~visited]
     # The unvisited direction with the most unvisited company within 50 degrees.
     company = (open_ @ open_.T > math.cos(_COMPANY_RAD)).sum(axis=1)
@@ -41,7 +42,7 @@ def next_turn(directions: Float, visited: NDArray[np.bool_], is_complete: bool) 
     axis = int(np.argmax(np.abs(middle)))
     # The field points north and down (up in the south), so this axis must come to lie along it.
     name = ("+" if middle[axis] > 0 else "-") + "xyz"[axis]
-    return f"turn the sensor so that its {name} axis points north and down, and swing it about there"
+    return say("compass.next_turn", axis=name)
 
 
 DIRECTIONS: Final = even_directions(_BINS)

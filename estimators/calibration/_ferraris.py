@@ -16,6 +16,7 @@ from estimators.calibration._full_turns import FullTurn, best_turns, judge_turns
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import CalibrationError, SetupError, ShapeError
 from estimators.recording import Float
+from estimators.sentences import say
 
 FACES: Final = ("+x", "-x", "+y", "-y", "+z", "-z")
 """Which axis points up."""
@@ -187,7 +188,9 @@ def ferraris(
     for part in parts:
         within = slice(part.start, part.stop)
         if not (np.isfinite(gyroscope_radps[within]).all() and np.isfinite(accelerometer_mps2[within]).all()):
-            raise CalibrationError(f"samples {part.start} to {part.stop} are not all there; repeat that part")
+            raise CalibrationError(
+                say("six_position.gap", start_s=part.start / rate_hz, stop_s=part.stop / rate_hz)
+            )
     force, rate = (
         np.stack([_mean_on(face, rests, values) for face in FACES])
         for values in (accelerometer_mps2, gyroscope_radps)
@@ -263,7 +266,7 @@ def _face_up(force: Float) -> str | None:
 
 def _direction(face: str) -> Float:
     if len(face) != 2 or face not in FACES:
-        raise CalibrationError(f"no side is called {face!r}; known are {', '.join(FACES)}")
+        raise SetupError(f"no side is called {face!r}; known are {', '.join(FACES)}")
     up = np.zeros(3)
     up[_AXES.index(face[1])] = 1.0 if face[0] == "+" else -1.0
     return up
@@ -277,17 +280,12 @@ def _require(rests: Sequence[Rest], turns: Sequence[FullTurn]) -> None:
     unturned = [axis for axis in _AXES if axis not in turned]
     wanted = []
     if missing:
-        wanted.append(
-            f"lay the sensor still for 2 s with {', '.join(missing)} pointing up (within 25 degrees)"
-        )
+        wanted.append(say("six_position.rest_missing", faces=missing))
     if unturned:
-        wanted.append(
-            f"turn it by exactly one full turn about {', '.join(unturned)}, lying still for 1 s before and "
-            "after on the same side"
-        )
+        wanted.append(say("six_position.turn_missing", axes=unturned))
     if wanted:
         raise CalibrationError(
-            "the six-position calibration is not complete: " + "; ".join(wanted),
+            say("six_position.incomplete", wanted=wanted),
             redo=[f"face_{face[1]}_{'up' if face[0] == '+' else 'down'}" for face in missing]
             + [f"turn_{axis}" for axis in unturned],
         )
@@ -301,11 +299,9 @@ def _mean_on(face: str, rests: Sequence[Rest], values: Float) -> Float:
 
 
 def _inverse(scale: Float, name: str) -> Float:
-    if np.abs(scale - np.eye(3)).max() > _GAIN_LIMIT:
-        raise CalibrationError(
-            f"the {name} would need a correction of {100 * np.abs(scale - np.eye(3)).max():.0f} %; check its unit, "
-            "range and axes, and that every turn was a full one, then repeat"
-        )
+    correction = np.abs(scale - np.eye(3)).max()
+    if correction > _GAIN_LIMIT:
+        raise CalibrationError(say("six_position.correction", triad=name, correction=correction))
     return np.asarray(np.linalg.inv(scale))
 
 
@@ -313,21 +309,15 @@ def _judge(residual: float, square_error: float, turns: Sequence[FullTurn]) -> t
     score, reasons = 1.0, []
     if residual > _RESIDUAL_MPS2:
         score = _RESIDUAL_MPS2 / residual
-        reasons.append(
-            f"the positions contradict each other by {residual:.2f} m/s^2; "
-            "use a level table and lay the sensor flat on each side"
-        )
+        reasons.append(say("six_position.contradict", residual_mps2=residual))
     if square_error > _SQUARE_RAD:
         score = min(score, _SQUARE_RAD / square_error)
-        reasons.append(
-            f"the sides are {math.degrees(square_error):.1f} degrees off a right angle; "
-            "hold the sensor against something square and repeat"
-        )
+        reasons.append(say("six_position.not_square", angle_rad=square_error))
     factor, doubts = judge_turns(turns)
     score = min(score, factor)
     reasons += doubts
     if score < UNUSABLE_SCORE:
-        raise CalibrationError("these six positions cannot be used: " + "; ".join(reasons))
+        raise CalibrationError(say("six_position.unusable", reasons=reasons))
     return score, tuple(reasons)
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import CalibrationError, ShapeError
 from estimators.recording import Float
+from estimators.sentences import Sentence, say
 
 _QUIET: Final = 0.04
 """How far specific force may be from gravity, relative, for its direction to be up."""
@@ -55,7 +56,7 @@ class LocalField:
             **{n: float("nan") if stored[n] is None else float(stored[n]) for n in cls.__annotations__}
         )
 
-    def doubts(self, hemisphere: str = "unknown") -> tuple[str, ...]:
+    def doubts(self, hemisphere: str = "unknown") -> tuple[Sentence, ...]:
         """Return why this cannot be the earth's field alone, in plain words with what to do; empty when it can.
 
         Parameters
@@ -66,29 +67,23 @@ class LocalField:
         found = []
         low, high = EARTH_NORM_T
         if not _NORM_RANGE_T[0] <= self.norm <= _NORM_RANGE_T[1]:
-            found.append(
-                f"the field here is {1e6 * self.norm:.0f} microtesla, the earth's is {1e6 * low:.0f} to "
-                f"{1e6 * high:.0f}; go away from iron, magnets and loudspeakers and calibrate again"
-            )
+            found.append(say("compass.norm_implausible", norm_t=self.norm, low_t=low, high_t=high))
         if not math.isfinite(self.dip_rad):
             return tuple(found)
         down = self.dip_rad if hemisphere == "north" else -self.dip_rad if hemisphere == "south" else 0.0
         if down < -_LEAST_DIP_RAD:
             found.append(
-                f"the field points {'up' if self.dip_rad < 0.0 else 'down'} by "
-                f"{abs(math.degrees(self.dip_rad)):.0f} degrees, on the {hemisphere}ern half of the earth it points "
-                f"{'down' if hemisphere == 'north' else 'up'}; go away from iron, or check the signs of the device"
+                say("compass.points_up", angle_rad=-self.dip_rad)
+                if hemisphere == "north"
+                else say("compass.points_down", angle_rad=self.dip_rad)
             )
         level = self.norm * math.cos(self.dip_rad)
         if level < _LEAST_LEVEL_T:
-            found.append(
-                f"only {1e6 * level:.0f} microtesla of the field lie along the floor; directions by the compass will "
-                "be uncertain here"
-            )
+            found.append(say("compass.hardly_level", level_t=level))
         return tuple(found)
 
 
-def odd_fields(fields: Mapping[str, LocalField]) -> dict[str, str]:
+def odd_fields(fields: Mapping[str, LocalField]) -> dict[str, Sentence]:
     """Return which of at least three sensors turned at one place saw another field than most, with the words for it.
 
     Parameters
@@ -105,15 +100,17 @@ def odd_fields(fields: Mapping[str, LocalField]) -> dict[str, str]:
     for name, one in fields.items():
         if abs(one.norm - norm) > _APART * norm or abs(one.dip_rad - dip) > _DIP_APART_RAD:
             found[name] = (
-                f"it saw another field ({_words(one.norm, one.dip_rad)}) than the other sensors "
-                f"({_words(norm, dip)}); calibrate it again, away from iron"
+                say(
+                    "compass.odd_dip",
+                    norm_t=one.norm,
+                    dip_rad=one.dip_rad,
+                    others_t=norm,
+                    others_dip_rad=dip,
+                )
+                if math.isfinite(one.dip_rad) and math.isfinite(dip)
+                else say("compass.odd_field", norm_t=one.norm, others_t=norm)
             )
     return found
-
-
-def _words(norm: float, dip_rad: float) -> str:
-    dip = f", dip {math.degrees(dip_rad):.0f} degrees" if math.isfinite(dip_rad) else ""
-    return f"{1e6 * norm:.0f} microtesla{dip}"
 
 
 def local_field(field: Float, accelerometer_mps2: Float | None = None) -> LocalField:
@@ -126,7 +123,7 @@ def local_field(field: Float, accelerometer_mps2: Float | None = None) -> LocalF
     finite = np.isfinite(field).all(axis=1)
     ups = np.full(field.shape, np.nan) if accelerometer_mps2 is None else quiet_up(accelerometer_mps2)
     if not finite.any():
-        raise CalibrationError("the magnetometer gave no data; check that it is switched on")
+        raise CalibrationError(say("compass.no_data"))
     return field_of(field[finite], ups[finite])
 
 

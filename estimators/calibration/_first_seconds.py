@@ -1,12 +1,13 @@
 """The first seconds of a recording or stream: cut out where they tell most, checked, put in words."""
 
 from collections.abc import Sequence
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
 from estimators.calibration._plausibility import Finding, Hemisphere, check_plausibility
 from estimators.recording import ImuChunk
+from estimators.sentences import CATALOGUE, say
 
 FIRST_SECONDS_S: Final = 12.0
 """Length that is checked: a rest and a first movement."""
@@ -73,17 +74,20 @@ def in_words(findings: Sequence[Finding], *, most: int = 6) -> str:
     most : int
         Kinds to tell; the rest is counted.
     """
-    kinds: dict[tuple[str, str], list[Finding]] = {}
+    kinds: list[tuple[str, dict[str, Any], list[str]]] = []
     for finding in findings:
-        kinds.setdefault((finding.code, finding.message.removeprefix(f"{finding.sensor}: ")), []).append(
-            finding
-        )
-    sentences = []
-    for (_, text), same in list(kinds.items())[:most]:
-        sentences.append(f"{', '.join(f.sensor for f in same)}: {text}.")
+        code, parameters = finding.message.code, dict(finding.message.parameters)
+        where = parameters.pop("where")
+        for kind, others, names in kinds:
+            if (kind, others) == (code, parameters):
+                names += where
+                break
+        else:
+            kinds.append((code, parameters, list(where)))
+    told = [CATALOGUE.say(code, where=where, **others) for code, others, where in kinds[:most]]
     if len(kinds) > most:
-        sentences.append(f"And {len(kinds) - most} more.")
-    return " ".join(sentences)
+        told.append(say("readings.more", count=len(kinds) - most))
+    return CATALOGUE.together(told)
 
 
 __all__ = ["FIRST_SECONDS_S", "SEARCHED_S", "check_first_seconds", "in_words"]

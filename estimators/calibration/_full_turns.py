@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from estimators.errors import CalibrationError
+from estimators.sentences import Sentence, say
 
 AXES = "xyz"
 _TURN_BELIEVED = 0.015
@@ -60,15 +61,18 @@ def refuse_doubted(turns: Sequence[FullTurn]) -> None:
     """Refuse turns that were hardly whole ones, by name."""
     doubted = doubted_turns(turns)
     if doubted:
-        told = ", ".join(f"{axis} (it read {_amount(error)})" for axis, error in doubted.items())
+        told = [
+            say("six_position.turn_over", axis=axis, error=error)
+            if error > 0.0
+            else say("six_position.turn_under", axis=axis, error=-error)
+            for axis, error in doubted.items()
+        ]
         raise CalibrationError(
-            f"the turn about {told} was hardly a whole one; mark the table and the sensor, turn it by exactly one "
-            "turn, and repeat. If it was whole, turn it twice more: two turns that agree are believed",
-            redo=[f"turn_{axis}" for axis in doubted],
+            say("six_position.turn_again", turns=told), redo=[f"turn_{axis}" for axis in doubted]
         )
 
 
-def judge_turns(turns: Sequence[FullTurn]) -> tuple[float, list[str]]:
+def judge_turns(turns: Sequence[FullTurn]) -> tuple[float, list[Sentence]]:
     """Return a factor of the score and why: turns that may not have been quite whole."""
     factor, reasons = 1.0, []
     for axis in AXES:
@@ -77,14 +81,11 @@ def judge_turns(turns: Sequence[FullTurn]) -> tuple[float, list[str]]:
         if abs(error) > _TURN_BELIEVED and not _agree(errors):
             factor = min(factor, _TURN_BELIEVED / abs(error))
             reasons.append(
-                f"the turn about {axis} read {_amount(error)}: the gyroscope's scale, or not quite a whole turn; "
-                "a second turn about it tells"
+                say("six_position.turn_doubt_over", axis=axis, error=error)
+                if error > 0.0
+                else say("six_position.turn_doubt_under", axis=axis, error=-error)
             )
     return factor, reasons
-
-
-def _amount(error: float) -> str:
-    return f"{100 * abs(error):.1f} % too {'much' if error > 0 else 'little'}"
 
 
 __all__ = ["AXES", "FullTurn", "best_turns", "doubted_turns", "judge_turns", "refuse_doubted"]

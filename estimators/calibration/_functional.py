@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from estimators import rotation
 from estimators.calibration._contract import UNUSABLE_SCORE, Calibration
 from estimators.calibration._functional_arm import ArmMovements, arm_frames
-from estimators.calibration._functional_verdicts import ASK, JudgedSession, limb_of, upper_arm_of
+from estimators.calibration._functional_verdicts import JudgedSession, limb_of, upper_arm_of
 from estimators.calibration._joint_axes import AxisEstimate, heading_between, principal_axis
 from estimators.calibration._mounting import OUTWARD_HEADING_RAD
 from estimators.calibration._n_pose import n_pose
@@ -19,9 +19,9 @@ from estimators.calibration._placement import MisplacedError, check_sides
 from estimators.calibration._rest import Verdict, mean_orientation, wrapped
 from estimators.calibration._static import static_bias
 from estimators.conventions import SIDES, Placement, Side
-from estimators.conventions import placement_words as words
 from estimators.errors import CalibrationError, SetupError
 from estimators.recording import Float
+from estimators.sentences import say
 
 KINDS: Final = ("elbow_flexion", "pronation", "raise_forward", "raise_sideways")
 """The movements; each with `_left` or `_right` appended, and `rest` beside them."""
@@ -123,7 +123,7 @@ def _check(movements: Mapping[str, tuple[int, int]], ticks: int) -> None:
     if unknown := sorted(set(movements) - known):
         raise SetupError(f"no movement {', '.join(unknown)}; known are {', '.join(sorted(known))}")
     if "rest" not in movements:
-        raise CalibrationError("the moment of rest is missing; keep still for 3 s before the movements")
+        raise CalibrationError(say("calibration.rest_missing"), redo=["rest"])
     for name, (start, stop) in movements.items():
         if not 0 <= start < stop <= ticks:
             raise SetupError(f"{name} is [{start}, {stop}); the samples are [0, {ticks})")
@@ -136,24 +136,20 @@ class _Session(JudgedSession):
         self, movements: Mapping[str, tuple[int, int]], assisted: bool, rest_pronation_rad: float
     ) -> FunctionalResult:
         rest = slice(*movements["rest"])
-        pose = "sit still" if assisted else "stand still with hanging arms"
         found = static_bias(
             self.gyroscope[:, rest],
             self.accelerometer[:, rest],
             self.step_s,
             require_still=False,
-            names=[f"the {words(p)} sensor" for p in self.placements],
+            names=self.placements,
         )
         self.bias = found.gyroscope_bias_radps
         sides = [side for side in SIDES if self._can(side, movements)]
         if not sides:
-            raise CalibrationError(
-                "no arm with sensors on upper arm and forearm made the movements; "
-                "bend the elbow and turn the palm, then repeat"
-            )
+            raise CalibrationError(say("calibration.no_arm_moved"))
         self.q_rest = np.stack(
             [
-                mean_orientation(self.q[s, rest], self.flags[s, rest], p, Verdict(), pose)
+                mean_orientation(self.q[s, rest], self.flags[s, rest], p, Verdict(), seated=assisted)
                 for s, p in enumerate(self.placements)
             ]
         )
@@ -182,15 +178,14 @@ class _Session(JudgedSession):
             if frames.disagreement_rad > _CONTRADICTION_RAD:
                 self.verdict.lower(
                     _CONTRADICTION_RAD / frames.disagreement_rad,
-                    f"rest and movements of the {side} arm contradict each other by "
-                    f"{math.degrees(frames.disagreement_rad):.0f} degrees; start with a hanging arm and repeat",
+                    say("calibration.contradiction", side=side, angle_rad=frames.disagreement_rad),
                 )
         self.judge_sigma(sigma, facing_sigma)
         self.judge_trunk(facing, facing_sigma)
         score = self.verdict.score * base.score
         reasons = (*self.verdict.reasons, *base.reasons)
         if score < UNUSABLE_SCORE and not assisted:
-            raise CalibrationError("these movements cannot be used: " + "; ".join(reasons))
+            raise CalibrationError(say("calibration.movements_unusable", reasons=reasons))
         calibration = Calibration(
             q_sensor_segment=q_sensor_segment,
             gyroscope_bias_radps={
@@ -211,7 +206,9 @@ class _Session(JudgedSession):
         made = [kind for kind in ("elbow_flexion", "pronation") if f"{kind}_{side}" in movements]
         if worn and len(made) == 1:
             missing = "pronation" if made == ["elbow_flexion"] else "elbow_flexion"
-            raise CalibrationError(f"the {side} arm lacks a movement: {ASK[missing]}, then repeat")
+            raise CalibrationError(
+                say("calibration.movement_missing", side=side, kind=missing), redo=[missing]
+            )
         return worn and bool(made)
 
     def _raises(
@@ -230,7 +227,7 @@ class _Session(JudgedSession):
                     if tilt > _SWUNG_RAD:
                         self.verdict.lower(
                             _SWUNG_RAD / tilt,
-                            f"the {side} arm swung round instead of rising; {ASK[kind]} straight up and down",
+                            say("calibration.swung", side=side, kind=kind),
                         )
         self.axes += found.values()
         self.judge_ranges(found.values(), assisted)
@@ -259,10 +256,7 @@ class _Session(JudgedSession):
         if weight == 0.0:
             return None, float("nan")
         if abs(total) / weight < math.cos(math.radians(35.0)):
-            raise CalibrationError(
-                "the arms were raised in directions that do not fit together; raise them straight forward and "
-                "straight sideways and repeat"
-            )
+            raise CalibrationError(say("calibration.raises_apart"))
         told = math.atan2(total.imag, total.real)
         for s, placement in enumerate(self.placements):
             outward = rotation.rotate(self.q_rest[s], [0.0, 0.0, 1.0])
@@ -293,10 +287,7 @@ class _Session(JudgedSession):
             names = [name for name in raises if name.endswith(side)]
             if own:
                 if not names:
-                    raise CalibrationError(
-                        f"the {side} arm has no compass, so its heading must be told by a movement: "
-                        "raise the arm forward, then repeat"
-                    )
+                    raise CalibrationError(say("calibration.arm_no_compass", side=side))
                 total = sum(complex(math.cos(a := _implied_facing(n, raises[n])), math.sin(a)) for n in names)
                 offsets[upper] = wrapped(facing - math.atan2(total.imag, total.real))
             for placement in limb_of(side)[1:]:
@@ -313,8 +304,7 @@ class _Session(JudgedSession):
                 elif coherence > 0.8 and abs(turn) > _COMPASS_RAD:
                     self.verdict.lower(
                         0.7,
-                        f"the compasses of the {words(placement)} and {words(upper)} sensors differ by "
-                        f"{abs(math.degrees(turn)):.0f} degrees; go away from iron, calibrate them, and repeat",
+                        say("calibration.compasses_apart", where=[placement, upper], angle_rad=abs(turn)),
                     )
         return offsets
 

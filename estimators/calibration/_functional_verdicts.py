@@ -13,10 +13,10 @@ from estimators.calibration._placement import MisplacedError, PlacementFinding
 from estimators.calibration._placement import check_segments as forearm_and_upper_arm
 from estimators.calibration._rest import Verdict, mostly, wrapped
 from estimators.conventions import Placement, Side
-from estimators.conventions import placement_words as words
 from estimators.errors import CalibrationError, ShapeError
 from estimators.orientation import OrientationFlag
 from estimators.recording import Float
+from estimators.sentences import say
 
 _LEAST_RANGE_RAD: Final[dict[str, float]] = {
     "elbow_flexion": math.radians(60.0),
@@ -25,12 +25,6 @@ _LEAST_RANGE_RAD: Final[dict[str, float]] = {
     "raise_sideways": math.radians(40.0),
 }
 _PASSIVE_SHARE: Final = 0.45
-ASK: Final[dict[str, str]] = {
-    "elbow_flexion": "bend the elbow",
-    "pronation": "turn the palm up and down",
-    "raise_forward": "raise the arm forward",
-    "raise_sideways": "raise the arm sideways",
-}
 _TURNED_ROUND_RAD: Final = math.radians(90.0)
 _GOOD_RAD: Final = math.radians(6.5)
 """As good as it gets: palm and skin alone make about six."""
@@ -94,8 +88,14 @@ class JudgedSession:
             least = _LEAST_RANGE_RAD[kind] * (_PASSIVE_SHARE if assisted else 1.0)
             if axis.range_rad < least:
                 raise CalibrationError(
-                    f"{kind.replace('_', ' ')} of the {side} arm was only {math.degrees(axis.range_rad):.0f} degrees; "
-                    f"{ASK[kind]} by at least {math.degrees(least):.0f} and repeat"
+                    say(
+                        "calibration.movement_small",
+                        side=side,
+                        kind=kind,
+                        angle_rad=axis.range_rad,
+                        least_rad=least,
+                    ),
+                    redo=[kind],
                 )
 
     def judge_sigma(self, sigma: Mapping[Placement, float], facing_sigma: float) -> None:
@@ -107,25 +107,18 @@ class JudgedSession:
             self.verdict.score *= _GOOD_RAD / worst
         for placement, value in sigma.items():
             if value > _GOOD_RAD:
-                self.verdict.reasons.append(
-                    f"the {words(placement)} is known to {math.degrees(value):.0f} degrees only; "
-                    "larger movements would tell more"
-                )
+                self.verdict.reasons.append(say("calibration.uncertain", where=[placement], sigma_rad=value))
 
     def judge_trunk(self, facing: float, facing_sigma: float) -> None:
         """Say where the facing comes from, and what the trunk sensor thinks of it."""
         if "sternum" not in self.placements or math.isnan(facing_sigma):
             if math.isnan(facing_sigma) and not self.own_heading.all():
-                self.verdict.lower(
-                    0.7, "the arms were not raised, so the mounting rule tells where the patient faces"
-                )
+                self.verdict.lower(0.7, say("calibration.not_raised"))
             return
         outward = rotation.rotate(self.q_rest[self.placements.index("sternum")], [0.0, 0.0, 1.0])
         away = abs(wrapped(math.atan2(outward[1], outward[0]) - facing))
         if math.hypot(outward[0], outward[1]) > 0.5 and away > _TURNED_ROUND_RAD:
-            self.verdict.reasons.append(
-                "the sternum sensor faces backward; that is allowed here, but check that it is the right one"
-            )
+            self.verdict.reasons.append(say("calibration.faces_backward", where=["sternum"]))
 
 
 def upper_arm_of(side: Side) -> Placement:
@@ -140,4 +133,4 @@ def limb_of(side: Side) -> tuple[Placement, Placement, Placement]:
     return "upper_arm_right", "forearm_right", "hand_right"
 
 
-__all__ = ["ASK", "JudgedSession", "limb_of", "upper_arm_of"]
+__all__ = ["JudgedSession", "limb_of", "upper_arm_of"]

@@ -11,6 +11,7 @@ import scipy
 from estimators import rotation
 from estimators.errors import CalibrationError
 from estimators.recording import Float
+from estimators.sentences import say
 
 SKIN_RAD: Final = math.radians(3.0)
 """How far the skin turns over the bone within a movement; a share of this over the range tilts an axis."""
@@ -50,6 +51,7 @@ def principal_axis(name: str, rate: Float, time_step_s: float) -> AxisEstimate:
     Parameters
     ----------
     name : str
+        Of the movement, with the side at its end: `elbow_flexion_right`.
     rate : ndarray, shape (N, 3)
         rad/s in the frame in which the axis is fixed; NaN is skipped.
     time_step_s : float
@@ -62,7 +64,8 @@ def principal_axis(name: str, rate: Float, time_step_s: float) -> AxisEstimate:
     rate = rate[np.isfinite(rate).all(axis=1)]
     moving = rate[np.linalg.norm(rate, axis=1) > _MOVING_RADPS] if len(rate) else rate
     if len(moving) * time_step_s < 0.5:
-        raise CalibrationError(f"hardly any movement in {name.replace('_', ' ')}; move further and repeat")
+        kind, _, side = name.rpartition("_")
+        raise CalibrationError(say("calibration.hardly_moved", side=side, kind=kind), redo=[kind])
     powers, vectors = np.linalg.eigh(moving.T @ moving)
     axis = vectors[:, -1]
     angle = np.cumsum(rate @ axis) * time_step_s

@@ -22,6 +22,7 @@ from estimators.calibration._ellipsoid import (
 from estimators.calibration._field import LocalField, field_of, quiet_up
 from estimators.errors import CalibrationError, ShapeError
 from estimators.recording import Float
+from estimators.sentences import say
 
 IronMethod = Literal["ellipsoid", "sphere", "circle"]
 
@@ -187,7 +188,7 @@ class MagnetometerCollector:
         nothing = np.zeros(len(DIRECTIONS), dtype=np.bool_)
         unknown = float("nan")
         if len(self._count) < _FEWEST_CELLS:
-            hint = "turn the sensor slowly in all directions, as if painting the inside of a ball"
+            hint = say("compass.begin")
             return MagnetometerProgress(0.0, directions, nothing, unknown, unknown, False, hint)
         cells, _ = self.cells
         fit, _ = _fit(cells)
@@ -230,24 +231,17 @@ class MagnetometerCollector:
             to do.
         """
         if len(self._count) < _FEWEST_CELLS:
-            raise CalibrationError(
-                "the magnetometer was hardly turned; turn it slowly in all directions and repeat"
-            )
+            raise CalibrationError(say("compass.hardly_turned"))
         cells, ups = self.cells
         if known is not None:
             cells = cells @ np.array(known.gain).T
         fit, coverage = _fit(cells) if known is None else _fit_sphere(cells, _KNOWN_SHAPE_SIGMA)
         visited = visited_directions(fit, cells, DIRECTIONS)
         if coverage < _SPHERE_COVERAGE:
-            raise CalibrationError(
-                f"only {100 * coverage:.0f} % of the directions were visited; "
-                + next_turn(DIRECTIONS, visited, False)
-            )
+            hint = next_turn(DIRECTIONS, visited, False)
+            raise CalibrationError(say("compass.few_directions", coverage=coverage, hint=hint))
         if fit.residual > _RESIDUAL_FAULT:
-            raise CalibrationError(
-                f"the field is not uniform here ({100 * fit.residual:.0f} % off); go away from iron, magnets "
-                "and loudspeakers, turn the sensor on the spot, and repeat"
-            )
+            raise CalibrationError(say("compass.not_uniform", residual=fit.residual))
         hint = next_turn(DIRECTIONS, visited, True)
         result = _finish(fit, cells, ups, coverage, norm, hint, is_shape_known=known is not None)
         return result if known is None else _with_earlier_shape(result, known)
@@ -297,10 +291,7 @@ def _finish(
             misalignment = float(np.linalg.norm(turn))
             if misalignment > _ALIGNED_RAD:
                 score *= 0.4
-                reasons.append(
-                    f"the magnetometer's axes are turned by {math.degrees(misalignment):.0f} degrees against the "
-                    "accelerometer's; check the axes of both"
-                )
+                reasons.append(say("compass.axes_turned", angle_rad=misalignment))
             shape = rotation.to_matrix(rotation.exp(turn)) @ shape
             true = (cells - fit.centre) @ shape.T
     radius = float(abs(np.linalg.det(fit.shape)) ** (-1.0 / 3.0))
@@ -309,24 +300,18 @@ def _finish(
     dip = field.dip_rad if math.isfinite(field.dip_rad) else _COMMON_DIP_RAD
     sigma = mean_direction_sigma(fit) / max(math.cos(dip), 0.05)
     if sigma > (_HEADING_FAULT_RAD if fit.is_full else _SPHERE_FAULT_RAD):
-        raise CalibrationError(
-            f"the heading would still be {math.degrees(sigma):.0f} degrees uncertain; " + hint
-        )
+        raise CalibrationError(say("compass.heading_unknown", sigma_rad=sigma, hint=hint))
     if sigma > _HEADING_WARNING_RAD:
         score *= _HEADING_WARNING_RAD / sigma
-        reasons.append(f"the heading is {math.degrees(sigma):.1f} degrees uncertain; {hint}")
+        reasons.append(say("compass.heading_uncertain", sigma_rad=sigma, hint=hint))
     if not fit.is_full and not is_shape_known:
         score *= 0.7
-        reasons.append(
-            f"only {100 * coverage:.0f} % of the directions were visited, so only the hard iron was found; {hint}"
-        )
+        reasons.append(say("compass.hard_iron_only", coverage=coverage, hint=hint))
     if fit.residual > _RESIDUAL_WARNING:
         score *= _RESIDUAL_WARNING / fit.residual
-        reasons.append(
-            f"the norm still varies by {100 * fit.residual:.0f} %; repeat away from iron and magnets"
-        )
+        reasons.append(say("compass.norm_varies", residual=fit.residual))
     if score < UNUSABLE_SCORE:
-        raise CalibrationError("this compass calibration cannot be used: " + "; ".join(reasons))
+        raise CalibrationError(say("compass.unusable", reasons=reasons))
     return MagnetometerResult(
         TriadCalibration(matrix(gain), vector(fit.centre)),
         "ellipsoid" if fit.is_full else "sphere",

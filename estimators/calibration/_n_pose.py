@@ -20,10 +20,10 @@ from estimators.calibration._rest import (
 )
 from estimators.calibration._static import UNUSUAL_BIAS_SCORE, StaticBias, static_bias, unusual_bias
 from estimators.conventions import GRAVITY_MPS2, Placement
-from estimators.conventions import placement_words as words
 from estimators.errors import CalibrationError, ShapeError
 from estimators.orientation import OrientationFlag
 from estimators.recording import Float
+from estimators.sentences import say
 
 _STEEP_RAD = math.radians(75.0)
 _SLANTED_RAD = math.radians(55.0)
@@ -115,7 +115,7 @@ def n_pose(
         accelerometer_mps2,
         time_step_s,
         require_still=False,
-        names=[f"the {words(p)} sensor" for p in placements],
+        names=placements,
     )
     verdict = Verdict()
     q_mean = np.stack(
@@ -130,10 +130,7 @@ def n_pose(
     reference: Placement | None = None
     raised = np.array([arms == "sideways" and p.startswith(_ARM) for p in placements])
     if (raised & own_heading).any():
-        raise CalibrationError(
-            "the arms' sensors have no compass, and level arms tell no heading; hold the standing pose with "
-            "hanging arms instead"
-        )
+        raise CalibrationError(say("calibration.level_arms"))
     if facing_rad is None:
         # A steep sensor tells no facing, and a raised arm's own is no witness either.
         steepness_rad = np.where(raised, 0.5 * np.pi, steepness_rad)
@@ -148,14 +145,9 @@ def n_pose(
     for s, placement in enumerate(placements):
         if own_heading[s]:
             if steepness_rad[s] > _STEEP_RAD:
-                raise CalibrationError(
-                    f"the {words(placement)} sensor lies flat and has no compass, so its direction cannot be found; "
-                    "turn its printed side away from the body, then repeat"
-                )
+                raise CalibrationError(say("calibration.flat_no_compass", where=[placement]))
             if steepness_rad[s] > _SLANTED_RAD:
-                verdict.lower(
-                    0.7, f"the {words(placement)} sensor lies flat; turn its printed side away from the body"
-                )
+                verdict.lower(0.7, say("calibration.flat", where=[placement]))
             offsets[placement] = wrapped(facing_rad + OUTWARD_HEADING_RAD[placement] - heading_rad[s])
         turn = rotation.about_z(offsets.get(placement, 0.0) - facing_rad)
         q_room_sensor = rotation.multiply(turn, q_mean[s])
@@ -167,16 +159,12 @@ def n_pose(
         q_sensor_segment[placement] = (float(w), float(x), float(y), float(z))
         about_z = _PUT_ON_RAD if own_heading[s] else math.hypot(settled_rad[s, 2], facing_sigma_rad or 0.0)
         mounting_sigma_rad[placement] = _in_segment(q_room_segment, settled_rad[s], about_z)
-    if assumed := ", ".join(f"the {words(p)}" for p in offsets):
-        verdict.lower(
-            _ASSUMED_SCORE,
-            f"without a compass the direction of {assumed} sensor was taken from how it is put on, to "
-            f"{math.degrees(_PUT_ON_RAD):.0f} degrees at best; calibrate by movement to know it better",
-        )
+    if offsets:
+        verdict.lower(_ASSUMED_SCORE, say("calibration.put_on", where=list(offsets), sigma_rad=_PUT_ON_RAD))
     if reference is not None:
         _judge_agreement(placements, heading_rad, steepness_rad, own_heading, facing_rad, reference, verdict)
     if verdict.score < UNUSABLE_SCORE:
-        raise CalibrationError("this pose cannot be used: " + "; ".join(verdict.reasons))
+        raise CalibrationError(say("calibration.pose_unusable", reasons=verdict.reasons))
     return Calibration(
         q_sensor_segment=q_sensor_segment,
         gyroscope_bias_radps={
@@ -211,53 +199,40 @@ def _judge_samples(
     restless = np.sqrt(np.sum(bias.gyroscope_sd_radps**2, axis=1))
     for s, placement in enumerate(placements):
         if restless[s] > _RESTLESS_RADPS:
-            raise CalibrationError(
-                f"the {words(placement)} was moving; stand still with hanging arms and repeat"
-            )
+            raise CalibrationError(say("calibration.was_moving", where=[placement]))
         if restless[s] > _QUIET_RADPS:
             verdict.lower(
-                max(0.3, _QUIET_RADPS / restless[s]), f"the {words(placement)} was not still; repeat"
+                max(0.3, _QUIET_RADPS / restless[s]), say("calibration.not_still", where=[placement])
             )
         if bias.unusual[s]:
-            verdict.lower(UNUSUAL_BIAS_SCORE, unusual_bias(f"the {words(placement)} sensor"))
+            verdict.lower(UNUSUAL_BIAS_SCORE, unusual_bias([placement]))
         force = np.nanmedian(accelerometer_mps2[s], axis=0)
         error = abs(float(np.linalg.norm(force)) / GRAVITY_MPS2 - 1.0)
         if error > _NORM_FAULT:
-            raise CalibrationError(
-                f"the accelerometer of the {words(placement)} sensor reads {100 * error:.0f} % off gravity "
-                "at rest; check its unit and range, or replace it"
-            )
+            raise CalibrationError(say("calibration.gravity_fault", where=[placement], error=error))
         if error > _NORM_WARNING:
             verdict.lower(
-                _NORM_WARNING / error,
-                f"the accelerometer of the {words(placement)} sensor is {100 * error:.0f} % off; "
-                "calibrate it",
+                _NORM_WARNING / error, say("calibration.gravity_off", where=[placement], error=error)
             )
         tilt = rotation.rotate(q_mean[s], force / np.linalg.norm(force))
         away = math.acos(min(1.0, float(tilt[2])))
         if away > SWAY_RAD:
             verdict.lower(
                 max(0.2, SWAY_RAD / away),
-                f"the orientation of the {words(placement)} sensor has not settled "
-                f"({math.degrees(away):.0f} degrees off gravity); wait 3 s in the pose and repeat",
+                say("calibration.not_settled", where=[placement], angle_rad=away),
             )
 
 
 def _judge_flags(flags: NDArray[np.uint8], placements: Sequence[Placement], verdict: Verdict) -> None:
-    for flag, factor, text in (
-        (
-            OrientationFlag.MAGNETIC_DISTURBANCE,
-            0.6,
-            "iron or a magnet is near {}; move away from it and repeat",
-        ),
-        (OrientationFlag.CONVERGING, 0.8, "{} had only just started; wait 3 s and repeat"),
-        (OrientationFlag.SATURATED, 0.5, "{} was at its limit while standing; check its range"),
-    ):
-        hit = [
-            f"the {words(p)} sensor" for p, bad in zip(placements, mostly(flags, flag), strict=True) if bad
-        ]
-        if hit:
-            verdict.lower(factor, text.format(", ".join(hit)))
+    def hit(flag: OrientationFlag) -> list[Placement]:
+        return [p for p, bad in zip(placements, mostly(flags, flag), strict=True) if bad]
+
+    if where := hit(OrientationFlag.MAGNETIC_DISTURBANCE):
+        verdict.lower(0.6, say("calibration.iron_near", where=where))
+    if where := hit(OrientationFlag.CONVERGING):
+        verdict.lower(0.8, say("calibration.just_started", where=where))
+    if where := hit(OrientationFlag.SATURATED):
+        verdict.lower(0.5, say("calibration.at_limit", where=where))
 
 
 def _facing(
@@ -272,19 +247,12 @@ def _facing(
     candidates = [p for p in FACING_ORDER if p in (shared or placements)]
     usable = [p for p in candidates if steepness_rad[placements.index(p)] <= _STEEP_RAD]
     if not usable:
-        names = " and ".join(f"the {words(p)} sensor" for p in candidates)
-        raise CalibrationError(
-            f"cannot tell where the patient faces: {names} lie flat; turn the printed side of one sensor away from "
-            "the body, then repeat"
-        )
+        raise CalibrationError(say("calibration.facing_unknown", where=candidates))
     chosen = usable[0]
     if chosen != candidates[0]:
-        verdict.lower(
-            0.8,
-            f"the {words(candidates[0])} sensor lies flat, so {words(chosen)} tells the facing direction",
-        )
+        verdict.lower(0.8, say("calibration.facing_by_other", where=[candidates[0]], by=[chosen]))
     if steepness_rad[placements.index(chosen)] > _SLANTED_RAD:
-        verdict.lower(0.6, f"the {words(chosen)} sensor lies nearly flat; mount it upright")
+        verdict.lower(0.6, say("calibration.nearly_flat", where=[chosen]))
     rows = {p: placements.index(p) for p in usable}
     implied = {p: float(heading_rad[row]) - OUTWARD_HEADING_RAD[p] for p, row in rows.items()}
     # A sensor that was put on by the rule tells the direction again, with an error of its own; one that was
@@ -323,11 +291,7 @@ def _judge_agreement(
     away_rad = abs(wrapped(math.atan2(mean.imag, mean.real) - facing_rad))
     # Sensors mounted any way round do not agree with each other; only a common opinion counts.
     if abs(mean) > _AGREEMENT and away_rad > _DISAGREEMENT_RAD:
-        verdict.lower(
-            0.7,
-            f"the other sensors face {math.degrees(away_rad):.0f} degrees away from the {words(reference)} "
-            "sensor; if their printed sides face outward, check that one",
-        )
+        verdict.lower(0.7, say("calibration.faces_away", where=[reference], angle_rad=away_rad))
 
 
 __all__ = ["n_pose"]

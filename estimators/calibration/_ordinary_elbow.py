@@ -18,6 +18,7 @@ from estimators import rotation
 from estimators.conventions import Side
 from estimators.errors import CalibrationError, ShapeError
 from estimators.recording import Float
+from estimators.sentences import say
 
 _RATE_HZ: Final = 10.0
 _KNOT_S: Final = 15.0
@@ -115,7 +116,7 @@ def elbow_from_movement(
         np.clip(np.sum(rotation.rotate(one, _Z) * rotation.rotate(other, _Z), axis=1), -1.0, 1.0)
     )
     if np.count_nonzero(bend > _LEAST_BEND_RAD) < _LEAST_BENT_S * _RATE_HZ:
-        raise CalibrationError("the elbow was hardly bent; bend it a few times and repeat")
+        raise CalibrationError(say("calibration.elbow_hardly_bent", side=side))
     knots = np.arange(at[0], at[-1] + _KNOT_S, _KNOT_S)
     model = _Model(side, one, other, at, knots, pose_s)
     best = None

@@ -12,9 +12,9 @@ from estimators.calibration._contract import Calibration
 from estimators.calibration._mounting import N_POSE_TURN_RAD, OUTWARD_HEADING_RAD
 from estimators.calibration._rest import wrapped
 from estimators.conventions import Placement, Side
-from estimators.conventions import placement_words as words
 from estimators.errors import CalibrationError
 from estimators.recording import Float
+from estimators.sentences import CATALOGUE, say
 
 PlacementCode = Literal["swapped_sides", "swapped_segments", "turned", "moved_since"]
 _TURNED_RAD: Final = math.radians(125.0)
@@ -52,7 +52,7 @@ class MisplacedError(CalibrationError):
     """
 
     def __init__(self, findings: Sequence[PlacementFinding]) -> None:
-        super().__init__("; ".join(finding.text for finding in findings))
+        super().__init__(CATALOGUE.together([finding.text for finding in findings]))
         self.findings = tuple(findings)
 
 
@@ -73,9 +73,7 @@ def check_segments(
     pair: tuple[Placement, ...] = (
         ("upper_arm_left", "forearm_left") if side == "left" else ("upper_arm_right", "forearm_right")
     )
-    text = (
-        f"the sensors of the {side} upper arm and forearm are swapped; put each where it belongs and repeat"
-    )
+    text = say("placement.segments_swapped", where=list(pair))
     return (PlacementFinding("swapped_segments", pair, text),)
 
 
@@ -105,11 +103,8 @@ def check_sides(raised: Mapping[Side, tuple[Float, Float]]) -> tuple[PlacementFi
             wrong.append(side)
     if not wrong:
         return ()
-    if len(wrong) == 2:
-        text = "the sensors of the left and the right arm are swapped; exchange them and repeat"
-    else:
-        other = "right" if wrong[0] == "left" else "left"
-        text = f"the sensors named {wrong[0]} arm moved as a {other} arm does; check the side and repeat"
+    both = len(wrong) == 2
+    text = say("placement.arms_swapped") if both else say("placement.wrong_arm", side=wrong[0])
     parts: dict[Side, tuple[Placement, ...]] = {
         "left": ("upper_arm_left", "forearm_left"),
         "right": ("upper_arm_right", "forearm_right"),
@@ -142,17 +137,10 @@ def check_mounting(found: Calibration, previous: Calibration | None = None) -> t
     for placement in [p for p in found.q_sensor_segment if p in turned]:
         twin = _twin(placement)
         if twin in turned and placement.endswith("left"):
-            part = placement.removesuffix("_left").replace("_", " ")
-            text = (
-                f"the left and right {part} sensors are swapped, or the printed side of both faces the body; check "
-                "them"
-            )
+            text = say("placement.twins_swapped", where=[placement, twin])
             findings.append(PlacementFinding("swapped_sides", (placement, twin), text))
         elif twin not in turned:
-            text = (
-                f"the {words(placement)} sensor is turned by half a turn: its printed side faces the body instead of "
-                "away from it; the calibration allows for it, but check that it is the right one"
-            )
+            text = say("placement.half_turn", where=[placement])
             findings.append(PlacementFinding("turned", (placement,), text))
     named = {p for finding in findings for p in finding.placements}
     known = {} if previous is None else previous.q_sensor_segment
@@ -161,13 +149,10 @@ def check_mounting(found: Calibration, previous: Calibration | None = None) -> t
             continue
         away = float(rotation.angle_between(np.array(q), np.array(known[placement])))
         if away > _TURNED_RAD:
-            text = (
-                f"the {words(placement)} sensor is turned by half a turn against last time; that is allowed, but "
-                "check that it is the right one"
-            )
+            text = say("placement.half_turn_since", where=[placement])
             findings.append(PlacementFinding("turned", (placement,), text))
         elif away > _MOVED_RAD:
-            text = f"the {words(placement)} sensor sits {math.degrees(away):.0f} degrees off last time"
+            text = say("placement.moved_since", where=[placement], angle_rad=away)
             findings.append(PlacementFinding("moved_since", (placement,), text))
     return tuple(findings)
 

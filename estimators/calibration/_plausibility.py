@@ -13,6 +13,7 @@ from estimators.calibration._clipping import find_plateau
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import ShapeError
 from estimators.recording import Float, ImuChunk, SampleQuality
+from estimators.sentences import Sentence, say
 
 Hemisphere = Literal["north", "south", "unknown"]
 """Of the place: the magnetic field points down in the north and up in the south."""
@@ -38,11 +39,11 @@ _STILL_WINDOW_S: Final = 0.5
 _STILL_SPREAD: Final = 0.02
 _GRAVITY_RANGE: Final = (0.9 * GRAVITY_MPS2, 1.1 * GRAVITY_MPS2)
 _FORCE_UNITS: Final = (
-    (0.0, 0.6, "no gravity at rest: the device removes it", "switch the device to raw acceleration"),
-    (0.9, 1.1, "g", "multiply by 9.80665"),
-    (29.0, 35.0, "ft/s^2", "multiply by 0.3048"),
-    (900.0, 1100.0, "mg or cm/s^2", "multiply by 0.00980665 or 0.01"),
-    (1850.0, 40000.0, "raw counts", "scale them as the data sheet says"),
+    (0.0, 0.6, say("readings.force_without_gravity")),
+    (0.9, 1.1, say("readings.force_in_g")),
+    (29.0, 35.0, say("readings.force_in_feet")),
+    (900.0, 1100.0, say("readings.force_in_milli_g")),
+    (1850.0, 40000.0, say("readings.force_in_counts")),
 )
 _REST_RATE_RADPS: Final = math.radians(15.0)
 _FASTEST_RADPS: Final = 70.0
@@ -50,11 +51,11 @@ _SMALLEST_RATE_RANGE_RADPS: Final = math.radians(30.0)
 _SMALLEST_FORCE_RANGE_MPS2: Final = 1.5 * GRAVITY_MPS2
 _FIELD_RANGE_T: Final = (20e-6, 75e-6)
 _FIELD_UNITS: Final = (
-    (20.0, 75.0, "microtesla", "divide by a million"),
-    (0.2, 0.75, "gauss", "divide by 10,000"),
-    (0.85, 1.15, "a normalised field", "send the raw readings"),
-    (200.0, 750.0, "milligauss", "divide by ten million"),
-    (20_000.0, 75_000.0, "nanotesla", "divide by a thousand million"),
+    (20.0, 75.0, say("readings.field_in_microtesla")),
+    (0.2, 0.75, say("readings.field_in_gauss")),
+    (0.85, 1.15, say("readings.field_normalised")),
+    (200.0, 750.0, say("readings.field_in_milligauss")),
+    (20_000.0, 75_000.0, say("readings.field_in_nanotesla")),
 )
 _DISTURBED: Final = 0.15
 _LEAST_DIP_SINE: Final = 0.3
@@ -72,8 +73,8 @@ class Finding:
         One of `FindingCode`, for programs.
     severity : {"refuse", "warning"}
         `refuse`: the estimate would be wrong; `warning`: it will be worse.
-    message : str
-        What is wrong and what to do, for people.
+    message : Sentence
+        What is wrong and what to do, for people; its parameter `where` names the sensor.
     value : float
         What was measured, in the unit that the message names.
     """
@@ -81,7 +82,7 @@ class Finding:
     sensor: str
     code: FindingCode
     severity: Literal["refuse", "warning"]
-    message: str
+    message: Sentence
     value: float
 
     @property
@@ -130,7 +131,7 @@ class _Sensor:
     """One sensor's readings and what was found about them."""
 
     def __init__(self, chunk: ImuChunk, sensor: int, name: str) -> None:
-        self.name = name
+        self.name, self.where = name, [name]
         self.step_s = chunk.time_step_s
         self.rate = chunk.gyroscope_radps[sensor]
         self.force = chunk.accelerometer_mps2[sensor]
@@ -140,14 +141,18 @@ class _Sensor:
         self.found: list[Finding] = []
 
     def tell(
-        self, code: FindingCode, message: str, value: float, severity: Literal["refuse", "warning"] = "refuse"
+        self,
+        code: FindingCode,
+        message: Sentence,
+        value: float,
+        severity: Literal["refuse", "warning"] = "refuse",
     ) -> None:
-        self.found.append(Finding(self.name, code, severity, f"{self.name}: {message}", float(value)))
+        self.found.append(Finding(self.name, code, severity, message, float(value)))
 
     def findings(self, hemisphere: str) -> list[Finding]:
         finite = np.isfinite(self.rate).all(axis=1) & np.isfinite(self.force).all(axis=1)
         if finite.mean() < 0.2 or finite.sum() * self.step_s < 0.3:
-            self.tell("no_data", "hardly any samples; check that it is on and near", float(finite.mean()))
+            self.tell("no_data", say("readings.no_data", where=self.where), float(finite.mean()))
             return self.found
         still = _still(self.force, self.step_s)
         is_force_alive = self._force(still)
@@ -172,9 +177,7 @@ class _Sensor:
 
     def _force(self, still: NDArray[np.bool_]) -> bool:
         if _is_constant(self.force):
-            self.tell(
-                "accelerometer_dead", "the accelerometer never changes; replace it or check its wiring", 0.0
-            )
+            self.tell("accelerometer_dead", say("readings.accelerometer_dead", where=self.where), 0.0)
             return False
         used = self.force[still] if still.any() else self.force
         size = float(np.nanmedian(np.linalg.norm(used, axis=1)))
@@ -182,7 +185,7 @@ class _Sensor:
         if clip is not None:
             self.tell(
                 "accelerometer_clipped",
-                f"the accelerometer stops at {clip:.1f} m/s^2; choose a larger range",
+                say("readings.accelerometer_clipped", where=self.where, level_mps2=clip),
                 clip,
                 "warning",
             )
@@ -190,18 +193,18 @@ class _Sensor:
             not still.any() and 0.5 < size / GRAVITY_MPS2 < 2.0
         ):
             return True
-        for low, high, unit, remedy in _FORCE_UNITS:
+        for low, high, remedy in _FORCE_UNITS:
             if low <= size <= high:
                 self.tell(
                     "accelerometer_unit",
-                    f"the accelerometer reads {size:.4g} at rest where 9.81 m/s^2 is due; "
-                    f"this looks like {unit}: {remedy}",
+                    say("readings.accelerometer_unit", where=self.where, value=size, remedy=remedy),
                     size,
                 )
                 return size > 0.6
+        remedy = say("readings.force_unknown")
         self.tell(
             "accelerometer_unit",
-            f"the accelerometer reads {size:.4g} at rest where 9.81 m/s^2 is due; check unit, range and calibration",
+            say("readings.accelerometer_unit", where=self.where, value=size, remedy=remedy),
             size,
         )
         return True
@@ -211,7 +214,7 @@ class _Sensor:
         if dead:
             self.tell(
                 "gyroscope_dead",
-                f"the gyroscope's {', '.join(dead)} axis never changes; replace the sensor or check its wiring",
+                say("readings.gyroscope_dead", where=self.where, axes=dead, count=len(dead)),
                 float(len(dead)),
             )
         clip = find_plateau(self.rate, _SMALLEST_RATE_RANGE_RADPS)
@@ -219,8 +222,7 @@ class _Sensor:
             level = float(np.nanmax(np.abs(self.rate))) if clip is None else clip
             self.tell(
                 "gyroscope_clipped",
-                f"the gyroscope stops at {math.degrees(level):.0f} degrees/s, faster movement is lost; "
-                "choose a larger range or move more slowly",
+                say("readings.gyroscope_clipped", where=self.where, level_radps=level),
                 level,
             )
         return not dead
@@ -230,19 +232,17 @@ class _Sensor:
         fastest = float(np.nanmax(np.abs(self.rate)))
         scale = told[0].scale if told else float("nan")
         if scale == 0.0:
-            self.tell("gyroscope_dead", "the sensor turns but the gyroscope reads nothing; replace it", 0.0)
+            self.tell("gyroscope_dead", say("readings.gyroscope_silent", where=self.where), 0.0)
         elif scale < 0.5 or (math.isnan(scale) and fastest > _FASTEST_RADPS):
             self.tell(
                 "gyroscope_unit",
-                "the gyroscope reads 57 times what the sensor turns: degrees/s are given as rad/s; "
-                "divide by 57.296 or declare degrees/s",
+                say("readings.gyroscope_in_degrees", where=self.where),
                 fastest,
             )
         elif scale > 2.0:
             self.tell(
                 "gyroscope_unit",
-                "the gyroscope reads a 57th of what the sensor turns: rad/s were converted twice; "
-                "declare rad/s",
+                say("readings.gyroscope_twice", where=self.where),
                 fastest,
             )
         elif math.isnan(scale):
@@ -253,8 +253,11 @@ class _Sensor:
                 if max(rest, spread) > _REST_RATE_RADPS:
                     self.tell(
                         "gyroscope_unit",
-                        f"the gyroscope reads {max(rest, spread):.2g} rad/s while the sensor lies still; "
-                        "if these are degrees/s declare them so, else have it calibrated",
+                        say(
+                            "readings.gyroscope_restless",
+                            where=self.where,
+                            rate_radps=max(rest, spread),
+                        ),
                         max(rest, spread),
                         # A trembling hand may look still to the accelerometer.
                         "refuse" if rest > _REST_RATE_RADPS else "warning",
@@ -266,38 +269,48 @@ class _Sensor:
         wrong_force = force is not None and not _is_identity(force)
         wrong_field = field is not None and not _is_identity(field)
         if wrong_force and wrong_field and force is not None and field is not None and (force == field).all():
-            self._tell_axes("gyroscope_axes", "the gyroscope's axes do not fit the other sensors", force)
+            self.tell(
+                "gyroscope_axes",
+                say("readings.gyroscope_against_others", where=self.where, mapping=_mapping(force)),
+                0.0,
+            )
         elif wrong_force and force is not None:
             if field is not None and not wrong_field:
-                self._tell_axes(
-                    "accelerometer_axes", "the accelerometer's axes do not fit the other sensors", force.T
+                self.tell(
+                    "accelerometer_axes",
+                    say("readings.accelerometer_against_others", where=self.where, mapping=_mapping(force.T)),
+                    0.0,
                 )
             elif np.linalg.det(force) < 0.0:
                 # Whatever is done to an accelerometer's axes looks like a proper turn from the gyroscope.
-                self._tell_axes(
-                    "gyroscope_axes", "the gyroscope's axes do not fit the accelerometer's", force
+                self.tell(
+                    "gyroscope_axes",
+                    say(
+                        "readings.gyroscope_against_accelerometer", where=self.where, mapping=_mapping(force)
+                    ),
+                    0.0,
                 )
             else:
-                self._tell_axes(
+                self.tell(
                     "gyroscope_or_accelerometer_axes",
-                    "gyroscope and accelerometer do not have the same axes",
-                    force,
+                    say("readings.axes_apart", where=self.where, mapping=_mapping(force)),
+                    0.0,
                 )
         elif wrong_field and field is not None:
             if force is None and np.linalg.det(field) < 0.0:
-                self._tell_axes("gyroscope_axes", "the gyroscope's axes do not fit the magnetometer's", field)
-            else:
-                self._tell_axes(
-                    "magnetometer_axes", "the magnetometer's axes do not fit the gyroscope's", field.T
+                self.tell(
+                    "gyroscope_axes",
+                    say("readings.gyroscope_against_magnetometer", where=self.where, mapping=_mapping(field)),
+                    0.0,
                 )
-
-    def _tell_axes(self, code: FindingCode, what: str, mapping: Float) -> None:
-        words = ", ".join(
-            f"{axis} should be {'-' if mapping[k].sum() < 0 else ''}{'xyz'[int(np.argmax(np.abs(mapping[k])))]}"
-            for k, axis in enumerate("xyz")
-            if mapping[k, k] != 1.0
-        )
-        self.tell(code, f"{what}: {words}; correct the column mapping or the axes", 0.0)
+            else:
+                self.tell(
+                    "magnetometer_axes",
+                    say(
+                        "readings.magnetometer_against_gyroscope", where=self.where, mapping=_mapping(field.T)
+                    ),
+                    0.0,
+                )
 
     def _field(self) -> bool:
         if self.field is None:
@@ -306,40 +319,33 @@ class _Sensor:
         if not size.any() or _is_constant(self.field):
             self.tell(
                 "magnetometer_dead",
-                "the magnetometer reads "
-                + ("zero throughout" if not size.any() else "the same value throughout")
-                + "; declare that there is none, or switch it on",
+                say("readings.magnetometer_constant", where=self.where)
+                if size.any()
+                else say("readings.magnetometer_zero", where=self.where),
                 float(size.mean()),
                 "refuse",
             )
             return False
         middle = float(np.median(size))
         if not _FIELD_RANGE_T[0] <= middle <= _FIELD_RANGE_T[1]:
-            for low, high, unit, remedy in _FIELD_UNITS:
+            for low, high, remedy in _FIELD_UNITS:
                 if low <= middle <= high:
                     self.tell(
                         "magnetometer_unit",
-                        f"the magnetometer reads {middle:.3g} where 0.000025 to 0.000065 tesla are due; "
-                        f"this looks like {unit}: {remedy}",
+                        say("readings.magnetometer_unit", where=self.where, value=middle, remedy=remedy),
                         middle,
                     )
                     return True
             severity: Literal["refuse", "warning"] = "warning" if 5e-6 < middle < 1e-3 else "refuse"
             self.tell(
                 "magnetometer_unit" if severity == "refuse" else "magnetic_disturbance",
-                f"the magnetometer reads {1e6 * middle:.3g} microtesla where 25 to 65 are due; "
-                "check the unit, go away from iron and magnets, and calibrate it",
+                say("readings.field_off", where=self.where, field_t=middle),
                 middle,
                 severity,
             )
-        elif float(np.std(size)) > _DISTURBED * middle:
-            self.tell(
-                "magnetic_disturbance",
-                f"the magnetic field varies by {100 * float(np.std(size)) / middle:.0f} %; go away from iron "
-                "and magnets, or calibrate the magnetometer",
-                float(np.std(size)) / middle,
-                "warning",
-            )
+        elif (share := float(np.std(size)) / middle) > _DISTURBED:
+            told = say("readings.field_varies", where=self.where, share=share)
+            self.tell("magnetic_disturbance", told, share, "warning")
         return True
 
     def _sign(self, still: NDArray[np.bool_], hemisphere: str) -> None:
@@ -353,13 +359,23 @@ class _Sensor:
         if hemisphere == "south":
             down = -down
         if down < -_LEAST_DIP_SINE:
+            angle_rad = -math.asin(max(down, -1.0))
             self.tell(
                 "gravity_reversed",
-                f"the magnetic field points {'up' if hemisphere == 'north' else 'down'} by "
-                f"{abs(math.degrees(math.asin(max(down, -1.0)))):.0f} degrees: the accelerometer gives gravity instead "
-                "of specific force (as north-east-down devices do) or the magnetometer is reversed; change the sign",
+                say("readings.field_up", where=self.where, angle_rad=angle_rad)
+                if hemisphere == "north"
+                else say("readings.field_down", where=self.where, angle_rad=angle_rad),
                 down,
             )
+
+
+def _mapping(mapping: Float) -> list[str]:
+    """Return for each axis that is wrong what it should be: `x → -y`."""
+    return [
+        f"{axis} → {'-' if mapping[k].sum() < 0 else ''}{'xyz'[int(np.argmax(np.abs(mapping[k])))]}"
+        for k, axis in enumerate("xyz")
+        if mapping[k, k] != 1.0
+    ]
 
 
 def _is_identity(mapping: Float) -> bool:

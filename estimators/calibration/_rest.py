@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from estimators import rotation
 from estimators.conventions import Placement
-from estimators.conventions import placement_words as words
 from estimators.errors import CalibrationError
 from estimators.orientation import OrientationFlag
 from estimators.recording import Float
+from estimators.sentences import say
 
 SWAY_RAD = math.radians(3.0)
 _MOVED_RAD = math.radians(12.0)
@@ -45,15 +45,13 @@ def mean_orientation(
     flags: NDArray[np.uint8],
     placement: Placement,
     verdict: Verdict,
-    pose: str = "stand still with hanging arms",
+    *,
+    seated: bool = False,
 ) -> Float:
     """Average one sensor's orientation robustly and judge how much it moved."""
     usable = np.isfinite(q).all(axis=-1) & ((flags & int(OrientationFlag.INVALID)) == 0)
     if not usable.any():
-        raise CalibrationError(
-            f"no data from the {words(placement)} sensor during the pose; "
-            "check that it is on and near, and repeat"
-        )
+        raise CalibrationError(say("calibration.no_data", where=[placement]))
     kept = q[usable]
     centre = rotation.mean(kept)
     away = rotation.angle_between(centre, kept)
@@ -62,12 +60,12 @@ def mean_orientation(
     centre = rotation.mean(kept[close])
     spread = float(np.quantile(rotation.angle_between(centre, kept), 0.9))
     if spread > _MOVED_RAD:
-        raise CalibrationError(
-            f"the {words(placement)} moved by {math.degrees(spread):.0f} degrees; {pose} and repeat"
-        )
+        if seated:
+            raise CalibrationError(say("calibration.seat_moved", where=[placement], angle_rad=spread))
+        raise CalibrationError(say("calibration.pose_moved", where=[placement], angle_rad=spread))
     if spread > SWAY_RAD:
-        verdict.lower(SWAY_RAD / spread, f"the {words(placement)} swayed; stand still and repeat")
+        verdict.lower(SWAY_RAD / spread, say("calibration.swayed", where=[placement]))
     return centre
 
 
-__all__ = ["SWAY_RAD", "Verdict", "mean_orientation", "mostly", "words", "wrapped"]
+__all__ = ["SWAY_RAD", "Verdict", "mean_orientation", "mostly", "wrapped"]

@@ -10,6 +10,7 @@ from estimators import rotation
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import CalibrationError, ShapeError
 from estimators.recording import Float
+from estimators.sentences import Sentence, say
 
 MINIMUM_SAMPLES = 100
 """Marzouk (2009), 2.1.1.2: 100 to 150 samples at 17 Hz."""
@@ -83,7 +84,7 @@ def static_bias(
     require_still : bool
         Refuse if a sensor moved; otherwise only say so in `still`.
     names : sequence of str, optional
-        What to call the sensors in errors, each with its article; numbers otherwise.
+        What to call the sensors in errors: placements, or other names; numbers otherwise.
 
     Returns
     -------
@@ -115,8 +116,12 @@ def static_bias(
         needed = max(round(MINIMUM_S / time_step_s), 2 * _BLOCKS)
         if counts[s] < min(needed, MINIMUM_SAMPLES):
             raise CalibrationError(
-                f"{called[s]} gave {counts[s]} usable samples; "
-                f"rest for at least {MINIMUM_S:g} s with a sound link"
+                say(
+                    "calibration.too_few_samples",
+                    where=[called[s]],
+                    samples=counts[s],
+                    least_s=MINIMUM_S,
+                )
             )
         rate = gyroscope_radps[s, keep]
         bias[s], spread[s] = rate.mean(axis=0), rate.std(axis=0, ddof=1)
@@ -129,13 +134,15 @@ def static_bias(
         (_rms(spread) <= gyroscope_limit_radps) & (_rms(force_spread) <= accelerometer_limit_mps2)
     )
     if require_still and not still.all():
-        raise CalibrationError(
-            f"{_named(called, ~still)} moved; put everything down or stand still and repeat"
-        )
+        raise CalibrationError(say("calibration.moved", where=_named(called, ~still)))
     absurd = np.asarray((np.abs(bias) > _BIAS_LIMIT_RADPS).any(axis=1))
     if absurd.any():
         raise CalibrationError(
-            f"{_named(called, absurd)} turned steadily at more than 10 degrees a second; keep still and repeat"
+            say(
+                "calibration.turned_steadily",
+                where=_named(called, absurd),
+                limit_radps=_BIAS_LIMIT_RADPS,
+            )
         )
     accelerometer_bias = None
     if q_earth_sensor is not None:
@@ -144,12 +151,15 @@ def static_bias(
     return StaticBias(bias, spread, error, accelerometer_bias, force_spread, still, counts)
 
 
-def unusual_bias(called: str) -> str:
-    """Say that a bias is unusual and what to do."""
-    return (
-        f"{called} reads more than 3 degrees a second at rest: it turned slowly, or its gyroscope is poor; "
-        "lay it on a table that does not move and calibrate its rest"
-    )
+def unusual_bias(called: Sequence[str]) -> Sentence:
+    """Say of which sensors the bias is unusual, and what to do.
+
+    Parameters
+    ----------
+    called : sequence of str
+        Placements, or other names.
+    """
+    return say("calibration.unusual_zero", where=list(called), limit_radps=_UNUSUAL_RADPS)
 
 
 def _outliers(values: Float) -> NDArray[np.bool_]:
@@ -172,8 +182,8 @@ def _rms(values: Float) -> Float:
     return np.asarray(np.sqrt(np.mean(values**2, axis=-1)))
 
 
-def _named(called: Sequence[str], which: NDArray[np.bool_]) -> str:
-    return ", ".join(name for name, bad in zip(called, which, strict=True) if bad)
+def _named(called: Sequence[str], which: NDArray[np.bool_]) -> list[str]:
+    return [name for name, bad in zip(called, which, strict=True) if bad]
 
 
 __all__ = ["UNUSUAL_BIAS_SCORE", "StaticBias", "static_bias", "unusual_bias"]

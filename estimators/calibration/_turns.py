@@ -11,6 +11,7 @@ from estimators.calibration._field import local_field
 from estimators.calibration._magnetometer import MagnetometerResult
 from estimators.errors import CalibrationError, ShapeError
 from estimators.recording import Float
+from estimators.sentences import say
 
 _SECTORS: Final = 24
 _FEWEST_SAMPLES: Final = 40
@@ -56,12 +57,10 @@ def circle_fit(field: Float, accelerometer_mps2: Float | None = None) -> Magneto
         up = np.median(force, axis=0) / np.linalg.norm(np.median(force, axis=0))
         away = np.arccos(np.clip(force @ up / np.linalg.norm(force, axis=1), -1.0, 1.0))
         if np.median(away) > _TILT_RAD:
-            raise CalibrationError(
-                "the sensor was tilted while it turned; turn it about the vertical, level, and repeat"
-            )
+            raise CalibrationError(say("compass.tilted"))
     values = field[finite]
     if len(values) < _FEWEST_SAMPLES:
-        raise CalibrationError(f"only {len(values)} samples; make two full turns of at least 5 s and repeat")
+        raise CalibrationError(say("compass.few_samples", samples=len(values)))
     to_level = rotation.shortest(up, [0.0, 0.0, 1.0])
     level = rotation.rotate(to_level, values)
     across, along = level[:, :2], level[:, 2]
@@ -73,27 +72,19 @@ def circle_fit(field: Float, accelerometer_mps2: Float | None = None) -> Magneto
     radius = size * float(np.sqrt(max(solved[2] + solved[:2] @ solved[:2], 0.0)))
     true = across - centre
     if radius < _LEAST_SHARE * float(np.linalg.norm(np.median(level - np.append(centre, 0.0), axis=0))):
-        raise CalibrationError(
-            "the field hardly changed; turn the sensor about the vertical by two full turns, away from iron"
-        )
+        raise CalibrationError(say("compass.field_constant"))
     sectors = np.unique(np.floor(np.arctan2(true[:, 1], true[:, 0]) / (2 * np.pi) * _SECTORS)).size
     if sectors < _SECTORS:
-        raise CalibrationError(
-            f"only {360 * sectors // _SECTORS} of 360 degrees were turned through; make two full turns and repeat"
-        )
+        seen_rad = 2.0 * math.pi * sectors / _SECTORS
+        raise CalibrationError(say("compass.part_of_turn", angle_rad=seen_rad))
     distance = np.linalg.norm(true, axis=1) / radius - 1.0
     residual = float(np.sqrt(np.mean(distance**2)))
     if residual > _RESIDUAL_FAULT:
-        raise CalibrationError(
-            f"the field is not uniform here ({100 * residual:.0f} % off); go away from iron, turn on the spot, repeat"
-        )
-    score, reasons = (
-        0.8,
-        ["level turns tell the hard iron only across the vertical; turn the sensor in all directions"],
-    )
+        raise CalibrationError(say("compass.not_uniform", residual=residual))
+    score, reasons = 0.8, [say("compass.level_turns_only")]
     if residual > _RESIDUAL_WARNING:
         score *= _RESIDUAL_WARNING / residual
-        reasons.append(f"the circle is {100 * residual:.0f} % off; repeat away from iron and magnets")
+        reasons.append(say("compass.circle_off", residual=residual))
     bias = rotation.rotate(rotation.conjugate(to_level), np.append(centre, 0.0))
     noise = residual * radius
     # Each coordinate of the centre has the variance 2 / N of a sample's; a heading sees one of them.

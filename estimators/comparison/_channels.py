@@ -12,6 +12,7 @@ from estimators.errors import ComparisonError, SetupError
 from estimators.orientation._contract import OrientationFlag
 from estimators.pipelines._contract import Frames
 from estimators.recording import Float
+from estimators.sentences import ENGLISH, say
 
 TRUNK_CHANNELS = ("trunk_lean_forward_rad", "trunk_lean_lateral_rad", "trunk_axial_rotation_rad")
 """Scalars that show compensation with the trunk; the last two change sign in a mirror."""
@@ -145,10 +146,7 @@ def arm_channels(source: Trajectory, side: str, size_ratio: float = 1.0) -> ArmC
                 sigma.append(np.full(len(source.time_s), np.nan))
     measured = [i for i, column in enumerate(values) if np.isfinite(column).any()]
     if not any(f"_{side}" in names[i] for i in measured):
-        raise ComparisonError(
-            f"nothing of the {side} arm was measured in this recording; "
-            "wear and calibrate its sensors, or compare the other side"
-        )
+        raise ComparisonError(say("compare.side_not_measured", side=side))
     return ArmChannels(
         time_s=source.time_s,
         channels=tuple(names[i] for i in measured),
@@ -203,39 +201,51 @@ def mirror_template(template: Template) -> Template:
     )
 
 
-_CHANNEL_LABELS = {
-    "plane_of_elevation": "Shoulder plane of elevation",
-    "elevation": "Shoulder elevation",
-    "axial_rotation": "Shoulder axial rotation",
-    "humerus_forearm_flexion": "Elbow flexion",
-    "humerus_forearm_carrying": "Elbow carrying angle",
-    "humerus_forearm_pronation": "Forearm pronation",
-    "forearm_hand_flexion": "Wrist flexion",
-    "forearm_hand_deviation": "Wrist deviation",
-    "forearm_hand_rotation": "Wrist rotation",
-    "trunk_lean_forward_rad": "Trunk forward lean",
-    "trunk_lean_lateral_rad": "Trunk sideways lean",
-    "trunk_axial_rotation_rad": "Trunk rotation",
+_CHANNEL_NAMES = {
+    "plane_of_elevation": "plane_of_elevation",
+    "elevation": "elevation",
+    "axial_rotation": "axial_rotation",
+    "humerus_forearm_flexion": "elbow_flexion",
+    "humerus_forearm_carrying": "elbow_carrying",
+    "humerus_forearm_pronation": "forearm_pronation",
+    "forearm_hand_flexion": "wrist_flexion",
+    "forearm_hand_deviation": "wrist_deviation",
+    "forearm_hand_rotation": "wrist_rotation",
+    "trunk_lean_forward_rad": "trunk_forward_lean",
+    "trunk_lean_lateral_rad": "trunk_sideways_lean",
+    "trunk_axial_rotation_rad": "trunk_rotation",
 }
+
+
+def channel_name(channel: str) -> str:
+    """Return what sentences call a channel, without the side: `elbow_flexion` has the words `channel.elbow_flexion`.
+
+    Parameters
+    ----------
+    channel : str
+        Of a trajectory. One without words of its own is named by its parts.
+    """
+    if "." in channel:
+        point, axis = channel.split(".")
+        return f"{point.split('_')[0]}_{axis}"
+    if channel.startswith("shoulder_hike"):
+        return "shoulder_hike"
+    if channel in _CHANNEL_NAMES:
+        return _CHANNEL_NAMES[channel]
+    found = re.fullmatch(r"(\w+?_\w+?)_(left|right)_[xyz]{3}_(\w+)", channel)
+    if found:
+        joint, _, meaning = found.groups()
+        name = _CHANNEL_NAMES.get(meaning if joint == "thorax_humerus" else f"{joint}_{meaning}")
+        if name:
+            return name
+    return channel.removesuffix("_rad").replace("_", " ")
 
 
 def channel_label(channel: str) -> str:
     """Return what a person calls a channel, without the side: `Elbow flexion`, `Hand forward`."""
-    if "." in channel:
-        point, axis = channel.split(".")
-        direction = {"x": "forward", "y": "to the left", "z": "up"}[axis]
-        return f"{point.split('_')[0].capitalize()} {direction}"
-    if channel.startswith("shoulder_hike"):
-        return "Shoulder hike"
-    if channel in _CHANNEL_LABELS:
-        return _CHANNEL_LABELS[channel]
-    found = re.fullmatch(r"(\w+?_\w+?)_(left|right)_[xyz]{3}_(\w+)", channel)
-    if found:
-        joint, _, meaning = found.groups()
-        label = _CHANNEL_LABELS.get(meaning if joint == "thorax_humerus" else f"{joint}_{meaning}")
-        if label:
-            return label
-    return channel.removesuffix("_rad").replace("_", " ").capitalize()
+    name = channel_name(channel)
+    words = str(ENGLISH.get(f"channel.{name}", name))
+    return words[:1].upper() + words[1:]
 
 
 def channel_unit(channel: str) -> str:

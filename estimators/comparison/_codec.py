@@ -8,7 +8,7 @@ in arrays, so the header is strict JSON.
 import json
 import struct
 import zlib
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from estimators.comparison._contract import (
 )
 from estimators.errors import ComparisonError
 from estimators.recording import Float
+from estimators.sentences import CATALOGUE, for_json, say
 
 TEMPLATE_MAGIC = b"TMT1"
 COMPARISON_MAGIC = b"TMC1"
@@ -36,17 +37,21 @@ def _pack(magic: bytes, header: dict[str, Any], arrays: list[Float]) -> bytes:
     return _PREFIX.pack(magic, VERSION, len(text)) + zlib.compress(body, 6)
 
 
-def _unpack(magic: bytes, data: bytes, what: str) -> tuple[dict[str, Any], list[Float]]:
+def _unpack(
+    magic: bytes, data: bytes, what: Literal["template", "comparison"]
+) -> tuple[dict[str, Any], list[Float]]:
     try:
         found, version, length = _PREFIX.unpack_from(data)
         if found != magic:
-            raise ComparisonError(f"these bytes are not a stored {what}")
+            raise ComparisonError(say("compare.not_stored", kind=what))
         if version != VERSION:
-            raise ComparisonError(f"this {what} was stored by format {version}; this program reads {VERSION}")
+            raise ComparisonError(
+                say("compare.other_version", kind=what, version=str(version), known=str(VERSION))
+            )
         unzip = zlib.decompressobj()
         body = unzip.decompress(data[_PREFIX.size :], _MOST_BYTES)
         if not unzip.eof:
-            raise ComparisonError(f"this stored {what} is cut short or larger than any real one")
+            raise ComparisonError(say("compare.cut_short", kind=what))
         header = json.loads(body[:length])
         arrays, offset = [], length
         for shape in header["shapes"]:
@@ -56,7 +61,7 @@ def _unpack(magic: bytes, data: bytes, what: str) -> tuple[dict[str, Any], list[
             )
             offset += 8 * count
     except (struct.error, zlib.error, ValueError, KeyError, TypeError) as error:
-        raise ComparisonError(f"this stored {what} is damaged: {error}") from error
+        raise ComparisonError(say("compare.damaged", kind=what)) from error
     return header, arrays
 
 
@@ -107,7 +112,7 @@ def template_from_bytes(data: bytes) -> Template:
             measure_sd=dict(zip(header["deviations"], deviations.tolist(), strict=True)),
         )
     except (ValueError, KeyError, TypeError) as error:
-        raise ComparisonError(f"this stored template is damaged: {error}") from error
+        raise ComparisonError(say("compare.damaged", kind="template")) from error
 
 
 def _measure_header(measures: tuple[Measure, ...]) -> list[list[Any]]:
@@ -129,13 +134,13 @@ def comparison_to_bytes(result: ComparisonResult) -> bytes:
     """Store a comparison; `comparison_from_bytes` gives back an equal one."""
     header = {
         "channels": result.channels,
-        "findings": result.findings,
+        "findings": for_json(list(result.findings)),
         "summary": _measure_header(result.summary),
         "repetitions": [
             {
                 "number": r.repetition.number,
                 "is_kept": r.repetition.is_kept,
-                "reason": r.repetition.reason,
+                "reason": for_json(r.repetition.reason),
                 "measures": _measure_header(r.measures),
                 "outside": r.outside,
             }
@@ -169,7 +174,7 @@ def comparison_from_bytes(data: bytes) -> ComparisonResult:
                         float(bounds[0]),
                         float(bounds[1]),
                         stored["is_kept"],
-                        stored["reason"],
+                        CATALOGUE.restored(stored["reason"]),
                     ),
                     measures=_measures(stored["measures"], values),
                     curves=curves,
@@ -182,7 +187,7 @@ def comparison_from_bytes(data: bytes) -> ComparisonResult:
             channels=tuple(header["channels"]),
             repetitions=tuple(repetitions),
             summary=_measures(header["summary"], arrays[0]),
-            findings=tuple(header["findings"]),
+            findings=tuple(CATALOGUE.restored(header["findings"])),
         )
     except (ValueError, KeyError, TypeError, IndexError) as error:
-        raise ComparisonError(f"this stored comparison is damaged: {error}") from error
+        raise ComparisonError(say("compare.damaged", kind="comparison")) from error

@@ -10,9 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from estimators.comparison._channels import TRUNK_CHANNELS, channel_label
+from estimators.comparison._channels import TRUNK_CHANNELS, channel_name, channel_unit
 from estimators.comparison._contract import Measure, RepetitionResult, Template
 from estimators.comparison._outside import Outside, outside_band
+from estimators.sentences import CATALOGUE, Sentence, say
 
 _MOST = 3
 _CONFIDENCE = 0.975
@@ -20,11 +21,6 @@ _LEAST_RANGE_RAD = 0.087
 _LEAST_SHARE = 0.15
 _LEAST_SMOOTHNESS = 0.2
 """Inside the therapist's band, differences below 5 degrees, 15 percent or 0.2 of arc length are not worth a word."""
-_TRUNK_MOVES = {
-    "trunk_lean_forward_rad": "The trunk leaned {more} degrees more forward and back",
-    "trunk_lean_lateral_rad": "The trunk leaned {more} degrees more to the side",
-    "trunk_axial_rotation_rad": "The trunk turned {more} degrees more",
-}
 
 
 @dataclass(frozen=True)
@@ -59,9 +55,9 @@ def write_findings(
     """
     kept = [result for result in results if result.repetition.is_kept]
     if not results:
-        return ("No clear repetitions were found in this session.",)
+        return (say("findings.none_found"),)
     if not kept:
-        return ("Repetitions were found, but none could be used; the reason stands beside each.",)
+        return (say("findings.none_used"),)
     by_name = {measure.name: measure for measure in summary}
     outside = {one.channel: one for one in outside_band(kept, template)}
     first = _compensation(kept, by_name, template, outside)
@@ -74,8 +70,8 @@ def write_findings(
     if not first and not found and not left:
         share = by_name.get("inside_band")
         if share is not None and share.value > 80:
-            return ("The movement matched the template within what can be measured.",)
-        return ("No difference from the template is larger than the uncertainty of the measurement.",)
+            return (say("findings.matched"),)
+        return (say("findings.no_difference"),)
     found.sort(key=lambda item: -item[0])
     most = max(0, _MOST - len(first))
     return (*first, *(sentence for _, sentence in found[:most]), *left)
@@ -106,10 +102,6 @@ def _difference(
     return _Difference(measure.value, reference, abs(measure.value - reference) / max(limit, 1e-9))
 
 
-def _degrees(value_rad: float) -> str:
-    return f"{abs(np.degrees(value_rad)):.0f}"
-
-
 def _range(
     kept: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template
 ) -> tuple[float, str] | None:
@@ -126,14 +118,28 @@ def _range(
             continue
         if not is_primary and difference.reference < 2 * _LEAST_RANGE_RAD and difference.excess < 0:
             continue
-        word = "less" if difference.excess < 0 else "more"
-        sentence = (
-            f"{channel_label(channel)} moved {_degrees(difference.excess)} degrees {word} than in the "
-            f"template ({_degrees(difference.value)} instead of {_degrees(difference.reference)} degrees)."
-        )
+        sentence = _range_changed(channel, difference)
         weight = abs(difference.excess) / max(difference.reference, _LEAST_RANGE_RAD)
         candidates.append((weight * (3.0 if is_primary else 1.0), sentence))
     return max(candidates) if candidates else None
+
+
+def _range_changed(channel: str, difference: _Difference) -> Sentence:
+    if difference.excess < 0:
+        return say(
+            "findings.range_smaller",
+            channel=channel_name(channel),
+            difference_rad=-difference.excess,
+            value_rad=difference.value,
+            reference_rad=difference.reference,
+        )
+    return say(
+        "findings.range_larger",
+        channel=channel_name(channel),
+        difference_rad=difference.excess,
+        value_rad=difference.value,
+        reference_rad=difference.reference,
+    )
 
 
 def _compensation(
@@ -152,34 +158,62 @@ def _compensation(
             and difference.certainty >= 1
             and difference.excess > (0.0 if left is not None else _LEAST_RANGE_RAD)
         ):
-            moved = _TRUNK_MOVES[channel].format(more=_degrees(difference.excess))
-            often = f"; {left.how_often}" if left is not None else ""
-            found.append((difference.excess, f"{moved} than in the template to help the arm{often}."))
+            told: list[str] = [_trunk_moved(channel, difference.excess)]
+            if left is not None:
+                told.append(say("findings.how_often", outside=left.count, count=left.of))
+            found.append((difference.excess, CATALOGUE.together(told)))
             outside.pop(channel, None)
         elif left is not None:
-            label = channel_label(channel)
-            text = f"{label} was {left.how_often}, by up to {_degrees(left.beyond)} degrees."
+            text = say(
+                "findings.outside",
+                channel=channel_name(channel),
+                outside=left.count,
+                count=left.of,
+                beyond_rad=left.beyond,
+            )
             found.append((left.beyond, text))
             outside.pop(channel)
     return [sentence for _, sentence in sorted(found, key=lambda item: -item[0])]
 
 
+def _trunk_moved(channel: str, more_rad: float) -> Sentence:
+    if channel == "trunk_lean_forward_rad":
+        return say("findings.trunk_leaned_forward", more_rad=more_rad)
+    if channel == "trunk_lean_lateral_rad":
+        return say("findings.trunk_leaned_sideways", more_rad=more_rad)
+    return say("findings.trunk_turned", more_rad=more_rad)
+
+
+def _beyond(one: Outside) -> Sentence:
+    name = channel_name(one.channel)
+    if channel_unit(one.channel) == "m":
+        return say("findings.beyond_length", channel=name, beyond_m=one.beyond)
+    return say("findings.beyond_angle", channel=name, beyond_rad=one.beyond)
+
+
 def _left_band(outside: dict[str, Outside], template: Template) -> list[str]:
     """Say which angles left the band: the main one with its phases, the others together."""
-    sentences = []
+    sentences: list[str] = []
     main = outside.get(template.primary_channel)
     if main is not None:
         sentences.append(
-            f"{channel_label(main.channel)} was {main.how_often}, mostly between {main.start} and {main.end}"
-            " percent of the movement."
+            say(
+                "findings.outside_mostly",
+                channel=channel_name(main.channel),
+                outside=main.count,
+                count=main.of,
+                start=main.start / 100.0,
+                end=main.end / 100.0,
+            )
         )
     others = sorted((one for one in outside.values() if one is not main), key=lambda one: -one.beyond)
     if others:
-        named = ", ".join(
-            f"{channel_label(one.channel).lower()} (by up to {_degrees(one.beyond)} degrees)"
-            for one in others
+        angles = [_beyond(one) for one in others]
+        sentences.append(
+            say("findings.others_outside", angles=angles)
+            if main is None
+            else say("findings.also_outside", angles=angles)
         )
-        sentences.append(f"{'Also outside' if main is not None else 'Outside'} the band: {named}.")
     return sentences
 
 
@@ -192,12 +226,12 @@ def _duration(
     ratio = difference.value / difference.reference
     if abs(np.log(ratio)) < np.log(1 + _LEAST_SHARE):
         return None
-    seconds = f"({difference.value:.1f} instead of {difference.reference:.1f} s)"
+    own_s, reference_s = difference.value, difference.reference
     if ratio > 1:
-        return float(
-            np.log2(ratio)
-        ), f"Each repetition took {ratio:.1f} times as long as the template {seconds}."
-    return float(-np.log2(ratio)), f"Each repetition was faster than the template {seconds}."
+        text = say("findings.slower", ratio=ratio, value_s=own_s, reference_s=reference_s)
+    else:
+        text = say("findings.faster", value_s=own_s, reference_s=reference_s)
+    return float(abs(np.log2(ratio))), text
 
 
 def _smoothness(
@@ -206,9 +240,11 @@ def _smoothness(
     difference = _difference("spectral_arc_length", kept, summary, template)
     if difference is None or difference.certainty < 1 or abs(difference.excess) < _LEAST_SMOOTHNESS:
         return None
-    word = "less smooth" if difference.excess < 0 else "smoother"
-    numbers = f"(smoothness {difference.value:.1f} against {difference.reference:.1f})"
-    return abs(difference.excess) / 2, f"The movement was {word} than the template {numbers}."
+    if difference.excess < 0:
+        text = say("findings.less_smooth", value=difference.value, reference=difference.reference)
+    else:
+        text = say("findings.smoother", value=difference.value, reference=difference.reference)
+    return abs(difference.excess) / 2, text
 
 
 def _path(
@@ -221,5 +257,5 @@ def _path(
         or difference.excess < _LEAST_SHARE * difference.reference
     ):
         return None
-    more = 100 * difference.excess / difference.reference
-    return difference.excess, f"The hand took a longer way than the template, by {more:.0f} percent."
+    more = difference.excess / difference.reference
+    return difference.excess, say("findings.longer_way", more=more)

@@ -8,6 +8,7 @@ from estimators.comparison._alignment import align, apply, resample
 from estimators.comparison._channels import ArmChannels, arm_channels, fill_gaps
 from estimators.comparison._contract import PHASES, Repetition, Trajectory
 from estimators.recording import Float
+from estimators.sentences import say
 
 _MAXIMUM_GAP_S = 0.3
 _MAXIMUM_GAP_SHARE = 0.10
@@ -67,15 +68,15 @@ def _posture(arm: ArmChannels) -> Float:
 
 def _gap_reason(cut: ArmChannels) -> str:
     if len(cut.time_s) < 5:
-        return "No measurement during this repetition."
+        return say("repetition.no_measurement")
     step_s = float(np.median(np.diff(cut.time_s)))
     posture = _posture(cut)
     lost = ~np.isfinite(posture[:, np.isfinite(posture).any(axis=0)]).all(axis=1)
     if not np.isfinite(posture).any():
-        return "No measurement during this repetition."
+        return say("repetition.no_measurement")
     longest = _longest_run(np.asarray(lost)) * step_s
     if longest > _MAXIMUM_GAP_S or lost.mean() > _MAXIMUM_GAP_SHARE:
-        return f"The sensors lost track for {max(longest, lost.sum() * step_s):.1f} s during this repetition."
+        return say("repetition.lost", lost_s=max(longest, float(lost.sum()) * step_s))
     return ""
 
 
@@ -87,16 +88,12 @@ def _longest_run(mask: np.typing.NDArray[np.bool_]) -> int:
 def _judge_duration(arm: ArmChannels, kept: list[Repetition], places: list[int]) -> list[tuple[int, str]]:
     durations = np.array([r.end_s - r.start_s for r in kept])
     usual = float(np.median(durations))
-    odd = []
+    odd: list[tuple[int, str]] = []
     for place, duration in zip(places, durations, strict=True):
         if duration < _SHORT * usual:
-            odd.append(
-                (place, f"Much shorter than the others: {duration:.1f} s instead of about {usual:.1f} s.")
-            )
+            odd.append((place, say("repetition.shorter", duration_s=duration, usual_s=usual)))
         elif duration > _LONG * usual:
-            odd.append(
-                (place, f"Much longer than the others: {duration:.1f} s instead of about {usual:.1f} s.")
-            )
+            odd.append((place, say("repetition.longer", duration_s=duration, usual_s=usual)))
     return odd
 
 
@@ -108,15 +105,15 @@ def _judge_size_and_direction(
     usual = np.median(np.stack(curves), axis=0)
     if not usual.any():
         return []
-    odd = []
+    odd: list[tuple[int, str]] = []
     for place, curve in zip(places, curves, strict=True):
         # Laid on each other in time first, or a hesitation would look like a smaller movement.
         laid = apply(align(curve, usual, np.ones(usual.shape[1])), curve, PHASES)
         along = float(np.sum(laid * usual) / np.sum(usual * usual))
         if float(np.sum(curve * usual) / np.sum(usual * usual)) < _OPPOSITE:
-            odd.append((place, "Moved in the opposite direction to the others."))
+            odd.append((place, say("repetition.opposite")))
         elif along < _SMALL:
-            odd.append((place, f"Stopped half way: {100 * along:.0f} percent of the usual movement."))
+            odd.append((place, say("repetition.half_way", share=along)))
     return odd
 
 
@@ -141,7 +138,7 @@ def _judge_likeness(arm: ArmChannels, kept: list[Repetition], places: list[int])
     spread = 1.4826 * float(np.median(np.abs(distances - usual)))
     limit = max(usual + _UNLIKE_MADS * spread, usual + _UNLIKE_FLOOR)
     return [
-        (place, "Unlike the others: the arm took another way.")
+        (place, say("repetition.unlike"))
         for place, distance in zip(places, distances, strict=True)
         if distance > limit
     ]

@@ -34,13 +34,6 @@ class Outside:
     end: int
     beyond: float
 
-    @property
-    def how_often(self) -> str:
-        """In words."""
-        if self.of == 1:
-            return "outside the band in the one repetition"
-        return f"outside the band in {self.count} of {self.of} repetitions"
-
 
 def outside_band(kept: Sequence[RepetitionResult], template: Template) -> list[Outside]:
     """Find the angles outside their band in more than half of the repetitions.

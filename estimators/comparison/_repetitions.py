@@ -18,6 +18,7 @@ from estimators.comparison._channels import arm_channels, fill_gaps
 from estimators.comparison._contract import Repetition, Trajectory
 from estimators.errors import ComparisonError
 from estimators.recording import Float
+from estimators.sentences import say
 
 _RATE_HZ = 50.0
 _SMOOTHING_S = 0.08
@@ -156,10 +157,7 @@ def _features(source: Trajectory, side: str) -> tuple[Float, Float]:
         if reach > 0:
             columns.extend(position.T / reach)
     if not columns:
-        raise ComparisonError(
-            f"neither the {side} wrist nor the {side} elbow or shoulder angle was measured; "
-            "wear and calibrate an upper arm and a forearm sensor"
-        )
+        raise ComparisonError(say("compare.no_signal", side=side))
     filled, _ = fill_gaps(np.stack(columns, axis=1))
     step_s = float(np.median(np.diff(source.time_s)))
     smooth = scipy.ndimage.gaussian_filter1d(filled, _SMOOTHING_S / step_s, axis=0, mode="nearest")

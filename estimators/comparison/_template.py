@@ -6,12 +6,13 @@ import numpy as np
 import scipy
 
 from estimators.comparison._alignment import Alignment, align, apply, resample
-from estimators.comparison._channels import TRUNK_CHANNELS, ArmChannels, arm_channels
+from estimators.comparison._channels import TRUNK_CHANNELS, ArmChannels, arm_channels, channel_name
 from estimators.comparison._contract import PHASES, Repetition, Template, Trajectory
 from estimators.comparison._judgement import judge_repetitions
 from estimators.comparison._measures import hand_travels, repetition_measures, summarise
 from estimators.errors import ComparisonError, SetupError
 from estimators.recording import Float
+from estimators.sentences import say
 
 COVERAGE = 0.90
 """Share of the therapist's own further repetitions that the band should hold."""
@@ -77,13 +78,16 @@ def build_template(
     judged = judge_repetitions(source, repetitions, side) if judge else repetitions
     kept = [r for r in judged if r.is_kept]
     if len(kept) < 2:
-        raise ComparisonError(
-            f"{len(kept)} usable repetition(s) found; record at least two, better five, "
-            "with a short rest between them"
-        )
+        raise ComparisonError(say("compare.few_repetitions", count=len(kept)))
     arm = arm_channels(source, side)
     if primary_channel not in arm.channels:
-        raise ComparisonError(f"{primary_channel} was not measured; choose one of {', '.join(arm.channels)}")
+        raise ComparisonError(
+            say(
+                "compare.not_measured",
+                channel=channel_name(primary_channel),
+                channels=list(dict.fromkeys(channel_name(channel) for channel in arm.channels)),
+            )
+        )
     cuts = [arm.cut(repetition) for repetition in kept]
     curves = [phase_curves(cut) for cut in cuts]
     mean, spread = _average(curves, arm.channels)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from estimators.errors import ShapeError
 from estimators.recording import Float
+from estimators.sentences import say
 
 _KNOT_S: Final = 20.0
 """The drift of one foot's heading against the other's is linear between knots so far apart."""
@@ -93,11 +94,9 @@ def relate_by_course(
     """
     left, right = left_m[:, :2], right_m[:, :2]
     if min(len(left), len(right)) < _LEAST_FOOTHOLDS:
-        raise ShapeError(
-            f"each foot needs {_LEAST_FOOTHOLDS} footholds before the feet can be related on a turning course"
-        )
+        raise ShapeError(say("walk.few_footholds", least=_LEAST_FOOTHOLDS))
     if min(_way(left), _way(right)) < _LEAST_WAY_M:
-        raise ShapeError(f"the walk is shorter than {_LEAST_WAY_M:g} m; the feet cannot be related by it")
+        raise ShapeError(say("walk.short_way", least_m=_LEAST_WAY_M))
     problem = _Problem(left, left_s, right, right_s, apart_m, end_apart_m)
     found = scipy.optimize.least_squares(
         problem.residuals, problem.start(), x_scale=problem.scale(), method="trf"

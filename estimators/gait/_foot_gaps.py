@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import ShapeError
 from estimators.recording import Float, SensorSignals
+from estimators.sentences import say
 from estimators.signals import BRIDGE_S
 
 Bool = NDArray[np.bool_]
@@ -62,14 +63,14 @@ def fill_gaps(signals: SensorSignals, rate_hz: float) -> FilledSignals:
     accelerometer = signals.accelerometer_mps2[finite]
     field = None if signals.magnetometer_t is None else signals.magnetometer_t[finite]
     if len(time_s) < 3 or len(time_s) < _SHORTEST_S * rate_hz:
-        raise ShapeError(f"a foot needs {_SHORTEST_S} s of samples; the record has {len(time_s)} finite ones")
+        raise ShapeError(say("walk.too_short", least_s=_SHORTEST_S))
     steps = np.diff(time_s)
     holes = np.flatnonzero(steps > max(_GAP_STEPS / rate_hz, _GAP_S))
     if not len(holes):
         kept = SensorSignals(time_s, gyroscope, accelerometer, field)
         return FilledSignals(kept, np.zeros(len(time_s)), np.zeros(len(time_s), dtype=np.bool_))
     if steps.max() > _LONGEST_FILL_S:
-        raise ShapeError(f"a hole of {steps.max():.0f} s; cut the recording there")
+        raise ShapeError(say("walk.hole", hole_s=steps.max()))
     between = [
         time_s[i] + steps[i] * np.arange(1, count) / count
         for i in holes

@@ -23,6 +23,7 @@ from estimators.gait._foot_gaps import FilledSignals, fill_gaps
 from estimators.gait._foot_parameters import FootParameters
 from estimators.gait._stance import Stance, find_stance, gravity_scale, noise, resting_bias
 from estimators.recording import Float, SensorSignals
+from estimators.sentences import say
 
 _SEGMENT = 4096
 """Samples recorded at once; the way there is run twice over longer records, so memory stays the same."""
@@ -122,12 +123,10 @@ def smooth(
     """
     chosen = parameters or FootParameters()
     if len(signals.time_s) < 3:
-        raise ShapeError(
-            f"a foot needs half a second of samples; the record has {len(signals.time_s)} samples"
-        )
+        raise ShapeError(say("walk.too_short", least_s=0.5))
     rate_hz = rate_of(signals.time_s)
     if not is_usable_rate(rate_hz):
-        raise ShapeError(f"a foot cannot be followed at {rate_hz:.4g} Hz; use 30 to 2000 Hz")
+        raise ShapeError(say("walk.rate", rate_hz=rate_hz))
     run = _Run(fill_gaps(signals, rate_hz), rate_hz, chosen)
     for _ in range(passes):
         run.there_and_back()

@@ -13,6 +13,7 @@ from estimators.gait._stride_flags import StrideFlag
 from estimators.gait._strides import Strides
 from estimators.gait._summary import turns
 from estimators.recording import Float
+from estimators.sentences import say
 
 GuidedKind = Literal["walk", "timed_up_and_go", "six_minute_walk"]
 GUIDED_KINDS: Final[tuple[GuidedKind, ...]] = ("walk", "timed_up_and_go", "six_minute_walk")
@@ -92,11 +93,11 @@ def guided_test(feet: Mapping[Side, Strides], kind: GuidedKind = "walk") -> Guid
         return None
     start_s = min(float(strides.toe_off_s[0]) for strides in walked.values())
     end_s = max(float(strides.contact_s[-1]) for strides in walked.values())
-    reasons = []
+    reasons: list[str] = []
     if kind == "six_minute_walk":
         end_s = min(end_s, start_s + SIX_MINUTES_S)
         if end_s - start_s < _LEAST_OF_SIX * SIX_MINUTES_S:
-            reasons.append(f"walked {(end_s - start_s) / 60.0:.1f} of six minutes")
+            reasons.append(say("walk.not_six_minutes", walked_s=end_s - start_s))
     within = {
         side: (strides.contact_s <= end_s) & ((strides.flags & StrideFlag.ALOFT) == 0)
         for side, strides in walked.items()
@@ -108,7 +109,7 @@ def guided_test(feet: Mapping[Side, Strides], kind: GuidedKind = "walk") -> Guid
     ]
     counts = [int(np.count_nonzero(within[side])) for side in measured]
     if len(walked) == 1:
-        reasons.append("one foot only: the other is taken to have made as many steps")
+        reasons.append(say("walk.one_foot_steps"))
     if len(measured) == 1:
         counts *= 2
     reasons.extend(told)
@@ -124,11 +125,9 @@ def guided_test(feet: Mapping[Side, Strides], kind: GuidedKind = "walk") -> Guid
         if abs(angle) >= _ABOUT_TURN_RAD
     ]
     if kind == "timed_up_and_go":
-        reasons.append(
-            "getting up and sitting down are not felt by the feet; time is from first step to last"
-        )
+        reasons.append(say("walk.no_chair"))
         if not about:
-            reasons.append("no turn about was found")
+            reasons.append(say("walk.no_turn"))
     bouts = max(int(strides.bout[within[side]].max(initial=0)) for side, strides in walked.items())
     return GuidedTest(
         kind=kind,
@@ -157,16 +156,9 @@ def _measured(
     if len(whole) == len(feet):
         return feet, []
     if whole:
-        (kept,) = whole
-        (other,) = set(feet) - {kept}
-        return whole, [
-            f"{lost_s[other]:.1f} s of samples of the {other} foot are missing; distance and steps are those of the"
-            f" {kept} foot"
-        ]
-    return feet, [
-        f"{max(lost_s.values()):.1f} s of samples are missing: the distance is probably too short, and steps, turns"
-        " or halts may be missing from the count"
-    ]
+        (other,) = set(feet) - set(whole)
+        return whole, [say("walk.other_foot", side=other, missing_s=lost_s[other])]
+    return feet, [say("walk.count_short", missing_s=max(lost_s.values()))]
 
 
 def _minutes(feet: Mapping[Side, Strides], start_s: float, end_s: float) -> Float:

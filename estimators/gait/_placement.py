@@ -7,6 +7,7 @@ import numpy as np
 
 from estimators.errors import SetupError, ShapeError
 from estimators.recording import Float
+from estimators.sentences import say
 
 RMS_FACTOR_3 = 1.0 / np.sqrt(3.0)
 """Root mean square of lateral placement within windows of three over the scatter of independent footholds."""
@@ -151,7 +152,7 @@ def steps_between(
     first to the last foothold, which leaves an error of the feet's difference in width over that way.
     """
     if min(len(left_m), len(right_m)) < 2:
-        raise ShapeError("each foot needs two footholds before the feet can be related")
+        raise ShapeError(say("walk.few_footholds", least=2))
     left, right = (_along_course(feet) for feet in (left_m[:, :2], right_m[:, :2]))
     return steps_in_one_world(left, left_s, right + right_from_left_m, right_s)
 

@@ -11,6 +11,7 @@ from estimators.gait._foot_trajectory import FootTrajectory
 from estimators.gait._placement import Steps, steps_in_one_world
 from estimators.gait._strides import Footholds
 from estimators.recording import Float
+from estimators.sentences import say
 from estimators.signals import interpolate_rotations
 
 _LEAST_SAMPLES = 3
@@ -116,9 +117,7 @@ def relate_feet(
         found[i], turned[i] = np.average(stood, axis=0, weights=weight), angle
     seen = np.isfinite(turned)
     if seen.sum() < max(2, _LEAST_SHARE * count):
-        raise ShapeError(
-            f"the source saw {int(seen.sum())} of {count} footholds of the right foot; too few to relate the feet"
-        )
+        raise ShapeError(say("walk.source_saw_few", seen=seen.sum(), count=count))
     at_s = right_holds.quietest_s
     angles = np.interp(at_s, at_s[seen], np.unwrap(turned[seen]))
     away = found - rotation.rotate(rotation.about_z(angles), right_holds.position_m)

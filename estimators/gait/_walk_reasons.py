@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from estimators.conventions import Side
 from estimators.gait._stride_flags import StrideFlag
 from estimators.gait._strides import Strides
+from estimators.sentences import say
 
 _LONGEST_M, _FASTEST_MPS, _RISE_M, _APART_M = 3.0, 5.0, 2.0, 0.3
-_CHECK = "check the units, the axes and the sampling rate of the recording"
 
 
 def walk_reasons(
@@ -29,45 +29,31 @@ def walk_reasons(
     reasons: list[str] = []
     for side, strides in feet.items():
         if strides.count == 0:
-            reasons.append(
-                f"{side} foot: no stride found; it never stood between its movements, or never left the ground"
-            )
+            reasons.append(say("walk.no_stride", side=side))
             continue
         if turning[side].any() and not counted[side].any():
             length = float(np.mean(strides.length_m[turning[side]]))
             time_s = float(np.nanmean(strides.duration_s[turning[side]]))
-            reasons.append(
-                f"{side} foot: every stride turns, none is straight; over {_strides(turning[side].sum(), 'one stride')}"
-                f" in turns it goes {length:.2f} m in {time_s:.2f} s. Walk a straight stretch of at least four strides"
-            )
+            count = int(np.count_nonzero(turning[side]))
+            reasons.append(say("walk.only_turns", side=side, count=count, length_m=length, duration_s=time_s))
         elif not counted[side].any():
-            reasons.append(
-                f"{side} foot: no stride of continuous straight walking; walk at least four strides"
-            )
+            reasons.append(say("walk.no_straight_stride", side=side))
         reasons.extend(_missing(side, strides))
         aloft = (strides.flags & StrideFlag.ALOFT) != 0
         if aloft.any():
             away_s = (strides.footholds.start_s[1:] - strides.footholds.stop_s[:-1])[aloft].sum()
-            reasons.append(
-                f"{side} foot: for {away_s:.0f} s it moved without standing as in walking; that is left out"
-            )
+            reasons.append(say("walk.aloft", side=side, away_s=away_s))
         is_long = (strides.flags & StrideFlag.LONG) != 0
         if is_long.any():
             count = int(np.count_nonzero(is_long))
-            reasons.append(
-                f"{side} foot: {_strides(count, 'a stride')} took far longer than those around and"
-                f" {'is' if count == 1 else 'are'} left out: a halt, or two strides taken for one"
-            )
+            reasons.append(say("walk.long_strides", side=side, count=count))
         aside = int(np.count_nonzero(strides.flags & StrideFlag.SIDEWAYS))
         if aside:
-            reasons.append(
-                f"{side} foot: {_strides(aside, 'a stride')} went sideways or back and"
-                f" {'is' if aside == 1 else 'are'} left out"
-            )
+            reasons.append(say("walk.sideways", side=side, count=aside))
         reasons.extend(_unlikely(side, strides, counted[side]))
     reasons.extend(_heights(feet))
     if set(feet) != {"left", "right"}:
-        reasons.append("one foot only: no double support and no asymmetry")
+        reasons.append(say("walk.one_foot"))
     return reasons
 
 
@@ -76,10 +62,7 @@ def _missing(side: Side, strides: Strides) -> list[str]:
     if not lost.any():
         return []
     count = int(np.count_nonzero(lost))
-    return [
-        f"{side} foot: {strides.missing_s.sum():.1f} s of samples are missing; the {_strides(count)} there"
-        f" {'is' if count == 1 else 'are'} left out of the averages"
-    ]
+    return [say("walk.missing", side=side, count=count, missing_s=strides.missing_s.sum())]
 
 
 def _unlikely(side: Side, strides: Strides, counted: NDArray[np.bool_]) -> list[str]:
@@ -90,12 +73,10 @@ def _unlikely(side: Side, strides: Strides, counted: NDArray[np.bool_]) -> list[
     timed = counted & np.isfinite(strides.duration_s)
     speed = float(np.median(strides.length_m[timed] / strides.duration_s[timed])) if timed.any() else 0.0
     if length > _LONGEST_M:
-        what = f"strides of {length:.1f} m are longer than anybody's who walks"
-    elif speed > _FASTEST_MPS:
-        what = f"{speed:.1f} m/s is faster than anybody walks"
-    else:
-        return []
-    return [f"{side} foot: {what}; {_CHECK}"]
+        return [say("walk.too_long", side=side, length_m=length)]
+    if speed > _FASTEST_MPS:
+        return [say("walk.too_fast", side=side, speed_mps=speed)]
+    return []
 
 
 def _heights(feet: Mapping[Side, Strides]) -> list[str]:
@@ -106,22 +87,16 @@ def _heights(feet: Mapping[Side, Strides]) -> list[str]:
         if strides.count and not (strides.flags & (StrideFlag.MISSING | StrideFlag.ALOFT)).any()
     }
     if len(rises) == 2 and abs(rises["left"] - rises["right"]) > _APART_M:
-        return [
-            f"from start to end the left foot rose by {rises['left']:.2f} m and the right foot by"
-            f" {rises['right']:.2f} m, which one person cannot; do not trust heights, and {_CHECK}"
-        ]
+        return [say("walk.rises_apart", left_m=rises["left"], right_m=rises["right"])]
     if len(feet) == 1:
         return [
-            f"{side} foot: it ended {abs(rise):.1f} m {'above' if rise > 0.0 else 'below'} where it began; unless"
-            f" there were stairs, {_CHECK}"
+            say("walk.ended_above", side=side, rise_m=rise)
+            if rise > 0.0
+            else say("walk.ended_below", side=side, rise_m=-rise)
             for side, rise in rises.items()
             if abs(rise) > _RISE_M
         ]
     return []
-
-
-def _strides(count: int | np.int64, one: str = "stride") -> str:
-    return one if count == 1 else f"{count} strides"
 
 
 __all__ = ["walk_reasons"]

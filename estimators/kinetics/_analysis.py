@@ -14,6 +14,7 @@ from estimators.kinetics._shoe_geometry import ShoeGeometry
 from estimators.kinetics._shoe_pose import PositionMode, ShoePose, shoe_pose
 from estimators.orientation import create
 from estimators.recording import Float, ImuChunk, SensorSignals
+from estimators.sentences import say
 from estimators.signals import low_pass
 
 _CELLS = ("heel", "forefoot")
@@ -128,17 +129,14 @@ def analyse_shoe(
     cells, inertial = [], []
     for number, sensor in enumerate((heel, forefoot)):
         if sensor.force_n is None or sensor.moment_nm is None:
-            raise SetupError(f"the {_CELLS[number]} sensor has no load cell in this recording")
+            raise SetupError(say("shoes.no_cell", cell=_CELLS[number]))
         load = np.concatenate((sensor.force_n, sensor.moment_nm), axis=1)
         if calibrations is not None:
             load = calibrations[number].apply(load)
         swings = np.linalg.norm(sensor.gyroscope_radps, axis=1) > _SWINGING_RADPS
         in_the_air = unloaded(load[:, :3], chosen.unloaded_n, swings)
         if not is_tareable(in_the_air, swings, rate_hz):
-            raise ShapeError(
-                f"the {_CELLS[number]} cell is never without load although the shoe swings; tare it, and see whether it"
-                " is jammed"
-            )
+            raise ShapeError(say("shoes.cell_jammed", cell=_CELLS[number]))
         load = smooth(tare(load, in_the_air, rate_hz))
         q = mounting[number]
         cells.append((rotation.rotate(q, load[:, :3]), rotation.rotate(q, load[:, 3:])))
@@ -237,10 +235,10 @@ def segment_rate(
 def _common_rate(heel: SensorSignals, forefoot: SensorSignals, shank: SensorSignals | None) -> float:
     for other in (forefoot, shank):
         if other is not None and not np.array_equal(other.time_s, heel.time_s):
-            raise SetupError("the sensors of a shoe are on different time bases; resample them to one")
+            raise SetupError(say("shoes.time_bases"))
     steps = np.diff(heel.time_s)
     if steps.size < 20 or np.ptp(steps) > 0.01 * float(np.median(steps)):
-        raise SetupError("the samples of a shoe are not even; resample them to a common rate")
+        raise SetupError(say("shoes.uneven"))
     return float(1.0 / np.median(steps))
 
 

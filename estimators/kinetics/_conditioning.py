@@ -8,6 +8,7 @@ from estimators import rotation
 from estimators.errors import CalibrationError, SetupError, ShapeError
 from estimators.kinetics._contact import stretches
 from estimators.recording import Float, Recording, SensorSignals
+from estimators.sentences import say
 from estimators.signals import low_pass
 
 LONGEST_GAP_SAMPLES = 15
@@ -172,14 +173,12 @@ def shank_mounting(standing_accelerometer_mps2: Float, bending_gyroscope_radps: 
         bending_gyroscope_radps.T @ bending_gyroscope_radps / len(bending_gyroscope_radps)
     )
     if np.sqrt(size[2]) < 0.3:
-        raise CalibrationError("the knee hardly moved; bend and stretch it five times, briskly")
+        raise CalibrationError(say("calibration.knee_hardly_moved"))
     if size[1] > 0.2 * size[2]:
-        raise CalibrationError(
-            "the leg turned about more than one axis; bend the knee without turning the foot"
-        )
+        raise CalibrationError(say("calibration.leg_two_axes"))
     left = axes[:, 2]
     if abs(float(left @ up)) > 0.5:
-        raise CalibrationError("the leg turned about its long axis; bend the knee, do not twist the leg")
+        raise CalibrationError(say("calibration.leg_twisted"))
     turned = bending_gyroscope_radps @ left
     # Bending moves the shank backward, toe down: positive about the axis that points left.
     angle = np.cumsum(turned)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from estimators.errors import ShapeError
 from estimators.recording import Float
+from estimators.sentences import say
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,7 @@ def over_cycles(values: Float, landings: NDArray[np.int64], rate_hz: float, poin
         For fewer than two landings.
     """
     if len(landings) < 2:
-        raise ShapeError("a gait cycle lies between two landings of a foot; fewer were found")
+        raise ShapeError(say("shoes.no_cycle"))
     table = values.reshape(len(values), -1)
     at = np.arange(len(values))
     cycles = []

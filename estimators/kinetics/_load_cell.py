@@ -8,11 +8,13 @@ from numpy.typing import NDArray
 
 from estimators.errors import CalibrationError, ShapeError
 from estimators.recording import Float
+from estimators.sentences import say
 
 _LEAST_SHARE = 0.25
 """A toe that drags loads the forefoot for half a swing, rarely longer."""
 _LEAST_SWING_S = 0.5
 _LARGEST_CONDITION = 1e6
+_LEAST_LOADS = 12
 
 
 @dataclass(frozen=True)
@@ -70,14 +72,12 @@ def calibrate_load_cell(output: Float, load: Float) -> LoadCellCalibration:
         raise ShapeError(f"outputs {output.shape} and loads {load.shape} must both have shape (N, 6)")
     if not (np.isfinite(output).all() and np.isfinite(load).all()):
         raise ShapeError("outputs and loads must be finite; leave out what was not measured")
-    if output.shape[0] < 12:
-        raise CalibrationError(f"{output.shape[0]} loads are too few; use at least 12, in all directions")
+    if output.shape[0] < _LEAST_LOADS:
+        raise CalibrationError(say("shoes.few_loads", loads=output.shape[0], least=_LEAST_LOADS))
     scale = np.maximum(np.ptp(output, axis=0), np.finfo(np.float64).tiny)
     design = np.column_stack(((output - output.mean(axis=0)) / scale, np.ones(output.shape[0])))
     if np.linalg.cond(design) > _LARGEST_CONDITION:
-        raise CalibrationError(
-            "the loads do not tell the channels apart; push along x, y and z, both ways and off the centre"
-        )
+        raise CalibrationError(say("shoes.loads_alike"))
     solution, *_ = np.linalg.lstsq(design, load, rcond=None)
     matrix = solution[:6].T / scale
     constant = solution[6] - matrix @ output.mean(axis=0)

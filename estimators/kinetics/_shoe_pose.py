@@ -13,6 +13,7 @@ from estimators.kinetics._contact import ShoeContact
 from estimators.kinetics._shoe_geometry import ShoeGeometry
 from estimators.kinetics._strapdown_kernel import integrate
 from estimators.recording import Float
+from estimators.sentences import say
 
 PositionMode = Literal["flat", "pivot", "published"]
 
@@ -108,7 +109,7 @@ def shoe_pose(
     """
     shoe = geometry or ShoeGeometry()
     if not len(contact.core):
-        raise ShapeError("no stance found: the foot never lies flat; check taring and thresholds")
+        raise ShapeError(say("shoes.no_stance"))
     step_s = 1.0 / rate_hz
     q_heel, rate_heel, excess = _orientation(*heel, contact.core, step_s, None)
     q_forefoot, rate_forefoot, _ = _orientation(*forefoot, contact.core, step_s, q_heel)

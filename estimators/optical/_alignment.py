@@ -20,6 +20,7 @@ from estimators.optical._alignment_signals import (
 )
 from estimators.optical._attitude import strapdown
 from estimators.recording import Float
+from estimators.sentences import say
 
 LEAST_CORRELATION = 0.7
 """Below this the two streams do not show the same movement."""
@@ -167,9 +168,7 @@ def cluster_rate(camera_time_s: Float, markers_m: Float, camera_step_s: float) -
     Rotations between two frames are those of Kabsch; NaN where a marker was hidden or frames are lost.
     """
     if markers_m.ndim != 3 or markers_m.shape[1] < 3 or markers_m.shape[2] != 3:
-        raise ComparisonError(
-            "an angular rate needs three markers on one body; align with one by acceleration"
-        )
+        raise ComparisonError(say("markers.rate_needs_three"))
     width = max(1, round(0.5 * HALF_WIDTH_S / camera_step_s))
     size = np.full(len(markers_m), np.nan)
     if len(markers_m) <= 2 * width:
@@ -208,9 +207,7 @@ def _align(
     if largest_s is not None:
         scores = np.where(np.abs(offsets) <= largest_s, scores, np.nan)
     if not np.isfinite(scores).any():
-        raise ComparisonError(
-            "markers and inertial samples share too little time or movement; record a few seconds of lively movement"
-        )
+        raise ComparisonError(say("markers.little_overlap"))
     # A short overlap correlates by chance more easily.
     weighed = scores * np.sqrt(np.minimum(1.0, overlaps * step_s / 10.0))
     best = int(np.nanargmax(weighed))

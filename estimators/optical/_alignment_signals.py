@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 from estimators.errors import ComparisonError, ShapeError
 from estimators.recording import Float
+from estimators.sentences import say
 
 HALF_WIDTH_S = 0.05
 """Half the window through which accelerations are compared."""
@@ -23,7 +24,7 @@ def step_of(time_s: Float, values: Float, what: str) -> float:
     if time_s.ndim != 1 or values.shape != (len(time_s), 3):
         raise ShapeError(f"{what} need shape (N, 3) with N times, not {values.shape} and {time_s.shape}")
     if len(time_s) < 10 or not np.isfinite(time_s).all() or not (np.diff(time_s) > 0.0).all():
-        raise ComparisonError(f"{what} need ten samples at least, at increasing times")
+        raise ComparisonError(say("markers.uneven"))
     return float(np.median(np.diff(time_s)))
 
 

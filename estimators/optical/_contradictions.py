@@ -14,6 +14,7 @@ from estimators.optical._attitude import level_attitude
 from estimators.optical._contract import Provenance
 from estimators.optical._mounting import Accelerations, Fit, accelerations, fit
 from estimators.recording import Float
+from estimators.sentences import say
 
 # Rows are the new x, y and z in the old axes: right-handed, z where the name says.
 TURNS: Final[dict[str, tuple[tuple[int, int, int], ...]]] = {
@@ -164,23 +165,19 @@ def _longest(gyroscope: Float, accelerometer: Float, time_step_s: float) -> Stre
 
 
 def _told(up: str, is_mirrored: bool, found: Fit) -> ContradictionError:
-    wrong, todo = [], []
+    wrong = []
     if is_mirrored:
-        wrong.append("they are a mirror image of what the sensor felt")
-        named = "two columns" if up.endswith("z") else f"the columns {up[-1]} and z"
-        todo.append(f"{named} are exchanged or one has the wrong sign: write x, y and z right-handed")
+        wrong.append(
+            say("markers.mirrored_columns") if up.endswith("z") else say("markers.mirrored", one=up[-1])
+        )
     if up != "z":
-        wrong.append(f"their axis {up} points up, not z")
-        if not is_mirrored:
-            todo.append(f"say that {up} points up")
+        wrong.append(say("markers.up_mirrored", up=up) if is_mirrored else say("markers.up", up=up))
     scale = found.scale if _is_another_scale(found) else None
     if scale is not None:
-        wrong.append(
-            f"their lengths are {scale:.3g} +- {found.scale_sigma:.1g} times those that the sensor felt"
-        )
-        todo.append("check the unit of the file")
-    text = f"the markers contradict this sensor: {' and '.join(wrong)}; {', and '.join(todo)}"
-    return ContradictionError(text, scale=scale, up=up, is_mirrored=is_mirrored)
+        wrong.append(say("markers.scale", scale=scale, sigma=found.scale_sigma))
+    return ContradictionError(
+        say("markers.contradict", wrong=wrong), scale=scale, up=up, is_mirrored=is_mirrored
+    )
 
 
 def check_result(
@@ -202,30 +199,19 @@ def check_result(
     ContradictionError
         Too many frames were shut out, the marker would be too far from its sensor, or what is left is too large.
     """
-    advice = (
-        "choose the sensor that wore the marker, and check that file and session are of the same recording"
-    )
     seen = np.isfinite(residual_m).all(axis=1)
     shut_out = float(np.mean(provenance[seen] == Provenance.REJECTED)) if seen.any() else 0.0
     if shut_out > _MOST_REJECTED:
-        raise ContradictionError(
-            f"{100 * shut_out:.0f} % of the frames contradict this sensor (at most {100 * _MOST_REJECTED:.0f} %"
-            f" may be ghosts): {advice}"
-        )
+        raise ContradictionError(say("markers.shut_out", share=shut_out, most=_MOST_REJECTED))
     far = float(np.linalg.norm(lever_arm_m))
     if far > _FARTHEST_M and not is_lever_given:
-        raise ContradictionError(
-            f"the marker would be {far:.2f} m away from its sensor, more than a body segment allows: {advice};"
-            " or measure the distance and tell it"
-        )
+        raise ContradictionError(say("markers.far", distance_m=far))
     size = np.linalg.norm(residual_m[seen], axis=1)
     # Ghosts are few, and far.
     size = size[size <= np.percentile(size, _LARGEST_LEFT_OUT)]
     rms = float(np.sqrt(np.mean(size**2))) if len(size) else 0.0
     if rms > _MOST_RESIDUAL_M:
-        raise ContradictionError(
-            f"{1e3 * rms:.0f} mm are left between markers and sensor, which no sensor explains: {advice}"
-        )
+        raise ContradictionError(say("markers.residual", residual_m=rms))
 
 
 __all__ = ["TURNS", "check_mapping", "check_result", "explain"]

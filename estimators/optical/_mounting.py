@@ -13,6 +13,7 @@ from estimators.optical._alignment_signals import HALF_WIDTH_S, linear, repetiti
 from estimators.optical._attitude import level_attitude
 from estimators.optical._contract import OpticalStart
 from estimators.recording import Float
+from estimators.sentences import say
 
 _LONGEST_S, _STRIDE_S = 60.0, 5.0
 _LEAST_S = 2.0
@@ -125,12 +126,12 @@ def accelerations(
     spacing = float(np.median(np.diff(camera_time_s)))
     reach = max(1, round(max(HALF_WIDTH_S, spacing) / time_step_s))
     if count <= 2 * reach + 1:
-        raise ComparisonError("the inertial recording is too short for its markers")
+        raise ComparisonError(say("markers.short"))
     marker_m = without_ghosts(marker_m)
     ticks = np.arange(count, dtype=np.float64) * time_step_s
     present = np.isfinite(marker_m).all(axis=1)
     if present.sum() < 10:
-        raise ComparisonError("the marker was seen in fewer than ten frames beside the inertial module")
+        raise ComparisonError(say("markers.few_frames"))
     held = linear(camera_time_s, np.where(present, 0.0, np.nan), ticks, 1.6 * spacing)
     path = scipy.interpolate.CubicSpline(camera_time_s[present], marker_m[present])(ticks) + held[:, None]
     span = (reach * time_step_s) ** 2
@@ -141,9 +142,7 @@ def accelerations(
     arm = (matrix[2 * reach :] - 2.0 * matrix[reach:-reach] + matrix[: -2 * reach]) / span
     good = np.flatnonzero(np.isfinite(seen).all(axis=1))
     if len(good) < _LEAST_S / time_step_s:
-        raise ComparisonError(
-            f"the marker was seen for less than {_LEAST_S:.0f} s beside the inertial module"
-        )
+        raise ComparisonError(say("markers.seen_short", least_s=_LEAST_S))
     good = good[_liveliest(good, felt[good], time_step_s)]
     return Accelerations(seen[good], felt[good], arm[good])
 
@@ -265,15 +264,9 @@ def find_mounting(
     q, bias = attitude or level_attitude(gyroscope_radps, accelerometer_mps2, time_step_s)
     found = fit(accelerations(accelerometer_mps2, q, time_step_s, camera_time_s, marker_m), lever_arm_m)
     if not found.heading_sigma_rad < np.radians(15.0):
-        raise ComparisonError(
-            "the marker moved too little to tell the heading of the module; move it briskly to and fro for some seconds"
-        )
+        raise ComparisonError(say("markers.moved_little"))
     if found.explained < _LEAST_EXPLAINED:
-        raise ComparisonError(
-            "the markers do not fit this sensor: it explains"
-            f" {100 * max(found.explained, 0.0):.0f} % of their acceleration."
-            " Choose the sensor that wore the marker"
-        )
+        raise ComparisonError(say("markers.unexplained", explained=max(found.explained, 0.0)))
     return Mounting(
         rotation.multiply(rotation.about_z(found.heading_rad), q),
         bias,

@@ -17,6 +17,7 @@ from estimators.optical._fusion import OpticalInertialFilter
 from estimators.optical._gaps import Gap, fill_by_spline, gap_report
 from estimators.optical._stretch import GapCheck, Stretch, check_gaps, onto_ticks, prepare
 from estimators.recording import Float
+from estimators.sentences import say
 
 _ROUNDS = 6
 _SAME_CLOCK_S = 5e-5
@@ -171,9 +172,7 @@ def fuse_markers(
         scale = 1.0
     stretches, results, walk = _with_walks(stretches, results)
     if walk > 1.0:
-        reasons.append(
-            f"Markers after gaps fit only when offsets of the sensor may change {walk:g} times as fast."
-        )
+        reasons.append(say("markers.walk", times=walk))
     total = stretches[-1].first + len(stretches[-1].chunk.marker_m) - first
     result = _joined(stretches, results, first, total)
     filtered = _joined(stretches, [stretch.filtered() for stretch in stretches], first, total)
@@ -274,10 +273,7 @@ def _noise(
         bridging_noise(values, bridged, known[name], step)
         for values, name in ((gyroscope, "rate_sigma_radps"), (accelerometer, "force_sigma_mps2"))
     ]
-    words = (
-        f"{bridged.sum() * step:.2f} s of the sensor's samples, in {both[0][1]} pieces, were lost on the way and"
-        " interpolated; they count with raised noise."
-    )
+    words = say("markers.bridged", lost_s=float(bridged.sum()) * step, count=both[0][1])
     return np.column_stack([noise for noise, _ in both]), [words]
 
 
@@ -309,10 +305,7 @@ def _best_alignment(
 
 def _require_credible(found: Alignment) -> None:
     if not found.is_credible:
-        raise ComparisonError(
-            f"the markers do not fit this sensor: best correlation {found.correlation:.2f}, elsewhere"
-            f" {found.rival:.2f}. Choose the sensor that wore the marker, or record some irregular movement"
-        )
+        raise ComparisonError(say("markers.no_correlation", correlation=found.correlation, rival=found.rival))
 
 
 def _sigma_scale(results: list[OpticalResult]) -> float:

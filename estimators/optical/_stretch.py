@@ -17,6 +17,7 @@ from estimators.optical._gaps import fill_by_spline
 from estimators.optical._lag import smooth_with_lag
 from estimators.optical._mounting import Accelerations, Mounting, accelerations, find_mounting, start_at
 from estimators.recording import Float
+from estimators.sentences import say
 
 _LEAST_S = 3.0
 _CHECKED_TICKS = 12_000
@@ -127,8 +128,9 @@ def prepare(
     """Return what can be fused, and of the rest why not; attitudes of stretches are remembered for a next time."""
     seen = np.flatnonzero(np.isfinite(on_ticks).all(axis=1))
     if not len(seen):
-        raise ComparisonError("no marker falls into the inertial recording")
-    stretches, reasons = [], []
+        raise ComparisonError(say("markers.none_inside"))
+    stretches: list[Stretch] = []
+    reasons: list[str] = []
     for first, stop in _stretches(gyroscope, accelerometer, int(seen[0]), int(seen[-1]) + 1):
         part = slice(first, stop)
         chunk = OpticalChunk(
@@ -143,7 +145,9 @@ def prepare(
         try:
             stretches.append(_prepared(first, chunk, at, marker, parameters, lever, attitudes))
         except ComparisonError as error:
-            reasons.append(f"{first * step:.1f} to {stop * step:.1f} s: {error}")
+            reasons.append(
+                say("markers.stretch", start_s=first * step, stop_s=stop * step, reason=error.message)
+            )
     if not stretches:
         raise ComparisonError(reasons[0])
     return stretches, reasons
@@ -161,7 +165,7 @@ def _prepared(
     step = chunk.time_step_s
     count = len(chunk.marker_m)
     if count * step < _LEAST_S:
-        raise ComparisonError(f"less than {_LEAST_S:.0f} s of samples in a row")
+        raise ComparisonError(say("markers.short_stretch", least_s=_LEAST_S))
     time = camera_inertial_s - first * step
     inside = (time >= 0.0) & (time <= (count - 1) * step)
     # One ghost near the start would throw the filter far off.
@@ -181,7 +185,7 @@ def _prepared(
         if start_at(tick, step, mounting, chunk.gyroscope_radps, time, marker, sigma) is not None:
             OpticalInertialFilter(step, given)  # a wrong parameter is told now
             return Stretch(first, chunk, mounting, tick, given, time, marker)
-    raise ComparisonError("six frames in a row of the marker are needed to begin")
+    raise ComparisonError(say("markers.six_frames"))
 
 
 def _stretches(gyroscope: Float, accelerometer: Float, first: int, stop: int) -> list[tuple[int, int]]:

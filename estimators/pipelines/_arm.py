@@ -18,6 +18,7 @@ from estimators.pipelines._contract import Calibration, FrameLayout, Frames, Pip
 from estimators.pipelines._guided import by_movement, reset_heading
 from estimators.pipelines._joint_headings import JointHeadings
 from estimators.recording import Float, ImuChunk
+from estimators.sentences import say
 
 _INVALID = np.uint8(OrientationFlag.INVALID)
 _HEADING_KNOWN = np.uint8(0xFF & ~int(OrientationFlag.HEADING_NOT_TRUSTED))
@@ -51,13 +52,10 @@ class ArmPipeline(Pipeline):
     def __init__(self, setup: SessionSetup) -> None:
         unknown = [name for name in setup.placements if name not in PLACEMENTS]
         if unknown:
-            raise SetupError(f"unknown placement {', '.join(unknown)}; known are {', '.join(PLACEMENTS)}")
+            raise SetupError(say("setup.unknown_placement", unknown=unknown, places=list(PLACEMENTS)))
         weighs = has_mass_centre(setup.placements)
         if not weighs and not any(name.startswith(("upper_arm", "forearm")) for name in setup.placements):
-            raise SetupError(
-                "the arm pipeline needs a sensor on an upper arm or a forearm, or on trunk and both thighs; worn: "
-                + (", ".join(setup.placements) or "none")
-            )
+            raise SetupError(say("setup.arm_needs"))
         self._network = BodyNetwork(setup)
         has_upper_arm = any(name.startswith("upper_arm") for name in setup.placements)
         # A forearm alone has no joint to measure and hangs from nothing: it stays a segment.

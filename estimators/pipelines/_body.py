@@ -189,9 +189,7 @@ class BodyNetwork:
         )
         accelerometer_bias = rest.accelerometer_bias_mps2
         if accelerometer_bias is None or np.abs(accelerometer_bias).max() > _LEVEL_LIMIT_MPS2:
-            raise CalibrationError(
-                "a sensor does not lie level with its printed side up; put all on a level table and repeat"
-            )
+            raise CalibrationError(say("calibration.not_level"))
         known = self.setup.calibration or Calibration({}, {}, method="level")
         found = replace(
             known,
@@ -207,19 +205,15 @@ class BodyNetwork:
             pose.gyroscope_radps,
             pose.accelerometer_mps2,
             pose.time_step_s,
-            names=[f"the {name.replace('_', ' ')} sensor" for name in self.setup.placements],
+            names=self.setup.placements,
         )
         identity = dict.fromkeys(self.setup.placements, (1.0, 0.0, 0.0, 0.0))
         known = Calibration({} if keep else identity, {}, method="bias" if keep else "static")
         if keep and self.setup.calibration is not None:
             known = self.setup.calibration
-        called = [
-            name.replace("_", " ")
-            for name, odd in zip(self.setup.placements, rest.unusual, strict=True)
-            if odd
-        ]
+        called = [name for name, odd in zip(self.setup.placements, rest.unusual, strict=True) if odd]
         if called:
-            told = calibration.unusual_bias(f"the sensor of {', '.join(called)}")
+            told = calibration.unusual_bias(called)
             score = min(known.score, calibration.UNUSUAL_BIAS_SCORE)
             known = replace(known, score=score, reasons=(*known.reasons, told))
         found = replace(known, gyroscope_bias_radps=self._by_placement(rest.gyroscope_bias_radps))
@@ -317,10 +311,7 @@ class BodyNetwork:
             first += pose.tick_count // 2
         inside = np.flatnonzero((self._memory_tick >= first) & (self._memory_tick < stop))
         if not len(inside):
-            raise CalibrationError(
-                f"these ticks are not among the last {_MEMORY_S:.0f} s that were processed; "
-                "hold the pose again for 3 s"
-            )
+            raise CalibrationError(say("calibration.forgotten", memory_s=_MEMORY_S))
         inside = inside[np.argsort(self._memory_tick[inside])]
         flags = np.ascontiguousarray(self._memory_flags[inside].T)
         if anew is not None:
@@ -352,9 +343,7 @@ class BodyNetwork:
             return
         for s, name in enumerate(self.setup.placements):
             if name not in found.q_sensor_segment:
-                raise SetupError(
-                    f"the calibration knows no {name} sensor; calibrate again with all sensors on"
-                )
+                raise SetupError(say("calibration.other_sensors", where=[name]))
             turn_rad = found.heading_offset_rad.get(name, 0.0) - found.facing_rad
             self._q_room_earth[s] = rotation.about_z(turn_rad)
             self._q_sensor_segment[s] = rotation.normalize(found.q_sensor_segment[name])
@@ -402,10 +391,8 @@ class BodyNetwork:
 
 def _check(setup: SessionSetup) -> None:
     if not setup.placements:
-        raise SetupError("no placements; name at least one sensor")
+        raise SetupError(say("setup.no_placements"))
     if len(set(setup.placements)) != len(setup.placements):
-        raise SetupError(
-            f"a placement occurs twice in {', '.join(setup.placements)}; each sensor needs its own"
-        )
+        raise SetupError(say("setup.placement_twice", places=list(setup.placements)))
     if not 10 <= setup.rate_hz <= 1000:
-        raise SetupError(f"the rate is {setup.rate_hz} Hz; estimators work between 10 and 1000 Hz")
+        raise SetupError(say("setup.rate", rate_hz=setup.rate_hz))

@@ -21,7 +21,7 @@ from estimators.errors import SetupError
 from estimators.orientation import DEFAULT
 from estimators.orientation import DeviceConstants as DeviceConstants
 from estimators.recording import Float, ImuChunk
-from estimators.sentences import CATALOGUE, for_json
+from estimators.sentences import CATALOGUE, for_json, say
 
 
 @dataclass(frozen=True)
@@ -239,15 +239,15 @@ class Pipeline(ABC):
         assisted : bool
             Moved by someone else, seated.
         """
-        raise SetupError(f"the pipeline {self.name} has no joints to calibrate by movement")
+        raise SetupError(say("calibration.no_joints"))
 
     def reset_heading(self, pose: ImuChunk, placements: Sequence[Placement]) -> Calibration:
         """Set the headings of some segments anew from an N-pose among the last ticks; the rest stays."""
-        raise SetupError(f"the pipeline {self.name} has no pose that tells headings")
+        raise SetupError(say("calibration.no_directions"))
 
     def set_devices(self, devices: Mapping[Placement, DeviceCalibration]) -> None:
         """Take calibrations made in the hand; the filters start anew, and the body must be calibrated again."""
-        raise SetupError(f"the pipeline {self.name} takes no device calibrations")
+        raise SetupError(say("calibration.no_devices"))
 
     @property
     @abstractmethod

@@ -13,6 +13,7 @@ from estimators.errors import CalibrationError
 from estimators.orientation import OrientationFlag
 from estimators.pipelines._contract import Frames, SessionSetup
 from estimators.recording import Float
+from estimators.sentences import say
 
 WORST_SIGMA_RAD: Final = math.radians(12.0)
 """Told worse than this, the mounting rule, which people keep to about ten degrees, stands."""
@@ -70,18 +71,12 @@ def refine_elbows(frames: Frames, setup: SessionSetup, pose_s: float) -> Session
                 pose_s=pose_s,
             )
         except CalibrationError as error:
-            reasons.append(f"{side} arm: {error}")
+            reasons.append(error.message)
             continue
         if elbow.sigma_rad > WORST_SIGMA_RAD:
-            reasons.append(
-                f"{side} arm: how its sensors face is as the mounting rule says; the movement told it only to "
-                f"{math.degrees(elbow.sigma_rad):.0f} degrees"
-            )
+            reasons.append(say("calibration.elbow_uncertain", side=side, sigma_rad=elbow.sigma_rad))
             continue
-        reasons.append(
-            f"{side} arm: how its sensors face was told by bending the elbow, to about "
-            f"{math.degrees(elbow.sigma_rad):.0f} degrees"
-        )
+        reasons.append(say("calibration.elbow_measured", side=side, sigma_rad=elbow.sigma_rad))
         turned = _turn_at(elbow, pose_s)
         # The hand's sensor was put on with the forearm's, and the wrist does not turn: it takes the turn along.
         hand: Placement = "hand_left" if side == "left" else "hand_right"

@@ -24,6 +24,7 @@ from estimators.pipelines._contract import Calibration, FrameLayout, Frames, Pip
 from estimators.pipelines._gait_layout import CENTRE_PER_STATURE, SCALARS, cells_of, feet_of, layout_of
 from estimators.pipelines._live_shoes import LiveShoes
 from estimators.recording import Float, ImuChunk
+from estimators.sentences import say
 
 _AHEAD_S = 0.7
 """So much of the forces to come says whether somebody stands or is about to walk."""
@@ -187,7 +188,7 @@ class GaitPipeline(Pipeline):
 
     def calibrate(self, pose: ImuChunk, method: str = "static") -> Calibration:
         """Refuse: where a sensor sits on the foot is found from the walk."""
-        raise CalibrationError("walking needs no calibration pose; stand still for a second and walk")
+        raise CalibrationError(say("calibration.walk_needs_none"))
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return everything that the next step depends on, as arrays."""

@@ -5,6 +5,7 @@ from typing import Final
 from estimators.conventions import SIDES, Side
 from estimators.errors import SetupError
 from estimators.pipelines._contract import FrameLayout, SessionSetup
+from estimators.sentences import say
 
 WORN: Final[tuple[str, ...]] = (
     "foot_left",
@@ -55,7 +56,7 @@ def feet_of(setup: SessionSetup) -> dict[Side, int]:
             if name in setup.placements and side not in found:
                 found[side] = list(setup.placements).index(name)
     if not found:
-        raise SetupError(f"the gait pipeline needs a sensor on a foot: {', '.join(WORN)}")
+        raise SetupError(say("walk.needs_foot", places=list(WORN)))
     return found
 
 

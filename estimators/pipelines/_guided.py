@@ -18,6 +18,7 @@ from estimators.orientation import OrientationEstimator, OrientationFlag, Orient
 from estimators.pipelines._biases import bias_along_gravity, bias_sigma
 from estimators.pipelines._body import BodyNetwork
 from estimators.recording import Float, ImuChunk
+from estimators.sentences import say
 
 _OFF_POSE_RAD: Final = math.radians(25.0)
 """More tilt than this between a segment and the N-pose: the limb does not hang."""
@@ -42,7 +43,7 @@ def by_movement(
     corrected = network.corrected(chunk)
     ticks = {name: (a - chunk.first_tick, b - chunk.first_tick) for name, (a, b) in movements.items()}
     if "rest" not in ticks:
-        raise CalibrationError("the moment of rest is missing; keep still for 3 s before the movements")
+        raise CalibrationError(say("calibration.rest_missing"), redo=["rest"])
     rest = corrected.ticks(*ticks["rest"])
     force_bias = bias_along_gravity(rest.accelerometer_mps2)
     corrected = replace(corrected, accelerometer_mps2=corrected.accelerometer_mps2 - force_bias[:, None])
@@ -65,10 +66,7 @@ def by_movement(
     if lacking:
         known = network.setup.calibration
         if known is None or any(p not in known.q_sensor_segment for p in lacking):
-            names = ", ".join(p.replace("_", " ") for p in lacking)
-            raise CalibrationError(
-                f"these movements tell nothing of {names}; take that sensor off, or calibrate both arms"
-            )
+            raise CalibrationError(say("calibration.movements_tell_nothing", where=lacking))
         kept = {p: known.q_sensor_segment[p] for p in lacking}
         own_heading = mostly(result.flags, OrientationFlag.HEADING_NOT_TRUSTED)
         untold = [p for p in lacking if own_heading[network.setup.placements.index(p)]]
@@ -113,11 +111,11 @@ def reset_heading(network: BodyNetwork, pose: ImuChunk, placements: Sequence[Pla
     """
     known = network.setup.calibration
     if known is None or not known.q_sensor_segment:
-        raise CalibrationError("headings can be set anew only after a calibration; hold the standing pose")
+        raise CalibrationError(say("calibration.reset_needs_one"))
     worn = network.setup.placements
     unknown = [p for p in placements if p not in worn]
     if unknown:
-        raise SetupError(f"no sensor {', '.join(unknown)} is worn")
+        raise SetupError(say("calibration.not_worn", where=unknown))
     anew = None
     if not set(worn) <= set(known.gyroscope_bias_radps):
         known, anew = _begun_at_rest(network, pose, known)
@@ -156,10 +154,7 @@ def _heading_off(placement: Placement, q_earth_sensor: Float, known: Calibration
     apart = rotation.multiply(expected, rotation.conjugate(segment))
     tilt = 2.0 * math.acos(min(1.0, math.hypot(float(apart[0]), float(apart[3]))))
     if tilt > _OFF_POSE_RAD:
-        raise CalibrationError(
-            f"the {placement.replace('_', ' ')} is {math.degrees(tilt):.0f} degrees off the standing pose; let the "
-            "arms hang, palms to the thighs, and repeat"
-        )
+        raise CalibrationError(say("calibration.off_pose", where=[placement], angle_rad=tilt))
     return wrapped(2.0 * math.atan2(float(apart[3]), float(apart[0])))
 
 

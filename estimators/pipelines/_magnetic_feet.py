@@ -15,6 +15,7 @@ from estimators.pipelines._relative_smoothing import smooth_modules
 from estimators.pipelines._relative_source import relative_source
 from estimators.pipelines._walk import Walk, course_of
 from estimators.recording import ImuChunk
+from estimators.sentences import say
 from estimators.signals import interpolate_rotations
 
 FEET: Final = ("foot_left", "foot_right")
@@ -41,9 +42,7 @@ def relative_feet(chunk: ImuChunk, setup: SessionSetup) -> RelativeFeet:
         For chunks that begin later, or without coil states.
     """
     if set(setup.placements) != set(FEET):
-        raise SetupError(
-            "the feet are related by a source on one foot and a sensor on the other, and no others"
-        )
+        raise SetupError(say("walk.feet_only"))
     if chunk.first_tick != 0 or chunk.coil_state is None:
         raise ShapeError("give the whole session from its first tick, with its coil states")
     source = setup.placements.index(relative_source(setup).source)
@@ -67,7 +66,7 @@ def with_relative_feet(walk: Walk, relative: RelativeFeet) -> Walk:
         When only one foot was worn.
     """
     if set(walk.strides) != {"left", "right"}:
-        raise SetupError("relating feet takes two of them")
+        raise SetupError(say("walk.feet_only"))
     left, right = walk.trajectories["left"], walk.trajectories["right"]
     holds = {side: strides.footholds for side, strides in walk.strides.items()}
     related = relate_feet(left, right, holds["left"], holds["right"], relative)

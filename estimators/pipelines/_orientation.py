@@ -12,6 +12,7 @@ from estimators.orientation import DeviceConstants
 from estimators.pipelines._body import BodyNetwork
 from estimators.pipelines._contract import Calibration, FrameLayout, Frames, Pipeline, SessionSetup
 from estimators.recording import ImuChunk
+from estimators.sentences import say
 
 
 class OrientationPipeline(Pipeline):
@@ -64,7 +65,7 @@ class OrientationPipeline(Pipeline):
     def calibrate(self, pose: ImuChunk, method: str = "static") -> Calibration:
         """Find the gyroscopes' bias while every sensor lies still."""
         if method != "static":
-            raise SetupError(f"single sensors have no pose {method!r}; use method 'static'")
+            raise SetupError(say("calibration.single_sensors"))
         return self._network.calibrate(pose, method)
 
     def state(self) -> dict[str, NDArray[Any]]:

@@ -23,6 +23,7 @@ from estimators.pipelines._relative_source import (
 )
 from estimators.pipelines._worn_filter import WornPoseFilter
 from estimators.recording import Float, ImuChunk
+from estimators.sentences import say
 
 _AT_SCALE: Final = 0.99
 """What clips at full scale comes a little lower as float32 or as counts."""
@@ -209,7 +210,7 @@ class RelativePosePipeline(Pipeline):
 
     def calibrate(self, pose: ImuChunk, method: str = "static") -> Calibration:
         """Refuse: the filters calibrate themselves while the person stands still at the start."""
-        raise CalibrationError("a magnetic session needs no calibration pose; stand still for three seconds")
+        raise CalibrationError(say("calibration.magnetic_needs_none"))
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return everything that the next step depends on, as arrays."""

@@ -15,6 +15,7 @@ from estimators.magnetic._relative_smoother import backward
 from estimators.pipelines._contract import SessionSetup
 from estimators.pipelines._relative_pose import ModulesChunk, RelativePosePipeline
 from estimators.recording import Float, ImuChunk
+from estimators.sentences import say
 
 _BLOCK: Final = 2000
 """Ticks whose covariances are kept at a time: 7 MB, however long the session."""
@@ -43,7 +44,7 @@ def smooth_modules(pieces: Sequence[ImuChunk], setup: SessionSetup) -> tuple[Rel
         For another pipeline.
     """
     if setup.pipeline != RelativePosePipeline.name:
-        raise SetupError(f"only sessions with a magnetic source are smoothed here, not {setup.pipeline}")
+        raise SetupError(say("setup.only_magnetic"))
     pipeline = RelativePosePipeline(setup)
     return tuple(
         _smooth(one, np.concatenate([pipeline.table(name, piece) for piece in pieces]))

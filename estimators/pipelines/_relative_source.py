@@ -17,6 +17,7 @@ from estimators.magnetic import (
 )
 from estimators.pipelines._contract import SessionSetup
 from estimators.recording import Float
+from estimators.sentences import say
 
 _USUAL_SOURCES: Final[tuple[Placement, ...]] = ("pelvis", "sternum", "foot_left")
 _PLACE_M: Final[dict[str, tuple[float, float, float]]] = {
@@ -111,31 +112,27 @@ def settings_of(setup: SessionSetup) -> tuple[SourceSettings, dict[str, Any]]:
     own = {field.name for field in fields(SourceSettings)}
     filters = {field.name for field in fields(RelativePoseParameters)}
     if unknown := sorted(set(given) - own - filters):
-        raise SetupError(f"no parameter {', '.join(unknown)}; known are {', '.join(sorted(own | filters))}")
+        raise SetupError(say("setup.unknown_parameters", unknown=unknown, known=sorted(own | filters)))
     settings = _read({name: value for name, value in given.items() if name in own})
     if len(setup.placements) < 2 or len(set(setup.placements)) != len(setup.placements):
-        raise SetupError("relative pose needs a source and at least one sensor, each at its own placement")
+        raise SetupError(say("setup.source_sensor"))
     source = settings.source or next((name for name in _USUAL_SOURCES if name in setup.placements), "")
     if source not in setup.placements:
-        raise SetupError(
-            f"say which placement carries the coils: parameter source, one of {', '.join(setup.placements)}"
-        )
+        raise SetupError(say("setup.source_place", places=list(setup.placements)))
     numbers = (settings.coil_turns, settings.coil_radius_m, settings.current_limit_a)
     if min(numbers) <= 0.0 or settings.coil_offset_m < 0.0:
-        raise SetupError("turns, radius and current limit of the coils must be above zero")
+        raise SetupError(say("setup.coil_numbers"))
     overrides = {name: value for name, value in given.items() if name in filters}
     if settings.is_calibrated and "gain_sigma" not in overrides:
-        raise SetupError("calibrated coils come with their gain_sigma: how well they are known")
+        raise SetupError(say("setup.gain_sigma"))
     coils = settings.coils.coils
     if len(coils) != 3:
-        raise SetupError(f"a source to be worn has three coils, not {len(coils)}")
+        raise SetupError(say("setup.three_coils", coils=len(coils)))
     if max(coil.layers[0] * coil.layers[1] for coil in coils) > MOST_LOOPS:
-        raise SetupError(f"a winding is described by at most {MOST_LOOPS} loops")
+        raise SetupError(say("setup.loops", most=MOST_LOOPS))
     moment_am2 = max(abs(coil.moment_m2) for coil in coils) * settings.current_limit_a
     if settings.current_limit_a >= CURRENT_SPAN_A or moment_am2 > MOST_MOMENT_AM2:
-        raise SetupError(
-            f"a source on a body must stay below {CURRENT_SPAN_A:g} A and {MOST_MOMENT_AM2:g} A m2; these coils do not"
-        )
+        raise SetupError(say("setup.coil_limit", current_a=CURRENT_SPAN_A, moment_am2=MOST_MOMENT_AM2))
     overrides.setdefault("gain_sigma", NOMINAL_GAIN_SIGMA)
     return replace(settings, source=source), overrides
 
@@ -148,13 +145,11 @@ def _read(given: Mapping[str, Any]) -> SourceSettings:
             along, across = values["coil_layers"]
             values["coil_layers"] = (int(along), int(across))
         except (TypeError, ValueError) as error:
-            raise SetupError(
-                "coil_layers are two whole numbers: loops along and across the winding"
-            ) from error
+            raise SetupError(say("setup.coil_layers")) from error
     if "calibrated_coils" in values:
         coils = values["calibrated_coils"]
         if not isinstance(coils, list | tuple) or not all(isinstance(one, Mapping) for one in coils):
-            raise SetupError("calibrated_coils is a list of coils")
+            raise SetupError(say("setup.coil_list"))
         values["calibrated_coils"] = tuple(dict(one) for one in coils)
     return SourceSettings(**values)
 

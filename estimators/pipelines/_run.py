@@ -16,6 +16,7 @@ from estimators.pipelines._orientation import OrientationPipeline
 from estimators.pipelines._relative_pose import RelativePosePipeline
 from estimators.pipelines._walk import analyse_walk
 from estimators.recording import Float, ImuChunk, Recording
+from estimators.sentences import say
 
 _REGISTRY: dict[str, type[Pipeline]] = {
     kind.name: kind for kind in (ArmPipeline, OrientationPipeline, GaitPipeline, RelativePosePipeline)
@@ -48,7 +49,7 @@ def create(setup: SessionSetup) -> Pipeline:
         For an unknown pipeline, estimator or parameter, or placements that cannot work together.
     """
     if setup.pipeline not in _REGISTRY:
-        raise SetupError(f"no pipeline {setup.pipeline!r}; known are {', '.join(_REGISTRY)}")
+        raise SetupError(say("setup.unknown_pipeline", name=setup.pipeline, known=list(_REGISTRY)))
     return _REGISTRY[setup.pipeline](setup)
 
 
@@ -150,9 +151,7 @@ def run(
     """
     missing = [name for name in setup.placements if name not in recording.sensors]
     if missing:
-        raise SetupError(
-            f"the recording has no sensor {', '.join(missing)}; it has {', '.join(recording.sensors)}"
-        )
+        raise SetupError(say("setup.missing_sensors", missing=missing, worn=list(recording.sensors)))
     if setup.pipeline == GaitPipeline.name:
         return analyse_walk(recording, setup).frames, setup
     worn = replace(recording, sensors={name: recording.sensors[name] for name in setup.placements})
@@ -192,7 +191,7 @@ def _ticks_of(chunk: ImuChunk, pose_s: tuple[float, float]) -> tuple[int, int]:
     first, stop = (round(bound / chunk.time_step_s) - chunk.first_tick for bound in pose_s)
     first, stop = max(first, 0), min(stop, chunk.tick_count)
     if (stop - first) * chunk.time_step_s < 0.5:
-        raise CalibrationError(f"the pose from {pose_s[0]} to {pose_s[1]} s is not in the recording")
+        raise CalibrationError(say("calibration.pose_outside", start_s=pose_s[0], stop_s=pose_s[1]))
     return first, stop
 
 
@@ -212,7 +211,4 @@ def find_pose(chunk: ImuChunk) -> tuple[int, int]:
         for start, stop in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
             if stop - start >= length:
                 return start, min(stop, start + needed[_POSE_S])
-    raise CalibrationError(
-        "no moment of 1.5 s in which all sensors are still; record the calibration pose, standing still "
-        "with hanging arms for 3 s, or say when it was held"
-    )
+    raise CalibrationError(say("calibration.no_rest_found"))

@@ -10,6 +10,7 @@ from estimators.errors import SetupError
 from estimators.gait import Strides
 from estimators.kinetics import ShoeKinetics, clipped_at
 from estimators.recording import Recording
+from estimators.sentences import say
 
 _SINGLE_LOAD_N: Final = (200.0, 3000.0)
 _LEAST_SINGLE_SHARE: Final = 0.5
@@ -17,9 +18,7 @@ _LEAST_SINGLE_SHARE: Final = 0.5
 _STEP_UP_M: Final = 0.1
 EXCHANGED_M: Final = -0.03
 """The left foot stands to the right of the right one by more than feet cross."""
-EXCHANGED: Final = (
-    "the forces tell that the left foot stood right of the right one: left and right shoe look exchanged"
-)
+EXCHANGED: Final = say("shoes.exchanged")
 
 
 def refuse_stairs(strides: Mapping[Side, Strides]) -> None:
@@ -31,23 +30,17 @@ def refuse_stairs(strides: Mapping[Side, Strides]) -> None:
         A stride rises or falls by more than 10 cm.
     """
     for side, foot in strides.items():
-        if foot.count and np.nanmax(np.abs(foot.rise_m)) > _STEP_UP_M:
-            raise SetupError(
-                f"forces are analysed on level ground only, and a stride of the {side} foot rises or falls by"
-                f" {100.0 * float(np.nanmax(np.abs(foot.rise_m))):.0f} cm"
-            )
+        if foot.count and (rise_m := np.nanmax(np.abs(foot.rise_m))) > _STEP_UP_M:
+            raise SetupError(say("shoes.stairs", side=side, rise_m=rise_m))
 
 
 def saturated(recording: Recording, mass_kg: float) -> list[str]:
     """Return a sentence for each load cell that stands still at a level above half the body weight."""
-    said = []
+    said: list[str] = []
     for name, sensor in recording.sensors.items():
         level = None if sensor.force_n is None else clipped_at(sensor.force_n, 0.5 * mass_kg * GRAVITY_MPS2)
         if level is not None:
-            said.append(
-                f"the load cell {name.replace('_', ' ')} stops at {level:.0f} N: what is above is missing, and forces,"
-                " moments and balance are too small"
-            )
+            said.append(say("shoes.clipped", where=[name], level_n=level))
     return said
 
 
@@ -64,15 +57,9 @@ def refuse_wrong_loads(shoes: Mapping[Side, ShoeKinetics]) -> None:
     most = max(alone.values())
     for side, load in alone.items():
         if not _SINGLE_LOAD_N[0] < load < _SINGLE_LOAD_N[1]:
-            raise SetupError(
-                f"the {side} shoe shows {load:.0f} N while it stands alone, which is nobody's weight; check its load"
-                " cells and their units (newton)"
-            )
+            raise SetupError(say("shoes.no_weight", side=side, load_n=load))
         if load < _LEAST_SINGLE_SHARE * most:
-            raise SetupError(
-                f"the {side} shoe shows {load:.0f} N while it stands alone and the other {most:.0f} N; check its load"
-                " cells"
-            )
+            raise SetupError(say("shoes.loads_apart", side=side, load_n=load, other_n=most))
 
 
 __all__ = ["EXCHANGED", "EXCHANGED_M", "refuse_stairs", "refuse_wrong_loads", "saturated"]

@@ -7,6 +7,7 @@ import numpy as np
 from estimators import rotation
 from estimators.errors import SetupError
 from estimators.recording import Float, SensorSignals
+from estimators.sentences import say
 
 WELL_MOUNTED_RAD: Final = float(np.radians(6.0))
 """A sensor found this close to its segment's axes is taken to be in them: the walk tells no better."""
@@ -72,14 +73,14 @@ def _shank(q_heel_sensor: Float, heel: SensorSignals, shank: SensorSignals) -> F
     still = np.flatnonzero(rate < _STILL_RADPS)
     size, axes = np.linalg.eigh(shank.gyroscope_radps.T @ shank.gyroscope_radps / len(rate))
     if not len(still) or np.sqrt(size[2]) < _LEAST_TURNING or size[1] > 0.5 * size[2]:
-        raise SetupError("the lower leg's sensor does not swing about one axis; see how it is put on")
+        raise SetupError(say("shoes.shank_swing"))
     rest = still[still < still[0] + 100]
     up = shank.accelerometer_mps2[rest].mean(axis=0)
     up = up / np.linalg.norm(up)
     left = axes[:, 2] - float(axes[:, 2] @ up) * up
     length = float(np.linalg.norm(left))
     if length < 0.5:
-        raise SetupError("the lower leg's sensor turns about its long axis; see how it is put on")
+        raise SetupError(say("shoes.shank_twist"))
     foot_about_left = rotation.rotate(q_heel_sensor, heel.gyroscope_radps)[:, 1]
     together = float((shank.gyroscope_radps @ left) @ foot_about_left)
     left = left / length if together > 0.0 else -left / length

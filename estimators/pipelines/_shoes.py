@@ -39,6 +39,7 @@ from estimators.pipelines._shoe_mounting import Mounting, shoe_mounting
 from estimators.pipelines._turning_steps import steps_on_course
 from estimators.pipelines._walk import Walk, event_columns
 from estimators.recording import Float, Recording
+from estimators.sentences import say
 
 ApartSource = Literal["measured", "forces", "usual"]
 _WIDTH_RANGE_M: Final = (0.03, 0.45)
@@ -112,7 +113,7 @@ def analyse_shoes(recording: Recording, setup: SessionSetup, walk: Walk | None =
         message says which shoe.
     """
     if not has_shoes(recording):
-        raise SetupError("forces need heel and forefoot load cells under both feet")
+        raise SetupError(say("shoes.cells_missing"))
     if walk is not None:
         refuse_stairs(walk.strides)
     sensors = recording.sensors
@@ -188,7 +189,7 @@ def _shoe(
             q_segment_sensor=mounting,
         )
     except (SetupError, ShapeError) as error:
-        raise type(error)(f"{side} shoe: {error}") from error
+        raise type(error)(say("shoes.of", side=side, reason=error.message)) from error
 
 
 def with_shoes(walk: Walk, found: ShoeWalk) -> Walk:
@@ -213,7 +214,7 @@ def with_shoes(walk: Walk, found: ShoeWalk) -> Walk:
     """
     frames = walk.frames
     if set(frames.layout.points) != {"foot_left", "foot_right"}:
-        raise SetupError("the walk has not both feet; forces of both cannot be laid over it")
+        raise SetupError(say("shoes.one_foot"))
     nearest = np.searchsorted(found.time_s, frames.time_s - 0.5 / found.feet.rate_hz)
     rows = np.clip(nearest, 0, len(found.time_s) - 1)
     poses = [found.feet.pose[_side(name)] for name in frames.layout.points]
@@ -319,7 +320,7 @@ def _apart(
             height_m,
             is_walking=_walking(alone.is_standing),
         )
-    doubts = [EXCHANGED] if told is not None and told < EXCHANGED_M else []
+    doubts: list[str] = [EXCHANGED] if told is not None and told < EXCHANGED_M else []
     if setup.feet_apart_m is not None:
         return setup.feet_apart_m, "measured", doubts
     if told is not None and _WIDTH_RANGE_M[0] <= told <= _WIDTH_RANGE_M[1]:

@@ -29,6 +29,7 @@ from estimators.pipelines._contract import SessionSetup
 from estimators.pipelines._offline import smooth_network
 from estimators.pipelines._relative_source import direction_between, settings_of
 from estimators.recording import Float, ImuChunk, SampleQuality
+from estimators.sentences import say
 
 BURSTS: Final = "magnetic_bursts"
 """The pipeline's name, for those who choose one."""
@@ -104,17 +105,14 @@ def analyse_bursts(chunk: ImuChunk, setup: SessionSetup) -> tuple[BurstAnalysis,
     if chunk.sensor_count != len(setup.placements):
         raise ShapeError(f"{chunk.sensor_count} sensors; the setup has {len(setup.placements)}")
     if chunk.coil_state is None or chunk.magnetometer_t is None:
-        raise SetupError(
-            "a recording of bursts needs magnetometers and coil states (bits 2 and 6 of the packets' mask)"
-        )
+        raise SetupError(say("setup.bursts_need"))
     row = setup.placements.index(settings.source)
     coil, current, _ = read_coil_state(np.nan_to_num(chunk.coil_state[row]))
     away = _beside(coil > 0)
     offsets = np.stack([_offset(rate, round(_STILL_S / chunk.time_step_s)) for rate in chunk.gyroscope_radps])
     if setup.orientation not in orientation.smoothers():
         raise SetupError(
-            f"bursts need orientations of the whole recording: {', '.join(orientation.smoothers())}, not"
-            f" {setup.orientation}"
+            say("setup.bursts_smoother", known=list(orientation.smoothers()), name=setup.orientation)
         )
     q_world = _orientations(chunk, setup, away)
     noise = BurstNoise(
@@ -148,10 +146,7 @@ def analyse_bursts(chunk: ImuChunk, setup: SessionSetup) -> tuple[BurstAnalysis,
         )
         gathered = bursts(pulses, longest=round(_LONGEST_S / chunk.time_step_s))
         if not gathered:
-            raise SetupError(
-                f"no burst of three coils within {_LONGEST_S} s in {len(pulses)} pulses of {name}; pulses that the"
-                " service asked for one by one are what the pipeline relative_pose of a session is for"
-            )
+            raise SetupError(say("setup.no_burst", where=[name], longest_s=_LONGEST_S, pulses=len(pulses)))
         way = np.array(direction_between(settings.source, name))
         empty = np.full((chunk.tick_count, 3), np.nan)
         filled, followed = follow_bursts(

@@ -23,6 +23,7 @@ from estimators.errors import CalibrationError
 from estimators.pipelines import Pipeline, SessionSetup
 from estimators.recording import ImuChunk
 from estimators.simulation import ArmScenario, EarthField, Mounting
+from tests.said import codes, refuses
 
 RATE_HZ = 100.0
 STEP = 50
@@ -151,7 +152,7 @@ SIDES = {f"{p}_{a}": f"{p}_{b}" for p in PARTS for a, b in (("left", "right"), (
 
 def test_swapped_sides_are_named() -> None:
     found, pipeline = performed(renamed(rehearsal_of("functional"), SIDES))
-    with pytest.raises(MisplacedError, match="exchange") as caught:
+    with refuses("placement.arms_swapped", error=MisplacedError) as caught:
         found.evaluate(pipeline)
     assert [finding.code for finding in caught.value.findings] == ["swapped_sides"]
 
@@ -310,9 +311,9 @@ def test_a_gap_in_a_turn_leaves_the_step_open() -> None:
     found.add(ImuChunk(0, 0.01, lost, force, None, np.zeros(rate.shape[:2], np.uint8)))
     found.review()
     assert [step.key for step in found.steps if step.key not in found.sensors[0].found] == ["turn_x"]
-    with pytest.raises(CalibrationError, match="full turn about x") as caught:
+    with refuses("six_position.turn_missing", axes=["x"]) as caught:
         found.evaluate(pipelines.create(SessionSetup("arm", ("upper_arm_right",), RATE_HZ)))
-    assert redo_steps(found, str(caught.value), caught.value.redo) == ["turn_x"]
+    assert redo_steps(found, caught.value.redo) == ["turn_x"]
 
 
 def test_a_turn_that_was_not_whole_is_told_while_it_can_be_repeated() -> None:
@@ -327,4 +328,4 @@ def test_a_turn_that_was_not_whole_is_told_while_it_can_be_repeated() -> None:
     found.add(ImuChunk(0, 0.01, rate, force, None, np.zeros(rate.shape[:2], np.uint8)))
     found.review()
     assert "turn_x" not in found.sensors[0].found
-    assert "° less than a whole one" in found.hint
+    assert codes(found.hint) == ["live.turned_too_little"]

@@ -11,6 +11,7 @@ from estimators import signals
 from estimators.calibration import Finding, Hemisphere
 from estimators.recording import Float, ImuChunk
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
+from tests.said import codes
 
 ARM = ("upper_arm_right", "forearm_right")
 
@@ -50,8 +51,8 @@ def test_a_unit_is_told_while_the_patient_still_stands(sound: ImuChunk) -> None:
     watch, told = asyncio.run(watched(replace(sound, accelerometer_mps2=faulty)))
     assert [(f.sensor, f.code) for _, f in told] == [("forearm_right", "accelerometer_unit")]
     assert told[0][0] < 5.0
-    assert "forearm_right" in watch.hint
-    assert "multiply by 9.80665" in watch.hint
+    assert codes(watch.hint) == ["readings.accelerometer_unit", "readings.force_in_g"]
+    assert told[0][1].message.parameters["where"] == ["forearm_right"]
 
 
 def test_axes_are_told_with_the_first_movement(sound: ImuChunk) -> None:

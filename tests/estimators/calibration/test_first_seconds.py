@@ -8,6 +8,8 @@ import numpy as np
 from estimators import signals
 from estimators.calibration import FIRST_SECONDS_S, Finding, check_first_seconds, check_plausibility, in_words
 from estimators.recording import ImuChunk, Recording, SensorSignals
+from estimators.sentences import say
+from tests.said import codes
 
 DATA = Path(__file__).parents[2] / "data" / "broad" / "fast_combined_15s.npz"
 
@@ -46,12 +48,18 @@ def test_a_fault_that_both_stretches_show_is_told_once():
 
 
 def test_words_name_all_sensors_of_a_kind():
-    def finding(sensor: str, text: str) -> Finding:
-        return Finding(sensor, "gyroscope_unit", "refuse", f"{sensor}: {text}", 1.0)
+    def finding(sensor: str, rate_radps: float) -> Finding:
+        said = say("readings.gyroscope_restless", where=[sensor], rate_radps=rate_radps)
+        return Finding(sensor, "gyroscope_unit", "refuse", said, rate_radps)
 
-    told = [finding("a", "too fast"), finding("b", "too fast"), finding("c", "silent")]
-    assert in_words(told) == "a, b: too fast. c: silent."
-    assert in_words(told, most=1) == "a, b: too fast. And 1 more."
+    told = [finding("a", 1.0), finding("b", 1.0), finding("c", 2.0)]
+    both, other = in_words(told).parameters["lines"]
+    assert (both.parameters["where"], both.parameters["rate_radps"]) == (["a", "b"], 1.0)
+    assert (other.parameters["where"], other.parameters["rate_radps"]) == (["c"], 2.0)
+    assert told[0].message.parameters["where"] == ["a"], "what was found stays as it was"
+    cut = in_words(told, most=1)
+    assert codes(cut) == ["text.lines", "readings.gyroscope_restless", "readings.more"]
+    assert cut.parameters["lines"][1].parameters == {"count": 1}
     assert in_words([]) == ""
 
 

@@ -6,6 +6,7 @@ import pytest
 from estimators.calibration import n_pose
 from estimators.calibration._joint_axes import frame_from, sigma_about_axes
 from tests.estimators.calibration.test_n_pose import NO_HEADING, SAMPLES, Pose
+from tests.said import codes
 
 TILT, HEADING, PUT_ON = 1.0, 2.0, 4.0
 
@@ -36,8 +37,8 @@ def test_without_a_compass_headings_are_assumed_and_this_is_told():
     for values in sigma.values():
         np.testing.assert_allclose(values, [TILT, TILT, PUT_ON], rtol=1e-6)
     assert found.score == pytest.approx(0.85)
-    assert "without a compass" in found.reasons[0]
-    assert "right forearm" in found.reasons[0]
+    assert codes(found.reasons) == ["calibration.put_on"]
+    assert "forearm_right" in found.reasons[0].parameters["where"]
 
 
 def test_of_a_raised_arm_another_axis_is_vertical():

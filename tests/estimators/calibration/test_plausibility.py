@@ -52,7 +52,7 @@ def only(chunk: ImuChunk, **changes) -> ImuChunk:
 def codes(chunk: ImuChunk, **how) -> list[str]:
     found = check_plausibility(chunk, ARM, **how)
     assert all(finding.sensor == "forearm_right" for finding in found), found
-    assert all("forearm_right" in finding.message for finding in found)
+    assert all(finding.message.parameters["where"] == ["forearm_right"] for finding in found)
     return [finding.code for finding in found]
 
 
@@ -116,14 +116,14 @@ def test_peaks_of_two_samples_are_known_for_clipped_by_repeating():
 
 def test_messages_say_what_to_do(sound):
     (finding,) = check_plausibility(only(sound, gyroscope_radps=np.degrees), ARM)
-    assert "degrees/s" in finding.message
+    assert finding.message.code == "readings.gyroscope_in_degrees"
     assert finding.severity == "refuse"
     (finding,) = check_plausibility(only(sound, gyroscope_radps=swap_xy), ARM)
-    assert "x should be y, y should be x" in finding.message
+    assert finding.message.parameters["mapping"] == ["x → y", "y → x"]
     (finding,) = check_plausibility(only(sound, magnetometer_t=z_down), ARM)
-    assert "y should be -y, z should be -z" in finding.message
+    assert finding.message.parameters["mapping"] == ["y → -y", "z → -z"]
     (finding,) = check_plausibility(only(sound, gyroscope_radps=lambda v: np.clip(v, -1.2, 1.2)), ARM)
-    assert "69 degrees/s" in finding.message
+    assert finding.message.parameters["level_radps"] == pytest.approx(1.2)
 
 
 def test_without_a_magnetometer_units_and_improper_axes_are_still_named(sound):

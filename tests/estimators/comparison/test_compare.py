@@ -16,6 +16,7 @@ from estimators.comparison import (
 )
 from estimators.comparison._channels import channel_label
 from estimators.errors import ComparisonError, SetupError
+from tests.said import codes, refuses
 
 
 def make_template(made) -> Template:
@@ -34,7 +35,7 @@ def test_same_movement_scores_zero(planar):
     assert all(value(r.measures, "shape_deviation").value < 0.02 for r in result.repetitions)
     assert value(result.summary, "inside_band").value == 100.0
     assert result.repetitions[0].outside == {}
-    assert result.findings == ("The movement matched the template within what can be measured.",)
+    assert codes(result.findings) == ["findings.matched"]
 
 
 def test_slower_copy_differs_in_timing_only(planar):
@@ -46,8 +47,8 @@ def test_slower_copy_differs_in_timing_only(planar):
         rms = value(repetition.measures, f"shape_rms:{made.primary}").value
         assert rms <= 0.01 * template.measures[f"range:{made.primary}"]
         assert value(repetition.measures, "timing_deviation").value < 1.0
-    assert len(result.findings) == 1
-    assert "1.5 times as long" in result.findings[0]
+    assert codes(result.findings) == ["findings.slower"]
+    assert result.findings[0].parameters["ratio"] == pytest.approx(1.5, abs=0.05)
     found = compare(slow.trajectory, template, "right", slow.reach_m)
     assert value(found.summary, "duration_ratio").value == pytest.approx(1.5, abs=0.1)
 
@@ -71,7 +72,10 @@ def test_smaller_copy_has_its_range_ratio_and_no_timing(planar):
         assert 0 < ratio.uncertainty < 0.05
         assert value(repetition.measures, "timing_deviation").value < 1.0
         assert made.primary in repetition.outside
-    assert result.findings[0].startswith("Elbow flexion moved 15 degrees less than in the template (36")
+    told = result.findings[0]
+    assert (told.code, told.parameters["channel"]) == ("findings.range_smaller", "elbow_flexion")
+    assert np.degrees(told.parameters["difference_rad"]) == pytest.approx(15.0, abs=0.5)
+    assert np.degrees(told.parameters["value_rad"]) == pytest.approx(36.0, abs=0.5)
 
 
 def test_score_is_symmetric(planar):
@@ -116,18 +120,18 @@ def test_compensation_is_told(planar):
     made, leaning = planar(), planar(lean_rad=0.35)
     result = compare(leaning.trajectory, make_template(made), "right", made.reach_m)
     assert value(result.summary, "compensation:trunk_lean_forward_rad").value == pytest.approx(0.35, abs=0.01)
-    assert result.findings == (
-        "The trunk leaned 14 degrees more forward and back than in the template to help the arm;"
-        " outside the band in 5 of 5 repetitions.",
-    )
+    assert codes(result.findings) == ["text.lines", "findings.trunk_leaned_forward", "findings.how_often"]
+    leaned, often = result.findings[0].parameters["lines"]
+    assert np.degrees(leaned.parameters["more_rad"]) == pytest.approx(14.0, abs=0.5)
+    assert often.parameters == {"outside": 5, "count": 5}
 
 
 def test_a_small_lean_outside_the_band_is_the_first_finding(planar):
     """Twice the template's lean is below 5 degrees here, and the band (3 degrees) is what the therapist allows."""
     made, leaning = planar(lean_rad=0.07), planar(lean_rad=0.2, sizes=0.7)
     result = compare(leaning.trajectory, make_template(made), "right", made.reach_m)
-    assert result.findings[0].startswith("The trunk leaned ")
-    assert any("Elbow flexion" in sentence for sentence in result.findings[1:])
+    assert codes(result.findings[0])[:2] == ["text.lines", "findings.trunk_leaned_forward"]
+    assert any(one.parameters.get("channel") == "elbow_flexion" for one in result.findings[1:])
 
 
 def test_every_angle_outside_the_band_is_named(planar):
@@ -150,16 +154,16 @@ def test_what_is_smaller_than_its_uncertainty_is_not_reported(planar):
         unsure = replace(leaning.trajectory, sigma=sigma)
         found = compare(unsure, template, "right", made.reach_m)
         assert all("trunk_lean_forward_rad" in one.outside for one in found.repetitions)
-        return " ".join(found.findings)
+        return codes(found.findings)
 
-    assert "trunk" in said(0.01).lower()
-    assert "trunk" not in said(0.08).lower()
+    assert "findings.trunk_leaned_forward" in said(0.01)
+    assert "trunk" not in " ".join(said(0.08))
 
 
 def test_tremor_is_told(planar):
     made, shaking = planar(), planar(tremor_rad=0.06)
     result = compare(shaking.trajectory, make_template(made), "right", made.reach_m)
-    assert any("less smooth" in sentence for sentence in result.findings)
+    assert "findings.less_smooth" in codes(result.findings)
     units = value(result.summary, "movement_units").value
     assert units > make_template(made).measures["movement_units"] + 3
 
@@ -168,11 +172,21 @@ def test_at_most_three_findings_and_none_without_repetitions(planar):
     made = planar()
     bad = planar(sizes=0.5, out_s=2.5, lean_rad=0.5, tremor_rad=0.08)
     findings = compare(bad.trajectory, make_template(made), "right", made.reach_m).findings
-    assert len([one for one in findings if "outside the band" not in one.lower()]) <= 3
+    assert (
+        len(
+            [
+                one
+                for one in findings
+                if not {"findings.outside_mostly", "findings.others_outside", "findings.also_outside"}
+                & set(codes(one))
+            ]
+        )
+        <= 3
+    )
     still = planar(sizes=0.0, noise_rad=0.001)
     nothing = compare(still.trajectory, make_template(made), "right", made.reach_m)
     assert nothing.repetitions == ()
-    assert nothing.findings == ("No clear repetitions were found in this session.",)
+    assert codes(nothing.findings) == ["findings.none_found"]
 
 
 def test_summary_is_mean_spread_and_count(planar):
@@ -245,9 +259,9 @@ def test_missing_channels_and_bad_requests(planar):
     column = result.channels.index("trunk_lean_forward_rad")
     assert np.isnan(result.repetitions[0].curves[:, column]).all()
     assert not any(m.name.startswith("compensation") for m in result.summary)
-    with pytest.raises(ComparisonError, match="at least two"):
+    with refuses("compare.few_repetitions", error=ComparisonError):
         build_template(made.trajectory, made.truth[:1], "right", 0.55, made.primary)
-    with pytest.raises(ComparisonError, match="not measured"):
+    with refuses("compare.not_measured", error=ComparisonError):
         build_template(made.trajectory, made.truth, "right", 0.55, "forearm_hand_right_zxy_flexion")
     with pytest.raises(SetupError, match="reach"):
         compare(made.trajectory, template, "right", 0.0)

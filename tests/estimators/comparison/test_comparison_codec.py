@@ -14,6 +14,7 @@ from estimators.comparison import (
     template_to_bytes,
 )
 from estimators.errors import ComparisonError
+from tests.said import refuses
 
 
 def same(one, two):
@@ -53,13 +54,13 @@ def test_comparison_round_trip(planar, template):
 
 def test_damage_is_told(template):
     data = template_to_bytes(template)
-    with pytest.raises(ComparisonError, match="not a stored comparison"):
+    with refuses("compare.not_stored", error=ComparisonError, kind="comparison"):
         comparison_from_bytes(data)
     for broken in (b"", data[:3], data[:8], data[:200], data[:-40], data[:50] + b"\0" * 20 + data[70:]):
         with pytest.raises(ComparisonError):
             template_from_bytes(broken)
     newer = data[:4] + (99).to_bytes(2, "little") + data[6:]
-    with pytest.raises(ComparisonError, match="format 99"):
+    with refuses("compare.other_version", error=ComparisonError, version="99"):
         template_from_bytes(newer)
     bomb = data[:10] + zlib.compress(b" " * (300 * 2**20), 9)
     with pytest.raises(ComparisonError):

@@ -10,6 +10,7 @@ from estimators.errors import SetupError
 from estimators.gait import Footholds, Strides, guided_test
 from estimators.pipelines import SessionSetup, analyse_walk
 from estimators.simulation import Bout, Leg, gait_preset, simulate_gait
+from tests.said import codes, sentence
 
 
 def walked(
@@ -79,7 +80,8 @@ def test_six_minutes_are_six_minutes() -> None:
     assert found.minutes_m == pytest.approx([75.0] * 6)
     short = guided_test({"right": walked("right", 100, 1.25, 2.0)}, "six_minute_walk")
     assert short is not None
-    assert any("1.7 of six minutes" in reason for reason in short.reasons)
+    told = sentence(short.reasons, "walk.not_six_minutes")
+    assert told.parameters["walked_s"] == pytest.approx(60.0 * 1.7, abs=3.0)
     assert short.minutes_m.sum() == pytest.approx(short.distance_m)
 
 
@@ -94,11 +96,11 @@ def test_up_and_go_finds_the_turn_about_and_says_what_feet_do_not_feel() -> None
     assert found.turn_count == 1
     # From the toe-off of the fourth stride to the contact of the fifth.
     assert found.turn_s == pytest.approx(1.4)
-    assert any("sitting down" in reason for reason in found.reasons)
+    assert "walk.no_chair" in codes(found.reasons)
     straight = guided_test({"left": feet["right"]}, "timed_up_and_go")
     assert straight is not None
     assert np.isnan(straight.turn_s)
-    assert any("no turn about" in reason for reason in straight.reasons)
+    assert "walk.no_turn" in codes(straight.reasons)
 
 
 def test_nobody_walked_and_no_such_test() -> None:

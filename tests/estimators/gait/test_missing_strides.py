@@ -6,6 +6,7 @@ from foot_walk import foot_walk
 
 from estimators.gait import StrideFlag, find_strides, guided_test, smooth, steady, summarise, turns
 from estimators.recording import SensorSignals
+from tests.said import codes, sentence
 
 LENGTH_M, PERIOD_S, COUNT = 1.2, 1.1, 12
 
@@ -35,8 +36,8 @@ def test_a_gap_becomes_no_stride_that_counts(gap):
     assert strides.bout.max() == 0
     assert turns(strides) == []
     (said, _) = summarise({"left": strides}).reasons
-    assert said.startswith("left foot: ")
-    assert "s of samples are missing" in said
+    assert (said.code, said.parameters["side"]) == ("walk.missing", "left")
+    assert said.parameters["missing_s"] == strides.missing_s.sum()
 
 
 def test_short_holes_are_bridged_and_nothing_is_left_out():
@@ -51,11 +52,11 @@ def test_the_other_foot_tells_the_way_of_one_whose_samples_are_lost():
     assert found.distance_m == pytest.approx(COUNT * LENGTH_M, abs=0.1)
     assert (found.step_count, found.pause_count, found.turn_count) == (2 * COUNT, 0, 0)
     assert found.minutes_m.sum() == pytest.approx(found.distance_m)
-    assert any("those of the right foot" in reason for reason in found.reasons)
+    assert sentence(found.reasons, "walk.other_foot").parameters["side"] == "left"
     feet["right"] = walked("right", (5.0, 9.0), seed=1)
     short = guided_test(feet)
     assert short.distance_m < COUNT * LENGTH_M
-    assert any("too short" in reason for reason in short.reasons)
+    assert "walk.count_short" in codes(short.reasons)
 
 
 def test_where_feet_stand_to_each_other_is_known_up_to_the_gap():

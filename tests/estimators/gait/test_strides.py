@@ -9,6 +9,7 @@ from estimators.errors import ShapeError
 from estimators.gait import find_strides, force_events, smooth, steady, summarise, turns
 from estimators.recording import SensorSignals
 from estimators.simulation import gait_preset, simulate_gait
+from tests.said import codes
 
 
 @cache
@@ -107,7 +108,7 @@ def test_standing_still_has_no_strides_and_says_so():
     strides = find_strides(smooth(still.signals), "left")
     assert strides.count == 0
     summary = summarise({"left": strides})
-    assert any("no stride found" in reason for reason in summary.reasons)
+    assert "walk.no_stride" in codes(summary.reasons)
     assert summary.feet["left"]["stride_length"].count == 0
 
 

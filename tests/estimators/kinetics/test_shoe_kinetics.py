@@ -7,7 +7,7 @@ import pytest
 
 from estimators import rotation
 from estimators.conventions import GRAVITY_MPS2, SIDES
-from estimators.errors import CalibrationError, SetupError, ShapeError
+from estimators.errors import ShapeError
 from estimators.kinetics import (
     FootSegment,
     ShoeGeometry,
@@ -29,6 +29,7 @@ from estimators.kinetics import (
 )
 from estimators.simulation import gait_preset, simulate_gait
 from estimators.validation._ankle_shoe import score_shoe, stride_errors
+from tests.said import refuses
 
 SHOE = ShoeGeometry()
 
@@ -188,9 +189,9 @@ def test_calibration_matrix_comes_back_and_poor_loads_are_refused():
     np.testing.assert_allclose(found.apply(output), load, atol=1e-8)
     assert found.residual.max() < 1e-9
     output[:, 4] = output[:, 3]
-    with pytest.raises(CalibrationError, match="tell the channels apart"):
+    with refuses("shoes.loads_alike"):
         calibrate_load_cell(output, load)
-    with pytest.raises(CalibrationError, match="too few"):
+    with refuses("shoes.few_loads"):
         calibrate_load_cell(output[:5], load[:5])
     with pytest.raises(ShapeError):
         calibrate_load_cell(output[:, :5], load)
@@ -273,9 +274,9 @@ def test_mirrored_walk_gives_mirrored_results():
 def test_unusable_shoes_are_refused_in_words(walk):
     sensors = walk.recording.sensors
     heel, forefoot = sensors["heel_left"], sensors["forefoot_left"]
-    with pytest.raises(SetupError, match="no load cell"):
+    with refuses("shoes.no_cell"):
         analyse_shoe(sensors["shank_left"], forefoot)
-    with pytest.raises(SetupError, match="time bases"):
+    with refuses("shoes.time_bases"):
         analyse_shoe(heel, replace(forefoot, time_s=forefoot.time_s + 0.001))
-    with pytest.raises(ShapeError, match="no stance"):
+    with refuses("shoes.no_stance"):
         analyse_shoe(replace(heel, force_n=np.zeros_like(heel.force_n)), forefoot)

@@ -12,6 +12,7 @@ from estimators.errors import CalibrationError, SetupError, ShapeError
 from estimators.orientation import OrientationFlag, available
 from estimators.pipelines import SessionSetup, concatenate, create
 from estimators.recording import SampleQuality
+from tests.said import refuses
 
 INVALID, BRIDGED = int(OrientationFlag.INVALID), int(OrientationFlag.BRIDGED)
 
@@ -152,12 +153,12 @@ def test_any_sensible_placements(simulate, worn):
     [
         ({"placements": ("sternum", "thigh_left")}, "upper arm or a forearm"),
         ({"placements": ()}, "upper arm or a forearm"),
-        ({"placements": ("upper_arm_right", "tail")}, "unknown placement tail"),
+        ({"placements": ("upper_arm_right", "tail")}, "Placements that do not exist: tail"),
         ({"placements": ("upper_arm_right", "upper_arm_right")}, "twice"),
         ({"rate_hz": 5.0}, "between 10 and 1000"),
         ({"orientation": "guess"}, "guess"),
         ({"orientation_parameters": {"no_such_thing": 1.0}}, "no_such_thing"),
-        ({"pipeline": "legs"}, "no pipeline 'legs'"),
+        ({"pipeline": "legs"}, "no pipeline legs"),
     ],
 )
 def test_impossible_setups_say_what_is_wrong(session, change, words):
@@ -168,16 +169,16 @@ def test_impossible_setups_say_what_is_wrong(session, change, words):
 def test_calibration_of_other_sensors_is_refused(session, ticks):
     _, _, found, _ = calibrated(session.setup, ticks)
     other = replace(session.setup, placements=("upper_arm_right", "shoulder_right"), calibration=found)
-    with pytest.raises(SetupError, match="knows no shoulder_right"):
+    with refuses("calibration.other_sensors", error=SetupError, where=["shoulder_right"]):
         create(other)
 
 
 def test_pose_must_be_known_and_still(session, ticks):
     pipeline = create(session.setup)
     pipeline.step(ticks.ticks(0, 1700))
-    with pytest.raises(CalibrationError, match="last 8 s"):
+    with refuses("calibration.forgotten", memory_s=8.0):
         pipeline.calibrate(ticks.ticks(100, 400))
-    with pytest.raises(CalibrationError, match="still"):
+    with refuses("calibration.was_moving"):
         pipeline.calibrate(ticks.ticks(1400, 1700))
     assert pipeline.setup.calibration is None
     with pytest.raises(SetupError, match="dance"):
@@ -274,7 +275,7 @@ def test_level_calibration_finds_the_accelerometer_bias(session, ticks):
         level, first_tick=2 * length, accelerometer_mps2=level.accelerometer_mps2 + np.array([3.0, 0, 0])
     )
     pipeline.step(shaken)
-    with pytest.raises(CalibrationError, match="level"):
+    with refuses("calibration.not_level"):
         pipeline.calibrate(shaken, "level")
     shifted = replace(ticks, accelerometer_mps2=ticks.accelerometer_mps2 + bias[:, None])
     known = create(pipeline.setup)

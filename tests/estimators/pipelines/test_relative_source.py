@@ -80,7 +80,7 @@ def test_a_winding_is_reached_by_the_setup():
         ({"calibrated_coils": [{"turns": 50, "colour": 1}] * 3, "gain_sigma": 0.01}, "colour"),
         ({"calibrated_coils": [{"turns": "many"}] * 3, "gain_sigma": 0.01}, "needs numbers"),
         ({"calibrated_coils": "coils", "gain_sigma": 0.01}, "list of coils"),
-        ({"calibrated_coils": [Coil(turns=-900.0).to_dict()] * 3, "gain_sigma": 0.01}, "A m2"),
+        ({"calibrated_coils": [Coil(turns=-900.0).to_dict()] * 3, "gain_sigma": 0.01}, "A m²"),
         ({"coil_layers": [2]}, "whole numbers"),
         ({"coil_layers": [0, 2]}, "one layer"),
         ({"coil_layers": [50, 50]}, "at most 100"),

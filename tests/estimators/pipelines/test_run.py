@@ -3,12 +3,12 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 from estimators import signals
-from estimators.errors import CalibrationError, SetupError
+from estimators.errors import SetupError
 from estimators.pipelines import create, find_pose, run
 from estimators.recording import Recording, SensorSignals
+from tests.said import refuses
 
 
 def test_run_calibrates_and_covers_everything(session):
@@ -33,7 +33,7 @@ def test_order_and_choice_follow_the_setup(session):
     worn = ("forearm_right", "upper_arm_right", "sternum")
     frames, _ = run(session.recording, replace(session.setup, placements=worn))
     assert frames.layout.segments == worn
-    with pytest.raises(SetupError, match="no sensor shank_left"):
+    with refuses("setup.missing_sensors", error=SetupError, missing=["shank_left"]):
         run(session.recording, replace(session.setup, placements=(*worn, "shank_left")))
 
 
@@ -56,9 +56,9 @@ def test_pose_is_found_after_moving(session):
     moving = Recording(
         {n: cut(s, start + 0.2, stop - 0.9) for n, s in session.recording.sensors.items()}, 100.0
     )
-    with pytest.raises(CalibrationError, match=r"no moment of 1.5 s"):
+    with refuses("calibration.no_rest_found"):
         run(moving, session.setup)
-    with pytest.raises(CalibrationError, match="not in the recording"):
+    with refuses("calibration.pose_outside"):
         run(moving, session.setup, pose_s=(50.0, 60.0))
     first, last = find_pose(signals.to_common_ticks(session.recording, 100.0))
     assert 0 <= first < last <= 600

@@ -2840,6 +2840,10 @@ export interface components {
             /** Reasons */
             reasons: string[];
             result: components["schemas"]["ResultOut"];
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
             /** Session Id */
             session_id: string;
             test?: components["schemas"]["WalkTestOut"] | null;
@@ -3230,6 +3234,10 @@ export interface components {
             residual_rms_m: number[];
             /** Rival */
             rival: number;
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
             /** Sigma Scale */
             sigma_scale: number;
             /** Used Count */
@@ -4068,6 +4076,10 @@ export interface components {
             code: "swapped_sides" | "swapped_segments" | "turned" | "moved_since" | "faulty";
             /** Placements */
             placements: ("head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right" | "heel_left" | "forefoot_left" | "heel_right" | "forefoot_right")[];
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
             /** Text */
             text: string;
         };
@@ -4924,6 +4936,10 @@ export interface components {
             pause_count: number;
             /** Reasons */
             reasons: string[];
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
             /** Speed Mps */
             speed_mps: number | null;
             /** Start S */

@@ -1,0 +1,71 @@
+"""English sentences of repetitions, templates and comparisons."""
+
+from typing import Final
+
+ENGLISH: Final[dict[str, str | dict[str, str]]] = {
+    "repetition.no_measurement": "No measurement during this repetition.",
+    "repetition.lost": "The sensors lost track for {lost_s:s.1} during this repetition.",
+    "repetition.shorter": "Much shorter than the others: {duration_s:s.1} instead of about {usual_s:s.1}.",
+    "repetition.longer": "Much longer than the others: {duration_s:s.1} instead of about {usual_s:s.1}.",
+    "repetition.opposite": "Moved in the opposite direction to the others.",
+    "repetition.half_way": "Stopped half way: {share:percent} of the usual movement.",
+    "repetition.unlike": "Unlike the others: the arm took another way.",
+    "findings.none_found": "No clear repetitions were found in this session.",
+    "findings.none_used": "Repetitions were found, but none could be used; the reason stands beside each.",
+    "findings.matched": "The movement matched the template within what can be measured.",
+    "findings.no_difference": "No difference from the template is larger than the uncertainty of the measurement.",
+    "findings.range_smaller": "{channel:channel}: the range was {difference_rad:deg} smaller than in the template"
+    " ({value_rad:deg} against {reference_rad:deg}).",
+    "findings.range_larger": "{channel:channel}: the range was {difference_rad:deg} larger than in the template"
+    " ({value_rad:deg} against {reference_rad:deg}).",
+    "findings.trunk_leaned_forward": "The trunk leaned {more_rad:deg} more forward and back than in the template to"
+    " help the arm.",
+    "findings.trunk_leaned_sideways": "The trunk leaned {more_rad:deg} more to the side than in the template to help"
+    " the arm.",
+    "findings.trunk_turned": "The trunk turned {more_rad:deg} more than in the template to help the arm.",
+    "findings.how_often": {
+        "one": "This was outside the band.",
+        "other": "This was outside the band in {outside:number} of {count:number} repetitions.",
+    },
+    "findings.outside": {
+        "one": "{channel:channel}: outside the band, by up to {beyond_rad:deg}.",
+        "other": "{channel:channel}: outside the band in {outside:number} of {count:number} repetitions, by up to"
+        " {beyond_rad:deg}.",
+    },
+    "findings.outside_mostly": {
+        "one": "{channel:channel}: outside the band, mostly between {start:percent} and {end:percent} of the"
+        " movement.",
+        "other": "{channel:channel}: outside the band in {outside:number} of {count:number} repetitions, mostly"
+        " between {start:percent} and {end:percent} of the movement.",
+    },
+    "findings.beyond_angle": "{channel:channel} (by up to {beyond_rad:deg})",
+    "findings.beyond_length": "{channel:channel} (by up to {beyond_m:cm})",
+    "findings.others_outside": "Outside the band: {angles:and}.",
+    "findings.also_outside": "Also outside the band: {angles:and}.",
+    "findings.slower": "Each repetition took {ratio:number.1} times as long as in the template ({value_s:s.1}"
+    " against {reference_s:s.1}).",
+    "findings.faster": "Each repetition was faster than in the template ({value_s:s.1} against {reference_s:s.1}).",
+    "findings.less_smooth": "The movement was less smooth than in the template (smoothness {value:number.1} against"
+    " {reference:number.1}).",
+    "findings.smoother": "The movement was smoother than in the template (smoothness {value:number.1} against"
+    " {reference:number.1}).",
+    "findings.longer_way": "The hand took a longer way than in the template, by {more:percent}.",
+    "compare.side_not_measured": "Nothing of the {side:side} arm was measured in this recording. Wear and calibrate"
+    " its sensors, or compare the other side.",
+    "compare.no_signal": "Neither the wrist nor an elbow or shoulder angle was measured on the {side:side} side."
+    " Wear and calibrate an upper arm and a forearm sensor.",
+    "compare.few_repetitions": {
+        "one": "Only one usable repetition was found. Record at least two, better five, with a short rest between"
+        " them.",
+        "other": "{count:number} usable repetitions were found. Record at least two, better five, with a short rest"
+        " between them.",
+    },
+    "compare.not_measured": "{channel:channel} was not measured. Choose one of {channels:channel|or}.",
+    "compare.not_stored": "These bytes are not a stored {kind:stored}.",
+    "compare.other_version": "This {kind:stored} was stored in another form ({version}) than this program reads"
+    " ({known}). Update the program.",
+    "compare.cut_short": "This stored {kind:stored} is cut short or larger than any real one. Make it again.",
+    "compare.damaged": "This stored {kind:stored} is damaged. Make it again.",
+}
+
+__all__ = ["ENGLISH"]

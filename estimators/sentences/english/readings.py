@@ -1,0 +1,73 @@
+"""English sentences about readings that cannot be right: units, axes, signs, dead and clipped channels."""
+
+from typing import Final
+
+ENGLISH: Final[dict[str, str | dict[str, str]]] = {
+    "readings.more": {
+        "one": "One more was found.",
+        "other": "{count} more were found.",
+    },
+    "readings.no_data": "{where:place}: hardly any samples arrive. Check that the sensor is on and near.",
+    "readings.accelerometer_dead": "{where:place}: the accelerometer never changes. Replace the sensor or check its"
+    " wiring.",
+    "readings.accelerometer_clipped": "{where:place}: the accelerometer stops at {level_mps2:mps2}. Choose a larger"
+    " range.",
+    "readings.accelerometer_unit": "{where:place}: the accelerometer reads {value:number~4} at rest where 9.81 m/s²"
+    " is due. {remedy}",
+    "readings.force_without_gravity": "The device removes gravity: switch it to raw acceleration.",
+    "readings.force_in_g": "This looks like g: multiply by 9.80665.",
+    "readings.force_in_feet": "This looks like ft/s²: multiply by 0.3048.",
+    "readings.force_in_milli_g": "This looks like mg or cm/s²: multiply by 0.00980665 or 0.01.",
+    "readings.force_in_counts": "This looks like raw counts: scale them as the data sheet says.",
+    "readings.force_unknown": "Check unit, range and calibration.",
+    "readings.gyroscope_dead": {
+        "one": "{where:place}: an axis of the gyroscope never changes ({axes:and}). Replace the sensor or check its"
+        " wiring.",
+        "other": "{where:place}: axes of the gyroscope never change ({axes:and}). Replace the sensor or check its"
+        " wiring.",
+    },
+    "readings.gyroscope_clipped": "{where:place}: the gyroscope stops at {level_radps:degps}, so faster movement is"
+    " lost. Choose a larger range or move more slowly.",
+    "readings.gyroscope_silent": "{where:place}: the sensor turns but its gyroscope reads nothing. Replace it.",
+    "readings.gyroscope_in_degrees": "{where:place}: the gyroscope reads 57 times what the sensor turns: degrees/s"
+    " are given as rad/s. Divide by 57.296 or declare degrees/s.",
+    "readings.gyroscope_twice": "{where:place}: the gyroscope reads a 57th of what the sensor turns: rad/s were"
+    " converted twice. Declare rad/s.",
+    "readings.gyroscope_restless": "{where:place}: the gyroscope reads {rate_radps:number~2} rad/s while the sensor"
+    " lies still. If these are degrees/s, declare them so; otherwise find the gyroscope zero.",
+    "readings.gyroscope_against_others": "{where:place}: the axes of the gyroscope do not fit the other sensors."
+    " Correct the column mapping or the axes: {mapping:and}.",
+    "readings.accelerometer_against_others": "{where:place}: the axes of the accelerometer do not fit the other"
+    " sensors. Correct the column mapping or the axes: {mapping:and}.",
+    "readings.gyroscope_against_accelerometer": "{where:place}: the axes of the gyroscope do not fit those of the"
+    " accelerometer. Correct the column mapping or the axes: {mapping:and}.",
+    "readings.axes_apart": "{where:place}: gyroscope and accelerometer do not have the same axes. Correct the column"
+    " mapping or the axes: {mapping:and}.",
+    "readings.gyroscope_against_magnetometer": "{where:place}: the axes of the gyroscope do not fit those of the"
+    " magnetometer. Correct the column mapping or the axes: {mapping:and}.",
+    "readings.magnetometer_against_gyroscope": "{where:place}: the axes of the magnetometer do not fit those of the"
+    " gyroscope. Correct the column mapping or the axes: {mapping:and}.",
+    "readings.magnetometer_zero": "{where:place}: the magnetometer always reads zero. Declare that there is none, or"
+    " switch it on.",
+    "readings.magnetometer_constant": "{where:place}: the magnetometer never changes. Declare that there is none, or"
+    " switch it on.",
+    "readings.magnetometer_unit": "{where:place}: the magnetometer reads {value:number~3} where 0.000025 to 0.000065"
+    " T are due. {remedy}",
+    "readings.field_in_microtesla": "This looks like microtesla: divide by a million.",
+    "readings.field_in_gauss": "This looks like gauss: divide by 10 000.",
+    "readings.field_normalised": "This looks like a normalised field: send the raw readings.",
+    "readings.field_in_milligauss": "This looks like milligauss: divide by ten million.",
+    "readings.field_in_nanotesla": "This looks like nanotesla: divide by a thousand million.",
+    "readings.field_off": "{where:place}: the magnetometer reads {field_t:ut~3} where 25 to 65 µT are due. Check its"
+    " unit, go away from iron and magnets, and calibrate it.",
+    "readings.field_varies": "{where:place}: the magnetic field varies by {share:percent}. Go away from iron and"
+    " magnets, or calibrate the magnetometer.",
+    "readings.field_up": "{where:place}: the magnetic field points up by {angle_rad:deg}. The accelerometer gives"
+    " gravity instead of specific force (as north-east-down devices do), or the magnetometer is reversed: change the"
+    " sign.",
+    "readings.field_down": "{where:place}: the magnetic field points down by {angle_rad:deg}. The accelerometer"
+    " gives gravity instead of specific force (as north-east-down devices do), or the magnetometer is reversed:"
+    " change the sign.",
+}
+
+__all__ = ["ENGLISH"]
