@@ -131,3 +131,75 @@ def test_a_session_whose_end_fails_is_told_so_and_keeps_what_came(
     found = therapist.get(f"/api/sessions/{session_id}/state").json()
     assert "what is stored is safe" in found["reason"]
     assert len(list(read_packets(engine, session_id))) == 4
+
+
+def test_a_goodbye_that_no_sequence_can_have_is_refused_and_harms_nothing(
+    therapist: Any, world: Any, stream: DeviceStream, engine: Engine
+) -> None:
+    session_id = new_session(therapist, world.patient_id, stream)
+    with therapist.websocket_connect("/ws/ingest") as socket:
+        socket.send_text(hello(therapist, session_id, stream))
+        for number in range(4):
+            socket.send_bytes(stream.packet(number))
+        for wrong in (10**30, 1 << 62, -2, 1.5, "seven"):
+            socket.send_text(json.dumps({"type": "goodbye", "last_sequence": wrong}))
+            receive_until(
+                socket,
+                lambda message: message["type"] == "error" and "last_sequence" in message["message"],
+            )
+        for number in range(4, 8):
+            socket.send_bytes(stream.packet(number))
+        receive_until(socket, lambda message: message.get("acknowledged") == 7)
+        socket.send_text('{"type": "goodbye", "last_sequence": 7}')
+        receive_until(socket, lambda message: message.get("state") == "closing")
+    assert wait_for_state(therapist, session_id, {*ENDED, "failed"}) in ENDED
+    assert sorted(packet.sequence for packet in read_packets(engine, session_id)) == list(range(8))
+
+
+def test_a_goodbye_far_beyond_what_came_still_ends(
+    therapist: Any, world: Any, stream: DeviceStream, engine: Engine
+) -> None:
+    """As large as a sequence may be: what is missing is a range and a number, not a list of packets."""
+    session_id = new_session(therapist, world.patient_id, stream)
+    with therapist.websocket_connect("/ws/ingest") as socket:
+        socket.send_text(hello(therapist, session_id, stream))
+        for number in range(4):
+            socket.send_bytes(stream.packet(number))
+        receive_until(socket, lambda message: message.get("acknowledged") == 3)
+        socket.send_text(json.dumps({"type": "goodbye", "last_sequence": (1 << 62) - 1}))
+        assert therapist.post(f"/api/sessions/{session_id}/close").status_code < 300
+    assert wait_for_state(therapist, session_id, {"analysed", "failed"}) == "analysed"
+    found = therapist.get(f"/api/sessions/{session_id}")
+    assert (found.status_code, found.json()["packets_stored"]) == (200, 4)
+
+
+def test_a_session_beyond_the_longest_is_closed_with_the_reason(
+    therapist: Any, world: Any, stream: DeviceStream, services: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    long, short = (new_session(therapist, one, stream) for one in (world.patient_id, world.other_patient_id))
+    packets = [stream.packet(number) for number in range(30)]
+    with (
+        therapist.websocket_connect("/ws/ingest") as socket,
+        therapist.websocket_connect("/ws/ingest") as other,
+    ):
+        socket.send_text(hello(therapist, long, stream))
+        other.send_text(hello(therapist, short, stream))
+        for packet in packets:
+            socket.send_bytes(packet)
+        other.send_bytes(packets[0])
+        receive_until(socket, lambda message: message.get("acknowledged") == 29)
+        receive_until(other, lambda message: message.get("acknowledged") == 0)
+        # Between the length of the two.
+        monkeypatch.setattr(services.live._housekeeping, "_longest_s", 1.0)
+        receive_until(socket, lambda message: message.get("state") == "closing")
+        found = therapist.get(f"/api/sessions/{long}/state").json()
+        assert found["state"] in ENDED
+        assert found["reason"].startswith(
+            "Closed automatically: the session reached the longest time allowed"
+        )
+        assert state_of(therapist, short) not in ENDED
+
+
+def test_the_longest_time_is_the_setting(services: Any) -> None:
+    limit_s = 3600.0 * services.settings.session_limit_hours
+    assert services.live._housekeeping._longest_s == limit_s
