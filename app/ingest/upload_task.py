@@ -23,7 +23,7 @@ from app.recordings.schemas import UploadIn
 from app.recordings.walk_shoes import store_shoes
 from app.recordings.walks import PIPELINE as WALKING
 from app.sentences import CATALOGUE, say
-from estimators.calibration import SEARCHED_S, check_first_seconds, in_words
+from estimators.calibration import SEARCHED_S, check_first_seconds, in_words, same_signals
 from estimators.pipelines import SessionSetup, has_shoes
 from estimators.recording import Recording
 
@@ -47,9 +47,7 @@ def upload(context: JobContext) -> str:
         if not path.exists():
             raise RecordingFormatError(say("upload.gone"))
         notes = _store(context, declaration, path)
-        if pipeline_of(declaration) != WALKING:
-            # A foot in full walk is rarely still: what a resting sensor must show is no measure of it.
-            notes += _check(context, declaration)
+        notes += _check(context, declaration)
         analysis = _analyse(context, declaration)
     except RecordingFormatError:
         path.unlink(missing_ok=True)
@@ -160,7 +158,7 @@ def _declare(context: JobContext, network: Declaration, *, with_legs: bool) -> N
 
 
 def _check(context: JobContext, declaration: UploadIn) -> list[str]:
-    """Look whether units, axes and signs can be right; return notes for people.
+    """Look whether units, axes and signs can be right and sensors are several; return notes for people.
 
     Raises
     ------
@@ -173,6 +171,11 @@ def _check(context: JobContext, declaration: UploadIn) -> list[str]:
     chunk = beginning(context, setup, round(SEARCHED_S * setup.rate_hz))
     if chunk is None:
         return []
+    copies = [setup.placements[row] for row in same_signals(chunk)]
+    notes: list[str] = [say("upload.same_signals", where=copies)] if copies else []
+    if pipeline_of(declaration) == WALKING:
+        # A foot in full walk is rarely still: what a resting sensor must show is no measure of it.
+        return notes
     findings = check_first_seconds(chunk, setup.placements, hemisphere=declaration.hemisphere)
     refused = [finding for finding in findings if finding.severity == "refuse"]
     if refused and not declaration.accept_implausible:
@@ -181,7 +184,7 @@ def _check(context: JobContext, declaration: UploadIn) -> list[str]:
             say("upload.implausible", findings=in_words(refused)),
             findings=[{"sensor": f.sensor, "code": f.code} for f in refused],
         )
-    return [in_words(findings)] if findings else []
+    return [in_words(findings), *notes] if findings else notes
 
 
 def _analyse(context: JobContext, declaration: UploadIn) -> Analysis:

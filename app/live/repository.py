@@ -33,6 +33,7 @@ from estimators import orientation
 from estimators.pipelines import Calibration, Pipeline, SessionSetup
 
 NO_SUCH_SESSION = say("session.not_found")
+MOST_MISSING = (1 << 31) - 1
 
 
 @dataclass(frozen=True)
@@ -279,7 +280,8 @@ def finish_stream(
         row = _row(session, session_id)
         row.ended_at = utc_now()
         row.duration_s = max(row.duration_s or 0.0, duration_s)
-        row.packets_missing = packets_missing
+        # What a gateway says was its last sequence may be anything; the column is not as wide.
+        row.packets_missing = min(packets_missing, MOST_MISSING)
         result = session.get(Result, result_id) if result_id else None
         if result is not None:
             result.status, result.progress, result.completed_at = "complete", 1.0, utc_now()

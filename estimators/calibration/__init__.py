@@ -19,7 +19,7 @@ from estimators.calibration._online_iron import OnlineHardIron
 from estimators.calibration._ordinary_elbow import OrdinaryElbow, elbow_from_movement
 from estimators.calibration._placement import MisplacedError, PlacementFinding, check_mounting
 from estimators.calibration._plausibility import Finding, Hemisphere, check_plausibility
-from estimators.calibration._same_signals import check_distinct
+from estimators.calibration._same_signals import check_distinct, same_signals
 from estimators.calibration._static import UNUSUAL_BIAS_SCORE, StaticBias, static_bias, unusual_bias
 from estimators.calibration._turns import circle_fit
 
@@ -64,6 +64,7 @@ __all__ = [
     "local_field",
     "n_pose",
     "odd_fields",
+    "same_signals",
     "static_bias",
     "unusual_bias",
 ]

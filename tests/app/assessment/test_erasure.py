@@ -6,7 +6,7 @@ from sqlalchemy import func, select, update
 from app.accounts import audit
 from app.accounts.models import Account, AuditEvent, Consent, DeviceToken, SignIn
 from app.assessment.models import Comparison, RepetitionMeasure
-from app.database.base import new_id
+from app.database.base import new_id, utc_now
 from app.database.engine import forget_deleted
 from app.database.unit_of_work import read_only, unit_of_work
 from app.exercises.models import Prescription, Template, TemplateVersion
@@ -206,3 +206,55 @@ def test_erasing_waits_for_work_on_the_recordings(
         return
     assert (answer.status_code, answer.json()["details"]["reason"]) == (409, reason)
     assert administrator.get(path).status_code == 200
+
+
+def test_erasing_takes_the_clinics_templates_that_were_made_from_the_patient(
+    sign_in, full, engine, world, path
+):
+    """One whose only version is the patient's goes; of one that also has another's version that version stays."""
+    with unit_of_work(engine) as session:
+        motion = session.scalars(
+            select(MotionSession).where(MotionSession.patient_id == world.patient_id)
+        ).first()
+        kept, gone = (
+            Template(
+                id=new_id(),
+                clinic_id=world.clinic_id,
+                exercise_id=world.exercise_id,
+                patient_id=None,
+                name=name,
+                created_by=world.accounts["therapist"],
+            )
+            for name in ("kept", "gone")
+        )
+        session.add_all([kept, gone])
+        session.flush()
+        for template, number, source in ((gone, 1, motion.id), (kept, 1, new_id()), (kept, 2, motion.id)):
+            session.add(
+                TemplateVersion(
+                    id=new_id(),
+                    template_id=template.id,
+                    number=number,
+                    source_session_id=source,
+                    source_result_id=new_id(),
+                    repetitions=[],
+                    content=BLOB,
+                    created_by=world.accounts["therapist"],
+                )
+            )
+        prescription = Prescription(
+            id=new_id(),
+            patient_id=world.other_patient_id,
+            exercise_id=world.exercise_id,
+            template_id=gone.id,
+            prescribed_by=world.accounts["therapist"],
+            starts_at=utc_now(),
+        )
+        session.add(prescription)
+    administrator = sign_in("administrator")
+    administrator.patch(path, json={"is_archived": True})
+    assert administrator.request("DELETE", path, json=ERASE).status_code == 204
+    with read_only(engine) as session:
+        assert session.scalars(select(Template.name)).all() == ["kept"]
+        assert session.scalars(select(TemplateVersion.number)).all() == [1]
+        assert session.get_one(Prescription, prescription.id).template_id is None

@@ -73,6 +73,22 @@ def session_of(engine: Engine, job_id: str) -> MotionSession:
         return session.get_one(MotionSession, session.get_one(Job, job_id).session_id)
 
 
+def test_one_sensor_under_several_names_is_told_and_not_refused(
+    engine: Engine, settings: Settings, queue: Any, tmp_path: Path, world: Any, simulated: SimulatedSession
+) -> None:
+    recording = simulated.recording
+    copied = replace(
+        recording, sensors=recording.sensors | {"hand_right": recording.sensors["forearm_right"]}
+    )
+    prepared = readers.packets_of(copied)
+    path = tmp_path / "copied.tmlog"
+    path.write_bytes(b"".join(write_log(prepared.declaration.to_dict(), prepared.packets(5))))
+    done = run_job(engine, settings, queue(path, declare(world)), upload)
+    assert done.status == "complete"
+    assert "The sensors on right forearm and right hand send the same signal" in done.message
+    assert "calibrate again" not in done.message
+
+
 def test_an_uploaded_log_becomes_a_calibrated_session(
     engine: Engine, settings: Settings, world: Any, queue: Any, log: Path, simulated: SimulatedSession
 ) -> None:

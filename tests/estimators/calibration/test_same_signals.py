@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from estimators.calibration import check_distinct
+from estimators.calibration import check_distinct, same_signals
 from estimators.errors import CalibrationError
+from estimators.recording import ImuChunk
 
 PLACEMENTS = ("sternum", "upper_arm_right", "forearm_right", "hand_right")
 GYROSCOPE_SD_RADPS, ACCELEROMETER_SD_MPS2 = 0.003, 0.02
@@ -57,3 +58,46 @@ def test_copies_of_a_sensor_whose_gyroscope_shows_no_count_are_found_by_force():
     force[2] = force[0]
     with pytest.raises(CalibrationError, match="chest and right forearm"):
         check_distinct(turning, force, PLACEMENTS)
+
+
+def chunk(turning: np.ndarray, force: np.ndarray) -> ImuChunk:
+    return ImuChunk(
+        first_tick=0,
+        time_step_s=0.01,
+        gyroscope_radps=turning,
+        accelerometer_mps2=force,
+        magnetometer_t=None,
+        quality=np.zeros(turning.shape[:2], np.uint8),
+    )
+
+
+def moving(seed: int, rest_s: float) -> tuple[np.ndarray, np.ndarray]:
+    """Four sensors on one rigid limb that swings at 1 Hz and 3 rad/s for 20 s, after a rest."""
+    rng = np.random.default_rng(seed)
+    time_s = np.arange(2000) / 100.0
+    swing = np.where(time_s < rest_s, 0.0, 3.0 * np.sin(2.0 * np.pi * time_s))[None, :, None]
+    turning = swing + rng.normal(0.0, GYROSCOPE_SD_RADPS, (4, 2000, 3))
+    force = [0.0, 0.0, 9.81] + 3.0 * swing + rng.normal(0.0, ACCELEROMETER_SD_MPS2, (4, 2000, 3))
+    return turning, force
+
+
+@pytest.mark.parametrize("rest_s", [0.0, 6.0])
+@pytest.mark.parametrize("seed", range(5))
+def test_sensors_of_a_recording_that_move_as_one_are_distinct(seed, rest_s):
+    assert same_signals(chunk(*moving(seed, rest_s))) == []
+
+
+@pytest.mark.parametrize("rest_s", [0.0, 6.0])
+def test_copies_in_a_recording_are_found_with_and_without_a_rest(rest_s):
+    turning, force = moving(1, rest_s)
+    for values in (turning, force):
+        values[3] = values[1] + 0.01
+        values[2, 40:50] = np.nan
+    assert same_signals(chunk(turning, force)) == [1, 3]
+
+
+def test_nothing_is_told_of_sensors_that_were_hardly_there():
+    turning, force = moving(1, 6.0)
+    assert same_signals(chunk(turning[:, :1], force[:, :1])) == []
+    turning[:], force[:] = np.nan, np.nan
+    assert same_signals(chunk(turning, force)) == []

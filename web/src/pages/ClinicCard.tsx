@@ -13,7 +13,7 @@ export function ClinicCard() {
   const clinic = useClinic();
   const change = useChangeClinic();
   return (
-    <section className="card stack form-card" aria-labelledby="clinic-zone">
+    <section className="card stack" aria-labelledby="clinic-zone" style={{ marginTop: 20 }}>
       <h2 id="clinic-zone">{t('clinic.settings')}</h2>
       <Answer of={clinic} lines={2}>
         {(found) => (
@@ -21,6 +21,7 @@ export function ClinicCard() {
             label={t('clinic.zone')}
             description={t('clinic.zoneHelp')}
             searchable
+            maw={420}
             allowDeselect={false}
             limit={300}
             data={timeZones(found.time_zone).map((name) => ({ value: name, label: name.replaceAll('_', ' ') }))}
