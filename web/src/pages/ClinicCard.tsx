@@ -13,7 +13,7 @@ export function ClinicCard() {
   const clinic = useClinic();
   const change = useChangeClinic();
   return (
-    <section className="card stack" aria-labelledby="clinic-zone" style={{ marginTop: 20 }}>
+    <section className="card stack" aria-labelledby="clinic-zone">
       <h2 id="clinic-zone">{t('clinic.settings')}</h2>
       <Answer of={clinic} lines={2}>
         {(found) => (
