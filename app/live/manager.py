@@ -4,38 +4,33 @@ import asyncio
 import logging
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
 from functools import partial
 from typing import Any, TypeVar
 from weakref import WeakValueDictionary
 
 from sqlalchemy import Engine
 
-from app.errors import Conflict, InvalidInput, PacketError, TelemotionError, Unavailable
+from app.errors import Conflict, TelemotionError, Unavailable
 from app.ingest.declaration import Declaration
 from app.ingest.messages import HelloMessage
 from app.limits import Hold, Limits
 from app.live import repository
-from app.live.blocks import layout_message
 from app.live.bus import Bus, topic
-from app.live.device_rows import with_known_devices
 from app.live.housekeeping import GOODBYE_CLOSE_S, IDLE_CLOSE_S, LONGEST_S, Housekeeping
 from app.live.intake import Intake
-from app.live.messages import LayoutMessage, StateMessage
+from app.live.messages import StateMessage
+from app.live.opening import Opener, check_network
 from app.live.patience import Patience
 from app.live.plausibility import CheckProcess
-from app.live.rebuild import rebuild
 from app.live.runner import LiveSession
 from app.live.states import OPEN
-from app.live.warmup import PREPARING, Readiness, prepare_process
+from app.live.stored import stored_state
+from app.live.warmup import Readiness, prepare_process
 from app.recordings import GroupCommitWriter
 from app.recordings.magnetic import CONFIRMATION_HOURS
-from app.recordings.schemas import CalibrationOut
 from app.sentences import say
-from estimators import pipelines
 from estimators.calibration import Hemisphere
-from estimators.errors import SetupError
-from estimators.pipelines import RelativePosePipeline, SessionSetup
+from estimators.pipelines import SessionSetup
 
 logger = logging.getLogger(__name__)
 
@@ -79,7 +74,6 @@ class LiveManager:
         self.engine = engine
         self.writer = writer
         self.bus = bus
-        self._hemisphere = hemisphere
         self._confirmation_hours = confirmation_hours
         self._on_closed = on_closed
         self._sessions: dict[str, LiveSession] = {}
@@ -106,6 +100,7 @@ class LiveManager:
         # One thread: the checks of many sockets at once must not outnumber the event loop for the interpreter.
         self._checks = ThreadPoolExecutor(1, thread_name_prefix="live-checks")
         self._check_process = CheckProcess()
+        self._opener = Opener(engine, writer, bus, hemisphere, self._check_process)
         self._tasks: set[asyncio.Task[Any]] = set()
 
     async def start(self) -> None:
@@ -177,13 +172,17 @@ class LiveManager:
             if session is None:
                 hold = self._limits.take("streams", subject)
                 try:
-                    session = await self._open_session(stored.id, declaration)
+                    session = await self._opener.open(
+                        stored.id, declaration, partial(self._prepared, stored.id)
+                    )
                 except BaseException:
                     hold.release()
                     raise
                 self._holds[stored.id] = hold
+                self._sessions[stored.id] = session
+                self._housekeeping.taken_up(stored.id)
             else:
-                _check_network(session.declaration, declaration)
+                check_network(session.declaration, declaration)
             if session.state not in OPEN:
                 raise Conflict(say("live.closed"), state=session.state)
             # Asked anew: the word may have been taken back while the session was being opened.
@@ -208,51 +207,6 @@ class LiveManager:
                 # After a goodbye with nothing missing the housekeeping closes the session; otherwise the
                 # gateway still has packets to bring.
                 session.link_lost(say("live.connection_ended"))
-
-    async def _open_session(self, session_id: str, declaration: Declaration) -> LiveSession:
-        stored = await asyncio.to_thread(repository.load, self.engine, session_id)
-        if stored.state not in OPEN or stored.is_ended:
-            raise Conflict(say("live.closed"), state=stored.state)
-        known = None if stored.hello is None else Declaration.from_dict(stored.hello)
-        if known is not None:
-            _check_network(known, declaration)
-            declaration = known
-        setup = _setup_for(SessionSetup.from_dict(stored.setup), declaration)
-        if known is None:
-            setup = await asyncio.to_thread(
-                with_known_devices, self.engine, stored.clinic_id, setup, declaration
-            )
-        await self._prepared(session_id, setup)
-        try:
-            pipeline = pipelines.create(setup)
-        except SetupError as error:
-            raise InvalidInput(error.message) from error
-        result_id, first_unstored = await asyncio.to_thread(
-            repository.begin_stream, self.engine, session_id, declaration.to_dict(), pipeline
-        )
-        session = LiveSession(
-            stored,
-            declaration,
-            pipeline,
-            engine=self.engine,
-            writer=self.writer,
-            bus=self.bus,
-            result_id=result_id,
-            first_unstored_tick=first_unstored,
-            hemisphere=self._hemisphere,
-            check=self._check_process,
-        )
-        session.ledger.durable = await asyncio.to_thread(
-            self.writer.open_session, session_id, session.on_durable, session.on_store_failure
-        )
-        session.ledger.received = session.ledger.durable.copy()
-        if len(session.ledger.durable):
-            trouble = await asyncio.to_thread(rebuild, session, self.engine)
-            if trouble is not None:
-                session.line.stop(trouble)
-        self._sessions[session_id] = session
-        self._housekeeping.taken_up(session_id)
-        return session
 
     async def _prepared(self, session_id: str, setup: SessionSetup) -> None:
         try:
@@ -352,21 +306,7 @@ class LiveManager:
 
     def stored_state(self, stored: repository.StoredSession) -> StateMessage:
         """Return the state of a session that is not live here."""
-        calibration = repository.calibration_of(stored.setup)
-        return StateMessage(
-            state=stored.state,
-            reason=PREPARING if stored.id in self._preparing else stored.state_reason,
-            session_time_s=0.0,
-            recording_start_s=None,
-            calibration=calibration and CalibrationOut.of(calibration),
-            calibration_progress=None,
-        )
-
-    def stored_layout(self, stored: repository.StoredSession) -> LayoutMessage:
-        """Return the columns that the session's frames will have."""
-        setup = SessionSetup.from_dict(stored.setup)
-        pipeline = pipelines.create(setup)
-        return layout_message(stored.id, pipeline.layout, setup.rate_hz, pipeline.delay_ticks)
+        return stored_state(stored, stored.id in self._preparing)
 
     async def check(self, work: Callable[[], Answer]) -> Answer:
         """Run a small database read in the thread kept for checks of open sockets."""
@@ -396,30 +336,3 @@ class LiveManager:
     def _keep(self, task: asyncio.Task[Any]) -> None:
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
-
-
-def _check_network(known: Declaration, declared: Declaration) -> None:
-    if not known.same_network(declared):
-        raise PacketError(
-            say("live.network_changed"),
-            reason="network_changed",
-        )
-
-
-def _setup_for(setup: SessionSetup, declaration: Declaration) -> SessionSetup:
-    """Return the setup in the packet order and at the rate of the gateway."""
-    if set(setup.placements) != set(declaration.placements):
-        raise PacketError(
-            say("live.other_placements", places=list(setup.placements)),
-            reason="placements",
-        )
-    parameters = dict(setup.orientation_parameters)
-    if setup.pipeline == RelativePosePipeline.name and declaration.clip_magnetometer_t is not None:
-        # What somebody set by hand stays: it is how a researcher tries another level.
-        parameters.setdefault("full_scale_t", declaration.clip_magnetometer_t)
-    return replace(
-        setup,
-        placements=declaration.placements,
-        rate_hz=declaration.rate_hz,
-        orientation_parameters=parameters,
-    )

@@ -27,6 +27,7 @@ from app.live.blocks import PublishedFrames
 from app.live.bus import Subscription, topic
 from app.live.manager import LiveManager
 from app.live.patience import Patience
+from app.live.stored import stored_layout
 from app.schemas import Schema
 from app.sentences import say
 from app.services import Services, services_of
@@ -109,7 +110,7 @@ async def _serve(
             if session.calibration_message is not None:
                 first.append(session.calibration_message)
         else:
-            layout = await asyncio.to_thread(live.stored_layout, stored)
+            layout = await asyncio.to_thread(stored_layout, stored)
             first = [layout, live.stored_state(stored)]
         for message in first:
             await websocket.send_text(message.model_dump_json())

@@ -17,7 +17,7 @@ from app.errors import Conflict
 from app.gateway import DeviceStream, stream_of
 from app.ingest import websocket as ingest_websocket
 from app.live import manager as live_manager
-from app.live import repository, warmup
+from app.live import opening, repository, warmup
 from app.live.bus import MemoryBus
 from app.live.manager import LiveManager
 from app.recordings import GroupCommitWriter
@@ -74,7 +74,7 @@ def failing_pipelines(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
         made.step = failing  # type: ignore[method-assign]
         return made
 
-    monkeypatch.setattr(live_manager.pipelines, "create", create_failing)
+    monkeypatch.setattr(opening.pipelines, "create", create_failing)
     return fail_from
 
 

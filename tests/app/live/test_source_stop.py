@@ -15,7 +15,7 @@ from app.gateway.source import SourceControl
 from app.ingest.declaration import Declaration
 from app.ingest.messages import ActuateMessage, ActuationPlanMessage
 from app.live.actuation import Actuation
-from app.live.manager import _setup_for
+from app.live.opening import setup_for
 from app.live.stray_source import GRACE_S, StraySource
 from app.recordings.magnetic_schemas import MagneticSafetyIn
 from app.recordings.schemas import SessionIn
@@ -128,7 +128,7 @@ def test_the_device_tells_where_its_magnetometer_ends(
     pipeline: str, given: dict[str, Any], declared: float | None, used: float | None
 ) -> None:
     setup = SessionSetup(pipeline, PAIR, 100.0, orientation_parameters=given)
-    found = _setup_for(setup, replace(Declaration(PAIR, 120.0), clip_magnetometer_t=declared))
+    found = setup_for(setup, replace(Declaration(PAIR, 120.0), clip_magnetometer_t=declared))
     assert found.orientation_parameters.get("full_scale_t") == used
     assert found.rate_hz == 120.0
     if pipeline == "relative_pose":

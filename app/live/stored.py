@@ -1,0 +1,44 @@
+"""What is said of a session that is not live here, from its row."""
+
+from app.live.blocks import layout_message
+from app.live.messages import LayoutMessage, StateMessage
+from app.live.repository import StoredSession, calibration_of
+from app.live.warmup import PREPARING
+from app.recordings.schemas import CalibrationOut
+from estimators import pipelines
+from estimators.pipelines import SessionSetup
+
+
+def stored_state(stored: StoredSession, is_preparing: bool) -> StateMessage:
+    """Return the state of a session that is not live here.
+
+    Parameters
+    ----------
+    stored : StoredSession
+    is_preparing : bool
+        Its gateway was sent away because the service is not ready for its kind.
+    """
+    calibration = calibration_of(stored.setup)
+    return StateMessage(
+        state=stored.state,
+        reason=PREPARING if is_preparing else stored.state_reason,
+        session_time_s=0.0,
+        recording_start_s=None,
+        calibration=calibration and CalibrationOut.of(calibration),
+        calibration_progress=None,
+    )
+
+
+def stored_layout(stored: StoredSession) -> LayoutMessage:
+    """Return the columns that the session's frames will have.
+
+    Parameters
+    ----------
+    stored : StoredSession
+    """
+    setup = SessionSetup.from_dict(stored.setup)
+    pipeline = pipelines.create(setup)
+    return layout_message(stored.id, pipeline.layout, setup.rate_hz, pipeline.delay_ticks)
+
+
+__all__ = ["stored_layout", "stored_state"]
