@@ -12,6 +12,7 @@ from typing import Final
 import uvicorn
 
 from app import logs
+from app.commands.private_folder import make_private
 from app.database import migrate
 from app.database.writer_lock import WriterLock, writer_lock
 from app.errors import Conflict, InvalidInput
@@ -55,7 +56,7 @@ def claim(
     Parameters
     ----------
     settings : Settings
-        `database_url` is used.
+        `database_url` and `data_dir` are used; both are closed to other accounts of the machine.
     host, port
         As of `listen`.
     purpose : str
@@ -73,6 +74,7 @@ def claim(
     ):
         # Another process writes then. Closing in order would write too, so this one ends as if it were killed.
         lock.on_taken_over = _leave
+        make_private(settings)
         yield listener, lock
 
 
