@@ -5,8 +5,8 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from app.accounts import audit, second_factor
-from app.accounts.browsers import forget_browsers
 from app.accounts.models import PATIENT, Account
+from app.accounts.password_change import replace_password
 from app.accounts.password_rules import check_password
 from app.accounts.schemas import AccountIn, AccountOut, AccountPatch
 from app.accounts.sign_in import end_all_sign_ins, normalise_email
@@ -173,15 +173,13 @@ def _change_account(
             row.display_name = body.display_name
             actions.append("account.rename")
         if password_hash is not None:
-            row.password_hash = password_hash
-            row.must_change_password = True
-            forget_browsers(session, row.id)
+            replace_password(session, row, password_hash, must_change=True)
             actions.append("account.password_reset")
         if body.is_active is not None and body.is_active != row.is_active:
             row.is_active = body.is_active
             actions.append("account.switch_on" if body.is_active else "account.switch_off")
         lost_factor = body.remove_second_factor and row.totp_since is not None
-        if password_hash is not None or not row.is_active or lost_factor:
+        if not row.is_active or lost_factor:
             end_all_sign_ins(session, row.id)
         if body.remove_second_factor:
             second_factor.remove(session, subject, row)

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from app.accounts.rate_limit import LeakyCounter, Limit, network_of
+from app.accounts.schemas import DeviceTokenIn
 from app.accounts.subject import Subject
 from app.accounts.tokens import hash_token
 from app.errors import SignInRequired, TooManyAttempts
@@ -33,8 +34,7 @@ class Offer:
 
     giver: Subject
     patient_id: str
-    label: str
-    days: int
+    wanted: DeviceTokenIn
 
 
 class PairingBook:

@@ -3,14 +3,14 @@
 from anyio import to_thread
 
 from app.accounts import audit, second_factor
-from app.accounts.browsers import forget_browsers, known_browser, remember_browser
+from app.accounts.browsers import known_browser, remember_browser
 from app.accounts.models import Account
+from app.accounts.password_change import replace_password
 from app.accounts.password_rules import check_password as check_password_rules
 from app.accounts.schemas import Me, PasswordIn, SignInRequest
 from app.accounts.sign_in import (
     FoundSignIn,
     create_sign_in,
-    end_all_sign_ins,
     end_sign_in,
     me,
     normalise_email,
@@ -221,10 +221,9 @@ def _replace_hash(
         row = session.get_one(Account, current.subject.id)
         if row.password_hash != present:
             raise Conflict(say("account.password_changed_elsewhere"))
-        row.password_hash = renewed
-        row.must_change_password = False
-        forget_browsers(session, row.id, but=browser)
-        ended = end_all_sign_ins(session, row.id, but=current.id)
+        ended = replace_password(
+            session, row, renewed, must_change=False, sign_in=current.id, browser=browser
+        )
         audit.record(
             session,
             current.subject,

@@ -2,7 +2,7 @@
 
 from collections.abc import AsyncIterator, Awaitable, Callable
 from pathlib import Path
-from typing import BinaryIO, Final
+from typing import Any, BinaryIO, Final
 
 from anyio import to_thread
 from python_multipart.exceptions import FormParserError
@@ -13,6 +13,23 @@ from app.sentences import say
 
 MAX_FIELD_BYTES: Final = 256 * 1024
 _WRITE_BYTES: Final = 1 << 20
+
+
+def described(declaration: str) -> dict[str, Any]:
+    """Return how OpenAPI says what an `UploadReceiver` takes.
+
+    Parameters
+    ----------
+    declaration : str
+        Name of the declaration's schema.
+    """
+    said = f"{declaration} as JSON; must come before the file."
+    parts = {
+        "declaration": {"type": "string", "contentMediaType": "application/json", "description": said},
+        "file": {"type": "string", "format": "binary"},
+    }
+    schema = {"type": "object", "required": list(parts), "properties": parts}
+    return {"requestBody": {"required": True, "content": {"multipart/form-data": {"schema": schema}}}}
 
 
 class UploadReceiver:

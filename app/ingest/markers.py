@@ -1,7 +1,7 @@
 """HTTP of marker trajectories: uploaded to an analysed session, fused by a task, reported."""
 
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import Annotated, Final
 
 from anyio import to_thread
 from fastapi import APIRouter, Query, Request
@@ -15,7 +15,7 @@ from app.database.base import new_id
 from app.database.dependencies import ReadSession
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput, TooLarge
-from app.ingest._multipart import UploadReceiver
+from app.ingest._multipart import UploadReceiver, described
 from app.ingest.readers import read_markers
 from app.ingest.upload import upload_folder
 from app.pages import WantedPage
@@ -31,30 +31,8 @@ SESSION_LIMIT_BYTES: Final = 256 << 20
 
 router = APIRouter(prefix="/api", tags=["sessions"])
 
-_BODY: Final[dict[str, Any]] = {
-    "requestBody": {
-        "required": True,
-        "content": {
-            "multipart/form-data": {
-                "schema": {
-                    "type": "object",
-                    "required": ["declaration", "file"],
-                    "properties": {
-                        "declaration": {
-                            "type": "string",
-                            "contentMediaType": "application/json",
-                            "description": "MarkerUploadIn as JSON; must come before the file.",
-                        },
-                        "file": {"type": "string", "format": "binary"},
-                    },
-                }
-            }
-        },
-    }
-}
 
-
-@router.post("/sessions/{session_id}/markers", status_code=202, openapi_extra=_BODY)
+@router.post("/sessions/{session_id}/markers", status_code=202, openapi_extra=described("MarkerUploadIn"))
 async def upload_markers(session_id: str, request: Request, subject: CurrentSubject) -> JobOut:
     """Upload marker trajectories, C3D or CSV, of somebody who wore the sensors of an analysed session.
 

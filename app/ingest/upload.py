@@ -6,7 +6,7 @@ task's work, in the worker process, with progress. A file is removed when it was
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from anyio import to_thread
 from fastapi import APIRouter, Request
@@ -19,7 +19,7 @@ from app.database.base import new_id
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput
 from app.ingest import readers
-from app.ingest._multipart import UploadReceiver, too_large
+from app.ingest._multipart import UploadReceiver, described, too_large
 from app.recordings import repository, service
 from app.recordings.models import Job, MotionSession
 from app.recordings.schemas import JobOut, UploadIn
@@ -36,30 +36,8 @@ _WALKS: Final = ("pyshoe", "gait_tracking", "gaitmap", "instrumented_shoe")
 
 router = APIRouter(prefix="/api", tags=["sessions"])
 
-_BODY: Final[dict[str, Any]] = {
-    "requestBody": {
-        "required": True,
-        "content": {
-            "multipart/form-data": {
-                "schema": {
-                    "type": "object",
-                    "required": ["declaration", "file"],
-                    "properties": {
-                        "declaration": {
-                            "type": "string",
-                            "contentMediaType": "application/json",
-                            "description": "UploadIn as JSON; must come before the file.",
-                        },
-                        "file": {"type": "string", "format": "binary"},
-                    },
-                }
-            }
-        },
-    }
-}
 
-
-@router.post("/uploads", status_code=202, openapi_extra=_BODY)
+@router.post("/uploads", status_code=202, openapi_extra=described("UploadIn"))
 async def upload_recording(request: Request, subject: CurrentSubject) -> JobOut:
     """Upload a recording: a packet log, CSV with its mapping, or a whole-body `.mat`.
 

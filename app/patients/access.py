@@ -89,6 +89,27 @@ def require_patient(session: Session, subject: Subject, patient_id: str, level: 
     return patient
 
 
+def require_own_or_manage(session: Session, subject: Subject, patient_id: str) -> Patient:
+    """Return the patient to who may manage its data, and to the patient: for own devices and own consents.
+
+    Parameters
+    ----------
+    session : Session
+    subject : Subject
+    patient_id : str
+
+    Raises
+    ------
+    NotFound, NotAllowed
+        As of `require_patient`.
+    """
+    patient = require_patient(session, subject, patient_id, "status")
+    is_own = subject.role == "patient" and subject.patient_id == patient_id
+    if not is_own and "manage" not in levels(session, subject, patient):
+        raise NotAllowed(say("patient.level", level="manage"), level="manage")
+    return patient
+
+
 def levels(session: Session, subject: Subject, patient: Patient) -> frozenset[Level]:
     """Return every level that the subject has for the patient, consent left aside.
 

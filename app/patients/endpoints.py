@@ -7,6 +7,7 @@ does not cover the request, `invalid_input` with the fields.
 from fastapi import APIRouter, Request
 
 from app.accounts.dependencies import CurrentAccount
+from app.accounts.pairing import Offer
 from app.accounts.schemas import (
     AuditOut,
     ConsentIn,
@@ -20,7 +21,7 @@ from app.accounts.schemas import (
 )
 from app.database.dependencies import ReadSession, WriteSession
 from app.pages import WantedPage
-from app.patients import service
+from app.patients import devices, service
 from app.patients.repository import revoke_grant
 from app.patients.schemas import NewPatientIn, PatientOut, PatientPatch
 from app.services import services_of
@@ -87,7 +88,7 @@ def list_device_tokens(
     patient_id: str, subject: CurrentAccount, session: ReadSession, page: WantedPage
 ) -> list[DeviceTokenOut]:
     """Return this patient's device tokens, newest first, without their secrets."""
-    return service.device_tokens(session, subject, patient_id, page)
+    return devices.device_tokens(session, subject, patient_id, page)
 
 
 @router.post("/patients/{patient_id}/device-tokens", status_code=201)
@@ -95,7 +96,7 @@ def create_device_token(
     patient_id: str, body: DeviceTokenIn, subject: CurrentAccount, request: Request, session: WriteSession
 ) -> DeviceTokenOut:
     """Make a device token; the answer is the only one that holds it."""
-    return service.add_device_token(session, services_of(request).settings, subject, patient_id, body)
+    return devices.add_device_token(session, services_of(request).settings, subject, patient_id, body)
 
 
 @router.post("/patients/{patient_id}/pairing-codes", status_code=201)
@@ -103,7 +104,7 @@ def create_pairing_code(
     patient_id: str, body: DeviceTokenIn, subject: CurrentAccount, request: Request, session: WriteSession
 ) -> PairingCodeOut:
     """Make a code of eight characters that a gateway exchanges, once and within ten minutes, for a device token."""
-    return service.offer_pairing(session, services_of(request).pairing, subject, patient_id, body)
+    return devices.offer_pairing(session, services_of(request).pairing, Offer(subject, patient_id, body))
 
 
 @router.post("/devices/pair", responses={401: {}})
@@ -114,13 +115,13 @@ def pair_device(body: PairingIn, request: Request, session: WriteSession) -> Dev
     """
     services = services_of(request)
     address = request.client.host if request.client else "unknown"
-    return service.pair(session, services.settings, services.pairing.take(body.code, address))
+    return devices.pair(session, services.settings, services.pairing.take(body.code, address))
 
 
 @router.delete("/device-tokens/{token_id}", status_code=204)
 def delete_device_token(token_id: str, subject: CurrentAccount, session: WriteSession) -> None:
     """Revoke a device token now."""
-    service.revoke_device_token(session, subject, token_id)
+    devices.revoke_device_token(session, subject, token_id)
 
 
 @router.get("/patients/{patient_id}/consents")

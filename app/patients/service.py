@@ -1,35 +1,25 @@
 """From patients' rows to what a page shows."""
 
-from datetime import timedelta
-
 from sqlalchemy.orm import Session
 
 from app.accounts.audit import record
 from app.accounts.audit_reading import read_audit
 from app.accounts.consents import list_consents, set_consent
-from app.accounts.device_tokens import create_device_token, get_device_token, list_device_tokens
-from app.accounts.models import Account, DeviceToken
-from app.accounts.pairing import LIFE_S, Offer, PairingBook
 from app.accounts.schemas import (
     AuditOut,
     ConsentIn,
     ConsentOut,
-    DeviceTokenIn,
-    DeviceTokenOut,
     GrantIn,
     GrantOut,
-    PairingCodeOut,
 )
 from app.accounts.subject import Subject
-from app.database.base import utc_now
-from app.errors import InvalidInput, NotAllowed, NotFound, SignInRequired
+from app.errors import InvalidInput
 from app.pages import Page
 from app.patients import repository
-from app.patients.access import levels, require_patient
+from app.patients.access import require_own_or_manage, require_patient
 from app.patients.models import Grant, Patient
 from app.patients.schemas import BodyDimensionsIn, MountingOut, NewPatientIn, PatientOut, PatientPatch
 from app.sentences import say
-from app.settings import Settings
 
 
 def list_patients(
@@ -167,99 +157,6 @@ def patient_audit(session: Session, subject: Subject, patient_id: str, page: Pag
     return read_audit(session, patient.clinic_id, patient_id, page)
 
 
-def device_tokens(session: Session, subject: Subject, patient_id: str, page: Page) -> list[DeviceTokenOut]:
-    """Return a page of a patient's device tokens without the tokens themselves.
-
-    Parameters
-    ----------
-    session : Session
-    subject : Subject
-        With the level `manage`, or the patient.
-    patient_id : str
-    page : Page
-    """
-    _require_own_or_manage(session, subject, patient_id)
-    record(session, subject, "device_token.list", patient_id)
-    return [_token_out(row) for row in list_device_tokens(session, patient_id, page)]
-
-
-def add_device_token(
-    session: Session, settings: Settings, subject: Subject, patient_id: str, body: DeviceTokenIn
-) -> DeviceTokenOut:
-    """Make a device token; it is shown this once.
-
-    Parameters
-    ----------
-    session : Session
-    settings : Settings
-    subject : Subject
-        With the level `manage`, or the patient for an own phone.
-    patient_id : str
-    body : DeviceTokenIn
-    """
-    _require_own_or_manage(session, subject, patient_id)
-    row, token = create_device_token(session, settings, subject, patient_id, body.label, body.days)
-    record(session, subject, "device_token.create", patient_id, row.id)
-    return _token_out(row, token)
-
-
-def offer_pairing(
-    session: Session, book: PairingBook, subject: Subject, patient_id: str, body: DeviceTokenIn
-) -> PairingCodeOut:
-    """Make a code that a gateway exchanges for a device token.
-
-    Parameters
-    ----------
-    session : Session
-    book : PairingBook
-    subject : Subject
-        With the level `manage`, or the patient for an own phone.
-    patient_id : str
-    body : DeviceTokenIn
-        Of the token.
-    """
-    _require_own_or_manage(session, subject, patient_id)
-    record(session, subject, "device_token.offer", patient_id)
-    code = book.offer(Offer(subject, patient_id, body.label, body.days))
-    return PairingCodeOut(code=code, expires_at=utc_now() + timedelta(seconds=LIFE_S))
-
-
-def pair(session: Session, settings: Settings, offer: Offer) -> DeviceTokenOut:
-    """Make the device token that a code stood for; the giver must still have the right to it.
-
-    Parameters
-    ----------
-    session : Session
-    settings : Settings
-    offer : Offer
-        From a code that was used up.
-    """
-    giver = session.get(Account, offer.giver.account_id)
-    if giver is None or not giver.is_active:
-        raise SignInRequired(say("device.code_refused"))
-    body = DeviceTokenIn(label=offer.label, days=offer.days)
-    return add_device_token(session, settings, offer.giver, offer.patient_id, body)
-
-
-def revoke_device_token(session: Session, subject: Subject, token_id: str) -> None:
-    """End a device token now.
-
-    Parameters
-    ----------
-    session : Session
-    subject : Subject
-        With the level `manage` for its patient, or the patient.
-    token_id : str
-    """
-    row = get_device_token(session, subject, token_id)
-    try:
-        _require_own_or_manage(session, subject, row.patient_id)
-    except NotFound:
-        raise NotFound(say("device.token_not_found")) from None
-    row.revoked_at = row.revoked_at or utc_now()
-    record(session, subject, "device_token.revoke", row.patient_id, row.id)
-
-
 def consents(session: Session, subject: Subject, patient_id: str) -> list[ConsentOut]:
     """Return what the patient agreed to.
 
@@ -285,7 +182,7 @@ def put_consent(session: Session, subject: Subject, patient_id: str, body: Conse
     patient_id : str
     body : ConsentIn
     """
-    _require_own_or_manage(session, subject, patient_id)
+    require_own_or_manage(session, subject, patient_id)
     _note_consent(session, subject, patient_id, body.purpose, body.granted)
     return [ConsentOut.model_validate(row) for row in _answers(session, patient_id)]
 
@@ -300,14 +197,6 @@ def _answers(session: Session, patient_id: str) -> list[dict[str, object]]:
         {"purpose": row.purpose, "granted": row.granted, "changed_at": row.changed_at}
         for row in list_consents(session, patient_id)
     ]
-
-
-def _require_own_or_manage(session: Session, subject: Subject, patient_id: str) -> Patient:
-    patient = require_patient(session, subject, patient_id, "status")
-    is_own = subject.role == "patient" and subject.patient_id == patient_id
-    if not is_own and "manage" not in levels(session, subject, patient):
-        raise NotAllowed(say("patient.level", level="manage"), level="manage")
-    return patient
 
 
 def _out(subject: Subject, patient: Patient, has_mounting: bool, may_treat: bool) -> PatientOut:
@@ -335,15 +224,4 @@ def _grant_out(grant: Grant, display_name: str) -> GrantOut:
         level=grant.level,
         expires_at=grant.expires_at,
         created_at=grant.created_at,
-    )
-
-
-def _token_out(row: DeviceToken, token: str | None = None) -> DeviceTokenOut:
-    return DeviceTokenOut(
-        id=row.id,
-        label=row.label,
-        created_at=row.created_at,
-        expires_at=row.expires_at,
-        revoked_at=row.revoked_at,
-        token=token,
     )

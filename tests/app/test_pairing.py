@@ -4,10 +4,13 @@ import pytest
 
 from app.accounts.pairing import ALPHABET, LENGTH, LIFE_S, Offer, PairingBook
 from app.accounts.rate_limit import Limit
+from app.accounts.schemas import DeviceTokenIn
 from app.accounts.subject import Subject
 from app.errors import SignInRequired, TooManyAttempts
 
-OFFER = Offer(Subject("account", "a", "a", "c", "therapist", None), "p", "tablet", 90)
+OFFER = Offer(
+    Subject("account", "a", "a", "c", "therapist", None), "p", DeviceTokenIn(label="tablet", days=90)
+)
 
 
 def test_a_code_works_once_however_it_is_typed():
