@@ -119,6 +119,7 @@ def test_an_account_is_switched_off_and_on(sign_in, enter, world, events):
         "email": answer.json()["email"],
         "role": "therapist",
         "is_active": True,
+        "has_second_factor": False,
     }
     assert therapist.get("/api/me").status_code == 401, "the ended session does not come back"
     assert enter("therapist", PASSWORD) == 200
