@@ -100,9 +100,10 @@ def distance_words(placement: str, distance_m: float, *, is_lone: bool) -> str:
     is_lone : bool
         The place goes on without the source: the distance is then not told as if it were measured.
     """
+    # Viser packs text of this very type only.
     if is_lone:
-        return say("viewer.distance_about", place=placement, distance_m=distance_m)
-    return say("viewer.distance", place=placement, distance_m=distance_m)
+        return str(say("viewer.distance_about", place=placement, distance_m=distance_m))
+    return str(say("viewer.distance", place=placement, distance_m=distance_m))
 
 
 def modules_of(frames: Frames) -> ModuleTrack | None:
@@ -170,7 +171,7 @@ class ModuleLayer:
         # Words hang on nothing that turns, so that they stay above and below.
         self._name = scene.add_label(
             "/modules/name",
-            say("viewer.source", place=names[0]),
+            str(say("viewer.source", place=names[0])),
             font_screen_scale=_LABEL_SCALE,
             anchor="top-center",
         )

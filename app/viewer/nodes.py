@@ -189,7 +189,7 @@ def add_lost_label(server: viser.ViserServer, path: str, segment: str) -> Any:
     """Add the hidden words that say which sensor gives nothing."""
     return server.scene.add_label(
         f"{path}/lost",
-        say("viewer.no_signal", place=segment),
+        str(say("viewer.no_signal", place=segment)),
         position=(0.0, 0.0, -0.1),
         visible=False,
         font_screen_scale=1.4,
@@ -201,7 +201,7 @@ def add_silence_label(server: viser.ViserServer, path: str) -> Any:
     """Add the hidden words for when no sensor gives anything: one label, not one over another."""
     return server.scene.add_label(
         f"{path}/silent",
-        say("viewer.silent"),
+        str(say("viewer.silent")),
         position=(0.0, 0.0, 0.55),
         visible=False,
         font_screen_scale=1.6,

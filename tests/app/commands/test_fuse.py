@@ -123,7 +123,7 @@ def test_what_cannot_be_fused_is_told(files: tuple[Path, Path], tmp_path: Path) 
     assert "has no sensor foot_left; it has forearm_right, hand_right" in refused(
         str(markers), "--sensor", "foot_left"
     )
-    assert "has no marker 'ELBOW'; it has HAND" in refused(
+    assert "has no marker ELBOW; it has HAND" in refused(
         str(markers), "--sensor", "hand_right", "--marker", "ELBOW"
     )
     broken = tmp_path / "broken.c3d"

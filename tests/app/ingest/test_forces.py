@@ -161,7 +161,7 @@ def test_the_longest_stretch_of_forces_is_analysed_and_the_rest_said() -> None:
     found, late_s, note = shoes_of([piece.ticks(0, 333), piece.ticks(333, 600)], setup)
     assert found.sensors["heel_left"].time_s[0] == pytest.approx(2.6)
     assert late_s == pytest.approx(2.6)
-    assert "heel right" in note
+    assert "right heel" in note
     np.testing.assert_array_equal(found.sensors["forefoot_right"].force_n, force[3, 260:])
     whole, _, note = shoes_of([piece.ticks(0, 200)], setup)
     assert np.isfinite(whole.sensors["forefoot_left"].force_n).all()
@@ -169,5 +169,5 @@ def test_the_longest_stretch_of_forces_is_analysed_and_the_rest_said() -> None:
     force[2] = np.nan
     nobody, _, note = shoes_of([piece], setup)
     assert nobody is None
-    assert "heel right" in note
+    assert "right heel" in note
     assert shoes_of([piece], SessionSetup("gait", ("foot_left", "foot_right"), 100.0))[0] is None
