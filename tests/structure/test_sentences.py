@@ -74,3 +74,42 @@ def test_no_code_is_written_twice():
 def test_the_client_has_the_same_sentences():
     shared = json.loads((ROOT / "web" / "src" / "i18n" / "en" / "sentences.json").read_text())
     assert shared == ENGLISH, "run `npm run api` in web/ and commit the result"
+
+
+TOLD_ERRORS = {"CalibrationError", "ComparisonError", "ContradictionError"}
+"""Their messages reach people. Those of `ShapeError`, and of `SetupError` about parameters, are for programmers."""
+TOLD_LISTS = {"reasons", "told", "said", "wanted", "wrong", "sentences", "findings", "doubts"}
+FOR_PROGRAMMERS = ("validation", "simulation")
+"""Rooms of the library that nobody hears of on a screen."""
+KERNELS_BESIDE = {"_coil_calibration.py", "_place_calibration.py"}
+"""Kernels import these through their package: with sentences in them each changed word would compile kernels anew."""
+
+
+def texts_put_together() -> list[str]:
+    """Places of the library where people are told text without a code."""
+    found = []
+    for path in sorted((ROOT / "estimators").rglob("*.py")):
+        if path.name in KERNELS_BESIDE or set(FOR_PROGRAMMERS) & set(path.parts):
+            continue
+        for node in ast.walk(ast.parse(path.read_text())):
+            if not isinstance(node, ast.Call) or not node.args:
+                continue
+            name = node.func
+            is_error = isinstance(name, ast.Name) and name.id in TOLD_ERRORS
+            is_list = (
+                isinstance(name, ast.Attribute)
+                and name.attr == "append"
+                and isinstance(name.value, ast.Name | ast.Attribute)
+                and (name.value.id if isinstance(name.value, ast.Name) else name.value.attr) in TOLD_LISTS
+            )
+            text = node.args[0]
+            is_plain = isinstance(text, ast.JoinedStr | ast.BinOp) or (
+                isinstance(text, ast.Constant) and isinstance(text.value, str) and " " in text.value
+            )
+            if (is_error or is_list) and is_plain:
+                found.append(f"{path.relative_to(ROOT)}:{node.lineno}")
+    return found
+
+
+def test_what_the_library_tells_people_has_a_code():
+    assert texts_put_together() == []
