@@ -37,6 +37,9 @@ def test_one_label_when_nothing_comes_at_all(reaches) -> None:
 
         assert say(set()) == []
         assert say({"sternum"}) == ["Chest: no signal"]
+        assert [type(one) for one in labels_seen(server)] == [str], (
+            "the wire carries nothing that is only like text"
+        )
         assert say(set(measured)) == ["No data from the sensors"]
         assert say({"sternum"}) == ["Chest: no signal"], "the others came back"
     finally:

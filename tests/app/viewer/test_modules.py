@@ -84,6 +84,7 @@ def test_the_scene_shows_modules_and_no_figure(frames: Frames) -> None:
         )
         assert nodes["/modules/ellipse0"].visible is True
         assert nodes["/modules/name"].text == "Pelvis: source"
+        assert type(nodes["/modules/name"].text) is str, "the wire carries nothing that is only like text"
         apart_m = np.linalg.norm(track.modules.place_m[-1, 1] - track.modules.place_m[-1, 0])
         assert nodes["/modules/name0"].visible is True
         assert f" {100 * apart_m:.0f} cm" in nodes["/modules/name0"].text
