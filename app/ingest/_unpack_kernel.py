@@ -50,7 +50,6 @@ def unpack_python(
     """
     ticks, sensors, used = values.shape[0], values.shape[1], scales.shape[0]
     found = False
-    repeats = False
     for s in range(sensors):
         for c in range(signals.shape[0]):
             for k in range(ticks):
@@ -64,33 +63,21 @@ def unpack_python(
                         flag |= _SATURATED
                         found = True
             quality[s, k] = flag
-        same = True
-        for c in range(2):
-            for a in range(3):
-                same &= signals[c, s, 0, a] == last_sent[c, s, a]
-        repeats |= same
     if is_clipped and not found:
         # The device knows that one of its sensors clipped, the values do not say which.
         for s in range(sensors):
             for k in range(ticks):
                 quality[s, k] |= _SATURATED
     for s in range(sensors):
-        if not repeats:
-            same_ticks[s] = 0
         for k in range(ticks):
             zeros = signals[1, s, k, 0] == 0.0 and signals[1, s, k, 1] == 0.0 and signals[1, s, k, 2] == 0.0
-            stuck = False
-            if repeats:
-                same = True
-                for c in range(2):
-                    for a in range(3):
-                        same &= signals[c, s, k, a] == last_sent[c, s, a]
-                same_ticks[s] = same_ticks[s] + 1 if same else 0
-                stuck = same_ticks[s] >= stuck_ticks
+            same = True
             for c in range(2):
                 for a in range(3):
+                    same &= signals[c, s, k, a] == last_sent[c, s, a]
                     last_sent[c, s, a] = signals[c, s, k, a]
-            if zeros or stuck:
+            same_ticks[s] = same_ticks[s] + 1 if same else 0
+            if zeros or same_ticks[s] >= stuck_ticks:
                 quality[s, k] |= _MISSING
                 for c in range(signals.shape[0]):
                     for a in range(3):

@@ -50,7 +50,7 @@ export function Timeline({ player, repetitions, events, onRepetition }: Timeline
               className={`block ${one.is_kept ? '' : 'block-dropped'} ${here?.number === one.number ? 'block-here' : ''}`}
               style={{ left: share(one.start_s), width: `calc(${(100 * (one.end_s - one.start_s)) / length}% - 2px)` }}
             >
-              {one.number}
+              <span>{one.number}</span>
             </span>
           ))}
           {shown.map((event, index) => (
