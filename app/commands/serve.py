@@ -106,7 +106,7 @@ def run(settings: Settings, listener: socket.socket, lock: WriterLock) -> None:
             create_app(settings, lock=lock),
             ws="websockets-sansio",
             loop="uvloop",
-            http=timed_headers(settings.request_header_seconds),
+            http=timed_headers(settings.request_header_seconds, settings.request_floor_bytes_per_s),
             ws_per_message_deflate=False,
             ws_max_size=1 << 20,
             access_log=False,

@@ -22,30 +22,49 @@ MOST_HEAD_BYTES: Final = 64 << 10
 class TimedHeaders(HttpToolsProtocol):
     """uvicorn's HTTP protocol; a connection ends when the headers of a request are late or too long.
 
+    What still comes of a body after its answer is read and thrown away, as long as it comes faster than a floor: who is
+    refused in the middle of an upload gets to hear why.
+
     Attributes
     ----------
     header_limit_s : float
-        From the connection, or the first byte of a further request, to the end of the headers.
+        From the connection, or the first byte of a further request, to the end of the headers. Also the longest
+        wait for the rest of an answered body.
+    floor_bytes_per_s : float
+        Of the rest of an answered body.
     """
 
     header_limit_s: ClassVar[float] = 10.0
+    floor_bytes_per_s: ClassVar[float] = 2048.0
 
     def __init__(self, *args: Any, **named: Any) -> None:
         super().__init__(*args, **named)
         self._timer: asyncio.TimerHandle | None = None
         self._head_bytes = 0
+        self._in_body = False
+        self._has_advanced = False
+        """Whether headers or a body ended in the bytes that are being read."""
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Begin to wait for the first request."""
         super().connection_made(transport)
-        self._wait()
+        self._wait(self.header_limit_s)
 
     def data_received(self, data: bytes) -> None:
         """Begin to wait for headers when nothing is being answered; every byte after that renews nothing."""
-        if self._timer is None and (self.cycle is None or self.cycle.response_complete):
-            self._wait()
+        was_in_body = self._in_body
+        if self._is_idle and was_in_body:
+            self._wait_for_rest(len(data))
+        elif self._is_idle and self._timer is None:
+            self._wait(self.header_limit_s)
+        self._has_advanced = False
         super().data_received(data)
-        if self._timer is not None:
+        if was_in_body and not self._in_body and self._is_idle:
+            # The rest of an answered body is over, and uvicorn no longer counts this connection as a silent one.
+            self._stop()
+            self._wait(self.header_limit_s)
+        if not was_in_body and not self._has_advanced:
+            # Also those of a request that waits for the answer to the one before it.
             self._head_bytes += len(data)
             if self._head_bytes > MOST_HEAD_BYTES:
                 self._end(b"431 Request Header Fields Too Large")
@@ -53,16 +72,31 @@ class TimedHeaders(HttpToolsProtocol):
     def on_headers_complete(self) -> None:
         """End the wait."""
         self._stop()
+        self._in_body, self._has_advanced, self._head_bytes = True, True, 0
         super().on_headers_complete()
+
+    def on_message_complete(self) -> None:
+        """Note that what follows is another request."""
+        self._in_body, self._has_advanced = False, True
+        super().on_message_complete()
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Forget the connection."""
         self._stop()
         super().connection_lost(exc)
 
-    def _wait(self) -> None:
+    @property
+    def _is_idle(self) -> bool:
+        return self.cycle is None or self.cycle.response_complete
+
+    def _wait(self, limit_s: float) -> None:
         self._head_bytes = 0
-        self._timer = self.loop.call_later(self.header_limit_s, self._end, b"408 Request Timeout")
+        self._timer = self.loop.call_later(limit_s, self._end, b"408 Request Timeout")
+
+    def _wait_for_rest(self, size: int) -> None:
+        left_s = self.header_limit_s if self._timer is None else self._timer.when() - self.loop.time()
+        self._stop()
+        self._wait(min(self.header_limit_s, left_s + size / self.floor_bytes_per_s))
 
     def _stop(self) -> None:
         if self._timer is not None:
@@ -72,21 +106,27 @@ class TimedHeaders(HttpToolsProtocol):
     def _end(self, status: bytes) -> None:
         self._stop()
         if not self.transport.is_closing():
-            if self._head_bytes:
+            # Into an answer that is being sent nothing may be written, nor behind that of a body.
+            if self._head_bytes and self._is_idle:
                 self.transport.write(
                     b"HTTP/1.1 " + status + b"\r\ncontent-length: 0\r\nconnection: close\r\n\r\n"
                 )
             self.transport.close()
 
 
-def timed_headers(header_limit_s: float) -> type[TimedHeaders]:
+def timed_headers(
+    header_limit_s: float, floor_bytes_per_s: float = TimedHeaders.floor_bytes_per_s
+) -> type[TimedHeaders]:
     """Return uvicorn's protocol with a time limit for headers.
 
     Parameters
     ----------
     header_limit_s : float
+    floor_bytes_per_s : float
+        Slowest rest of a body that was answered before its end.
     """
-    return type("TimedHeaders", (TimedHeaders,), {"header_limit_s": header_limit_s})
+    limits = {"header_limit_s": header_limit_s, "floor_bytes_per_s": floor_bytes_per_s}
+    return type("TimedHeaders", (TimedHeaders,), limits)
 
 
 class TimedBodies:

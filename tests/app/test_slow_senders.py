@@ -118,6 +118,66 @@ def test_a_body_that_stops_is_answered_408_and_closed(port: int) -> None:
     assert b"connection: close" in said.lower()
 
 
+async def _refusing(scope: Any, receive: Any, send: Any) -> None:
+    """Answers before the body is there, as an upload is refused whose declaration is wrong."""
+    if scope["type"] == "http":
+        await send({"type": "http.response.start", "status": 422, "headers": [(b"content-length", b"2")]})
+        await send({"type": "http.response.body", "body": b"no"})
+
+
+def test_who_is_refused_in_the_middle_of_an_upload_hears_why() -> None:
+    """The rest of the body is longer than headers may be, and takes longer than they may."""
+    port, size = free_port(), 3 * MOST_HEAD_BYTES
+    with serving(_refusing, port, http=timed_headers(HEADERS_S, FLOOR)), connected(port) as connection:
+        connection.sendall(request("/api/uploads", size))
+        for _ in range(12):
+            time.sleep(HEADERS_S / 8)
+            connection.sendall(b"x" * (size // 12))
+        said = connection.recv(65536)
+        assert said.startswith(b"HTTP/1.1 422 ")
+        assert said.endswith(b"\r\n\r\nno")
+        connection.sendall(request("/again", 0))
+        assert connection.recv(65536).startswith(b"HTTP/1.1 422 ")
+        assert rest(connection) == b""
+
+
+@pytest.mark.parametrize("then", [b"", b"x"])
+def test_the_rest_of_an_answered_body_may_not_stop_or_crawl(then: bytes) -> None:
+    port = free_port()
+    with serving(_refusing, port, http=timed_headers(HEADERS_S, FLOOR)), connected(port) as connection:
+        connection.sendall(request("/api/uploads", 1_000_000))
+        said = connection.recv(65536)
+        connection.sendall(b"x")
+        connection.settimeout(0.05)
+        started, ended = time.monotonic(), False
+        while not ended and time.monotonic() - started < WAIT_S:
+            try:
+                connection.sendall(then)
+                piece = connection.recv(65536)
+            except TimeoutError:
+                continue
+            except (BrokenPipeError, ConnectionResetError):
+                piece = b""
+            said, ended = said + piece, not piece
+    assert ended
+    assert said.endswith(b"\r\n\r\nno"), "nothing is written behind the answer"
+
+
+def test_endless_headers_behind_an_unanswered_request_end_the_connection() -> None:
+    async def silent(scope: Any, receive: Any, send: Any) -> None:
+        if scope["type"] == "http":
+            while (await receive())["type"] != "http.disconnect":
+                continue
+
+    port = free_port()
+    with serving(silent, port, http=timed_headers(300.0)), connected(port) as connection:
+        connection.sendall(b"GET / HTTP/1.1\r\nHost: a\r\n\r\n")
+        time.sleep(0.1)
+        connection.sendall(b"GET / HTTP/1.1\r\nX: ")
+        connection.sendall(b"a" * (2 * MOST_HEAD_BYTES))
+        assert rest(connection) == b""
+
+
 def test_a_body_that_crawls_is_answered_408(port: int) -> None:
     """A tenth of the floor, without a pause as long as the patience: it is the rate that is too low."""
     with connected(port) as connection:
