@@ -55,7 +55,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " before anything is measured.",
     "live.source_allowed": "The source may fire.",
     "live.gap": "{missing_s:s.2} of data missing",
-    "live.state": "A session that is {state:state} cannot become {following:state}.",
+    "live.state": "The session cannot go from “{state:state}” to “{following:state}”.",
     "live.stray_source": "A magnetic source fires in this session, which has none; its pulses are not used,"
     " and nobody was asked about implants. Switch it off, or create a session with a magnetic source.",
     "live.force_lost": "No data from the load cells of the {side:side} shoe.",

@@ -68,7 +68,7 @@ def test_sound_readings_are_estimated(files, tmp_path):
     ("words", "told"),
     [
         (mapping("deg/s"), "converted twice"),
-        (mapping("rad/s", "yxz"), "gyroscope's axes do not fit"),
+        (mapping("rad/s", "yxz"), "the axes of the gyroscope do not fit"),
     ],
 )
 def test_wrong_units_and_axes_are_refused_in_words(files, tmp_path, words, told):

@@ -490,7 +490,7 @@ def test_wrong_axes_fail_in_words_until_they_are_declared_or_accepted(
     columns[0], columns[1] = columns[1], columns[0]
     done = run_job(engine, settings, queue(path, declare(world, **declared)), upload)
     assert done.status == "failed"
-    assert "forearm_right: the gyroscope's axes do not fit" in done.message
+    assert "Right forearm: the axes of the gyroscope do not fit" in done.message
     assert shown(engine, done).is_implausible
     assert shown(engine, done).sentences["message"].code == "upload.implausible"
     accepted = run_job(
@@ -498,7 +498,7 @@ def test_wrong_axes_fail_in_words_until_they_are_declared_or_accepted(
     )
     assert not shown(engine, accepted).is_implausible
     assert accepted.status == "complete"
-    assert "forearm_right: the gyroscope's axes do not fit" in accepted.message
+    assert "Right forearm: the axes of the gyroscope do not fit" in accepted.message
 
 
 @pytest.mark.slow
