@@ -74,17 +74,14 @@ def in_words(findings: Sequence[Finding], *, most: int = 6) -> str:
     most : int
         Kinds to tell; the rest is counted.
     """
-    kinds: list[tuple[str, dict[str, Any], list[str]]] = []
+    kinds: dict[str, tuple[str, dict[str, Any], list[str]]] = {}
     for finding in findings:
         code, parameters = finding.message.code, dict(finding.message.parameters)
         where = parameters.pop("where")
-        for kind, others, names in kinds:
-            if (kind, others) == (code, parameters):
-                names += where
-                break
-        else:
-            kinds.append((code, parameters, list(where)))
-    told = [CATALOGUE.say(code, where=where, **others) for code, others, where in kinds[:most]]
+        # By the words: limits that were measured differ in the last digits.
+        words = str(CATALOGUE.say(code, where=[], **parameters))
+        kinds.setdefault(words, (code, parameters, []))[2].extend(where)
+    told = [CATALOGUE.say(code, where=where, **others) for code, others, where in list(kinds.values())[:most]]
     if len(kinds) > most:
         told.append(say("readings.more", count=len(kinds) - most))
     return CATALOGUE.together(told)

@@ -60,6 +60,9 @@ def test_words_name_all_sensors_of_a_kind():
     cut = in_words(told, most=1)
     assert codes(cut) == ["text.lines", "readings.gyroscope_restless", "readings.more"]
     assert cut.parameters["lines"][1].parameters == {"count": 1}
+    nearly = in_words([finding("a", 1.0), finding("b", 1.0 + 1e-9)])
+    assert codes(nearly) == ["readings.gyroscope_restless"]
+    assert nearly.parameters["where"] == ["a", "b"], "nobody reads the same words twice"
     assert in_words([]) == ""
 
 
