@@ -55,13 +55,17 @@ def practised(
 
     Notes
     -----
-    Walks count by the strides that are steady, walking tests by the time of the test, everything else by repetitions
-    that were kept. Exercises that need not repeat anything count by movement where nothing repeats.
+    Walks, also those of no exercise, count by the strides that are steady, walking tests by the time of the test,
+    everything else by repetitions that were kept. Exercises that need not repeat anything count by movement where
+    nothing repeats.
     """
     exercise = session.get(Exercise, found.exercise_id) if found.exercise_id else None
-    if exercise is not None and exercise.movement in GUIDED_KINDS:
+    if exercise is None or exercise.movement in GUIDED_KINDS:
         content = any_walk(session, found)
-        return NOTHING if content is None else Practised(0, walked_s(content))
+        if content is not None:
+            return Practised(0, walked_s(content))
+        if exercise is not None:
+            return NOTHING
     try:
         if repetitions is None:
             repetitions = _found(session, found, exercise.side if exercise is not None else "right")

@@ -171,6 +171,9 @@ def test_walks_count_by_steady_strides_and_tests_by_their_time(engine, keep) -> 
         found.setup = found.setup | {"pipeline": "gait"}
         store_walk(session, found.id, recorded.result_id, content)
     assert measured(engine, recorded, "walk") == (0, pytest.approx(11.0))
+    assert measured(engine, recorded, exercise_id=None) == (0, pytest.approx(11.0)), (
+        "nobody said of what exercise"
+    )
 
 
 def test_the_walk_beside_a_magnetic_result_counts_too(engine, keep) -> None:
