@@ -2,8 +2,8 @@
 second factor to an administrator.
 
 Sessions that were compared get their repetitions from the comparison of their main result, and their time from the
-measure `duration` of each repetition; walks get the time of their steady strides. What stays empty is counted as
-before: as a session that recorded something.
+measure `duration` of each repetition; walks get the time of their steady strides. What stays empty, also where a
+stored walk is damaged, is counted as before: as a session that recorded something.
 
 Revision: 0006_practice
 After: 0005_second_factor.
@@ -60,9 +60,12 @@ def _count_walks() -> None:
             "SELECT s.id AS id, c.data AS data FROM motion_session s JOIN signal_chunk c"
             " ON c.session_id = s.id AND c.stream = 'gait/' || s.main_result_id"
             " WHERE s.state = 'analysed' AND s.purpose = 'exercise'"
-        )
+        ),
+        # Walks are up to 100 kB each: not all of a clinic's at once.
+        execution_options={"yield_per": 50},
     )
-    counted = [{"of": row.id, "active_s": _walked_s(bytes(row.data))} for row in walks]
+    measured = ((row.id, _walked_s(bytes(row.data))) for row in walks)
+    counted = [{"of": of, "active_s": active_s} for of, active_s in measured if active_s is not None]
     if counted:
         connection.execute(
             sa.text("UPDATE motion_session SET valid_repetitions = 0, active_s = :active_s WHERE id = :of"),
@@ -70,8 +73,11 @@ def _count_walks() -> None:
         )
 
 
-def _walked_s(data: bytes) -> float:
-    walk = json.loads(zlib.decompress(data))
+def _walked_s(data: bytes) -> float | None:
+    try:
+        walk = json.loads(zlib.decompress(data))
+    except (zlib.error, ValueError):
+        return None
     test = walk.get("test")
     if test and test["kind"] != "walk":
         return float(test["time_s"])

@@ -108,11 +108,14 @@ def fill(engine):
 
 
 def test_what_was_practised_before_is_filled_in(empty_url):
-    """Sessions as version 0005 left them: compared, compared and nothing kept, walked, tested, and without any."""
+    """Sessions as version 0005 left them: compared, compared and nothing kept, walked, tested, damaged, without any."""
     url, _ = empty_url
     migrate.upgrade(url, "0005_second_factor")
     engine = create_from_url(url)
-    ids = {name: new_id() for name in ("compared", "empty", "walked", "tested", "bare", "template", "open")}
+    ids = {
+        name: new_id()
+        for name in ("compared", "empty", "walked", "tested", "cut", "bare", "template", "open")
+    }
     strides = [{"duration_s": 1.1, "is_counted": True}, {"duration_s": 1.5, "is_counted": False}] * 3
     walk = {"feet": [{"strides": strides}, {"strides": []}], "test": {"kind": "walk", "time_s": 9.0}}
     walks = {"walked": walk, "tested": walk | {"test": {"kind": "timed_up_and_go", "time_s": 11.5}}}
@@ -129,6 +132,7 @@ def test_what_was_practised_before_is_filled_in(empty_url):
         "empty": (0, 0.0),
         "walked": (0, pytest.approx(3.3)),
         "tested": (0, 11.5),
+        "cut": (None, None),
         "bare": (None, None),
         "template": (None, None),
         "open": (None, None),
@@ -236,6 +240,7 @@ def _sessions_of_0005(ids, walks):
         ],
     )
     data = {name: zlib.compress(json.dumps(walk).encode()) for name, walk in walks.items()}
+    data["cut"] = data["walked"][:-9]
     mains = {one["id"]: one["main"] for one in sessions}
     yield (
         "INSERT INTO signal_chunk (session_id, stream, sequence, start_ns, ticks, codec, scale, crc, data)"
