@@ -1,7 +1,7 @@
 """Time zones by their IANA names, and the weeks that begin in them."""
 
 from datetime import UTC, datetime, time, timedelta, tzinfo
-from zoneinfo import ZoneInfo, available_timezones
+from zoneinfo import ZoneInfo, ZoneInfoNotFoundError, available_timezones
 
 UTC_NAME = "UTC"
 _LOCAL_TO_A_MACHINE = {"localtime", "Factory"}
@@ -19,14 +19,18 @@ def is_time_zone(name: str) -> bool:
 
 
 def time_zone(name: str) -> tzinfo:
-    """Return a time zone; UTC also on machines that have no database of them.
+    """Return a time zone; UTC where the machine does not know it.
 
     Parameters
     ----------
     name : str
-        Checked by `is_time_zone`.
+        Checked by `is_time_zone`, perhaps on another machine: a restored clinic must be readable on one that has no
+        database of time zones, or an older one.
     """
-    return UTC if name == UTC_NAME else ZoneInfo(name)
+    try:
+        return UTC if name == UTC_NAME else ZoneInfo(name)
+    except ZoneInfoNotFoundError:
+        return UTC
 
 
 def week_start(moment: datetime, zone: tzinfo) -> datetime:
