@@ -1,5 +1,7 @@
 """Words by code, and the sentences made of them."""
 
+import json
+import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final
@@ -100,10 +102,14 @@ def places(entry: Entry) -> Iterator[tuple[str, str]]:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value that JSON can hold: numbers of arrays become Python's."""
+    """Return a value that JSON can hold: numbers of arrays become Python's, what is no number becomes text.
+
+    JSON has no infinity: it would come to the client as null and be read there as zero.
+    """
     if isinstance(value, list | tuple):
         return [_plain(one) for one in value]
-    return value.item() if hasattr(value, "item") else value
+    plain = value.item() if hasattr(value, "item") else value
+    return json.dumps(plain) if isinstance(plain, float) and not math.isfinite(plain) else plain
 
 
 __all__ = ["Catalogue", "Entry", "places"]

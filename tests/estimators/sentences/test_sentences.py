@@ -62,6 +62,15 @@ def test_a_sentence_comes_back_from_copies_pickle_and_json(way):
     assert for_json(back) == for_json(outer)
 
 
+@pytest.mark.parametrize("angle_rad", [np.inf, -np.inf, np.nan, np.float32("inf")])
+def test_what_is_no_number_goes_through_json_and_is_not_zero(angle_rad):
+    said = WORDS.say("test.moved", place="pelvis", angle_rad=angle_rad)
+    sent = json.dumps(for_json(said), allow_nan=False)
+    back = WORDS.restored(json.loads(sent))
+    assert (back, back.code) == (said, "test.moved")
+    np.testing.assert_equal(float(json.loads(sent)["params"]["angle_rad"]), float(angle_rad))
+
+
 def test_stored_sentences_take_todays_words_and_keep_theirs_when_the_code_is_gone():
     stored = for_json(WORDS.say("test.again", count=2))
     later = Catalogue({"test.again": {"one": "Once more.", "other": "{count} more."}})
