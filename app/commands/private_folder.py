@@ -13,6 +13,7 @@ from app.settings import Settings
 
 _OF_OTHERS: Final = stat.S_IRWXG | stat.S_IRWXO
 _ROOT: Final = 0
+_OF_A_NEW_DISK: Final = "lost+found"
 
 
 def make_private(settings: Settings) -> None:
@@ -57,7 +58,7 @@ def _check_own(folder: Path, database: Path | None) -> None:
         found = {path.name for path in folder.iterdir()}
         own = {"uploads"} if database is None else {"uploads", database.name}
         lock = "" if database is None else f"{database.name}{LOCK_SUFFIX}"
-        is_shared = bool(found - {lock}) and not found & own
+        is_shared = bool(found - {lock, _OF_A_NEW_DISK}) and not found & own
     if is_shared:
         raise InvalidInput(
             f"The data folder {folder} can be read by other accounts of this machine and holds other things too."

@@ -54,12 +54,14 @@ def test_a_folder_is_made_for_its_own_account(tmp_path: Path) -> None:
     assert mode(tmp_path / "new" / "data") == 0o700
 
 
+@pytest.mark.parametrize("name", ["", "lost+found"])
 def test_an_empty_folder_is_taken_as_the_services_own(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
+    """A disk of its own too, in which its file system has made a folder."""
     monkeypatch.setattr(private_folder.os, "geteuid", lambda: 0)
     folder = tmp_path / "data"
-    folder.mkdir()
+    (folder / name).mkdir(parents=True)
     folder.chmod(0o755)
     with claim(settings_in(folder), "127.0.0.1", free_port(), "tests"):
         assert mode(folder) == 0o700
