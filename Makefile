@@ -13,7 +13,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 # Says how long a stage of `make run` took since its beginning; says nothing elsewhere.
 ready = @$(if $(STARTED_S),echo "$(1) ready after $$(($$(date +%s) - $(STARTED_S))) s")
 
-.PHONY: help run test test-quick coverage checks lint types web web-test bench-live bench-abuse bench-kernels bench-gait bench-magnetic bench-viewer validate accuracy lock wheel check-versions browser clean
+.PHONY: help run test test-quick coverage checks lint types web web-test api-test bench-live bench-abuse bench-kernels bench-gait bench-magnetic bench-viewer validate accuracy lock wheel check-versions browser clean
 
 help: ## This list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk 'BEGIN {FS = ":.*## "} {printf "  make %-14s %s\n", $$1, $$2}'
@@ -71,10 +71,14 @@ lint: $(VENV)/installed
 types: $(VENV)/installed
 	@$(BIN)/mypy
 
-web-test: $(VENV)/installed web/node_modules/installed
-	@cd web && npm run --silent check && npm run --silent api:check && npm test --silent
+web-test: web/node_modules/installed
+	@cd web && npm run --silent check && npm test --silent
 
-checks: lint types web-test web/dist/index.html browser
+api-test: $(VENV)/installed web/node_modules/installed
+	@cd web && npm run --silent api:check
+
+# What needs no Python first: it runs while the packages come.
+checks: web-test lint types api-test web/dist/index.html browser
 
 test: ## Everything: lint, types, browser client, unit, service, database and browser tests
 	@# The longest first: compiling begins as soon as the packages are there, files with slow tests before the others.

@@ -125,6 +125,7 @@ async def _refusing(scope: Any, receive: Any, send: Any) -> None:
         await send({"type": "http.response.body", "body": b"no"})
 
 
+@pytest.mark.slow
 def test_who_is_refused_in_the_middle_of_an_upload_hears_why() -> None:
     """The rest of the body is longer than headers may be, and takes longer than they may."""
     port, size = free_port(), 3 * MOST_HEAD_BYTES

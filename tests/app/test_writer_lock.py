@@ -185,6 +185,7 @@ def test_an_application_on_a_held_database_does_not_open(settings, cheap_passwor
     assert not (settings.data_dir / "uploads").exists(), "nothing was touched"
 
 
+@pytest.mark.slow
 def test_commands_say_in_one_line_why_they_do_not_begin(tmp_path):
     database = tmp_path / "telemotion.db"
     command = Command(f"sqlite:///{database}", tmp_path)

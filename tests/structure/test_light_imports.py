@@ -33,6 +33,7 @@ def test_a_refused_file_loads_no_web_framework(tmp_path, content: str) -> None:
     assert not found & (SCIENCE | {"fastapi", "viser", "pyarrow.parquet"})
 
 
+@pytest.mark.slow
 def test_the_service_starts_without_what_only_analyses_need() -> None:
     found = imported_by("import app.main")
     assert not found & (SCIENCE | {"httpx", "estimators.validation", "estimators.simulation"})

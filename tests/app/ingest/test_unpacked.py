@@ -35,6 +35,7 @@ def bomb(path: Path, unpacked_bytes: int, *, stated_bytes: int | None = None) ->
     return path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stated_bytes", [None, 1000])
 def test_a_mat_bomb_is_refused_with_both_sizes(tmp_path: Path, stated_bytes: int | None) -> None:
     path = bomb(tmp_path / "bomb.mat", GIB + (8 << 20), stated_bytes=stated_bytes)

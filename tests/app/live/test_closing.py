@@ -156,6 +156,7 @@ def test_a_goodbye_that_no_sequence_can_have_is_refused_and_harms_nothing(
     assert sorted(packet.sequence for packet in read_packets(engine, session_id)) == list(range(8))
 
 
+@pytest.mark.slow
 def test_a_goodbye_far_beyond_what_came_still_ends(
     therapist: Any, world: Any, stream: DeviceStream, engine: Engine
 ) -> None:

@@ -15,6 +15,7 @@ from estimators.validation._protocol import run_protocol
 
 BROAD_FILE = Path(__file__).parents[2] / "data" / "broad" / "fast_combined_15s.npz"
 SLOW = {
+    "optical_refusal": 2,
     "arm_joint_headings": 5,
     "arm_repetitions": 2,
     "arm_session": 2,
