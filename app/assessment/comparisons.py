@@ -1,5 +1,6 @@
 """Comparing a session with a template: on demand, and by the task that follows a closed session."""
 
+import logging
 from dataclasses import dataclass
 
 from sqlalchemy import Engine
@@ -8,7 +9,7 @@ from sqlalchemy.orm import Session
 from app.accounts.subject import Subject
 from app.assessment import repository
 from app.assessment.models import Comparison, RepetitionMeasure
-from app.assessment.practised import practised
+from app.assessment.practised import Practised, practised
 from app.assessment.presentation import (
     phase_curves_out,
     repetition_comparison,
@@ -36,6 +37,8 @@ from estimators.comparison import (
     template_from_bytes,
 )
 from estimators.errors import ComparisonError, EstimationError
+
+logger = logging.getLogger(__name__)
 
 VERSION = "1"
 """Of the comparison method; stored with each comparison, changes whenever the numbers change."""
@@ -107,13 +110,7 @@ def compare_task(context: JobContext) -> str:
                 if not close:
                     raise
                 message = say("comparison.not_compared", reason=error.message)
-        counts = (
-            practised(
-                session, found, None if work is None else [one.repetition for one in work.result.repetitions]
-            )
-            if close and found.purpose == "exercise"
-            else None
-        )
+        counts = _counted(session, found, work) if close and found.purpose == "exercise" else None
     with unit_of_work(context.engine) as session:
         found = session.get_one(MotionSession, context.session_id)
         if counts is not None:
@@ -125,6 +122,19 @@ def compare_task(context: JobContext) -> str:
         if close and found.state == "closing":
             _conclude(session, found, message if work is None and version is not None else "")
     return message
+
+
+def _counted(session: Session, found: MotionSession, work: _Work | None) -> Practised | None:
+    """Measure what was valid; None where the session is too long to be looked at whole.
+
+    It is analysed nevertheless, and counts as one that recorded something: counting is no reason to fail.
+    """
+    repetitions = None if work is None else [one.repetition for one in work.result.repetitions]
+    try:
+        return practised(session, found, repetitions)
+    except MemoryError:
+        logger.warning("session %s is too long to count what was practised", found.id)
+        return None
 
 
 def _conclude(session: Session, found: MotionSession, reason: str) -> None:

@@ -218,3 +218,25 @@ def test_closing_a_session_notes_what_was_valid(engine, settings, world, keep, w
         assert found.active_s == pytest.approx(REACHES * REACH_S, rel=0.12)
         made = [one for one in session.query(Comparison).all() if one.summary["measures"]]
         assert len(made) == (1 if with_template else 0)
+
+
+def test_a_session_too_long_to_be_counted_is_analysed_all_the_same(
+    engine, settings, keep, monkeypatch
+) -> None:
+    """A day of wearing is more than an analysis may take of memory at once, and is analysed in pieces."""
+
+    def too_long(*_):
+        raise MemoryError
+
+    monkeypatch.setattr("app.assessment.practised.load_source", too_long)
+    recorded = keep(still(60.0))
+    with unit_of_work(engine) as session:
+        found = session.get_one(MotionSession, recorded.session_id)
+        found.state = "closing"
+        job = Job(id=new_id(), session_id=found.id, kind="compare", arguments={"close": True}, created_by="x")
+        session.add(job)
+    done = run_job(engine, settings, job.id, compare_task)
+    assert done.status == "complete", done.message
+    with read_only(engine) as session:
+        found = session.get_one(MotionSession, recorded.session_id)
+        assert (found.state, found.valid_repetitions, found.active_s) == ("analysed", None, None)
