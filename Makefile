@@ -87,7 +87,7 @@ test: ## Everything: lint, types, browser client, unit, service, database and br
 	@$(BIN)/python -m pytest -m e2e $(TWO_AT_ONCE)
 
 # Apart from `make test`: following every branch makes the tests take three quarters longer.
-coverage: $(VENV)/compiled ## Branches that the tests reach, without the browser; fails below the bound in pyproject.toml
+coverage: $(VENV)/compiled ## Branches that the tests reach, without the browser
 	@$(BIN)/python -m pytest -m "not e2e" $(TWO_AT_ONCE) --no-loadscope-reorder --cov --cov-report=term:skip-covered
 
 test-quick: $(VENV)/compiled ## Under two minutes, no browser
