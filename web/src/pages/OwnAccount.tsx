@@ -30,28 +30,30 @@ export function OwnAccountPage() {
   const toggle = { 'aria-label': t('signIn.showPassword'), tabIndex: 0, 'aria-hidden': false } as const;
   return (
     <Page narrow title={t('account.title')} lead={`${me.display_name} · ${me.email}`}>
-      {me.must && (
-        <Notice>
-          <p role="status">{me.must === 'password' ? t('account.mustPassword') : t('account.mustSecond')}</p>
-        </Notice>
-      )}
-      <form className="card stack form-card" onSubmit={submit} aria-labelledby="password">
-        <h2 id="password">{t('account.password')}</h2>
-        {change.error && <Problem error={change.error} />}
-        {change.isSuccess && (
+      <div className="stack">
+        {me.must && (
           <Notice>
-            <p role="status">{t('account.changed')}</p>
+            <p role="status">{me.must === 'password' ? t('account.mustPassword') : t('account.mustSecond')}</p>
           </Notice>
         )}
-        <PasswordInput label={t('account.present')} autoComplete="current-password" required withAsterisk={false} value={present} onChange={(event) => setPresent(event.currentTarget.value)} visibilityToggleButtonProps={toggle} />
-        <PasswordInput label={t('clinic.newPassword')} description={t('clinic.passwordHelp', { least: LEAST })} autoComplete="new-password" required withAsterisk={false} minLength={LEAST} maxLength={200} value={wanted} onChange={(event) => setWanted(event.currentTarget.value)} visibilityToggleButtonProps={toggle} />
-        <div>
-          <Button type="submit" loading={change.isPending}>
-            {t('account.change')}
-          </Button>
-        </div>
-      </form>
-      {me.must !== 'password' && <SecondFactorCard />}
+        <form className="card stack form-card" onSubmit={submit} aria-labelledby="password">
+          <h2 id="password">{t('account.password')}</h2>
+          {change.error && <Problem error={change.error} />}
+          {change.isSuccess && (
+            <Notice>
+              <p role="status">{t('account.changed')}</p>
+            </Notice>
+          )}
+          <PasswordInput label={t('account.present')} autoComplete="current-password" required withAsterisk={false} value={present} onChange={(event) => setPresent(event.currentTarget.value)} visibilityToggleButtonProps={toggle} />
+          <PasswordInput label={t('clinic.newPassword')} description={t('clinic.passwordHelp', { least: LEAST })} autoComplete="new-password" required withAsterisk={false} minLength={LEAST} maxLength={200} value={wanted} onChange={(event) => setWanted(event.currentTarget.value)} visibilityToggleButtonProps={toggle} />
+          <div>
+            <Button type="submit" loading={change.isPending}>
+              {t('account.change')}
+            </Button>
+          </div>
+        </form>
+        {me.must !== 'password' && <SecondFactorCard />}
+      </div>
     </Page>
   );
 }
