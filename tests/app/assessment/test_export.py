@@ -34,6 +34,7 @@ def recorded(world, engine) -> Recorded:
         )
 
 
+@pytest.mark.slow
 def test_everything_is_in_it(engine, world, settings, recorded, patient) -> None:
     answer = patient.get(f"/api/patients/{world.patient_id}/export")
     assert answer.status_code == 200
@@ -97,6 +98,7 @@ def test_templates_devices_markers_and_safety_words_are_in_it(
     assert json.loads(archive.read(by_end["markers-mmmmmmmm.json"]))["segment"] == "forearm_right"
 
 
+@pytest.mark.slow
 def test_only_so_many_are_made_at_once(world, recorded, services, patient, therapist) -> None:
     path = f"/api/patients/{world.patient_id}/export"
     with services.limits.take("exports", world.subjects["therapist"]):

@@ -38,6 +38,7 @@ def misread(q, turn_rad):
     return rotation.multiply(rotation.about_z(-turn_rad), rotation.multiply(q, rotation.about_z(turn_rad)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("side", ["left", "right"])
 @pytest.mark.parametrize(("upper_deg", "fore_deg"), [(55.0, -20.0), (-70.0, 10.0)])
 def test_how_the_sensors_face_is_found(side, upper_deg, fore_deg):
