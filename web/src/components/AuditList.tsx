@@ -4,10 +4,15 @@ import { groupAudit, type AuditDeed } from '../lib/audit';
 import { clockTime, date } from '../lib/format';
 import { useSignedIn } from './useSignedIn';
 
-function deedText({ action, count }: AuditDeed, isOwn: boolean): string {
-  const staff = tOr(`audit.${action}`, action.replaceAll('.', ' ').replaceAll('_', ' '));
-  const words = isOwn ? tOr(`mine.audit.${action}`, staff) : staff;
-  return count > 1 ? `${words} ${t('audit.times', { count })}` : words;
+/** The deeds in words; what has the same words is one deed, for instance reading a comparison and the list of them. */
+function deedTexts(deeds: readonly AuditDeed[], isOwn: boolean): string[] {
+  const counts = new Map<string, number>();
+  for (const { action, count } of deeds) {
+    const staff = tOr(`audit.${action}`, action.replaceAll('.', ' ').replaceAll('_', ' '));
+    const words = isOwn ? tOr(`mine.audit.${action}`, staff) : staff;
+    counts.set(words, (counts.get(words) ?? 0) + count);
+  }
+  return [...counts].map(([words, count]) => (count > 1 ? `${words} ${t('audit.times', { count })}` : words));
 }
 
 /** Who did what with a patient's data: a line a person and day, with when, and every deed counted. */
@@ -27,8 +32,8 @@ export function AuditList({ entries }: { entries: readonly AuditEntry[] }) {
             </span>
           </div>
           <ul className="audit-deeds">
-            {deeds.map((deed) => (
-              <li key={deed.action}>{deedText(deed, isOwn)}</li>
+            {deedTexts(deeds, isOwn).map((deed) => (
+              <li key={deed}>{deed}</li>
             ))}
           </ul>
         </li>

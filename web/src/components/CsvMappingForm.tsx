@@ -99,7 +99,8 @@ export function CsvMappingForm({ head, placements, value, onChange }: { head: Ta
                 <Select
                   key={axis}
                   aria-label={`${name}: ${t('csv.axis', { axis })}`}
-                  placeholder={axis}
+                  leftSection={axis}
+                  title={signal.columns[position] || undefined}
                   searchable
                   data={columns}
                   value={signal.columns[position] || null}

@@ -5,10 +5,16 @@ import type { ReactNode } from 'react';
 import { ApiError } from '../api/client';
 import { t, tOr } from '../i18n';
 
+/** Beneath the service's words: what can be done. No right helps where a consent is missing or the patient is archived. */
+function adviceOn({ code, details }: ApiError): string {
+  if (code === 'not_allowed' && ('purpose' in details || 'archived' in details)) return '';
+  return tOr(`problem.${code}`, '');
+}
+
 /** The service's words, and beneath them what can be done. */
 export function Problem({ error, onRetry, title }: { error: unknown; onRetry?: () => void; title?: string }) {
   const message = error instanceof Error ? error.message : t('problem.unknown');
-  const advice = error instanceof ApiError ? tOr(`problem.${error.code}`, '') : '';
+  const advice = error instanceof ApiError ? adviceOn(error) : '';
   return (
     <div className="problem" role="alert">
       <IconAlertTriangle size={22} aria-hidden />

@@ -1,7 +1,10 @@
-import { screen, waitFor, within } from '@testing-library/react';
+import { MantineProvider } from '@mantine/core';
+import { render, screen, waitFor, within } from '@testing-library/react';
 import userEvent from '@testing-library/user-event';
 import { afterEach, describe, expect, it, vi } from 'vitest';
+import { ApiError } from '../../src/api/client';
 import type { Me, Patient } from '../../src/api/types';
+import { Problem } from '../../src/components/Feedback';
 import { CaseloadPage } from '../../src/pages/Caseload';
 import { MyDataPage } from '../../src/pages/mine/MyData';
 import { PatientNewPage } from '../../src/pages/PatientNew';
@@ -24,6 +27,18 @@ const answersOf = (one: Patient) => ({
   '/api/exercises': [],
 });
 const open = (one: Patient) => renderPage(<PatientPage />, { path: '/patients/:patientId', at: '/patients/p', answers: { ...answersOf(one), 'PUT /api/patients/p/consents': [] } });
+
+describe('a refusal', () => {
+  it('advises to ask for a right only where a right is missing', () => {
+    const advice = /Ask an administrator of your clinic/;
+    const { rerender } = render(<Problem error={new ApiError(403, 'not_allowed', 'It needs the right to treat.', { level: 'treat' })} />, { wrapper: MantineProvider });
+    expect(screen.getByText(advice)).toBeTruthy();
+    for (const details of [{ purpose: 'treatment' }, { archived: true }]) {
+      rerender(<Problem error={new ApiError(403, 'not_allowed', 'Not now.', details)} />);
+      expect(screen.queryByText(advice)).toBeNull();
+    }
+  });
+});
 
 describe('a prescription', () => {
   const given = answersOf(patient())['/api/patients/p/prescriptions'][0];
@@ -83,7 +98,7 @@ describe('an archived patient', () => {
     renderPage(<CaseloadPage />, {
       answers: { '/api/caseload': [], '/api/patients?archived=true': [patient({ archived_at: '2026-02-01T10:00:00Z' })] },
     });
-    await userEvent.click(await screen.findByRole('button', { name: 'Look at archived patients' }));
+    await userEvent.click(await screen.findByRole('button', { name: 'Show archived patients' }));
     expect((await screen.findByRole('link', { name: 'Ada Berg' })).getAttribute('href')).toBe('/patients/p');
   });
 

@@ -63,7 +63,7 @@ export function SourcesCard() {
         <h2 id="magnetic-sources">{t('sources.title')}</h2>
         <FileButton onChange={(file) => void take(file)} accept="application/json,.json">
           {(props) => (
-            <Button {...props} variant="default" size="sm" leftSection={<IconFileImport size={17} aria-hidden />} loading={keep.isPending}>
+            <Button {...props} className="end" variant="default" size="sm" leftSection={<IconFileImport size={17} aria-hidden />} loading={keep.isPending}>
               {t('sources.import')}
             </Button>
           )}

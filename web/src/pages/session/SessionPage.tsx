@@ -217,7 +217,7 @@ function Loaded({ session }: { session: SessionDetail }) {
           <Select
             label={t('replay.result')}
             size="sm"
-            w={560}
+            w={700}
             maw="100%"
             value={resultId}
             onChange={(value) => setSearch((now) => (value ? now.set('result', value) : now.delete('result'), now.delete('comparison'), now), { replace: true })}
