@@ -124,7 +124,7 @@ def _row(
         given_name=patient.given_name,
         family_name=patient.family_name,
         affected_side=patient.affected_side,
-        due="; ".join(f"{named.name}: {dose(p)}" for p, named in prescriptions),
+        due="; ".join(f"{named.name}: {dose(p, named.movement)}" for p, named in prescriptions),
         last_session_at=(last.started_at or last.created_at) if last else None,
         live_session_id=sessions.live_id,
         live_state=sessions.live_state,

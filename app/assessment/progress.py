@@ -24,6 +24,7 @@ from app.exercises.models import Exercise, Prescription, Template, TemplateVersi
 from app.patients.access import require_patient
 from app.sentences import Sentence, say
 from estimators.comparison import measure_label
+from estimators.gait import GUIDED_KINDS
 
 
 def progress(session: Session, subject: Subject, patient_id: str, exercise_id: str | None) -> Progress:
@@ -147,13 +148,13 @@ def _events(
     for _, at, number, template in versions:
         text = say("progress.template", name=template.name, number=number)
         events.append(ProgressEvent(at=at, kind="template", text=text))
-    prescriptions = session.scalars(
-        select(Prescription).where(
-            Prescription.patient_id == patient_id, Prescription.exercise_id == exercise_id
-        )
+    prescriptions = session.execute(
+        select(Prescription, Exercise)
+        .join(Exercise, Exercise.id == Prescription.exercise_id)
+        .where(Prescription.patient_id == patient_id, Prescription.exercise_id == exercise_id)
     )
-    for prescription in prescriptions:
-        text = say("progress.prescribed", dose=dose(prescription))
+    for prescription, exercise in prescriptions:
+        text = say("progress.prescribed", dose=dose(prescription, exercise.movement))
         events.append(ProgressEvent(at=prescription.starts_at, kind="prescription", text=text))
     return sorted(events, key=lambda event: event.at)
 
@@ -171,14 +172,18 @@ def _estimator_events(values: list[SessionValue]) -> list[ProgressEvent]:
     return events
 
 
-def dose(prescription: Prescription) -> Sentence:
+def dose(prescription: Prescription, movement: str) -> Sentence:
     """Return a prescription's dose in a few words.
 
     Parameters
     ----------
     prescription : Prescription
+    movement : str
+        Of its exercise. A walk is walked once in a session, whatever number of repetitions is stored with it.
     """
     amount = say("dose.repetitions", count=prescription.repetitions)
-    if prescription.sets > 1:
+    if movement in GUIDED_KINDS:
+        amount = say("dose.walk")
+    elif prescription.sets > 1:
         amount = say("dose.sets", sets=prescription.sets, amount=amount)
     return say("dose.weekly", amount=amount, count=prescription.times_per_week)

@@ -16,16 +16,16 @@ _LABELS: Final = {
     "test_distance": "Distance, whole walk",
     "speed": "Walking speed, steady strides",
     "stride_length": "Stride length, steady strides",
-    "cadence": "Steps a minute",
-    "stance_share": "Stance, part of a stride",
-    "double_support_share": "Double support, part of a stride",
+    "cadence": "Cadence",
+    "stance_share": "Stance, part of the stride",
+    "double_support_share": "Both feet on the ground, part of the stride",
     "step_width": "Step width",
     "step_length": "Step length",
-    "clearance": "Height of the foot in swing",
-    "toe_out": "Toes outward",
+    "clearance": "Lift of the foot in swing",
+    "toe_out": "Toes turned outward",
     "weight_on_left": "Weight on the left foot, standing",
-    "centre_to_left": "Centre of mass left of the middle",
-    "margin": "Margin of stability",
+    "centre_to_left": "Centre of mass left of the middle, walking",
+    "margin": "Margin of stability, least of each second",
 }
 _FEET: Final = ("speed", "stride_length", "cadence", "stance_share", "clearance", "toe_out")
 _BOTH: Final = ("double_support_share", "step_width")
@@ -42,9 +42,9 @@ _ORDER: Final = (
     *(f"{name}:{side}" for name in _FEET[2:] for side in _SIDES),
 )
 _UNEVEN_LABELS: Final = {
-    "stride_length": "Stride length, left less right",
-    "step_time": "Step time, left less right",
-    "stance_share": "Stance, left less right",
+    "stride_length": "Stride length, left compared with right",
+    "step_time": "Step time, left compared with right",
+    "stance_share": "Stance, left compared with right",
 }
 _PREFIX: Final = "walk:"
 

@@ -19,13 +19,14 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "template.no_angle": "No joint angle was measured in this session; calibrate the sensors on the patient"
     " and record again.",
     "exercise.walk_angle": "A walk has no primary angle; leave it empty.",
-    "exercise.angle": "The primary angle is not a joint angle of the {side:side} side; choose one of the list.",
+    "exercise.angle": "The primary angle is not a joint angle of the {side:side} side; choose one from the"
+    " list.",
     "comparison.no_template": "No template is prescribed, so there was no comparison.",
     "caseload.declining": "The range has decreased by more than sessions differ by chance.",
     "caseload.link_lost": "A session is open, but no data comes from the sensors.",
     "caseload.not_practising": {
-        "one": "No session for {count} day.",
-        "other": "No session for {count} days.",
+        "one": "Nothing practised for {count} day.",
+        "other": "Nothing practised for {count} days.",
     },
     "caseload.no_template": "An exercise is prescribed without a template to compare with.",
     "caseload.failed": "The last session failed.",
@@ -34,10 +35,11 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "progress.prescribed": "Prescribed: {dose}",
     "progress.estimator": "Estimator {estimator} {version}, pipeline {pipeline}",
     "dose.repetitions": {"one": "{count} repetition", "other": "{count} repetitions"},
+    "dose.walk": "1 walk",
     "dose.sets": "{sets} sets of {amount}",
     "dose.weekly": {"one": "{amount}, once a week", "other": "{amount}, {count} times a week"},
-    "comparison.not_compared": "Not compared: {reason}",
-    "comparison.done": "{kept} of {all} repetitions compared.",
+    "comparison.not_compared": "Not compared. {reason}",
+    "comparison.done": "Repetitions compared: {kept} of {all}.",
 }
 
 __all__ = ["ENGLISH"]

@@ -9,6 +9,7 @@ import pytest
 
 from app.assessment.measures import change, minimal_detectable_change, session_change, session_values
 from app.assessment.practice import Done, adherence
+from app.assessment.progress import dose
 from app.database.base import new_id, utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 from app.exercises.models import Prescription
@@ -148,6 +149,18 @@ def line(client, world):
 def test_a_line_without_anything(therapist, world):
     row = line(therapist, world)
     assert (row["reason"], row["due"], row["trend"], row["adherence_percent"]) == ("", "", [], None)
+
+
+@pytest.mark.parametrize(
+    ("movement", "said"),
+    [
+        ("reaching", "3 sets of 10 repetitions, once a week"),
+        ("timed_up_and_go", "1 walk, once a week"),
+        ("walk", "1 walk, once a week"),
+    ],
+)
+def test_a_walk_is_prescribed_without_repetitions(movement, said):
+    assert dose(Prescription(repetitions=10, sets=3, times_per_week=1), movement) == said
 
 
 def test_a_line_shows_dose_trend_and_adherence(history, therapist, world):

@@ -13,6 +13,7 @@ const UNITS: Record<string, DisplayUnit> = {
   deg: { factor: 1, suffix: '°', digits: 0 },
   'rad/s': { factor: 180 / Math.PI, suffix: ' °/s', digits: 0 },
   m: { factor: 100, suffix: ' cm', digits: 1 },
+  metres: { factor: 1, suffix: ' m', digits: 0 },
   'm/s': { factor: 1, suffix: ' m/s', digits: 2 },
   s: { factor: 1, suffix: ' s', digits: 1 },
   '%': { factor: 1, suffix: ' %', digits: 0 },

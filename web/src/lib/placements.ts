@@ -1,5 +1,8 @@
 import type { Placement, Side } from '../api/types';
 
+/** What to wear for a walk. */
+export const FEET: Placement[] = ['foot_left', 'foot_right'];
+
 /** Sensors of one arm, from the shoulder outwards. */
 export function armPlacements(side: 'left' | 'right'): Placement[] {
   return [`upper_arm_${side}`, `forearm_${side}`, `hand_${side}`];

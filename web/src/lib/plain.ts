@@ -1,7 +1,7 @@
 // Results in plain words for the patient: a change is told only when it is larger than what repeats by chance.
 import type { MeasureValue, ProgressMeasure } from '../api/types';
 import { t, tOr } from '../i18n';
-import { displayUnit, number } from './format';
+import { displayUnit, number, quantity } from './format';
 
 /** The measure a patient understands best: how far the main joint moved. */
 export function mainMeasure(measures: readonly ProgressMeasure[]): ProgressMeasure | null {
@@ -23,7 +23,11 @@ export function plainProgress(measure: ProgressMeasure | null): string {
   if (!measure.is_real_change) return t('mine.steady');
   const unit = displayUnit(measure.unit);
   const size = Math.abs(change * unit.factor);
-  if (unit.suffix !== '°') return change > 0 ? t('mine.more') : t('mine.less');
+  const way = change > 0 ? 'more' : 'less';
+  if (measure.measure === 'walk:test_time') return t(`mine.walk.test_time.${way}`, { amount: quantity(Math.abs(change), measure.unit) });
+  if (measure.measure === 'walk:test_distance') return t(`mine.walk.test_distance.${way}`, { amount: quantity(Math.abs(change), measure.unit) });
+  if (measure.measure.startsWith('walk:speed')) return t(`mine.walk.speed.${way}`);
+  if (unit.suffix !== '°') return t('mine.changed');
   const degrees = number(size);
   const joint = jointOf(measure.measure);
   return change > 0 ? t('mine.further', { joint, degrees }) : t('mine.lessFar', { joint, degrees });

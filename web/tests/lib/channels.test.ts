@@ -12,7 +12,7 @@ describe('channelLabel', () => {
     expect(channelLabel('thorax_humerus_left_yxy_plane_of_elevation').text).toBe('Shoulder plane of elevation, left');
   });
   it('names scalars and points with their unit', () => {
-    expect(channelLabel('trunk_lean_forward_rad')).toMatchObject({ text: 'Trunk lean forward', unit: 'rad' });
+    expect(channelLabel('trunk_lean_forward_rad')).toMatchObject({ text: 'Trunk forward lean', unit: 'rad' });
     expect(channelLabel('hand_speed_right_mps')).toMatchObject({ text: 'Hand speed, right', unit: 'm/s' });
     expect(channelLabel('hand_right.z')).toMatchObject({ text: 'Hand, right, height', unit: 'm' });
   });

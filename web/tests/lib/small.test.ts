@@ -66,10 +66,19 @@ describe('plain words', () => {
   });
   it('tells a change only when it is larger than chance', () => {
     expect(plainProgress(measure(0.14, true))).toMatch(/8° more/);
-    expect(plainProgress(measure(0.05, false))).toMatch(/About the same/);
+    expect(plainProgress(measure(0.05, false))).toMatch(/No clear change/);
     expect(plainProgress(measure(null, null, 1))).toMatch(/first exercise/);
     expect(plainProgress(measure(null, null, 3))).toMatch(/A few more times/);
     expect(plainProgress(null)).toMatch(/After your first/);
+  });
+
+  it('says of a walk what became more or less', () => {
+    const walked = (name: string, unit: string, change: number) => plainProgress({ measure: `walk:${name}`, label: '', unit, points: Array(4).fill({}), change, minimal_detectable_change: 1, is_real_change: true } as unknown as ProgressMeasure);
+    expect(walked('test_time', 's', 2.24)).toBe('Your walk now takes 2.2 s more than in your first sessions. Your therapist sees this too.');
+    expect(walked('test_time', 's', -2.24)).toBe('Your walk now takes 2.2 s less than in your first sessions.');
+    expect(walked('test_distance', 'metres', 31.4)).toBe('You now walk 31 m further than in your first sessions.');
+    expect(walked('speed:left', 'm/s', -0.2)).toMatch(/^You now walk more slowly/);
+    expect(walked('step_width', 'm', 0.02)).toMatch(/^Your results have changed/);
   });
 });
 

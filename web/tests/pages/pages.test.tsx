@@ -59,7 +59,7 @@ describe('caseload', () => {
       },
     });
     const lines = (await screen.findAllByRole('row')).slice(1).map((line) => (line.children[1] as HTMLElement).textContent);
-    expect(lines).toEqual(['DecliningLink lostOpen the session', 'DecliningLive nowWatch live', 'Link lostOpen the session']);
+    expect(lines).toEqual(['DecliningSignal lostOpen the session', 'DecliningLive nowWatch live', 'Signal lostOpen the session']);
   });
 
   it('tells in a demonstration how far its past sessions are, and elsewhere nothing', async () => {

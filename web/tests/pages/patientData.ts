@@ -80,7 +80,7 @@ const audit = Object.keys(en)
   .map((key, index) => ({ id: String(index), at: '2026-11-20T09:00:00Z', who: 'Ingrid Solberg', role: 'therapist', action: key.slice('audit.'.length) })) as unknown as AuditEntry[];
 
 /** Answers to what the pages ask, for a session in a state. */
-export function answers(change: Partial<SessionDetail> = {}): Record<string, unknown> {
+export function answers(change: Partial<SessionDetail> = {}, ofExercise: Partial<Exercise> = {}): Record<string, unknown> {
   const own = detail(change);
   const sessions = [session(own), session({ id: 'o', started_at: '2026-11-20T15:00:00Z' }), session({ id: 'n', exercise_id: null, exercise_name: null, started_at: '2026-11-18T15:00:00Z', duration_s: 40 })];
   return {
@@ -94,7 +94,7 @@ export function answers(change: Partial<SessionDetail> = {}): Record<string, unk
     '/api/patients/p/grants': [{ id: 'g', display_name: 'Ingrid Solberg', level: 'treat' }],
     '/api/patients/p/consents': [{ purpose: 'home_streaming', granted: true, changed_at: '2026-11-01T10:00:00Z' }],
     '/api/patients/p/audit': audit,
-    '/api/exercises': [exercise],
+    '/api/exercises': [{ ...exercise, ...ofExercise }],
     '/api/sessions/s': own,
     '/api/sessions/s/comparisons': [comparison],
     'POST /api/sessions/s/views': [503, { code: 'unavailable', message: 'Too many 3D views are open.', details: {} }],

@@ -7,7 +7,7 @@ import { createMemoryRouter, RouterProvider, type RouteObject } from 'react-rout
 import { afterEach, describe, expect, it, vi } from 'vitest';
 import { routes } from '../../src/App';
 import { ownPage } from '../../src/components/ByRole';
-import type { LiveMessage, SessionDetail, SessionState } from '../../src/api/types';
+import type { Exercise, LiveMessage, SessionDetail, SessionState } from '../../src/api/types';
 import { analystWordsIn } from './analystWords';
 import { answers, guide, health, layoutMessage, stateMessage } from './patientData';
 
@@ -15,7 +15,10 @@ import { answers, guide, health, layoutMessage, stateMessage } from './patientDa
 configure({ asyncUtilTimeout: 10_000 });
 vi.setConfig({ testTimeout: 20_000 });
 
-afterEach(() => vi.unstubAllGlobals());
+afterEach(() => {
+  vi.unstubAllGlobals();
+  vi.restoreAllMocks();
+});
 
 class FakeSocket {
   static readonly OPEN = 1;
@@ -42,8 +45,8 @@ function say(...messages: LiveMessage[]) {
   return socket;
 }
 
-function open(at: string, change: Partial<SessionDetail> = {}) {
-  const given = answers(change);
+function open(at: string, change: Partial<SessionDetail> = {}, ofExercise: Partial<Exercise> = {}, onCreate: (body: unknown) => void = () => undefined) {
+  const given = answers(change, ofExercise);
   const asked: string[] = [];
   FakeSocket.all = [];
   vi.stubGlobal('WebSocket', FakeSocket);
@@ -52,6 +55,7 @@ function open(at: string, change: Partial<SessionDetail> = {}) {
   vi.stubGlobal('fetch', (path: string, init: RequestInit = {}) => {
     const method = init.method ?? 'GET';
     asked.push(`${method} ${path}`);
+    if (method === 'POST' && path === '/api/sessions') onCreate(JSON.parse(String(init.body)));
     const found = given[method === 'GET' ? path : `${method} ${path}`];
     const [status, body] = Array.isArray(found) && typeof found[0] === 'number' ? (found as [number, unknown]) : [found === undefined ? 404 : 200, found];
     return Promise.resolve(Response.json(body ?? { code: 'not_found', message: `The estimator knows nothing at ${path}.`, details: {} }, { status }));
@@ -110,12 +114,25 @@ describe('a patient', () => {
     ['closing', 'Well done', [stateMessage('closing')]],
     ['failed', 'Something went wrong', [stateMessage('failed')]],
   ])('reads in plain words that the session is %s: %s', async (state, words, messages) => {
+    const complaints = vi.spyOn(console, 'error').mockImplementation(() => undefined);
     open('/my/sessions/s/live', { state, recording_start_s: null, recording_end_s: null });
     await screen.findByRole('heading', { level: 1 });
     await waitFor(() => expect(FakeSocket.all.length).toBeGreaterThan(0));
     say(...messages, health, ...(state === 'created' ? [] : [layoutMessage]));
     expect(await screen.findByRole('heading', { name: words })).toBeTruthy();
     expect(await read()).toEqual([]);
+    // React says here when elements are nested as no browser reads them.
+    expect(complaints.mock.calls.map((said) => said.join(' ')).filter((said) => said.includes('cannot be a descendant'))).toEqual([]);
+  });
+
+  it('reads what a walk asks for, and starts it with sensors on the feet', async () => {
+    const sent: unknown[] = [];
+    open('/', {}, { movement: 'timed_up_and_go', description: 'Stand up, walk to the mark and back, sit down.' }, (body) => sent.push(body));
+    await screen.findByText('Stand up, walk to the mark and back, sit down.');
+    expect(screen.getByText('One walk')).toBeTruthy();
+    expect(screen.queryByText(/10 times|rounds/)).toBeNull();
+    await userEvent.click(await screen.findByRole('button', { name: 'Start: Reach forward' }));
+    expect(sent).toMatchObject([{ pipeline: 'gait', placements: ['foot_left', 'foot_right'], prescription_id: 'pr' }]);
   });
 
   it('starts and ends a recording with one button each, and reads a refusal in plain words', async () => {

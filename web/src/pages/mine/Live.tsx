@@ -2,10 +2,11 @@
 import { Button, Progress } from '@mantine/core';
 import { IconAntennaBarsOff, IconCheck, IconHandStop, IconPlayerPlayFilled, IconPlayerStopFilled, IconRun } from '@tabler/icons-react';
 import { useMutation, useQueryClient } from '@tanstack/react-query';
+import { useState } from 'react';
 import { Link, useParams } from 'react-router';
 import { api } from '../../api/client';
 import { keys, useSession } from '../../api/queries';
-import type { HealthMessage, SessionDetail } from '../../api/types';
+import type { HealthMessage, PlayerState, SessionDetail } from '../../api/types';
 import { Confirm } from '../../components/Confirm';
 import { Waiting } from '../../components/Feedback';
 import { Page } from '../../components/Page';
@@ -80,6 +81,7 @@ function Sensors({ health }: { health: HealthMessage | null }) {
 function Room({ session, player }: { session: SessionDetail; player: LivePlayer }) {
   const client = useQueryClient();
   const snapshot = useSnapshot(player);
+  const [shown, setShown] = useState<PlayerState | null>(null);
   const moment = momentOf(snapshot, session);
   useSession(session.id, moment === 'preparing' ? ASK_MS : undefined);
   const { start, cancel, error } = useCalibrating(session.id);
@@ -160,13 +162,14 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
       {moment !== 'putOn' && MOVING.includes(moment) && (
         <>
           {moment !== 'lost' && moment !== 'silent' && <Sensors health={snapshot.health} />}
-          <Viewer3D sessionId={session.id} request={LIVE} title={t('home.picture')} near={session.pipeline === 'gait' ? 'feet' : session.pipeline === 'relative_pose' ? 'modules' : 'arm'} />
+          <Viewer3D sessionId={session.id} request={LIVE} title={t('home.picture')} near={session.pipeline === 'gait' ? 'feet' : session.pipeline === 'relative_pose' ? 'modules' : 'arm'} onShown={setShown} />
+          {shown?.has_ghost && <p className="muted">{t('home.example')}</p>}
         </>
       )}
       {!records && OPEN.includes(moment) && (
-        <p>
+        <div>
           <Confirm label={t('home.end')} title={t('home.endTitle')} text={t('home.endText')} confirm={t('home.end')} onConfirm={() => deed.mutate('end')} />
-        </p>
+        </div>
       )}
     </div>
   );

@@ -26,11 +26,11 @@ function Exercise({ patientId, exerciseId, name }: { patientId: string; exercise
 function Done({ session, repetitions }: { session: Session; repetitions: number | null }) {
   const name = session.exercise_name ?? t('session.free');
   const minutes = Math.round(session.duration_s / 60);
-  const said = [...(repetitions ? [t('home.times', { count: repetitions })] : []), minutes > 0 ? t('home.minutes', { count: minutes }) : t('home.underMinute')];
+  const said = [...(repetitions ? [t('home.times', { count: repetitions })] : []), minutes > 0 ? t('home.minutes', { count: minutes }) : t('home.underMinute')].join(', ');
   const words = (
     <span>
       <span className="strong">{name}</span>
-      <span className="muted">{said.join(', ')}</span>
+      <span className="muted">{said.charAt(0).toUpperCase() + said.slice(1)}</span>
       {session.state === 'closing' && <span className="muted">{t('home.beingPrepared')}</span>}
     </span>
   );

@@ -2,26 +2,31 @@
 import { Button } from '@mantine/core';
 import { IconCircleCheckFilled, IconMoodHappy, IconPlayerPlayFilled } from '@tabler/icons-react';
 import { Link, useNavigate } from 'react-router';
-import { useNewSession, usePatient, usePatientSessions, usePrescriptions, useProgress } from '../../api/queries';
+import { useExercises, useNewSession, usePatient, usePatientSessions, usePrescriptions, useProgress } from '../../api/queries';
 import type { Me, Prescription } from '../../api/types';
 import { Answer, Empty } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { useSignedIn } from '../../components/useSignedIn';
 import { t } from '../../i18n';
-import { suggestedPlacements } from '../../lib/placements';
+import { isWalk } from '../../lib/exercises';
+import { FEET, suggestedPlacements } from '../../lib/placements';
 import { mainMeasure, plainProgress } from '../../lib/plain';
 import { weekText } from '../../lib/practice';
 import { isLive } from '../../lib/sessions';
 import { PlainProblem } from './PlainProblem';
 
-function doseWords({ sets, repetitions }: Prescription): string {
+function doseWords({ sets, repetitions }: Prescription, isWalked: boolean): string {
+  if (isWalked) return t('mine.walk');
   return sets > 1 ? t('mine.setsOf', { sets, repetitions }) : t('mine.times', { count: repetitions });
 }
 
 function ExerciseCard({ prescription, patientId }: { prescription: Prescription; patientId: string }) {
   const navigate = useNavigate();
   const patient = usePatient(patientId);
+  const exercises = useExercises();
   const create = useNewSession();
+  const exercise = exercises.data?.find((one) => one.id === prescription.exercise_id);
+  const isWalked = isWalk(exercise?.movement);
   const isDone = prescription.done_this_week >= prescription.times_per_week;
   const start = () =>
     create.mutate(
@@ -29,7 +34,7 @@ function ExerciseCard({ prescription, patientId }: { prescription: Prescription;
         patient_id: patientId,
         exercise_id: prescription.exercise_id,
         prescription_id: prescription.id,
-        placements: suggestedPlacements(patient.data?.affected_side),
+        ...(isWalked ? { pipeline: 'gait' as const, placements: FEET } : { placements: suggestedPlacements(patient.data?.affected_side) }),
       },
       { onSuccess: (session) => void navigate(`/my/sessions/${session.id}/live`) },
     );
@@ -37,7 +42,8 @@ function ExerciseCard({ prescription, patientId }: { prescription: Prescription;
     <li className="card mine-card">
       <div>
         <h2>{prescription.exercise_name}</h2>
-        <p>{doseWords(prescription)}</p>
+        {exercise?.description && <p>{exercise.description}</p>}
+        {exercises.data && <p>{doseWords(prescription, isWalked)}</p>}
         <p className="small">{weekText(prescription)}</p>
         <p className="muted">{isDone ? t('mine.doneForWeek') : t('mine.left', { count: prescription.times_per_week - prescription.done_this_week })}</p>
       </div>
@@ -46,7 +52,7 @@ function ExerciseCard({ prescription, patientId }: { prescription: Prescription;
         variant={isDone ? 'default' : 'filled'}
         leftSection={isDone ? <IconCircleCheckFilled size={26} aria-hidden /> : <IconPlayerPlayFilled size={26} aria-hidden />}
         loading={create.isPending}
-        disabled={!patient.data}
+        disabled={!patient.data || !exercises.data}
         onClick={start}
         aria-label={`${isDone ? t('mine.again') : t('mine.start')}: ${prescription.exercise_name}`}
       >

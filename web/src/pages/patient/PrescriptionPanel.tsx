@@ -13,10 +13,10 @@ import { isWalk, movementOf } from '../../lib/exercises';
 import { date } from '../../lib/format';
 import { weekText } from '../../lib/practice';
 
-/** The dose in words: sets, repetitions, times a week. */
-export function doseText(prescription: Pick<Prescription, 'sets' | 'repetitions' | 'times_per_week'>): string {
+/** The dose in words: sets, repetitions, times a week. A walk is walked once in a session. */
+export function doseText(prescription: Pick<Prescription, 'sets' | 'repetitions' | 'times_per_week'>, isWalked: boolean): string {
   const { sets, repetitions, times_per_week: perWeek } = prescription;
-  const dose = sets > 1 ? t('prescription.setsOf', { sets, repetitions }) : t('prescription.repetitions', { count: repetitions });
+  const dose = isWalked ? t('prescription.walk') : sets > 1 ? t('prescription.setsOf', { sets, repetitions }) : t('prescription.repetitions', { count: repetitions });
   return t('prescription.dose', { dose, perWeek });
 }
 
@@ -34,6 +34,7 @@ function PrescribeForm({ patient, onDone }: { patient: Patient; onDone: () => vo
   const templates = useTemplates(exerciseId, patient.id, exerciseId !== null);
   const prescribe = usePrescribe(patient.id);
   const choices = templates.data ?? [];
+  const isWalked = isWalk(movementOf(exercises.data, exerciseId));
   const chosen = templateId ?? choices[0]?.id ?? NO_TEMPLATE;
   const submit = (event: FormEvent) => {
     event.preventDefault();
@@ -42,8 +43,8 @@ function PrescribeForm({ patient, onDone }: { patient: Patient; onDone: () => vo
       {
         exercise_id: exerciseId,
         template_id: chosen === NO_TEMPLATE ? null : chosen,
-        repetitions,
-        sets,
+        repetitions: isWalked ? 1 : repetitions,
+        sets: isWalked ? 1 : sets,
         times_per_week: perWeek,
         ends_at: endsAt ? new Date(`${endsAt}T23:59:59`).toISOString() : null,
       },
@@ -69,7 +70,7 @@ function PrescribeForm({ patient, onDone }: { patient: Patient; onDone: () => vo
         data-autofocus
       />
       {present.data?.some((one) => one.exercise_id === exerciseId) && <Notice>{t('prescription.twice')}</Notice>}
-      {exerciseId && templates.data && !isWalk(movementOf(exercises.data, exerciseId)) && (
+      {exerciseId && templates.data && !isWalked && (
         <Select
           label={t('prescription.template')}
           description={choices.length ? t('prescription.templateHelp') : t('prescription.noTemplateHelp')}
@@ -78,10 +79,14 @@ function PrescribeForm({ patient, onDone }: { patient: Patient; onDone: () => vo
           onChange={setTemplateId}
         />
       )}
-      <SimpleGrid cols={3}>
-        <NumberInput label={t('prescription.repetitionsLabel')} min={1} max={200} value={repetitions} onChange={(value) => setRepetitions(Number(value) || 1)} />
-        <NumberInput label={t('prescription.setsLabel')} min={1} max={20} value={sets} onChange={(value) => setSets(Number(value) || 1)} />
-        <NumberInput label={t('prescription.perWeekLabel')} min={1} max={28} value={perWeek} onChange={(value) => setPerWeek(Number(value) || 1)} />
+      <SimpleGrid cols={isWalked ? 1 : 3}>
+        {!isWalked && (
+          <>
+            <NumberInput label={t('prescription.repetitionsLabel')} min={1} max={200} value={repetitions} onChange={(value) => setRepetitions(Number(value) || 1)} />
+            <NumberInput label={t('prescription.setsLabel')} min={1} max={20} value={sets} onChange={(value) => setSets(Number(value) || 1)} />
+          </>
+        )}
+        <NumberInput maw={200} label={t('prescription.perWeekLabel')} min={1} max={28} value={perWeek} onChange={(value) => setPerWeek(Number(value) || 1)} />
       </SimpleGrid>
       <DateField label={t('prescription.until')} description={t('prescription.untilHelp')} value={endsAt} onChange={setEndsAt} />
       <Group justify="flex-end">
@@ -109,7 +114,7 @@ function Line({ prescription, patient }: { prescription: Prescription; patient: 
           <Confirm label={t('prescription.end')} title={t('prescription.endTitle', { name: prescription.exercise_name })} text={t('prescription.endText')} confirm={t('prescription.end')} onConfirm={() => end.mutate(prescription.id)} />
         )}
       </div>
-      <div>{doseText(prescription)}</div>
+      {exercises.data && <div>{doseText(prescription, isTest)}</div>}
       <div className="small week">
         <span className="dots" aria-hidden>
           {Array.from({ length: Math.min(14, prescription.times_per_week) }, (_, index) => (

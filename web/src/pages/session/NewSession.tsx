@@ -12,14 +12,13 @@ import { placementLabel } from '../../lib/channels';
 import { isWalk as isWalking } from '../../lib/exercises';
 import { day } from '../../lib/format';
 import { isForbidden, isSafe, sourceParameters, UNASKED, USUAL, wornFor, type Use } from '../../lib/magneticSetup';
-import { placementProblem, suggestedPlacements } from '../../lib/placements';
+import { FEET, placementProblem, suggestedPlacements } from '../../lib/placements';
 import { ImplantQuestions } from '../magnetic/ImplantQuestions';
 import { SourceChoice } from '../magnetic/SourceChoice';
 
 /** Those a therapist chooses between; the others are for comparison. */
 const SHOWN_FIRST = 2;
 type Kind = NonNullable<SessionIn['pipeline']>;
-const FEET: Placement[] = ['foot_left', 'foot_right'];
 const SHOES: Placement[] = ['heel_left', 'forefoot_left', 'heel_right', 'forefoot_right'];
 
 function Form({ patient }: { patient: Patient }) {
