@@ -17,7 +17,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "account.email_form": "Enter a complete e-mail address, for instance name@example.org.",
     "account.change_not_allowed": "Only an administrator of the clinic can change accounts.",
     "clinic.change_not_allowed": "Only an administrator can change the clinic.",
-    "clinic.no_such_zone": "There is no such time zone; choose one of the list, for instance Europe/Oslo.",
+    "clinic.no_such_zone": "There is no such time zone; choose one from the list, for instance Europe/Oslo.",
     "account.no_such_patient": "Patient not found in this clinic.",
     "account.email_taken": "There is already an account with this e-mail address.",
     "account.own": "This is your own account: another administrator can switch it off; to change your"
@@ -28,7 +28,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "sign_in.bearer_only": "Only `Authorization: Bearer` with a device token is understood.",
     "sign_in.no_device_token": "A device token cannot be used here; sign in.",
     "sign_in.device_token_only": "This is for gateways: it needs a device token.",
-    "device.no_open_session": "No session is open for this patient. Begin one, then ask again.",
+    "device.no_open_session": "No session is open for this patient. Create one, then ask again.",
     "device.code_refused": "This pairing code is wrong, was used before or is older than ten minutes; make a"
     " new one.",
     "device.too_many_codes": "Too many wrong pairing codes; try again in {seconds:s}.",
@@ -53,11 +53,10 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " newest code.",
     "password.short": "This password is shorter than {least} characters; choose another, for example four"
     " words.",
-    "password.common": "This password is one of those that are tried first; choose another, for example four"
-    " words.",
+    "password.common": "This password is among the most common ones; choose another, for example four words.",
     "password.repeats": "This password repeats itself; choose another, for example four words.",
-    "password.row": "This password follows the alphabet, the numbers or the keyboard; choose another, for"
-    " example four words.",
+    "password.row": "This password is a row of letters, numbers or keys; choose another, for example four"
+    " words.",
     "password.own": "This password is made of your name or e-mail address; choose another, for example four"
     " words.",
     "sign_in.ticket_refused": "The ticket is not valid here, was used before or is older than 30 seconds; ask"
@@ -68,8 +67,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "patient.archived": "This patient is archived: existing data can be read, nothing can be added.",
     "patient.consent_withdrawn": "The patient has withdrawn the consent to treatment: existing data can be"
     " read, nothing can be added.",
-    "patient.no_consent": "Nobody has written down yet that the patient agrees to treatment. Ask the patient,"
-    " and note the answer under Consent on the patient's page; then this can be done.",
+    "patient.no_consent": "It is not recorded yet that the patient agrees to treatment. Ask the patient, and"
+    " record the answer under Consent on the patient's page.",
     "patient.no_home_consent": "The patient has not consented to recording at home. Record the consent on the"
     " patient's page first.",
     "grant.not_found": "Access right not found, or not shared with you.",
@@ -79,7 +78,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "grant.ends_in_past": "The end of an access right must be in the future.",
     "grant.end_needs_zone": "The end of an access right needs a time zone, for instance 2030-01-31T12:00:00Z.",
     "patient.archive_first": "Archive the patient first; erasing cannot be undone.",
-    "patient.session_live": "A session of this patient is live; close it first.",
+    "patient.session_live": "A session of this patient is live; end it first.",
     "patient.being_analysed": "A recording of this patient is being analysed; try again in a minute.",
 }
 

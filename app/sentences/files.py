@@ -16,7 +16,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "file.linked_data": "The data set {name} must be in the file itself; links and other kinds of data are not"
     " read.",
     "file.not_finite": "The file holds values that are not finite; fill or cut these gaps first.",
-    "file.sensor_not_finite": "Sensor {where:place}: some values are not finite; fill or cut these gaps first.",
+    "file.sensor_not_finite": "{where:place}: some values are not finite; fill or cut these gaps first.",
     "file.no_time_in_row": "Row {row} has no time; fill it in or remove the row.",
     "file.time_stands_still": "The time does not advance in row {row}; remove repeated rows.",
     "file.time_backwards": "The time runs backwards in row {row}; sort the rows by time.",
@@ -51,7 +51,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "file.left_out": "Not used, position not supported: {names:and}.",
     "mat.version": "This .mat file has version 7.3; save it as version 5 or 7.",
     "mat.unreadable": "The file cannot be read as a .mat file; save it as version 5 or 7.",
-    "gaitmap.side": "The file holds one foot without its side; put `left` or `right` into the file's name.",
+    "gaitmap.side": "The file does not say which foot it is of; put `left` or `right` into its name.",
     "gaitmap.header": "The file needs a header of one or two rows, with numbers below it.",
     "gaitmap.strides": "{file} is not a list of strides.",
     "shoe.weight": "Body weight measured by the shoes is {weight_n:number} N; a person weighs {least_n:number}"
@@ -81,10 +81,10 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " {highest_hz:hz}.",
     "mapping.unit": "The {quantity:quantity} (columns {columns:and}) cannot have the unit {unit}; use"
     " {units:or}.",
-    "mapping.twice": "Sensor {where:place}: the {quantity:quantity} is mapped twice, to the columns"
+    "mapping.twice": "{where:place}: the {quantity:quantity} is mapped twice, to the columns"
     " {first:and} and again to {second:and}; keep one.",
     "mapping.no_sensor": "The mapping names no sensor; map gyroscope and accelerometer of at least one.",
-    "mapping.needed": "Sensor {where:place}: the {quantity:quantity} is not mapped; gyroscope and"
+    "mapping.needed": "{where:place}: the {quantity:quantity} is not mapped; gyroscope and"
     " accelerometer are both needed.",
     "mapping.magnetometers": "The magnetometer is not mapped for {places:place}; map it for all sensors or for"
     " none.",
@@ -93,22 +93,22 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "log.hello_too_long": "The hello of the log states {length} bytes; at most {most} are allowed.",
     "log.hello_not_json": "The hello at the beginning of the log is not a JSON object.",
     "log.hello_incomplete": "The hello at the beginning of the log lacks placements, rate or scales.",
-    "log.hello_refused": "The hello of the log cannot be used: {reason}",
+    "log.hello_refused": "The hello of the log cannot be used. {reason}",
     "log.cut_off_in_hello": "The log ends within its hello; it was cut off.",
     "log.cut_off": "The log ends within packet {number}; it was cut off.",
     "log.packet_length": "Packet {number} states {length} bytes; the log is damaged there.",
     "log.no_packet": "The log holds no intact packet.",
-    "signal.foot_gyroscope": "Sensor {where:place}: the gyroscope turns by no more than {raw:number~3} {unit}"
+    "signal.foot_gyroscope": "{where:place}: the gyroscope turns by no more than {raw:number~3} {unit}"
     " although the accelerometer shows steps; a walking foot turns by 1 rad/s (57 deg/s) or more. {advice}",
-    "signal.gyroscope_fast": "Sensor {where:place}: the gyroscope reads {raw:number} {unit}, faster than any"
+    "signal.gyroscope_fast": "{where:place}: the gyroscope reads {raw:number} {unit}, faster than any"
     " sensor measures. {advice}",
-    "signal.no_numbers": "Sensor {where:place}: the {quantity:quantity} holds no numbers.",
-    "signal.no_gravity": "Sensor {where:place}: the accelerometer has a median of {raw:number~3} {unit};"
+    "signal.no_numbers": "{where:place}: the {quantity:quantity} holds no numbers.",
+    "signal.no_gravity": "{where:place}: the accelerometer has a median of {raw:number~3} {unit};"
     " gravity (9.81 m/s²) was expected. {advice}",
-    "signal.no_earth_field": "Sensor {where:place}: the magnetometer has a median of {raw:number~3} {unit};"
+    "signal.no_earth_field": "{where:place}: the magnetometer has a median of {raw:number~3} {unit};"
     " the earth's field (22 to 67 µT) was expected. {advice}",
     "signal.check_columns": "Check its columns and its unit.",
-    "table.endless_line": "The first line has no end; this is no table.",
+    "table.endless_line": "The first line has no end; this is not a table.",
     "table.not_utf8": "The file is not UTF-8 text. Save it as CSV in UTF-8 and upload it again.",
     "table.no_column": "The file has no column {missing:and}. It has: {present}. Correct the mapping.",
     "table.no_rows": "The file has a header but no rows.",

@@ -8,10 +8,10 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "edge.fields": "The request is not valid; check: {fields:and}.",
     "edge.database_busy": "The database is busy or cannot be reached; try again in a moment.",
     "edge.unexpected": "Something went wrong in the service; the error was recorded.",
-    "edge.method": "This address takes {allowed}.",
+    "edge.method": "This address accepts only {allowed}.",
     "edge.no_json": "The body cannot be read as JSON.",
     "edge.no_such_address": "There is nothing at this address.",
-    "edge.no_such_page": "This is no page of this list; read the list from its beginning.",
+    "edge.no_such_page": "This is not a page of this list; read the list from its beginning.",
     "edge.query_nul": "The query must not hold a NUL; remove %00.",
     "edge.metrics": "Metrics are for the operator of the service: set TELEMOTION_METRICS_TOKEN and send it as"
     " `Authorization: Bearer`.",

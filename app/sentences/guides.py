@@ -34,7 +34,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "guide_n_pose.title": "Standing pose",
     "guide_n_pose.summary": "Finds how the sensors sit on the body. Stand still with hanging arms for three"
     " seconds.",
-    "guide_n_pose.pose_title": "Hold the N-pose",
+    "guide_n_pose.pose_title": "Hold the standing pose",
     "guide_n_pose.pose": "Stand upright, arms hanging, palms to the thighs, thumbs forward, and hold still.",
     "guide_passive.title": "Seated, assisted",
     "guide_passive.summary": "For patients who cannot stand or hold a pose: somebody else moves the arm,"

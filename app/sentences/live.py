@@ -14,8 +14,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " after an installation or an update. The sensors connect by themselves when it is done.",
     "live.no_sensor_of_limb": "No sensor is worn on that limb; choose another.",
     "live.calibration_done": "{kind:calibration_kind} done, score {score:points} of 100.",
-    "live.directions_left": "The directions of {places:place} must still be set.",
-    "live.of_sensor": "Sensor on {place:place}: {what}",
+    "live.directions_left": "The directions of the {places:place} must still be set.",
+    "live.of_sensor": "{place:place}. {what}",
     "live.turned_too_far": "The turn about {axis} was {excess_rad:deg} more than a whole one. Mark where you"
     " begin, and turn it once more by exactly one turn. If it was exact, turn it again: two turns that agree"
     " are accepted.",
@@ -54,7 +54,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "live.connected_directions": "Connected. The sensor positions are saved from last time; set the directions"
     " before anything is measured.",
     "live.source_allowed": "The source may fire.",
-    "live.gap": "{missing_s:s.2} of data missing",
+    "live.gap": "{missing_s:s.2} of data is missing.",
     "live.state": "The session cannot go from “{state:state}” to “{following:state}”.",
     "live.stray_source": "A magnetic source fires in this session, which has none; its pulses are not used,"
     " and nobody was asked about implants. Switch it off, or create a session with a magnetic source.",
@@ -73,10 +73,10 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "viewer.not_found": "This 3D view no longer exists; open the session again.",
     "viewer.markers_live": "Markers are shown only in a replay.",
     "viewer.session_ended": "This session has ended; open a replay instead.",
-    "live.closed_idle": "Closed automatically: no data arrived for ten minutes.",
-    "live.closed_long": "Closed automatically: the session reached the longest time allowed. Create another"
+    "live.closed_idle": "Ended automatically: no data arrived for ten minutes.",
+    "live.closed_long": "Ended automatically: the session reached the longest time allowed. Create another"
     " session to continue.",
-    "live.closed_incomplete": "Closed: the gateway ended the stream and did not send what was missing.",
+    "live.closed_incomplete": "Ended: the gateway stopped sending, and some data never arrived.",
     "live.no_packet": "No data from the sensors for {silence_s:s}.",
     "live.all_sent": "The gateway has sent everything.",
     "live.closed_by_person": "Session ended.",
@@ -84,14 +84,14 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "live.account_inactive": "This account is no longer active.",
     "live.ticket_first": "Sign in, or send a ticket as the first message.",
     "live.stopping": "The service is stopping; connect again.",
-    "live.not_closed": "The session could not be closed properly; what is stored is safe. Analyse it again.",
+    "live.not_closed": "The session could not be ended properly; what is stored is safe. Analyse it again.",
     "live.stopped": "The service was stopped.",
-    "live.closed": "This session is closed; create another one.",
+    "live.closed": "This session has ended; create another one.",
     "live.superseded": "A newer connection has taken over this session.",
     "live.connection_ended": "The connection to the gateway ended.",
     "live.not_connected": "No sensors are connected to this session; start the gateway first.",
     "live.network_changed": "This session began with other sensors (placements, rate, scales or clip levels);"
-    " connect with the same ones, or close it and create another session.",
+    " connect with the same ones, or end it and create another session.",
     "live.other_placements": "The sensors of the gateway are not those of the session ({places:place}); create"
     " the session for the sensors that are worn.",
     "live.cannot_calibrate": "Calibration needs connected sensors and no running recording; stop the recording"
@@ -101,15 +101,15 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " seconds.",
     "live.calibration_cancelled": "The calibration was cancelled.",
     "live.connected": "Connected.",
-    "live.sends_nothing": "No data from the sensor: {sensors:place}. Check it.",
-    "live.moved": "Hold still: {sensors:place} moved.",
+    "live.sends_nothing": "No data from: {sensors:place}. Check that every sensor is on and near.",
+    "live.moved": "Hold still: the {sensors:place} moved.",
     "live.not_evaluated": "This calibration could not be evaluated; the earlier one remains valid. Repeat it.",
     "live.still_evaluating": "The last calibration is being evaluated; wait a moment.",
     "live.no_step": "No calibration is waiting for a step; start one.",
     "live.step_ends_itself": "This step ends by itself; follow the instruction.",
     "live.functional_sensors": "Calibration by movement needs sensors on upper arm and forearm of the same"
     " side.",
-    "live.movement_not_ended": "The movement was never ended; start again and press next after each movement.",
+    "live.movement_not_ended": "The movement was never ended; start again and press “Done, next” after each movement.",
     "live.rest_ends_itself": "This step ends by itself; hold still.",
     "live.movement_too_short": "Make the movement three times first; it takes at least {least_s:s}.",
     "live.too_long": "It took longer than ten minutes; start again.",

@@ -3,7 +3,7 @@
 from typing import Final
 
 ENGLISH: Final[dict[str, str | dict[str, str]]] = {
-    "job.analysis_failed": "Analysis failed: {reason}",
+    "job.analysis_failed": "Analysis failed. {reason}",
     "job.internal": "An internal error stopped this task and was logged. The recorded data is stored.",
     "job.unknown_kind": "This service cannot do tasks of the kind {kind}.",
     "job.memory": "This needs more memory than the {limit_bytes:gib.1} that one task may take. Split the"
@@ -18,8 +18,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " again that nobody near it has an implant before the source may fire.",
     "magnetic.not_confirmed": "This session has a magnetic source: before it can start, a therapist must"
     " confirm that neither the patient nor people nearby have a pacemaker or a similar implant.",
-    "magnetic.event_confirmed": "Safety confirmed: no implants",
-    "magnetic.event_withdrawn": "Safety confirmation withdrawn; the source may not fire",
+    "magnetic.event_confirmed": "Safety confirmed: no implants.",
+    "magnetic.event_withdrawn": "Safety confirmation withdrawn; the source may not fire.",
     "result.no_frames": "This result holds no movement data; analyse the session first.",
     "session.not_found": "Session not found, or not shared with you.",
     "session.other_prescription": "The prescription does not belong to this patient.",
@@ -27,7 +27,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "result.not_yet": "This session has no result yet; wait until its analysis is finished.",
     "result.not_found": "This session has no such result.",
     "job.not_found": "Task not found.",
-    "session.delete_live": "This session is live; close it before deleting it.",
+    "session.delete_live": "This session is live; end it before deleting it.",
     "source.not_found": "Magnetic source not found in your clinic.",
     "session.no_samples": "This session holds no samples.",
     "markers.limit": "This session holds as many marker files as it may ({limit_bytes:mib}).",
@@ -37,7 +37,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " while it is worn.",
     "markers.none": "This session has no fused markers yet.",
     "markers.too_long": "Ask for at most {longest_s:s} of the recording.",
-    "markers.not_closed": "Markers can be added only to a session that is closed and analysed.",
+    "markers.not_closed": "Markers can be added only to a session that has ended and is analysed.",
     "markers.no_such_sensor": "This session has no sensor on the {place:place}; it has {sent:place}.",
     "markers.gone": "The uploaded markers no longer exist; upload them again.",
     "magnetic.nothing_to_confirm": "This session has no magnetic source; there is nothing to confirm.",
@@ -54,8 +54,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "session.no_sensor": "The session has no sensor on the {places:place}.",
     "result.no_sequence": "There is no rotation sequence {sequence}.",
     "session.parameter_type": "A parameter of the estimator has a value of the wrong type.",
-    "session.offline_estimator": "{wanted} needs the whole session; record with {live}, it follows when the"
-    " session closes.",
+    "session.offline_estimator": "{wanted} needs the whole session. Record with {live}; {wanted} follows"
+    " when the session ends.",
     "magnetic.only_magnetic": "Only a magnetic session has a source.",
     "session.no_estimator": "There is no estimator {unknown:or}; choose {known:or}.",
     "walk.in_both": "A walk is in both conditions; choose different ones.",

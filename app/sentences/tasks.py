@@ -28,7 +28,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "stored.refused": "The database refused its data.",
     "service.no_process": "No process can be started at this moment; try again.",
     "limit.views": "Close one, or try again in a minute.",
-    "limit.streams": "Close a session, then connect again.",
+    "limit.streams": "End a session, then connect again.",
     "limit.sockets": "Close one, then open this again.",
     "limit.uploads": "Wait until one has arrived, then send this again.",
     "limit.exports": "Wait until one is done, then ask again.",
@@ -57,12 +57,12 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "mass_centre.other_kind": "The sensors of this kind of session do not measure the centre of mass of the"
     " body.",
     "walk.no_forces": "There are no forces. {reason}",
-    "walk.no_forces_from": "There are no forces: no usable data came from {places:place}.",
+    "walk.no_forces_from": "There are no forces: no usable data came from the {places:place}.",
     "walk.no_forces_together": "There are no forces: the four load cells never measured at the same time.",
     "walk.forces_partly": "Forces are known from {start_s:s.1} to {end_s:s.1} only: at {lost_s:s.1} no usable"
-    " data came from {places:place}.",
+    " data came from the {places:place}.",
     "walk.feet_unrelated": "The positions of the feet relative to each other are not known. {reason}",
-    "bench.no_sensor": "The session has no sensor {place:place}.",
+    "bench.no_sensor": "The session has no sensor on the {place:place}.",
     "bench.too_long": "This session is longer than an hour, the most for a calibration on the bench.",
     "bench.no_coils": "The packets of this session have no coil states or no magnetometer (bits 6 and 2).",
     "bench.places": "The sensor lay still at {stops} places ({times:and}), but {places} were given. Give one"

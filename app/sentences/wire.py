@@ -3,8 +3,9 @@
 from typing import Final
 
 ENGLISH: Final[dict[str, str | dict[str, str]]] = {
-    "upload.same_signals": "The sensors on {where:place} send the same signal: one sensor comes under several names."
-    " What is shown of them is the movement of one. Check which sensor was where, then upload the recording again.",
+    "upload.same_signals": "The sensors on the {where:place} send the same signal: one sensor comes under several"
+    " names. What is shown of them is the movement of one. Check which sensor was where, then upload the"
+    " recording again.",
     "upload.multipart": "Send multipart/form-data with the parts `declaration` and `file`.",
     "upload.too_large": "The file is larger than the limit of {limit_bytes:mib}; split the recording.",
     "upload.malformed": "The body is not well-formed multipart/form-data.",

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any, Final
 
+from estimators.sentences._sentence import Sentence
+
 
 @dataclass(frozen=True)
 class Unit:
@@ -61,10 +63,10 @@ def written(value: Any, form: str) -> str:
     value : object
     form : str
         Empty: as it is. A unit, with `.1` for one digit after the point and `~3` for three in all: `deg`, `s.1`,
-        `number~3`. `and`, `or`: a list. `lines`: sentences one after another.
+        `number~3`. `and`, `or`: a list; sentences in it begin without a capital. `lines`: sentences one after another.
     """
     if form in LISTS:
-        return joined([str(one) for one in value], LISTS[form])
+        return joined([_within(one) for one in value], LISTS[form])
     if form == "lines":
         return " ".join(str(one) for one in value)
     if not form:
@@ -79,6 +81,12 @@ def written(value: Any, form: str) -> str:
     # Minus zero is zero; the minus sign is the one of print, as on the pages.
     text = text.lstrip("-") if not any(digit in "123456789" for digit in text) else text
     return text.replace("-", "\u2212") + unit.suffix
+
+
+def _within(value: Any) -> str:
+    """Return a part of a list: within a sentence a sentence has no capital of its own."""
+    text = str(value)
+    return text[:1].lower() + text[1:] if isinstance(value, Sentence) else text
 
 
 def is_of_codes(form: str) -> bool:

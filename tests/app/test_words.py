@@ -25,7 +25,7 @@ def stored_and_read(engine, session_id, words):
 def test_a_sentence_comes_back_from_the_database(engine, new_session):  # noqa: F811
     back = stored_and_read(engine, new_session(), FAILED)
     assert isinstance(back, Sentence)
-    assert back == FAILED == "Analysis failed: Too many failed sign-ins; try again in 12 s."
+    assert back == FAILED == "Analysis failed. Too many failed sign-ins; try again in 12 s."
     assert back.to_dict() == FAILED.to_dict()
 
 

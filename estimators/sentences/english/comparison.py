@@ -9,20 +9,20 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "repetition.longer": "Much longer than the others: {duration_s:s.1} instead of about {usual_s:s.1}.",
     "repetition.opposite": "Moved in the opposite direction to the others.",
     "repetition.half_way": "Stopped half way: {share:percent} of the usual movement.",
-    "repetition.unlike": "Unlike the others: the arm took another way.",
+    "repetition.unlike": "Unlike the others: the arm moved along another path.",
     "findings.none_found": "No clear repetitions were found in this session.",
-    "findings.none_used": "Repetitions were found, but none could be used; the reason stands beside each.",
+    "findings.none_used": "Repetitions were found, but all were excluded; the reason stands beside each.",
     "findings.matched": "The movement matched the template within what can be measured.",
     "findings.no_difference": "No difference from the template is larger than the uncertainty of the measurement.",
-    "findings.range_smaller": "{channel:channel}: the range was {difference_rad:deg} smaller than in the template"
+    "findings.range_smaller": "{channel:channel} range was {difference_rad:deg} smaller than in the template"
     " ({value_rad:deg} against {reference_rad:deg}).",
-    "findings.range_larger": "{channel:channel}: the range was {difference_rad:deg} larger than in the template"
+    "findings.range_larger": "{channel:channel} range was {difference_rad:deg} larger than in the template"
     " ({value_rad:deg} against {reference_rad:deg}).",
-    "findings.trunk_leaned_forward": "The trunk leaned {more_rad:deg} more forward and back than in the template to"
-    " help the arm.",
-    "findings.trunk_leaned_sideways": "The trunk leaned {more_rad:deg} more to the side than in the template to help"
-    " the arm.",
-    "findings.trunk_turned": "The trunk turned {more_rad:deg} more than in the template to help the arm.",
+    "findings.trunk_leaned_forward": "Compensation: the trunk leaned {more_rad:deg} more than in the template, forward"
+    " and back.",
+    "findings.trunk_leaned_sideways": "Compensation: the trunk leaned {more_rad:deg} more than in the template, to the"
+    " side.",
+    "findings.trunk_turned": "Compensation: the trunk turned {more_rad:deg} more than in the template.",
     "findings.how_often": {
         "one": "This was outside the band.",
         "other": "This was outside the band in {outside:number} of {count:number} repetitions.",
@@ -33,10 +33,10 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
         " {beyond_rad:deg}.",
     },
     "findings.outside_mostly": {
-        "one": "{channel:channel}: outside the band, mostly between {start:percent} and {end:percent} of the"
+        "one": "{channel:channel}: outside the band, mostly between {start:points} and {end:percent} of the"
         " movement.",
         "other": "{channel:channel}: outside the band in {outside:number} of {count:number} repetitions, mostly"
-        " between {start:percent} and {end:percent} of the movement.",
+        " between {start:points} and {end:percent} of the movement.",
     },
     "findings.beyond_angle": "{channel:channel} (by up to {beyond_rad:deg})",
     "findings.beyond_length": "{channel:channel} (by up to {beyond_m:cm})",
@@ -49,7 +49,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " {reference:number.1}).",
     "findings.smoother": "The movement was smoother than in the template (smoothness {value:number.1} against"
     " {reference:number.1}).",
-    "findings.longer_way": "The hand took a longer way than in the template, by {more:percent}.",
+    "findings.longer_way": "The path of the hand was {more:percent} longer than in the template.",
     "compare.side_not_measured": "Nothing of the {side:side} arm was measured in this recording. Wear and calibrate"
     " its sensors, or compare the other side.",
     "compare.no_signal": "Neither the wrist nor an elbow or shoulder angle was measured on the {side:side} side."

@@ -33,7 +33,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "markers.rate_needs_three": "An angular rate needs three markers on one body. Align with one marker by its"
     " acceleration.",
     "markers.none_inside": "No marker falls into the recording of the sensor.",
-    "markers.stretch": "From {start_s:s.1} to {stop_s:s.1}: {reason}",
+    "markers.stretch": "{reason} (From {start_s:s.1} to {stop_s:s.1}.)",
     "markers.short_stretch": "Less than {least_s:s} of samples in a row.",
     "markers.six_frames": "Six frames in a row of the marker are needed to begin.",
     "markers.walk": "Markers after gaps fit only when offsets of the sensor may change {times:number~3} times as"

@@ -13,7 +13,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "readings.accelerometer_clipped": "{where:place}: the accelerometer stops at {level_mps2:mps2}. Choose a larger"
     " range.",
     "readings.accelerometer_unit": "{where:place}: the accelerometer reads {value:number~4} at rest where 9.81 m/s²"
-    " is due. {remedy}",
+    " is expected. {remedy}",
     "readings.force_without_gravity": "The device removes gravity: switch it to raw acceleration.",
     "readings.force_in_g": "This looks like g: multiply by 9.80665.",
     "readings.force_in_feet": "This looks like ft/s²: multiply by 0.3048.",
@@ -52,14 +52,14 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "readings.magnetometer_constant": "{where:place}: the magnetometer never changes. Declare that there is none, or"
     " switch it on.",
     "readings.magnetometer_unit": "{where:place}: the magnetometer reads {value:number~3} where 0.000025 to 0.000065"
-    " T are due. {remedy}",
-    "readings.field_in_microtesla": "This looks like microtesla: divide by a million.",
+    " T is expected. {remedy}",
+    "readings.field_in_microtesla": "This looks like microtesla: divide by 1 000 000.",
     "readings.field_in_gauss": "This looks like gauss: divide by 10 000.",
     "readings.field_normalised": "This looks like a normalised field: send the raw readings.",
-    "readings.field_in_milligauss": "This looks like milligauss: divide by ten million.",
-    "readings.field_in_nanotesla": "This looks like nanotesla: divide by a thousand million.",
-    "readings.field_off": "{where:place}: the magnetometer reads {field_t:ut~3} where 25 to 65 µT are due. Check its"
-    " unit, go away from iron and magnets, and calibrate it.",
+    "readings.field_in_milligauss": "This looks like milligauss: divide by 10 000 000.",
+    "readings.field_in_nanotesla": "This looks like nanotesla: divide by 1 000 000 000.",
+    "readings.field_off": "{where:place}: the magnetometer reads {field_t:ut~3} where 25 to 65 µT is expected. Check"
+    " its unit, go away from iron and magnets, and calibrate it.",
     "readings.field_varies": "{where:place}: the magnetic field varies by {share:percent}. Go away from iron and"
     " magnets, or calibrate the magnetometer.",
     "readings.field_up": "{where:place}: the magnetic field points up by {angle_rad:deg}. The accelerometer gives"

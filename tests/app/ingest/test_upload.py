@@ -85,7 +85,7 @@ def test_one_sensor_under_several_names_is_told_and_not_refused(
     path.write_bytes(b"".join(write_log(prepared.declaration.to_dict(), prepared.packets(5))))
     done = run_job(engine, settings, queue(path, declare(world)), upload)
     assert done.status == "complete"
-    assert "The sensors on right forearm and right hand send the same signal" in done.message
+    assert "The sensors on the right forearm and right hand send the same signal" in done.message
     assert "calibrate again" not in done.message
 
 

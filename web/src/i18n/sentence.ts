@@ -56,7 +56,9 @@ function quantity(value: unknown, format: string): string | null {
 
 function written(value: unknown, format: string, words: Sentences): string {
   const plain = (one: unknown) => (isSentence(one) ? said(one, words) ?? '' : String(one));
-  if (isList(format)) return listed(all(value).map(plain), format);
+  // Within a sentence a sentence has no capital of its own.
+  const within = (one: unknown) => (isSentence(one) ? plain(one).slice(0, 1).toLocaleLowerCase(formatLocale()) + plain(one).slice(1) : plain(one));
+  if (isList(format)) return listed(all(value).map(within), format);
   if (format === 'lines') return all(value).map(plain).join(' ');
   if (!format) return plain(value);
   const number = quantity(value, format);

@@ -39,7 +39,7 @@ export const clinic = {
   'account.mustPassword': 'Your first password came from somebody else. Choose one of your own to go on.',
   'account.mustSecond': 'Your clinic asks for two-step sign-in. Set it up to go on.',
   'second.title': 'Two-step sign-in',
-  'second.what': 'Besides your password, a code from an app on your telephone is asked for. Then a stolen password alone opens nothing. You need an authenticator app.',
+  'second.what': 'Besides your password, a code from an app on your telephone is asked for. A stolen password alone then opens nothing. You need an authenticator app.',
   'second.setUp': 'Set up',
   'second.scan': 'Open the authenticator app and scan this picture. Then type the six digits that the app shows.',
   'second.qr': 'QR code for the authenticator app',

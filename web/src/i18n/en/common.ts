@@ -83,7 +83,7 @@ export const common = {
   'signIn.showPassword': 'Show password',
   'signIn.endedIdle': 'You were signed out because nobody used this page for a while. Sessions that were streaming go on without it.',
   'idle.warning': 'You will be signed out soon: nobody has used this page for nearly {minutes} minutes. Move the mouse, touch the screen or press a key to stay.',
-  'signIn.promise': 'See how your patients move at home, compared with the movement you showed them.',
+  'signIn.promise': 'Exercises at home, compared with the movement that the therapist showed.',
   'signIn.help': 'Forgotten your password? An administrator of your clinic can give you a new one.',
 
   'caseload.title': 'Caseload',
@@ -111,7 +111,7 @@ export const common = {
   'caseload.noMatchText': 'Try another name, or show all patients.',
 
   'reason.declining': 'Declining',
-  'reason.link_lost': 'Link lost',
+  'reason.link_lost': 'Signal lost',
   'reason.bad_data': 'Poor data',
   'reason.not_practising': 'Not practising',
   'reason.no_template': 'No template',

@@ -48,7 +48,7 @@ export const magnetic = {
   'magnetic.angles': 'Angles',
   'magnetic.curveHelp': 'Click a curve to go there. The band is the uncertainty (two standard deviations).',
   'magnetic.fromTo': '{source} – {sensor}',
-  'magnetic.spreadHelp': '± covers 95 of 100 cases.',
+  'magnetic.spreadHelp': '± is two standard deviations: it covers 95 of 100 cases.',
   'magnetic.distanceOf': 'Distance, {place}',
   'magnetic.sigmaOf': 'Uncertainty of the distance, {place}',
   'magnetic.angle.rotation': 'Turn',

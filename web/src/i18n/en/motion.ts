@@ -9,7 +9,7 @@ export const motion = {
 
   'angle.thorax_humerus.plane_of_elevation': 'Shoulder plane of elevation',
   'angle.thorax_humerus.elevation': 'Shoulder elevation',
-  'angle.thorax_humerus.axial_rotation': 'Shoulder rotation',
+  'angle.thorax_humerus.axial_rotation': 'Shoulder axial rotation',
   'angle.humerus_forearm.flexion': 'Elbow flexion',
   'angle.humerus_forearm.carrying': 'Elbow carrying angle',
   'angle.humerus_forearm.pronation': 'Forearm pronation',
@@ -17,8 +17,8 @@ export const motion = {
   'angle.forearm_hand.deviation': 'Wrist deviation',
   'angle.forearm_hand.rotation': 'Wrist rotation',
 
-  'scalar.trunk_lean_forward': 'Trunk lean forward',
-  'scalar.trunk_lean_lateral': 'Trunk lean to the side',
+  'scalar.trunk_lean_forward': 'Trunk forward lean',
+  'scalar.trunk_lean_lateral': 'Trunk sideways lean',
   'scalar.trunk_axial_rotation': 'Trunk rotation',
   'scalar.shoulder_hike': 'Shoulder hike',
   'scalar.centre_of_mass_ahead': 'Centre of mass ahead of the ankles',
@@ -64,7 +64,7 @@ export const motion = {
   'sessionState.calibrating': 'Calibrating',
   'sessionState.ready': 'Ready',
   'sessionState.recording': 'Recording',
-  'sessionState.link_lost': 'Link lost',
+  'sessionState.link_lost': 'Signal lost',
   'sessionState.closing': 'Being analysed',
   'sessionState.analysed': 'Analysed',
   'sessionState.failed': 'Failed',

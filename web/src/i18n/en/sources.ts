@@ -8,7 +8,7 @@ export const sources = {
   'sources.method.file': 'from a file',
   'sources.method.typed': 'entered by hand',
   'sources.import': 'Import from a file',
-  'sources.importHelp': 'The JSON file that “telemotion calibrate-source” writes.',
+  'sources.importHelp': 'To import one, choose the JSON file that “telemotion calibrate-source” writes.',
   'sources.notJson': 'This file is not a source: it must be the JSON file that “telemotion calibrate-source” writes.',
   'sources.retire': 'No longer offer',
   'sources.retireTitle': 'No longer offer this source?',
