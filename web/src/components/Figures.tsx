@@ -1,7 +1,7 @@
 // Drawn people: where sensors are worn, and which sit wrong. Seen from the front, so the patient's right is on the left.
 import type { Placement, SensorFinding } from '../api/types';
 import { t } from '../i18n';
-import { placementLabel } from '../lib/channels';
+import { placementList } from '../lib/channels';
 
 const BODY = {
   head: 'M100 12c13 0 22 10 22 24s-9 27-22 27-22-13-22-27 9-24 22-24z',
@@ -44,7 +44,7 @@ function Person({ children, label }: { children?: React.ReactNode; label: string
 
 /** Where the chosen sensors are worn. */
 export function WornFigure({ worn }: { worn: readonly Placement[] }) {
-  const label = worn.length ? t('figure.worn', { places: worn.map(placementLabel).join(', ') }) : t('figure.nothingWorn');
+  const label = worn.length ? t('figure.worn', { places: placementList(worn) }) : t('figure.nothingWorn');
   return (
     <Person label={label}>
       {(Object.entries(SPOTS) as [Placement, readonly [number, number]][]).map(([placement, [x, y]]) =>
@@ -72,7 +72,7 @@ export function FindingFigure({ findings }: { findings: readonly SensorFinding[]
     return code.startsWith('swapped') && placements.length > 1 && a && b ? [[a, b] as const] : [];
   });
   return (
-    <Person label={t('figure.finding', { places: wrong.map(placementLabel).join(', ') })}>
+    <Person label={t('figure.finding', { places: placementList(wrong) })}>
       {swaps.map(([[ax, ay], [bx, by]]) => (
         <path key={`${ax}/${ay}`} d={`M${ax} ${ay}Q${(ax + bx) / 2 + (ax === bx ? 40 : 0)} ${(ay + by) / 2 - 46} ${bx} ${by}`} fill="none" stroke="var(--tm-alert)" strokeWidth="3" strokeDasharray="6 5" />
       ))}

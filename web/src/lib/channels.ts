@@ -1,5 +1,5 @@
 // Names of angles, scalars, points and placements in plain words, with the convention beside them.
-import { t, tOr } from '../i18n';
+import { formatLocale, t, tOr } from '../i18n';
 import type { Placement } from '../api/types';
 import { pairOf } from './magnetic';
 
@@ -88,6 +88,11 @@ export function channelLabel(name: string): ChannelLabel {
 /** Words for a sensor placement. */
 export function placementLabel(placement: Placement | string): string {
   return tOr(`placement.${placement}`, readable(placement));
+}
+
+/** Several places in a row, as they stand within a sentence: `left forearm, left hand`. */
+export function placementList(placements: readonly string[]): string {
+  return placements.map((one) => placementLabel(one).replace(/^./, (first) => first.toLocaleLowerCase(formatLocale()))).join(', ');
 }
 
 /** The angles worth showing first: the exercise's own, then what a therapist looks at next. */

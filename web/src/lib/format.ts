@@ -153,6 +153,7 @@ export function duration(seconds: number): string {
 
 /** Sizes of files for people. */
 export function bytes(size: number): string {
+  if (size < 1e3) return `${number(size)} B`;
   if (size < 1e6) return `${number(size / 1e3)} kB`;
   if (size < 1e9) return `${number(size / 1e6, 1)} MB`;
   return `${number(size / 1e9, 2)} GB`;

@@ -1,5 +1,9 @@
 import { describe, expect, it } from 'vitest';
-import { channelLabel, preferredAngles } from '../../src/lib/channels';
+import { channelLabel, placementList, preferredAngles } from '../../src/lib/channels';
+
+it('names places within a sentence without capitals', () => {
+  expect(placementList(['sternum', 'forearm_left'])).toBe('chest, left forearm');
+});
 
 describe('channelLabel', () => {
   it('names an angle in plain words with its sequence beside it', () => {

@@ -24,6 +24,7 @@ describe('numbers', () => {
     expect(quantity(3, 'N')).toBe('3.00 N');
   });
   it('writes sizes', () => {
+    expect(bytes(480)).toBe('480 B');
     expect(bytes(2_500_000)).toBe('2.5 MB');
     expect(bytes(1_500_000_000)).toBe('1.50 GB');
   });

@@ -219,7 +219,7 @@ export const patient = {
   'mine.times': { one: 'Once', other: '{count} times' },
   'mine.walk': 'One walk',
   'mine.setsOf': '{sets} rounds, {repetitions} times each',
-  'mine.left': { one: 'Once more this week', other: '{count} more times this week' },
+  'mine.left': { one: 'One session left this week', other: '{count} sessions left this week' },
   'mine.doneForWeek': 'Done for this week',
   'mine.nothingTitle': 'Nothing to do today',
   'mine.nothingText': 'Your therapist has not given you exercises yet. They will appear here.',

@@ -124,7 +124,7 @@ export const session = {
   'live.silentFor': 'Silent for',
   'live.linkLostText': 'Check that the gateway is on and connected. This page continues automatically when data arrives.',
   'live.notStored': 'Not being stored',
-  'live.notStoredText': 'What the sensors measure now is not saved. The sensors keep it and send it again when saving works. If this lasts longer than a minute, stop the exercise and call whoever looks after this service.',
+  'live.notStoredText': 'What the sensors measure now is not being stored. The gateway keeps it and sends it again when storing works. If this lasts longer than a minute, stop the exercise and call whoever looks after this service.',
   'live.failed': 'This session failed',
   'live.toReplay': 'Replay and compare',
   'event.unnamed': 'Event',

@@ -3,7 +3,7 @@ import { Checkbox, NumberInput, Select } from '@mantine/core';
 import type { MagneticSource, Placement, Side } from '../../api/types';
 import { RadioCards } from '../../components/Choice';
 import { t } from '../../i18n';
-import { placementLabel } from '../../lib/channels';
+import { placementLabel, placementList } from '../../lib/channels';
 import { day, number } from '../../lib/format';
 import { USES, wornFor, type Coils, type Use, type Worn } from '../../lib/magneticSetup';
 
@@ -32,7 +32,7 @@ interface Props {
 export function SourceChoice({ use, worn, coils, side, sources, sourceId, onSource, onUse, onCoils }: Props) {
   const toggle = (placement: Placement) =>
     onUse(use, { ...worn, sensors: worn.sensors.includes(placement) ? worn.sensors.filter((one) => one !== placement) : [...worn.sensors, placement] });
-  const places = (found: Worn) => t('magnetic.useText', { source: placementLabel(found.source), sensors: found.sensors.map(placementLabel).join(', ') });
+  const places = (found: Worn) => t('magnetic.useText', { source: placementList([found.source]), sensors: placementList(found.sensors) });
   const amount = (key: keyof Coils, label: 'magnetic.radius' | 'magnetic.turns' | 'magnetic.offset' | 'magnetic.current' | 'sources.length' | 'sources.depth', usual: string, decimals: number) => (
     <NumberInput
       label={t(label)}

@@ -12,7 +12,7 @@ import { Waiting } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { Viewer3D } from '../../components/Viewer3D';
 import { t } from '../../i18n';
-import { placementLabel } from '../../lib/channels';
+import { placementLabel, placementList } from '../../lib/channels';
 import { useLivePlayer, useSnapshot } from '../../player/hooks';
 import type { LivePlayer } from '../../player/live';
 import { StepPicture } from '../../pictures/StepPicture';
@@ -61,10 +61,7 @@ function PutOn({ session }: { session: SessionDetail }) {
 /** Sensors that need a hand; nothing while all is well. */
 function Sensors({ health }: { health: HealthMessage | null }) {
   const places = (wanted: (one: HealthMessage['sensors'][number]) => boolean) =>
-    (health?.sensors ?? [])
-      .filter(wanted)
-      .map((one) => placementLabel(one.placement))
-      .join(', ');
+    placementList((health?.sensors ?? []).filter(wanted).map((one) => one.placement));
   const lost = places((one) => one.status === 'lost');
   const empty = places((one) => one.status !== 'lost' && typeof one.battery_percent === 'number' && one.battery_percent <= EMPTY_PERCENT);
   if (!lost && !empty) return null;
@@ -102,6 +99,14 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
   const isStill = moment === 'still' || moment === 'again';
   return (
     <div className="stack">
+      {(moment === 'going' || moment === 'ready') && snapshot.health?.is_being_stored === false && (
+        <div className="banner banner-alert" role="alert">
+          <div>
+            <p className="strong">{t('home.notStored')}</p>
+            <p>{t('home.notStoredText')}</p>
+          </div>
+        </div>
+      )}
       <section className={`card home-moment ${BAD.includes(moment) ? 'home-moment-bad' : ''} ${moment === 'going' ? 'home-moment-go' : ''}`}>
         <div role="status">
           <h2>
@@ -150,14 +155,6 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
         )}
         {problem && <PlainProblem error={problem} />}
       </section>
-      {(moment === 'going' || moment === 'ready') && snapshot.health?.is_being_stored === false && (
-        <div className="banner banner-alert" role="alert">
-          <div>
-            <p className="strong">{t('home.notStored')}</p>
-            <p>{t('home.notStoredText')}</p>
-          </div>
-        </div>
-      )}
       {moment === 'putOn' && <PutOn session={session} />}
       {moment !== 'putOn' && MOVING.includes(moment) && (
         <>

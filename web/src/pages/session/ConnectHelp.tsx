@@ -8,7 +8,7 @@ import { CopyBox } from '../../components/CopyBox';
 import { Problem } from '../../components/Feedback';
 import { useSignedIn } from '../../components/useSignedIn';
 import { t } from '../../i18n';
-import { placementLabel } from '../../lib/channels';
+import { placementList } from '../../lib/channels';
 import { simulatedMovement } from '../../lib/magneticSetup';
 
 /** What to do until packets come: put the sensors on, start the gateway, or try the simulated one. */
@@ -29,7 +29,7 @@ export function ConnectHelp({ session }: { session: SessionDetail }) {
         <h2 id="connect">{t('connect.title')}</h2>
       </div>
       <ol className="connect-steps">
-        <li>{t('connect.wear', { places: session.placements.map(placementLabel).join(', ') })}</li>
+        <li>{t('connect.wear', { places: placementList(session.placements) })}</li>
         <li>{t('connect.gateway')}</li>
         <li>{t('connect.then')}</li>
       </ol>

@@ -2,7 +2,7 @@
 import { IconAlertTriangle, IconCheck, IconMagnet, IconWifiOff } from '@tabler/icons-react';
 import type { HealthMessage, Placement, SensorHealth } from '../../api/types';
 import { t } from '../../i18n';
-import { placementLabel } from '../../lib/channels';
+import { placementLabel, placementList } from '../../lib/channels';
 import { number } from '../../lib/format';
 
 interface Trouble {
@@ -78,7 +78,7 @@ export function HealthPanel({ health: told, placements, isOutOfReach = false }: 
         <h2 id="health">{t('health.title')}</h2>
       </div>
       <p className="visually-hidden" role="status">
-        {lost.length > 0 && t('health.lostList', { places: lost.map((sensor) => placementLabel(sensor.placement)).join(', ') })}
+        {lost.length > 0 && t('health.lostList', { places: placementList(lost.map((sensor) => sensor.placement)) })}
       </p>
       {health ? (
         <>

@@ -4,7 +4,7 @@ import { useMassCentre } from '../../api/queries';
 import type { MassCentre } from '../../api/types';
 import { Answer } from '../../components/Feedback';
 import { t } from '../../i18n';
-import { channelLabel, placementLabel } from '../../lib/channels';
+import { channelLabel, placementList } from '../../lib/channels';
 import { quantity } from '../../lib/format';
 import { spreadOf } from '../../lib/magnetic';
 
@@ -27,7 +27,7 @@ function Found({ found }: { found: MassCentre }) {
         })}
       </dl>
       <p className="muted small">
-        {found.assumed.length > 0 ? t('mass.assumed', { places: found.assumed.map(placementLabel).join(', ') }) : t('mass.nothingAssumed')}
+        {found.assumed.length > 0 ? t('mass.assumed', { places: placementList(found.assumed) }) : t('mass.nothingAssumed')}
       </p>
       <p className="muted small">{t('mass.how')}</p>
     </>

@@ -8,7 +8,7 @@ import { Answer, Problem } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { PlacementChoice } from '../../components/PlacementChoice';
 import { t } from '../../i18n';
-import { placementLabel } from '../../lib/channels';
+import { placementList } from '../../lib/channels';
 import { isWalk as isWalking } from '../../lib/exercises';
 import { day } from '../../lib/format';
 import { isForbidden, isSafe, sourceParameters, UNASKED, USUAL, wornFor, type Use } from '../../lib/magneticSetup';
@@ -177,7 +177,7 @@ function Form({ patient }: { patient: Patient }) {
       {isArm && patient.has_mounting && (
         <Switch
           label={t('newSession.mounting')}
-          description={t('newSession.mountingHelp') + (patient.mounting ? ` ${t('newSession.mountingOf', { day: day(patient.mounting.updated_at), places: patient.mounting.placements.map(placementLabel).join(', ') })}` : '')}
+          description={t('newSession.mountingHelp') + (patient.mounting ? ` ${t('newSession.mountingOf', { day: day(patient.mounting.updated_at), places: placementList(patient.mounting.placements) })}` : '')}
           checked={useMounting}
           onChange={(event) => setUseMounting(event.currentTarget.checked)}
         />
