@@ -87,7 +87,7 @@ describe('guided calibration', () => {
   });
   it('names a swapped sensor on the body and what to do again', () => {
     show(message({ phase: 'redo', reasons: ['Swap them and begin again.'], redo_steps: ['pose'], findings: [{ code: 'swapped_segments', placements: ['upper_arm_right', 'forearm_right'], text: 'Upper arm and forearm are swapped.' }] }));
-    expect(screen.getByRole('img').getAttribute('aria-label')).toMatch(/Right upper arm, Right forearm/);
+    expect(screen.getByRole('img').getAttribute('aria-label')).toMatch(/right upper arm, right forearm/);
     expect(screen.getByText('Upper arm and forearm are swapped.')).toBeTruthy();
     expect(screen.getByText('Repeat these steps: Hold it.')).toBeTruthy();
   });

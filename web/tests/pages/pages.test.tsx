@@ -136,7 +136,7 @@ describe('sensor health', () => {
   it('names the sensor and the trouble', () => {
     const panel = show([sensor('sternum'), sensor('forearm_left', { status: 'lost' })]);
     expect(panel.textContent).toMatch(/Left forearm.*Signal lost/);
-    expect(within(panel).getByRole('status').textContent).toBe('Signal lost: Left forearm');
+    expect(within(panel).getByRole('status').textContent).toBe('Signal lost: left forearm');
   });
   it('says once what all sensors have', () => {
     const panel = show([sensor('sternum', { jitter_ms: 90 }), sensor('forearm_left', { jitter_ms: 90, magnetic_disturbance: true })]);
