@@ -91,10 +91,12 @@ def test_a_byte_now_and_then_renews_nothing(port: int) -> None:
 def test_the_second_request_of_a_connection_is_timed_too(port: int) -> None:
     whole = b"GET /api/health HTTP/1.1\r\nHost: a\r\n\r\n"
     with connected(port) as connection:
-        connection.sendall(whole)
-        assert connection.recv(65536).startswith(b"HTTP/1.1 200 ")
-        connection.sendall(whole)
-        assert connection.recv(65536).startswith(b"HTTP/1.1 200 ")
+        for _ in range(2):
+            connection.sendall(whole)
+            answer = b""
+            while not answer.endswith(b"}"):
+                answer += connection.recv(65536)
+            assert answer.startswith(b"HTTP/1.1 200 ")
         connection.sendall(whole[:20])
         assert rest(connection).startswith(b"HTTP/1.1 408 ")
 

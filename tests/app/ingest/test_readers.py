@@ -171,7 +171,7 @@ def test_an_incomplete_mapping_is_refused(tmp_path: Path) -> None:
     path = write_csv(tmp_path / "a.csv", real_recording())
     whole = mapping().signals
     for signals, says in [
-        (whole[:1], "chest: the accelerometer is not mapped"),
+        (whole[:1], "Chest: the accelerometer is not mapped"),
         (whole[:5], "magnetometer is not mapped for right upper arm"),
         ([*whole, whole[0]], "mapped twice"),
         ([], "names no sensor"),

@@ -195,9 +195,7 @@ def test_a_session_beyond_the_longest_is_closed_with_the_reason(
         receive_until(socket, lambda message: message.get("state") == "closing")
         found = therapist.get(f"/api/sessions/{long}/state").json()
         assert found["state"] in ENDED
-        assert found["reason"].startswith(
-            "Closed automatically: the session reached the longest time allowed"
-        )
+        assert found["reason"].startswith("Ended automatically: the session reached the longest time allowed")
         assert state_of(therapist, short) not in ENDED
 
 

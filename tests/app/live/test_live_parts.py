@@ -139,7 +139,7 @@ def test_the_pose_is_three_still_seconds_in_a_row_once_the_filters_have_settled(
     assert collector.progress == pytest.approx(2.0 / 3.0)
     assert collector.add(chunk(500, turning=0.5)) is None
     assert collector.progress == 0.0
-    assert "Hold still: chest and left forearm moved." in collector.hint
+    assert "Hold still: the chest and left forearm moved." in collector.hint
     found = [collector.add(chunk(505 + 5 * i)) for i in range(60)]
     assert found[:-1] == [None] * 59
     pose = found[-1]
@@ -169,7 +169,7 @@ def test_the_pose_ends_with_a_slow_tilt_or_a_silent_sensor() -> None:
     silent = chunk(550)
     silent.quality[1] = SampleQuality.MISSING
     collector.add(silent)
-    assert "No data from the sensor: left forearm." in collector.hint
+    assert "No data from: left forearm." in collector.hint
     for i in range(1200):
         collector.add(chunk(555 + 5 * i, turning=1.0))
     assert not collector.is_active

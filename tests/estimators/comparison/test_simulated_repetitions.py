@@ -84,7 +84,7 @@ def test_impairment_shows_in_the_measures():
     assert value["compensation:trunk_lean_forward_rad"] == pytest.approx(style.trunk_lean_rad, abs=0.1)
     assert value["spectral_arc_length"] < template.measures["spectral_arc_length"] - 0.3
     assert value["movement_units"] > template.measures["movement_units"]
-    assert result.findings[0].startswith("The trunk"), "compensation first"
+    assert result.findings[0].startswith("Compensation: the trunk"), "compensation first"
     assert len([one for one in result.findings if "outside the band" not in one.lower()]) <= 3
     assert any("trunk leaned" in sentence for sentence in result.findings)
     same = compare(moved, template, "right", reach_m)
