@@ -90,7 +90,7 @@ test: ## Everything: lint, types, browser client, unit, service, database and br
 coverage: $(VENV)/compiled ## Branches that the tests reach, without the browser
 	@$(BIN)/python -m pytest -m "not e2e" $(TWO_AT_ONCE) --no-loadscope-reorder --cov --cov-report=term:skip-covered
 
-test-quick: $(VENV)/compiled ## Under two minutes, no browser
+test-quick: $(VENV)/compiled ## The quick tests only, no browser
 	@$(BIN)/python -m pytest -m "not slow and not e2e and not postgres" $(TWO_AT_ONCE)
 
 bench-live: $(VENV)/installed ## 50 live sessions of 17 sensors at 100 Hz; prints latency and load

@@ -91,10 +91,7 @@ def confirm(session: Session, subject: Subject, code: str) -> list[str]:
             say("second_factor.code_wrong"),
             field="code",
         )
-    codes = [
-        "-".join("".join(secrets.choice(_LETTERS) for _ in range(4)) for _ in range(4))
-        for _ in range(RECOVERY_CODES)
-    ]
+    codes = [_recovery_code() for _ in range(RECOVERY_CODES)]
     account.totp_since, account.totp_last_step, account.totp_removed_at = utc_now(), step, None
     account.recovery_hashes = [hash_token(one) for one in codes]
     audit.record(session, subject, "account.second_factor_on", account.patient_id, account.id)
