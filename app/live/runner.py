@@ -176,8 +176,7 @@ class LiveSession(CalibratedSession):
 
     def _after(self, chunk: ImuChunk, frames: Frames, arrival_s: float | None) -> None:
         """Publish and store what the pipeline found."""
-        # Sigmas of segments are kept of what is analysed afterwards; live they would cost a third more.
-        frames = frames.without_segment_sigma()
+        frames = frames.as_stored_live()
         if self._bus.has_listeners(self._topics["frames"]):
             self._bus.publish(self._topics["frames"], PublishedFrames(frames, time.time()))
         if arrival_s is not None:
@@ -214,7 +213,7 @@ class LiveSession(CalibratedSession):
         if frames.first_tick >= self._unstored_tick:
             with contextlib.suppress(Conflict, Unavailable):
                 # A session that cannot be stored is told so once, by `on_store_failure`.
-                self._writer.append_frames(self.id, self.result_id, frames.without_segment_sigma())
+                self._writer.append_frames(self.id, self.result_id, frames.as_stored_live())
 
     def _tell_changes(self, chunk: ImuChunk) -> None:
         changes = self.health.add_chunk(chunk)

@@ -22,6 +22,7 @@ from app.recordings.models import SignalChunk
 from app.recordings.ranges import ranges_of
 from app.sentences import say
 from estimators.pipelines._contract import FrameLayout, Frames
+from estimators.recording import Float
 
 if TYPE_CHECKING:
     # The wire format's messages name types of this room; at run time the arrow must not close a circle.
@@ -269,15 +270,27 @@ def merge_frames(parts: Sequence[Frames], layout: FrameLayout, time_step_s: floa
         rows = slice(part.first_tick - first, part.first_tick - first + part.tick_count)
         for name in _FRAME_ARRAYS:
             getattr(merged, name)[rows] = getattr(part, name)
-    if all(part.segment_sigma_rad is None for part in parts):
-        return merged
-    sigma = np.full((*merged.segment_flags.shape, 3), np.nan)
-    for part in parts:
-        if part.segment_sigma_rad is not None:
-            sigma[part.first_tick - first : part.first_tick - first + part.tick_count] = (
-                part.segment_sigma_rad
-            )
-    return replace(merged, segment_sigma_rad=sigma)
+    return replace(
+        merged,
+        segment_sigma_rad=_merged(
+            [(p.first_tick, p.segment_sigma_rad) for p in parts], merged, layout.segments
+        ),
+        point_sigma_m=_merged([(p.first_tick, p.point_sigma_m) for p in parts], merged, layout.points),
+    )
+
+
+def _merged(
+    sigmas: Sequence[tuple[int, Float | None]], merged: Frames, columns: tuple[str, ...]
+) -> Float | None:
+    """Join sigmas, each with its first tick, on the ticks of merged frames; None where no part has any."""
+    if all(sigma is None for _, sigma in sigmas):
+        return None
+    found = np.full((merged.tick_count, len(columns), 3), np.nan)
+    for first_tick, sigma in sigmas:
+        if sigma is not None:
+            at = first_tick - merged.first_tick
+            found[at : at + len(sigma)] = sigma
+    return found
 
 
 _FRAME_ARRAYS: Final = (
@@ -316,6 +329,7 @@ def slice_frames(frames: Frames, start: int, stop: int) -> Frames:
         time_step_s=frames.time_step_s,
         **{name: getattr(frames, name)[start:stop] for name in _FRAME_ARRAYS},
         segment_sigma_rad=None if frames.segment_sigma_rad is None else frames.segment_sigma_rad[start:stop],
+        point_sigma_m=None if frames.point_sigma_m is None else frames.point_sigma_m[start:stop],
     )
 
 

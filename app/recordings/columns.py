@@ -40,6 +40,14 @@ def frames_table(frames: Frames, body: BodyDimensions | None = None) -> pa.Table
         for part, letter in enumerate("wxyz"):
             columns[f"{name}_q_{letter}"] = frames.q_room_segment[:, index, part]
         columns[f"{name}_flags"] = frames.segment_flags[:, index]
+    for unit, names, sigma in (
+        ("m", layout.points, frames.point_sigma_m),
+        ("rad", layout.segments, frames.segment_sigma_rad),
+    ):
+        if sigma is not None:
+            for index, name in enumerate(names):
+                for axis, letter in enumerate("xyz"):
+                    columns[f"{name}_sigma_{letter}_{unit}"] = sigma[:, index, axis]
     if body is not None:
         found = described(frames, body)
         kinds = (

@@ -52,6 +52,7 @@ def _every(frames: Frames, stride: int) -> Frames:
         first_tick=-(-frames.first_tick // stride),
         time_step_s=frames.time_step_s * stride,
         segment_sigma_rad=None,
+        point_sigma_m=None,
         **{name: getattr(frames, name)[ticks] for name in arrays},
     )
 

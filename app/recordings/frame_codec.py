@@ -36,6 +36,7 @@ _FIELDS: Final = {
         "angle_sigma_rad",
         "scalar",
         "segment_sigma_rad",
+        "point_sigma_m",
     )
 }
 _FLAGS: Final = attrgetter("segment_flags"), attrgetter("angle_flags")
@@ -60,8 +61,8 @@ class Columns(NamedTuple):
 
 
 @lru_cache(maxsize=256)
-def columns_of(layout: FrameLayout, has_segment_sigma: bool) -> Columns:
-    """Return the columns of a layout; segment sigmas are kept where a method tells them."""
+def columns_of(layout: FrameLayout, has_segment_sigma: bool, has_point_sigma: bool = False) -> Columns:
+    """Return the columns of a layout; sigmas of segments and points are stored where a method gives them."""
     angles, scalars = len(layout.angles), layout.scalars
     fields: list[tuple[str, tuple[int, ...], int]] = [
         ("q_room_segment", (len(layout.segments), 4), kernel.COMPONENT),
@@ -72,6 +73,8 @@ def columns_of(layout: FrameLayout, has_segment_sigma: bool) -> Columns:
     ]
     if has_segment_sigma:
         fields.append(("segment_sigma_rad", (len(layout.segments), 3), kernel.SIGMA_RADIAN))
+    if has_point_sigma:
+        fields.append(("point_sigma_m", (len(layout.points), 3), kernel.SIGMA_METRE))
     kinds: list[int] = []
     parts: dict[str, tuple[slice, tuple[int, ...]]] = {}
     for name, shape, kind in fields:
@@ -111,17 +114,19 @@ def pack(parts: Sequence[Frames]) -> tuple[bytes, dict[str, Any]]:
         At least one, of one layout, each beginning where the one before ends.
     """
     first = parts[0]
-    has_sigma = False
+    has_sigma = has_point_sigma = False
     for part in parts:
-        if part.segment_sigma_rad is not None and np.isfinite(part.segment_sigma_rad).any():
-            has_sigma = True
-            break
-    columns = columns_of(first.layout, has_sigma)
+        # Looked at no longer than needed: most live frames have none.
+        if part.segment_sigma_rad is not None and not has_sigma:
+            has_sigma = bool(np.isfinite(part.segment_sigma_rad).any())
+        if part.point_sigma_m is not None and not has_point_sigma:
+            has_point_sigma = bool(np.isfinite(part.point_sigma_m).any())
+    columns = columns_of(first.layout, has_sigma, has_point_sigma)
     ticks = sum(map(len, map(_FLAGS[0], parts)))
     table = np.empty((ticks, len(columns.kinds)))
     for name, (place, shape) in columns.parts.items():
         values = list(map(_FIELDS[name], parts))
-        if name == "segment_sigma_rad":
+        if name in ("segment_sigma_rad", "point_sigma_m"):
             values = [
                 np.full((len(part.segment_flags), *shape), np.nan) if value is None else value
                 for part, value in zip(parts, values, strict=True)
@@ -141,6 +146,8 @@ def pack(parts: Sequence[Frames]) -> tuple[bytes, dict[str, Any]]:
     }
     if has_sigma:
         scale["segment_sigma"] = True
+    if has_point_sigma:
+        scale["point_sigma"] = True
     return words[:used].tobytes(), scale
 
 
@@ -152,7 +159,7 @@ def unpack(codec: str, data: bytes, scale: dict[str, Any], ticks: int, layout: F
     DamagedChunkError
         When the codec is unknown or the bytes are not those of such frames.
     """
-    columns = columns_of(layout, bool(scale.get("segment_sigma")))
+    columns = columns_of(layout, bool(scale.get("segment_sigma")), bool(scale.get("point_sigma")))
     segments = len(layout.segments)
     shapes = (ticks, len(columns.kinds)), (ticks, segments + len(layout.angles))
     if (shapes[0][1], shapes[1][1]) != (scale["floats"], scale["flags"]):

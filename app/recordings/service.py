@@ -306,6 +306,7 @@ def thinned(frames_: Frames, max_points: int) -> Frames:
         segment_flags=np.bitwise_or.reduceat(frames_.segment_flags, starts, axis=0),
         angle_flags=np.bitwise_or.reduceat(frames_.angle_flags, starts, axis=0),
         segment_sigma_rad=None if frames_.segment_sigma_rad is None else frames_.segment_sigma_rad[starts],
+        point_sigma_m=None if frames_.point_sigma_m is None else frames_.point_sigma_m[starts],
     )
 
 

@@ -152,8 +152,10 @@ class Frames:
     angle_flags : ndarray of uint8, shape (K, A)
         `OrientationFlag` bits; SINGULAR where the sequence is near its singularity.
     segment_sigma_rad : ndarray, shape (K, G, 3), or None
-        One-sigma of each segment's orientation about the room axes, NaN where the method tells none. Not kept of
-        live results.
+        One-sigma of each segment's orientation about the room axes, NaN where the method tells none. Of live results
+        only where no angle carries it; see `as_stored_live`.
+    point_sigma_m : ndarray, shape (K, P, 3), or None
+        One-sigma of each point's position along the room axes, NaN where the method tells none.
     """
 
     layout: FrameLayout
@@ -167,6 +169,7 @@ class Frames:
     segment_flags: NDArray[np.uint8]
     angle_flags: NDArray[np.uint8]
     segment_sigma_rad: Float | None = None
+    point_sigma_m: Float | None = None
 
     @property
     def tick_count(self) -> int:
@@ -179,9 +182,13 @@ class Frames:
         ticks = np.arange(self.first_tick, self.first_tick + self.tick_count, dtype=np.float64)
         return ticks * self.time_step_s
 
-    def without_segment_sigma(self) -> "Frames":
-        """Return the same frames without `segment_sigma_rad`."""
-        if self.segment_sigma_rad is None:
+    def as_stored_live(self) -> "Frames":
+        """Return the same frames without `segment_sigma_rad` where joint angles carry their own sigma.
+
+        Of a body the sigmas of all segments would cost a third more to store; of feet nothing else says how well
+        their orientation is known.
+        """
+        if self.segment_sigma_rad is None or not self.layout.angles:
             return self
         # Of every live packet: `replace` would set each field anew, six times as dear.
         twin = object.__new__(type(self))

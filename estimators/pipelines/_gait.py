@@ -113,14 +113,17 @@ class GaitPipeline(Pipeline):
             self._waiting = np.concatenate([self._waiting, self._released(found)])
         shown, self._waiting = self._waiting[:ticks], self._waiting[ticks:]
         feet, points = len(self._feet), len(self._layout.points)
-        ends = np.cumsum([4 * feet, 3 * points, len(self._layout.scalars)])
-        return self._frames(
+        ends = np.cumsum([4 * feet, 3 * points, len(self._layout.scalars), feet, 3 * feet])
+        return frames_of(
+            self._layout,
             chunk.first_tick,
             chunk.time_step_s,
             np.ascontiguousarray(shown[:, : ends[0]]).reshape(ticks, feet, 4),
             np.ascontiguousarray(shown[:, ends[0] : ends[1]]).reshape(ticks, points, 3),
             np.ascontiguousarray(shown[:, ends[1] : ends[2]]),
-            shown[:, ends[2] :].astype(np.uint8),
+            shown[:, ends[2] : ends[3]].astype(np.uint8),
+            np.ascontiguousarray(shown[:, ends[3] : ends[4]]).reshape(ticks, feet, 3),
+            np.ascontiguousarray(shown[:, ends[4] :]).reshape(ticks, points, 3),
         )
 
     def _nothing(self) -> Float:
@@ -135,6 +138,7 @@ class GaitPipeline(Pipeline):
                 points.ravel(),
                 np.full(len(self._layout.scalars), np.nan),
                 np.full(feet, float(OrientationFlag.INVALID)),
+                np.full(3 * (feet + len(points)), np.nan),
             ]
         )
 
@@ -162,6 +166,10 @@ class GaitPipeline(Pipeline):
                 *points,
                 scalar,
                 flags_of(self._flags(found, steps)).T,
+                *(level_sigma(found.attitude_sigma_rad[row]) for row in heels),
+                *(level_sigma(found.position_sigma_m[row]) for row in heels),
+                # Of what the forces add, the uncertainty is among the scalars.
+                np.full((count, 3 * (len(self._layout.points) - feet)), np.nan),
             ],
             axis=1,
         )
@@ -174,17 +182,6 @@ class GaitPipeline(Pipeline):
             return flags
         found_again = np.uint8(FootFlag.PLACE_LOST) * ~steps.is_lost.T
         return np.asarray(flags & ~found_again, dtype=np.uint8)
-
-    def _frames(
-        self,
-        first_tick: int,
-        step_s: float,
-        q: Float,
-        position: Float,
-        scalar: Float,
-        flags: NDArray[np.uint8],
-    ) -> Frames:
-        return frames_of(self._layout, first_tick, step_s, q, position, scalar, flags)
 
     def calibrate(self, pose: ImuChunk, method: str = "static") -> Calibration:
         """Refuse: where a sensor sits on the foot is found from the walk."""
@@ -212,6 +209,8 @@ def frames_of(
     position: Float,
     scalar: Float,
     flags: NDArray[np.uint8],
+    attitude_sigma_rad: Float,
+    position_sigma_m: Float,
 ) -> Frames:
     """Return frames without angles."""
     ticks = len(q)
@@ -226,7 +225,20 @@ def frames_of(
         scalar=scalar,
         segment_flags=flags,
         angle_flags=np.empty((ticks, 0), dtype=np.uint8),
+        segment_sigma_rad=attitude_sigma_rad,
+        point_sigma_m=position_sigma_m,
     )
+
+
+def level_sigma(sigma: Float) -> Float:
+    """Return sigmas along or about the axes of a foot's own world in those of the room, shape (K, 3).
+
+    The room is turned about the vertical. How the errors along both level axes hang together is not told, so each
+    gets the root mean square of both; NaN where the filter has nothing to say.
+    """
+    level = np.sqrt(0.5 * (sigma[:, 0] ** 2 + sigma[:, 1] ** 2))
+    found = np.stack([level, level, sigma[:, 2]], axis=1)
+    return np.where(np.isfinite(found), found, np.nan)
 
 
 def _live_shoes(setup: SessionSetup, tracker: FootTracker) -> LiveShoes:
@@ -257,4 +269,4 @@ def flags_of(flags: NDArray[np.uint8]) -> NDArray[np.uint8]:
     return np.asarray(bits, dtype=np.uint8)
 
 
-__all__ = ["GaitPipeline", "apart", "flags_of", "frames_of"]
+__all__ = ["GaitPipeline", "apart", "flags_of", "frames_of", "level_sigma"]

@@ -47,7 +47,7 @@ class OrientationPipeline(Pipeline):
 
     def step(self, chunk: ImuChunk) -> Frames:
         """Take the next ticks of all sensors, in the order of `setup.placements`."""
-        result, q_room_segment, _, _, _ = self._network.step(chunk)
+        result, q_room_segment, _, sigma, _ = self._network.step(chunk)
         ticks = chunk.tick_count
         return Frames(
             layout=self._layout,
@@ -60,6 +60,7 @@ class OrientationPipeline(Pipeline):
             scalar=np.empty((ticks, 0)),
             segment_flags=np.ascontiguousarray(result.flags.T),
             angle_flags=np.empty((ticks, 0), dtype=np.uint8),
+            segment_sigma_rad=sigma,
         )
 
     def calibrate(self, pose: ImuChunk, method: str = "static") -> Calibration:

@@ -82,10 +82,12 @@ def concatenate(parts: Sequence[Frames]) -> Frames:
         expected += part.tick_count
     if len(parts) == 1:
         return first
-    sigmas = [part.segment_sigma_rad for part in parts]
     return replace(
         first,
-        segment_sigma_rad=_together(sigmas, parts),
+        segment_sigma_rad=_together(
+            [part.segment_sigma_rad for part in parts], parts, len(first.layout.segments)
+        ),
+        point_sigma_m=_together([part.point_sigma_m for part in parts], parts, len(first.layout.points)),
         q_room_segment=np.concatenate([part.q_room_segment for part in parts]),
         point_room_m=np.concatenate([part.point_room_m for part in parts]),
         angle_rad=np.concatenate([part.angle_rad for part in parts]),
@@ -96,13 +98,13 @@ def concatenate(parts: Sequence[Frames]) -> Frames:
     )
 
 
-def _together(sigmas: Sequence[Float | None], parts: Sequence[Frames]) -> Float | None:
-    """Put sigmas of segments together; parts that have none (not calibrated yet) give NaN."""
+def _together(sigmas: Sequence[Float | None], parts: Sequence[Frames], columns: int) -> Float | None:
+    """Put sigmas together; parts that have none (not calibrated yet) give NaN."""
     if all(sigma is None for sigma in sigmas):
         return None
     return np.concatenate(
         [
-            np.full((*part.segment_flags.shape, 3), np.nan) if sigma is None else sigma
+            np.full((part.tick_count, columns, 3), np.nan) if sigma is None else sigma
             for sigma, part in zip(sigmas, parts, strict=True)
         ]
     )

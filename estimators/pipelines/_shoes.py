@@ -256,8 +256,16 @@ def with_shoes(walk: Walk, found: ShoeWalk) -> Walk:
             point_room_m=np.ascontiguousarray(np.stack([*soles, *balance], axis=1)),
             scalar=np.column_stack([scalar, told]),
             segment_flags=np.asarray(flags, dtype=np.uint8),
+            point_sigma_m=_with_unknown(frames.point_sigma_m, len(BALANCE_POINTS)),
         ),
     )
+
+
+def _with_unknown(sigma_m: Float | None, more: int) -> Float | None:
+    """Add points of which no sigma is known."""
+    if sigma_m is None:
+        return None
+    return np.concatenate([sigma_m, np.full((len(sigma_m), more, 3), np.nan)], axis=1)
 
 
 def _steps(strides: Mapping[Side, Strides], found: ShoeWalk) -> Mapping[str, Measure] | None:

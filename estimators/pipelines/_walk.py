@@ -23,7 +23,7 @@ from estimators.gait import (
 )
 from estimators.orientation import OrientationFlag
 from estimators.pipelines._contract import Frames, SessionSetup
-from estimators.pipelines._gait import apart, flags_of, frames_of
+from estimators.pipelines._gait import apart, flags_of, frames_of, level_sigma
 from estimators.pipelines._gait_layout import SCALARS, feet_of, layout_of
 from estimators.pipelines._turning_steps import turning_steps
 from estimators.recording import Float, ImuChunk, Recording, SensorSignals
@@ -97,6 +97,8 @@ def analyse_walk(recording: Recording, setup: SessionSetup) -> Walk:
         np.stack([part[1] for part in parts], axis=1),
         np.concatenate([part[2] for part in parts], axis=1),
         np.stack([part[3] for part in parts], axis=1),
+        np.stack([part[4] for part in parts], axis=1),
+        np.stack([part[5] for part in parts], axis=1),
     )
     summary = summarise(strides)
     return Walk(frames, paths, strides, summary, _steps(strides, summary, setup.feet_apart_m))
@@ -156,8 +158,8 @@ def course_of(strides: Strides) -> float:
 
 def _on_ticks(
     path: FootTrajectory, strides: Strides, side: Side, time_s: Float
-) -> tuple[Float, Float, Float, NDArray[np.uint8]]:
-    """Return orientation, position, scalars and flags of one foot on common ticks."""
+) -> tuple[Float, Float, Float, NDArray[np.uint8], Float, Float]:
+    """Return orientation, position, scalars, flags and both sigmas of one foot on common ticks."""
     turn = rotation.exp([0.0, 0.0, -course_of(strides)])
     q = rotation.multiply(turn, interpolate_rotations(path.time_s, path.q_world_sensor, time_s))
     q = rotation.multiply(q, strides.q_sensor_foot)
@@ -172,7 +174,10 @@ def _on_ticks(
     scalar = np.full((len(time_s), len(SCALARS)), np.nan)
     scalar[:, 0] = path.stance.is_stance[nearest]
     scalar[:, 3] = np.linalg.norm(velocity, axis=1)
-    return q, apart(position, side), event_columns(scalar, strides, time_s), flags
+    sigmas = [level_sigma(sigma)[nearest] for sigma in (path.attitude_sigma_rad, path.position_sigma_m)]
+    for sigma in sigmas:
+        sigma[outside] = np.nan
+    return q, apart(position, side), event_columns(scalar, strides, time_s), flags, sigmas[0], sigmas[1]
 
 
 def event_columns(scalar: Float, strides: Strides, time_s: Float) -> Float:

@@ -50,6 +50,7 @@ def any_frames(draw: st.DrawFn) -> Frames:
         segment_flags=draw(hnp.arrays(np.uint8, (ticks, 1))),
         angle_flags=draw(hnp.arrays(np.uint8, (ticks, 2))),
         segment_sigma_rad=draw(st.sampled_from([None, "some"])) and table(SIGMA, 1, 3),
+        point_sigma_m=draw(st.sampled_from([None, "some"])) and table(SIGMA, 1, 3),
     )
 
 
@@ -95,11 +96,18 @@ def test_what_is_read_back_differs_by_less_than_matters(live: Frames) -> None:
         finite = values[np.isfinite(values)]
         largest = np.abs(finite).max() if finite.size else 0.0
         within(read.scalar[:, column], values, largest * 2.0**-23)
-    if live.segment_sigma_rad is None or not np.isfinite(live.segment_sigma_rad).any():
-        assert read.segment_sigma_rad is None
-    else:
-        assert read.segment_sigma_rad is not None
-        within(read.segment_sigma_rad, live.segment_sigma_rad, np.nan_to_num(live.segment_sigma_rad) / 512.0)
+    for sigma, found in (
+        (live.segment_sigma_rad, read.segment_sigma_rad),
+        (live.point_sigma_m, read.point_sigma_m),
+    ):
+        if sigma is None or not np.isfinite(sigma).any():
+            assert found is None
+        else:
+            assert found is not None
+            within(found, sigma, np.nan_to_num(sigma) / 512.0)
+    if read.point_sigma_m is not None:
+        known = live.point_sigma_m > 0.0
+        within_a_tenth_of_sigma(read.point_room_m[known], live.point_room_m[known], live.point_sigma_m[known])
 
 
 @given(
@@ -136,13 +144,16 @@ def test_parts_are_one_chunk() -> None:
     assert (joined.data, joined.scale, joined.ticks) == (alone.data, alone.scale, 20)
 
 
-def test_a_part_without_sigmas_of_segments_is_unknown_there() -> None:
-    whole = replace(still(10), segment_sigma_rad=np.full((10, 1, 3), 0.02))
-    first, second = slice_frames(whole, 0, 5), replace(slice_frames(whole, 5, 10), segment_sigma_rad=None)
-    sigma = decode_frames(encode_frames(first, second), LAYOUT).segment_sigma_rad
-    assert sigma is not None
-    np.testing.assert_allclose(sigma[:5], 0.02, rtol=2e-3)
-    assert np.isnan(sigma[5:]).all()
+def test_a_part_without_sigmas_is_unknown_there() -> None:
+    told = np.full((10, 1, 3), 0.02)
+    whole = replace(still(10), segment_sigma_rad=told, point_sigma_m=told)
+    first = slice_frames(whole, 0, 5)
+    second = replace(slice_frames(whole, 5, 10), segment_sigma_rad=None, point_sigma_m=None)
+    read = decode_frames(encode_frames(first, second), LAYOUT)
+    for sigma in (read.segment_sigma_rad, read.point_sigma_m):
+        assert sigma is not None
+        np.testing.assert_allclose(sigma[:5], 0.02, rtol=2e-3)
+        assert np.isnan(sigma[5:]).all()
 
 
 def test_frames_stored_before_are_still_read() -> None:

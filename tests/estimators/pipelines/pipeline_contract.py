@@ -31,6 +31,8 @@ def assert_same_bits(one: Frames, two: Frames) -> None:
     )
     for name in ARRAYS:
         assert getattr(one, name).tobytes() == getattr(two, name).tobytes(), name
+    for name in ("segment_sigma_rad", "point_sigma_m"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(two, name), name)
 
 
 def in_chunks(pipeline, chunk, sizes):
@@ -119,6 +121,11 @@ class PipelineContract:
         assert frames.scalar.shape == (30, len(layout.scalars))
         assert frames.segment_flags.shape == (30, len(layout.segments))
         assert np.allclose(np.linalg.norm(frames.q_room_segment, axis=-1), 1.0)
+        for sigma, names in (
+            (frames.segment_sigma_rad, layout.segments),
+            (frames.point_sigma_m, layout.points),
+        ):
+            assert sigma is None or sigma.shape == (30, len(names), 3)
 
     def test_a_hole_in_the_ticks_is_refused(self, setup, chunk):
         pipeline = create(setup)

@@ -68,6 +68,16 @@ def test_a_walk_off_line_is_drawn_along_its_course():
         np.testing.assert_allclose(at, truth.lift_s[:-1], atol=0.03)
         assert scalar[f"foot_{side}_stride_length_m"][-1] == found.strides[side].length_m[-1]
         assert np.isnan(scalar[f"foot_{side}_stride_length_m"][0])
+        sigma = frames.point_sigma_m[:, i]
+        # Of the sensor's path in its own world, whose level axes the room turns; they share one figure.
+        path = found.trajectories[side].position_sigma_m[-1]
+        np.testing.assert_allclose(sigma[-1], [*[np.sqrt(0.5 * (path[:2] ** 2).sum())] * 2, path[2]])
+        assert np.linalg.norm(way[:2]) - np.linalg.norm(moved[:2]) == pytest.approx(
+            0.0, abs=4.0 * sigma[-1, 0]
+        )
+        attitude = found.trajectories[side].attitude_sigma_rad[-1]
+        assert frames.segment_sigma_rad[-1, i, 2] == attitude[2]
+        assert np.isfinite(frames.segment_sigma_rad[:, i]).all()
     same, _ = pipelines.run(recording, setup)
     np.testing.assert_array_equal(same.point_room_m, frames.point_room_m)
     assert found.summary.feet["left"]["stride_length"].count >= 4
@@ -88,6 +98,11 @@ def test_live_lags_by_less_than_a_second_and_agrees_with_off_line():
         np.testing.assert_allclose(
             np.linalg.norm(live - live[0], axis=1), np.linalg.norm(smooth - smooth[0], axis=1), atol=0.15
         )
+    # What is stored of a live walk says how well each foot is known, from the first shown sample on.
+    stored = frames.as_stored_live()
+    for sigma in (stored.point_sigma_m, stored.segment_sigma_rad):
+        assert np.isnan(sigma[:delay]).all()
+        assert (sigma[delay:] > 0.0).all()
 
 
 def test_a_real_walk_of_a_device_that_clips():

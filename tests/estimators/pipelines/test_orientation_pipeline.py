@@ -43,6 +43,9 @@ def test_orientation_is_that_of_the_filter(setup, chunk):
     alone = orientation.create(orientation.DEFAULT, 2, 0.01).update(chunk)
     assert np.array_equal(frames.q_room_segment, alone.q_earth_sensor.swapaxes(0, 1))
     assert np.array_equal(frames.segment_flags, alone.flags.T)
+    # Room and earth are one here, and the sensor is the segment: nothing is added to what the filter says.
+    np.testing.assert_allclose(frames.segment_sigma_rad, alone.sigma_rad.swapaxes(0, 1), rtol=1e-12)
+    assert np.isfinite(frames.segment_sigma_rad[-1]).all()
 
 
 def test_only_static_calibration(setup, chunk):
