@@ -448,7 +448,12 @@ def validate(
     names: Annotated[
         list[str] | None, typer.Argument(help="Protocols to run; all when none is named.")
     ] = None,
-    seeds: Annotated[int, typer.Option(help="Simulated repetitions of each protocol.", min=1, max=200)] = 20,
+    seeds: Annotated[int, typer.Option(help="Simulated repetitions of each protocol.", min=1, max=1000)] = 20,
+    first_seed: Annotated[
+        int | None,
+        typer.Option(help="Use this seed and those after it; drawn from the version by default.", min=0),
+    ] = None,
+    processes: Annotated[int, typer.Option(help="How many processes work at once.", min=1)] = 1,
     data: Annotated[
         Path | None,
         typer.Option(
@@ -465,7 +470,9 @@ def validate(
     """Run the published experiments: published figure, required figure, ours. Exit code 1 when one falls short."""
     from app.commands import validate as command
 
-    command.validate(names or None, seeds, data, json=json, list_only=list_only, out=out, page=page)
+    command.validate(
+        names or None, seeds, first_seed, processes, data, json=json, list_only=list_only, out=out, page=page
+    )
 
 
 def main() -> None:

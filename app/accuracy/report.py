@@ -5,44 +5,54 @@ from collections.abc import Sequence
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from os import cpu_count
+from typing import Final
+from zlib import crc32
 
 from app.accuracy.schemas import AccuracyProtocol, AccuracyReport
 from estimators import validation
 from estimators.validation import ProtocolResult
 
+_SEEDS: Final = 1_000_000_000
+
 
 def make_report(
-    results: Sequence[ProtocolResult], *, seeds: int, command: str, data: Sequence[str] = ()
+    results: Sequence[ProtocolResult], *, seeds: int, first_seed: int, command: str, data: Sequence[str] = ()
 ) -> AccuracyReport:
     """Wrap results with what they were measured with.
 
     Parameters
     ----------
     results : sequence of ProtocolResult
-    seeds : int
+    seeds, first_seed : int
     command : str
         As typed.
     data : sequence of str
         Names of the recordings.
     """
     return AccuracyReport(
-        version=_version(),
+        version=own_version(),
         made_at=datetime.now(UTC).replace(microsecond=0),
         command=command,
         seeds=seeds,
+        first_seed=first_seed,
         machine=_machine(),
         data=list(data),
         seconds=round(sum(result.seconds for result in results), 1),
-        passed=all(result.passed for result in results),
         protocols=[AccuracyProtocol.model_validate(entry) for entry in validation.to_data(results)],
     )
 
 
-def _version() -> str:
+def own_version() -> str:
+    """Return the version that is measured."""
     try:
         return version("telemotion")
     except PackageNotFoundError:
         return "unknown"
+
+
+def fresh_seed() -> int:
+    """Draw the first seed from the version: no setting of a version was chosen with its own seeds."""
+    return crc32(own_version().encode()) % _SEEDS
 
 
 def _machine() -> str:
@@ -51,4 +61,4 @@ def _machine() -> str:
     return f"{platform.system()} {platform.machine()}, {cpu_count()} cores, {python}"
 
 
-__all__ = ["make_report"]
+__all__ = ["fresh_seed", "make_report", "own_version"]

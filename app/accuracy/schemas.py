@@ -7,12 +7,14 @@ from pydantic import Field
 
 from app.schemas import Schema
 
+AccuracyVerdict = Literal["pass", "open", "short"]
+
 
 class AccuracyFigure(Schema):
     """One number of an experiment: published, required and ours.
 
-    `median`, `worst` and `spread` (standard deviation) are over seeds or recordings; the worst is that
-    farthest toward the limit. Null means that it could not be measured.
+    `median`, `worst` and `spread` (standard deviation) are over the values; the worst is that farthest toward the
+    limit. Null means that it could not be measured.
     """
 
     name: str
@@ -24,8 +26,15 @@ class AccuracyFigure(Schema):
     median: float | None
     worst: float | None
     spread: float | None
-    values: list[float | None] = Field(description="One a seed or a recording.")
-    passed: bool
+    values: list[float | None] = Field(description="One a seed, a batch of seeds or a recording; see `each`.")
+    each: Literal["seed", "batch", "recording"]
+    judged: float | None = Field(
+        description="What is held against the limit: of seeds the median or what nine in ten reach, of batches the "
+        "mean, of recordings the median or the worst."
+    )
+    low: float | None = Field(description="Lower end of its 95 % confidence interval; recordings have none.")
+    high: float | None = Field(description="Upper end of the interval.")
+    verdict: AccuracyVerdict = Field(description="`open`: the limit lies within the interval.")
 
 
 class AccuracyCurve(Schema):
@@ -55,7 +64,7 @@ class AccuracyProtocol(Schema):
     title: str
     source: str
     what: str
-    passed: bool
+    verdict: AccuracyVerdict
     seeds: int
     seconds: float
     figures: list[AccuracyFigure]
@@ -65,19 +74,26 @@ class AccuracyProtocol(Schema):
 class AccuracyReport(Schema):
     """A whole run, and what it was run with.
 
-    `data` names the recordings that were given, so that protocols on recordings can be told from simulations.
+    `data` names the recordings that were given. The seeds are `first_seed` and those after it.
     """
 
-    format: Literal[1] = 1
+    format: Literal[2] = 2
     version: str = Field(description="Version of Telemotion that was measured.")
     made_at: datetime
     command: str = Field(description="What to type to measure again.")
     seeds: int
+    first_seed: int
     machine: str
     data: list[str]
     seconds: float
-    passed: bool
     protocols: list[AccuracyProtocol]
 
 
-__all__ = ["AccuracyCurve", "AccuracyFigure", "AccuracyPlot", "AccuracyProtocol", "AccuracyReport"]
+__all__ = [
+    "AccuracyCurve",
+    "AccuracyFigure",
+    "AccuracyPlot",
+    "AccuracyProtocol",
+    "AccuracyReport",
+    "AccuracyVerdict",
+]

@@ -1,16 +1,19 @@
 """`telemotion validate`: the published experiments, ours beside theirs."""
 
+import multiprocessing
 import sys
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import typer
 
-from app.accuracy.report import make_report
+from app.accuracy.report import fresh_seed, make_report
 from app.errors import InvalidInput, RecordingFormatError
 from app.ingest import readers
 from estimators import validation
 from estimators.recording import Recording
-from estimators.validation import ProtocolResult
+from estimators.validation import ProtocolResult, Values
 
 _SETS = ("broad", "pyshoe", "gaitmap", "gait_tracking", "qmt_mat")
 
@@ -18,13 +21,15 @@ _SETS = ("broad", "pyshoe", "gaitmap", "gait_tracking", "qmt_mat")
 def validate(
     names: list[str] | None,
     seeds: int,
+    first_seed: int | None,
+    processes: int,
     data: Path | None,
     json: bool,
     list_only: bool,
     out: Path | None,
     page: Path | None,
 ) -> None:
-    """Run protocols, print a table or JSON, and exit with 1 when one falls short.
+    """Run protocols, print a table or JSON, and exit with 1 when one falls short of what is required.
 
     Parameters
     ----------
@@ -32,6 +37,10 @@ def validate(
         None runs all.
     seeds : int
         Simulated repetitions of each.
+    first_seed : int or None
+        None draws it from the version.
+    processes : int
+        How many work at once.
     data : Path or None
         Folder with recordings of BROAD, qmt or of feet (`.mat`, `.hdf5`, `.csv`), also below it.
     json, list_only : bool
@@ -51,34 +60,70 @@ def validate(
             f"no protocol {', '.join(sorted(unknown))}; `telemotion validate --list` names them all"
         )
     recordings = _recordings(data) if data else None
-    results = validation.run(names, seeds, recordings, plots=json or out is not None, report=_progress)
+    first = fresh_seed() if first_seed is None else first_seed
+    drawn = range(first, first + seeds)
+    results = _run(names, drawn, recordings or {}, processes, plots=json or out is not None)
+    words = _command(names, seeds, first_seed, data)
     if json or out is not None:
         report = make_report(
-            results, seeds=seeds, command=_command(names, seeds, data), data=sorted(recordings or {})
+            results, seeds=seeds, first_seed=first, command=words, data=sorted(recordings or {})
         ).model_dump_json(indent=1)
         if out is not None:
             out.write_text(report + "\n", encoding="utf-8")
         if json:
             typer.echo(report)
     if page is not None:
-        text = validation.to_markdown(results, _command(names, seeds, data), sorted(recordings or {}))
+        text = validation.to_markdown(results, words, sorted(recordings or {}))
         page.write_text(text, encoding="utf-8")
     if not json:
         typer.echo(validation.to_table(results))
         if data is None:
             typer.echo("Protocols on recordings were left out: give their folder with --data.")
-    if not all(result.passed for result in results):
+    if any(result.verdict == "short" for result in results):
         sys.exit(1)
+
+
+def _run(
+    names: list[str] | None, seeds: range, data: Mapping[str, Recording], processes: int, *, plots: bool
+) -> list[ProtocolResult]:
+    """Repeat the experiments; batches of seeds are shared among processes, those on recordings stay in this one."""
+    chosen = validation.chosen(names, len(seeds), data, seeds.start)
+    if processes == 1:
+        return validation.run(names, len(seeds), data, first_seed=seeds.start, plots=plots, report=_progress)
+    results = []
+    # A worker begins anew: a fork of a process with threads may stand still.
+    with ProcessPoolExecutor(processes, multiprocessing.get_context("spawn")) as pool:
+        waiting = [
+            [pool.submit(_batch, protocol.name, part) for part in validation.parts_of(protocol, seeds)]
+            if not protocol.needs_data
+            else None
+            for protocol, _ in chosen
+        ]
+        for (protocol, given), tasks in zip(chosen, waiting, strict=True):
+            if tasks is None:
+                parts = [validation.measured(protocol, seeds, given)]
+            else:
+                parts = [task.result() for task in tasks]
+            curves = protocol.plots(given) if plots and protocol.plots is not None else ()
+            results.append(validation.gather(protocol, seeds, parts, curves))
+            _progress(results[-1])
+    return results
+
+
+def _batch(name: str, seeds: Sequence[int]) -> tuple[Values, float]:
+    (protocol,) = (one for one in validation.protocols() if one.name == name)
+    return validation.measured(protocol, seeds, {})
 
 
 def _progress(result: ProtocolResult) -> None:
     """Say on standard error that one is done, so that the wait has an end in sight."""
-    verdict = "pass" if result.passed else "FAIL"
-    typer.echo(f"{result.name:<36} {verdict} {result.seconds:8.1f} s", err=True)
+    typer.echo(f"{result.name:<36} {result.verdict:<5} {result.seconds:8.1f} s", err=True)
 
 
-def _command(names: list[str] | None, seeds: int, data: Path | None) -> str:
+def _command(names: list[str] | None, seeds: int, first_seed: int | None, data: Path | None) -> str:
     words = ["telemotion validate", *(names or ()), f"--seeds {seeds}"]
+    if first_seed is not None:
+        words.append(f"--first-seed {first_seed}")
     return " ".join([*words, "--data FOLDER"] if data else words)
 
 

@@ -38,6 +38,7 @@ from estimators.validation._foot_recordings import (
 from estimators.validation._functional import FUNCTIONAL_CALIBRATION
 from estimators.validation._hand_motion import BIAS_STATES, HAND_MOTION, SINGULARITY
 from estimators.validation._joint_headings import JOINT_HEADINGS
+from estimators.validation._judgement import Verdict
 from estimators.validation._kinematics import CONVERSIONS, ELBOW_POSITION, KINEMATIC_IDENTITY
 from estimators.validation._luinge_consistency import CONSISTENCY
 from estimators.validation._luinge_offset import OFFSET_RECOVERY, STILL_SENSOR
@@ -63,6 +64,10 @@ from estimators.validation._protocol import (
     Plot,
     Protocol,
     ProtocolResult,
+    Values,
+    gather,
+    measured,
+    parts_of,
     run_protocol,
 )
 from estimators.validation._relative_checks import RELATIVE_POSE_CHECKS
@@ -176,6 +181,7 @@ def run(
     seeds: int = 20,
     data: Data | None = None,
     *,
+    first_seed: int = 0,
     plots: bool = False,
     report: Callable[[ProtocolResult], None] | None = None,
 ) -> list[ProtocolResult]:
@@ -189,10 +195,12 @@ def run(
         Simulated repetitions of each.
     data : mapping of str to Recording, optional
         Trials of BROAD, recordings of feet, each with its `reference`, and of arms; a protocol gets those of its kind.
+    first_seed : int
+        The seeds are this one and those after it.
     plots : bool
         Also make the curves of each.
     report : callable, optional
-        Told of each protocol as it is done.
+        Called with the result of each protocol as it is done.
 
     Returns
     -------
@@ -202,33 +210,41 @@ def run(
     Raises
     ------
     SetupError
-        For an unknown name, no seeds, or a protocol named without the recordings it needs.
+        For an unknown name, no seeds, a negative seed, or a protocol named without the recordings it needs.
     """
+    results = []
+    for protocol, given in chosen(names, seeds, data or {}, first_seed):
+        results.append(run_protocol(protocol, seeds, given, first_seed=first_seed, plots=plots))
+        if report is not None:
+            report(results[-1])
+    return results
+
+
+def chosen(
+    names: Iterable[str] | None, seeds: int, data: Data, first_seed: int = 0
+) -> list[tuple[Protocol, Data]]:
+    """Return the protocols that `run` would repeat, each with the recordings of its kind; raises as `run` does."""
     if not 1 <= seeds <= MOST_SEEDS:
         raise SetupError(f"{seeds} seeds; use 1 to {MOST_SEEDS}")
-    known = {protocol.name: protocol for protocol in _PROTOCOLS}
+    if first_seed < 0:
+        raise SetupError(f"{first_seed} is no seed; use 0 or more")
     wanted = None if names is None else set(names)
-    if wanted is not None and (unknown := sorted(wanted - set(known))):
-        raise SetupError(f"no protocol {', '.join(unknown)}; known are {', '.join(known)}")
-    recordings: Data = data or {}
-    chosen: list[tuple[Protocol, Data]] = []
+    if wanted is not None and (unknown := sorted(wanted - {protocol.name for protocol in _PROTOCOLS})):
+        known = ", ".join(protocol.name for protocol in _PROTOCOLS)
+        raise SetupError(f"no protocol {', '.join(unknown)}; known are {known}")
+    found: list[tuple[Protocol, Data]] = []
     for protocol in _PROTOCOLS:
         if wanted is not None and protocol.name not in wanted:
             continue
-        fitting = {name: found for name, found in recordings.items() if protocol.needs_data in kinds(found)}
+        fitting = {name: one for name, one in data.items() if protocol.needs_data in kinds(one)}
         if protocol.needs_data and not fitting:
             if wanted is not None:
                 raise SetupError(
                     f"{protocol.name} needs recordings of {protocol.needs_data}; give them as data"
                 )
             continue
-        chosen.append((protocol, fitting))
-    results = []
-    for protocol, given in chosen:
-        results.append(run_protocol(protocol, seeds, given, plots=plots))
-        if report is not None:
-            report(results[-1])
-    return results
+        found.append((protocol, fitting))
+    return found
 
 
 def kinds(recording: Recording) -> set[str]:
@@ -251,7 +267,13 @@ __all__ = [
     "Plot",
     "Protocol",
     "ProtocolResult",
+    "Values",
+    "Verdict",
+    "chosen",
+    "gather",
     "kinds",
+    "measured",
+    "parts_of",
     "protocols",
     "run",
     "to_data",

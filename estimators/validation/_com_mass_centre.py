@@ -106,9 +106,9 @@ def _cutoffs(seeds: Sequence[int], data: Data) -> Values:
     best = np.array(_CUTOFFS_HZ)[fused.mean(axis=0).argmin(axis=0)]
     shares = np.array(ratio)
     return {
-        "best cut-off, x": np.full(len(seeds), best[0]),
-        "best cut-off, y": np.full(len(seeds), best[1]),
-        "best cut-off, z": np.full(len(seeds), best[2]),
+        "best cut-off, x": np.array([best[0]]),
+        "best cut-off, y": np.array([best[1]]),
+        "best cut-off, z": np.array([best[2]]),
         "fused by pressure centre alone, x": shares[:, 0],
         "fused by pressure centre alone, y": shares[:, 1],
     }
@@ -157,9 +157,9 @@ def _distance(seeds: Sequence[int], data: Data) -> Values:
             )
             errors.append(1e3 * (found - scenario.walk.step_width_m))
         table = np.array(errors)
-        values[f"distance, mean error{kind}"] = np.full(len(seeds), abs(table.mean()))
+        values[f"distance, mean error{kind}"] = np.array([abs(table.mean())])
         spread = float(table.std(ddof=1)) if len(seeds) > 1 else 0.0
-        values[f"distance, standard deviation{kind}"] = np.full(len(seeds), spread)
+        values[f"distance, standard deviation{kind}"] = np.array([spread])
     return values
 
 

@@ -93,8 +93,8 @@ def _consistency(seeds: Sequence[int], data: Data) -> Values:
         "variance of the whitened innovations, off 1": np.abs(variance - 1.0),
         "correlation of the innovations, lags 1 to 5": np.max(correlations, axis=0),
         "inclination": np.array([root_mean_square(run) for run in inclination]),
-        "coning, mean rates": np.full(len(seeds), _coning_deg(instantaneous=False)),
-        "coning, instantaneous rates": np.full(len(seeds), _coning_deg(instantaneous=True)),
+        "coning, mean rates": np.array([_coning_deg(instantaneous=False)]),
+        "coning, instantaneous rates": np.array([_coning_deg(instantaneous=True)]),
     } | _alignment(seeds)
 
 

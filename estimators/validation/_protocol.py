@@ -3,16 +3,20 @@
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
-from typing import Literal
+from typing import Final, Literal
 
 import numpy as np
 
 from estimators.errors import ShapeError
 from estimators.recording import Float, Recording
+from estimators.validation._judgement import Estimate, Verdict, mean, quantile
 
 Data = Mapping[str, Recording]
 Values = dict[str, Float]
+BATCH: Final = 5
+"""Seeds that are measured together: what an experiment pools over seeds gives one value a batch."""
 
 
 @dataclass(frozen=True)
@@ -25,13 +29,14 @@ class Figure:
         Unique within its protocol.
     unit : str
     required : float, or None
-        Limit that every seed must keep; None for figures that are only shown.
+        The limit; None for figures that are only shown.
     published : float, or None
         What the source reports under these conditions, if anything.
     at_most : bool
         The limit is an upper one; otherwise a lower one.
     judged_by : {"worst", "median"}
-        Which value over the seeds must keep the limit.
+        What must meet the limit: of recordings the worst or the median; of seeds what nine in ten reach ("worst") or
+        the median; of figures that are pooled over a batch of seeds their mean.
     """
 
     name: str
@@ -143,44 +148,74 @@ class Protocol:
 class FigureResult:
     """One figure with what we measured.
 
-    `median`, `worst` and `spread` (standard deviation) are over seeds or recordings; the worst is that
-    farthest toward the limit.
+    Attributes
+    ----------
+    figure : Figure
+    values : ndarray, shape (N,)
+        NaN where nothing could be measured.
+    each : {"seed", "batch", "recording"}
+        What a value is of. Recordings are no draws: they are judged as they are, without an interval.
+
+    Notes
+    -----
+    `median`, `worst` and `spread` (standard deviation) are over the values; the worst is that farthest toward the
+    limit.
     """
 
     figure: Figure
     values: Float
+    each: Literal["seed", "batch", "recording"] = "seed"
 
     @property
     def median(self) -> float:
-        """Median over seeds; NaN when nothing could be measured."""
+        """Median of the values; NaN when nothing could be measured."""
         finite = self.values[np.isfinite(self.values)]
         return float(np.median(finite)) if len(finite) else float("nan")
 
     @property
     def worst(self) -> float:
-        """The value farthest toward the limit; NaN when any seed gave none."""
+        """The value farthest toward the limit; NaN when any could not be measured."""
         if not len(self.values) or np.isnan(self.values).any():
             return float("nan")
         return float(self.values.max() if self.figure.at_most else self.values.min())
 
     @property
     def spread(self) -> float:
-        """Standard deviation over seeds; NaN for fewer than two."""
+        """Standard deviation of the values; NaN for fewer than two."""
         return float(self.values.std(ddof=1)) if len(self.values) > 1 else float("nan")
 
-    @property
-    def judged(self) -> float:
-        """The one of the two that is held against the limit."""
-        return self.worst if self.figure.judged_by == "worst" else self.median
+    @cached_property
+    def judged(self) -> Estimate:
+        """What is held against the limit, with its confidence interval."""
+        if not len(self.values):
+            return Estimate(float("nan"), float("nan"), float("nan"))
+        if self.each == "recording":
+            value = self.worst if self.figure.judged_by == "worst" else self.median
+            return Estimate(value, value, value)
+        sign = 1.0 if self.figure.at_most else -1.0
+        # What could not be measured counts as far beyond the limit.
+        toward = np.where(np.isnan(self.values), np.inf, sign * self.values)
+        if self.each == "batch":
+            found = mean(toward)
+        else:
+            found = quantile(toward, 0.5 if self.figure.judged_by == "median" else 0.9)
+        ends = sorted((sign * found.low, sign * found.high))
+        return Estimate(sign * found.value, *ends)
 
     @property
-    def passed(self) -> bool:
-        """Whether the limit is kept; a figure without one always passes, one without a value never."""
+    def verdict(self) -> Verdict:
+        """`pass` when the whole interval meets the limit; a figure without a limit always passes."""
+        if self.figure.required is None:
+            return "pass"
+        return self.judged.verdict(self.figure.required, at_most=self.figure.at_most)
+
+    @property
+    def meets(self) -> bool:
+        """Whether the estimate, without its interval, meets the limit."""
         if self.figure.required is None:
             return True
-        if self.figure.at_most:
-            return self.judged <= self.figure.required
-        return self.judged >= self.figure.required
+        alone = Estimate(self.judged.value, self.judged.value, self.judged.value)
+        return alone.verdict(self.figure.required, at_most=self.figure.at_most) == "pass"
 
 
 @dataclass(frozen=True)
@@ -199,9 +234,15 @@ class ProtocolResult:
         return self.protocol.name
 
     @property
-    def passed(self) -> bool:
-        """Whether every figure keeps its limit."""
-        return all(figure.passed for figure in self.figures)
+    def verdict(self) -> Verdict:
+        """The worst verdict of its figures."""
+        found = {figure.verdict for figure in self.figures}
+        return "short" if "short" in found else "open" if "open" in found else "pass"
+
+    @property
+    def meets(self) -> bool:
+        """Whether the estimate of every figure meets its limit."""
+        return all(figure.meets for figure in self.figures)
 
     def figure(self, name: str) -> FigureResult:
         """Return one figure by name; raises `KeyError` when there is none."""
@@ -211,17 +252,79 @@ class ProtocolResult:
         raise KeyError(name)
 
 
-def run_protocol(protocol: Protocol, seeds: int, data: Data, *, plots: bool = False) -> ProtocolResult:
-    """Repeat one experiment with seeds 0 to `seeds - 1`, and with `plots` draw its curves too."""
+def parts_of(protocol: Protocol, seeds: Sequence[int]) -> tuple[Sequence[int], ...]:
+    """Cut the seeds of an experiment into batches of `BATCH` or a few more.
+
+    Fewer than two batches' worth stay together. So do the seeds of an experiment on recordings: these are the same
+    for every seed, and it draws what it needs by itself.
+    """
+    if protocol.needs_data:
+        return (seeds,)
+    count = max(len(seeds) // BATCH, 1)
+    edges = [len(seeds) * number // count for number in range(count + 1)]
+    return tuple(seeds[start:stop] for start, stop in pairwise(edges))
+
+
+def measured(protocol: Protocol, seeds: Sequence[int], data: Data) -> tuple[Values, float]:
+    """Repeat one experiment with one batch of seeds.
+
+    Parameters
+    ----------
+    protocol : Protocol
+    seeds : sequence of int
+    data : mapping of str to Recording
+
+    Returns
+    -------
+    values : dict of str to ndarray
+    seconds : float
+
+    Raises
+    ------
+    KeyError
+        The experiment measured other figures than it names.
+    """
     begin = time.perf_counter()
-    values = protocol.measure(range(seeds), data)
-    known = {figure.name for figure in protocol.figures}
-    if set(values) != known:
-        raise KeyError(f"{protocol.name} measured {sorted(set(values) ^ known)} amiss")
-    figures = tuple(
-        FigureResult(figure, np.atleast_1d(np.asarray(values[figure.name], dtype=np.float64)))
-        for figure in protocol.figures
+    values = protocol.measure(seeds, data)
+    if amiss := set(values) ^ {figure.name for figure in protocol.figures}:
+        raise KeyError(f"{protocol.name} measured {sorted(amiss)} amiss")
+    found = {name: np.atleast_1d(np.asarray(value, dtype=np.float64)) for name, value in values.items()}
+    return found, time.perf_counter() - begin
+
+
+def gather(
+    protocol: Protocol,
+    seeds: Sequence[int],
+    parts: Sequence[tuple[Values, float]],
+    plots: tuple[Plot, ...] = (),
+) -> ProtocolResult:
+    """Put the batches of one experiment together.
+
+    Parameters
+    ----------
+    protocol : Protocol
+    seeds : sequence of int
+        Of all batches.
+    parts : sequence of tuple
+        What `measured` returned for each batch.
+    plots : tuple of Plot
+    """
+    figures = []
+    for figure in protocol.figures:
+        found = [part[figure.name] for part, _ in parts]
+        each: Literal["seed", "batch", "recording"] = "recording"
+        if not protocol.needs_data:
+            each = "seed" if sum(map(len, found)) == len(seeds) and len(found[0]) > 1 else "batch"
+        figures.append(FigureResult(figure, np.concatenate(found), each))
+    return ProtocolResult(protocol, tuple(figures), len(seeds), sum(seconds for _, seconds in parts), plots)
+
+
+def run_protocol(
+    protocol: Protocol, seeds: int, data: Data, *, first_seed: int = 0, plots: bool = False
+) -> ProtocolResult:
+    """Repeat one experiment with `seeds` seeds from `first_seed` on, and with `plots` draw its curves too."""
+    drawn = range(first_seed, first_seed + seeds)
+    curves = protocol.plots(data) if plots and protocol.plots is not None else ()
+    return gather(
+        protocol, drawn, [measured(protocol, part, data) for part in parts_of(protocol, drawn)], curves
     )
-    seconds = time.perf_counter() - begin
-    drawn = protocol.plots(data) if plots and protocol.plots is not None else ()
-    return ProtocolResult(protocol, figures, seeds, seconds, drawn)

@@ -32,7 +32,7 @@ def _actuation(seeds: Sequence[int], data: Data) -> Values:
         bounds.append(
             float(run.result.position_sigma_m[run.scored].max()) / SPARING_PARAMETERS["position_limit_m"]
         )
-    rng = np.random.default_rng([len(seeds), 89])
+    rng = np.random.default_rng([seeds[0], 89])
     prior = np.diag([0.02**2] * 3 + [np.radians(2.5) ** 2] * 3)
     poses = 3000
     u = rng.normal(size=(poses, 3))

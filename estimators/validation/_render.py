@@ -3,18 +3,32 @@
 import json
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Final
 
 from estimators.recording import Float
+from estimators.validation._judgement import Verdict
 from estimators.validation._protocol import FigureResult, Plot, ProtocolResult
 
-_HEADINGS = ("figure", "unit", "published", "required", "median", "worst", "spread", "n", "")
+_HEADINGS = (
+    "figure",
+    "unit",
+    "published",
+    "required",
+    "judged",
+    "interval",
+    "median",
+    "worst",
+    "spread",
+    "n",
+    "",
+)
+_WORDS: Final[dict[Verdict, str]] = {"pass": "pass", "open": "open", "short": "SHORT"}
 
 
 def _number(value: float | None) -> str:
     if value is None:
         return "-"
-    if math.isnan(value):
+    if not math.isfinite(value):
         return "none"
     return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
 
@@ -23,18 +37,25 @@ def _row(result: FigureResult) -> tuple[str, ...]:
     figure = result.figure
     sign = "<=" if figure.at_most else ">="
     required = "-" if figure.required is None else f"{sign} {_number(figure.required)}"
-    verdict = "" if figure.required is None else "pass" if result.passed else "FAIL"
+    is_judged = figure.required is not None
     return (
         figure.name,
         figure.unit,
         _number(figure.published),
         required,
+        _number(result.judged.value) if is_judged else "-",
+        _interval(result) if is_judged else "-",
         _number(result.median),
         _number(result.worst),
         "-" if math.isnan(result.spread) else _number(result.spread),
         str(len(result.values)),
-        verdict,
+        _WORDS[result.verdict] if is_judged else "",
     )
+
+
+def _interval(result: FigureResult) -> str:
+    low, high = result.judged.low, result.judged.high
+    return "-" if result.each == "recording" else f"{_number(low)} to {_number(high)}"
 
 
 def to_table(results: Sequence[ProtocolResult]) -> str:
@@ -43,19 +64,23 @@ def to_table(results: Sequence[ProtocolResult]) -> str:
     for result in results:
         rows = [_HEADINGS, *(_row(figure) for figure in result.figures)]
         widths = [max(len(row[column]) for row in rows) for column in range(len(_HEADINGS))]
-        verdict = "pass" if result.passed else "FAIL"
-        lines.append(f"{result.protocol.title} [{result.name}]: {verdict}, {result.seconds:.1f} s")
+        lines.append(
+            f"{result.protocol.title} [{result.name}]: {_WORDS[result.verdict]}, {result.seconds:.1f} s"
+        )
         lines.append(f"  {result.protocol.source}")
         lines.append(f"  {result.protocol.what}")
         for row in rows:
             cells = [row[0].ljust(widths[0]), row[1].ljust(widths[1])]
-            cells += [cell.rjust(width) for cell, width in zip(row[2:8], widths[2:8], strict=True)]
-            lines.append("    " + "  ".join([*cells, row[8]]).rstrip())
+            cells += [cell.rjust(width) for cell, width in zip(row[2:10], widths[2:10], strict=True)]
+            lines.append("    " + "  ".join([*cells, row[10]]).rstrip())
         lines.append("")
-    failed = [result.name for result in results if not result.passed]
-    lines.append(f"{len(results) - len(failed)} of {len(results)} protocols pass")
-    if failed:
-        lines.append("short of what is required: " + ", ".join(failed))
+    lines.append(f"{sum(result.verdict == 'pass' for result in results)} of {len(results)} protocols pass")
+    for verdict, words in (
+        ("open", "not decided by these seeds, the limit lies within the interval"),
+        ("short", "short of what is required"),
+    ):
+        if found := [result.name for result in results if result.verdict == verdict]:
+            lines.append(f"{words}: {', '.join(found)}")
     return "\n".join(lines)
 
 
@@ -70,11 +95,13 @@ def to_markdown(results: Sequence[ProtocolResult], command: str, data: Sequence[
     data : sequence of str
         Names of the recordings that were given.
     """
-    passed = sum(result.passed for result in results)
+    passed = sum(result.verdict == "pass" for result in results)
+    undecided = sum(result.verdict == "open" for result in results)
     lines = [
         "# Accuracy",
         "",
-        f"Made by `{command}`. {passed} of {len(results)} experiments reach what is required in every figure.",
+        f"Made by `{command}`. {passed} of {len(results)} experiments reach what is required in every figure, "
+        f"{undecided} are open, {len(results) - passed - undecided} fall short.",
         *([f"FOLDER held {', '.join(data)}."] if data else []),
         "",
         "| experiment | n | verdict | nearest to its limit (or farthest past it) | required | ours |",
@@ -87,16 +114,20 @@ def to_markdown(results: Sequence[ProtocolResult], command: str, data: Sequence[
         cells = (
             f"{result.protocol.title} (`{result.name}`)",
             str(result.seeds),
-            "pass" if result.passed else "**short**",
+            {"pass": "pass", "open": "open", "short": "**short**"}[result.verdict],
             nearest.figure.name,
             f"{sign} {_number(nearest.figure.required)}{unit}",
-            f"{_number(nearest.judged)}{unit}",
+            f"{_number(nearest.judged.value)}{unit}"
+            + ("" if nearest.each == "recording" else f" ({_interval(nearest)})"),
         )
         lines.append(f"| {' | '.join(cells)} |")
     lines += [
         "",
-        "Below: what was published, what is required, ours as the median and the worst of n seeds or recordings, and",
-        "the spread between them. Ours is judged by the worst, or where the experiment says so by the median. Figures",
+        "The seeds are drawn from the version: no setting was chosen with them. Of a figure with one value a seed,",
+        "what nine seeds in ten reach is judged, or where the experiment says so their median; of a figure pooled over",
+        "a batch of seeds, the mean of the batches; of recordings, the worst or the median one. The interval has",
+        "95 % confidence. A figure passes when its whole interval meets the limit, is open when the limit lies within",
+        "the interval, and is short when the interval lies beyond. The worst is shown and not judged alone. Figures",
         "without a requirement are shown for comparison. The seconds are of one core of a shared machine.",
         "",
         "```",
@@ -108,7 +139,7 @@ def to_markdown(results: Sequence[ProtocolResult], command: str, data: Sequence[
 
 def _share(found: FigureResult) -> float:
     """Return how much of what its limit allows a figure uses up; infinite when nothing could be measured."""
-    limit, judged = found.figure.required, found.judged
+    limit, judged = found.figure.required, found.judged.high if found.figure.at_most else found.judged.low
     if limit is None or math.isnan(judged):
         return math.inf
     used, allowed = (judged, limit) if found.figure.at_most else (limit, judged)
@@ -128,7 +159,7 @@ def to_data(results: Sequence[ProtocolResult]) -> list[dict[str, Any]]:
             "title": result.protocol.title,
             "source": result.protocol.source,
             "what": result.protocol.what,
-            "passed": result.passed,
+            "verdict": result.verdict,
             "seeds": result.seeds,
             "seconds": round(result.seconds, 2),
             "figures": [
@@ -143,7 +174,11 @@ def to_data(results: Sequence[ProtocolResult]) -> list[dict[str, Any]]:
                     "worst": _finite(found.worst),
                     "spread": _finite(found.spread),
                     "values": [_finite(float(value)) for value in found.values],
-                    "passed": found.passed,
+                    "judged": _finite(found.judged.value),
+                    "low": _finite(found.judged.low),
+                    "high": _finite(found.judged.high),
+                    "each": found.each,
+                    "verdict": found.verdict,
                 }
                 for found in result.figures
             ],

@@ -82,7 +82,7 @@ def _trial(seed: int, scene: _Scene) -> Readings:
 def _optical_reference_deg(seeds: Sequence[int]) -> float:
     """V7: noise of the markers that lets each distance scatter by 0.79 mm; both angles together."""
     stick_m, scatter_m = 0.1, 0.79e-3
-    generator = np.random.default_rng([len(seeds), 25])
+    generator = np.random.default_rng([seeds[0], 25])
     ends = np.array([[0, 0, 0], [stick_m, 0, 0], [0, stick_m, 0], [0, 0, stick_m]])
     # A distance is along one line: its variance is that of two markers' one coordinate.
     seen = ends[1:] + generator.normal(size=(20_000, 3, 3)) * scatter_m / np.sqrt(2.0)

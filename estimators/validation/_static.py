@@ -146,7 +146,7 @@ def _heading(seeds: Sequence[int], data: Data) -> Values:
         iron = np.array([0.0, -np.cos(DIP_RAD) * np.tan(np.radians(shift)), 0.0])
         field = np.array([np.cos(DIP_RAD), 0.0, np.sin(DIP_RAD)]) + iron
         read = float(np.degrees(raw_angles(level[None], field[None])[0, 0]))
-        values[f"{shift:.0f} degree shift, error of one sample"] = [abs(read - shift)] * len(seeds)
+        values[f"{shift:.0f} degree shift, error of one sample"] = [abs(read - shift)]
 
         modules = [measure_module(_at_rest, 60.0, seed, with_bias=False, body_field=iron) for seed in seeds]
         found, _ = estimate(modules, "marzouk_error_state_ekf")

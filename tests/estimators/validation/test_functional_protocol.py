@@ -15,4 +15,4 @@ def test_angles_keep_the_requirement_and_knowing_the_mounting_is_no_worse():
         assert (angles < 3.0).all(), angles
         assert np.median(angles) > 0.2, "skin and posture leave something"
         assert found.figure(f"{joint} angles, mounting known exactly").median < 3.0
-    assert found.passed
+    assert found.meets

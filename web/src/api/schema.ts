@@ -1789,8 +1789,8 @@ export interface components {
          * AccuracyFigure
          * @description One number of an experiment: published, required and ours.
          *
-         *     `median`, `worst` and `spread` (standard deviation) are over seeds or recordings; the worst is that
-         *     farthest toward the limit. Null means that it could not be measured.
+         *     `median`, `worst` and `spread` (standard deviation) are over the values; the worst is that farthest toward the
+         *     limit. Null means that it could not be measured.
          */
         AccuracyFigure: {
             /**
@@ -1799,16 +1799,34 @@ export interface components {
              */
             at_most: boolean;
             /**
+             * Each
+             * @enum {string}
+             */
+            each: "seed" | "batch" | "recording";
+            /**
+             * High
+             * @description Upper end of the interval.
+             */
+            high: number | null;
+            /**
+             * Judged
+             * @description What is held against the limit: of seeds the median or what nine in ten reach, of batches the mean, of recordings the median or the worst.
+             */
+            judged: number | null;
+            /**
              * Judged By
              * @enum {string}
              */
             judged_by: "worst" | "median";
+            /**
+             * Low
+             * @description Lower end of its 95 % confidence interval; recordings have none.
+             */
+            low: number | null;
             /** Median */
             median: number | null;
             /** Name */
             name: string;
-            /** Passed */
-            passed: boolean;
             /** Published */
             published: number | null;
             /**
@@ -1822,9 +1840,15 @@ export interface components {
             unit: string;
             /**
              * Values
-             * @description One a seed or a recording.
+             * @description One a seed, a batch of seeds or a recording; see `each`.
              */
             values: (number | null)[];
+            /**
+             * Verdict
+             * @description `open`: the limit lies within the interval.
+             * @enum {string}
+             */
+            verdict: "pass" | "open" | "short";
             /** Worst */
             worst: number | null;
         };
@@ -1860,8 +1884,6 @@ export interface components {
             figures: components["schemas"]["AccuracyFigure"][];
             /** Name */
             name: string;
-            /** Passed */
-            passed: boolean;
             /** Plots */
             plots: components["schemas"]["AccuracyPlot"][];
             /** Seconds */
@@ -1872,6 +1894,11 @@ export interface components {
             source: string;
             /** Title */
             title: string;
+            /**
+             * Verdict
+             * @enum {string}
+             */
+            verdict: "pass" | "open" | "short";
             /** What */
             what: string;
         };
@@ -1879,7 +1906,7 @@ export interface components {
          * AccuracyReport
          * @description A whole run, and what it was run with.
          *
-         *     `data` names the recordings that were given, so that protocols on recordings can be told from simulations.
+         *     `data` names the recordings that were given. The seeds are `first_seed` and those after it.
          */
         AccuracyReport: {
             /**
@@ -1889,12 +1916,14 @@ export interface components {
             command: string;
             /** Data */
             data: string[];
+            /** First Seed */
+            first_seed: number;
             /**
              * Format
-             * @default 1
+             * @default 2
              * @constant
              */
-            format?: 1;
+            format?: 2;
             /** Machine */
             machine: string;
             /**
@@ -1902,8 +1931,6 @@ export interface components {
              * Format: date-time
              */
             made_at: string;
-            /** Passed */
-            passed: boolean;
             /** Protocols */
             protocols: components["schemas"]["AccuracyProtocol"][];
             /** Seconds */

@@ -1,5 +1,5 @@
 // How accurate this version is: every published experiment, their figure, what is required, ours, and how to measure it again.
-import { IconCheck, IconChevronRight, IconX } from '@tabler/icons-react';
+import { IconCheck, IconChevronRight, IconQuestionMark, IconX } from '@tabler/icons-react';
 import { useEffect, useState } from 'react';
 import { useAccuracy } from '../api/queries';
 import type { AccuracyFigure, AccuracyPlot, AccuracyProtocol, AccuracyReport } from '../api/types';
@@ -13,27 +13,34 @@ import { date, number } from '../lib/format';
 
 const SHOWN_FIRST = 12;
 
-function PassMark({ passed }: { passed: boolean }) {
-  const Icon = passed ? IconCheck : IconX;
+type Verdict = AccuracyFigure['verdict'];
+
+const MARKS = { pass: IconCheck, open: IconQuestionMark, short: IconX };
+const WORDS = { pass: 'accuracy.met', open: 'accuracy.open', short: 'accuracy.missed' } as const;
+
+function Mark({ verdict }: { verdict: Verdict }) {
+  const Icon = MARKS[verdict];
   return (
-    <span className={passed ? 'tag' : 'tag tag-alert'}>
+    <span className={verdict === 'short' ? 'tag tag-alert' : 'tag'}>
       <Icon size={17} stroke={2.6} aria-hidden />
-      {passed ? t('accuracy.met') : t('accuracy.missed')}
+      {t(WORDS[verdict])}
     </span>
   );
 }
 
 function Row({ one }: { one: AccuracyFigure }) {
   const judged = isJudged(one);
-  const strong = (kind: 'median' | 'worst') => (judged && one.judged_by === kind ? 'number strong' : 'number');
+  const isDrawn = judged && one.each !== 'recording';
   return (
     <tr className={judged ? undefined : 'row-left-out'}>
       <th scope="row">{one.name}</th>
       <td className="number">{figure(one.published, one.unit)}</td>
       <td className="number">{judged ? `${one.at_most ? '≤' : '≥'} ${figure(one.required, one.unit)}` : t('accuracy.shownOnly')}</td>
-      <td className={strong('median')}>{figure(one.median, one.unit)}</td>
-      <td className={strong('worst')}>{figure(one.worst, one.unit)}</td>
-      <td>{judged && <PassMark passed={one.passed} />}</td>
+      <td className="number strong">{judged && figure(one.judged, one.unit)}</td>
+      <td className="number">{isDrawn && t('accuracy.from', { low: figure(one.low, one.unit), high: figure(one.high, one.unit) })}</td>
+      <td className="number">{figure(one.median, one.unit)}</td>
+      <td className="number">{figure(one.worst, one.unit)}</td>
+      <td>{judged && <Mark verdict={one.verdict} />}</td>
     </tr>
   );
 }
@@ -49,6 +56,8 @@ function Table({ figures, caption }: { figures: readonly AccuracyFigure[]; capti
             <th scope="col">{t('accuracy.figure')}</th>
             <th scope="col">{t('accuracy.published')}</th>
             <th scope="col">{t('accuracy.required')}</th>
+            <th scope="col">{t('accuracy.judged')}</th>
+            <th scope="col">{t('accuracy.interval')}</th>
             <th scope="col">{t('accuracy.median')}</th>
             <th scope="col">{t('accuracy.worst')}</th>
             <th scope="col">{t('accuracy.mark')}</th>
@@ -99,7 +108,7 @@ function Protocol({ protocol, command, isOpen, onToggle }: ProtocolProps) {
           <h2 id={`${protocol.name}-title`} className="protocol-title">
             {protocol.title}
           </h2>
-          <PassMark passed={protocol.passed} />
+          <Mark verdict={protocol.verdict} />
         </summary>
         {isOpen && (
           <div className="stack">
@@ -133,9 +142,9 @@ function Protocol({ protocol, command, isOpen, onToggle }: ProtocolProps) {
 }
 
 function Report({ report }: { report: AccuracyReport }) {
-  const met = report.protocols.filter((one) => one.passed).length;
+  const count = (verdict: Verdict) => report.protocols.filter((one) => one.verdict === verdict).length;
   // Sixty experiments are a long page: closed but for what falls short and what was asked for.
-  const [open, setOpen] = useState(() => new Set([...report.protocols.filter((one) => !one.passed).map((one) => one.name), window.location.hash.slice(1)]));
+  const [open, setOpen] = useState(() => new Set([...report.protocols.filter((one) => one.verdict === 'short').map((one) => one.name), window.location.hash.slice(1)]));
   // The report comes after the browser has looked for what the address names.
   useEffect(() => {
     if (window.location.hash) document.getElementById(window.location.hash.slice(1))?.scrollIntoView();
@@ -152,10 +161,11 @@ function Report({ report }: { report: AccuracyReport }) {
       <section className="card stack" aria-labelledby="overview">
         <div className="line-head">
           <h2 id="overview" className="protocol-title">
-            {t('accuracy.overview', { met, all: report.protocols.length })}
+            {t('accuracy.overview', { met: count('pass'), all: report.protocols.length })}
           </h2>
-          <PassMark passed={report.passed} />
+          <Mark verdict={count('short') > 0 ? 'short' : count('open') > 0 ? 'open' : 'pass'} />
         </div>
+        <p>{t('accuracy.notMet', { open: count('open'), short: count('short') })}</p>
         <p className="measure-text">{t('accuracy.how', { seeds: report.seeds })}</p>
         <ol className="protocol-index">
           {report.protocols.map((one) => (
@@ -163,7 +173,7 @@ function Report({ report }: { report: AccuracyReport }) {
               <a href={`#${one.name}`} onClick={() => turn(one.name, true)}>
                 {one.title}
               </a>
-              {!one.passed && <span className="alert-text"> ({t('accuracy.missed')})</span>}
+              {one.verdict !== 'pass' && <span className={one.verdict === 'short' ? 'alert-text' : 'muted'}> ({t(WORDS[one.verdict])})</span>}
             </li>
           ))}
         </ol>
