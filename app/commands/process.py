@@ -13,7 +13,7 @@ from app.errors import InvalidInput
 from app.ingest import readers
 from estimators import orientation as orientations
 from estimators import pipelines, signals
-from estimators.calibration import Hemisphere, check_first_seconds, in_words
+from estimators.calibration import Hemisphere, check_recording, in_words
 from estimators.conventions import Placement
 from estimators.pipelines import Frames, SessionSetup
 from estimators.recording import Recording, SensorSignals
@@ -94,14 +94,13 @@ def process(
         orientation=orientation,
         orientation_parameters=json.loads(parameters),
     )
+    _check(measured, setup, force=force, hemisphere=hemisphere)
     if pipeline == "gait":
-        # A foot in full walk is rarely still: what a resting sensor must show is no measure of it.
         walk, shoes, note = analyse(measured, setup)
         frames, used = walk.frames, setup
         out.mkdir(parents=True, exist_ok=True)
         write_walk(walk, out, shoes, note)
     else:
-        _check(measured, setup, force=force, hemisphere=hemisphere)
         frames, used = pipelines.run(measured, setup, pose, elbows_from_movement=pipeline == "arm")
         out.mkdir(parents=True, exist_ok=True)
     table = frames_table(frames, used.body if pipeline == "arm" else None)
@@ -121,7 +120,7 @@ def _check(measured: Recording, setup: SessionSetup, *, force: bool, hemisphere:
     if not worn:
         return
     chunk = signals.to_common_ticks(replace(measured, sensors=worn), setup.rate_hz)
-    findings = check_first_seconds(chunk, tuple(worn), hemisphere=cast(Hemisphere, hemisphere))
+    findings = check_recording(chunk, tuple(worn), hemisphere=cast(Hemisphere, hemisphere))
     refused = [finding for finding in findings if finding.severity == "refuse"]
     if refused and not force:
         raise InvalidInput(

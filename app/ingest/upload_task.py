@@ -13,17 +13,16 @@ from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import RecordingFormatError
 from app.ingest import readers
 from app.ingest.declaration import Declaration
-from app.ingest.upload import estimated, pipeline_of, upload_folder
+from app.ingest.upload import estimated, upload_folder
 from app.recordings._rows import insert_chunk
 from app.recordings.chunks import RAW_STREAM, EncodedChunk, RawPacket, encode_packets
 from app.recordings.jobs import JobContext
 from app.recordings.models import MotionSession, SessionEvent, SignalChunk
-from app.recordings.reprocess import Analysis, analyse, beginning, count_session, enqueue_comparison
+from app.recordings.reprocess import Analysis, analyse, count_session, enqueue_comparison, stretches
 from app.recordings.schemas import UploadIn
 from app.recordings.walk_shoes import store_shoes
-from app.recordings.walks import PIPELINE as WALKING
 from app.sentences import CATALOGUE, say
-from estimators.calibration import SEARCHED_S, check_first_seconds, in_words, same_signals
+from estimators.calibration import STRETCH_S, RecordingCheck, in_words, same_signals
 from estimators.pipelines import SessionSetup, has_shoes
 from estimators.recording import Recording
 
@@ -168,15 +167,13 @@ def _check(context: JobContext, declaration: UploadIn) -> list[str]:
     context.progress(_STORED_AT, say("progress.checking"))
     with read_only(context.engine) as session:
         setup = SessionSetup.from_dict(session.get_one(MotionSession, context.session_id).setup)
-    chunk = beginning(context, setup, round(SEARCHED_S * setup.rate_hz))
-    if chunk is None:
-        return []
-    copies = [setup.placements[row] for row in same_signals(chunk)]
-    notes: list[str] = [say("upload.same_signals", where=copies)] if copies else []
-    if pipeline_of(declaration) == WALKING:
-        # A foot in full walk is rarely still: what a resting sensor must show is no measure of it.
-        return notes
-    findings = check_first_seconds(chunk, setup.placements, hemisphere=declaration.hemisphere)
+    check = RecordingCheck(setup.placements, declaration.hemisphere)
+    notes: list[str] = []
+    for number, chunk in enumerate(stretches(context, setup, STRETCH_S)):
+        check.add(chunk)
+        if number == 0 and (copies := [setup.placements[row] for row in same_signals(chunk)]):
+            notes.append(say("upload.same_signals", where=copies))
+    findings = [finding for finding in check.findings if finding.code != "no_data"]
     refused = [finding for finding in findings if finding.severity == "refuse"]
     if refused and not declaration.accept_implausible:
         context.remember(implausible=[finding.code for finding in refused])

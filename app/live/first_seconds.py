@@ -1,4 +1,4 @@
-"""Watches a stream for readings that cannot be right, until every sensor has moved a while; tells them once each."""
+"""Watches a stream for readings that cannot be right, as evidence of its movement gathers; reports each once."""
 
 import asyncio
 import logging
@@ -9,7 +9,7 @@ from typing import Final
 
 from app.ingest.alignment import joined_chunks
 from app.live.plausibility import Check, Checked, check
-from estimators.calibration import FIRST_SECONDS_S, Finding, Hemisphere, in_words
+from estimators.calibration import Finding, Hemisphere, RecordingCheck, in_words
 from estimators.recording import ImuChunk
 
 logger = logging.getLogger(__name__)
@@ -17,11 +17,10 @@ logger = logging.getLogger(__name__)
 CHECKING_SHARE: Final = 0.05
 """So much of a processor is given to the checks of all sessions of a service together: frames come first."""
 
-CHECK_EVERY_S: Final = 4.0
-WATCHED_S: Final = 60.0
-"""How long a sensor is watched while it moves."""
-RESTING_CHECKS: Final = 3
+FIRST_CHECK_S: Final = 4.0
 """Rest tells units at once or not at all."""
+CHECK_EVERY_S: Final = 12.0
+"""What is looked at together: some windows of movement. What came before and was not looked at is forgotten."""
 
 
 class CheckTurns:
@@ -59,7 +58,7 @@ ALL_SESSIONS: Final = CheckTurns()
 
 
 class FirstSeconds:
-    """Keeps the last seconds and checks them every four, until each sensor has moved for a minute.
+    """Collects the newest seconds and has them checked together with what is known of those before.
 
     Rest tells units, movement tells axes and signs; a patient may stand for minutes before moving.
 
@@ -70,7 +69,7 @@ class FirstSeconds:
     tell : callable(findings, time_s)
         Called on the loop's thread with what is new.
     hemisphere : {"north", "south", "unknown"}
-        Of the place, see `check_plausibility`.
+        Of the place, see `RecordingCheck`.
     turns : CheckTurns, optional
         Shared between sessions; without, a check comes whenever it is due.
     work : Check
@@ -86,49 +85,49 @@ class FirstSeconds:
         work: Check = check,
     ) -> None:
         self._turns, self._work = turns, work
-        self._names, self._tell, self._hemisphere = tuple(names), tell, hemisphere
+        self._names, self._tell = tuple(names), tell
         self._kept: deque[ImuChunk] = deque()
-        self._is_done = False
+        self._state = RecordingCheck(self._names, hemisphere)
+        self._gone: set[str] = set()
         self._known: dict[tuple[str, str], Finding] = {}
-        self._moved_s = dict.fromkeys(self._names, 0.0)
-        self._resting_checks = 0
-        self._next_s = CHECK_EVERY_S
+        self._current: list[Finding] = []
+        self._next_s = FIRST_CHECK_S
         self._checking: asyncio.Task[float | None] | None = None
 
     @property
     def hint(self) -> str:
         """What cannot be right, in words for the therapist; empty while nothing was found."""
-        return in_words([found for found in self._known.values() if found.severity == "refuse"], most=2)
+        return in_words([found for found in self._current if found.severity == "refuse"], most=2)
 
     @property
     def refused(self) -> frozenset[str]:
         """Sensors of which something cannot be right."""
-        return frozenset(found.sensor for found in self._known.values() if found.severity == "refuse")
+        return frozenset(found.sensor for found in self._current if found.severity == "refuse")
 
     def restart(self, name: str) -> None:
         """Watch a sensor anew: it was away, and may have come back as another one."""
-        self._moved_s[name], self._is_done = 0.0, False
-        self._resting_checks = 0
+        self._gone.add(name)
+        self._next_s = 0.0
         self._known = {subject: found for subject, found in self._known.items() if found.sensor != name}
+        self._current = [found for found in self._current if found.sensor != name]
         self._kept.clear()
 
     def add(self, chunk: ImuChunk) -> None:
         """Take the newest ticks."""
-        if self._is_done:
-            return
         kept, step_s = self._kept, chunk.time_step_s
         kept.append(chunk)
         end_s = (chunk.first_tick + chunk.tick_count - 1) * step_s
-        while len(kept) > 1 and kept[1].first_tick * step_s < end_s - FIRST_SECONDS_S:
+        while len(kept) > 1 and kept[1].first_tick * step_s < end_s - CHECK_EVERY_S:
             kept.popleft()
-        if end_s < self._next_s or end_s - kept[0].first_tick * step_s < CHECK_EVERY_S - 1.0:
+        if end_s < self._next_s or end_s - kept[0].first_tick * step_s < FIRST_CHECK_S - 1.0:
             return
         if self._checking is not None and not self._checking.done():
             return
         if self._turns is not None and not self._turns.begin():
             return
         self._next_s = end_s + CHECK_EVERY_S
-        self._checking = asyncio.get_running_loop().create_task(self._check(list(self._kept), end_s))
+        pieces, self._kept = list(self._kept), deque()
+        self._checking = asyncio.get_running_loop().create_task(self._check(pieces, end_s))
         if self._turns is not None:
             turns, began_s = self._turns, time.monotonic()
 
@@ -141,23 +140,22 @@ class FirstSeconds:
 
     async def _check(self, pieces: list[ImuChunk], end_s: float) -> float | None:
         """Check, tell what is new and return what it cost; None when it failed."""
+        gone, self._gone = self._gone, set()
+        for name in gone:
+            self._state.forget(name)
         try:
-            found, moved, cost_s = await asyncio.to_thread(self._checked, pieces)
+            checked = await asyncio.to_thread(self._checked, pieces)
         except Exception:
             # A check that fails must not end the session.
-            logger.exception("the first seconds could not be checked")
+            logger.exception("the readings could not be checked")
             return None
-        for name in moved:
-            self._moved_s[name] += CHECK_EVERY_S
-        self._resting_checks += not moved
-        self._is_done = min(self._moved_s.values()) >= WATCHED_S
-        if self._is_done:
-            self._kept.clear()
-        new = [finding for finding in found if self._is_new(finding)]
+        self._state = checked.state
+        self._current = [finding for finding in checked.findings if finding.sensor not in self._gone]
+        new = [finding for finding in self._current if self._is_new(finding)]
         self._known |= {finding.subject: finding for finding in new}
         if new:
             self._tell(new, end_s)
-        return cost_s
+        return checked.cost_s
 
     def _is_new(self, finding: Finding) -> bool:
         """At rest a unit is only doubted: that it is wrong, told by the movement, is new."""
@@ -165,10 +163,7 @@ class FirstSeconds:
         return known is None or (known.severity, finding.severity) == ("warning", "refuse")
 
     def _checked(self, pieces: list[ImuChunk]) -> Checked:
-        chunk = joined_chunks(pieces)
-        newest_ticks = round(CHECK_EVERY_S / chunk.time_step_s)
-        at_rest = self._resting_checks < RESTING_CHECKS
-        return self._work(chunk, self._names, self._hemisphere, newest_ticks, at_rest)
+        return self._work(self._state, joined_chunks(pieces))
 
 
-__all__ = ["ALL_SESSIONS", "CHECK_EVERY_S", "WATCHED_S", "CheckTurns", "FirstSeconds"]
+__all__ = ["ALL_SESSIONS", "CHECK_EVERY_S", "FIRST_CHECK_S", "CheckTurns", "FirstSeconds"]

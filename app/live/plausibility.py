@@ -15,20 +15,16 @@ from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from typing import Final, NamedTuple
 
-import numpy as np
-
 from app.errors import Unavailable
 from app.sentences import say
-from estimators.calibration import Finding, Hemisphere, check_plausibility
-from estimators.recording import Float, ImuChunk
+from estimators.calibration import Finding, RecordingCheck
+from estimators.recording import ImuChunk
 
 logger = logging.getLogger(__name__)
 
 NICENESS: Final = 10
 MEMORY_BYTES: Final = 4 << 30
 """Address space of the process: what it imports takes one gigabyte of it, a check some megabytes."""
-_MOVED_MPS2: Final = 1.0
-"""Spread of the specific force: turned by some six degrees, whatever the gyroscope says."""
 
 
 class Checked(NamedTuple):
@@ -36,60 +32,36 @@ class Checked(NamedTuple):
 
     Attributes
     ----------
+    state : RecordingCheck
+        What is known of the whole stream now, for the next check.
     findings : list of Finding
-    moved : list of str
-        Sensors that moved within the newest ticks.
     cost_s : float
         Processor time that it took.
     """
 
+    state: RecordingCheck
     findings: list[Finding]
-    moved: list[str]
     cost_s: float
 
 
-Check = Callable[[ImuChunk, tuple[str, ...], Hemisphere, int, bool], Checked]
+Check = Callable[[RecordingCheck, ImuChunk], Checked]
 
 
-def check(
-    chunk: ImuChunk, names: tuple[str, ...], hemisphere: Hemisphere, newest_ticks: int, at_rest: bool
-) -> Checked:
+def check(state: RecordingCheck, chunk: ImuChunk) -> Checked:
     """Look for readings that cannot be right.
 
     Parameters
     ----------
+    state : RecordingCheck
+        Of what came before; it is added to.
     chunk : ImuChunk
-        The last seconds.
-    names : tuple of str
-        Placements in the order of the chunk.
-    hemisphere : {"north", "south", "unknown"}
-    newest_ticks : int
-        Movement is looked for among so many ticks at the end.
-    at_rest : bool
-        Whether a stretch in which nothing moved is worth a check.
+        What came since.
     """
     began_s = time.thread_time()
-    newest = chunk.ticks(max(0, chunk.tick_count - newest_ticks), chunk.tick_count)
-    moved = [
-        name
-        for name, force in zip(names, newest.accelerometer_mps2, strict=True)
-        if _spread(force) > _MOVED_MPS2
-    ]
-    found: list[Finding] = []
-    if moved or at_rest:
-        # A sensor that sends nothing is told as lost by the health of the link.
-        found = [
-            finding
-            for finding in check_plausibility(chunk, names, hemisphere=hemisphere)
-            if finding.code != "no_data"
-        ]
-    return Checked(found, moved, time.thread_time() - began_s)
-
-
-def _spread(force_mps2: Float) -> float:
-    """Return how much a sensor's specific force varied, all axes together; 0 where nothing came."""
-    sound = force_mps2[np.isfinite(force_mps2).all(axis=1)]
-    return float(np.sqrt(sound.var(axis=0).sum())) if len(sound) else 0.0
+    state.add(chunk)
+    # A sensor that sends nothing is told as lost by the health of the link.
+    found = [finding for finding in state.findings if finding.code != "no_data"]
+    return Checked(state, found, time.thread_time() - began_s)
 
 
 class CheckProcess:
@@ -104,14 +76,7 @@ class CheckProcess:
         self._lock = threading.Lock()
         self._is_closed = False
 
-    def __call__(
-        self,
-        chunk: ImuChunk,
-        names: tuple[str, ...],
-        hemisphere: Hemisphere,
-        newest_ticks: int,
-        at_rest: bool,
-    ) -> Checked:
+    def __call__(self, state: RecordingCheck, chunk: ImuChunk) -> Checked:
         """Have a stretch checked; waits, so call it in a thread.
 
         Raises
@@ -130,7 +95,7 @@ class CheckProcess:
                 )
             pool = self._pool
         try:
-            return pool.submit(check, chunk, names, hemisphere, newest_ticks, at_rest).result()
+            return pool.submit(check, state, chunk).result()
         except BrokenProcessPool:
             with self._lock:
                 if self._pool is pool:

@@ -346,6 +346,28 @@ def beginning(context: JobContext, setup: SessionSetup, tick_count: int) -> ImuC
     return chunk.ticks(0, min(tick_count, chunk.tick_count))
 
 
+def stretches(context: JobContext, setup: SessionSetup, length_s: float) -> Iterator[ImuChunk]:
+    """Yield the session in chunks of about a length, one at a time.
+
+    Parameters
+    ----------
+    context : JobContext
+    setup : SessionSetup
+        Names the sensors wanted.
+    length_s : float
+    """
+    with read_only(context.engine) as session:
+        hello = session.get_one(MotionSession, context.session_id).hello
+    pieces: list[ImuChunk] = []
+    for piece in aligned(context.engine, context.session_id, hello, setup.placements):
+        pieces.append(piece)
+        if sum(one.tick_count for one in pieces) * piece.time_step_s >= length_s:
+            yield joined_chunks(pieces)
+            pieces = []
+    if pieces:
+        yield joined_chunks(pieces)
+
+
 def _last_pose(session: Session, session_id: str) -> tuple[float, float] | None:
     """Return the stretch of the standing pose in force; None where something else told the mounting.
 
@@ -377,4 +399,5 @@ __all__ = [
     "decoded",
     "enqueue_comparison",
     "reprocess",
+    "stretches",
 ]

@@ -4,7 +4,7 @@ from estimators.calibration._contract import Calibration
 from estimators.calibration._device import DeviceCalibration, TriadCalibration, correct
 from estimators.calibration._ferraris import FerrarisResult, Rest, ferraris, find_positions
 from estimators.calibration._field import EARTH_NORM_T, LocalField, local_field, odd_fields
-from estimators.calibration._first_seconds import FIRST_SECONDS_S, SEARCHED_S, check_first_seconds, in_words
+from estimators.calibration._finding import Finding, Hemisphere, in_words
 from estimators.calibration._full_turns import FullTurn, doubted_turns
 from estimators.calibration._functional import KINDS, FunctionalResult, functional
 from estimators.calibration._joint_axes import AxisEstimate
@@ -18,17 +18,16 @@ from estimators.calibration._n_pose import n_pose
 from estimators.calibration._online_iron import OnlineHardIron
 from estimators.calibration._ordinary_elbow import OrdinaryElbow, elbow_from_movement
 from estimators.calibration._placement import MisplacedError, PlacementFinding, check_mounting
-from estimators.calibration._plausibility import Finding, Hemisphere, check_plausibility
+from estimators.calibration._recording_check import STRETCH_S, RecordingCheck, check_recording
 from estimators.calibration._same_signals import check_distinct, same_signals
 from estimators.calibration._static import UNUSUAL_BIAS_SCORE, StaticBias, static_bias, unusual_bias
 from estimators.calibration._turns import circle_fit
 
 __all__ = [
     "EARTH_NORM_T",
-    "FIRST_SECONDS_S",
     "KINDS",
     "OUTWARD_HEADING_RAD",
-    "SEARCHED_S",
+    "STRETCH_S",
     "UNUSUAL_BIAS_SCORE",
     "AxisEstimate",
     "Calibration",
@@ -46,13 +45,13 @@ __all__ = [
     "OnlineHardIron",
     "OrdinaryElbow",
     "PlacementFinding",
+    "RecordingCheck",
     "Rest",
     "StaticBias",
     "TriadCalibration",
     "check_distinct",
-    "check_first_seconds",
     "check_mounting",
-    "check_plausibility",
+    "check_recording",
     "circle_fit",
     "correct",
     "doubted_turns",

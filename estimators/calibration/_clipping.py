@@ -1,61 +1,103 @@
-"""Channels that stop at the end of their range."""
+"""Channels that stop at the end of their range, known by how values pile up there."""
 
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from estimators.recording import Float
 
-_RUN: Final = 3
-_JUST_BELOW: Final = 0.03
-_SAME_RANGE: Final = 0.99
-_SAME_LEVEL: Final = 1e-9
-_REPEATS: Final = 4
+_TOP: Final = 0.995
+"""Values this near the largest count as one level: calibration turns and scales what a device cut off, so that its
+levels differ by some thousandths from sample to sample."""
+_MARKED: Final = 0.99
+"""From here on a sample is taken for cut off once a level is known."""
+_BELOW: Final = 0.97
+"""Down to here values thin out toward a peak that is not cut off."""
+_BANDS: Final = (_TOP - _BELOW) / (1.0 - _TOP)
+_TIMES: Final = 6.0
+"""So many times what the bands below hold is no peak: at the top of a swing it is three and a half times."""
+_FEWEST: Final = 8
+_SAME_RANGE: Final = 0.9
+"""All axes of a device have one range but for their calibration: where one reaches beyond, no other is cut off."""
+_LONGEST_RAD: Final = 2.0 * np.pi
+_LONGEST_S: Final = 0.5
+"""A limb cannot turn round and round, nor be pushed that hard for so long: a steady turn, or a device at rest."""
+_MOST: Final = 2_000
 
 
-def find_plateau(values: Float, least: float) -> float | None:
-    """Return the level at which a three-axis sensor is clipped, or None.
+class ClipWatch:
+    """Finds the levels at which the axes of one device are cut off; feed it the whole recording, stretch by stretch.
 
     Parameters
     ----------
-    values : ndarray, shape (N, 3)
-        NaN is skipped.
     least : float
         No device of this kind has a smaller range: peaks below it are peaks.
-
-    Returns
-    -------
-    float or None
-        The largest magnitude of an axis, if it is held for three samples or more and more often than all values
-        up to 3 percent below it together: at a clip level samples pile up, near a soft peak they thin out. As all
-        axes of a device have one range, no axis may reach beyond it. Where no axis is held for three samples, all
-        axes and both signs together tell: four samples at the same largest magnitude to the last digit, two of
-        them in a row and twice as many as up to 3 percent below, are short peaks cut off.
+    is_rate : bool
+        A gyroscope, rad/s; otherwise an accelerometer.
     """
-    reached = float(np.nanmax(np.abs(values), initial=0.0))
-    repeats = beneath = longest_of_all = 0
-    for k in range(values.shape[1]):
-        for sign in (1.0, -1.0):
-            channel = sign * values[:, k]
-            channel = channel[np.isfinite(channel)]
-            top = float(channel.max(initial=0.0))
-            if top < max(least, _SAME_RANGE * reached):
+
+    def __init__(self, least: float, *, is_rate: bool) -> None:
+        self._least, self._is_rate = least, is_rate
+        self._tops = np.zeros(6)
+        self._values: list[Float] = [np.empty(0) for _ in range(6)]
+
+    def add(self, values: Float, time_step_s: float) -> None:
+        """Take a stretch, shape (N, 3); NaN where a sample is missing. Rows that only repeat the one before are one."""
+        sound = np.array(np.isfinite(values).all(axis=1))
+        sound[1:] &= np.asarray(values[1:] != values[:-1]).any(axis=1)
+        at = np.flatnonzero(sound)
+        for channel in range(6):
+            column = (1.0 if channel < 3 else -1.0) * values[:, channel % 3]
+            top = float(column[at].max(initial=0.0))
+            if top < max(self._least, _BELOW * float(self._tops[channel])):
                 continue
-            at_top = channel >= top * (1.0 - _SAME_LEVEL)
-            if at_top.all():
-                # A channel that never leaves the top is dead, not clipped.
+            self._tops[channel] = top = max(top, float(self._tops[channel]))
+            chosen = at[column[at] >= _BELOW * top]
+            chosen = chosen[~self._lasting(column, top, time_step_s)[chosen]]
+            kept = np.concatenate((self._values[channel], column[chosen]))
+            self._values[channel] = kept[kept >= _BELOW * top][:_MOST]
+
+    def _lasting(self, column: Float, top: float, step_s: float) -> NDArray[np.bool_]:
+        """Return which samples lie in a run at the top that lasts longer than a limb can."""
+        is_top = np.concatenate(([False], column >= _TOP * top, [False]))
+        edges = np.flatnonzero(np.diff(is_top.astype(np.int8)))
+        long = np.zeros(len(column), dtype=np.bool_)
+        for start, stop in zip(edges[::2], edges[1::2], strict=True):
+            lasts_s = (stop - start) * step_s
+            if lasts_s * top > _LONGEST_RAD if self._is_rate else lasts_s > _LONGEST_S:
+                long[start:stop] = True
+        return long
+
+    @property
+    def largest(self) -> float:
+        """The largest magnitude of an axis so far."""
+        return float(self._tops.max())
+
+    @property
+    def level(self) -> float | None:
+        """The lowest level at which an axis is cut off; None if none is."""
+        lowest = float(self.levels.min())
+        return lowest / _MARKED if np.isfinite(lowest) else None
+
+    @property
+    def levels(self) -> Float:
+        """Levels from which an axis is cut off, shape (2, 3), for its positive and negative side; infinite if not."""
+        levels = np.full(6, np.inf)
+        for channel, values in enumerate(self._values):
+            top = float(values.max(initial=0.0))
+            if top < max(self._least, _SAME_RANGE * float(self._tops.max())):
                 continue
-            below = int(np.count_nonzero((channel >= (1.0 - _JUST_BELOW) * top) & ~at_top))
-            edges = np.flatnonzero(np.diff(np.concatenate(([False], at_top, [False])).astype(np.int8)))
-            longest = int((edges[1::2] - edges[::2]).max(initial=0))
-            if longest >= _RUN and np.count_nonzero(at_top) >= below:
-                return top
-            if top >= reached * (1.0 - _SAME_LEVEL):
-                repeats += int(np.count_nonzero(at_top))
-                beneath += below
-                longest_of_all = max(longest_of_all, longest)
-    is_repeated = repeats >= _REPEATS and longest_of_all >= 2 and repeats >= 2 * beneath
-    return reached if is_repeated else None
+            piled = int(np.count_nonzero(values >= _TOP * top))
+            below = (len(values) - piled) / _BANDS
+            if piled >= max(_FEWEST, _TIMES * (below + 1.0)):
+                levels[channel] = _MARKED * top
+        return levels.reshape(2, 3)
 
 
-__all__ = ["find_plateau"]
+def at_levels(values: Float, levels: Float) -> NDArray[np.bool_]:
+    """Return which samples, shape (..., 3) to (...), touch the levels of `ClipWatch`."""
+    return np.asarray(((values >= levels[0]) | (-values >= levels[1])).any(axis=-1))
+
+
+__all__ = ["ClipWatch", "at_levels"]

@@ -176,7 +176,7 @@ def ferraris(
     differences and b from the sums of opposite positions. Gyroscope: b and its dependence on acceleration from
     the positions, then M from the integral of each turn, which is 2 pi along the axis. The integral is exact
     when the sensor turns about an axis fixed to it, as on a table. The direction of a turn is taken from the
-    reading: a gyroscope whose sign is wrong is not found here but by `check_plausibility`.
+    reading: a gyroscope whose sign is wrong is not found here but by `check_recording`.
     """
     _check(gyroscope_radps, accelerometer_mps2, rate_hz)
     if rests is None or turns is None:

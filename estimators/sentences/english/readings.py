@@ -33,6 +33,10 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " are given as rad/s. Divide by 57.296 or declare degrees/s.",
     "readings.gyroscope_twice": "{where:place}: the gyroscope reads a 57th of what the sensor turns: rad/s were"
     " converted twice. Declare rad/s.",
+    "readings.gyroscope_scale": "{where:place}: the gyroscope reads {factor:number~3} times what the sensor turns,"
+    " going by gravity and field. Check its unit and its scale factor.",
+    "readings.gyroscope_too_calm": "{where:place}: the gyroscope reads at most {rate_radps:number~2} rad/s although the"
+    " sensor is shaken by {force_mps2:mps2}. Check its unit.",
     "readings.gyroscope_restless": "{where:place}: the gyroscope reads {rate_radps:number~2} rad/s while the sensor"
     " lies still. If these are degrees/s, declare them so; otherwise find the gyroscope zero.",
     "readings.gyroscope_against_others": "{where:place}: the axes of the gyroscope do not fit the other sensors."
@@ -43,6 +47,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " accelerometer. Correct the column mapping or the axes: {mapping:and}.",
     "readings.axes_apart": "{where:place}: gyroscope and accelerometer do not have the same axes. Correct the column"
     " mapping or the axes: {mapping:and}.",
+    "readings.field_axes_apart": "{where:place}: gyroscope and magnetometer do not have the same axes. Correct the"
+    " column mapping or the axes: {mapping:and}.",
     "readings.gyroscope_against_magnetometer": "{where:place}: the axes of the gyroscope do not fit those of the"
     " magnetometer. Correct the column mapping or the axes: {mapping:and}.",
     "readings.magnetometer_against_gyroscope": "{where:place}: the axes of the magnetometer do not fit those of the"

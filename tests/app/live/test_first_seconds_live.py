@@ -69,7 +69,7 @@ def test_a_check_that_fails_does_not_end_the_session(
     def broken(*_: object) -> None:
         raise ValueError("no")
 
-    monkeypatch.setattr("app.live.plausibility.check_plausibility", broken)
+    monkeypatch.setattr("estimators.calibration.RecordingCheck.add", broken)
     watch, told = asyncio.run(watched(sound))
     assert (told, watch.hint) == ([], "")
     assert "could not be checked" in caplog.text
@@ -123,9 +123,7 @@ def test_the_movement_refuses_what_the_rest_only_doubted(sound: ImuChunk) -> Non
     assert watch.refused == set(ARM)
 
 
-def test_a_sensor_that_came_back_is_watched_anew(sound: ImuChunk, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("app.live.first_seconds.WATCHED_S", 12.0)
-
+def test_a_sensor_that_came_back_is_watched_anew(sound: ImuChunk) -> None:
     async def run() -> list[str]:
         watch, told = await watched(sound)
         watch.restart("forearm_right")

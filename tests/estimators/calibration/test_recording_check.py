@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from estimators import signals
-from estimators.calibration import check_plausibility
-from estimators.calibration._clipping import find_plateau
+from estimators.calibration import check_recording
 from estimators.errors import ShapeError
 from estimators.recording import ImuChunk, Recording, SampleQuality, SensorSignals
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
@@ -50,7 +49,7 @@ def only(chunk: ImuChunk, **changes) -> ImuChunk:
 
 
 def codes(chunk: ImuChunk, **how) -> list[str]:
-    found = check_plausibility(chunk, ARM, **how)
+    found = check_recording(chunk, ARM, **how)
     assert all(finding.sensor == "forearm_right" for finding in found), found
     assert all(finding.message.parameters["where"] == ["forearm_right"] for finding in found)
     return [finding.code for finding in found]
@@ -66,6 +65,10 @@ def quarter_turn(values):
 
 def z_down(values):
     return values * np.array([1.0, -1.0, -1.0])
+
+
+def noise(values):
+    return 1e-3 * np.random.default_rng(1).normal(size=values.shape)
 
 
 FAULTS = {
@@ -88,7 +91,7 @@ FAULTS = {
     "left-handed gyroscope": ({"gyroscope_radps": lambda v: -v}, ["gyroscope_axes"]),
     "swapped accelerometer axes": ({"accelerometer_mps2": swap_xy}, ["accelerometer_axes"]),
     "clipped gyroscope": ({"gyroscope_radps": lambda v: np.clip(v, -1.2, 1.2)}, ["gyroscope_clipped"]),
-    "silent gyroscope": ({"gyroscope_radps": lambda v: 1e-3 * np.sin(v)}, ["gyroscope_dead"]),
+    "silent gyroscope": ({"gyroscope_radps": noise}, ["gyroscope_dead"]),
     "dead gyroscope axis": ({"gyroscope_radps": lambda v: v * np.array([1.0, 0.0, 1.0])}, ["gyroscope_dead"]),
     "dead accelerometer": ({"accelerometer_mps2": lambda v: v[:1].repeat(len(v), axis=0)}, ["accelerometer_dead"]),
 }  # fmt: skip
@@ -101,28 +104,15 @@ def test_every_fault_is_named_on_its_sensor_and_no_other(fault, seed):
     assert codes(only(simulated(seed=seed), **changes)) == expected
 
 
-def test_peaks_of_two_samples_are_known_for_clipped_by_repeating():
-    """At 50 Hz a swing cut off at 400 degrees/s: a sample or two at every turn, no three in a row."""
-    time_s = np.arange(500) / 50.0
-    soft = np.stack([np.sin(7.9 * time_s), np.cos(5.3 * time_s), 0.2 * np.sin(time_s)], axis=-1)
-    level = np.radians(400.0)
-    spiky = 1.03 * level * np.sign(soft) * np.abs(soft) ** 8
-    assert find_plateau(spiky, np.radians(30.0)) is None
-    cut = np.clip(spiky, -level, level)
-    runs = np.abs(cut) == level
-    assert not (runs[:-2] & runs[1:-1] & runs[2:]).any()
-    assert find_plateau(cut, np.radians(30.0)) == pytest.approx(level)
-
-
 def test_messages_say_what_to_do(sound):
-    (finding,) = check_plausibility(only(sound, gyroscope_radps=np.degrees), ARM)
+    (finding,) = check_recording(only(sound, gyroscope_radps=np.degrees), ARM)
     assert finding.message.code == "readings.gyroscope_in_degrees"
     assert finding.severity == "refuse"
-    (finding,) = check_plausibility(only(sound, gyroscope_radps=swap_xy), ARM)
+    (finding,) = check_recording(only(sound, gyroscope_radps=swap_xy), ARM)
     assert finding.message.parameters["mapping"] == ["x → y", "y → x"]
-    (finding,) = check_plausibility(only(sound, magnetometer_t=z_down), ARM)
+    (finding,) = check_recording(only(sound, magnetometer_t=z_down), ARM)
     assert finding.message.parameters["mapping"] == ["y → -y", "z → -z"]
-    (finding,) = check_plausibility(only(sound, gyroscope_radps=lambda v: np.clip(v, -1.2, 1.2)), ARM)
+    (finding,) = check_recording(only(sound, gyroscope_radps=lambda v: np.clip(v, -1.2, 1.2)), ARM)
     assert finding.message.parameters["level_radps"] == pytest.approx(1.2)
 
 
@@ -151,9 +141,9 @@ def test_rest_alone_tells_units_but_claims_no_axes(sound):
 
 def test_dip_is_reversed_in_the_south(sound):
     southern = replace(sound, magnetometer_t=-sound.magnetometer_t)
-    assert check_plausibility(southern, ARM, hemisphere="south") == ()
-    assert check_plausibility(southern, ARM, hemisphere="unknown") == ()
-    assert [f.code for f in check_plausibility(southern, ARM)] == ["gravity_reversed"] * 2
+    assert check_recording(southern, ARM, hemisphere="south") == ()
+    assert check_recording(southern, ARM, hemisphere="unknown") == ()
+    assert [f.code for f in check_recording(southern, ARM)] == ["gravity_reversed"] * 2
 
 
 def test_marked_clipping_and_missing_data(sound):
@@ -164,13 +154,13 @@ def test_marked_clipping_and_missing_data(sound):
     # A sensor without a magnetometer has NaN there, which is no fault.
     assert codes(only(sound, magnetometer_t=lambda v: np.full_like(v, np.nan))) == []
     with pytest.raises(ShapeError):
-        check_plausibility(sound, ("one",))
+        check_recording(sound, ("one",))
 
 
 @pytest.mark.parametrize("exercise", EXERCISES)
 @pytest.mark.parametrize("errors", ["nominal", "marzouk_2009"])
 def test_sound_simulations_name_nothing(exercise, errors):
-    assert check_plausibility(simulated(exercise, 0, errors=errors), ARM) == ()
+    assert check_recording(simulated(exercise, 0, errors=errors), ARM) == ()
 
 
 @pytest.mark.slow
@@ -178,7 +168,7 @@ def test_sound_simulations_name_nothing(exercise, errors):
 @pytest.mark.parametrize("errors", ["nominal", "marzouk_2009"])
 def test_more_sound_simulations_name_nothing(exercise, errors):
     for seed in range(1, 6):
-        assert check_plausibility(simulated(exercise, seed, errors=errors), ARM) == ()
+        assert check_recording(simulated(exercise, seed, errors=errors), ARM) == ()
 
 
 def test_sound_real_recordings_name_nothing():
@@ -194,15 +184,15 @@ def test_sound_real_recordings_name_nothing():
     }
     chunk = signals.to_common_ticks(Recording(sensors, 100.0), 100.0)
     for start in range(0, 2500, 500):
-        assert check_plausibility(chunk.ticks(start, start + 1000), names) == ()
+        assert check_recording(chunk.ticks(start, start + 1000), names) == ()
     content = np.load(DATA / "broad" / "fast_combined_15s.npz")
     rate = float(content["sampling_rate_hz"])
     time_s = np.arange(len(content["movement"])) / rate
     field_t = content["magnetometer_ut"] * 1e-6
     single = SensorSignals(time_s, content["gyroscope_radps"], content["accelerometer_mps2"], field_t)
     chunk = signals.to_common_ticks(Recording({"box": single}, rate), rate)
-    assert check_plausibility(chunk, ["box"]) == ()
-    assert check_plausibility(chunk.ticks(1400, 4286), ["box"]) == ()
+    assert check_recording(chunk, ["box"]) == ()
+    assert check_recording(chunk.ticks(1400, 4286), ["box"]) == ()
 
 
 @pytest.mark.parametrize(
@@ -222,4 +212,38 @@ def test_faults_in_a_real_recording_are_named(fault, expected):
     field_t = content["magnetometer_ut"] * 1e-6
     single = SensorSignals(time_s, content["gyroscope_radps"], content["accelerometer_mps2"], field_t)
     chunk = signals.to_common_ticks(Recording({"box": single}, rate), rate)
-    assert [f.code for f in check_plausibility(fault(chunk), ["box"])] == [expected]
+    assert [f.code for f in check_recording(fault(chunk), ["box"])] == [expected]
+
+
+def test_a_gyroscope_57_times_too_small_does_not_hide_its_own_movement():
+    content = np.load(DATA / "broad" / "fast_combined_15s.npz")
+    rate = float(content["sampling_rate_hz"])
+    time_s = np.arange(len(content["movement"])) / rate
+    slow = content["gyroscope_radps"] / 57.29578
+    single = SensorSignals(time_s, slow, content["accelerometer_mps2"], content["magnetometer_ut"] * 1e-6)
+    chunk = signals.to_common_ticks(Recording({"box": single}, rate), rate)
+    (finding,) = check_recording(chunk, ["box"])
+    assert (finding.code, finding.severity) == ("gyroscope_unit", "refuse")
+    assert finding.message.code == "readings.gyroscope_twice"
+
+
+def test_a_magnet_on_the_sensor_reverses_nothing():
+    """A hard iron twice the field's size: at rest the field seems to point up, over movement it does not."""
+    content = np.load(DATA / "broad" / "fast_combined_15s.npz")
+    rate = float(content["sampling_rate_hz"])
+    time_s = np.arange(len(content["movement"])) / rate
+    magnet_t = np.array([0.0, 0.0, 5e-5])
+    single = SensorSignals(
+        time_s,
+        content["gyroscope_radps"],
+        content["accelerometer_mps2"],
+        content["magnetometer_ut"] * 1e-6 + magnet_t,
+    )
+    chunk = signals.to_common_ticks(Recording({"box": single}, rate), rate)
+    assert not [f for f in check_recording(chunk, ["box"]) if f.severity == "refuse"]
+    field = chunk.magnetometer_t - magnet_t
+    reversed_ = replace(
+        chunk, accelerometer_mps2=-chunk.accelerometer_mps2, magnetometer_t=field + [0.0, 0.0, 1e-5]
+    )
+    refused = [f.code for f in check_recording(reversed_, ["box"]) if f.severity == "refuse"]
+    assert refused == ["gravity_reversed"]

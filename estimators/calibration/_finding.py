@@ -1,0 +1,84 @@
+"""What may be wrong with the readings of a sensor, and how it is said to people."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from estimators.sentences import CATALOGUE, Sentence, say
+
+Hemisphere = Literal["north", "south", "unknown"]
+"""Of the place: the magnetic field points down in the north and up in the south."""
+Severity = Literal["refuse", "warning"]
+FindingCode = Literal[
+    "accelerometer_axes",
+    "accelerometer_clipped",
+    "accelerometer_dead",
+    "accelerometer_unit",
+    "gravity_reversed",
+    "gyroscope_axes",
+    "gyroscope_clipped",
+    "gyroscope_dead",
+    "gyroscope_or_accelerometer_axes",
+    "gyroscope_or_magnetometer_axes",
+    "gyroscope_unit",
+    "magnetic_disturbance",
+    "magnetometer_axes",
+    "magnetometer_dead",
+    "magnetometer_unit",
+    "no_data",
+]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something about the readings of one sensor that must not be estimated silently.
+
+    Attributes
+    ----------
+    sensor : str
+        Its name.
+    code : str
+        One of `FindingCode`, for programs.
+    severity : {"refuse", "warning"}
+        `refuse`: certain, and the estimate would be wrong; `warning`: a doubt, or the estimate will be worse.
+    message : Sentence
+        What is wrong and what to do, for people; its parameter `where` names the sensor.
+    value : float
+        What was measured, in the unit that the message names.
+    """
+
+    sensor: str
+    code: FindingCode
+    severity: Severity
+    message: Sentence
+    value: float
+
+    @property
+    def subject(self) -> tuple[str, str]:
+        """What it is about: another stretch may blame another triad of the sensor for the same mix of axes."""
+        return self.sensor, "axes" if self.code.endswith("_axes") else self.code
+
+
+def in_words(findings: Sequence[Finding], *, most: int = 6) -> str:
+    """Return findings as sentences for people, each kind once, with the names of all sensors it concerns.
+
+    Parameters
+    ----------
+    findings : sequence of Finding
+    most : int
+        Kinds to tell; the rest is counted.
+    """
+    kinds: dict[str, tuple[str, dict[str, Any], list[str]]] = {}
+    for finding in findings:
+        code, parameters = finding.message.code, dict(finding.message.parameters)
+        where = parameters.pop("where")
+        # By the words: limits that were measured differ in the last digits.
+        words = str(CATALOGUE.say(code, where=[], **parameters))
+        kinds.setdefault(words, (code, parameters, []))[2].extend(where)
+    told = [CATALOGUE.say(code, where=where, **others) for code, others, where in list(kinds.values())[:most]]
+    if len(kinds) > most:
+        told.append(say("readings.more", count=len(kinds) - most))
+    return CATALOGUE.together(told)
+
+
+__all__ = ["Finding", "FindingCode", "Hemisphere", "Severity", "in_words"]

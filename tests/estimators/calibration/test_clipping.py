@@ -1,0 +1,59 @@
+"""Levels at which devices cut off are found by how values pile up; rests, repeated rows and soft peaks are none."""
+
+import numpy as np
+import pytest
+
+from estimators.calibration._clipping import ClipWatch, at_levels
+
+STEP_S = 0.01
+LEAST = np.radians(30.0)
+
+
+def swinging(seconds: float = 60.0) -> np.ndarray:
+    time_s = STEP_S * np.arange(round(seconds / STEP_S))
+    swell = 1.0 + 0.3 * np.sin(0.37 * time_s)
+    turning = [6.0 * np.sin(7.9 * time_s), 4.0 * np.cos(5.3 * time_s), np.sin(time_s)]
+    return np.stack(turning, axis=-1) * swell[:, None]
+
+
+def watched(values: np.ndarray, *, is_rate: bool = True, step_s: float = STEP_S) -> ClipWatch:
+    watch = ClipWatch(LEAST, is_rate=is_rate)
+    for stretch in np.array_split(values, 5):
+        watch.add(stretch, step_s)
+    return watch
+
+
+def test_a_cut_off_axis_is_found_however_calibration_turned_and_scaled_it():
+    values = swinging()
+    assert watched(values).level is None
+    skew = np.eye(3) + 0.003 * np.random.default_rng(1).normal(size=(3, 3))
+    cut = np.clip(values, -5.0, 5.0) @ skew.T
+    level = watched(cut).level
+    assert level == pytest.approx(5.0, rel=0.03)
+    hit, true = at_levels(cut, watched(cut).levels), (np.abs(values) > 5.0).any(axis=1)
+    assert hit[true].mean() > 0.9
+    assert not hit[(np.abs(cut) < 4.7).all(axis=1)].any()
+
+
+def test_short_peaks_are_known_by_how_often_they_reach_the_same_level():
+    """At 50 Hz a swing cut off at 400 degrees/s: a sample or two at every turn."""
+    time_s = np.arange(500) / 50.0
+    soft = np.stack([np.sin(7.9 * time_s), np.cos(5.3 * time_s), 0.2 * np.sin(time_s)], axis=-1)
+    level = np.radians(400.0)
+    spiky = 1.03 * level * np.sign(soft) * np.abs(soft) ** 8
+    assert watched(spiky, step_s=0.02).level is None
+    assert watched(np.clip(spiky, -level, level), step_s=0.02).level == pytest.approx(level, rel=0.01)
+
+
+def test_rows_that_repeat_and_equal_swings_are_no_levels():
+    assert watched(np.repeat(swinging()[::5], 5, axis=0)).level is None
+    time_s = STEP_S * np.arange(6000)
+    pendulum = np.stack([5.0 * np.sin(3.0 * time_s), 0.1 * np.cos(3.0 * time_s), 0.0 * time_s], axis=-1)
+    assert watched(pendulum).level is None
+
+
+def test_a_steady_turn_and_a_sensor_at_rest_are_no_levels():
+    noise = 1e-3 * np.random.default_rng(2).normal(size=(6000, 3))
+    assert watched(np.array([0.0, 0.0, 3.5]) + noise).level is None
+    assert watched(np.array([0.0, 0.0, 9.81]) + noise, is_rate=False).level is None
+    assert watched(np.full((6000, 3), 5.0)).level is None
