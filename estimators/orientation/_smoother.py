@@ -15,7 +15,7 @@ from estimators.orientation._contract import OrientationFlag, OrientationResult
 from estimators.orientation._device_constants import DeviceConstants
 from estimators.orientation._parameters import read_parameters
 from estimators.orientation._smoother_passes import SensorPasses
-from estimators.orientation._smoother_session import SensorSession, prepare
+from estimators.orientation._smoother_session import SensorSession, prepare, turn_back
 from estimators.orientation._streaming import ChunkGuard, usable_samples
 from estimators.orientation._telemotion import MICROTESLA_PER_TESLA, TelemotionEstimator
 from estimators.orientation._telemotion_parameters import TelemotionParameters, settings_of
@@ -149,8 +149,10 @@ def _smooth_sensor(
     settings = settings_of(p, chunk.time_step_s)
     prior, variance = estimator.nominal[0], estimator.covariance[0].diagonal().copy()
     live, opened, irons = _run_online(estimator, chunk)
-    flags = live.flags[0]
-    session = prepare(chunk, usable_samples(chunk)[0], live.q_earth_sensor[0], settings)
+    flags, usable = live.flags[0], usable_samples(chunk)[0]
+    gain = estimator.nominal[0, at.GAIN : at.GAIN + 9].reshape(3, 3).T
+    turn_back(live, chunk, usable, gain)
+    session = prepare(chunk, usable, live.q_earth_sensor[0], settings)
     if session is None:
         return SmoothedOrientation(live, estimator.device_constants)
     span = slice(session.first, session.stop)

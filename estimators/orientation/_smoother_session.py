@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from estimators import rotation
 from estimators.conventions import GRAVITY_MPS2
 from estimators.orientation import _telemotion_layout as at
+from estimators.orientation._contract import OrientationFlag, OrientationResult
 from estimators.orientation._smoother_kernel import AT_REST, FACTS, RATE, SHARE
 from estimators.recording import Float, ImuChunk, SampleQuality
 
@@ -113,6 +114,35 @@ def prepare(
     return SensorSession(first, stop, samples, seen, facts, turn_variance, speed_variance, gravity)
 
 
+def turn_back(live: OrientationResult, chunk: ImuChunk, usable: NDArray[np.bool_], gain: Float) -> None:
+    """Turn back to each start, by the gyroscope, from where the online filter had converged; in place.
+
+    Parameters
+    ----------
+    live : OrientationResult
+        Of one sensor, from the online filter; `q_earth_sensor` is changed where it was CONVERGING.
+    chunk : ImuChunk
+    usable : ndarray of bool, shape (K,)
+    gain : ndarray, shape (3, 3)
+        Errors of scale and axes of the gyroscope, as the filter had them in the end.
+    """
+    q = live.q_earth_sensor[0]
+    starting = ((live.flags[0] & int(OrientationFlag.CONVERGING)) != 0) & (
+        (live.flags[0] & int(OrientationFlag.INVALID)) == 0
+    )
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], starting, [False])).astype(np.int8)))
+    for begin, settled in edges.reshape(-1, 2):
+        if settled >= len(q) or live.flags[0, settled] & int(OrientationFlag.INVALID):
+            continue  # it never converged
+        # A sample is the turn of the interval before it; where there is none, the sensor is taken to stay.
+        span = slice(begin + 1, settled + 1)
+        raw = np.where(usable[span, None], chunk.gyroscope_radps[0, span], 0.0)
+        rate = raw @ (np.eye(3) + gain).T - live.gyroscope_bias_radps[0, settled]
+        back = rotation.exp(-chunk.time_step_s * rate)
+        for k in range(settled - 1, begin - 1, -1):
+            q[k] = rotation.multiply(q[k + 1], back[k - begin])
+
+
 def _rate_spread(rate: Float, places: NDArray[np.intp], settings: Float) -> Float:
     """Return the standard deviation of the measured rate, root of the sum over axes, around each sample."""
     window = max(3, round(0.5 / settings[at.STEP_S]))
@@ -133,14 +163,7 @@ def _bridge(samples: Float, before: int, after: int, q_online: Float, settings: 
     length = after - before
     step_s = settings[at.STEP_S]
     t = (np.arange(1, length) / length)[:, None]
-    # The filter restarts with the mean of a few samples: what it then had, taken back to the first of them.
-    settled = min(after + int(settings[at.START_TICKS]), len(samples) - 1)
-    q_after = q_online[settled]
-    for k in range(settled, after, -1):
-        q_online[k] = q_after
-        q_after = rotation.multiply(q_after, rotation.exp(-step_s * samples[k, at.RATE : at.RATE + 3]))
-    q_online[after] = q_after
-    turn = rotation.log(rotation.multiply(rotation.conjugate(q_online[before]), q_after))
+    turn = rotation.log(rotation.multiply(rotation.conjugate(q_online[before]), q_online[after]))
     # A sample is the turn of the interval before it, so the one after the gap is part of it.
     samples[before + 1 : after + 1, at.RATE : at.RATE + 3] = turn / (length * step_s)
     between = rotation.multiply(q_online[before], rotation.exp(t * turn))
@@ -193,4 +216,4 @@ def _rest(samples: Float, settings: Float) -> NDArray[np.bool_]:
     )
 
 
-__all__ = ["SensorSession", "prepare"]
+__all__ = ["SensorSession", "prepare", "turn_back"]

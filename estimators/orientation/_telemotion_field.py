@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from estimators._kernels import kernel, multiply, normalized, wrapped
 from estimators.orientation._telemotion_block import absorb
 from estimators.orientation._telemotion_layout import (
+    CONVERGENCE_TICKS,
     CORRECTION,
     COUNT,
     DISTURBANCE,
@@ -48,10 +49,12 @@ from estimators.orientation._telemotion_layout import (
     RESTLESS,
     SENSOR_MEAN,
     SENSOR_SPREAD,
+    SINCE_START,
     START,
     START_LEAVING_S,
     START_MIDDLE,
     START_MIDDLE_ODDS,
+    START_MOVING,
     START_NARROW,
     START_NARROW_ODDS,
     START_SHARE,
@@ -362,7 +365,10 @@ def find_north(
             own_variance += odds[h] * min(found[2, h], _LARGEST_VARIANCE)
             counted += odds[h]
     heading = math.atan2(sine, cosine)
-    variance = settings[HEADING_SCALE] * own_variance / counted
+    scale = settings[HEADING_SCALE]
+    if memory[START_MOVING] > 0.0 and counts[SINCE_START] < settings[CONVERGENCE_TICKS]:
+        scale = 1.0
+    variance = scale * own_variance / counted
     for h in range(3 * kinds):
         variance += odds[h] * wrapped(found[1, h] - heading) ** 2
     memory[HEADING_VARIANCE] = variance

@@ -61,6 +61,7 @@ from estimators.orientation._telemotion_layout import (
     SHOWN,
     SINCE_START,
     SLOPE,
+    START_MOVING,
     STATES,
     STEP_S,
     TICK,
@@ -70,7 +71,17 @@ from estimators.orientation._telemotion_layout import (
 )
 from estimators.orientation._telemotion_output import keep_shown, read, shown, take_back
 from estimators.orientation._telemotion_samples import clear_sums, integrate, watch_rest
-from estimators.orientation._telemotion_start import begin, collect, forget_field, meet_field
+from estimators.orientation._telemotion_start import (
+    begin,
+    collect,
+    find_heading,
+    forget_field,
+    lost,
+    meet_field,
+    upright,
+    young,
+)
+from estimators.orientation._telemotion_upright import contradiction, start_over
 from estimators.recording import Float, SampleQuality
 
 _INVALID = int(OrientationFlag.INVALID)
@@ -86,6 +97,8 @@ _DISTURBED = 8.0
 _WORST_LEVEL = 10.0
 _SETTLING = 1.0 / 3.0
 _UNSURE = math.radians(5.0)
+_UNKNOWN = 1.0
+"""Variance of a heading while there is a field that is not yet met."""
 
 
 @kernel(
@@ -111,40 +124,49 @@ def end_block(
     ticks = float(counts[COUNT])
     time_s = ticks * settings[STEP_S]
     rest = memory[REST_S] > settings[REST_MINIMUM_S]
-    met = False
+    met, found = False, True
     move(memory, settings, ticks)
     predict(p, memory, settings, ticks)
     hold_place(p, error, rows, bias, memory, settings, index, value, ticks, rest)
     odds = memory[ODDS : ODDS + 9]
-    if 2 * counts[FIELD_COUNT] >= counts[COUNT]:
+    if 2 * counts[FIELD_COUNT] >= counts[COUNT] and upright(p):
         if counts[FIELD_KNOWN] == 0:
             meet_field(memory, counts, p, settings)
             met = True
+        elif lost(p):
+            met = found = find_heading(p, memory, counts, settings, rest)
         elif restless(memory, counts, settings, time_s, rest):
             forget_field(memory, p, settings)
             meet_field(memory, counts, p, settings)
         elif iron_changed(memory, counts, settings, time_s):
             open_iron(p, error, rows, memory, index, value, counts, settings, odds)
-        variance = field_variance(p, memory, counts, settings, time_s, rest)
-        see_field(p, error, rows, memory, index, value, counts, variance)
+        if found:
+            variance = field_variance(p, memory, counts, settings, time_s, rest)
+            see_field(p, error, rows, memory, index, value, counts, variance)
+    off = contradiction(p, memory, error, settings, time_s)
     inject(q, bias, memory, error)
+    if off > 0.0:
+        start_over(q, p, memory, counts, settings, off)
     blocks = (tick + 1) // int(settings[BLOCK_TICKS])
     if counts[FIELD_KNOWN] and (blocks % int(settings[HYPOTHESIS_BLOCKS]) == 0 or met):
         find_north(p, memory, counts, settings, odds, work)
     if counts[FIELD_KNOWN] == 0:
-        memory[HEADING_VARIANCE] = p[2 * (STATES + 1)]
+        memory[HEADING_VARIANCE] = p[2 * (STATES + 1)] + (_UNKNOWN if counts[FIELD_COUNT] > 0 else 0.0)
     cosine = memory[CORRECTION] ** 2 - memory[CORRECTION + 3] ** 2
     sine = 2.0 * memory[CORRECTION] * memory[CORRECTION + 3]
     mixed = 2.0 * sine * cosine * p[1]
     across, along = p[0], p[STATES + 1]
-    memory[TILT_VARIANCE] = settings[TILT_SCALE] * (cosine**2 * across + sine**2 * along - mixed)
-    memory[TILT_VARIANCE + 1] = settings[TILT_SCALE] * (sine**2 * across + cosine**2 * along + mixed)
+    scale = settings[TILT_SCALE]
+    if young(memory, counts, settings):  # what a start leaves open is no correlated noise
+        scale = 1.0
+    memory[TILT_VARIANCE] = scale * (cosine**2 * across + sine**2 * along - mixed)
+    memory[TILT_VARIANCE + 1] = scale * (sine**2 * across + cosine**2 * along + mixed)
     clear_sums(memory, counts)
     if met:
         for a in range(3):
             memory[OFFSET + a] = 0.0
         counts[SINCE_START] = 0
-    else:
+    elif off == 0.0:
         keep_shown(memory, q, before)
 
 
@@ -359,9 +381,10 @@ def run(
                 if abs(norm - memory[GRAVITY]) > settings[FORCE_TOLERANCE]:
                     flag |= _ACCELERATION
             # A third of the time at least; after that only while the uncertainty is large.
-            young = counts[SINCE_START] / settings[CONVERGENCE_TICKS]
+            age = counts[SINCE_START] / settings[CONVERGENCE_TICKS]
             largest = max(sigma_rad[s, k, 0], sigma_rad[s, k, 1], sigma_rad[s, k, 2])
-            if young < _SETTLING or (young < 1.0 and largest > _UNSURE):
+            unsure = largest > _UNSURE or memory[START_MOVING] > 0.0
+            if age < _SETTLING or (age < 1.0 and unsure):
                 flag |= _CONVERGING
             if sample[HAS_FIELD] > 0.0 and memory[MISFIT] > _DISTURBED:
                 flag |= _DISTURBANCE

@@ -68,7 +68,16 @@ STEADY_S, RESTLESS, REGION = STEADY_FIELD + 3, STEADY_FIELD + 4, STEADY_FIELD + 
 QUIET = REGION + 1
 # Rest: mean rate of this rest, and how far the mean of half a second sways about it, squared.
 REST_MEAN, REST_SWAY = QUIET + 1, QUIET + 4
-MEMORY = REST_SWAY + 1
+# Start in movement: whether it is one, sum of the squared force; speed gained since the start in the start frame,
+# summed up, summed up times its place, and its square summed up.
+START_MOVING, START_FORCE2 = REST_SWAY + 1, REST_SWAY + 2
+START_SPEED = START_FORCE2 + 1
+START_LEVER = START_SPEED + 3
+START_SPEED2 = START_LEVER + 3
+# Whether force contradicts the tilt: its sum over the window in the start frame, and the time it holds.
+UP_SUM = START_SPEED2 + 1
+UP_S = UP_SUM + 3
+MEMORY = UP_S + 1
 
 # Counts of a sensor.
 TICK, PHASE, COUNT, FIELD_COUNT, GAP, PENDING, SINCE_START, CLIPPED, FIELD_KNOWN, OPENED, FILTERED = range(11)
@@ -90,6 +99,8 @@ SAMPLE = 11
     BLOCK_TICKS,
     HYPOTHESIS_BLOCKS,
     START_TICKS,
+    MOVING_TICKS,
+    FALLING_TICKS,
     COAST_TICKS,
     CONVERGENCE_TICKS,
     TILT_START,
@@ -152,5 +163,8 @@ SAMPLE = 11
     REST_SURPRISE,
     REST_SURE_S,
     REST_SWAY_S,
-) = range(66)
-SETTINGS = 66
+    BIAS_START,
+    UP_WINDOW_S,
+    UP_LIMIT,
+) = range(71)
+SETTINGS = 71

@@ -35,6 +35,10 @@ class TelemotionParameters:
     one of three: small (calibrated device, clean place), middle, or wide (a magnet attached, iron next to it),
     with the odds given; wide has what is left.
     `iron_*`: a residual that stays in the sensor for `iron_window_s` while it turns in the room is a new iron.
+    A start at rest levels on `start_s` of force. Where the sensor turns or the force is not gravity's, on
+    `start_moving_s`, carried through the turns of the gyroscope; and on `start_falling_s` where it falls. Later the
+    mean force of `upright_window_s` must not lie more than `upright_limit_deg`, and more than what is stated, from
+    the vertical: else the filter starts over.
     Gaps of up to `coast_s` are filled, with the error `gap_share` times the change of rate.
     `return_*`: how corrections enter the output, as an exponential approach never faster than the rate.
     `output_lead_s`: the output is extrapolated by this much (0: not at all), for devices whose gyroscope is late.
@@ -46,6 +50,10 @@ class TelemotionParameters:
     block_s: float = 0.2
     hypothesis_s: float = 0.6
     start_s: float = 0.05
+    start_moving_s: float = 1.0
+    start_falling_s: float = 3.0
+    upright_window_s: float = 3.0
+    upright_limit_deg: float = 20.0
     coast_s: float = 0.2
     convergence_s: float = 3.0
     tilt_start_sigma_deg: float = 2.0
@@ -164,6 +172,8 @@ def settings_of(parameters: TelemotionParameters, step_s: float) -> Float:
         at.BLOCK_TICKS: block_ticks,
         at.HYPOTHESIS_BLOCKS: max(1.0, round(p.hypothesis_s / block_s)),
         at.START_TICKS: max(1.0, round(p.start_s / step_s)),
+        at.MOVING_TICKS: max(1.0, round(p.start_moving_s / step_s)),
+        at.FALLING_TICKS: max(1.0, round(p.start_falling_s / step_s)),
         at.COAST_TICKS: math.floor(p.coast_s / step_s + 1e-6),
         at.CONVERGENCE_TICKS: p.convergence_s / step_s,
         at.TILT_START: math.radians(p.tilt_start_sigma_deg) ** 2,
@@ -198,6 +208,9 @@ def settings_of(parameters: TelemotionParameters, step_s: float) -> Float:
         at.REST_SURPRISE: math.radians(p.rest_surprise_degps) ** 2,
         at.REST_SURE_S: p.rest_sure_s,
         at.REST_SWAY_S: p.rest_sway_s,
+        at.BIAS_START: math.radians(p.bias_start_sigma_degps) ** 2,
+        at.UP_WINDOW_S: p.upright_window_s,
+        at.UP_LIMIT: math.radians(p.upright_limit_deg),
         at.FIELD_LEVEL_S: p.field_level_s,
         at.START_LEAVING_S: p.start_leaving_s,
         at.IRON_WINDOW_S: p.iron_window_s,

@@ -38,6 +38,8 @@ from estimators.orientation._telemotion_layout import (
     REST_SWAY,
     REST_SWAY_S,
     SATURATED,
+    START_LEVER,
+    START_SPEED,
     STATES,
     STEP_S,
     SUM_DELAY,
@@ -212,7 +214,7 @@ def level(q: Float, memory: Float, counts: NDArray[np.int64]) -> None:
     tw, tx, ty, tz = to_vertical(memory[SUM_FORCE], memory[SUM_FORCE + 1], memory[SUM_FORCE + 2])
     w, x, y, z = multiply(tw, tx, ty, tz, q[0], q[1], q[2], q[3])
     q[0], q[1], q[2], q[3] = normalized(w, x, y, z)
-    for first in (SUM_FORCE, SUM_FIELD):
+    for first in (SUM_FORCE, SUM_FIELD, START_SPEED, START_LEVER):
         x, y, z = rotate(tw, tx, ty, tz, memory[first], memory[first + 1], memory[first + 2])
         memory[first], memory[first + 1], memory[first + 2] = x, y, z
 

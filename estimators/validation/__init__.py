@@ -16,6 +16,7 @@ from estimators.validation._ankle_dynamics import ANKLE_DYNAMICS
 from estimators.validation._arm_recording import ARM_RECORDING
 from estimators.validation._broad import BROAD
 from estimators.validation._broad_conditions import BROAD_CONDITIONS
+from estimators.validation._broad_cuts import BROAD_CUTS
 from estimators.validation._broad_offline import BROAD_OFFLINE
 from estimators.validation._com_mass_centre import (
     CUTOFFS,
@@ -167,6 +168,7 @@ _PROTOCOLS = (
     BROAD,
     BROAD_CONDITIONS,
     BROAD_OFFLINE,
+    BROAD_CUTS,
 )
 MOST_SEEDS = 1000
 

@@ -27,10 +27,15 @@ def started_before_movement(recording: Recording, rest_s: float | None) -> Recor
     """Cut a trial so that it begins `rest_s` before the movement does; None leaves it whole."""
     if rest_s is None:
         return recording
+    signals = recording.sensors[sensor_name(recording)]
+    begin_s = signals.time_s[np.argmax(recording.reference["is_movement"])] - rest_s
+    return started_at(recording, int(np.searchsorted(signals.time_s, begin_s - 1e-9)))
+
+
+def started_at(recording: Recording, first: int) -> Recording:
+    """Leave out all samples before `first`; time begins anew."""
     name = sensor_name(recording)
     signals = recording.sensors[name]
-    begin_s = signals.time_s[np.argmax(recording.reference["is_movement"])] - rest_s
-    first = int(np.searchsorted(signals.time_s, begin_s - 1e-9))
     field = signals.magnetometer_t
     cut = SensorSignals(
         signals.time_s[first:] - signals.time_s[first],
@@ -163,6 +168,7 @@ __all__ = [
     "chosen_for_loss",
     "share_inside",
     "share_of_result_inside",
+    "started_at",
     "started_before_movement",
     "with_bursts_lost",
 ]
