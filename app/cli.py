@@ -11,6 +11,7 @@ import typer
 
 from app.commands.options_demo import compile_kernels, demo
 from app.commands.options_mass_centre import mass_centre
+from app.commands.options_tables import mapping, upload
 from app.commands.words import (
     Bursts,
     Email,
@@ -35,6 +36,8 @@ cli = typer.Typer(
 cli.command("mass-centre")(mass_centre)
 cli.command()(demo)
 cli.command("compile")(compile_kernels)
+cli.command()(upload)
+cli.command()(mapping)
 
 
 @cli.command()
@@ -210,35 +213,16 @@ def simulate(
 
 
 @cli.command()
-def upload(
-    recording: Annotated[Path, typer.Argument(help="The file to upload.", exists=True, dir_okay=False)],
-    patient: Annotated[str, typer.Option(help="Patient identifier.")],
-    format: Annotated[str, typer.Option(help="packet_log, csv or qmt_mat.")] = "packet_log",
-    mapping: Annotated[
-        Path | None,
-        typer.Option(help="JSON file that says which CSV columns hold what."),
-    ] = None,
-    exercise: Annotated[str, typer.Option(help="Exercise identifier; empty for a free session.")] = "",
-    server: Server = "http://127.0.0.1:8000",
-    email: Email = "",
-    password: Password = "",
-) -> None:
-    """Upload a whole recording and wait until it is analysed; prints where to see it."""
-    from app.commands import upload as command
-
-    command.upload(recording, patient, format, mapping, exercise or None, server, email, password)
-
-
-@cli.command()
 def process(
     recording: RecordingFile,
     out: OutFolder,
     pipeline: Annotated[
         str,
         typer.Option(
-            help="arm (joint angles), gait (feet and strides), orientation (single sensors) or magnetic_bursts."
+            help="arm (joint angles), gait (feet and strides), orientation (single sensors) or magnetic_bursts;"
+            " default: what the sensors are worn for."
         ),
-    ] = "arm",
+    ] = "",
     orientation: Annotated[
         str, typer.Option(help="Orientation estimator, e.g. vqf; empty for the default.")
     ] = "",

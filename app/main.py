@@ -41,6 +41,7 @@ from app.exercises.endpoints import router as exercises_router
 from app.ingest.marker_task import fuse
 from app.ingest.markers import FILE_LIMIT_BYTES as MARKER_LIMIT_BYTES
 from app.ingest.markers import router as markers_router
+from app.ingest.preview import router as preview_router
 from app.ingest.upload import MULTIPART_SLACK_BYTES, remove_orphans
 from app.ingest.upload import router as upload_router
 from app.ingest.upload_task import upload
@@ -228,6 +229,7 @@ def all_routers() -> list[APIRouter]:
         watch_router,
         ingest_router,
         upload_router,
+        preview_router,
         markers_router,
         assessment_router,
         follow_up_router,

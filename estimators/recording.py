@@ -149,6 +149,8 @@ class Recording:
     reference : dict of str to ndarray
         What else the file holds about the same samples, for validation: `q_earth_sensor` (N, 4) from motion
         capture, NaN where it saw nothing, and `is_movement` (N,) where a score counts.
+    notes : tuple of str
+        What was mended while it was read, sentences for people.
     """
 
     sensors: dict[str, SensorSignals]
@@ -156,6 +158,7 @@ class Recording:
     origin: str = ""
     metadata: dict[str, str] = field(default_factory=dict)
     reference: dict[str, NDArray[Any]] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
     @property
     def placements(self) -> tuple[str, ...]:

@@ -1,17 +1,20 @@
-"""Which columns of a table hold what: from a file that a person wrote, or guessed; see docs/mappings.md."""
+"""Which columns of a table hold what: from a file that a person wrote, or guessed; see docs/mapping.md."""
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
+import typer
 from pydantic import ValidationError
 
 from app.errors import InvalidInput
-from app.ingest.readers import guess_mapping
-from app.recordings.schemas import CsvMapping
+from app.ingest.readers import TEXT, Guess, PipelineName, Preview, preview_text, start_of
+
+if TYPE_CHECKING:
+    from app.recordings.schemas import CsvMapping
 
 
-def mapping_from(path: Path) -> CsvMapping:
+def mapping_from(path: Path) -> "CsvMapping":
     """Read a mapping file.
 
     Parameters
@@ -23,6 +26,8 @@ def mapping_from(path: Path) -> CsvMapping:
     InvalidInput
         It is no JSON, or says something that is no mapping; with the signal and its columns.
     """
+    from app.recordings.schemas import CsvMapping
+
     try:
         content = json.loads(path.read_text("utf-8"))
         return CsvMapping.model_validate(content)
@@ -34,45 +39,91 @@ def mapping_from(path: Path) -> CsvMapping:
         raise InvalidInput(f"{path} is no JSON file: {error}") from None
 
 
-def guessed_mapping(recording: Path, out: Path, rate_hz: float | None) -> CsvMapping:
-    """Guess the mapping of a table from its names, as the upload page does, and write it beside the results.
+def mapping(table: Path, out: Path | None, pipeline: str, rate_hz: float | None) -> None:
+    """Write the mapping of a table as far as it can be guessed: `telemotion mapping`.
 
     Parameters
     ----------
-    recording : Path
-    out : Path
-        Folder, made when absent; `mapping.json` is written there, also when it is not complete.
+    table : Path
+    out : Path or None
+        File to write; None writes to standard output.
+    pipeline : str
+        What the recording is for; empty: what its sensors are worn for.
     rate_hz : float or None
         Of the samples, where no column holds the time.
 
     Raises
     ------
     InvalidInput
-        The names do not tell everything; says which columns, and where to complete the mapping.
+        A file of a known format needs no mapping.
+    RecordingFormatError
+        It is no table.
     """
-    guess = guess_mapping(recording)
-    if guess["time_column"] is None:
-        guess["rate_hz"] = rate_hz or guess["rate_hz"]
-    out.mkdir(parents=True, exist_ok=True)
-    written = out / "mapping.json"
-    written.write_text(json.dumps(guess, indent=2, ensure_ascii=False) + "\n", "utf-8")
-    missing = _missing(guess)
-    if missing:
-        raise InvalidInput(f"{' '.join(missing)} Complete {written} and pass it with --mapping.")
-    return CsvMapping.model_validate(guess)
+    found = previewed(table, pipeline, rate_hz)
+    if found.guess is None:
+        raise InvalidInput(f"{table} is a file of the format {found.format}: it is read without a mapping")
+    text = as_json(found.guess)
+    if out is None:
+        typer.echo(text)
+    else:
+        out.write_text(text + "\n", "utf-8")
+    for line in (*found.guess.notes, *found.guess.missing):
+        typer.echo(line, err=True)
 
 
-def _missing(guess: dict[str, Any]) -> list[str]:
-    found = []
-    if not guess["signals"]:
-        found.append("No three columns are named as x, y and z of an angular rate or an acceleration.")
-    unplaced = [signal for signal in guess["signals"] if signal["placement"] is None]
-    if unplaced:
-        columns = "; ".join(", ".join(signal["columns"]) for signal in unplaced)
-        found.append(f"These columns do not say where on the body the sensor is (placement): {columns}.")
-    if guess["time_column"] is None and guess["rate_hz"] is None:
-        found.append("No column looks like time and no line above the table tells a rate: give --rate.")
-    return found
+def previewed(table: Path, pipeline: str, rate_hz: float | None) -> Preview:
+    """Say what a file seems to be, as the upload page shows it; see `preview_text`.
+
+    Raises
+    ------
+    InvalidInput
+        For an ending that no table has.
+    """
+    if table.suffix.lower() not in TEXT:
+        raise InvalidInput(f"{table} is no table: those end with {', '.join(sorted(TEXT))}")
+    asked = cast(PipelineName | None, pipeline or None)
+    return preview_text(table.name, start_of(table), asked, rate_hz)
+
+
+def guessed_mapping(found: Preview, written: Path | None) -> "CsvMapping | None":
+    """Return the guessed mapping of a table, or None for a format that needs none; say what was assumed.
+
+    Parameters
+    ----------
+    found : Preview
+    written : Path or None
+        Where the mapping is written, also when it is not complete.
+
+    Raises
+    ------
+    InvalidInput
+        The table does not say everything; says which columns, and where to complete the mapping.
+    """
+    guess = found.guess
+    if guess is None:
+        return None
+    if written is not None:
+        written.parent.mkdir(parents=True, exist_ok=True)
+        written.write_text(as_json(guess) + "\n", "utf-8")
+    if guess.missing:
+        needs_rate = any(one.code == "guess.no_time" for one in guess.missing)
+        options = " Give the rate with --rate." if needs_rate else ""
+        complete = (
+            f"Complete {written} and pass it"
+            if written
+            else "Write one with `telemotion mapping` and pass it"
+        )
+        raise InvalidInput(f"{' '.join(guess.missing)}{options} {complete} with --mapping.")
+    for line in guess.notes:
+        typer.echo(f"note: {line}", err=True)
+    from app.recordings.schemas import CsvMapping
+
+    return CsvMapping.model_validate(guess.mapping)
+
+
+def as_json(guess: Guess) -> str:
+    """Return a mapping as people edit it."""
+    return json.dumps(guess.mapping, indent=2, ensure_ascii=False)
 
 
 def _complaint(error: Any, content: Any) -> str:
@@ -86,4 +137,4 @@ def _complaint(error: Any, content: Any) -> str:
     return f"{'.'.join(map(str, where))}: {error['msg']}"
 
 
-__all__ = ["guessed_mapping", "mapping_from"]
+__all__ = ["as_json", "guessed_mapping", "mapping", "mapping_from", "previewed"]

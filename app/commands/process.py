@@ -8,7 +8,7 @@ from typing import cast, get_args
 import numpy as np
 import typer
 
-from app.commands.mapping import guessed_mapping, mapping_from
+from app.commands.mapping import guessed_mapping, mapping_from, previewed
 from app.errors import InvalidInput
 from app.ingest import readers
 from estimators import orientation as orientations
@@ -41,11 +41,12 @@ def process(
     out : Path
         Folder, made when absent.
     pipeline, orientation : str
-        Keys of the registries, or `magnetic_bursts`: then see `process_bursts` for what is written.
+        Keys of the registries, empty for what the sensors are worn for and the default; or `magnetic_bursts`: then see
+        `process_bursts` for what is written.
     format : str
         `auto` goes by the file's ending and content.
     mapping : Path or None
-        JSON with the fields of `CsvMapping`; see docs/mappings.md.
+        JSON with the fields of `CsvMapping`; see docs/mapping.md.
     rate : float or None
         Common tick rate; None keeps that of the recording.
     pose : (float, float) or None
@@ -75,8 +76,17 @@ def process(
         raise InvalidInput(f"no estimator {orientation!r}; choose one of {', '.join(known)}")
     if mapping and guess:
         raise InvalidInput("give --mapping or --guess, not both")
-    columns = mapping_from(mapping) if mapping else guessed_mapping(recording, out, rate) if guess else None
+    columns = mapping_from(mapping) if mapping else None
+    if guess:
+        found = previewed(recording, pipeline, rate)
+        columns = guessed_mapping(found, out / "mapping.json")
+        format, pipeline = found.format, pipeline or found.pipeline
+    elif format == "auto":
+        format = "csv" if columns is not None else readers.guess(recording)
     measured = readers.read(recording, format, columns)
+    for line in measured.notes:
+        typer.echo(f"note: {line}", err=True)
+    pipeline = pipeline or readers.pipeline_for(list(measured.placements))
     # What follows loads the web framework and Arrow: not for a file that is refused.
     import pyarrow.csv
     import pyarrow.parquet

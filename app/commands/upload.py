@@ -1,14 +1,16 @@
 """`telemotion upload`: a whole recording to a service, with its progress."""
 
 import asyncio
-import json
+from dataclasses import dataclass
 from pathlib import Path
 
 import typer
 
+from app.commands.mapping import guessed_mapping, mapping_from, previewed
 from app.errors import InvalidInput, TelemotionError
 from app.gateway import ServiceClient
-from app.recordings.schemas import CsvMapping, JobOut, UploadIn
+from app.ingest import readers
+from app.recordings.schemas import JobOut, UploadIn
 
 POLL_S = 0.5
 
@@ -78,16 +80,57 @@ async def finished(service: ServiceClient, session_id: str, show: bool = False) 
         await asyncio.sleep(POLL_S)
 
 
-def upload(
-    recording: Path,
-    patient: str,
-    format: str,
-    mapping: Path | None,
-    exercise: str | None,
-    server: str,
-    email: str,
-    password: str,
-) -> None:
+@dataclass(frozen=True)
+class Wanted:
+    """What a person says of a file; see `telemotion upload --help`."""
+
+    patient: str
+    exercise: str | None = None
+    format: str = "auto"
+    mapping: Path | None = None
+    guess: bool = False
+    pipeline: str = ""
+    rate_hz: float | None = None
+    force: bool = False
+
+
+def declaration_of(recording: Path, wanted: Wanted) -> UploadIn:
+    """Return the declaration of a file, guessed where it was not said.
+
+    Raises
+    ------
+    InvalidInput
+        Something that is needed was not given, or is not understood.
+    """
+    if wanted.mapping and wanted.guess:
+        raise InvalidInput("give --mapping or --guess, not both")
+    format, pipeline = wanted.format, wanted.pipeline
+    columns = mapping_from(wanted.mapping) if wanted.mapping else None
+    if wanted.guess:
+        found = previewed(recording, pipeline, wanted.rate_hz)
+        columns, format, pipeline = guessed_mapping(found, None), found.format, pipeline or found.pipeline
+    elif format == "auto":
+        format = "csv" if columns is not None else readers.guess(recording)
+    if columns is not None and not pipeline:
+        pipeline = readers.pipeline_for([signal.placement or "" for signal in columns.signals])
+    if format == "csv" and columns is None:
+        raise InvalidInput(
+            "a table needs --guess, or a mapping that `telemotion mapping` writes to be corrected"
+        )
+    return UploadIn.model_validate(
+        {
+            "patient_id": wanted.patient,
+            "exercise_id": wanted.exercise,
+            "format": format,
+            "file_name": recording.name[-200:],
+            "csv": columns,
+            "pipeline": pipeline or "arm",
+            "accept_implausible": wanted.force,
+        }
+    )
+
+
+def upload(recording: Path, wanted: Wanted, server: str, email: str, password: str) -> None:
     """Run the command; see `telemotion upload --help`.
 
     Raises
@@ -97,11 +140,7 @@ def upload(
     """
     if not email or not password:
         raise InvalidInput("--email and --password must be given; see `telemotion upload --help`")
-    columns = CsvMapping.model_validate(json.loads(mapping.read_text())) if mapping else None
-    declaration = UploadIn.model_validate(
-        {"patient_id": patient, "exercise_id": exercise, "format": format, "csv": columns}
-    )
-    asyncio.run(_upload(recording, declaration, server, email, password))
+    asyncio.run(_upload(recording, declaration_of(recording, wanted), server, email, password))
 
 
 async def _upload(path: Path, declaration: UploadIn, server: str, email: str, password: str) -> None:

@@ -24,13 +24,15 @@ RecordingFormat = Annotated[
 Mapping = Annotated[
     Path | None,
     typer.Option(
-        help="JSON file that says which CSV columns of the recording hold what; see docs/mappings.md."
+        help="JSON file that says which CSV columns of the recording hold what; see docs/mapping.md."
     ),
 ]
 Guess = Annotated[
     bool,
     typer.Option(
-        "--guess", help="Guess the mapping from the columns' names; writes mapping.json to correct."
+        "--guess",
+        help="Guess how to read a table from the names of its columns and its numbers; `telemotion mapping` writes"
+        " the guess to correct it.",
     ),
 ]
 Bursts = Annotated[

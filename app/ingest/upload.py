@@ -6,7 +6,7 @@ task's work, in the worker process, with progress. A file is removed when it was
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Final
+from typing import Final, cast
 
 from anyio import to_thread
 from fastapi import APIRouter, Request
@@ -32,7 +32,7 @@ from estimators.pipelines import SessionSetup
 
 MULTIPART_SLACK_BYTES: Final = 1 << 20
 _LEGS: Final = ("thigh_", "shank_", "foot_")
-_WALKS: Final = ("pyshoe", "gait_tracking", "gaitmap", "instrumented_shoe")
+_SINGLE: Final = "orientation"
 
 router = APIRouter(prefix="/api", tags=["sessions"])
 
@@ -189,8 +189,10 @@ def register(
 
 
 def pipeline_of(declaration: UploadIn) -> str:
-    """Return the pipeline of an upload: recordings of feet are walks whatever is declared."""
-    return WALKING if declaration.format in _WALKS else declaration.pipeline
+    """Return the pipeline of an upload: the formats of feet and of single sensors hold nothing else."""
+    if declaration.format == "broad":
+        return _SINGLE
+    return WALKING if declaration.format in readers.WALKS else declaration.pipeline
 
 
 def estimated(
@@ -198,8 +200,11 @@ def estimated(
 ) -> tuple[Placement, ...]:
     """Return the sensors that a pipeline uses; the others stay in the raw data.
 
-    Of a walk the feet; otherwise all but the legs, which need not be still in the pose, unless they are asked for.
+    Of a walk the feet; single sensors are all used; otherwise all but the legs, which need not be still in the pose,
+    unless they are asked for.
     """
+    if pipeline == _SINGLE:
+        return tuple(placements)
     if pipeline == WALKING:
         return tuple(name for name in placements if name in ("foot_left", "foot_right"))
     return tuple(name for name in placements if with_legs or not name.startswith(_LEGS))
@@ -211,9 +216,11 @@ def _announced(declaration: UploadIn, path: Path) -> tuple[list[Placement], floa
         log = readers.LogReader(path)
         return list(log.declaration.placements), log.declaration.rate_hz
     if declaration.csv is not None:
-        names = list(dict.fromkeys(signal.placement for signal in declaration.csv.signals))
-        return names, declaration.csv.rate_hz or 100.0
-    if declaration.format in _WALKS:
+        names = [signal.placement or signal.sensor or readers.SINGLE for signal in declaration.csv.signals]
+        return cast(list[Placement], list(dict.fromkeys(names))), declaration.csv.rate_hz or 100.0
+    if declaration.format == "broad":
+        return cast(list[Placement], [readers.SINGLE]), 100.0
+    if declaration.format in readers.WALKS:
         return ["foot_left", "foot_right"], 100.0
     # Those that any whole-body recording has; the task replaces them by what the file holds.
     return list(readers.PLACEMENT_OF.values()), 100.0

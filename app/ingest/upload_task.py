@@ -13,12 +13,19 @@ from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import RecordingFormatError
 from app.ingest import readers
 from app.ingest.declaration import Declaration
-from app.ingest.upload import estimated, upload_folder
+from app.ingest.upload import estimated, pipeline_of, upload_folder
 from app.recordings._rows import insert_chunk
 from app.recordings.chunks import RAW_STREAM, EncodedChunk, RawPacket, encode_packets
 from app.recordings.jobs import JobContext
 from app.recordings.models import MotionSession, SessionEvent, SignalChunk
-from app.recordings.reprocess import Analysis, analyse, count_session, enqueue_comparison, stretches
+from app.recordings.reprocess import (
+    SINGLE_SENSORS,
+    Analysis,
+    analyse,
+    count_session,
+    enqueue_comparison,
+    stretches,
+)
 from app.recordings.schemas import UploadIn
 from app.recordings.walk_shoes import store_shoes
 from app.sentences import CATALOGUE, say
@@ -71,12 +78,13 @@ def _store(context: JobContext, declaration: UploadIn, path: Path) -> list[str]:
         if log.damaged:
             notes.append(say("upload.damaged_packets", count=log.damaged))
     else:
-        recording = readers.read(path, declaration.format, declaration.csv)
+        recording = readers.read(path, declaration.format, declaration.csv, declaration.file_name)
+        notes += recording.notes
         if has_shoes(recording):
             with unit_of_work(context.engine) as session:
                 store_shoes(session, context.session_id, recording)
             recording = _as_feet(recording)
-        prepared = readers.packets_of(recording)
+        prepared = readers.packets_of(recording, any_name=pipeline_of(declaration) == SINGLE_SENSORS)
         network = prepared.declaration
         total = prepared.tick_count
         stored_ticks = _write_packets(

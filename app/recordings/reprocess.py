@@ -45,6 +45,7 @@ from estimators.recording import ImuChunk
 logger = logging.getLogger(__name__)
 
 PIECE_TICKS: Final = 1000
+SINGLE_SENSORS: Final = pipelines.OrientationPipeline.name
 _POSE_SEARCH_S: Final = 120.0
 _TELL_MOUNTING: Final = ("t_pose", "functional", "passive")
 
@@ -226,12 +227,15 @@ def analyse(
         return Analysis(*follow_feet(context, setup, pieces, hello, progress_from), setup, None, "")
     message = ""
     known = _smoothed(context, setup) if pipelines.is_offline(setup) else None
+    if setup.pipeline == SINGLE_SENSORS:
+        # Nothing is worn: there is no pose, and the filters find what they need.
+        search_pose, pose_s = False, None
     if setup.calibration is None and (pose_s is not None or search_pose):
         try:
             setup, pose_s = calibrated(context, setup, pose_s, known)
         except CalibrationError as error:
             message = say("session.not_calibrated_because", reason=error.message)
-    elif setup.calibration is None and setup.pipeline != MAGNETIC:
+    elif setup.calibration is None and setup.pipeline not in (MAGNETIC, SINGLE_SENSORS):
         message = say("session.no_pose")
     if setup.calibration is not None and pose_s is not None:
         setup = with_elbows(setup, pose_s, _pieces(context, setup, known))

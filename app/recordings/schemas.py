@@ -3,7 +3,7 @@
 from datetime import datetime
 from typing import Any, Literal
 
-from pydantic import Field
+from pydantic import Base64Bytes, Field
 
 from app.schemas import Flag, Schema, Spoken
 from estimators.calibration import Calibration
@@ -120,8 +120,9 @@ class SessionDetail(SessionOut):
     """A session with what was done with it."""
 
     pipeline: str
-    """`arm`, `gait` or `relative_pose`."""
-    placements: list[Placement]
+    """`arm`, `gait`, `relative_pose` or `orientation`."""
+    placements: list[str]
+    """A `Placement` each; of the pipeline `orientation` any name."""
     rate_hz: float
     orientation: str
     orientation_parameters: dict[str, Any]
@@ -164,24 +165,57 @@ class JobOut(Spoken):
 class CsvColumn(Schema):
     """Where one axis triple stands in a CSV file."""
 
-    placement: Placement
+    placement: Placement | None = None
+    """Where the sensor is worn; None for a single sensor that is worn nowhere in particular."""
+    sensor: str = Field(default="", max_length=60)
+    """What a sensor is called in the table: tells those without placement apart."""
     quantity: Literal["gyroscope", "accelerometer", "magnetometer"]
     columns: list[str] = Field(min_length=3, max_length=3)
-    unit: Literal["rad/s", "deg/s", "m/s^2", "g", "T", "uT", "mT", "G"]
+    unit: Literal["rad/s", "deg/s", "mdps", "m/s^2", "g", "mg", "T", "uT", "mT", "G", "mG"]
 
 
 class CsvMapping(Schema):
     """How to read a table: time column with its unit, or a fixed rate, and the columns of each sensor.
 
-    Names of columns are those of docs/mappings.md: header lines joined, repeated names numbered.
+    Names of columns are those of docs/mapping.md: header lines joined, repeated names numbered.
     """
 
     time_column: str | None = None
-    time_unit: Literal["s", "ms", "us"] = "s"
+    time_unit: Literal["s", "ms", "us", "ns"] = "s"
     rate_hz: float | None = Field(default=None, gt=0)
-    delimiter: Literal[",", ";", "\t", " "] | None = None
+    delimiter: Literal[",", ";", "\t", "|", " "] | None = None
     """What stands between the columns; a blank for any number of blanks; None to have it found."""
     signals: list[CsvColumn]
+
+
+class PreviewIn(Schema):
+    """The beginning of a text file, to be told what it seems to be."""
+
+    file_name: str = Field(max_length=200)
+    """With its ending; may say the side of a foot."""
+    beginning: Base64Bytes = Field(max_length=360_000)
+    """The first 256 KiB, or the whole file."""
+    pipeline: Literal["arm", "gait", "orientation"] | None = None
+    """What it is for, where a person said so."""
+
+
+class TablePreview(Spoken):
+    """What a text file seems to be, from its beginning; nothing of it was stored."""
+
+    format: str
+    """Of `UploadIn`."""
+    pipeline: Literal["arm", "gait", "orientation"]
+    """What the recording seems to be for."""
+    columns: list[str]
+    rows: list[list[str]]
+    """The first rows of data."""
+    skipped_lines: int
+    mapping: CsvMapping | None
+    """How to read a table of the format `csv`, as far as names and numbers say it."""
+    notes: list[str]
+    """What was assumed or left out."""
+    missing: list[str]
+    """What a person must add."""
 
 
 class UploadIn(Schema):
@@ -191,9 +225,13 @@ class UploadIn(Schema):
     exercise_id: str | None = None
     prescription_id: str | None = None
     purpose: Literal["exercise", "template"] = "exercise"
-    format: Literal["packet_log", "csv", "qmt_mat", "pyshoe", "gait_tracking", "gaitmap", "instrumented_shoe"]
-    pipeline: Literal["arm", "gait"] = "arm"
-    """What a packet log or CSV file holds; the last four formats are always walks."""
+    format: Literal[
+        "packet_log", "csv", "qmt_mat", "broad", "pyshoe", "gait_tracking", "gaitmap", "instrumented_shoe"
+    ]
+    file_name: str = Field(default="", max_length=200)
+    """What the file is called: says the side of a foot where the file does not."""
+    pipeline: Literal["arm", "gait", "orientation"] = "arm"
+    """What a packet log or CSV file holds; `broad` is always a single sensor, the formats after it are walks."""
     with_legs: Flag = False
     """Also estimate sensors on the legs, for the centre of mass: they must be still and straight in the pose too."""
     csv: CsvMapping | None = None

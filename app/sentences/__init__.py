@@ -6,7 +6,7 @@ Programs and logs read the English words; the client writes the same code and pa
 
 from typing import Final
 
-from app.sentences import accounts, clinical, files, general, guides, live, recordings, tasks, wire
+from app.sentences import accounts, clinical, files, general, guides, live, recordings, tables, tasks, wire
 from estimators import sentences as of_estimators
 from estimators.sentences import Catalogue, Entry, Sentence
 
@@ -17,6 +17,7 @@ ENGLISH: Final[dict[str, Entry]] = {
     **clinical.ENGLISH,
     **recordings.ENGLISH,
     **files.ENGLISH,
+    **tables.ENGLISH,
     **guides.ENGLISH,
     **live.ENGLISH,
     **tasks.ENGLISH,

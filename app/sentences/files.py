@@ -116,9 +116,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " shorter recordings.",
     "table.not_a_number": "A value in the column {column} is not a number; the columns of the mapping must"
     " hold numbers only.",
-    "table.ragged": "A row has another number of columns than the header; the file is damaged.",
-    "table.unreadable": "The file cannot be read as a table; check the character between its columns and its"
-    " encoding (UTF-8).",
+    "table.ragged": "Many rows have another number of columns than the header; the file is damaged.",
+    "table.unreadable": "The file cannot be read as a table; check the character between its columns.",
     "table.in_columns": "{reason} (In the file: {columns:and}.)",
 }
 

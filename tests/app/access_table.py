@@ -299,6 +299,12 @@ LINES: tuple[Line, ...] = (
     patient("GET", "/api/sessions/{session_id}/markers/motion", READ, status=404),
     patient("GET", "/api/sessions/{session_id}/markers/motion/stretch", READ, status=404),
     patient("POST", "/api/uploads", RECORD, body=UPLOAD, files=True, status=202),
+    Line(
+        "POST",
+        "/api/uploads/preview",
+        "signed_in",
+        body={"file_name": "table.csv", "beginning": "dCxneXJfeAowLDEKMSwyCg=="},
+    ),
     Line("GET", "/api/estimators", "signed_in"),
     # --- live ---
     patient("POST", "/api/sessions/{session_id}/ticket", READ, body={"purpose": "live"}),

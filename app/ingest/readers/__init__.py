@@ -6,11 +6,11 @@ Every reader takes a path and raises `RecordingFormatError` that says what is wr
 from pathlib import Path
 
 from app.errors import InvalidInput, RecordingFormatError
-from app.ingest.readers import _gait_tracking, _gaitmap, _instrumented_shoe, _pyshoe
+from app.ingest.readers import _pyshoe
 from app.ingest.readers._broad import read_broad
 from app.ingest.readers._c3d import C3dPoints, read_c3d
 from app.ingest.readers._csv import read_csv
-from app.ingest.readers._csv_guess import guess_mapping
+from app.ingest.readers._csv_guess import SINGLE, Guess, PipelineName
 from app.ingest.readers._gait_tracking import read_gait_tracking
 from app.ingest.readers._gaitmap import read_gaitmap
 from app.ingest.readers._instrumented_shoe import read_instrumented_shoe, write_instrumented_shoe
@@ -18,17 +18,16 @@ from app.ingest.readers._markers import METRES, MarkerTracks, read_markers
 from app.ingest.readers._mat import variables
 from app.ingest.readers._packet_log import LogReader, read_packet_log, read_ticks
 from app.ingest.readers._packets import RecordingPackets, packets_of
+from app.ingest.readers._preview import FORMATS, TEXT, WALKS, Preview, pipeline_for, preview_text, text_format
 from app.ingest.readers._pyshoe import read_pyshoe
 from app.ingest.readers._qmt import PLACEMENT_OF, read_qmt
+from app.ingest.readers._text import HEAD_BYTES, start_of
 from app.recordings.schemas import CsvMapping
 from app.sentences import say
 from estimators.recording import Recording
 
-FORMATS = ("packet_log", "csv", "qmt_mat", "broad", "pyshoe", "gait_tracking", "gaitmap", "instrumented_shoe")
-_TEXT = {".csv", ".txt", ".tsv"}
 
-
-def read(path: Path, format: str = "auto", csv: CsvMapping | None = None) -> Recording:
+def read(path: Path, format: str = "auto", csv: CsvMapping | None = None, name: str = "") -> Recording:
     """Read a recording.
 
     Parameters
@@ -38,6 +37,8 @@ def read(path: Path, format: str = "auto", csv: CsvMapping | None = None) -> Rec
         One of `FORMATS`, or `auto`: by the file's ending and content.
     csv : CsvMapping, optional
         Needed for CSV: which column is what, in which unit.
+    name : str
+        What the file was called before it was uploaded: says the side of a foot. By default its name.
 
     Raises
     ------
@@ -48,7 +49,7 @@ def read(path: Path, format: str = "auto", csv: CsvMapping | None = None) -> Rec
     """
     if format == "auto":
         format = guess(path)
-        if csv is not None and path.suffix.lower() in _TEXT:
+        if csv is not None and path.suffix.lower() in TEXT:
             format = "csv"
     match format:
         case "packet_log":
@@ -66,7 +67,7 @@ def read(path: Path, format: str = "auto", csv: CsvMapping | None = None) -> Rec
         case "gait_tracking":
             return read_gait_tracking(path)
         case "gaitmap":
-            return read_gaitmap(path)
+            return read_gaitmap(path, name or path.name)
         case "instrumented_shoe":
             return read_instrumented_shoe(path)
     raise InvalidInput(say("file.format_unknown", format=format, formats=list(FORMATS)), field="format")
@@ -80,8 +81,7 @@ def guess(path: Path) -> str:
     RecordingFormatError
         Nothing fits.
     """
-    with path.open("rb") as file:
-        start = file.read(8)
+    start = start_of(path)
     if start.startswith(b"TML1"):
         return "packet_log"
     if start.startswith(b"\x89HDF"):
@@ -91,26 +91,30 @@ def guess(path: Path) -> str:
         if set(_pyshoe.MARKS) <= names:
             return "pyshoe"
         return "broad" if "imu_gyr" in names else "qmt_mat"
-    if path.suffix.lower() in _TEXT:
-        if _gait_tracking.looks_like(path):
-            return "gait_tracking"
-        if _instrumented_shoe.looks_like(path):
-            return "instrumented_shoe"
-        return "gaitmap" if _gaitmap.looks_like(path) else "csv"
+    if path.suffix.lower() in TEXT:
+        return text_format(path.stem, start)
     raise RecordingFormatError(say("file.format_not_recognised", formats=list(FORMATS)))
 
 
 __all__ = [
     "FORMATS",
+    "HEAD_BYTES",
     "METRES",
     "PLACEMENT_OF",
+    "SINGLE",
+    "TEXT",
+    "WALKS",
     "C3dPoints",
+    "Guess",
     "LogReader",
     "MarkerTracks",
+    "PipelineName",
+    "Preview",
     "RecordingPackets",
     "guess",
-    "guess_mapping",
     "packets_of",
+    "pipeline_for",
+    "preview_text",
     "read",
     "read_broad",
     "read_c3d",
@@ -123,5 +127,6 @@ __all__ = [
     "read_pyshoe",
     "read_qmt",
     "read_ticks",
+    "start_of",
     "write_instrumented_shoe",
 ]

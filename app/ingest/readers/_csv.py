@@ -12,8 +12,11 @@ import pyarrow as pa
 from pyarrow import csv
 
 from app.errors import RecordingFormatError
+from app.ingest.readers._csv_guess import SINGLE
 from app.ingest.readers._table_head import TableHead, head_of_file
-from app.ingest.readers._time import HIGHEST_HZ, LOWEST_HZ, nominal_rate, seconds_of
+from app.ingest.readers._text import opened
+from app.ingest.readers._time import HIGHEST_HZ, LOWEST_HZ, UNIT_FACTORS, check_unit, nominal_rate
+from app.ingest.readers._time_mended import mended
 from app.ingest.readers._units import (
     TO_SI,
     UNITS,
@@ -22,13 +25,17 @@ from app.ingest.readers._units import (
     check_magnetometer,
 )
 from app.recordings.schemas import CsvColumn, CsvMapping
-from app.sentences import say
+from app.sentences import Sentence, say
 from estimators.recording import Float, Recording, SensorSignals
 
 MAX_VALUES: Final = 60_000_000
 """About an hour of 17 nine-axis sensors at 100 Hz; more is to be split."""
 MAX_LINE_BYTES: Final = 1 << 20
 _BLOCK_BYTES: Final = 4 << 20
+_MOST_RAGGED: Final = 0.1
+"""A larger share of rows with another number of columns is no table."""
+_NOTHING: Final = ["", "NaN", "nan", "NAN", "NA", "N/A", "n/a", "#N/A", "null", "NULL", "None", "-", "--"]
+"""What stands where no number does."""
 
 
 def read_csv(path: Path, mapping: CsvMapping) -> Recording:
@@ -42,30 +49,45 @@ def read_csv(path: Path, mapping: CsvMapping) -> Recording:
     Raises
     ------
     RecordingFormatError
-        A column is missing or not numeric, a unit cannot be right, time does not rise, or it is too long.
+        A column is missing or not numeric, a unit cannot be right, time does not advance, or it is too long.
     """
     by_placement = _check_mapping(mapping)
     wanted = [column for signal in mapping.signals for column in signal.columns]
     if mapping.time_column is not None:
         wanted.append(mapping.time_column)
     head = head_of_file(path, mapping.delimiter)
-    table = read_table(path, list(dict.fromkeys(wanted)), head)
+    table, left_out = read_table(path, list(dict.fromkeys(wanted)), head)
+    notes = [say("table.rows_left_out", count=left_out)] if left_out else []
     rows = len(next(iter(table.values())))
+    if rows < 2:
+        raise RecordingFormatError(say("file.too_few_rows"))
     if mapping.time_column is not None:
         with _naming([mapping.time_column]):
-            time_s = seconds_of(table[mapping.time_column], mapping.time_unit, head.skipped_lines + 1)
+            table, time_s, mended_notes = _on_time(table, mapping.time_column, mapping.time_unit)
+        notes += mended_notes
         rate_hz = mapping.rate_hz or nominal_rate(time_s)
     else:
         assert mapping.rate_hz is not None
         rate_hz = mapping.rate_hz
         time_s = np.arange(rows) / rate_hz
-        if rows < 2:
-            raise RecordingFormatError(say("file.too_few_rows"))
     sensors = {
         placement: _sensor(placement, quantities, table, time_s)
         for placement, quantities in by_placement.items()
     }
-    return Recording(sensors, rate_hz, origin="CSV file", metadata={"format": "csv"})
+    return Recording(sensors, rate_hz, origin="CSV file", metadata={"format": "csv"}, notes=tuple(notes))
+
+
+def _on_time(
+    table: dict[str, Float], column: str, unit: str
+) -> tuple[dict[str, Float], Float, list[Sentence]]:
+    """Return the rows that have a place in time, that time, and what was mended."""
+    others = np.stack([values for name, values in table.items() if name != column], axis=1)
+    found = mended(table[column], UNIT_FACTORS[unit], others)
+    if found.time_s.size < 2:
+        raise RecordingFormatError(say("file.too_few_rows"))
+    steps = np.diff(found.time_s)
+    check_unit(float(np.median(steps)) / UNIT_FACTORS[unit], unit)
+    return {name: values[found.rows] for name, values in table.items()}, found.time_s, list(found.notes)
 
 
 def _check_mapping(mapping: CsvMapping) -> dict[str, dict[str, CsvColumn]]:
@@ -77,6 +99,7 @@ def _check_mapping(mapping: CsvMapping) -> dict[str, dict[str, CsvColumn]]:
         )
     found: dict[str, dict[str, CsvColumn]] = {}
     for signal in mapping.signals:
+        where = signal.placement or signal.sensor or SINGLE
         if signal.unit not in UNITS[signal.quantity]:
             raise RecordingFormatError(
                 say(
@@ -86,19 +109,19 @@ def _check_mapping(mapping: CsvMapping) -> dict[str, dict[str, CsvColumn]]:
                     columns=list(signal.columns),
                     units=list(UNITS[signal.quantity]),
                 ),
-                sensor=signal.placement,
+                sensor=where,
             )
-        quantities = found.setdefault(signal.placement, {})
+        quantities = found.setdefault(where, {})
         if signal.quantity in quantities:
             raise RecordingFormatError(
                 say(
                     "mapping.twice",
-                    where=signal.placement,
+                    where=where,
                     quantity=signal.quantity,
                     first=list(quantities[signal.quantity].columns),
                     second=list(signal.columns),
                 ),
-                sensor=signal.placement,
+                sensor=where,
             )
         quantities[signal.quantity] = signal
     if not found:
@@ -167,31 +190,49 @@ def read_columns(path: Path, wanted: list[str], delimiter: str | None) -> dict[s
     RecordingFormatError
         A column is missing or not numeric, or the file is too long or damaged.
     """
-    return read_table(path, wanted, head_of_file(path, delimiter))
+    return read_table(path, wanted, head_of_file(path, delimiter))[0]
 
 
-def read_table(path: Path, wanted: list[str], head: TableHead) -> dict[str, Float]:
-    """Read the wanted columns of a table whose head is known; see `read_columns`."""
+def read_table(path: Path, wanted: list[str], head: TableHead) -> tuple[dict[str, Float], int]:
+    """Read the wanted columns of a table whose head is known; see `read_columns`.
+
+    Returns
+    -------
+    table : dict of str to ndarray, shape (N,)
+    left_out : int
+        Rows with another number of columns: the last one is often cut.
+    """
     missing = [name for name in wanted if name not in head.columns]
     if missing:
         shown = ", ".join(head.columns[:40])[:600]
         raise RecordingFormatError(
             say("table.no_column", missing=missing[:9], present=shown), missing=missing[:40]
         )
-    decimal_points = ["."] if head.delimiter == "," else [".", ","]
-    for decimal_point in decimal_points:
-        try:
-            return _read_with(path, wanted, head, decimal_point)
-        except pa.ArrowInvalid as error:
-            if decimal_point == decimal_points[-1] or "conversion error" not in str(error):
-                raise _in_words(error, head) from error
-    raise AssertionError("one of the decimal points was the last")
+    try:
+        return _read_with(path, wanted, head, ".")
+    except pa.ArrowInvalid as error:
+        if "conversion error" not in str(error):
+            raise _in_words(error, head) from error
+        with_points = error
+    try:
+        # Between commas, decimal commas stand in quotes.
+        return _read_with(path, wanted, head, ",")
+    except pa.ArrowInvalid:
+        raise _in_words(with_points, head) from with_points
 
 
-def _read_with(path: Path, wanted: list[str], head: TableHead, decimal_point: str) -> dict[str, Float]:
+def _read_with(
+    path: Path, wanted: list[str], head: TableHead, decimal_point: str
+) -> tuple[dict[str, Float], int]:
     parts: dict[str, list[Any]] = {name: [] for name in wanted}
-    values = 0
-    with path.open("rb") as file:
+    values = left_out = 0
+
+    def leave_out(_: Any) -> str:
+        nonlocal left_out
+        left_out += 1
+        return "skip"
+
+    with opened(path, head.encoding) as file:
         # Only lines of the beginning were decoded; readline goes past them without a table's rules.
         for _ in range(head.skipped_lines):
             file.readline(MAX_LINE_BYTES)
@@ -201,12 +242,12 @@ def _read_with(path: Path, wanted: list[str], head: TableHead, decimal_point: st
                 read_options=csv.ReadOptions(
                     block_size=_BLOCK_BYTES, use_threads=False, column_names=list(head.columns)
                 ),
-                parse_options=csv.ParseOptions(delimiter=head.delimiter),
+                parse_options=csv.ParseOptions(delimiter=head.delimiter, invalid_row_handler=leave_out),
                 convert_options=csv.ConvertOptions(
                     include_columns=wanted,
                     column_types={name: pa.float64() for name in wanted},
                     decimal_point=decimal_point,
-                    null_values=["", "NaN", "nan", "NA", "null"],
+                    null_values=_NOTHING,
                     strings_can_be_null=True,
                 ),
             )
@@ -223,9 +264,13 @@ def _read_with(path: Path, wanted: list[str], head: TableHead, decimal_point: st
                     )
                 for name in wanted:
                     parts[name].append(batch.column(name).to_numpy(zero_copy_only=False))
+    rows = values // len(wanted)
+    if left_out > _MOST_RAGGED * (rows + left_out) and left_out > 1:
+        raise RecordingFormatError(say("table.ragged"))
     if not values:
         raise RecordingFormatError(say("table.no_rows"))
-    return {name: np.concatenate(pieces).astype(np.float64, copy=False) for name, pieces in parts.items()}
+    table = {name: np.concatenate(pieces).astype(np.float64, copy=False) for name, pieces in parts.items()}
+    return table, left_out
 
 
 class _SingleBlanks(io.RawIOBase):
@@ -255,8 +300,6 @@ def _in_words(error: pa.ArrowInvalid, head: TableHead) -> RecordingFormatError:
         at = re.search(r"In CSV column #(\d+)", text)
         name = head.columns[int(at[1])] if at else "?"
         return RecordingFormatError(say("table.not_a_number", column=name), column=name)
-    if "Expected" in text and "columns" in text:
-        return RecordingFormatError(say("table.ragged"))
     return RecordingFormatError(say("table.unreadable"))
 
 

@@ -1,122 +1,322 @@
-"""A mapping guessed from the names of the columns; a person corrects it. The same rules as `web/src/lib/csv.ts`."""
+"""How to read a table, guessed from the names of its columns and its first numbers; a person corrects it.
+
+The upload page asks the service for it, `telemotion process --guess` and `telemotion mapping` use it as it is.
+"""
 
 import re
-from pathlib import Path
-from typing import Any, Final
+from collections import defaultdict
+from dataclasses import dataclass, replace
+from typing import Any, Final, Literal
 
-from app.ingest.readers._table_head import TableHead, head_of_file
+import numpy as np
+
+from app.ingest.readers._csv_names import (
+    Named,
+    is_orientation,
+    named,
+    placement_of,
+    side_of,
+    time_unit_of,
+    words_of,
+)
+from app.ingest.readers._csv_units import Body, accelerometer_unit, gyroscope_unit, magnetometer_unit
+from app.ingest.readers._table_head import TableHead
+from app.ingest.readers._time import HIGHEST_HZ, LOWEST_HZ, UNIT_FACTORS, units_of
+from app.sentences import Sentence, say
 from estimators.conventions import PLACEMENTS
 
-_QUANTITIES: Final = (
-    ("gyroscope", re.compile(r"gyr|omega|angular|ang_?vel", re.IGNORECASE)),
-    ("accelerometer", re.compile(r"acc|specific_?force", re.IGNORECASE)),
-    ("magnetometer", re.compile(r"mag|field", re.IGNORECASE)),
+PipelineName = Literal["arm", "gait", "orientation"]
+SINGLE: Final = "imu"
+"""What a sensor is called whose table does not name it."""
+_TIME: Final = frozenset(
+    {
+        "time",
+        "t",
+        "timestamp",
+        "timestamps",
+        "seconds",
+        "second",
+        "secs",
+        "elapsed",
+        "zeit",
+        "zeitstempel",
+        "millis",
+    }
+    | {"micros", "datetime"}
 )
-_UNIT_TAIL: Final = re.compile(
-    r"[\s_(\[{,]+(rad/s|radps|deg/s|degps|°/s|dps|m/s\^?2|m/s²|m/s/s|mps2|gauss|g|[uµμ]?t|mt|s|ms|[uµμ]s)[\s)\]}]*$",
+_NO_TIME: Final = frozenset({"fine", "utc", "date"})
+"""Ticks of an unknown length, and clocks that need a calendar."""
+_COUNTED: Final = re.compile(r"^(column [0-9]+|index|sensor axis|nr|no|id)$", re.IGNORECASE)
+_RATE: Final = re.compile(
+    r"(?:rate|frequency|freq\w*|\bfs\b)[^0-9\n]{0,20}([0-9]+(?:[.,][0-9]+)?)|([0-9]+(?:[.,][0-9]+)?)\s*Hz\b",
     re.IGNORECASE,
 )
-_AXIS: Final = re.compile(r"^(.*?)[\s_.\-\[(/]*([xyzXYZ])[\s\])]*(?:[(\[{].*)?$")
-_REPEATED: Final = re.compile(r" \([0-9]+\)$")
-"""As `_table_head` numbers repeated names."""
-_TIME: Final = re.compile(r"^(time|t|timestamp|seconds?)([^a-z]|$)", re.IGNORECASE)
-_MILLI: Final = re.compile(r"(^|[^a-z])(ms|milli[a-z]*)($|[^a-z])", re.IGNORECASE)
-_MICRO: Final = re.compile(r"(^|[^a-z])([uµμ]s|micro[a-z]*)($|[^a-z])", re.IGNORECASE)
-_RATE: Final = re.compile(r"(?:rate|frequency)[^0-9]{0,20}([0-9]+(?:\.[0-9]+)?)", re.IGNORECASE)
-_OTHER_UNITS: Final = {
-    "accelerometer": {"g": "g"},
-    "magnetometer": {"t": "T", "mt": "mT", "g": "G", "gauss": "G"},
-}
-_UNIT: Final = {"gyroscope": "rad/s", "accelerometer": "m/s^2", "magnetometer": "uT"}
+_DEFAULT: Final = {"gyroscope": "rad/s", "accelerometer": "m/s^2", "magnetometer": "uT"}
 
 
-def guess_mapping(path: Path) -> dict[str, Any]:
-    """Guess how to read a table.
+@dataclass(frozen=True)
+class Triple:
+    """Three columns of one quantity of one sensor; x, y, z."""
+
+    columns: tuple[str, str, str]
+    quantity: str
+    device: str
+    unit: str
+    has_gravity: bool
+
+
+@dataclass(frozen=True)
+class Guess:
+    """A mapping as far as the table says it.
+
+    Attributes
+    ----------
+    mapping : dict
+        Fields of `CsvMapping`; of a signal whose place on the body nobody has said yet `placement` is None.
+    pipeline : str
+        What the recording seems to be for, or what was asked for.
+    notes : tuple of Sentence
+        What was assumed or left out.
+    missing : tuple of Sentence
+        What a person must add before the table can be read; empty when nothing is.
+    """
+
+    mapping: dict[str, Any]
+    pipeline: PipelineName
+    notes: tuple[Sentence, ...] = ()
+    missing: tuple[Sentence, ...] = ()
+
+
+def guess_of_head(
+    head: TableHead, name: str = "", pipeline: PipelineName | None = None, rate_hz: float | None = None
+) -> Guess:
+    """Guess the mapping of a table.
 
     Parameters
     ----------
-    path : Path
-
-    Returns
-    -------
-    dict
-        Fields of `CsvMapping`; the placement of a sensor whose columns do not name it is None.
-
-    Raises
-    ------
-    RecordingFormatError
-        The file is no text.
+    head : TableHead
+    name : str
+        Of the file without its ending: may say the side of a foot.
+    pipeline : str, optional
+        What it is for; by default what its sensors are worn for.
+    rate_hz : float, optional
+        Of the samples, where a person said it.
     """
-    return guess_of_head(head_of_file(path))
-
-
-def guess_of_head(head: TableHead) -> dict[str, Any]:
-    """Guess the mapping of a table whose head is known; see `guess_mapping`."""
-    time = _time_column(head)
-    found = None if time else _RATE.search("\n".join(head.preamble))
-    return {
+    notes: list[Sentence] = []
+    missing: list[Sentence] = []
+    body = Body(head)
+    triples, left_out = _sensors(_triples(head.columns))
+    if left_out:
+        notes.append(say("guess.left_out", columns=[column for one in left_out for column in one.columns]))
+    if not body.has_rows:
+        missing.append(say("table.no_rows"))
+    elif not triples:
+        missing.append(_why_none(head, left_out))
+    time, unit, found_rate = _time(head, body, {column for one in triples for column in one.columns})
+    if rate_hz is not None and time is None:
+        found_rate = rate_hz
+    if time is None and found_rate is None:
+        missing.append(say("guess.no_time"))
+    step_s = _step_s(body, time, unit) if time else (1.0 / found_rate if found_rate else None)
+    known = [_with_unit(body, one, triples, step_s, notes, missing) for one in triples]
+    triples = [one for one in known if one is not None]
+    signals, chosen = _placed(triples, name, pipeline, notes, missing)
+    mapping = {
         "time_column": time,
-        "time_unit": "s" if time is None else _time_unit(time),
-        "rate_hz": float(found[1]) if found else None,
+        "time_unit": unit,
+        "rate_hz": found_rate,
         "delimiter": head.delimiter,
-        "signals": _signals(head.columns),
+        "signals": signals,
     }
+    return Guess(mapping, chosen, tuple(notes), tuple(missing))
 
 
-def _signals(columns: tuple[str, ...]) -> list[dict[str, Any]]:
-    """Triples of columns whose names tell quantity and axes."""
-    groups: dict[str, dict[str, str]] = {}
-    for column in columns:
-        repeated = _REPEATED.search(column)
-        number = repeated[0] if repeated else ""
-        if parts := _AXIS.match(_UNIT_TAIL.sub("", column.removesuffix(number))):
-            groups.setdefault(parts[1].lower() + number, {}).setdefault(parts[2].lower(), column)
-    found = []
-    for stem, axes in groups.items():
-        quantity = next((name for name, words in _QUANTITIES if words.search(stem)), None)
-        if quantity is not None and len(axes) == 3:
-            found.append(
-                {
-                    "placement": _placement(stem),
-                    "quantity": quantity,
-                    "columns": [axes[axis] for axis in "xyz"],
-                    "unit": _unit(axes["x"], quantity),
-                }
-            )
-    return found
+def _triples(columns: tuple[str, ...]) -> list[Triple]:
+    """Group columns whose names differ in the axis only."""
+    plain = [named(column) for column in columns]
+    if not any(one is not None and one.quantity for one in plain):
+        plain = [named(column, letters=True) for column in columns]
+    groups: dict[tuple[str, ...], dict[str, tuple[str, Named]]] = defaultdict(dict)
+    for column, one in zip(columns, plain, strict=True):
+        if one is not None and one.quantity:
+            groups[one.stem].setdefault(one.axis, (column, one))
+    return [
+        Triple(
+            (axes["x"][0], axes["y"][0], axes["z"][0]),
+            axes["x"][1].quantity,
+            axes["x"][1].device,
+            axes["x"][1].unit,
+            axes["x"][1].has_gravity,
+        )
+        for axes in groups.values()
+        if len(axes) == 3
+    ]
 
 
-def _unit(column: str, quantity: str) -> str:
-    if quantity == "gyroscope":
-        return "deg/s" if re.search(r"deg|dps|°", column, re.IGNORECASE) else "rad/s"
-    tail = _UNIT_TAIL.search(column)
-    return _OTHER_UNITS[quantity].get(tail[1].lower() if tail else "", _UNIT[quantity])
+def _sensors(triples: list[Triple]) -> tuple[list[Triple], list[Triple]]:
+    """Return the signals of whole sensors, one a quantity, and those that are left out."""
+    with_gravity = [one for one in triples if one.has_gravity or one.quantity != "accelerometer"]
+    first: dict[tuple[str, str], Triple] = {}
+    for one in with_gravity:
+        first.setdefault((one.device, one.quantity), one)
+    by_quantity: dict[str, list[Triple]] = defaultdict(list)
+    for one in first.values():
+        by_quantity[one.quantity].append(one)
+    gyroscopes = {one.device for one in by_quantity["gyroscope"]}
+    whole = gyroscopes & {one.device for one in by_quantity["accelerometer"]}
+    if len(whole) <= 1 and all(len(found) == 1 for found in by_quantity.values()):
+        # One of each, whatever they are called: one sensor.
+        device = next(iter(whole), next(iter(gyroscopes), ""))
+        chosen = [replace(one, device=device) for one in first.values()] if len(by_quantity) > 1 else []
+        if not {"gyroscope", "accelerometer"} <= {one.quantity for one in chosen}:
+            chosen = []
+    else:
+        chosen = [one for one in first.values() if one.device in whole]
+    fields = {one.device for one in chosen if one.quantity == "magnetometer"}
+    if fields != {one.device for one in chosen}:
+        # Magnetometers all or none.
+        chosen = [one for one in chosen if one.quantity != "magnetometer"]
+    used = {one.columns for one in chosen}
+    return chosen, [one for one in triples if one.columns not in used]
 
 
-def _placement(stem: str) -> str | None:
-    plain = re.sub(r"[^a-z]+", "_", stem.lower())
-    for name in PLACEMENTS:
-        if name in plain:
-            return name
-    for name in PLACEMENTS:
-        place, _, side = name.rpartition("_")
-        if place and place in plain and (side in plain or side[0] in plain.split("_")):
-            return name
-    return None
+def _why_none(head: TableHead, left_out: list[Triple]) -> Sentence:
+    """Return why no sensor was found."""
+    if all(re.fullmatch(r"column [0-9]+", column) for column in head.columns):
+        return say("guess.no_names")
+    if any(not one.has_gravity for one in left_out):
+        return say(
+            "guess.no_gravity", columns=[c for one in left_out if not one.has_gravity for c in one.columns]
+        )
+    if left_out:
+        return say("guess.not_whole")
+    orientation = [column for column in head.columns if is_orientation(column)]
+    if orientation:
+        return say("guess.orientation_only", columns=orientation[:9])
+    return say("guess.no_signal")
 
 
-def _time_column(head: TableHead) -> str | None:
-    first = head.rows[0] if head.rows else ()
-    for name, value in zip(head.columns, first, strict=False):
-        if _TIME.match(name) and re.match(r"[+\-.0-9]", value):
-            return name
-    return None
+def _time(head: TableHead, body: Body, signals: set[str]) -> tuple[str | None, str, float | None]:
+    """Return the time column with its unit, or the rate that a line above the table says."""
+    said = _RATE.search("\n".join(head.preamble))
+    rate_hz = float((said[1] or said[2]).replace(",", ".")) if said else None
+    if rate_hz is not None and not LOWEST_HZ <= rate_hz <= HIGHEST_HZ:
+        rate_hz = None
+    others = [column for column in head.columns if column not in signals]
+    by_name = [c for c in others if _TIME & set(words_of(c)) and not _NO_TIME & set(words_of(c))]
+    unnamed = [c for c in others[:1] if _COUNTED.match(c)]
+    by_name.sort(key=lambda column: not time_unit_of(column))
+    for column in (*by_name, *unnamed):
+        values = body.numbers(column)[:, 0]
+        steps = np.diff(values[np.isfinite(values)])
+        if steps.size < 1 or not (steps >= 0).mean() > 0.5 or not (steps > 0).any():
+            continue
+        # Coarse stamps repeat: what counts is how far they get with each row.
+        usual = float(np.median(steps)) or float(steps[steps > 0].sum() / steps.size)
+        fitting = units_of(usual)
+        if column in unnamed and (not fitting or (usual == round(usual) and fitting[0] != "s")):
+            # A number of the row.
+            continue
+        written = time_unit_of(column)
+        unit = written if written in fitting or (written and not fitting) else (fitting or ["s"])[0]
+        if rate_hz is not None and not 0.8 < rate_hz * usual * UNIT_FACTORS[unit] < 1.25:
+            # Not the clock of the samples.
+            continue
+        return column, unit, None
+    if by_name and rate_hz is None and np.isfinite(body.numbers(by_name[0])).any():
+        # Its own refusal says more than that there is none.
+        return by_name[0], time_unit_of(by_name[0]) or "s", None
+    return None, "s", rate_hz
 
 
-def _time_unit(name: str) -> str:
-    if _MICRO.search(name):
-        return "us"
-    return "ms" if _MILLI.search(name) else "s"
+def _step_s(body: Body, column: str, unit: str) -> float | None:
+    steps = np.diff(body.numbers(column)[:, 0])
+    steps = steps[np.isfinite(steps)]
+    usual = float(np.median(steps)) if steps.size else 0.0
+    return usual * UNIT_FACTORS[unit] if usual > 0.0 else None
 
 
-__all__ = ["guess_mapping", "guess_of_head"]
+def _with_unit(
+    body: Body,
+    one: Triple,
+    all_: list[Triple],
+    step_s: float | None,
+    notes: list[Sentence],
+    missing: list[Sentence],
+) -> Triple | None:
+    """Return signals with a unit: that of the name, or that of the numbers; a magnetometer in no unit is left out."""
+    if one.unit:
+        return one
+    values = body.numbers(*one.columns)
+    if one.quantity == "accelerometer":
+        unit = accelerometer_unit(values)
+        if not unit:
+            size = float(np.nanmedian(np.linalg.norm(values, axis=1))) if len(values) else float("nan")
+            missing.append(say("guess.no_unit", columns=list(one.columns), size=size))
+            return one
+    elif one.quantity == "magnetometer":
+        unit = magnetometer_unit(values)
+        if not unit:
+            notes.append(say("guess.left_out", columns=list(one.columns)))
+            return None
+    else:
+        force = next(o for o in all_ if o.device == one.device and o.quantity == "accelerometer")
+        unit = gyroscope_unit(values, body.numbers(*force.columns), step_s)
+    if unit:
+        notes.append(say("guess.unit_from_numbers", columns=list(one.columns), unit=unit))
+        return replace(one, unit=unit)
+    notes.append(say("guess.unit_assumed", columns=list(one.columns), unit=_DEFAULT[one.quantity]))
+    return replace(one, unit=_DEFAULT[one.quantity])
+
+
+def _placed(
+    triples: list[Triple],
+    name: str,
+    pipeline: PipelineName | None,
+    notes: list[Sentence],
+    missing: list[Sentence],
+) -> tuple[list[dict[str, Any]], PipelineName]:
+    """Return the signals with the place or the name of their sensor, and what they are for."""
+    devices = list(dict.fromkeys(one.device for one in triples))
+    places = {device: placement_of(device) for device in devices}
+    chosen = pipeline or pipeline_for([place or "" for place in places.values()])
+    if chosen == "gait":
+        for device in devices:
+            if places[device] is None:
+                side = side_of(device) or (side_of(name) if len(devices) == 1 else None)
+                if side is None and len(devices) == 1:
+                    side = "right"
+                    notes.append(say("guess.foot_side"))
+                places[device] = f"foot_{side}" if side else None
+    signals = [
+        {
+            "placement": places[one.device],
+            "sensor": one.device or SINGLE,
+            "quantity": one.quantity,
+            "columns": list(one.columns),
+            "unit": one.unit,
+        }
+        for one in triples
+    ]
+    without = [column for one in triples if places[one.device] is None for column in one.columns]
+    if without and chosen != "orientation":
+        missing.append(say("guess.no_place", columns=without))
+    return signals, chosen
+
+
+def pipeline_for(placements: list[str]) -> PipelineName:
+    """Return what sensors at these places are worn for: feet alone to walk, anywhere on the body for its joints.
+
+    Parameters
+    ----------
+    placements : list of str
+        Names that are no `Placement` are worn nowhere in particular: single sensors.
+    """
+    worn = [place for place in placements if place in PLACEMENTS or place.startswith(("heel_", "forefoot_"))]
+    if not worn:
+        return "orientation"
+    is_walk = all(place.startswith(("foot_", "heel_", "forefoot_", "shank_", "pelvis")) for place in worn)
+    return "gait" if is_walk and any(place.startswith(("foot_", "heel_")) for place in worn) else "arm"
+
+
+__all__ = ["SINGLE", "Guess", "PipelineName", "guess_of_head", "pipeline_for"]

@@ -7,18 +7,17 @@ import numpy as np
 
 from app.errors import RecordingFormatError
 from app.ingest.readers._csv import read_columns
-from app.ingest.readers._time import nominal_rate, seconds_of
+from app.ingest.readers._time import nominal_rate
+from app.ingest.readers._time_mended import mended
 from app.ingest.readers._units import TO_SI, check_foot_accelerometer, check_foot_gyroscope, check_gyroscope
 from app.sentences import say
-from estimators.recording import Float, Recording, SensorSignals
+from estimators.recording import Recording, SensorSignals
 
 _TIME: Final = "Time (s)"
 _GYROSCOPE: Final = [f"Gyroscope {axis} (deg/s)" for axis in "XYZ"]
 _ACCELEROMETER: Final = [f"Accelerometer {axis} (g)" for axis in "XYZ"]
 COLUMNS: Final = (_TIME, *_GYROSCOPE, *_ACCELEROMETER)
 """Columns by which a file of this set is known."""
-_REPEATED_S: Final = 1e-6
-"""Packets that arrive together carry one stamp; the samples are all real and follow each other this closely."""
 
 
 def read_gait_tracking(path: Path) -> Recording:
@@ -27,18 +26,19 @@ def read_gait_tracking(path: Path) -> Recording:
     Returns
     -------
     Recording
-        One sensor named `foot_right`; the files do not say which foot it was. The stamps are the device's own, and
-        repeated ones are set a microsecond apart: resampling to an even grid spoils the track more than jitter.
+        One sensor named `foot_right`; the files do not say which foot it was. The stamps are the device's own, mended
+        where they repeat or step back: resampling to an even grid spoils the track more than jitter.
 
     Raises
     ------
     RecordingFormatError
-        Columns are missing, values are no numbers, time runs backwards, or a unit cannot be right.
+        Columns are missing, values are no numbers, time does not advance, or a unit cannot be right.
     """
     table = read_columns(path, list(COLUMNS), ",")
-    gyroscope = np.stack([table[name] for name in _GYROSCOPE], axis=1) * TO_SI["deg/s"]
-    accelerometer = np.stack([table[name] for name in _ACCELEROMETER], axis=1) * TO_SI["g"]
-    time_s = seconds_of(_apart(table[_TIME]), "s")
+    values = np.stack([table[name] for name in (*_GYROSCOPE, *_ACCELEROMETER)], axis=1)
+    time = mended(table[_TIME], 1.0, values)
+    time_s, values = time.time_s, values[time.rows]
+    gyroscope, accelerometer = values[:, :3] * TO_SI["deg/s"], values[:, 3:] * TO_SI["g"]
     for row in np.flatnonzero(~np.isfinite(gyroscope).all(axis=1) | ~np.isfinite(accelerometer).all(axis=1)):
         raise RecordingFormatError(say("file.row_incomplete", row=int(row + 2)), row=int(row + 2))
     check_gyroscope(gyroscope, "deg/s", "foot")
@@ -49,28 +49,16 @@ def read_gait_tracking(path: Path) -> Recording:
         nominal_rate(time_s),
         origin="x-io gait tracking walk",
         metadata={"format": "gait_tracking", "walk": path.stem},
+        notes=time.notes,
     )
 
 
-def looks_like(path: Path) -> bool:
-    """Return whether a CSV file has the columns of this set."""
-    with path.open("rb") as file:
-        line = file.readline(4096)
-    names = {name.strip() for name in line.decode("utf-8", errors="replace").lstrip("\ufeff").split(",")}
+def looks_like(_stem: str, start: bytes) -> bool:
+    """Return whether the beginning of a CSV file has the columns of this set."""
+    line = start[:4096].partition(b"\n")[0].decode("utf-8", errors="replace")
+    names = {name.strip() for name in line.lstrip("\ufeff").split(",")}
     # Other recordings of these devices have more columns; those are no walks of this set.
     return set(COLUMNS) == names
-
-
-def _apart(time_s: Float) -> Float:
-    """Set samples with one and the same stamp apart; time that runs backwards is left for the check to find."""
-    steps = np.diff(time_s)
-    if not np.isfinite(time_s).all() or (steps < 0).any():
-        return time_s
-    # The length of each run of repeated stamps so far.
-    repeated = np.concatenate([[False], steps == 0])
-    count = np.arange(len(time_s))
-    since = count - np.maximum.accumulate(np.where(repeated, 0, count))
-    return np.asarray(time_s + _REPEATED_S * since)
 
 
 __all__ = ["COLUMNS", "looks_like", "read_gait_tracking"]

@@ -25,11 +25,18 @@ PATIENT_RATE_HZ: Final = 102.4
 MOTION_CAPTURE_HZ: Final = 100.0
 _MARKERS: Final = {"FCC": "heel", "TOE": "toe", "FM5": "outer_ball"}
 _MILLIMETRE: Final = 1e-3
+_BESIDE: Final = frozenset({"", "index", "sensor", "axis", "left_sensor", "right_sensor"})
 _STRIDE: Final = ("start", "end", "ic", "tc")
 
 
-def read_gaitmap(path: Path) -> Recording:
+def read_gaitmap(path: Path, name: str = "") -> Recording:
     """Read one file of sensor samples, and what lies beside it as truth.
+
+    Parameters
+    ----------
+    path : Path
+    name : str
+        What the file was called before it was uploaded; by default its name.
 
     Returns
     -------
@@ -44,53 +51,46 @@ def read_gaitmap(path: Path) -> Recording:
     RecordingFormatError
         Not a file of this set.
     """
+    stem = Path(name or path.name).stem
     header, rows = _table(path)
     sensors, rate_hz = {}, RATE_HZ
     if len(header) == 2:
         for side in SIDES:
-            names = [(f"{side}_sensor", axis) for axis in AXES]
-            columns = [_column(header, name) for name in names]
+            columns = [_column(header, (f"{side}_sensor", axis)) for axis in AXES]
             sensors[f"foot_{side}"] = rows[:, columns]
     else:
-        named = [side for side in SIDES if side in path.stem.lower()]
+        named = [side for side in SIDES if side in stem.lower()]
         if len(named) != 1:
             raise RecordingFormatError(say("gaitmap.side"))
         sensors[f"foot_{named[0]}"] = rows[:, [_column(header, (axis,)) for axis in AXES]]
         rate_hz = PATIENT_RATE_HZ
     time_s = np.arange(len(rows)) / rate_hz
     signals = {}
-    for name, values in sensors.items():
+    for where, values in sensors.items():
         if not np.isfinite(values).all():
-            raise RecordingFormatError(say("file.sensor_not_finite", where=name), sensor=name)
+            raise RecordingFormatError(say("file.sensor_not_finite", where=where), sensor=where)
         gyroscope, accelerometer = values[:, 3:] * TO_SI["deg/s"], values[:, :3].copy()
-        check_gyroscope(gyroscope, "deg/s", name)
-        check_foot_accelerometer(accelerometer, gyroscope, "m/s^2", name)
-        check_foot_gyroscope(gyroscope, accelerometer, "deg/s", name)
-        signals[name] = SensorSignals(time_s, gyroscope, accelerometer)
+        check_gyroscope(gyroscope, "deg/s", where)
+        check_foot_accelerometer(accelerometer, gyroscope, "m/s^2", where)
+        check_foot_gyroscope(gyroscope, accelerometer, "deg/s", where)
+        signals[where] = SensorSignals(time_s, gyroscope, accelerometer)
     return Recording(
         signals,
         rate_hz,
         origin=f"gaitmap foot recording, {rate_hz} Hz assumed: the file tells no time",
-        metadata={"format": "gaitmap", "walk": path.stem, "assumed_rate_hz": str(rate_hz)},
+        metadata={"format": "gaitmap", "walk": stem, "assumed_rate_hz": str(rate_hz)},
         reference=_truth(path.parent) if path.name == "imu_sample.csv" else {},
     )
 
 
-def looks_like(path: Path) -> bool:
-    """Return whether a CSV file has the columns of this set."""
-    try:
-        with path.open(newline="", encoding="utf-8") as file:
-            lines = [file.readline(4096) for _ in range(2)]
-    except (OSError, UnicodeDecodeError):
+def looks_like(stem: str, start: bytes) -> bool:
+    """Return whether a CSV file begins with the columns of this set, and its name says a side where it must."""
+    lines = start[:8192].decode("utf-8", errors="replace").split("\n")[:2]
+    names = {name.strip() for line in lines for name in line.split(",") if not _is_number(name)}
+    # Other tables name their columns so too; with a column of time, or more, they are none of this set.
+    if not set(AXES) <= names or names - set(AXES) - _BESIDE:
         return False
-    names = {name.strip() for line in lines for name in line.split(",")}
-    if not set(AXES) <= names:
-        return False
-    return (
-        {"left_sensor", "right_sensor"} <= names
-        or "left" in path.stem.lower()
-        or "right" in path.stem.lower()
-    )
+    return {"left_sensor", "right_sensor"} <= names or any(side in stem.lower() for side in SIDES)
 
 
 def _table(path: Path) -> tuple[list[list[str]], Float]:

@@ -111,13 +111,9 @@ def write_instrumented_shoe(recording: Recording, path: Path) -> None:
     )
 
 
-def looks_like(path: Path) -> bool:
-    """Return whether a CSV file has the columns of instrumented shoes."""
-    try:
-        with path.open(encoding="utf-8") as file:
-            return _MARK in file.readline(8192)
-    except (OSError, UnicodeDecodeError):
-        return False
+def looks_like(_stem: str, start: bytes) -> bool:
+    """Return whether the beginning of a CSV file has the columns of instrumented shoes."""
+    return _MARK.encode() in start[:8192].partition(b"\n")[0]
 
 
 def _table(path: Path) -> tuple[list[str], Float]:

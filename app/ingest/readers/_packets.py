@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, cast
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from app.ingest.declaration import Declaration, check_placements
 from app.ingest.packet import Channel
 from app.recordings.chunks import FLOAT32, RawPacket
 from app.sentences import say
-from estimators.conventions import PLACEMENTS
+from estimators.conventions import PLACEMENTS, Placement
 from estimators.recording import Recording
 
 PACKET_S: Final = 0.05
@@ -79,15 +79,21 @@ class RecordingPackets:
             )
 
 
-def packets_of(recording: Recording) -> RecordingPackets:
+def packets_of(recording: Recording, *, any_name: bool = False) -> RecordingPackets:
     """Prepare a recording whose sensors share one time column.
+
+    Parameters
+    ----------
+    recording : Recording
+    any_name : bool
+        Single sensors: what they are called need be no placement.
 
     Raises
     ------
     RecordingFormatError
         None of its sensors is a placement, or they have different time stamps.
     """
-    ours: list[str] = [name for name in recording.sensors if name in PLACEMENTS]
+    ours: list[str] = [name for name in recording.sensors if any_name or name in PLACEMENTS]
     if not ours:
         raise RecordingFormatError(say("file.no_placement", placements=list(PLACEMENTS)))
     first = recording.sensors[ours[0]]
@@ -95,12 +101,12 @@ def packets_of(recording: Recording) -> RecordingPackets:
         raise RecordingFormatError(say("file.time_stamps_differ"))
     clip_radps = recording.metadata.get("gyroscope_clip_radps")
     declaration = Declaration(
-        placements=check_placements(ours),
+        placements=cast(tuple[Placement, ...], tuple(ours)) if any_name else check_placements(ours),
         rate_hz=recording.nominal_rate_hz,
         device=recording.origin[:100],
         clip_gyroscope_radps=None if clip_radps is None else float(clip_radps),
     )
-    left_out = tuple(name for name in recording.sensors if name not in PLACEMENTS)
+    left_out = tuple(name for name in recording.sensors if name not in ours)
     more = recording.metadata.get("left_out")
     return RecordingPackets(recording, declaration, left_out + ((more,) if more else ()))
 

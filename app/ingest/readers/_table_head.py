@@ -1,27 +1,31 @@
 """Where the table of a text file begins: what is no table, the delimiter, the names of the columns.
 
-`web/src/lib/tableHead.ts` does the same in the browser; both are tested on `tests/data/tables` with the same answers.
-docs/mappings.md says the rules in words: change all four together.
+docs/mapping.md says the rules in words, tests/data/tables holds examples: change them together.
 """
 
 import re
 from collections import Counter
-from csv import reader
+from csv import Error, reader
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
 from app.errors import RecordingFormatError
+from app.ingest.readers._text import HEAD_BYTES, encoding_of, start_of, text_of
 from app.sentences import say
 
-HEAD_BYTES: Final = 256 * 1024
-"""How much of a file is looked at."""
 _LINES: Final = 200
-_MOST_HEADER_LINES: Final = 3
+"""Lines with content that are looked at to find delimiter and header."""
+_MOST_HEADER_LINES: Final = 4
+_MOST_COLUMNS: Final = 2000
+_LONGEST_NAME: Final = 200
+_COMMAS_MORE: Final = 1.4
+"""Times as many fields as names: most numbers, not all, have a decimal comma."""
 # The first of those that find equally many numbers is taken.
-DELIMITERS: Final = ("\t", ";", ",", " ")
+DELIMITERS: Final = ("\t", ";", ",", "|", " ")
 _COMMENT: Final = re.compile(r"^\s*(//|#|%)")
-_KEY_VALUE: Final = re.compile(r'^\s*[A-Za-z][^,;\t":]*:([\s,;]|$)')
+_KEY_VALUE: Final = re.compile(r'^\s*"?[A-Za-z][^,;\t|":]*"?\s*:([\s,;|]|$)')
+_SEPARATOR: Final = re.compile(r"^\s*\"?sep\s*=\s*(.)\"?\s*$", re.IGNORECASE)
 _NUMBER: Final = re.compile(
     r"^([+-]?(\d+([.,]\d+)?\.?|[.,]\d+)(e[+-]?\d+)?|nan|na|null|[+-]?inf)$", re.IGNORECASE
 )
@@ -43,6 +47,10 @@ class TableHead:
         Lines of the file before the first row of data.
     preamble : tuple of str
         Lines that are neither header nor data.
+    encoding : str
+        A codec's name.
+    body : tuple of str
+        Lines from the first row of data on, as far as the file was looked at; the last one may be cut and is left out.
     """
 
     delimiter: str
@@ -50,53 +58,74 @@ class TableHead:
     rows: tuple[tuple[str, ...], ...]
     skipped_lines: int
     preamble: tuple[str, ...]
+    encoding: str = "utf-8"
+    body: tuple[str, ...] = ()
 
 
 def head_of_file(path: Path, delimiter: str | None = None) -> TableHead:
-    """Find the table of a file.
+    """Find the table of a file; see `head_of`."""
+    return head_of(start_of(path), delimiter)
+
+
+def head_of(start: bytes, delimiter: str | None = None) -> TableHead:
+    """Find the table in the beginning of a file.
 
     Parameters
     ----------
-    path : Path
+    start : bytes
+        The whole file, or its first `HEAD_BYTES`.
     delimiter : str, optional
         Where it is known; otherwise it is found.
 
     Raises
     ------
     RecordingFormatError
-        The beginning is no text.
+        It is no text, or no table can be made of it.
     """
-    with path.open("rb") as file:
-        start = file.read(HEAD_BYTES)
+    start = start[:HEAD_BYTES]
+    encoding = encoding_of(start)
+    text = text_of(start)
     if len(start) == HEAD_BYTES:
-        end = start.rfind(b"\n")
+        end = text.rfind("\n")
         if end < 0:
             raise RecordingFormatError(say("table.endless_line"))
-        start = start[:end]
-    try:
-        text = start.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise RecordingFormatError(say("table.not_utf8")) from error
-    return read_head(text, delimiter)
+        text = text[:end]
+    return read_head(text, delimiter, encoding=encoding)
 
 
-def read_head(text: str, delimiter: str | None = None, shown_rows: int = 5) -> TableHead:
+def read_head(
+    text: str, delimiter: str | None = None, shown_rows: int = 5, *, encoding: str = "utf-8"
+) -> TableHead:
     """Find the table in the first lines of a file; see `TableHead`."""
-    lines = [line.rstrip("\r") for line in text.split("\n")]
-    content = [index for index, line in enumerate(lines) if line.strip() and not _COMMENT.match(line)][
-        :_LINES
-    ]
+    lines = text.removeprefix("\ufeff").replace("\r\n", "\n").split("\n")
+    content = [
+        index
+        for index, line in enumerate(lines)
+        if line.strip() and not _COMMENT.match(line) and not _SEPARATOR.match(line)
+    ][:_LINES]
+    if not content:
+        raise RecordingFormatError(say("table.empty"))
     tried = [_split_all(lines, content, one) for one in ((delimiter,) if delimiter else DELIMITERS)]
     best = max(tried, key=lambda one: one.numbers)
     if not best.numbers:
         # No row of numbers: the first line is taken for the header, so that something can be shown.
         best = max(tried, key=lambda one: len(one.fields[0]) if one.fields else 0)
     first, width = best.first, best.width
+    _check_commas(best)
+    rows = best.fields[first:]
+    if best.numbers and 2 * sum(len(fields) == width for fields in rows) < len(rows):
+        raise RecordingFormatError(say("table.ragged"))
     header = _header(lines, content, best)
-    if not header and content and (comment := _comment_header(lines, content[first], best.delimiter, width)):
+    if (
+        not header
+        and content
+        and (comment := _comment_header(lines, content[min(first, len(content) - 1)], width))
+    ):
         names = comment
     else:
-        names = _joined([best.fields[index] for index in header], width)
+        names = _joined([_aligned(best.fields[index], best) for index in header], width)
+    if len(names) > _MOST_COLUMNS:
+        raise RecordingFormatError(say("table.too_many_columns", columns=len(names), most=_MOST_COLUMNS))
     before = content[first] if first < len(content) else (content[-1] + 1 if content else 0)
     used = {content[index] for index in header}
     return TableHead(
@@ -105,6 +134,8 @@ def read_head(text: str, delimiter: str | None = None, shown_rows: int = 5) -> T
         tuple(tuple(fields) for fields in best.fields[first : first + shown_rows]),
         before,
         tuple(line for index, line in enumerate(lines[:before]) if line.strip() and index not in used),
+        encoding,
+        tuple(line for line in lines[before:] if line.strip()),
     )
 
 
@@ -117,7 +148,13 @@ def split_line(line: str, delimiter: str) -> list[str]:
     """Split one line; quoted fields may hold the delimiter."""
     if delimiter == " ":
         return line.split()
-    return [field.strip() for field in next(reader([line], delimiter=delimiter, skipinitialspace=True), [])]
+    try:
+        return [
+            field.strip() for field in next(reader([line], delimiter=delimiter, skipinitialspace=True), [])
+        ]
+    except Error:
+        # A quote that never ends, or a field of a megabyte.
+        return [field.strip() for field in line.split(delimiter)]
 
 
 @dataclass(frozen=True)
@@ -143,14 +180,28 @@ def _split_all(lines: list[str], content: list[int], delimiter: str) -> _Split:
     return _Split(delimiter, fields, len(fields[0]) if fields else 0, min(1, len(fields)), 0)
 
 
+def _check_commas(split: _Split) -> None:
+    """Refuse commas both between and within the numbers: rows then have more fields than there are names."""
+    if split.delimiter != ",":
+        return
+    names, after = 0, 0
+    for index, fields in enumerate(split.fields[: split.first]):
+        if len(fields) > 2 and not any(map(is_number, fields)):
+            names, after = len(fields), index + 1
+    widths = sorted(len(fields) for fields in split.fields[after:])
+    if names and widths and widths[0] >= names and widths[len(widths) // 2] >= _COMMAS_MORE * names:
+        raise RecordingFormatError(say("table.commas_twice"))
+
+
 def _header(lines: list[str], content: list[int], split: _Split) -> list[int]:
     """Return which of the lines with content, straight above the data, name the columns."""
     found: list[int] = []
     for index in range(split.first - 1, -1, -1):
         fields = split.fields[index]
-        short = len(fields) == split.width - 1 and split.fields[split.first][-1:] == [""]
-        is_names = len(fields) == split.width or short
-        if split.numbers and (not is_names or _KEY_VALUE.match(lines[content[index]])):
+        if split.numbers and (_aligned(fields, split) is None or _KEY_VALUE.match(lines[content[index]])):
+            break
+        if found and sum(map(bool, fields)) == 1 and fields[0] and split.width > 3:
+            # A title with the delimiters that a spreadsheet adds.
             break
         found.insert(0, index)
         if len(found) == _MOST_HEADER_LINES:
@@ -158,16 +209,33 @@ def _header(lines: list[str], content: list[int], split: _Split) -> list[int]:
     return found
 
 
-def _comment_header(lines: list[str], before: int, delimiter: str, width: int) -> list[str] | None:
-    """Return the names of a header that stands in the last comment."""
+def _aligned(fields: list[str], split: _Split) -> list[str] | None:
+    """Return a line as names of all columns; None where it is none."""
+    width = split.width
+    if len(fields) == width or not split.numbers:
+        return fields
+    if len(fields) == width + 1 and not fields[-1]:
+        # A delimiter at the end of the header only.
+        return fields[:-1]
+    if len(fields) == width - 1:
+        # A delimiter at the end of the rows only, or rows that begin with their number and a header that does not.
+        return [*fields, ""] if split.fields[split.first][-1] == "" else ["", *fields]
+    return None
+
+
+def _comment_header(lines: list[str], before: int, width: int) -> list[str] | None:
+    """Return the names of a header that stands in the last comment, split as it may be."""
     comments = [line for line in lines[:before] if _COMMENT.match(line)]
-    names = split_line(_COMMENT.sub("", comments[-1]).strip(), delimiter) if comments else []
-    return names if len(names) == width else None
+    for delimiter in DELIMITERS if comments else ():
+        names = split_line(_COMMENT.sub("", comments[-1]).strip(), delimiter)
+        if len(names) == width:
+            return names
+    return None
 
 
-def _joined(header: list[list[str]], width: int) -> list[str]:
+def _joined(header: list[list[str] | None], width: int) -> list[str]:
     """Join header lines column by column; a name above several columns holds until the next one."""
-    rows = [fields + [""] * (width - len(fields)) for fields in header]
+    rows = [fields + [""] * (width - len(fields)) for fields in header if fields is not None]
     for fields in rows[:-1]:
         for column in range(1, width):
             fields[column] = fields[column] or fields[column - 1]
@@ -176,15 +244,24 @@ def _joined(header: list[list[str]], width: int) -> list[str]:
 
 def _numbered(names: list[str]) -> list[str]:
     """Make each name stand once."""
-    found: list[str] = []
+    found: dict[str, None] = {}
     for position, name in enumerate(names, 1):
-        plain = name or f"column {position}"
+        plain = name[:_LONGEST_NAME] or f"column {position}"
         unique, count = plain, 1
         while unique in found:
             count += 1
             unique = f"{plain} ({count})"
-        found.append(unique)
-    return found
+        found[unique] = None
+    return list(found)
 
 
-__all__ = ["DELIMITERS", "HEAD_BYTES", "TableHead", "head_of_file", "is_number", "read_head", "split_line"]
+__all__ = [
+    "DELIMITERS",
+    "HEAD_BYTES",
+    "TableHead",
+    "head_of",
+    "head_of_file",
+    "is_number",
+    "read_head",
+    "split_line",
+]

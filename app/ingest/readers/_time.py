@@ -7,7 +7,7 @@ from app.sentences import say
 from estimators.recording import Float
 
 LOWEST_HZ, HIGHEST_HZ = 10.0, 1000.0
-_UNIT_FACTORS = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
+UNIT_FACTORS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
 
 def seconds_of(column: Float, unit: str, first_row: int = 2) -> Float:
@@ -16,7 +16,7 @@ def seconds_of(column: Float, unit: str, first_row: int = 2) -> Float:
     Parameters
     ----------
     column : ndarray, shape (N,)
-    unit : {"s", "ms", "us"}
+    unit : {"s", "ms", "us", "ns"}
     first_row : int
         Line of the file in which the first value stands, for messages.
 
@@ -43,25 +43,44 @@ def seconds_of(column: Float, unit: str, first_row: int = 2) -> Float:
             row=row,
             count=int(wrong.size),
         )
-    rate_hz = 1.0 / (float(np.median(steps)) * _UNIT_FACTORS[unit])
-    if not LOWEST_HZ <= rate_hz <= HIGHEST_HZ:
-        others = [
-            name
-            for name, factor in _UNIT_FACTORS.items()
-            if name != unit and LOWEST_HZ <= 1.0 / (float(np.median(steps)) * factor) <= HIGHEST_HZ
-        ]
-        advice = say("file.looks_like_unit", unit=others[0]) if others else say("file.check_time_unit")
-        raise RecordingFormatError(
-            say(
-                "file.time_unit",
-                unit=unit,
-                rate_hz=rate_hz,
-                lowest_hz=LOWEST_HZ,
-                highest_hz=HIGHEST_HZ,
-                advice=advice,
-            )
+    check_unit(float(np.median(steps)), unit)
+    return np.asarray((column - column[0]) * UNIT_FACTORS[unit])
+
+
+def check_unit(step: float, unit: str) -> None:
+    """Refuse a time unit in which the rows come at a rate that no sensor has.
+
+    Parameters
+    ----------
+    step : float
+        Usual difference of two rows, as written.
+    unit : {"s", "ms", "us", "ns"}
+    """
+    if unit in (fitting := units_of(step)):
+        return
+    advice = say("file.looks_like_unit", unit=fitting[0]) if fitting else say("file.check_time_unit")
+    raise RecordingFormatError(
+        say(
+            "file.time_unit",
+            unit=unit,
+            rate_hz=1.0 / (step * UNIT_FACTORS[unit]),
+            lowest_hz=LOWEST_HZ,
+            highest_hz=HIGHEST_HZ,
+            advice=advice,
         )
-    return np.asarray((column - column[0]) * _UNIT_FACTORS[unit])
+    )
+
+
+def units_of(step: float) -> list[str]:
+    """Return the units in which rows that are `step` apart come at a rate that sensors have."""
+    if not step > 0.0:
+        return []
+    # A stamp in whole milliseconds makes 1000 Hz a little more now and then.
+    return [
+        unit
+        for unit, factor in UNIT_FACTORS.items()
+        if 0.999 * LOWEST_HZ <= 1.0 / (step * factor) <= 1.001 * HIGHEST_HZ
+    ]
 
 
 def nominal_rate(time_s: Float) -> float:
@@ -76,4 +95,4 @@ def nominal_rate(time_s: Float) -> float:
     return measured
 
 
-__all__ = ["HIGHEST_HZ", "LOWEST_HZ", "nominal_rate", "seconds_of"]
+__all__ = ["HIGHEST_HZ", "LOWEST_HZ", "UNIT_FACTORS", "check_unit", "nominal_rate", "seconds_of", "units_of"]

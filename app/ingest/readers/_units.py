@@ -13,16 +13,19 @@ TO_SI: Final[dict[str, float]] = {
     "rad/s": 1.0,
     "deg/s": np.pi / 180.0,
     "m/s^2": 1.0,
+    "mdps": np.pi / 180_000.0,
     "g": GRAVITY_MPS2,
+    "mg": 1e-3 * GRAVITY_MPS2,
     "T": 1.0,
     "mT": 1e-3,
     "uT": 1e-6,
     "G": 1e-4,
+    "mG": 1e-7,
 }
 UNITS: Final[dict[str, tuple[str, ...]]] = {
-    "gyroscope": ("rad/s", "deg/s"),
-    "accelerometer": ("m/s^2", "g"),
-    "magnetometer": ("T", "mT", "uT", "G"),
+    "gyroscope": ("rad/s", "deg/s", "mdps"),
+    "accelerometer": ("m/s^2", "g", "mg"),
+    "magnetometer": ("T", "mT", "uT", "G", "mG"),
 }
 
 GRAVITY_RANGE_MPS2: Final = (7.5, 13.0)

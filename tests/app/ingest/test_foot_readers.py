@@ -7,6 +7,7 @@ import scipy.io
 
 from app.errors import RecordingFormatError
 from app.ingest import readers
+from tests.said import codes
 
 FEET = Path(__file__).parents[2] / "data" / "feet"
 G = 9.80665
@@ -111,6 +112,8 @@ def test_what_is_no_pyshoe_walk(tmp_path, changes, message):
 def test_an_xio_walk_keeps_its_stamps(tmp_path):
     def repeat(table):
         table[100:103, 0] = table[100, 0]
+        # Written twice, as in its own files: no sample of its own.
+        table[150] = table[149]
 
     path = xio(tmp_path / "short_walk.csv", repeat)
     assert readers.guess(path) == "gait_tracking"
@@ -119,8 +122,10 @@ def test_an_xio_walk_keeps_its_stamps(tmp_path):
     steps = np.diff(sensor.time_s)
     np.testing.assert_allclose(steps[100:102], 1e-6, rtol=1e-3)
     content = np.load(FEET / "xio_short_walk.npz")
-    np.testing.assert_allclose(sensor.time_s[200:], content["time_s"][200:3000], atol=1e-9)
-    np.testing.assert_allclose(sensor.gyroscope_radps, content["gyroscope_radps"][:3000], atol=1e-6)
+    once = np.delete(np.arange(3000), 150)
+    np.testing.assert_allclose(sensor.time_s[200:], content["time_s"][once][200:], atol=1e-9)
+    np.testing.assert_allclose(sensor.gyroscope_radps, content["gyroscope_radps"][once], atol=1e-6)
+    assert codes(found.notes) == ["time.row_twice", "time.repeated"]
     np.testing.assert_allclose(np.median(np.linalg.norm(sensor.accelerometer_mps2, axis=1)), G, rtol=0.05)
 
 
@@ -135,10 +140,15 @@ def test_other_recordings_of_the_device_are_no_walks(tmp_path):
 
 
 def test_an_xio_walk_that_runs_backwards_or_has_holes(tmp_path):
-    def backwards(table):
+    def late(table):
         table[50, 0] = 0.0
 
-    with pytest.raises(RecordingFormatError, match="backwards"):
+    assert codes(readers.read(xio(tmp_path / "late.csv", late)).notes) == ["time.out_of_order"]
+
+    def backwards(table):
+        table[:, 0] = table[::-1, 0]
+
+    with pytest.raises(RecordingFormatError, match="does not advance"):
         readers.read(xio(tmp_path / "a.csv", backwards))
 
     def hole(table):

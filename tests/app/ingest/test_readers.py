@@ -1,6 +1,7 @@
 """Readers of whole recordings: what comes out, and what is said when a file is not what it should be."""
 
 import io
+import re
 import signal
 import struct
 import subprocess
@@ -151,11 +152,9 @@ def test_a_missing_column_is_named_with_those_present(tmp_path: Path) -> None:
     ("damage", "says"),
     [
         (lambda text: text.replace("\n0.05,", "\nyesterday,"), "not a number"),
-        (lambda text: text.replace("\n0.05,", "\n0.01,"), "runs backwards in row 7"),
-        (lambda text: text.replace("\n0.05,", "\n0.04,"), "does not advance in row 7"),
-        (lambda text: text.replace("\n0.05,", "\n,"), "Row 7 has no time"),
+        (lambda text: text.replace("\n0.", "\n0,0."), "another number of columns"),
+        (lambda text: re.sub(r"\n1\.[0-9]*,", "\n,", text), "have no usable time"),
         (lambda text: text.splitlines()[0] + "\n", "no rows"),
-        (lambda text: text.replace("\n0.05,", "\n0.05,1,2,"), "another number of columns"),
         (lambda text: "t," + text, "no column"),
         (lambda _: "\x00\x01\x02", "no column"),
     ],

@@ -2,6 +2,7 @@
 
 import json
 import time
+from base64 import b64encode
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -22,11 +23,12 @@ from app.recordings import read_frames, read_packets, stored_ranges
 from app.recordings.jobs import JobDone, run_job
 from app.recordings.models import Job, MotionSession, Result, SessionEvent
 from app.recordings.packet_log import write_log
-from app.recordings.schemas import JobOut, UploadIn
+from app.recordings.schemas import CsvMapping, JobOut, UploadIn
 from app.recordings.service import job_out
 from app.settings import Settings
 from estimators import pipelines
 from estimators.simulation import ArmScenario, Schedule, SimulatedSession, simulate_arm
+from tests.app.ingest.odd_tables import odd_tables
 
 ARM = ("sternum", "upper_arm_right", "forearm_right", "hand_right")
 MIB = 1 << 20
@@ -516,3 +518,24 @@ def test_the_running_service_takes_an_upload_to_its_end(therapist: Any, world: A
         ("upload", "complete", 1.0),
         ("compare", "complete", 1.0),
     }
+
+
+def test_a_preview_says_how_a_table_would_be_read_and_stores_nothing(
+    therapist: Any, engine: Engine, settings: Settings
+) -> None:
+    odd = odd_tables()["german"]
+    answer = therapist.post(
+        "/api/uploads/preview",
+        json={"file_name": "a.csv", "beginning": b64encode(odd.content[: readers.HEAD_BYTES]).decode()},
+    )
+    assert answer.status_code == 200, answer.text
+    found = answer.json()
+    direct = readers.preview_text("a.csv", odd.content[: readers.HEAD_BYTES])
+    assert (found["format"], found["pipeline"], found["missing"]) == ("csv", "orientation", [])
+    assert CsvMapping.model_validate(found["mapping"]) == CsvMapping.model_validate(direct.guess.mapping)
+    refused = therapist.post("/api/uploads/preview", json={"file_name": "a.csv", "beginning": "AAAA"})
+    assert refused.status_code == 422
+    assert refused.json()["sentences"]["message"]["code"] == "table.not_text"
+    with read_only(engine) as session:
+        assert session.scalars(select(MotionSession)).all() == []
+    assert not (settings.data_dir / "uploads").exists() or not list((settings.data_dir / "uploads").iterdir())

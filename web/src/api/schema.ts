@@ -1712,6 +1712,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/uploads/preview": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Preview Upload
+         * @description Guess how a table is to be read, as `telemotion mapping` does; nothing of it is stored.
+         */
+        post: operations["preview_upload_api_uploads_preview_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
 }
 export type webhooks = Record<string, never>;
 export interface components {
@@ -2465,52 +2485,45 @@ export interface components {
         CsvColumn: {
             /** Columns */
             columns: string[];
-            /**
-             * Placement
-             * @enum {string}
-             */
-            placement: "head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right" | "heel_left" | "forefoot_left" | "heel_right" | "forefoot_right";
+            /** Placement */
+            placement?: ("head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right" | "heel_left" | "forefoot_left" | "heel_right" | "forefoot_right") | null;
             /**
              * Quantity
              * @enum {string}
              */
             quantity: "gyroscope" | "accelerometer" | "magnetometer";
             /**
+             * Sensor
+             * @default
+             */
+            sensor?: string;
+            /**
              * Unit
              * @enum {string}
              */
-            unit: "rad/s" | "deg/s" | "m/s^2" | "g" | "T" | "uT" | "mT" | "G";
+            unit: "rad/s" | "deg/s" | "mdps" | "m/s^2" | "g" | "mg" | "T" | "uT" | "mT" | "G" | "mG";
         };
         /**
          * CsvMapping
          * @description How to read a table: time column with its unit, or a fixed rate, and the columns of each sensor.
          *
-         *     Names of columns are those of docs/mappings.md: header lines joined, repeated names numbered.
+         *     Names of columns are those of docs/mapping.md: header lines joined, repeated names numbered.
          */
         CsvMapping: {
-            /**
-             * Delimiter
-             * @default null
-             */
-            delimiter?: ("," | ";" | "\t" | " ") | null;
-            /**
-             * Rate Hz
-             * @default null
-             */
+            /** Delimiter */
+            delimiter?: ("," | ";" | "\t" | "|" | " ") | null;
+            /** Rate Hz */
             rate_hz?: number | null;
             /** Signals */
             signals: components["schemas"]["CsvColumn"][];
-            /**
-             * Time Column
-             * @default null
-             */
+            /** Time Column */
             time_column?: string | null;
             /**
              * Time Unit
              * @default s
              * @enum {string}
              */
-            time_unit?: "s" | "ms" | "us";
+            time_unit?: "s" | "ms" | "us" | "ns";
         };
         /**
          * CurvePair
@@ -3845,6 +3858,21 @@ export interface components {
             times_per_week: number;
         };
         /**
+         * PreviewIn
+         * @description The beginning of a text file, to be told what it seems to be.
+         */
+        PreviewIn: {
+            /**
+             * Beginning
+             * Format: base64
+             */
+            beginning: string;
+            /** File Name */
+            file_name: string;
+            /** Pipeline */
+            pipeline?: ("arm" | "gait" | "orientation") | null;
+        };
+        /**
          * Progress
          * @description A patient's progress in one exercise.
          */
@@ -4248,7 +4276,7 @@ export interface components {
             /** Pipeline */
             pipeline: string;
             /** Placements */
-            placements: ("head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right" | "heel_left" | "forefoot_left" | "heel_right" | "forefoot_right")[];
+            placements: string[];
             /** Prescription Id */
             prescription_id: string | null;
             /**
@@ -4642,6 +4670,34 @@ export interface components {
             time_s: number;
         };
         /**
+         * TablePreview
+         * @description What a text file seems to be, from its beginning; nothing of it was stored.
+         */
+        TablePreview: {
+            /** Columns */
+            columns: string[];
+            /** Format */
+            format: string;
+            mapping: components["schemas"]["CsvMapping"] | null;
+            /** Missing */
+            missing: string[];
+            /** Notes */
+            notes: string[];
+            /**
+             * Pipeline
+             * @enum {string}
+             */
+            pipeline: "arm" | "gait" | "orientation";
+            /** Rows */
+            rows: string[][];
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
+            /** Skipped Lines */
+            skipped_lines: number;
+        };
+        /**
          * TemplateContent
          * @description What a template looks like.
          */
@@ -4821,10 +4877,15 @@ export interface components {
              */
             feet_apart_m?: number | null;
             /**
+             * File Name
+             * @default
+             */
+            file_name?: string;
+            /**
              * Format
              * @enum {string}
              */
-            format: "packet_log" | "csv" | "qmt_mat" | "pyshoe" | "gait_tracking" | "gaitmap" | "instrumented_shoe";
+            format: "packet_log" | "csv" | "qmt_mat" | "broad" | "pyshoe" | "gait_tracking" | "gaitmap" | "instrumented_shoe";
             /**
              * Hemisphere
              * @default north
@@ -4843,7 +4904,7 @@ export interface components {
              * @default arm
              * @enum {string}
              */
-            pipeline?: "arm" | "gait";
+            pipeline?: "arm" | "gait" | "orientation";
             /**
              * Prescription Id
              * @default null
@@ -8160,6 +8221,42 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["JobOut"];
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            404: components["responses"]["Error404"];
+            408: components["responses"]["Error408"];
+            409: components["responses"]["Error409"];
+            413: components["responses"]["Error413"];
+            422: components["responses"]["Error422"];
+            429: components["responses"]["Error429"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    preview_upload_api_uploads_preview_post: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description From /api/me; browsers send it with every change, devices do not. */
+                "X-CSRF-Token"?: string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["PreviewIn"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TablePreview"];
                 };
             };
             401: components["responses"]["Error401"];

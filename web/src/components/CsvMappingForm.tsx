@@ -1,38 +1,46 @@
 import { ActionIcon, Button, NumberInput, Select } from '@mantine/core';
 import { IconPlus, IconTrash } from '@tabler/icons-react';
-import type { CsvColumn, CsvMapping, Placement } from '../api/types';
+import type { CsvColumn, CsvMapping, Placement, TablePreview } from '../api/types';
 import { t } from '../i18n';
 import { placementLabel } from '../lib/channels';
-import { deviceOf, mappingProblems, type CsvDraft, type DraftSignal } from '../lib/csv';
-import type { TableHead } from '../lib/tableHead';
+import { mappingProblems, placed, type Pipeline } from '../lib/csv';
 
 const UNITS: Record<CsvColumn['quantity'], CsvColumn['unit'][]> = {
-  gyroscope: ['rad/s', 'deg/s'],
-  accelerometer: ['m/s^2', 'g'],
-  magnetometer: ['uT', 'T', 'mT', 'G'],
+  gyroscope: ['rad/s', 'deg/s', 'mdps'],
+  accelerometer: ['m/s^2', 'g', 'mg'],
+  magnetometer: ['uT', 'T', 'mT', 'G', 'mG'],
 };
 const UNIT_TEXT: Record<string, string> = { 'm/s^2': 'm/s²', uT: 'µT', 'deg/s': '°/s' };
 const AXES = ['x', 'y', 'z'] as const;
 const FIXED = '';
 
-/** Which column is what: a line a sensor and quantity, guessed from the header, corrected by hand. */
-export function CsvMappingForm({ head, placements, value, onChange }: { head: TableHead; placements: readonly Placement[]; value: CsvDraft; onChange: (mapping: CsvDraft) => void }) {
-  const set = (index: number, change: Partial<DraftSignal>) =>
+interface Props {
+  head: Pick<TablePreview, 'columns' | 'rows' | 'skipped_lines' | 'notes'>;
+  pipeline: Pipeline;
+  placements: readonly Placement[];
+  value: CsvMapping;
+  onChange: (mapping: CsvMapping) => void;
+}
+
+/** Which column is what: a line a sensor and quantity, guessed by the service, corrected by hand. */
+export function CsvMappingForm({ head, pipeline, placements, value, onChange }: Props) {
+  const set = (index: number, change: Partial<CsvColumn>) =>
     onChange({ ...value, signals: value.signals.map((one, position) => (position === index ? { ...one, ...change } : one)) });
-  /** A sensor is chosen once for all signals that its name has in common. */
-  const place = (chosen: DraftSignal, placement: Placement | null) => {
-    const device = deviceOf(chosen.columns[0] ?? '');
-    const isSame = (one: DraftSignal) => one === chosen || (one.placement === chosen.placement && deviceOf(one.columns[0] ?? '') === device);
-    onChange({ ...value, signals: value.signals.map((one) => (isSame(one) ? { ...one, placement } : one)) });
-  };
   const columns = head.columns.map((column) => ({ value: column, label: column }));
-  const problems = mappingProblems(value);
+  const problems = mappingProblems(value, pipeline);
   return (
     <fieldset className="fieldset stack">
       <legend>{t('csv.title')}</legend>
       <p className="muted small">
-        {t('csv.help', { count: head.columns.length })} {head.skippedLines > 1 && t('csv.skipped', { count: head.skippedLines + 1 })}
+        {t('csv.help', { count: head.columns.length })} {head.skipped_lines > 1 && t('csv.skipped', { count: head.skipped_lines + 1 })}
       </p>
+      {head.notes.length > 0 && (
+        <ul className="small">
+          {head.notes.map((note) => (
+            <li key={note}>{note}</li>
+          ))}
+        </ul>
+      )}
       <details className="as-table" open>
         <summary>{t('csv.preview')}</summary>
         {/* eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex -- a scrolling region must be reachable by keyboard */}
@@ -71,7 +79,7 @@ export function CsvMappingForm({ head, placements, value, onChange }: { head: Ta
         {value.time_column ? (
           <Select
             label={t('csv.timeUnit')}
-            data={(['s', 'ms', 'us'] as const).map((unit) => ({ value: unit, label: t(`csv.unit.${unit}`) }))}
+            data={(['s', 'ms', 'us', 'ns'] as const).map((unit) => ({ value: unit, label: t(`csv.unit.${unit}`) }))}
             value={value.time_unit ?? 's'}
             onChange={(unit) => onChange({ ...value, time_unit: unit as CsvMapping['time_unit'] })}
           />
@@ -84,7 +92,7 @@ export function CsvMappingForm({ head, placements, value, onChange }: { head: Ta
           const name = t('csv.signalName', { number: index + 1 });
           return (
             <li key={index} className="csv-signal">
-              <Select aria-label={`${name}: ${t('csv.placement')}`} searchable data={placements.map((one) => ({ value: one, label: placementLabel(one) }))} value={signal.placement} onChange={(placement) => place(signal, placement as Placement | null)} placeholder={t('csv.choosePlacement')} />
+              <Select aria-label={`${name}: ${t('csv.placement')}`} searchable data={placements.map((one) => ({ value: one, label: placementLabel(one) }))} clearable={pipeline === 'orientation'} value={signal.placement ?? null} onChange={(placement) => onChange(placed(value, signal, placement as Placement | null))} placeholder={pipeline === 'orientation' ? t('csv.single', { sensor: signal.sensor ?? '' }) : t('csv.choosePlacement')} />
               <Select
                 aria-label={`${name}: ${t('csv.quantity')}`}
                 data={(['gyroscope', 'accelerometer', 'magnetometer'] as const).map((one) => ({ value: one, label: t(`csv.${one}`) }))}

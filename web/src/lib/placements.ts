@@ -1,4 +1,4 @@
-import type { Placement, Side } from '../api/types';
+import type { Placement, Side, SessionDetail } from '../api/types';
 
 /** What to wear for a walk. */
 export const FEET: Placement[] = ['foot_left', 'foot_right'];
@@ -34,4 +34,9 @@ export function placementProblem(placements: readonly Placement[]): 'placements.
     if (has(`hand_${side}`) && !has(`forearm_${side}`)) return 'placements.needForearm';
   }
   return null;
+}
+
+/** Where the sensors of a live session are worn; only uploads hold single sensors that are worn nowhere. */
+export function wornPlacements(session: Pick<SessionDetail, 'placements'>): Placement[] {
+  return session.placements as Placement[];
 }

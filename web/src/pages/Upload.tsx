@@ -2,31 +2,33 @@
 import { Button, Checkbox, FileButton, Group, NumberInput, Progress, Select, Switch } from '@mantine/core';
 import { IconArrowRight, IconFileUpload } from '@tabler/icons-react';
 import { useMutation } from '@tanstack/react-query';
-import { useState, type DragEvent, type FormEvent } from 'react';
+import { useRef, useState, type DragEvent, type FormEvent } from 'react';
 import { Link, useSearchParams } from 'react-router';
-import { upload } from '../api/client';
+import { api, upload } from '../api/client';
 import { useEstimators, useExercises, useJob, usePatients } from '../api/queries';
-import type { Job, Placement, UploadIn } from '../api/types';
+import type { CsvMapping, Job, Placement, PreviewIn, TablePreview, UploadIn } from '../api/types';
 import { RadioCards } from '../components/Choice';
 import { CsvMappingForm } from '../components/CsvMappingForm';
 import { Problem } from '../components/Feedback';
 import { Page } from '../components/Page';
 import { t } from '../i18n';
 import { LEG_PLACEMENTS } from '../lib/placements';
-import { complete, guessMapping, type CsvDraft } from '../lib/csv';
+import { beginningOf, complete, type Pipeline } from '../lib/csv';
 import { bytes, number } from '../lib/format';
-import { headOf, type TableHead } from '../lib/tableHead';
 import { JobProgress } from './session/AnalysisWait';
 
 const PLACEMENTS: Placement[] = ['sternum', 'upper_arm_right', 'forearm_right', 'hand_right', 'upper_arm_left', 'forearm_left', 'hand_left', 'pelvis', 'head', 'shoulder_left', 'shoulder_right', ...LEG_PLACEMENTS];
 type Format = UploadIn['format'];
-const FORMATS = ['packet_log', 'csv', 'qmt_mat', 'gaitmap', 'instrumented_shoe', 'pyshoe', 'gait_tracking'] as const;
+const FORMATS = ['packet_log', 'csv', 'qmt_mat', 'broad', 'gaitmap', 'instrumented_shoe', 'pyshoe', 'gait_tracking'] as const;
 const WALKS: readonly Format[] = ['gaitmap', 'instrumented_shoe', 'pyshoe', 'gait_tracking'];
+const PIPELINES: readonly Pipeline[] = ['arm', 'gait', 'orientation'];
+const TEXT = /\.(csv|tsv|txt|dat|asc)$/i;
 type Hemisphere = NonNullable<UploadIn['hemisphere']>;
 const HEMISPHERES: Hemisphere[] = ['north', 'south', 'unknown'];
 
 function formatOf(name: string): Format {
-  if (/\.(csv|tsv|txt)$/i.test(name)) return 'csv';
+  if (TEXT.test(name)) return 'csv';
+  if (/\.(hdf5|h5)$/i.test(name)) return 'broad';
   return /\.mat$/i.test(name) ? 'qmt_mat' : 'packet_log';
 }
 
@@ -58,7 +60,7 @@ function FileDrop({ file, onFile }: { file: File | null; onFile: (file: File) =>
       ) : (
         <p>{t('upload.drop')}</p>
       )}
-      <FileButton onChange={(picked) => picked && onFile(picked)} accept=".csv,.tsv,.txt,.mat,.tmlog,application/octet-stream,text/csv">
+      <FileButton onChange={(picked) => picked && onFile(picked)} accept=".csv,.tsv,.txt,.dat,.asc,.mat,.hdf5,.tmlog,application/octet-stream,text/csv">
         {(props) => (
           <Button variant={file ? 'default' : 'filled'} {...props}>
             {file ? t('upload.other') : t('upload.choose')}
@@ -79,10 +81,12 @@ export function UploadPage() {
   const [patientId, setPatientId] = useState<string | null>(search.get('patient'));
   const [exerciseId, setExerciseId] = useState<string | null>(null);
   const [wantedEstimator, setWantedEstimator] = useState<string | null>(null);
-  const [head, setHead] = useState<TableHead | null>(null);
-  const [mapping, setMapping] = useState<CsvDraft | null>(null);
+  const [mapping, setMapping] = useState<CsvMapping | null>(null);
+  const [pipeline, setPipeline] = useState<Pipeline>('arm');
   const [apartCm, setApartCm] = useState<number | null>(null);
-  const isWalk = WALKS.includes(format);
+  const hasPipeline = format === 'csv' || format === 'packet_log';
+  const isWalk = WALKS.includes(format) || (hasPipeline && pipeline === 'gait');
+  const isSingle = format === 'broad' || (hasPipeline && pipeline === 'orientation');
   const [knowsPose, setKnowsPose] = useState(false);
   const [pose, setPose] = useState<[number, number]>([0, 3]);
   const [withLegs, setWithLegs] = useState(false);
@@ -95,25 +99,37 @@ export function UploadPage() {
   });
   const job = useJob(send.data?.id ?? null);
 
-  const readCsv = async (chosen: File) => {
-    const found = await headOf(chosen);
-    setHead(found);
-    setMapping(guessMapping(found, PLACEMENTS));
+  // The answer to an earlier file or choice must not overwrite that to the newest.
+  const newest = useRef(0);
+  const look = useMutation({
+    mutationFn: async ({ chosen, asked }: { chosen: File; asked: Pipeline | null; turn: number }) =>
+      api.post<TablePreview>('/api/uploads/preview', { file_name: chosen.name.slice(-200), beginning: await beginningOf(chosen), pipeline: asked } satisfies PreviewIn),
+    onSuccess: (found, { turn }) => {
+      if (turn !== newest.current) return;
+      setFormat(found.format as Format);
+      setPipeline(found.pipeline);
+      setMapping(found.mapping ?? { signals: [] });
+    },
+  });
+  const lookAt = (chosen: File, asked: Pipeline | null) => {
+    newest.current += 1;
+    look.mutate({ chosen, asked, turn: newest.current });
   };
   const take = (chosen: File) => {
     setFile(chosen);
     setAccepts(false);
     send.reset();
-    const guessed = formatOf(chosen.name);
-    setFormat(guessed);
-    if (guessed === 'csv') void readCsv(chosen);
+    look.reset();
+    setMapping(null);
+    setFormat(formatOf(chosen.name));
+    if (TEXT.test(chosen.name)) lookAt(chosen, null);
   };
-  const chooseFormat = (chosen: Format) => {
-    setFormat(chosen);
-    if (chosen === 'csv' && file) void readCsv(file);
+  const choosePipeline = (chosen: Pipeline) => {
+    setPipeline(chosen);
+    if (format === 'csv' && file) lookAt(file, chosen);
   };
   const orientation = wantedEstimator ?? estimators.data?.[0]?.name;
-  const isReady = file !== null && patientId !== null && orientation !== undefined && (format !== 'csv' || (mapping !== null && complete(mapping) !== null));
+  const isReady = file !== null && patientId !== null && orientation !== undefined && (format !== 'csv' || (mapping !== null && complete(mapping, pipeline) !== null));
   const submit = (event: FormEvent) => {
     event.preventDefault();
     if (!isReady || !file || !patientId || !orientation) return;
@@ -122,12 +138,14 @@ export function UploadPage() {
       exercise_id: exerciseId,
       purpose: 'exercise',
       format,
-      csv: format === 'csv' && mapping ? complete(mapping) : null,
+      file_name: file.name.slice(-200),
+      pipeline: hasPipeline ? pipeline : 'arm',
+      csv: format === 'csv' && mapping ? complete(mapping, pipeline) : null,
       orientation,
-      calibration_pose_s: knowsPose && !isWalk ? pose : null,
+      calibration_pose_s: knowsPose && !isWalk && !isSingle ? pose : null,
       feet_apart_m: isWalk && apartCm !== null ? apartCm / 100 : null,
       hemisphere,
-      with_legs: withLegs && !isWalk,
+      with_legs: withLegs && !isWalk && !isSingle,
       accept_implausible: accepts,
     };
     const form = new FormData();
@@ -147,11 +165,30 @@ export function UploadPage() {
             <RadioCards
               legend={t('upload.format')}
               value={format}
-              onChange={chooseFormat}
+              onChange={setFormat}
               options={FORMATS.map((value) => ({ value, title: t(`upload.format.${value}`), text: t(`upload.format.${value}.text`) }))}
             />
           )}
-          {format === 'csv' && head && mapping && <CsvMappingForm head={head} placements={PLACEMENTS} value={mapping} onChange={setMapping} />}
+          {file && hasPipeline && (
+            <RadioCards
+              legend={t('upload.pipeline')}
+              value={pipeline}
+              onChange={choosePipeline}
+              options={PIPELINES.map((value) => ({ value, title: t(`upload.pipeline.${value}`), text: t(`upload.pipeline.${value}.text`) }))}
+            />
+          )}
+          {look.isPending && <p className="muted">{t('upload.looking')}</p>}
+          {look.error && <Problem error={look.error} />}
+          {format === 'csv' && look.data && mapping && (
+            <>
+              {look.data.missing.map((reason) => (
+                <p key={reason} className="alert-text">
+                  {reason}
+                </p>
+              ))}
+              <CsvMappingForm head={look.data} pipeline={pipeline} placements={PLACEMENTS} value={mapping} onChange={setMapping} />
+            </>
+          )}
         </section>
         <section className="card stack">
           <Select
@@ -184,11 +221,15 @@ export function UploadPage() {
                 onChange={setWantedEstimator}
                 description={estimators.data?.find((one) => one.name === orientation)?.description}
               />
-              <Switch label={t('upload.withLegs')} description={t('upload.withLegsHelp')} checked={withLegs} onChange={(event) => setWithLegs(event.currentTarget.checked)} />
-              <Switch label={t('upload.knowsPose')} description={t('upload.knowsPoseHelp')} checked={knowsPose} onChange={(event) => setKnowsPose(event.currentTarget.checked)} />
+              {!isSingle && (
+                <>
+                  <Switch label={t('upload.withLegs')} description={t('upload.withLegsHelp')} checked={withLegs} onChange={(event) => setWithLegs(event.currentTarget.checked)} />
+                  <Switch label={t('upload.knowsPose')} description={t('upload.knowsPoseHelp')} checked={knowsPose} onChange={(event) => setKnowsPose(event.currentTarget.checked)} />
+                </>
+              )}
             </>
           )}
-          {knowsPose && !isWalk && (
+          {knowsPose && !isWalk && !isSingle && (
             <Group>
               <NumberInput label={t('upload.poseFrom')} suffix=" s" min={0} w={140} value={pose[0]} onChange={(value) => setPose([Number(value) || 0, pose[1]])} />
               <NumberInput label={t('upload.poseUntil')} suffix=" s" min={0} w={140} value={pose[1]} onChange={(value) => setPose([pose[0], Number(value) || 0])} />

@@ -1,49 +1,45 @@
 import { describe, expect, it } from 'vitest';
-import { complete, deviceOf, guessSignals, guessTime, mappingProblems } from '../../src/lib/csv';
-import { readHead, splitLine } from '../../src/lib/tableHead';
+import type { CsvColumn, CsvMapping } from '../../src/api/types';
+import { BEGINNING_BYTES, beginningOf, complete, mappingProblems, placed } from '../../src/lib/csv';
 
-describe('reading the head of a table', () => {
-  it('finds the delimiter and keeps quoted fields whole', () => {
-    expect(readHead('time;a x;a y\r\n0;1;2\r\n')).toMatchObject({ delimiter: ';', columns: ['time', 'a x', 'a y'], rows: [['0', '1', '2']], skippedLines: 1 });
-    expect(splitLine('"a,b","say ""hi""",3', ',')).toEqual(['a,b', 'say "hi"', '3']);
+function signal(sensor: string, quantity: CsvColumn['quantity'], placement: CsvColumn['placement'] = null): CsvColumn {
+  return { sensor, quantity, placement, columns: ['x', 'y', 'z'], unit: quantity === 'gyroscope' ? 'rad/s' : 'm/s^2' };
+}
+
+function mapping(signals: CsvColumn[], more: Partial<CsvMapping> = {}): CsvMapping {
+  return { signals, time_column: 't', time_unit: 's', ...more };
+}
+
+const WHOLE = [signal('a', 'gyroscope'), signal('a', 'accelerometer')];
+
+describe('what keeps a mapping from being sent', () => {
+  it('is a placement on the body, which single sensors need not have', () => {
+    expect(mappingProblems(mapping(WHOLE), 'arm')).toEqual(['csv.needPlacement']);
+    expect(complete(mapping(WHOLE), 'arm')).toBeNull();
+    expect(complete(mapping(WHOLE), 'orientation')).toEqual(mapping(WHOLE));
   });
-  it('survives an empty file and a byte order mark', () => {
-    expect(readHead('').columns).toEqual([]);
-    expect(readHead('\uFEFFtime,x').columns[0]).toBe('time');
+  it('is a missing time, quantity, column, or one of them twice', () => {
+    expect(mappingProblems(mapping([], { time_column: null, rate_hz: 100 }), 'arm')).toEqual(['csv.needSignals']);
+    expect(mappingProblems(mapping(WHOLE.slice(0, 1), { time_column: null }), 'orientation')).toEqual(['csv.needTime', 'csv.needAccelerometer']);
+    expect(mappingProblems(mapping([...WHOLE, ...WHOLE]), 'orientation')).toEqual(['csv.twice']);
+    expect(mappingProblems(mapping([{ ...signal('a', 'gyroscope'), columns: ['x', '', 'z'] }, signal('a', 'accelerometer')]), 'orientation')).toEqual(['csv.needColumns']);
+  });
+  it('is not that two sensors have the same quantities', () => {
+    expect(mappingProblems(mapping([...WHOLE, signal('b', 'gyroscope'), signal('b', 'accelerometer')]), 'orientation')).toEqual([]);
   });
 });
 
-describe('guessing what the columns are', () => {
-  const columns = ['timestamp', 'right_forearm_gyr_x', 'right_forearm_gyr_y', 'right_forearm_gyr_z', 'forearm_right_acc_x', 'forearm_right_acc_y', 'forearm_right_acc_z', 'temp_x', 'lonely_acc_x'];
-  const found = guessSignals(columns, ['forearm_left', 'forearm_right', 'sternum']);
-  it('groups triples by name and reads placement and quantity from it', () => {
-    expect(found).toEqual([
-      { placement: 'forearm_right', quantity: 'gyroscope', unit: 'rad/s', columns: columns.slice(1, 4) },
-      { placement: 'forearm_right', quantity: 'accelerometer', unit: 'm/s^2', columns: columns.slice(4, 7) },
-    ]);
+describe('choosing a placement', () => {
+  it('holds for all signals of the sensor and no other', () => {
+    const two = mapping([...WHOLE, signal('b', 'gyroscope')]);
+    expect(placed(two, two.signals[0] as CsvColumn, 'head').signals.map((one) => one.placement)).toEqual(['head', 'head', null]);
   });
-  it('reads units from the names', () => {
-    expect(guessSignals(['gyr_x [deg/s]', 'gyr_y [deg/s]', 'gyr_z [deg/s]'], ['sternum'])[0]?.unit).toBe('deg/s');
-    expect(guessSignals(['Acc X (g)', 'Acc Y (g)', 'Acc Z (g)'], ['sternum'])[0]).toMatchObject({ quantity: 'accelerometer', unit: 'g' });
-  });
-  it('finds the time column', () => {
-    expect(guessTime({ columns, rows: [['0.5']] })).toBe('timestamp');
-    expect(guessTime({ columns, rows: [['NaN']] })).toBeNull();
-    expect(guessTime({ columns: ['acc_x'], rows: [['1']] })).toBeNull();
-  });
-  it('says what is missing before anything is sent', () => {
-    expect(mappingProblems({ signals: found, time_column: 'timestamp' })).toEqual([]);
-    expect(mappingProblems({ signals: [], rate_hz: 100 })).toEqual(['csv.needSignals']);
-    expect(mappingProblems({ signals: found.slice(0, 1), time_column: null })).toEqual(['csv.needTime', 'csv.needAccelerometer']);
-    expect(mappingProblems({ signals: [...found, ...found], rate_hz: 50 })).toContain('csv.twice');
-    const nowhere = { signals: found.map((one) => ({ ...one, placement: null })), rate_hz: 50 };
-    expect(mappingProblems(nowhere)).toEqual(['csv.needPlacement']);
-    expect(complete(nowhere)).toBeNull();
-  });
-  it('knows which columns are of one sensor', () => {
-    expect(deviceOf('left_sensor acc_x')).toBe(deviceOf('left_sensor gyr_x'));
-    expect(deviceOf('left_sensor acc_x')).not.toBe(deviceOf('right_sensor acc_x'));
-    expect(deviceOf('Static/Angular Velocity/X rad/s')).toBe(deviceOf('Static/Magnetic Field/X uT'));
-    expect(deviceOf('acc_x (2)')).not.toBe(deviceOf('acc_x'));
+});
+
+describe('the beginning of a file', () => {
+  it('is sent in base64, and no more of it than is looked at', async () => {
+    expect(await beginningOf(new Blob(['t,x\n']))).toBe(btoa('t,x\n'));
+    const sent = await beginningOf(new Blob([new Uint8Array(BEGINNING_BYTES + 10).fill(255)]));
+    expect(atob(sent)).toHaveLength(BEGINNING_BYTES);
   });
 });

@@ -1,7 +1,7 @@
 import { screen, within } from '@testing-library/react';
 import userEvent from '@testing-library/user-event';
 import { afterEach, describe, expect, it, vi } from 'vitest';
-import type { Job, UploadIn } from '../../src/api/types';
+import type { Job, TablePreview, UploadIn } from '../../src/api/types';
 import { UploadPage } from '../../src/pages/Upload';
 import { renderPage } from './render';
 
@@ -33,23 +33,78 @@ function takeUploads(answer: Job): UploadIn[] {
   return declared;
 }
 
+const PAGE = {
+  '/api/patients': [{ id: 'p', given_name: 'Amara', family_name: 'Okafor', may_treat: true }],
+  '/api/exercises': [],
+  '/api/estimators': [{ name: 'vqf', version: '1', title: 'VQF', description: '', parameters: [], is_offline: false }],
+};
+
 async function send(failed: Job) {
   const user = userEvent.setup();
   const declared = takeUploads(job({ status: 'queued' }));
   const view = renderPage(<UploadPage />, {
     at: '/?patient=p',
-    answers: {
-      '/api/patients': [{ id: 'p', given_name: 'Amara', family_name: 'Okafor', may_treat: true }],
-      '/api/exercises': [],
-      '/api/estimators': [{ name: 'vqf', version: '1', title: 'VQF', description: '', parameters: [], is_offline: false }],
-      '/api/jobs/j': failed,
-    },
+    answers: { ...PAGE, '/api/jobs/j': failed },
   });
   const input = view.container.querySelector('input[type="file"]') as HTMLInputElement;
   await user.upload(input, new File(['x'], 'walk.tmlog'));
   await user.click(screen.getByRole('button', { name: 'Upload' }));
   return { user, declared, alert: await screen.findByRole('alert') };
 }
+
+const columns = ['t', ...['gyr', 'acc'].flatMap((one) => ['x', 'y', 'z'].map((axis) => `${one}_${axis}`))];
+const preview = (change: Partial<TablePreview> = {}): TablePreview => ({
+  format: 'csv',
+  pipeline: 'orientation',
+  columns,
+  rows: [columns.map(() => '0')],
+  skipped_lines: 1,
+  mapping: {
+    time_column: 't',
+    time_unit: 's',
+    signals: [
+      { placement: null, sensor: 'imu', quantity: 'gyroscope', columns: columns.slice(1, 4), unit: 'deg/s' },
+      { placement: null, sensor: 'imu', quantity: 'accelerometer', columns: columns.slice(4), unit: 'g' },
+    ],
+  } as TablePreview['mapping'],
+  notes: ['The unit was assumed.'],
+  missing: [],
+  sentences: {},
+  ...change,
+});
+
+async function choose(found: TablePreview) {
+  const user = userEvent.setup();
+  const declared = takeUploads(job({ status: 'queued' }));
+  const view = renderPage(<UploadPage />, { at: '/?patient=p', answers: { ...PAGE, 'POST /api/uploads/preview': found, '/api/jobs/j': job({ status: 'running' }) } });
+  await user.upload(view.container.querySelector('input[type="file"]') as HTMLInputElement, new File(['t,gyr_x'], 'box.csv'));
+  return { user, declared };
+}
+
+describe('a table', () => {
+  it('is shown as the service guesses it before it is sent, and a single sensor needs no placement', async () => {
+    const { user, declared } = await choose(preview());
+    expect(await screen.findByText('The unit was assumed.')).toBeTruthy();
+    expect(screen.getByRole('radio', { name: /Single sensors/ })).toHaveProperty('checked', true);
+    expect(declared).toEqual([]);
+    await user.click(screen.getByRole('button', { name: 'Upload' }));
+    expect(declared[0]).toMatchObject({ format: 'csv', pipeline: 'orientation', file_name: 'box.csv', csv: preview().mapping });
+  });
+
+  it('cannot be sent for joints while nobody has said where its sensor is worn', async () => {
+    await choose(preview({ pipeline: 'arm', missing: ['These columns do not say where on the body the sensor is.'] }));
+    expect(await screen.findByText(/do not say where/)).toBeTruthy();
+    expect(screen.getByText('Choose where each sensor is worn.')).toBeTruthy();
+    expect(screen.getByRole('button', { name: 'Upload' })).toHaveProperty('disabled', true);
+  });
+
+  it('of a known kind needs no columns', async () => {
+    const { user, declared } = await choose(preview({ format: 'gaitmap', pipeline: 'gait', mapping: null }));
+    expect(await screen.findByRole('radio', { name: /gaitmap/ })).toHaveProperty('checked', true);
+    await user.click(screen.getByRole('button', { name: 'Upload' }));
+    expect(declared[0]).toMatchObject({ format: 'gaitmap', csv: null });
+  });
+});
 
 describe('upload', () => {
   it('offers to estimate implausible readings only after the service has said what is wrong', async () => {

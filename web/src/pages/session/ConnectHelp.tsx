@@ -8,6 +8,7 @@ import { CopyBox } from '../../components/CopyBox';
 import { Problem } from '../../components/Feedback';
 import { useSignedIn } from '../../components/useSignedIn';
 import { t } from '../../i18n';
+import { wornPlacements } from '../../lib/placements';
 import { placementList } from '../../lib/channels';
 import { simulatedMovement } from '../../lib/magneticSetup';
 
@@ -20,7 +21,7 @@ export function ConnectHelp({ session }: { session: SessionDetail }) {
   const account = `--server ${window.location.origin} --email ${me.email} --patient ${session.patient_id}`;
   const simulate =
     session.pipeline === 'relative_pose'
-      ? `telemotion simulate --relative ${simulatedMovement(session.placements)} --no-implants ${account}`
+      ? `telemotion simulate --relative ${simulatedMovement(wornPlacements(session))} --no-implants ${account}`
       : `telemotion simulate ${account}${session.exercise_id ? ` --exercise ${session.exercise_id}` : ''}`;
   return (
     <section className="card" aria-labelledby="connect">

@@ -11,6 +11,7 @@ import { Viewer3D } from '../../components/Viewer3D';
 import { useSignedIn } from '../../components/useSignedIn';
 import { Traces } from '../../charts/Traces';
 import { t } from '../../i18n';
+import { wornPlacements } from '../../lib/placements';
 import { preferredAngles } from '../../lib/channels';
 import { eventText } from '../../lib/events';
 import { number, position } from '../../lib/format';
@@ -141,7 +142,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
           {mayCalibrate && (
             <CalibrationPanel
               sessionId={session.id}
-              placements={session.placements}
+              placements={wornPlacements(session)}
               guide={snapshot.calibration}
               hint={message?.calibration_hint ?? ''}
               mayAct={mayRecord}
@@ -205,8 +206,8 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
           )}
           {isWalk && state !== 'created' && snapshot.columns && <LiveWalk player={player} scalars={session.layout.scalars} delayS={snapshot.columns.delayS} />}
           {isMagnetic && state !== 'created' && <LiveSource player={player} sensors={modules} source={session.layout.segments[0] ?? ''} />}
-          <HealthPanel health={snapshot.health} placements={session.placements} isOutOfReach={snapshot.connection === 'lost'} />
-          {state === 'ready' && !isSelfCalibrated && calibration && mayRecord && <InForce sessionId={session.id} calibration={calibration} placements={session.placements} onAgain={() => setAsked(true)} />}
+          <HealthPanel health={snapshot.health} placements={wornPlacements(session)} isOutOfReach={snapshot.connection === 'lost'} />
+          {state === 'ready' && !isSelfCalibrated && calibration && mayRecord && <InForce sessionId={session.id} calibration={calibration} placements={wornPlacements(session)} onAgain={() => setAsked(true)} />}
           <Happened events={snapshot.events.length ? snapshot.events : session.events} />
         </div>
       </div>

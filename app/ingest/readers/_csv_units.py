@@ -1,0 +1,138 @@
+"""Units guessed from the numbers where the names of the columns say none."""
+
+from typing import Final
+
+import numpy as np
+
+from app.ingest.readers._table_head import TableHead, split_line
+from app.ingest.readers._units import TO_SI, UNITS
+from estimators.conventions import GRAVITY_MPS2
+from estimators.recording import Float
+
+_GRAVITY: Final = (0.5 * GRAVITY_MPS2, 2.5 * GRAVITY_MPS2)
+"""Median size of specific force; of running feet twice gravity."""
+_ABOUT_GRAVITY: Final = (0.8 * GRAVITY_MPS2, 1.3 * GRAVITY_MPS2)
+_FIELD_T: Final = (10e-6, 150e-6)
+_FASTEST_RADPS: Final = 35.0
+"""2000 degrees a second: turns beyond it are written in degrees."""
+_RESTING_RADPS: Final = 0.06
+"""3.4 degrees a second: no gyroscope reads more than this at rest."""
+_STILL_SHARE: Final = 0.02
+"""Of gravity: a sensor whose specific force moves by less is at rest."""
+_TURNED: Final = 0.3
+"""So far (rad) must gravity have turned in the sensor before its turning is compared with the gyroscope."""
+_AGREES: Final = (0.4, 2.5)
+_ALIKE: Final = 0.6
+"""Least correlation of the two turnings."""
+_SMOOTHED_S: Final = 0.15
+_ROWS: Final = 4000
+
+
+class Body:
+    """The first rows of a table, split once.
+
+    Parameters
+    ----------
+    head : TableHead
+    """
+
+    def __init__(self, head: TableHead) -> None:
+        # The last line may be cut.
+        lines = head.body[:-1] if len(head.body) > 1 else head.body
+        self._rows = [split_line(line, head.delimiter) for line in lines[:_ROWS]]
+        self._places = {name: place for place, name in enumerate(head.columns)}
+
+    @property
+    def has_rows(self) -> bool:
+        """Whether there is any row of numbers."""
+        return any(np.isfinite(_float(field)) for row in self._rows for field in row)
+
+    def numbers(self, *columns: str) -> Float:
+        """Return some columns as numbers, shape (N, C); NaN where there is none."""
+        places = [self._places[name] for name in columns]
+        table = [[_float(row[at]) if at < len(row) else np.nan for at in places] for row in self._rows]
+        return np.array(table, dtype=np.float64).reshape(-1, len(places))
+
+
+def _float(field: str) -> float:
+    try:
+        return float(field.replace(",", ".") if field.count(",") == 1 else field)
+    except ValueError:
+        return np.nan
+
+
+def accelerometer_unit(values: Float) -> str:
+    """Return the unit in which gravity is gravity; empty when there is none.
+
+    Parameters
+    ----------
+    values : ndarray, shape (N, 3)
+    """
+    unit = _fitting(values, _GRAVITY, ("m/s^2", "g", "mg"))
+    # Counts of a converter have any size: thousandths of gravity only where they are about a thousand.
+    return unit if unit != "mg" else _fitting(values, _ABOUT_GRAVITY, ("mg",))
+
+
+def magnetometer_unit(values: Float) -> str:
+    """Return the unit in which the field is the earth's; empty when there is none."""
+    return _fitting(values, _FIELD_T, ("uT", "G", "mG", "T", "mT"))
+
+
+def gyroscope_unit(gyroscope: Float, force: Float, step_s: float | None) -> str:
+    """Return the unit in which the gyroscope turns as far as gravity does; empty when nothing tells.
+
+    Parameters
+    ----------
+    gyroscope, force : ndarray, shape (N, 3)
+        As written; the force in any unit.
+    step_s : float or None
+        Between two rows.
+    """
+    rows = np.isfinite(gyroscope).all(axis=1) & np.isfinite(force).all(axis=1)
+    gyroscope, force = gyroscope[rows], force[rows]
+    size = np.linalg.norm(force, axis=1)
+    if len(gyroscope) < 10 or not (size > 0.0).all():
+        return ""
+    turning = np.linalg.norm(gyroscope, axis=1)
+    if float(np.percentile(turning, 99.0)) > _FASTEST_RADPS:
+        return (
+            "deg/s" if float(np.percentile(turning, 99.0)) * TO_SI["deg/s"] < 2.0 * _FASTEST_RADPS else "mdps"
+        )
+    if step_s and (found := _by_turning(gyroscope, force / size[:, None], size, step_s)):
+        return found
+    is_still = float(np.std(force, axis=0).max()) < _STILL_SHARE * float(np.median(size))
+    return "deg/s" if is_still and float(np.median(turning)) > _RESTING_RADPS else ""
+
+
+def _by_turning(gyroscope: Float, down: Float, size: Float, step_s: float) -> str:
+    """Compare how gravity turns in the sensor with what the gyroscope says: d/dt down = -rate x down."""
+    width = max(1, round(_SMOOTHED_S / step_s))
+    if len(down) < 4 * width:
+        return ""
+    kernel = np.ones(width) / width
+    smooth = [
+        np.stack([np.convolve(values[:, i], kernel, mode="valid") for i in range(3)], axis=1)
+        for values in (gyroscope, down)
+    ]
+    quiet = np.abs(np.convolve(size, kernel, mode="valid") / np.median(size) - 1.0) < 0.15
+    seen = np.gradient(smooth[1], step_s, axis=0)[quiet]
+    said = -np.cross(smooth[0], smooth[1])[quiet]
+    if float(np.linalg.norm(seen, axis=1).sum() * step_s) < _TURNED:
+        return ""
+    both, squares, seen_squares = (
+        float((a * b).sum()) for a, b in ((seen, said), (said, said), (seen, seen))
+    )
+    if both < _ALIKE * np.sqrt(squares * seen_squares) or not squares:
+        # Shaken, not turned.
+        return ""
+    scale = both / squares
+    return next((u for u in UNITS["gyroscope"] if _AGREES[0] < scale / TO_SI[u] < _AGREES[1]), "")
+
+
+def _fitting(values: Float, bounds: tuple[float, float], order: tuple[str, ...]) -> str:
+    sizes = np.linalg.norm(values[np.isfinite(values).all(axis=1)], axis=1)
+    median = float(np.median(sizes)) if sizes.size else 0.0
+    return next((unit for unit in order if bounds[0] <= median * TO_SI[unit] <= bounds[1]), "")
+
+
+__all__ = ["Body", "accelerometer_unit", "gyroscope_unit", "magnetometer_unit"]

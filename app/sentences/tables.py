@@ -1,0 +1,57 @@
+"""English sentences of tables: what is no table, what of its time was mended, what is guessed of its columns."""
+
+from typing import Final
+
+ENGLISH: Final[dict[str, str | dict[str, str]]] = {
+    "table.not_text": "The file is not text: it holds bytes that no table has. Save it as CSV and try again.",
+    "table.empty": "The file holds nothing that could be a table.",
+    "table.commas_twice": "The numbers have decimal commas and commas stand between them too: which is which cannot be"
+    " found out. Save the table with semicolons or tabs between its columns.",
+    "table.too_many_columns": "The table has {columns:number} columns; at most {most:number} are read.",
+    "table.rows_left_out": {
+        "one": "A row has another number of columns than the header and is left out.",
+        "other": "{count:number} rows have another number of columns than the header and are left out.",
+    },
+    "time.missing": {
+        "one": "A row has no time and is left out.",
+        "other": "{count:number} rows have no time and are left out.",
+    },
+    "time.repeated": {
+        "one": "A row has the time of the row before; it is set apart from it.",
+        "other": "{count:number} rows have the time of the row before; they are set apart from it.",
+    },
+    "time.row_twice": {
+        "one": "A row was written twice; the second one is left out.",
+        "other": "{count:number} rows were written twice; the second ones are left out.",
+    },
+    "time.out_of_order": {
+        "one": "The time of a row lies behind that of a row before; it is left out.",
+        "other": "The time of {count:number} rows lies behind that of a row before; they are left out.",
+    },
+    "time.set_back": {
+        "one": "The time was set back once in the recording; a pause of {pause_s:s} is assumed there.",
+        "other": "The time was set back {count:number} times in the recording; a pause of {pause_s:s} is assumed at"
+        " each.",
+    },
+    "time.does_not_advance": "The time column does not advance; choose another one, or give the rate instead.",
+    "time.hopeless": "{count:number} of {rows:number} rows have no usable time; choose another time column, or give the"
+    " rate instead.",
+    "guess.no_names": "The table has no line with the names of its columns; add one, or say in a mapping which"
+    " column is what.",
+    "guess.no_signal": "No three columns are named as x, y and z of an angular rate or an acceleration.",
+    "guess.not_whole": "No sensor has both an angular rate and an acceleration; both are needed.",
+    "guess.orientation_only": "The table holds orientations ({columns:and}), not what the sensors measured; export"
+    " angular rate and acceleration too.",
+    "guess.no_gravity": "The columns {columns:and} hold acceleration without gravity; export what the accelerometer"
+    " measured.",
+    "guess.left_out": "Not used: {columns:and}.",
+    "guess.no_time": "No column is a time and no line above the table says a rate; give the rate.",
+    "guess.no_place": "These columns do not say where on the body the sensor is: {columns:and}.",
+    "guess.foot_side": "The table does not say which foot it is of; the right one is assumed.",
+    "guess.unit_from_numbers": "The columns {columns:and} say no unit; their numbers are {unit}.",
+    "guess.no_unit": "The columns {columns:and} say no unit, and with a size of {size:number~3} their numbers are"
+    " neither m/s² nor g nor mg; convert them first.",
+    "guess.unit_assumed": "The columns {columns:and} say no unit and their numbers none either; {unit} is assumed.",
+}
+
+__all__ = ["ENGLISH"]

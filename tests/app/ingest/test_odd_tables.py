@@ -1,0 +1,134 @@
+"""Odd tables are read right in one command and without editing, or refused for the true reason."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from typer.testing import CliRunner
+
+from app.cli import cli
+from app.errors import InvalidInput, RecordingFormatError
+from app.ingest import readers
+from app.recordings.schemas import CsvMapping
+from tests.app.ingest.odd_tables import FIELD_UT, FORCE, GYROSCOPE, TIME_S, odd_tables, refused_tables
+from tests.said import codes
+
+ODD, REFUSED = odd_tables(), refused_tables()
+
+
+def read(folder: Path, name: str):
+    odd = ODD[name]
+    path = folder / odd.name
+    path.write_bytes(odd.content)
+    options = dict(zip(odd.options[::2], odd.options[1::2], strict=True))
+    rate = options.get("--rate")
+    found = readers.preview_text(
+        odd.name, odd.content[: readers.HEAD_BYTES], options.get("--pipeline"), rate and float(rate)
+    )
+    assert found.guess.missing == ()
+    return found, readers.read(path, "csv", CsvMapping.model_validate(found.guess.mapping))
+
+
+@pytest.mark.parametrize("name", ODD)
+def test_an_odd_table_is_read_as_it_was_measured(tmp_path, name):
+    odd = ODD[name]
+    found, recording = read(tmp_path, name)
+    assert found.pipeline == odd.pipeline
+    assert set(recording.sensors) == set(odd.sensors)
+    assert odd.notes <= set(codes(recording.notes))
+    assert recording.nominal_rate_hz == 100.0
+    for sensor, rows in odd.sensors.items():
+        signals = recording.sensors[sensor]
+        wanted = (GYROSCOPE[rows], FORCE[rows])
+        # What has no number stays a row without one; the estimators bridge it.
+        finite = np.isfinite(signals.gyroscope_radps).all(axis=1)
+        for values, expected in zip(
+            (signals.gyroscope_radps, signals.accelerometer_mps2), wanted, strict=True
+        ):
+            np.testing.assert_allclose(values[finite], expected, rtol=2e-6, atol=2e-6)
+        if odd.has_field:
+            np.testing.assert_allclose(signals.magnetometer_t[finite], 1e-6 * FIELD_UT[rows], rtol=2e-6)
+        else:
+            assert signals.magnetometer_t is None
+        index = rows if isinstance(rows, np.ndarray) else np.arange(len(TIME_S))[: len(wanted[0])]
+        time_s = TIME_S[index] if odd.time_s is None else odd.time_s
+        np.testing.assert_allclose(signals.time_s[finite], time_s - time_s[0], atol=2e-6)
+
+
+@pytest.mark.parametrize("name", ODD)
+def test_the_command_line_reads_it_in_one_command(tmp_path, monkeypatch, name):
+    odd = ODD[name]
+    (tmp_path / odd.name).write_bytes(odd.content)
+    asked = []
+    monkeypatch.setattr(readers, "read", lambda *words: asked.append(words) or _stop())
+    done = CliRunner().invoke(
+        cli, ["process", str(tmp_path / odd.name), "--guess", "--out", str(tmp_path / "out"), *odd.options]
+    )
+    assert isinstance(done.exception, _Stopped), done.output
+    ((_, format, mapping),) = asked
+    assert format == "csv"
+    assert {one.placement or one.sensor for one in mapping.signals} == set(odd.sensors)
+    assert CsvMapping.model_validate_json((tmp_path / "out" / "mapping.json").read_text()) == mapping
+
+
+class _Stopped(Exception):
+    pass
+
+
+def _stop() -> None:
+    raise _Stopped
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_cannot_be_read_is_refused_for_its_reason(tmp_path, name):
+    content, code = REFUSED[name]
+    path = tmp_path / "table.csv"
+    path.write_bytes(content)
+    assert code in codes(reason(path, content))
+
+
+def reason(path, content):
+    """What is said against a file: that something is missing, or a refusal."""
+    try:
+        found = readers.preview_text(path.name, content[: readers.HEAD_BYTES])
+        if found.guess.missing:
+            return found.guess.missing[0]
+        readers.read(path, "csv", CsvMapping.model_validate(found.guess.mapping))
+    except RecordingFormatError as error:
+        return error.message
+    return ""
+
+
+def test_the_mapping_is_written_to_be_edited(tmp_path):
+    odd = ODD["letters"]
+    (tmp_path / "table.csv").write_bytes(odd.content)
+    done = CliRunner().invoke(
+        cli, ["mapping", str(tmp_path / "table.csv"), "--out", str(tmp_path / "m.json")]
+    )
+    assert done.exit_code == 0, done.output
+    mapping = json.loads((tmp_path / "m.json").read_text())
+    assert [signal["quantity"] for signal in mapping["signals"]] == [
+        "accelerometer",
+        "gyroscope",
+        "magnetometer",
+    ]
+    shown = CliRunner().invoke(cli, ["mapping", str(tmp_path / "table.csv")])
+    assert json.loads(shown.stdout) == mapping
+    refused = CliRunner().invoke(cli, ["mapping", str(tmp_path / "m.json")])
+    assert isinstance(refused.exception, InvalidInput)
+
+
+@given(st.binary(max_size=3000), st.sampled_from(sorted(ODD)), st.integers(0, 5000))
+@settings(max_examples=200, deadline=None)
+def test_no_bytes_break_the_preview(noise, name, at):
+    content = ODD[name].content[:20_000]
+    damaged = content[:at] + noise + content[at + len(noise) :]
+    try:
+        found = readers.preview_text("table.csv", damaged)
+    except RecordingFormatError:
+        return
+    if found.guess is not None:
+        CsvMapping.model_validate(found.guess.mapping)
