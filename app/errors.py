@@ -17,6 +17,7 @@
     ├── InvalidInput               422  with the field and what to do
     │   ├── PacketError            the wire format; see app.ingest.packet
     │   ├── RecordingFormatError   an uploaded file that cannot be read as declared
+    │   │   └── ImplausibleReadings  it can be read, but its values cannot be right; may be accepted as they are
     │   └── CalibrationFailed      with the reason and what to redo
     ├── TooLarge                   413
     │   └── QuotaReached           a clinic has stored as much as it may
@@ -136,6 +137,12 @@ class RecordingFormatError(InvalidInput):
     """An uploaded file that cannot be read as what it was declared to be."""
 
     code = "recording_format"
+
+
+class ImplausibleReadings(RecordingFormatError):
+    """Values that cannot be right in the unit declared; who knows why may accept them (`--force`)."""
+
+    code = "implausible_readings"
 
 
 class CalibrationFailed(InvalidInput):

@@ -48,6 +48,16 @@ def multiply(p: ArrayLike, q: ArrayLike) -> Float:
     )
 
 
+def running_product(q: ArrayLike) -> Float:
+    """Return for each quaternion the product of those up to it along the last axis but one, shape (..., N, 4)."""
+    product = np.array(q, dtype=np.float64)
+    reach = 1
+    while reach < product.shape[-2]:
+        product[..., reach:, :] = multiply(product[..., :-reach, :], product[..., reach:, :])
+        reach *= 2
+    return product
+
+
 def conjugate(q: ArrayLike) -> Float:
     """Return the inverse rotation of unit quaternions, shape (..., 4)."""
     return np.multiply(np.asarray(q, dtype=np.float64), [1.0, -1.0, -1.0, -1.0])

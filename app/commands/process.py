@@ -83,7 +83,10 @@ def process(
         format, pipeline = found.format, pipeline or found.pipeline
     elif format == "auto":
         format = "csv" if columns is not None else readers.guess(recording)
-    measured = readers.read(recording, format, columns)
+    with readers.accepting(force) as doubts:
+        measured = readers.read(recording, format, columns)
+    for doubt in doubts:
+        typer.echo(f"warning: {doubt}", err=True)
     for line in measured.notes:
         typer.echo(f"note: {line}", err=True)
     pipeline = pipeline or readers.pipeline_for(list(measured.placements))

@@ -10,7 +10,7 @@ from sqlalchemy import delete
 
 from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
-from app.errors import RecordingFormatError
+from app.errors import ImplausibleReadings, RecordingFormatError
 from app.ingest import readers
 from app.ingest.declaration import Declaration
 from app.ingest.upload import estimated, pipeline_of, upload_folder
@@ -52,7 +52,13 @@ def upload(context: JobContext) -> str:
     try:
         if not path.exists():
             raise RecordingFormatError(say("upload.gone"))
-        notes = _store(context, declaration, path)
+        try:
+            with readers.accepting(declaration.accept_implausible) as doubts:
+                notes = _store(context, declaration, path)
+        except ImplausibleReadings as error:
+            context.remember(implausible=[str(error.details.get("quantity"))])
+            raise
+        notes += [*doubts]
         notes += _check(context, declaration)
         analysis = _analyse(context, declaration)
     except RecordingFormatError:

@@ -164,18 +164,20 @@ def calm_size(force: Float, time_step_s: float) -> float:
     Returns
     -------
     float
-        Median over the calmest tenth of pieces of 0.2 s; NaN when no piece is whole. In a run the median over all
-        samples is twice gravity, but every foot stands between its swings.
+        Median over the calmest tenth of pieces of 0.2 s, or over all samples when no piece is whole; NaN without any.
+        In a run the median over all samples is twice gravity, but every foot stands between its swings.
     """
+    sizes = np.linalg.norm(force, axis=1)
     width = max(2, round(_CALM_S / time_step_s))
     parts = len(force) // width
     pieces = force[: parts * width].reshape(parts, width, 3)
-    pieces = pieces[np.isfinite(pieces).all(axis=(1, 2))]
-    if not len(pieces):
-        return float("nan")
+    whole = np.isfinite(pieces).all(axis=(1, 2))
+    if not whole.any():
+        sizes = sizes[np.isfinite(sizes)]
+        return float(np.median(sizes)) if len(sizes) else float("nan")
     spread = np.linalg.norm(pieces.std(axis=1), axis=1)
-    calm = pieces[spread <= np.quantile(spread, _CALM_SHARE)]
-    return float(np.median(np.linalg.norm(calm.mean(axis=1), axis=1)))
+    calm = whole & (spread <= np.quantile(spread[whole], _CALM_SHARE))
+    return float(np.median(sizes[: parts * width].reshape(parts, width)[calm]))
 
 
 def slowed(values: Float, time_step_s: float) -> tuple[Float, float]:
@@ -289,7 +291,9 @@ def _over_readings(rate: Float, step_s: float, left: Callable[[Float, Float], Fl
     sound = np.nan_to_num(rate)
     for number, scale in enumerate(SCALES):
         for sign, where in ((1.0, IS_PROPER), (-1.0, ~IS_PROPER)):
-            attitude = rotation.to_matrix(running_product(rotation.exp(sign * scale * step_s * sound)))
+            attitude = rotation.to_matrix(
+                rotation.running_product(rotation.exp(sign * scale * step_s * sound))
+            )
             found[number, where] = left(attitude, sign * SIGNED_PERMUTATIONS[where])
     return found
 
@@ -302,16 +306,6 @@ def _smoothed(values: Float, reach: int) -> Float:
     return np.asarray((total[:, stop] - total[:, first]) / (stop - first))
 
 
-def running_product(increments: Float) -> Float:
-    """Return the product of the increments up to each along the second axis, by doubling stretches."""
-    product_ = increments.copy()
-    reach = 1
-    while reach < product_.shape[1]:
-        product_[:, reach:] = rotation.multiply(product_[:, :-reach], product_[:, reach:])
-        reach *= 2
-    return product_
-
-
 __all__ = [
     "HOP",
     "IS_PROPER",
@@ -322,7 +316,6 @@ __all__ = [
     "calm_size",
     "gather",
     "resting_rate",
-    "running_product",
     "slowed",
     "turning",
 ]

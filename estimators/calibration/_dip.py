@@ -9,7 +9,6 @@ from estimators.calibration._contradiction import (
     WINDOW_S,
     calm_size,
     resting_rate,
-    running_product,
     slowed,
     turning,
 )
@@ -48,7 +47,9 @@ class Dip:
             span = slice(int(start), int(start) + length)
             if not np.isfinite(force[span]).all():
                 continue
-            attitude = rotation.to_matrix(running_product(rotation.exp(step_s * rate[None, span])))[0]
+            attitude = rotation.to_matrix(rotation.running_product(rotation.exp(step_s * rate[None, span])))[
+                0
+            ]
             middle = attitude.mean(axis=0)
             turned = np.einsum("nij,nj->i", attitude, field[span]) / length
             self._normal += np.eye(3) - middle.T @ middle

@@ -22,6 +22,7 @@ from app.ingest.readers._preview import FORMATS, TEXT, WALKS, Preview, pipeline_
 from app.ingest.readers._pyshoe import read_pyshoe
 from app.ingest.readers._qmt import PLACEMENT_OF, read_qmt
 from app.ingest.readers._text import HEAD_BYTES, start_of
+from app.ingest.readers._units import accepting
 from app.recordings.schemas import CsvMapping
 from app.sentences import say
 from estimators.recording import Recording
@@ -111,6 +112,7 @@ __all__ = [
     "PipelineName",
     "Preview",
     "RecordingPackets",
+    "accepting",
     "guess",
     "packets_of",
     "pipeline_for",

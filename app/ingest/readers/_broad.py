@@ -48,7 +48,7 @@ def read_broad(path: Path) -> Recording:
     if not 1.0 <= rate_hz <= 10_000.0:
         raise RecordingFormatError(say("file.rate_impossible", rate_hz=rate_hz))
     check_gyroscope(gyroscope, "rad/s", "imu")
-    check_accelerometer(accelerometer, "m/s^2", "imu")
+    check_accelerometer(accelerometer, 1.0 / rate_hz, "m/s^2", "imu")
     check_magnetometer(field_t, "T", "imu")
     return Recording(
         {"imu": SensorSignals(np.arange(samples) / rate_hz, gyroscope, accelerometer, field_t)},

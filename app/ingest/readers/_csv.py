@@ -146,7 +146,7 @@ def _naming(columns: Sequence[str]) -> Iterator[None]:
     try:
         yield
     except RecordingFormatError as error:
-        raise RecordingFormatError(
+        raise type(error)(
             say("table.in_columns", columns=list(columns), reason=error.message),
             **{**error.details, "columns": list(columns)},
         ) from error
@@ -167,7 +167,8 @@ def _sensor(
     with _naming(quantities["gyroscope"].columns):
         check_gyroscope(gyroscope, quantities["gyroscope"].unit, placement)
     with _naming(quantities["accelerometer"].columns):
-        check_accelerometer(accelerometer, quantities["accelerometer"].unit, placement)
+        step_s = float(np.median(np.diff(time_s)))
+        check_accelerometer(accelerometer, step_s, quantities["accelerometer"].unit, placement)
     if field is not None:
         with _naming(quantities["magnetometer"].columns):
             check_magnetometer(field, quantities["magnetometer"].unit, placement)

@@ -9,7 +9,7 @@ from app.errors import RecordingFormatError
 from app.ingest.readers._csv import read_columns
 from app.ingest.readers._time import nominal_rate
 from app.ingest.readers._time_mended import mended
-from app.ingest.readers._units import TO_SI, check_foot_accelerometer, check_foot_gyroscope, check_gyroscope
+from app.ingest.readers._units import TO_SI, check_accelerometer, check_foot_gyroscope, check_gyroscope
 from app.sentences import say
 from estimators.recording import Recording, SensorSignals
 
@@ -42,7 +42,7 @@ def read_gait_tracking(path: Path) -> Recording:
     for row in np.flatnonzero(~np.isfinite(gyroscope).all(axis=1) | ~np.isfinite(accelerometer).all(axis=1)):
         raise RecordingFormatError(say("file.row_incomplete", row=int(row + 2)), row=int(row + 2))
     check_gyroscope(gyroscope, "deg/s", "foot")
-    check_foot_accelerometer(accelerometer, gyroscope, "g", "foot")
+    check_accelerometer(accelerometer, 1.0 / nominal_rate(time_s), "g", "foot")
     check_foot_gyroscope(gyroscope, accelerometer, "deg/s", "foot")
     return Recording(
         {"foot_right": SensorSignals(time_s, gyroscope, accelerometer)},

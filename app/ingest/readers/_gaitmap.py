@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from app.errors import RecordingFormatError
 from app.ingest.readers._csv import MAX_VALUES
-from app.ingest.readers._units import TO_SI, check_foot_accelerometer, check_foot_gyroscope, check_gyroscope
+from app.ingest.readers._units import TO_SI, check_accelerometer, check_foot_gyroscope, check_gyroscope
 from app.sentences import say
 from estimators.conventions import SIDES
 from estimators.recording import Float, Recording, SensorSignals
@@ -71,7 +71,7 @@ def read_gaitmap(path: Path, name: str = "") -> Recording:
             raise RecordingFormatError(say("file.sensor_not_finite", where=where), sensor=where)
         gyroscope, accelerometer = values[:, 3:] * TO_SI["deg/s"], values[:, :3].copy()
         check_gyroscope(gyroscope, "deg/s", where)
-        check_foot_accelerometer(accelerometer, gyroscope, "m/s^2", where)
+        check_accelerometer(accelerometer, 1.0 / rate_hz, "m/s^2", where)
         check_foot_gyroscope(gyroscope, accelerometer, "deg/s", where)
         signals[where] = SensorSignals(time_s, gyroscope, accelerometer)
     return Recording(

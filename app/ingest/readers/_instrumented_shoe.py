@@ -14,7 +14,7 @@ import numpy as np
 from app.errors import RecordingFormatError
 from app.ingest.readers._csv import MAX_VALUES
 from app.ingest.readers._time import nominal_rate
-from app.ingest.readers._units import check_foot_accelerometer, check_foot_gyroscope, check_gyroscope
+from app.ingest.readers._units import check_accelerometer, check_foot_gyroscope, check_gyroscope
 from app.sentences import say
 from estimators.conventions import GRAVITY_MPS2, SIDES
 from estimators.recording import Float, Recording, SensorSignals
@@ -62,7 +62,7 @@ def read_instrumented_shoe(path: Path) -> Recording:
             found = {q: np.ascontiguousarray(rows[:, [at[n] for n in group]]) for q, group in wanted.items()}
             name = f"{part}_{side}"
             check_gyroscope(found["gyroscope"], "rad/s", name)
-            check_foot_accelerometer(found["accelerometer"], found["gyroscope"], "m/s^2", name)
+            check_accelerometer(found["accelerometer"], 1.0 / nominal_rate(time_s), "m/s^2", name)
             check_foot_gyroscope(found["gyroscope"], found["accelerometer"], "rad/s", name)
             sensors[name] = SensorSignals(
                 time_s,

@@ -12,7 +12,7 @@ import numpy as np
 from app.errors import RecordingFormatError
 from app.ingest.readers._mat import load_mat
 from app.ingest.readers._time import nominal_rate, seconds_of
-from app.ingest.readers._units import check_foot_accelerometer, check_foot_gyroscope, check_gyroscope
+from app.ingest.readers._units import check_accelerometer, check_foot_gyroscope, check_gyroscope
 from app.sentences import say
 from estimators.recording import Float, Recording, SensorSignals
 
@@ -48,7 +48,7 @@ def read_pyshoe(path: Path) -> Recording:
         raise RecordingFormatError(say("file.samples_and_times", samples=len(samples), times=len(time_s)))
     accelerometer, gyroscope = samples[:, :3].copy(), samples[:, 3:].copy()
     check_gyroscope(gyroscope, "rad/s", "imu_data")
-    check_foot_accelerometer(accelerometer, gyroscope, "m/s^2", "imu_data")
+    check_accelerometer(accelerometer, 1.0 / nominal_rate(time_s), "m/s^2", "imu_data")
     check_foot_gyroscope(gyroscope, accelerometer, "rad/s", "imu_data")
     reference = {}
     if "gt" in content:

@@ -59,7 +59,7 @@ def read_qmt(path: Path) -> Recording:
         gyroscope = _signal(content[name], name, "gyr", time_s.size)
         accelerometer = _signal(content[name], name, "acc", time_s.size)
         check_gyroscope(gyroscope, "rad/s", name)
-        check_accelerometer(accelerometer, "m/s^2", name)
+        check_accelerometer(accelerometer, 1.0 / nominal_rate(time_s), "m/s^2", name)
         if name in WORN_BEHIND:
             gyroscope, accelerometer = gyroscope * _HALF_TURN_ABOUT_X, accelerometer * _HALF_TURN_ABOUT_X
         sensors[PLACEMENT_OF[name]] = SensorSignals(time_s, gyroscope, accelerometer)

@@ -1,11 +1,16 @@
 """Are the units what they were declared to be? Gravity and the earth's field are in every recording."""
 
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import Final
 
 import numpy as np
 
-from app.errors import RecordingFormatError
+from app.errors import ImplausibleReadings, RecordingFormatError
 from app.sentences import Sentence, say
+from estimators.calibration import calm_size
 from estimators.conventions import GRAVITY_MPS2
 from estimators.recording import Float
 
@@ -29,9 +34,9 @@ UNITS: Final[dict[str, tuple[str, ...]]] = {
 }
 
 GRAVITY_RANGE_MPS2: Final = (7.5, 13.0)
-"""Median size of specific force over any recording of a person."""
-_CALM_PERCENT: Final = 10.0
-"""Of a foot's samples, those that turn least: every step has more of them."""
+"""Median size of specific force over most recordings of a person."""
+CALM_RANGE_MPS2: Final = (4.0, 24.0)
+"""Its size where it is calm, in every one, quick walks and runs of a foot too; units differ by ten times."""
 _STEPS_PERCENT, _LEAST_STEP_RADPS, _LEAST_STEP_MPS2 = 99.5, 1.0, 5.0
 """Of a foot's samples the quickest: a step turns it faster and shakes it harder than this."""
 FIELD_RANGE_T: Final = (10e-6, 150e-6)
@@ -40,34 +45,55 @@ FASTEST_TURN_RADPS: Final = 70.0
 """4000 degrees a second: the widest gyroscopes clip there."""
 
 
-def check_accelerometer(values: Float, unit: str, where: str) -> None:
-    """Refuse a sensor whose median specific force is not about gravity, and guess the unit meant.
+_ACCEPTED: Final[ContextVar[list[Sentence] | None]] = ContextVar("accepted", default=None)
+
+
+@contextmanager
+def accepting(is_accepted: bool) -> Iterator[list[Sentence]]:
+    """Read values that cannot be right as they are; yields what is said of them, to be shown as warnings.
+
+    Parameters
+    ----------
+    is_accepted : bool
+        Otherwise they are refused, as without this.
+    """
+    said: list[Sentence] = []
+    token = _ACCEPTED.set(said if is_accepted else None)
+    try:
+        yield said
+    finally:
+        _ACCEPTED.reset(token)
+
+
+def _refuse(message: Sentence, where: str, quantity: str) -> None:
+    """Refuse readings that cannot be right, unless they are accepted."""
+    said = _ACCEPTED.get()
+    if said is None:
+        raise ImplausibleReadings(message, sensor=where, quantity=quantity)
+    said.append(message)
+
+
+def check_accelerometer(values: Float, time_step_s: float, unit: str, where: str) -> None:
+    """Refuse a sensor that does not show gravity where its specific force is calm, and guess the unit meant.
 
     Parameters
     ----------
     values : ndarray, shape (N, 3)
-        m/s^2 after conversion from `unit`.
+        m/s^2 after conversion from `unit`. Over a whole run the median of a foot is twice gravity; between its swings
+        it stands.
+    time_step_s : float
     unit : str
         As declared.
     where : str
         Which sensor, for the message.
     """
-    _check_norm(values, unit, where, "accelerometer", GRAVITY_RANGE_MPS2)
-
-
-def check_foot_accelerometer(accelerometer: Float, gyroscope: Float, unit: str, where: str) -> None:
-    """Refuse a walking foot's accelerometer that does not show gravity while the foot turns least.
-
-    Parameters
-    ----------
-    accelerometer, gyroscope : ndarray, shape (N, 3)
-        m/s^2 and rad/s. Over a whole fast walk the median specific force of a foot is twice gravity.
-    unit, where : str
-        As declared, and which sensor, for the message.
-    """
-    turning = np.linalg.norm(gyroscope, axis=1)
-    calm = turning <= np.percentile(turning, _CALM_PERCENT) if turning.size else np.zeros(0, dtype=bool)
-    check_accelerometer(accelerometer[calm], unit, where)
+    sizes = np.linalg.norm(values, axis=1)
+    sizes = sizes[np.isfinite(sizes)]
+    median = float(np.median(sizes)) if sizes.size else math.nan
+    if not GRAVITY_RANGE_MPS2[0] <= median <= GRAVITY_RANGE_MPS2[1]:
+        calm = calm_size(values, time_step_s)
+        if not CALM_RANGE_MPS2[0] <= calm <= CALM_RANGE_MPS2[1]:
+            _check_size(calm, unit, where, "accelerometer", GRAVITY_RANGE_MPS2)
 
 
 def check_foot_gyroscope(gyroscope: Float, accelerometer: Float, unit: str, where: str) -> None:
@@ -90,16 +116,16 @@ def check_foot_gyroscope(gyroscope: Float, accelerometer: Float, unit: str, wher
         return
     raw = fastest / TO_SI[unit]
     advice = _advice("rad/s" if unit == "deg/s" and raw >= _LEAST_STEP_RADPS else None)
-    raise RecordingFormatError(
-        say("signal.foot_gyroscope", where=where, raw=raw, unit=unit, advice=advice),
-        sensor=where,
-        quantity="gyroscope",
-    )
+    _refuse(say("signal.foot_gyroscope", where=where, raw=raw, unit=unit, advice=advice), where, "gyroscope")
 
 
 def check_magnetometer(values: Float, unit: str, where: str) -> None:
     """Refuse a sensor whose median field is not about that of the earth, and guess the unit meant."""
-    _check_norm(values, unit, where, "magnetometer", FIELD_RANGE_T)
+    sizes = np.linalg.norm(values, axis=1)
+    sizes = sizes[np.isfinite(sizes)]
+    _check_size(
+        float(np.median(sizes)) if sizes.size else math.nan, unit, where, "magnetometer", FIELD_RANGE_T
+    )
 
 
 def check_gyroscope(values: Float, unit: str, where: str) -> None:
@@ -107,40 +133,28 @@ def check_gyroscope(values: Float, unit: str, where: str) -> None:
     finite = np.abs(values[np.isfinite(values)])
     if finite.size and float(np.percentile(finite, 99.0)) > FASTEST_TURN_RADPS:
         fastest = float(finite.max()) / TO_SI[unit]
-        raise RecordingFormatError(
-            say(
-                "signal.gyroscope_fast",
-                where=where,
-                raw=fastest,
-                unit=unit,
-                advice=_advice("deg/s" if unit == "rad/s" else None),
-            ),
-            sensor=where,
-            quantity="gyroscope",
-        )
+        advice = _advice("deg/s" if unit == "rad/s" else None)
+        message = say("signal.gyroscope_fast", where=where, raw=fastest, unit=unit, advice=advice)
+        _refuse(message, where, "gyroscope")
 
 
-def _check_norm(values: Float, unit: str, where: str, quantity: str, expected: tuple[float, float]) -> None:
-    norms = np.linalg.norm(values, axis=1)
-    norms = norms[np.isfinite(norms)]
-    if not norms.size:
+def _check_size(size: float, unit: str, where: str, quantity: str, expected: tuple[float, float]) -> None:
+    if math.isnan(size):
         raise RecordingFormatError(
             say("signal.no_numbers", where=where, quantity=quantity), sensor=where, quantity=quantity
         )
     low, high = expected
-    median = float(np.median(norms))
-    if low <= median <= high:
+    if low <= size <= high:
         return
-    raw = median / TO_SI[unit]
+    raw = size / TO_SI[unit]
     fitting = [u for u in UNITS[quantity] if u != unit and low <= raw * TO_SI[u] <= high]
     advice = _advice(fitting[0] if fitting else None)
-    raise RecordingFormatError(
+    message = (
         say("signal.no_gravity", where=where, raw=raw, unit=unit, advice=advice)
         if quantity == "accelerometer"
-        else say("signal.no_earth_field", where=where, raw=raw, unit=unit, advice=advice),
-        sensor=where,
-        quantity=quantity,
+        else say("signal.no_earth_field", where=where, raw=raw, unit=unit, advice=advice)
     )
+    _refuse(message, where, quantity)
 
 
 def _advice(unit: str | None) -> Sentence:
@@ -151,8 +165,8 @@ def _advice(unit: str | None) -> Sentence:
 __all__ = [
     "TO_SI",
     "UNITS",
+    "accepting",
     "check_accelerometer",
-    "check_foot_accelerometer",
     "check_foot_gyroscope",
     "check_gyroscope",
     "check_magnetometer",

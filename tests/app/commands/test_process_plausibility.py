@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from app.cli import cli
-from app.errors import InvalidInput
+from app.errors import ImplausibleReadings, InvalidInput
 
 DATA = Path(__file__).parents[2] / "data" / "broad" / "fast_combined_15s.npz"
 
@@ -85,3 +85,15 @@ def test_wrong_units_and_axes_are_refused_in_words(files, tmp_path, words, told)
 def test_an_unknown_hemisphere_is_refused(files, tmp_path):
     refused = run(files, tmp_path / "out", mapping("rad/s"), "--hemisphere", "east")
     assert isinstance(refused.exception, InvalidInput)
+
+
+def test_force_reaches_what_the_reader_refuses(files, tmp_path):
+    """Metres per second squared declared as g: ten times gravity, which the reader itself refuses."""
+    source, words = files[0], mapping("rad/s").replace("m/s^2", "g")
+    refused = run(files, tmp_path / "out", words)
+    assert refused.exit_code != 0
+    assert isinstance(refused.exception, ImplausibleReadings)
+    accepted = run((source, files[1]), tmp_path / "out", words, "--force")
+    assert accepted.exit_code == 0, accepted.output
+    assert "warning" in accepted.output
+    assert (tmp_path / "out" / "frames.parquet").exists()

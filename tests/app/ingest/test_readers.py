@@ -16,13 +16,15 @@ import scipy.io
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.errors import InvalidInput, RecordingFormatError
+from app.errors import ImplausibleReadings, InvalidInput, RecordingFormatError
 from app.ingest import readers
-from app.ingest.readers import packets_of
+from app.ingest.readers import accepting, packets_of
+from app.ingest.readers._units import check_accelerometer
 from app.recordings.packet_log import log_entry, log_head, packet_message, write_log
 from app.recordings.schemas import CsvColumn, CsvMapping
 from estimators.recording import Recording, SensorSignals
 from estimators.signals import to_common_ticks
+from tests.said import codes
 
 BROAD = Path(__file__).parents[2] / "data" / "broad" / "fast_combined_15s.npz"
 SENSORS = ("sternum", "upper_arm_right")
@@ -409,3 +411,17 @@ def test_a_damaged_mat_file_never_breaks_out(tmp_path: Path, seed: int) -> None:
     words = [sys.executable, "-c", DAMAGE, str(whole), str(tmp_path / "b.mat"), str(seed)]
     done = subprocess.run(words, capture_output=True, text=True, timeout=120, cwd=Path(__file__).parents[3])
     assert done.returncode in (0, -signal.SIGSEGV), done.stderr
+
+
+def test_gravity_is_looked_for_where_a_foot_is_calm():
+    """A run: most of the time the force on the foot is twice gravity, but between its swings it stands."""
+    time_s = np.arange(2000) * 0.01
+    swinging = np.sin(2.0 * np.pi * time_s)[:, None] > -0.4
+    force = np.where(swinging, [0.0, 0.0, 20.0], [0.0, 0.0, 9.81])
+    force = force + np.where(swinging, 8.0, 0.05) * np.random.default_rng(1).normal(size=force.shape)
+    check_accelerometer(force, 0.01, "m/s^2", "foot_left")
+    with pytest.raises(ImplausibleReadings):
+        check_accelerometer(9.80665 * force, 0.01, "g", "foot_left")
+    with accepting(True) as said:
+        check_accelerometer(9.80665 * force, 0.01, "g", "foot_left")
+    assert codes(said) == ["signal.no_gravity", "file.looks_like_unit"]

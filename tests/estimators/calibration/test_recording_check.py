@@ -243,7 +243,7 @@ def test_a_magnet_on_the_sensor_reverses_nothing():
     assert not [f for f in check_recording(chunk, ["box"]) if f.severity == "refuse"]
     field = chunk.magnetometer_t - magnet_t
     reversed_ = replace(
-        chunk, accelerometer_mps2=-chunk.accelerometer_mps2, magnetometer_t=field + [0.0, 0.0, 1e-5]
+        chunk, accelerometer_mps2=-chunk.accelerometer_mps2, magnetometer_t=field + 0.2 * magnet_t
     )
     refused = [f.code for f in check_recording(reversed_, ["box"]) if f.severity == "refuse"]
     assert refused == ["gravity_reversed"]
