@@ -16,6 +16,7 @@ from estimators.orientation._telemotion_field import (
     open_iron,
     restless,
 )
+from estimators.orientation._telemotion_first_field import doubt, outlasted
 from estimators.orientation._telemotion_gaps import (
     after_gap,
     coast,
@@ -138,6 +139,10 @@ def end_block(
         elif restless(memory, counts, settings, time_s, rest):
             forget_field(memory, p, settings)
             meet_field(memory, counts, p, settings)
+        elif outlasted(memory, counts, time_s, rest):
+            forget_field(memory, p, settings)
+            meet_field(memory, counts, p, settings)
+            met = True
         elif iron_changed(memory, counts, settings, time_s):
             open_iron(p, error, rows, memory, index, value, counts, settings, odds)
         if found:
@@ -150,6 +155,7 @@ def end_block(
     blocks = (tick + 1) // int(settings[BLOCK_TICKS])
     if counts[FIELD_KNOWN] and (blocks % int(settings[HYPOTHESIS_BLOCKS]) == 0 or met):
         find_north(p, memory, counts, settings, odds, work)
+        memory[HEADING_VARIANCE] += doubt(memory)
     if counts[FIELD_KNOWN] == 0:
         memory[HEADING_VARIANCE] = p[2 * (STATES + 1)] + (_UNKNOWN if counts[FIELD_COUNT] > 0 else 0.0)
     cosine = memory[CORRECTION] ** 2 - memory[CORRECTION + 3] ** 2

@@ -77,7 +77,9 @@ START_SPEED2 = START_LEVER + 3
 # Whether force contradicts the tilt: its sum over the window in the start frame, and the time it holds.
 UP_SUM = START_SPEED2 + 1
 UP_S = UP_SUM + 3
-MEMORY = UP_S + 1
+# First field met in movement: for how long it has fitted; another one, and for how long that has.
+SUPPORT_S, OTHER, OTHER_S = UP_S + 1, UP_S + 2, UP_S + 5
+MEMORY = OTHER_S + 1
 
 # Counts of a sensor.
 TICK, PHASE, COUNT, FIELD_COUNT, GAP, PENDING, SINCE_START, CLIPPED, FIELD_KNOWN, OPENED, FILTERED = range(11)

@@ -34,6 +34,7 @@ from estimators.orientation._telemotion_layout import (
     IRON_WIDE,
     MOVING_TICKS,
     OFFSET,
+    OTHER_S,
     PENDING,
     PHASE,
     POSITION,
@@ -55,11 +56,11 @@ from estimators.orientation._telemotion_layout import (
     SUM_FIELD,
     SUM_FORCE,
     SUM_RATE2,
+    SUPPORT_S,
     TILT_RESTART,
     TILT_START,
     TILT_VARIANCE,
     TURN,
-    UP_S,
     VELOCITY,
 )
 from estimators.orientation._telemotion_samples import begin_rest, clear_sums, integrate, level, watch_rest
@@ -70,7 +71,8 @@ _TURNING_TILT = 0.1
 """Tilt error of a start in motion, rad per rad/s of mean rate, up to one rad/s."""
 _LOST_RATE = 1.0
 """Rate error, rad/s, of a heading held through a gap too long to fill."""
-_SAME_FIELD = 0.15
+SAME_FIELD = 0.15
+"""Share of its norm by which a field differs from itself, as it is seen in movement."""
 _STILL_RATE = 0.2
 """Slower turns, rad/s, do not tilt what 0.05 s show of the vertical."""
 _SURE = 9.0
@@ -107,7 +109,7 @@ def begin(memory: Float, counts: NDArray[np.int64], sample: Float) -> None:
         begin_rest(memory, sample)
     counts[PHASE] = COLLECTING
     counts[SINCE_START] = counts[PENDING] = 0
-    for i in range(START_MOVING, UP_S + 1):
+    for i in range(START_MOVING, OTHER_S + 1):
         memory[i] = 0.0
     for a in range(3):
         memory[OFFSET + a] = 0.0
@@ -164,7 +166,7 @@ def _turn_from_known(memory: Float, counts: NDArray[np.int64]) -> float:
     bx, by, bz = memory[FIELD], memory[FIELD + 1], memory[FIELD + 2]
     known = math.sqrt(bx * bx + by * by + bz * bz)
     across = math.hypot(x, y) - math.hypot(bx, by)
-    if math.hypot(across, z - bz) > _SAME_FIELD * known:
+    if math.hypot(across, z - bz) > SAME_FIELD * known:
         return math.nan
     return float(wrapped(math.atan2(y, x) - math.atan2(by, bx)))
 
@@ -208,7 +210,7 @@ def find_heading(p: Float, memory: Float, counts: NDArray[np.int64], settings: F
             for j in range(STATES):
                 p[STATES * i + j] = p[STATES * j + i] = 0.0
         meet_field(memory, counts, p, settings)
-        memory[START_SHARE] = memory[DISTURBANCE] = 0.0
+        memory[START_SHARE] = memory[DISTURBANCE] = memory[SUPPORT_S] = memory[OTHER_S] = 0.0
         return True
     cosine, sine = math.cos(turned), math.sin(turned)
     for i in (FIELD, START):
@@ -359,6 +361,7 @@ def forget_motion(p: Float, tilt: float, heading: float, speed: float) -> None:
 
 
 __all__ = [
+    "SAME_FIELD",
     "begin",
     "collect",
     "find_heading",

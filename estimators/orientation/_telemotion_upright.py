@@ -14,12 +14,14 @@ from estimators.orientation._telemotion_layout import (
     FIELD_KNOWN,
     GRAVITY,
     OFFSET,
+    OTHER_S,
     POSITION,
     SINCE_START,
     SPEED_START,
     START_MOVING,
     STATES,
     SUM_FORCE,
+    SUPPORT_S,
     TILT_RESTART,
     TURN,
     UP_LIMIT,
@@ -105,7 +107,7 @@ def start_over(
         known = p[(STATES + 1) * (BIAS + a)]
         p[(STATES + 1) * (BIAS + a)] = max(known, min(settings[BIAS_START], _BIAS_SPOILT))
         memory[VELOCITY + a] = memory[POSITION + a] = memory[OFFSET + a] = memory[UP_SUM + a] = 0.0
-    memory[UP_S] = 0.0
+    memory[UP_S] = memory[SUPPORT_S] = memory[OTHER_S] = 0.0
     memory[START_MOVING] = 1.0
     counts[FIELD_KNOWN] = counts[SINCE_START] = 0
 
