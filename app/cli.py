@@ -245,7 +245,7 @@ def process(
         typer.Option(help="north, south or unknown: where it was recorded; tells a reversed accelerometer."),
     ] = "north",
 ) -> None:
-    """Estimate a recording without a server; writes frames.parquet, frames.csv and setup.json.
+    """Estimate a recording without a server; writes frames.parquet, frames.csv, columns.json, setup.json.
 
     Example: telemotion process walk.mat --pipeline orientation --orientation vqf --out results
     """

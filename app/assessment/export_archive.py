@@ -2,13 +2,11 @@
 
 import json
 import zipfile
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from typing import Any, Final
 
-import pyarrow.parquet
 from pydantic import BaseModel
-from sqlalchemy import Engine, func, or_, select
+from sqlalchemy import Engine, or_, select
 from sqlalchemy.orm import Session
 
 from app.accounts.audit_reading import read_audit
@@ -16,9 +14,9 @@ from app.accounts.consents import list_consents
 from app.accounts.device_tokens import list_device_tokens
 from app.accounts.subject import Subject
 from app.assessment import comparisons, templates
+from app.assessment.export_movement import reading, write_movement
 from app.assessment.models import Comparison
 from app.assessment.practice import list_prescriptions
-from app.database.unit_of_work import read_only
 from app.exercises.models import Template, TemplateVersion
 from app.pages import Page
 from app.patients.access import require_patient
@@ -26,18 +24,14 @@ from app.patients.models import Patient
 from app.patients.repository import list_grants
 from app.patients.service import patient_out
 from app.recordings import service as recordings
-from app.recordings.chunks import MAX_CHUNK_TICKS, frames_stream
-from app.recordings.columns import frames_table
 from app.recordings.magnetic import EVENT, WITHDRAWN
 from app.recordings.markers import file_pieces, markers_of
-from app.recordings.models import MotionSession, Result, SessionEvent, SignalChunk
+from app.recordings.models import MotionSession, SessionEvent
 from app.recordings.packet_log import write_log
 from app.recordings.repository import results_of
-from app.recordings.store import read_frames, read_packets
+from app.recordings.store import read_packets
 
 _MOST_EVENTS: Final = 100_000
-_PIECE_S: Final = 60.0
-"""Movement is read and written in pieces of so long."""
 _GUIDE: Final = """Movement data of one patient, exported from Telemotion.
 
 patient.json               master data, who may see it, consents, prescriptions, devices
@@ -46,7 +40,9 @@ templates/<name>-<number>.json  a template made for or from the patient: its cur
 sessions/<when>-<number>/
   session.json             what was recorded, with which sensors, calibration and estimators
   packets.tmlog            every packet as the sensors sent it; can be uploaded again
-  movement-<number>.parquet  one estimate of the movement: a row a tick, units in the column names
+  movement-<number>.parquet  one estimate of the movement: a row a tick, a column a number
+  movement-<number>.csv    the same as text
+  movement-<number>.json   what each column means (unit, frame, sequence, flags), and how the estimate was made
   comparisons.json         the session beside the templates, by repetition
   safety.json              who confirmed or withdrew that nobody near a magnetic source has an implant, and when
   markers-<number>.json    an optical recording that was uploaded, and what fusing it with a sensor gave
@@ -73,7 +69,7 @@ def write_archive(
         Setting `time_zone`: where the week of what was practised begins, if the clinic has not said so.
     """
     archive.writestr("README.txt", _GUIDE)
-    with _reading(engine) as session:
+    with reading(engine) as session:
         patient = require_patient(session, subject, patient_id, "read")
         _json(archive, "patient.json", _master(session, subject, patient, default_zone))
         access = [
@@ -87,20 +83,12 @@ def write_archive(
         versions = session.scalars(_templates_of(patient_id)).all()
     _json(archive, "access.json", access)
     for version_id in versions:
-        with _reading(engine) as session:
+        with reading(engine) as session:
             found = templates.detail(session, subject, version_id)
         name = "".join(letter if letter.isalnum() else "-" for letter in found.name)[:60]
         _json(archive, f"templates/{name}-{found.number}-{found.id[:8]}.json", _plain(found))
     for session_id in sessions:
         _write_session(archive, engine, subject, session_id)
-
-
-@contextmanager
-def _reading(engine: Engine) -> Iterator[Session]:
-    """Read without a line in the trail for each item: the export is noted as a whole."""
-    with read_only(engine) as session:
-        yield session
-        session.info.clear()
 
 
 def _templates_of(patient_id: str) -> Any:
@@ -156,7 +144,7 @@ def _master(session: Session, subject: Subject, patient: Patient, default_zone: 
 
 
 def _write_session(archive: zipfile.ZipFile, engine: Engine, subject: Subject, session_id: str) -> None:
-    with _reading(engine) as session:
+    with reading(engine) as session:
         found = session.get(MotionSession, session_id)
         if found is None:
             return
@@ -184,32 +172,7 @@ def _write_session(archive: zipfile.ZipFile, engine: Engine, subject: Subject, s
     if hello is not None:
         _stream(archive, f"{folder}/packets.tmlog", write_log(hello, read_packets(engine, session_id)))
     for result_id in results:
-        _write_movement(archive, f"{folder}/movement-{result_id[:8]}.parquet", engine, result_id)
-
-
-def _write_movement(archive: zipfile.ZipFile, name: str, engine: Engine, result_id: str) -> None:
-    with _reading(engine) as session:
-        result = session.get_one(Result, result_id)
-        last = session.scalar(
-            select(func.max(SignalChunk.sequence)).where(
-                SignalChunk.session_id == result.session_id, SignalChunk.stream == frames_stream(result_id)
-            )
-        )
-        end_s = 0.0 if last is None else (last + MAX_CHUNK_TICKS) / float(result.setup["rate_hz"])
-    writer = None
-    # The columns are compressed in the file itself.
-    with archive.open(zipfile.ZipInfo(name), "w", force_zip64=True) as target:
-        start_s = 0.0
-        while writer is None or start_s < end_s:
-            with _reading(engine) as session:
-                frames = read_frames(session, result_id, start_s, start_s + _PIECE_S)
-            start_s += _PIECE_S
-            if writer is not None and not frames.tick_count:
-                continue
-            table = frames_table(frames)
-            writer = writer or pyarrow.parquet.ParquetWriter(target, table.schema, compression="zstd")
-            writer.write_table(table)
-        writer.close()
+        write_movement(archive, f"{folder}/movement-{result_id[:8]}", engine, result_id)
 
 
 def _plain(model: BaseModel) -> dict[str, Any]:

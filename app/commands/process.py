@@ -33,7 +33,7 @@ def process(
     hemisphere: str = "north",
     guess: bool = False,
 ) -> None:
-    """Estimate a recording and write `frames.parquet`, `frames.csv` and `setup.json`.
+    """Estimate a recording and write `frames.parquet`, `frames.csv`, `columns.json` and `setup.json`.
 
     Parameters
     ----------
@@ -91,12 +91,10 @@ def process(
         typer.echo(f"note: {line}", err=True)
     pipeline = pipeline or readers.pipeline_for(list(measured.placements))
     # What follows loads the web framework and Arrow: not for a file that is refused.
-    import pyarrow.csv
-    import pyarrow.parquet
-
     from app.commands.process_walk import analyse, write_walk
     from app.ingest.upload import estimated
     from app.recordings.columns import frames_table
+    from app.recordings.result_files import origin_of, setup_record, write_results
 
     worn = cast(tuple[Placement, ...], measured.placements)
     setup = SessionSetup(
@@ -116,10 +114,10 @@ def process(
     else:
         frames, used = pipelines.run(measured, setup, pose, elbows_from_movement=pipeline == "arm")
         out.mkdir(parents=True, exist_ok=True)
-    table = frames_table(frames, used.body if pipeline == "arm" else None)
-    pyarrow.parquet.write_table(table, out / "frames.parquet")
-    pyarrow.csv.write_csv(table, out / "frames.csv")
-    (out / "setup.json").write_text(json.dumps(used.to_dict(), indent=2) + "\n")
+    origin = origin_of(recording, format)
+    body = used.body if pipeline == "arm" else None
+    table = frames_table(frames, body, pipeline=pipeline, about={**origin, "setup": setup_record(used)})
+    write_results(table, used, origin, out)
     _say(frames, used, out)
 
 

@@ -1,18 +1,10 @@
 """Alive: whether the process answers. Whether anything can be stored is another question (`app.edge.readiness`)."""
 
-from importlib.metadata import PackageNotFoundError, version
-
 from fastapi import APIRouter
 
+from app.version import service_version
+
 router = APIRouter(prefix="/api", tags=["service"])
-
-
-def service_version() -> str:
-    """Return the installed version, or `unknown` when run from a tree that was not installed."""
-    try:
-        return version("telemotion")
-    except PackageNotFoundError:
-        return "unknown"
 
 
 @router.get("/health")

@@ -53,6 +53,12 @@ def test_everything_is_in_it(engine, world, settings, recorded, patient) -> None
     assert table.num_rows == recorded.frames.tick_count
     angle = recorded.frames.layout.angles[0]
     assert table[f"{angle}_rad"].to_numpy()[-1] == pytest.approx(recorded.frames.angle_rad[-1, 0], abs=1e-4)
+    text = archive.read(movement.replace(".parquet", ".csv")).decode().splitlines()
+    assert len(text) == 1 + table.num_rows
+    assert text[0].replace('"', "").split(",") == table.column_names
+    dictionary = json.loads(archive.read(movement.replace(".parquet", ".json")))
+    assert [one["name"] for one in dictionary["columns"]] == table.column_names
+    assert dictionary["setup"]["pipeline"] == "arm"
     (compared,) = [name for name in names if name.endswith("comparisons.json")]
     assert json.loads(archive.read(compared))[0]["repetitions"]
     assert list(upload_folder(settings).iterdir()) == []
