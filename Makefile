@@ -115,7 +115,7 @@ validate: $(VENV)/installed ## Published experiments, ours beside theirs
 	@$(BIN)/telemotion validate
 
 accuracy: $(VENV)/installed ## Measure the accuracy page and docs/accuracy.md anew; DATA=folder of recordings
-	@$(BIN)/telemotion validate --data $(DATA) --out app/accuracy/report.json --page docs/accuracy.md
+	@$(BIN)/telemotion validate --seeds 50 --processes 2 --data $(DATA) --out app/accuracy/report.json --page docs/accuracy.md
 
 lock: ## Rewrite requirements.lock from pyproject.toml (needs uv)
 	uv pip compile --quiet --universal --generate-hashes --no-header --extra test --python-version 3.11 pyproject.toml -o requirements.lock

@@ -22,15 +22,15 @@ class AccuracyFigure(Schema):
     published: float | None
     required: float | None = Field(description="The limit; null for figures that are only shown.")
     at_most: bool = Field(description="The limit is an upper one; otherwise a lower one.")
-    judged_by: Literal["worst", "median"]
+    judged_by: Literal["worst", "median", "mean"]
     median: float | None
     worst: float | None
     spread: float | None
     values: list[float | None] = Field(description="One a seed, a batch of seeds or a recording; see `each`.")
     each: Literal["seed", "batch", "recording"]
     judged: float | None = Field(
-        description="What is held against the limit: of seeds the median or what nine in ten reach, of batches the "
-        "mean, of recordings the median or the worst."
+        description="What is held against the limit: of seeds the median, the mean or what nine in ten reach, of "
+        "batches the mean, of recordings the median, the mean or the worst."
     )
     low: float | None = Field(description="Lower end of its 95 % confidence interval; recordings have none.")
     high: float | None = Field(description="Upper end of the interval.")

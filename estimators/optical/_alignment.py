@@ -27,6 +27,7 @@ LEAST_CORRELATION = 0.7
 _LEAST_OVERLAP_S = 3.0
 _DRIFT_SIGMA = 200e-6
 """What clocks may differ by, before anything is measured."""
+_HALF_WIDTHS_S = (HALF_WIDTH_S, 2.0 * HALF_WIDTH_S, 4.0 * HALF_WIDTH_S)
 _WINDOW_S, _LOCAL_S, _APART_S = 20.0, 0.5, 0.3
 
 
@@ -111,28 +112,46 @@ def align_markers(
     -----
     The second difference of a path over +-h is its acceleration under a triangle of that width; the force is seen
     through the same triangle, in axes that do not turn within it, so neither stream is delayed against the other.
+    The cameras' noise in it falls with h squared: of slow movement only wider windows show enough. The narrowest
+    that is credible is taken, else the one with the highest correlation.
     """
     camera_step = step_of(camera_time_s, marker_m, "markers")
     step = step_of(time_s, accelerometer_mps2, "accelerometer")
-    width = max(1, round(HALF_WIDTH_S / camera_step))
     even, path = evenly(camera_time_s, without_ghosts(marker_m), camera_step)
-    half = width * camera_step
-    size = np.full(len(even), np.nan)
-    if len(even) > 2 * width:
-        acceleration = (path[2 * width :] - 2.0 * path[width:-width] + path[: -2 * width]) / half**2
-        acceleration[:, 2] += GRAVITY_MPS2
-        size[width:-width] = np.linalg.norm(acceleration, axis=1)
     attitude = strapdown(gyroscope_radps, step)
-    reach = max(1, round(half / step))
-    force = triangle(rotation.rotate(attitude, accelerometer_mps2), reach)
-    if lever_arm_m is not None and len(force) > 2 * reach:
-        arm = rotation.rotate(attitude, lever_arm_m)
-        force[reach:-reach] += (arm[2 * reach :] - 2.0 * arm[reach:-reach] + arm[: -2 * reach]) / (
-            reach * step
+    force = rotation.rotate(attitude, accelerometer_mps2)
+    arm = None if lever_arm_m is None else rotation.rotate(attitude, lever_arm_m)
+    found: list[Alignment] = []
+    for half_width_s in _HALF_WIDTHS_S:
+        width = max(1, round(half_width_s / camera_step))
+        half = width * camera_step
+        size = np.full(len(even), np.nan)
+        if len(even) > 2 * width:
+            acceleration = (path[2 * width :] - 2.0 * path[width:-width] + path[: -2 * width]) / half**2
+            acceleration[:, 2] += GRAVITY_MPS2
+            size[width:-width] = np.linalg.norm(acceleration, axis=1)
+        felt = _felt(force, arm, max(1, round(half / step)), step)
+        try:
+            found.append(_align(even, size, time_s, felt, step, largest_offset_s, "acceleration"))
+        except ComparisonError:
+            # A wide window leaves less of a short overlap; what the narrow one said of it stands.
+            if not found:
+                raise
+        if found[-1].is_credible:
+            return found[-1]
+    return max(found, key=lambda one: one.correlation)
+
+
+def _felt(force: Float, arm: Float | None, reach: int, step_s: float) -> Float:
+    """Return the size of the force at the marker, in axes that do not turn, under a triangle of `reach` ticks."""
+    seen = triangle(force, reach)
+    if arm is not None and len(seen) > 2 * reach:
+        seen[reach:-reach] += (arm[2 * reach :] - 2.0 * arm[reach:-reach] + arm[: -2 * reach]) / (
+            reach * step_s
         ) ** 2
-    felt = np.linalg.norm(force, axis=1)
-    felt[:reach] = felt[len(felt) - reach :] = np.nan
-    return _align(even, size, time_s, felt, step, largest_offset_s, "acceleration")
+    size = np.asarray(np.linalg.norm(seen, axis=1))
+    size[:reach] = size[len(size) - reach :] = np.nan
+    return size
 
 
 def align_cluster(

@@ -34,9 +34,9 @@ class Figure:
         What the source reports under these conditions, if anything.
     at_most : bool
         The limit is an upper one; otherwise a lower one.
-    judged_by : {"worst", "median"}
-        What must meet the limit: of recordings the worst or the median; of seeds what nine in ten reach ("worst") or
-        the median; of figures that are pooled over a batch of seeds their mean.
+    judged_by : {"worst", "median", "mean"}
+        What must meet the limit: of recordings the worst, the median or the mean; of seeds what nine in ten reach
+        ("worst"), the median or the mean; of batches that a figure is pooled over the mean, or the median if so said.
     """
 
     name: str
@@ -44,7 +44,7 @@ class Figure:
     required: float | None = None
     published: float | None = None
     at_most: bool = True
-    judged_by: Literal["worst", "median"] = "worst"
+    judged_by: Literal["worst", "median", "mean"] = "worst"
 
 
 @dataclass(frozen=True)
@@ -190,15 +190,18 @@ class FigureResult:
         if not len(self.values):
             return Estimate(float("nan"), float("nan"), float("nan"))
         if self.each == "recording":
-            value = self.worst if self.figure.judged_by == "worst" else self.median
+            value = {"worst": self.worst, "median": self.median, "mean": float(self.values.mean())}[
+                self.figure.judged_by
+            ]
             return Estimate(value, value, value)
         sign = 1.0 if self.figure.at_most else -1.0
         # What could not be measured counts as far beyond the limit.
         toward = np.where(np.isnan(self.values), np.inf, sign * self.values)
-        if self.each == "batch":
+        by = self.figure.judged_by
+        if by == "mean" or (by == "worst" and self.each == "batch"):
             found = mean(toward)
         else:
-            found = quantile(toward, 0.5 if self.figure.judged_by == "median" else 0.9)
+            found = quantile(toward, 0.5 if by == "median" else 0.9)
         ends = sorted((sign * found.low, sign * found.high))
         return Estimate(sign * found.value, *ends)
 

@@ -85,15 +85,6 @@ def mean_nees(errors: Float, covariance: Float) -> float:
     return float(np.mean(np.sum(errors * solved, axis=1)) / errors.shape[1])
 
 
-def band_distance(nees: float, runs: int, states: int = 6) -> float:
-    """Say how far an average NEES per state is from 1, in parts of the way to the end of its 95 % band.
-
-    Errors of a run last, so that a run counts as one draw of chi-square with `states` degrees of freedom.
-    """
-    low, high = (float(chi2.ppf(share, states * runs)) / (states * runs) for share in (0.025, 0.975))
-    return (nees - 1.0) / (high - 1.0) if nees > 1.0 else (1.0 - nees) / (1.0 - low)
-
-
 def session(
     movement: str,
     seed: int,

@@ -1830,14 +1830,14 @@ export interface components {
             high: number | null;
             /**
              * Judged
-             * @description What is held against the limit: of seeds the median or what nine in ten reach, of batches the mean, of recordings the median or the worst.
+             * @description What is held against the limit: of seeds the median, the mean or what nine in ten reach, of batches the mean, of recordings the median, the mean or the worst.
              */
             judged: number | null;
             /**
              * Judged By
              * @enum {string}
              */
-            judged_by: "worst" | "median";
+            judged_by: "worst" | "median" | "mean";
             /**
              * Low
              * @description Lower end of its 95 % confidence interval; recordings have none.
