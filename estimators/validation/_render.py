@@ -123,7 +123,7 @@ def to_markdown(results: Sequence[ProtocolResult], command: str, data: Sequence[
         lines.append(f"| {' | '.join(cells)} |")
     lines += [
         "",
-        "The seeds are drawn from the version: no setting was chosen with them. Of a figure with one value a seed,",
+        "Unless the command names them, the seeds are drawn from the version. Of a figure with one value a seed,",
         "what nine seeds in ten reach is judged, or where the experiment says so their median; of a figure pooled over",
         "a batch of seeds, the mean of the batches; of recordings, the worst or the median one. The interval has",
         "95 % confidence. A figure passes when its whole interval meets the limit, is open when the limit lies within",

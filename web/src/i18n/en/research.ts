@@ -4,7 +4,7 @@ export const research = {
   'accuracy.lead': 'Published experiments, repeated with this version: the published figure, the requirement, and our result.',
   'accuracy.overview': '{met} of {all} experiments meet the requirement',
   'accuracy.notMet': '{open} are open: the limit lies within the confidence interval. {short} fall short.',
-  'accuracy.how': 'Each experiment runs with {seeds} random seeds that no setting was chosen with, or on the recordings named. Judged is what nine seeds in ten reach, the median or the mean, with its 95 % confidence interval: an experiment passes only when the whole interval meets the limit. Figures marked “only shown” have no limit.',
+  'accuracy.how': 'Each experiment runs with random seeds, {seeds} unless it says otherwise, or on the recordings named. Judged is what nine seeds in ten reach, the median or the mean, with its 95 % confidence interval: an experiment passes only when the whole interval meets the limit. Figures marked “only shown” have no limit.',
   'accuracy.made': 'Version {version}, measured on {date} in {seconds} s. {machine}.',
   'accuracy.command': 'Command that measures everything again',
   'accuracy.commandOf': 'Command that repeats “{title}”',
