@@ -9,17 +9,22 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pyarrow.parquet
 import pytest
 import scipy.io
 from sqlalchemy import Engine, select
+from typer.testing import CliRunner
 
 from app.accounts.models import AuditEvent
+from app.cli import cli
+from app.commands.upload import Wanted, declaration_of
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import RecordingFormatError
 from app.ingest import readers
 from app.ingest.upload import register, remove_orphans, upload_folder
 from app.ingest.upload_task import upload
 from app.recordings import read_frames, read_packets, stored_ranges
+from app.recordings.columns import frames_table
 from app.recordings.jobs import JobDone, run_job
 from app.recordings.models import Job, MotionSession, Result, SessionEvent
 from app.recordings.packet_log import write_log
@@ -539,3 +544,32 @@ def test_a_preview_says_how_a_table_would_be_read_and_stores_nothing(
     with read_only(engine) as session:
         assert session.scalars(select(MotionSession)).all() == []
     assert not (settings.data_dir / "uploads").exists() or not list((settings.data_dir / "uploads").iterdir())
+
+
+@pytest.mark.parametrize("name", ["letters", "utf-16", "rows written twice", "feet by the names of columns"])
+def test_a_table_gives_the_same_numbers_by_upload_and_on_the_command_line(
+    engine: Engine, settings: Settings, world: Any, queue: Any, tmp_path: Path, name: str
+) -> None:
+    odd = odd_tables()[name]
+    path = tmp_path / odd.name
+    path.write_bytes(odd.content)
+    declaration = declaration_of(path, Wanted(world.patient_id, guess=True, force=True))
+    job_id = queue(path, declaration)
+    done = run_job(engine, settings, job_id, upload)
+    assert done.status == "complete", done.message
+    found = session_of(engine, job_id)
+    assert (found.setup["pipeline"], set(found.setup["placements"])) == (odd.pipeline, set(odd.sensors))
+    with read_only(engine) as session:
+        frames = read_frames(session, found.main_result_id)
+    out = tmp_path / "out"
+    told = CliRunner().invoke(cli, ["process", str(path), "--guess", "--force", "--out", str(out)])
+    assert told.exit_code == 0, told.output
+    table = pyarrow.parquet.read_table(out / "frames.parquet")
+    assert table.num_rows == frames.tick_count
+    stored = frames_table(frames, pipeline=odd.pipeline)
+    assert stored.column_names == table.column_names
+    for column in table.column_names:
+        # Sent in 32 bits, stored in steps of 2^-14.
+        np.testing.assert_allclose(
+            stored[column].to_numpy(), table[column].to_numpy(), atol=2e-4, rtol=2e-3, err_msg=column
+        )
