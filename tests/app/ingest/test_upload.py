@@ -546,7 +546,10 @@ def test_a_preview_says_how_a_table_would_be_read_and_stores_nothing(
     assert not (settings.data_dir / "uploads").exists() or not list((settings.data_dir / "uploads").iterdir())
 
 
-@pytest.mark.parametrize("name", ["letters", "utf-16", "rows written twice", "feet by the names of columns"])
+@pytest.mark.parametrize(
+    "name",
+    ["letters", "utf-16", "a clock that starts again", "rows that came late", "feet by the names of columns"],
+)
 def test_a_table_gives_the_same_numbers_by_upload_and_on_the_command_line(
     engine: Engine, settings: Settings, world: Any, queue: Any, tmp_path: Path, name: str
 ) -> None:
