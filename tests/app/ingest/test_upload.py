@@ -576,3 +576,35 @@ def test_a_table_gives_the_same_numbers_by_upload_and_on_the_command_line(
         np.testing.assert_allclose(
             stored[column].to_numpy(), table[column].to_numpy(), atol=2e-4, rtol=2e-3, err_msg=column
         )
+
+
+def test_a_broad_trial_is_a_single_sensor_with_the_numbers_of_the_command_line(
+    engine: Engine, settings: Settings, world: Any, queue: Any, tmp_path: Path
+) -> None:
+    with np.load(Path(__file__).parents[2] / "data" / "broad" / "fast_combined_15s.npz") as data:
+        content = {
+            "imu_gyr": data["gyroscope_radps"],
+            "imu_acc": data["accelerometer_mps2"],
+            "imu_mag": data["magnetometer_ut"],
+            "opt_quat": data["q_earth_sensor_optical"],
+            "movement": data["movement"].astype(np.uint8),
+            "sampling_rate": float(data["sampling_rate_hz"]),
+        }
+    path = tmp_path / "trial.mat"
+    scipy.io.savemat(path, content)
+    declaration = declaration_of(path, Wanted(world.patient_id))
+    assert declaration.format == "broad"
+    job_id = queue(path, declaration)
+    done = run_job(engine, settings, job_id, upload)
+    assert done.status == "complete", done.message
+    found = session_of(engine, job_id)
+    with read_only(engine) as session:
+        frames = read_frames(session, found.main_result_id)
+    told = CliRunner().invoke(cli, ["process", str(path), "--out", str(tmp_path / "out")])
+    assert told.exit_code == 0, told.output
+    table = pyarrow.parquet.read_table(tmp_path / "out" / "frames.parquet")
+    assert table.num_rows == frames.tick_count
+    for part, letter in enumerate("wxyz"):
+        np.testing.assert_allclose(
+            frames.q_room_segment[:, 0, part], table[f"imu_q_{letter}"].to_numpy(), atol=2e-4
+        )
