@@ -6,13 +6,15 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
+import numpy as np
 import typer
 
 from app.accuracy.report import fresh_seed, make_report
-from app.errors import InvalidInput, RecordingFormatError
+from app.errors import InvalidInput
 from app.ingest import readers
+from app.recordings.schemas import CsvMapping
 from estimators import validation
-from estimators.recording import Recording
+from estimators.recording import Recording, SensorSignals
 from estimators.validation import ProtocolResult, Values
 
 _SETS = ("broad", "pyshoe", "gaitmap", "gait_tracking", "qmt_mat")
@@ -129,14 +131,40 @@ def _command(names: list[str] | None, seeds: int, first_seed: int | None, data: 
 
 def _recordings(folder: Path) -> dict[str, Recording]:
     """Read every recording below a folder that some protocol can use; other files are passed over."""
-    found = {}
-    for path in sorted(path for path in folder.rglob("*") if path.suffix in {".mat", ".hdf5", ".csv"}):
+    found: dict[str, Recording] = {}
+    endings = {".mat", ".hdf5", ".csv", ".npz"}
+    for path in sorted(path for path in folder.rglob("*") if path.suffix in endings):
         try:
-            kind = readers.guess(path)
-        except RecordingFormatError:
+            recording = _arrays(path) if path.suffix == ".npz" else _recording(path)
+        except InvalidInput:
             continue
-        if kind in _SETS:
-            found[str(path.relative_to(folder).with_suffix(""))] = readers.read(path, kind)
+        if recording is not None:
+            found[str(path.relative_to(folder).with_suffix(""))] = recording
     if not found:
         raise InvalidInput(f"{folder} holds no recordings of {', '.join(_SETS)}")
     return found
+
+
+def _recording(path: Path) -> Recording | None:
+    """Read a file of one of the sets, or a table that says itself what is in it; None of any other."""
+    kind = readers.guess(path)
+    if kind in _SETS:
+        return readers.read(path, kind)
+    if kind != "csv":
+        return None
+    guess = readers.preview_text(path.name, readers.start_of(path), "orientation").guess
+    if guess is None or guess.missing or not guess.mapping["signals"]:
+        return None
+    return readers.read(path, "csv", CsvMapping.model_validate(guess.mapping))
+
+
+def _arrays(path: Path) -> Recording | None:
+    """Read `gyr` (rad/s), `acc` (m/s^2), `mag` (microtesla) and `sampling_rate`, as the vqf package has them."""
+    with np.load(path) as content:
+        if not {"gyr", "acc", "mag", "sampling_rate"} <= set(content.files):
+            return None
+        rate_hz = float(content["sampling_rate"])
+        gyroscope, force, field = (content[name].astype(np.float64) for name in ("gyr", "acc", "mag"))
+    time_s = np.arange(len(gyroscope)) / rate_hz
+    signals = SensorSignals(time_s, gyroscope, force, 1e-6 * field)
+    return Recording({"imu": signals}, rate_hz, metadata={"format": "vqf"})

@@ -95,6 +95,7 @@ from estimators.validation._roetenberg_static import STATIC_IRON
 from estimators.validation._roetenberg_turns import QUARTER_TURNS
 from estimators.validation._sessions import ARM_SESSION, REPETITIONS, TEMPLATE_COMPARISON
 from estimators.validation._static import GYROSCOPE_DRIFT, HEADING_SHIFT, STATIC_ANGLES
+from estimators.validation._wrong_inputs import WRONG_INPUTS
 
 _PROTOCOLS = (
     STATIC_ANGLES,
@@ -169,6 +170,7 @@ _PROTOCOLS = (
     BROAD_CONDITIONS,
     BROAD_OFFLINE,
     BROAD_CUTS,
+    WRONG_INPUTS,
 )
 MOST_SEEDS = 1000
 
@@ -251,7 +253,7 @@ def chosen(
 
 def kinds(recording: Recording) -> set[str]:
     """Return what a recording can be used for: its set, and for gaitmap whether it has strides or stairs."""
-    found = {recording.metadata.get("format", "broad")}
+    found = {recording.metadata.get("format", "broad"), "sensor readings"}
     if "strides_left" in recording.reference:
         found.add("gaitmap strides")
     if "gaitmap" in found and "stair" in recording.metadata.get("walk", ""):
