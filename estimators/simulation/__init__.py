@@ -27,6 +27,8 @@ from estimators.simulation._movements import (
     style_of_impairment,
 )
 from estimators.simulation._patients import IMPAIRMENT, PatientName, demonstration_scenario
+from estimators.simulation._repeated_movement import RepeatedMovement, simulate_repetitions
+from estimators.simulation._repeated_shapes import SHAPES
 from estimators.simulation._scenario import (
     ARM_PLACEMENTS,
     ArmScenario,
@@ -38,6 +40,9 @@ from estimators.simulation._scenario import (
 from estimators.simulation._sensors import EarthField, Magnet, Mounting, dipole_field, outward_mounting
 from estimators.simulation._shoe import LoadCellErrors, ShoeErrors, shoe_errors
 
+REPEATED_FAMILIES = tuple(SHAPES)
+"""Families of movements that `simulate_repetitions` makes."""
+
 __all__ = [
     "ARM_PLACEMENTS",
     "CALIBRATION_STYLE",
@@ -45,6 +50,7 @@ __all__ = [
     "GAIT_PLACEMENTS",
     "GAIT_PRESETS",
     "IMPAIRMENT",
+    "REPEATED_FAMILIES",
     "SENSOR_PRESETS",
     "ArmScenario",
     "ArmTruth",
@@ -64,6 +70,7 @@ __all__ = [
     "Mounting",
     "MovementStyle",
     "PatientName",
+    "RepeatedMovement",
     "Schedule",
     "SensorClocks",
     "SensorErrors",
@@ -86,6 +93,7 @@ __all__ = [
     "simulate_arm",
     "simulate_gait",
     "simulate_handling",
+    "simulate_repetitions",
     "stroke_feet",
     "style_of_impairment",
     "t_pose_exercise",
