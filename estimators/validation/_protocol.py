@@ -15,7 +15,7 @@ from estimators.validation._judgement import Estimate, Verdict, mean, quantile
 
 Data = Mapping[str, Recording]
 Values = dict[str, Float]
-BATCH: Final = 5
+BATCH: Final = 10
 """Seeds that are measured together: what an experiment pools over seeds gives one value a batch."""
 
 

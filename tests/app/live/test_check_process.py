@@ -6,6 +6,7 @@ import signal
 import time
 from collections.abc import Iterator
 from concurrent.futures.process import BrokenProcessPool
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ import pytest
 
 from app.errors import Unavailable
 from app.live.plausibility import MEMORY_BYTES, NICENESS, CheckProcess, check
+from estimators.calibration import RecordingCheck
 from estimators.recording import ImuChunk
 
 NAMES = ("upper_arm_right", "forearm_right")
@@ -50,11 +52,12 @@ def test_it_finds_what_a_thread_finds_at_low_priority_without_sockets(
     process: CheckProcess, in_g: ImuChunk
 ) -> None:
     assert process.process_ids == [], "it costs nothing before the first check"
-    found = process(in_g, NAMES, "north", 400, True)
-    assert found.findings == check(in_g, NAMES, "north", 400, True).findings
+    found = process(RecordingCheck(NAMES), in_g)
+    assert found.findings == check(RecordingCheck(NAMES), in_g).findings
     assert [finding.code for finding in found.findings] == ["accelerometer_unit"]
     assert found.cost_s > 0.0
-    assert process(in_g, NAMES, "north", 400, False).findings == [], "nothing moved"
+    later = replace(in_g, first_tick=in_g.tick_count)
+    assert process(found.state, later).findings == found.findings, "what was known is not forgotten"
     (pid,) = process.process_ids
     assert pid != os.getpid()
     assert os.getpriority(os.PRIO_PROCESS, pid) == min(19, os.getpriority(os.PRIO_PROCESS, 0) + NICENESS)
@@ -64,16 +67,16 @@ def test_it_finds_what_a_thread_finds_at_low_priority_without_sockets(
 
 
 def test_it_comes_back_when_it_has_died_and_ends_for_good(process: CheckProcess, in_g: ImuChunk) -> None:
-    process(in_g, NAMES, "north", 400, True)
+    process(RecordingCheck(NAMES), in_g)
     (first,) = process.process_ids
     os.kill(first, signal.SIGKILL)
     assert is_gone(first)
     with pytest.raises(BrokenProcessPool):
-        process(in_g, NAMES, "north", 400, True)
-    assert process(in_g, NAMES, "north", 400, True).findings
+        process(RecordingCheck(NAMES), in_g)
+    assert process(RecordingCheck(NAMES), in_g).findings
     (second,) = process.process_ids
     assert second != first
     process.close()
     assert is_gone(second)
     with pytest.raises(Unavailable):
-        process(in_g, NAMES, "north", 400, True)
+        process(RecordingCheck(NAMES), in_g)

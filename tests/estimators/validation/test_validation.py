@@ -146,9 +146,9 @@ def test_seeds_go_in_batches_and_none_is_lost():
     protocol = replace(made_up(9.0, {}), measure=lambda seeds, data: seen.append(list(seeds)) or {"x": [1.0]})
     found = run_protocol(protocol, 23, {}, first_seed=100)
     assert [seed for part in seen for seed in part] == list(range(100, 123))
-    assert [len(part) for part in seen] == [5, 6, 6, 6]
+    assert [len(part) for part in seen] == [11, 12]
     assert found.figures[0].each == "batch"
-    assert run_protocol(protocol, 9, {}).figures[0].values.shape == (1,)
+    assert run_protocol(protocol, 19, {}).figures[0].values.shape == (1,)
     each = replace(protocol, measure=lambda seeds, data: {"x": np.ones(len(seeds))})
     assert run_protocol(each, 20, {}).figures[0].each == "seed"
     assert run_protocol(replace(each, needs_data="broad"), 20, {}).figures[0].each == "recording"
