@@ -1,8 +1,8 @@
 // A whole recording from a file: which file, whose, in which format; then two bars, for sending and for working it out.
-import { Button, Checkbox, FileButton, Group, NumberInput, Progress, Select, Switch } from '@mantine/core';
-import { IconArrowRight, IconFileUpload } from '@tabler/icons-react';
+import { Button, Checkbox, Group, NumberInput, Progress, Select, Switch } from '@mantine/core';
+import { IconArrowRight } from '@tabler/icons-react';
 import { useMutation } from '@tanstack/react-query';
-import { useRef, useState, type DragEvent, type FormEvent } from 'react';
+import { useRef, useState, type FormEvent } from 'react';
 import { Link, useSearchParams } from 'react-router';
 import { api, upload } from '../api/client';
 import { useEstimators, useExercises, useJob, usePatients } from '../api/queries';
@@ -14,12 +14,11 @@ import { Page } from '../components/Page';
 import { t } from '../i18n';
 import { LEG_PLACEMENTS } from '../lib/placements';
 import { beginningOf, complete, type Pipeline } from '../lib/csv';
-import { bytes, number } from '../lib/format';
+import { number } from '../lib/format';
 import { JobProgress } from './session/AnalysisWait';
+import { FileDrop, FormatChoice, type Format } from './upload/FilePart';
 
 const PLACEMENTS: Placement[] = ['sternum', 'upper_arm_right', 'forearm_right', 'hand_right', 'upper_arm_left', 'forearm_left', 'hand_left', 'pelvis', 'head', 'shoulder_left', 'shoulder_right', ...LEG_PLACEMENTS];
-type Format = UploadIn['format'];
-const FORMATS = ['packet_log', 'csv', 'qmt_mat', 'broad', 'gaitmap', 'instrumented_shoe', 'pyshoe', 'gait_tracking'] as const;
 const WALKS: readonly Format[] = ['gaitmap', 'instrumented_shoe', 'pyshoe', 'gait_tracking'];
 const PIPELINES: readonly Pipeline[] = ['arm', 'gait', 'orientation'];
 const TEXT = /\.(csv|tsv|txt|dat|asc)$/i;
@@ -30,45 +29,6 @@ function formatOf(name: string): Format {
   if (TEXT.test(name)) return 'csv';
   if (/\.(hdf5|h5)$/i.test(name)) return 'broad';
   return /\.mat$/i.test(name) ? 'qmt_mat' : 'packet_log';
-}
-
-function FileDrop({ file, onFile }: { file: File | null; onFile: (file: File) => void }) {
-  const [isOver, setOver] = useState(false);
-  const drop = (event: DragEvent) => {
-    event.preventDefault();
-    setOver(false);
-    const dropped = event.dataTransfer.files[0];
-    if (dropped) onFile(dropped);
-  };
-  return (
-    <div
-      className={isOver ? 'drop drop-over' : 'drop'}
-      role="group"
-      aria-label={t('upload.file')}
-      onDragOver={(event) => {
-        event.preventDefault();
-        setOver(true);
-      }}
-      onDragLeave={() => setOver(false)}
-      onDrop={drop}
-    >
-      <IconFileUpload size={40} aria-hidden />
-      {file ? (
-        <p>
-          <span className="strong">{file.name}</span> <span className="muted number">({bytes(file.size)})</span>
-        </p>
-      ) : (
-        <p>{t('upload.drop')}</p>
-      )}
-      <FileButton onChange={(picked) => picked && onFile(picked)} accept=".csv,.tsv,.txt,.dat,.asc,.mat,.hdf5,.tmlog,application/octet-stream,text/csv">
-        {(props) => (
-          <Button variant={file ? 'default' : 'filled'} {...props}>
-            {file ? t('upload.other') : t('upload.choose')}
-          </Button>
-        )}
-      </FileButton>
-    </div>
-  );
 }
 
 export function UploadPage() {
@@ -129,7 +89,9 @@ export function UploadPage() {
     if (format === 'csv' && file) lookAt(file, chosen);
   };
   const orientation = wantedEstimator ?? estimators.data?.[0]?.name;
-  const isReady = file !== null && patientId !== null && orientation !== undefined && (format !== 'csv' || (mapping !== null && complete(mapping, pipeline) !== null));
+  const isMapped = format !== 'csv' || (mapping !== null && complete(mapping, pipeline) !== null);
+  const isReady = file !== null && patientId !== null && orientation !== undefined && isMapped;
+  const lacking = file === null ? 'upload.lacksFile' : look.isPending ? null : !isMapped ? 'upload.lacksColumns' : patientId === null ? 'upload.lacksPatient' : null;
   const submit = (event: FormEvent) => {
     event.preventDefault();
     if (!isReady || !file || !patientId || !orientation) return;
@@ -161,15 +123,8 @@ export function UploadPage() {
       <form className="stack" onSubmit={submit}>
         <section className="card stack">
           <FileDrop file={file} onFile={take} />
-          {file && (
-            <RadioCards
-              legend={t('upload.format')}
-              value={format}
-              onChange={setFormat}
-              options={FORMATS.map((value) => ({ value, title: t(`upload.format.${value}`), text: t(`upload.format.${value}.text`) }))}
-            />
-          )}
-          {file && hasPipeline && (
+          {file && !look.isPending && <FormatChoice key={`${file.name} ${file.lastModified}`} value={format} isRecognised={look.isSuccess || /\.(tmlog|hdf5|h5)$/i.test(file.name)} onChange={setFormat} />}
+          {file && hasPipeline && !look.isPending && (
             <RadioCards
               legend={t('upload.pipeline')}
               value={pipeline}
@@ -272,6 +227,7 @@ export function UploadPage() {
           </section>
         )}
         <Group justify="flex-end">
+          {lacking && <p className="muted">{t(lacking)}</p>}
           <Button type="submit" size="lg" disabled={!isReady || (send.isSuccess && !hasFailed)} loading={send.isPending}>
             {t(hasFailed ? 'upload.again' : 'upload.send')}
           </Button>

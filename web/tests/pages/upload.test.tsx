@@ -95,14 +95,25 @@ describe('a table', () => {
     await choose(preview({ pipeline: 'arm', missing: ['These columns do not say where on the body the sensor is.'] }));
     expect(await screen.findByText(/do not say where/)).toBeTruthy();
     expect(screen.getByText('Choose where each sensor is worn.')).toBeTruthy();
+    expect(screen.getByText('Assign the columns first.')).toBeTruthy();
     expect(screen.getByRole('button', { name: 'Upload' })).toHaveProperty('disabled', true);
   });
 
   it('of a known kind needs no columns', async () => {
     const { user, declared } = await choose(preview({ format: 'gaitmap', pipeline: 'gait', mapping: null }));
-    expect(await screen.findByRole('radio', { name: /gaitmap/ })).toHaveProperty('checked', true);
+    expect(await screen.findByText('Walk with both feet (gaitmap, CSV)')).toBeTruthy();
+    expect(screen.queryByRole('radio', { name: /gaitmap/ })).toBeNull();
     await user.click(screen.getByRole('button', { name: 'Upload' }));
     expect(declared[0]).toMatchObject({ format: 'gaitmap', csv: null });
+  });
+
+  it('recognised as something else than it is can be corrected', async () => {
+    const { user, declared } = await choose(preview({ format: 'gaitmap', pipeline: 'gait', mapping: null }));
+    await user.click(await screen.findByRole('button', { name: 'Not right?' }));
+    expect(screen.getByRole('radio', { name: /gaitmap/ })).toHaveProperty('checked', true);
+    await user.click(screen.getByRole('radio', { name: /x-io/ }));
+    await user.click(screen.getByRole('button', { name: 'Upload' }));
+    expect(declared[0]).toMatchObject({ format: 'gait_tracking' });
   });
 });
 

@@ -1,0 +1,77 @@
+// The file of an upload: where it is dropped, and what it was recognised as.
+import { Button, FileButton } from '@mantine/core';
+import { IconCircleCheck, IconFileUpload } from '@tabler/icons-react';
+import { useState, type DragEvent } from 'react';
+import type { UploadIn } from '../../api/types';
+import { RadioCards } from '../../components/Choice';
+import { t } from '../../i18n';
+import { bytes } from '../../lib/format';
+
+export type Format = UploadIn['format'];
+const FORMATS = ['packet_log', 'csv', 'qmt_mat', 'broad', 'gaitmap', 'instrumented_shoe', 'pyshoe', 'gait_tracking'] as const;
+
+/** Where the file is dropped or chosen. */
+export function FileDrop({ file, onFile }: { file: File | null; onFile: (file: File) => void }) {
+  const [isOver, setOver] = useState(false);
+  const drop = (event: DragEvent) => {
+    event.preventDefault();
+    setOver(false);
+    const dropped = event.dataTransfer.files[0];
+    if (dropped) onFile(dropped);
+  };
+  return (
+    <div
+      className={isOver ? 'drop drop-over' : 'drop'}
+      role="group"
+      aria-label={t('upload.file')}
+      onDragOver={(event) => {
+        event.preventDefault();
+        setOver(true);
+      }}
+      onDragLeave={() => setOver(false)}
+      onDrop={drop}
+    >
+      <IconFileUpload size={40} aria-hidden />
+      {file ? (
+        <p>
+          <span className="strong">{file.name}</span> <span className="muted number">({bytes(file.size)})</span>
+        </p>
+      ) : (
+        <p>{t('upload.drop')}</p>
+      )}
+      <FileButton onChange={(picked) => picked && onFile(picked)} accept=".csv,.tsv,.txt,.dat,.asc,.mat,.hdf5,.tmlog,application/octet-stream,text/csv">
+        {(props) => (
+          <Button variant={file ? 'default' : 'filled'} {...props}>
+            {file ? t('upload.other') : t('upload.choose')}
+          </Button>
+        )}
+      </FileButton>
+    </div>
+  );
+}
+
+/** What the file holds: one line once it was recognised, all choices while it was not or when that is wrong. */
+export function FormatChoice({ value, isRecognised, onChange }: { value: Format; isRecognised: boolean; onChange: (format: Format) => void }) {
+  const [isOpen, setOpen] = useState(false);
+  if (isRecognised && !isOpen) {
+    return (
+      <div className="recognised">
+        <IconCircleCheck size={22} aria-hidden />
+        <p>
+          <span className="muted">{t('upload.recognised')}</span> <span className="strong">{t(`upload.format.${value}`)}</span>
+        </p>
+        <Button variant="subtle" size="compact-md" onClick={() => setOpen(true)}>
+          {t('upload.otherFormat')}
+        </Button>
+      </div>
+    );
+  }
+  return (
+    <RadioCards
+      legend={t('upload.format')}
+      value={value}
+      onChange={onChange}
+      options={FORMATS.map((one) => ({ value: one, title: t(`upload.format.${one}`), text: t(`upload.format.${one}.text`) }))}
+    />
+  );
+}
