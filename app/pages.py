@@ -10,9 +10,6 @@ is worked out and not stored, its rows through `Page.cut`), and the description 
 """
 
 import base64
-import binascii
-import hashlib
-import hmac
 import json
 import secrets
 from bisect import bisect_right
@@ -20,6 +17,8 @@ from collections.abc import Callable, Sequence
 from datetime import datetime
 from typing import Annotated, Any, Final, TypeAlias, TypeVar
 
+from cryptography.exceptions import InvalidTag
+from cryptography.hazmat.primitives.ciphers.aead import ChaCha20Poly1305
 from fastapi import Depends, Query, Request, Response
 from sqlalchemy import Select, literal, tuple_
 from sqlalchemy.orm import InstrumentedAttribute, Session
@@ -35,7 +34,6 @@ ROWS: Final = 50
 MOST_ROWS: Final = 200
 
 _NONCE_BYTES: Final = 12
-_TAG_BYTES: Final = 16
 
 Place: TypeAlias = list[Any]
 """A row's values in the columns that order the list."""
@@ -181,37 +179,29 @@ async def wanted_page(
 WantedPage = Annotated[Page, Depends(wanted_page)]
 
 
-# Encrypt, then authenticate: SHAKE-256 of key and a random nonce is the key stream, HMAC the tag. Names of patients
-# are places of their list, and addresses are written down by proxies.
+# Names of patients are places of their list, and addresses are written down by proxies: a place is encrypted. The path
+# is authenticated with it and binds it to its list: a place in one patient's sessions is none in another's.
 
 
 def _sealed(settings: Settings, path: str, place: Place) -> str:
     nonce = secrets.token_bytes(_NONCE_BYTES)
-    text = _mixed(settings, nonce, json.dumps(place, separators=(",", ":")).encode())
-    return base64.urlsafe_b64encode(nonce + _tag(settings, path, nonce + text) + text).decode().rstrip("=")
+    text = json.dumps(place, separators=(",", ":")).encode()
+    sealed = _cipher(settings).encrypt(nonce, text, path.encode())
+    return base64.urlsafe_b64encode(nonce + sealed).decode().rstrip("=")
 
 
 def _opened(settings: Settings, path: str, after: str) -> Place:
     try:
         raw = base64.b64decode(after + "=" * (-len(after) % 4), altchars=b"-_", validate=True)
-    except (ValueError, binascii.Error):
+        text = _cipher(settings).decrypt(raw[:_NONCE_BYTES], raw[_NONCE_BYTES:], path.encode())
+    except (ValueError, InvalidTag):
         raise _unknown() from None
-    nonce, tag, text = raw[:_NONCE_BYTES], raw[_NONCE_BYTES:][:_TAG_BYTES], raw[_NONCE_BYTES + _TAG_BYTES :]
-    if not hmac.compare_digest(tag, _tag(settings, path, nonce + text)):
-        raise _unknown()
-    place: Place = json.loads(_mixed(settings, nonce, text))
+    place: Place = json.loads(text)
     return place
 
 
-def _mixed(settings: Settings, nonce: bytes, text: bytes) -> bytes:
-    stream = hashlib.shake_256(settings.key_for("page-text") + nonce).digest(len(text))
-    return bytes(a ^ b for a, b in zip(text, stream, strict=True))
-
-
-def _tag(settings: Settings, path: str, content: bytes) -> bytes:
-    # The path binds a place to its list: that of one patient's sessions is none in another's.
-    key = settings.key_for("page-place")
-    return hmac.digest(key, path.encode() + b"\0" + content, "sha256")[:_TAG_BYTES]
+def _cipher(settings: Settings) -> ChaCha20Poly1305:
+    return ChaCha20Poly1305(settings.key_for("page-place"))
 
 
 def _unknown() -> InvalidInput:
