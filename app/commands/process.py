@@ -11,8 +11,12 @@ import typer
 from app.commands.mapping import guessed_mapping, mapping_from, previewed
 from app.errors import InvalidInput
 from app.ingest import readers
+from app.ingest.declaration import SINGLE_SENSORS, WALKING, estimated
+from app.recordings.walk_shoes import as_stored as shoes_as_stored
+from app.sentences import say
 from estimators import orientation as orientations
 from estimators import pipelines, signals
+from estimators.body import BodyDimensions, body_from_stature
 from estimators.calibration import Hemisphere, check_recording, in_words
 from estimators.conventions import Placement
 from estimators.pipelines import Frames, SessionSetup
@@ -90,27 +94,35 @@ def process(
     for line in measured.notes:
         typer.echo(f"note: {line}", err=True)
     pipeline = pipeline or readers.pipeline_for(list(measured.placements))
-    # What follows loads the web framework and Arrow: not for a file that is refused.
-    from app.commands.process_walk import analyse, write_walk
-    from app.ingest.upload import estimated
-    from app.recordings.columns import frames_table
-    from app.recordings.result_files import origin_of, setup_record, write_results
-
-    worn = cast(tuple[Placement, ...], measured.placements)
+    shoes = shoes_as_stored(measured) if pipelines.has_shoes(measured) else None
+    if format != "packet_log":
+        # As an upload stores it: both are estimated from the same numbers.
+        feet = measured if shoes is None else readers.as_feet(measured)
+        prepared = readers.packets_of(feet, any_name=pipeline == SINGLE_SENSORS)
+        measured = prepared.as_stored()
+        if prepared.left_out:
+            typer.echo(f"note: {say('file.left_out', names=list(prepared.left_out))}", err=True)
     setup = SessionSetup(
         pipeline=pipeline,
         # The arm pipeline leaves the legs out: they need not be still in the pose.
-        placements=estimated(worn) if pipeline == "arm" else worn,
+        placements=estimated(cast(tuple[Placement, ...], measured.placements), pipeline),
         rate_hz=rate or measured.nominal_rate_hz,
         orientation=orientation,
         orientation_parameters=json.loads(parameters),
+        # As in the service for a person whom nobody measured.
+        body=body_from_stature(BodyDimensions().stature_m),
     )
     _check(measured, setup, force=force, hemisphere=hemisphere)
-    if pipeline == "gait":
-        walk, shoes, note = analyse(measured, setup)
+    # What follows loads the web framework and Arrow: not for a file that is refused.
+    from app.commands.process_walk import analyse, write_walk
+    from app.recordings.columns import frames_table
+    from app.recordings.result_files import origin_of, setup_record, write_results
+
+    if pipeline == WALKING:
+        walk, forces, note = analyse(measured, shoes, setup)
         frames, used = walk.frames, setup
         out.mkdir(parents=True, exist_ok=True)
-        write_walk(walk, out, shoes, note)
+        write_walk(walk, out, forces, note)
     else:
         frames, used = pipelines.run(measured, setup, pose, elbows_from_movement=pipeline == "arm")
         out.mkdir(parents=True, exist_ok=True)

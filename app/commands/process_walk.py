@@ -21,12 +21,17 @@ from estimators.recording import Recording
 _SHOWN = ("stride_length", "stride_time", "speed", "cadence", "stance_share", "clearance", "toe_out")
 
 
-def analyse(measured: Recording, setup: SessionSetup) -> tuple[Walk, ShoeWalk | None, str]:
+def analyse(
+    measured: Recording, shoes: Recording | None, setup: SessionSetup
+) -> tuple[Walk, ShoeWalk | None, str]:
     """Follow the feet, and where the recording has load cells under both, the forces and the centre of mass.
 
     Parameters
     ----------
     measured : Recording
+        Of the feet.
+    shoes : Recording or None
+        Heels and forefeet with their load cells.
     setup : SessionSetup
 
     Returns
@@ -37,13 +42,13 @@ def analyse(measured: Recording, setup: SessionSetup) -> tuple[Walk, ShoeWalk | 
         Why there are no forces although cells were worn; else empty.
     """
     walk = pipelines.analyse_walk(measured, setup)
-    if not pipelines.has_shoes(measured):
+    if shoes is None:
         return walk, None, ""
     try:
-        shoes = pipelines.analyse_shoes(measured, setup, walk)
+        forces = pipelines.analyse_shoes(shoes, setup, walk)
     except EstimationError as error:
         return walk, None, f"no forces: {error}"
-    return pipelines.with_shoes(walk, shoes), shoes, ""
+    return pipelines.with_shoes(walk, forces), forces, ""
 
 
 def write_walk(walk: Walk, out: Path, shoes: ShoeWalk | None = None, note: str = "") -> None:

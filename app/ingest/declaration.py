@@ -1,15 +1,19 @@
 """What a gateway declares in its hello, checked once and stored with the session."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
-from typing import Any, get_args
+from typing import Any, Final, get_args
 
 from app.errors import PacketError
 from app.ingest.messages import PROTOCOL_VERSION, HelloMessage
 from app.sentences import say
 from estimators.conventions import Placement
+
+SINGLE_SENSORS: Final = "orientation"
+WALKING: Final = "gait"
+_LEGS: Final = ("thigh_", "shank_", "foot_")
 
 
 @dataclass(frozen=True)
@@ -47,6 +51,8 @@ class Declaration:
         Full scale of the sensors; None when unknown.
     serials : tuple of str
         Serial number of each sensor in the order of the placements; empty when the gateway tells none.
+    is_stamped : bool
+        The packets hold a file: ticks have its own stamps, not a device's count. No gateway says so.
     clock_epochs : tuple of ClockEpoch
         Found by the live session; empty until its first packet.
     """
@@ -64,6 +70,7 @@ class Declaration:
     device: str = ""
     firmware: str = ""
     serials: tuple[str, ...] = ()
+    is_stamped: bool = False
     clock_epochs: tuple[ClockEpoch, ...] = field(default=())
 
     @property
@@ -178,6 +185,21 @@ def check_placements(names: list[str]) -> tuple[Placement, ...]:
     if len(set(names)) != len(names):
         raise PacketError(say("hello.placement_twice"), reason="placements")
     return tuple(name for placement in names for name in get_args(Placement) if name == placement)
+
+
+def estimated(
+    placements: Iterable[Placement], pipeline: str = "arm", *, with_legs: bool = False
+) -> tuple[Placement, ...]:
+    """Return the sensors that a pipeline uses; the others stay in the raw data.
+
+    Of a walk the feet; single sensors are all used; otherwise all but the legs, which need not be still in the pose,
+    unless they are asked for.
+    """
+    if pipeline == SINGLE_SENSORS:
+        return tuple(placements)
+    if pipeline == WALKING:
+        return tuple(name for name in placements if name in ("foot_left", "foot_right"))
+    return tuple(name for name in placements if with_legs or not name.startswith(_LEGS))
 
 
 def check_serials(serials: list[str], count: int) -> tuple[str, ...]:

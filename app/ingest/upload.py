@@ -4,7 +4,6 @@ The request ends when the file is on disk and its task is queued; reading, stori
 task's work, in the worker process, with progress. A file is removed when it was read or cannot be.
 """
 
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Final, cast
 
@@ -20,10 +19,10 @@ from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput
 from app.ingest import readers
 from app.ingest._multipart import UploadReceiver, described, too_large
+from app.ingest.declaration import SINGLE_SENSORS, WALKING, estimated
 from app.recordings import repository, service
 from app.recordings.models import Job, MotionSession
 from app.recordings.schemas import JobOut, UploadIn
-from app.recordings.walks import PIPELINE as WALKING
 from app.sentences import say
 from app.services import services_of
 from app.settings import Settings
@@ -31,8 +30,6 @@ from estimators.conventions import Placement
 from estimators.pipelines import SessionSetup
 
 MULTIPART_SLACK_BYTES: Final = 1 << 20
-_LEGS: Final = ("thigh_", "shank_", "foot_")
-_SINGLE: Final = "orientation"
 
 router = APIRouter(prefix="/api", tags=["sessions"])
 
@@ -191,23 +188,8 @@ def register(
 def pipeline_of(declaration: UploadIn) -> str:
     """Return the pipeline of an upload: the formats of feet and of single sensors hold nothing else."""
     if declaration.format == "broad":
-        return _SINGLE
+        return SINGLE_SENSORS
     return WALKING if declaration.format in readers.WALKS else declaration.pipeline
-
-
-def estimated(
-    placements: Iterable[Placement], pipeline: str = "arm", *, with_legs: bool = False
-) -> tuple[Placement, ...]:
-    """Return the sensors that a pipeline uses; the others stay in the raw data.
-
-    Of a walk the feet; single sensors are all used; otherwise all but the legs, which need not be still in the pose,
-    unless they are asked for.
-    """
-    if pipeline == _SINGLE:
-        return tuple(placements)
-    if pipeline == WALKING:
-        return tuple(name for name in placements if name in ("foot_left", "foot_right"))
-    return tuple(name for name in placements if with_legs or not name.startswith(_LEGS))
 
 
 def _announced(declaration: UploadIn, path: Path) -> tuple[list[Placement], float]:
@@ -227,7 +209,6 @@ def _announced(declaration: UploadIn, path: Path) -> tuple[list[Placement], floa
 
 
 __all__ = [
-    "estimated",
     "parse_declaration",
     "pipeline_of",
     "register",

@@ -12,8 +12,8 @@ from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import ImplausibleReadings, RecordingFormatError
 from app.ingest import readers
-from app.ingest.declaration import Declaration
-from app.ingest.upload import estimated, pipeline_of, upload_folder
+from app.ingest.declaration import Declaration, estimated
+from app.ingest.upload import pipeline_of, upload_folder
 from app.recordings._rows import insert_chunk
 from app.recordings.chunks import RAW_STREAM, EncodedChunk, RawPacket, encode_packets
 from app.recordings.jobs import JobContext
@@ -31,7 +31,6 @@ from app.recordings.walk_shoes import store_shoes
 from app.sentences import CATALOGUE, say
 from estimators.calibration import STRETCH_S, RecordingCheck, in_words, same_signals
 from estimators.pipelines import SessionSetup, has_shoes
-from estimators.recording import Recording
 
 _CHUNK_TICKS: Final = 100
 _CHUNKS_A_COMMIT: Final = 16
@@ -89,7 +88,7 @@ def _store(context: JobContext, declaration: UploadIn, path: Path) -> list[str]:
         if has_shoes(recording):
             with unit_of_work(context.engine) as session:
                 store_shoes(session, context.session_id, recording)
-            recording = _as_feet(recording)
+            recording = readers.as_feet(recording)
         prepared = readers.packets_of(recording, any_name=pipeline_of(declaration) == SINGLE_SENSORS)
         network = prepared.declaration
         total = prepared.tick_count
@@ -102,16 +101,6 @@ def _store(context: JobContext, declaration: UploadIn, path: Path) -> list[str]:
         raise RecordingFormatError(say("log.no_packet"))
     _declare(context, network, with_legs=declaration.with_legs)
     return notes
-
-
-def _as_feet(recording: Recording) -> Recording:
-    """Return what packets can hold of two shoes: the heel's sensor as the foot's, and the lower legs."""
-    named = {
-        name.replace("heel", "foot"): replace(sensor, force_n=None, moment_nm=None)
-        for name, sensor in recording.sensors.items()
-        if not name.startswith("forefoot")
-    }
-    return replace(recording, sensors=named)
 
 
 def _forget_raw(context: JobContext) -> None:

@@ -31,6 +31,7 @@ from app.recordings.magnetic import PIPELINE as MAGNETIC
 from app.recordings.models import Job, MotionSession, Result, SessionEvent, SignalChunk
 from app.recordings.result_rows import CHUNKS_A_COMMIT, new_result, write_frames
 from app.recordings.smoothing import SmoothedModules, SmoothedSession, remember, smoother_for
+from app.recordings.stamped import stored_recording, ticks_of
 from app.recordings.store import Source, read_packets_in_order, stored_ranges
 from app.recordings.walk_analysis import follow_feet
 from app.recordings.walks import PIPELINE as WALKING
@@ -97,12 +98,17 @@ def aligned(
         raise NotFound(say("session.no_packets"))
     packets = (decoded(packet) for packet in read_packets_in_order(source, session_id))
     sent = list(hello["placements"])
-    if placements is None or list(placements) == sent:
-        yield from align_chunks(packets, hello, piece_ticks)
-        return
+    placements = tuple(sent) if placements is None else placements
     missing = [name for name in placements if name not in sent]
     if missing:
         raise InvalidInput(say("session.no_sensor", places=missing), field="placements")
+    recording = stored_recording(source, session_id, hello, placements)
+    if recording is not None:
+        yield from ticks_of(recording, piece_ticks)
+        return
+    if list(placements) == sent:
+        yield from align_chunks(packets, hello, piece_ticks)
+        return
     rows = [sent.index(name) for name in placements]
     for piece in align_chunks(packets, hello, piece_ticks):
         yield _picked(piece, rows)

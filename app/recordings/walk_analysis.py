@@ -11,6 +11,7 @@ from app.recordings.chunks import encode_frames, slice_frames
 from app.recordings.jobs import JobContext
 from app.recordings.models import MotionSession, Result
 from app.recordings.result_rows import CHUNKS_A_COMMIT, layout_dict, new_result, write_frames
+from app.recordings.stamped import stored_recording
 from app.recordings.walk_shoes import load_shoes, shoes_of
 from app.recordings.walks import content_of, kind_of, reasons_of, recording_of, store_walk
 from app.sentences import CATALOGUE, say
@@ -32,7 +33,7 @@ def follow_feet(
     progress_from: float,
     relative: RelativeFeet | None = None,
 ) -> tuple[str, int]:
-    """Analyse a walk off-line and keep it.
+    """Analyse a walk off-line and keep it; that of a file on the file's own stamps.
 
     Parameters
     ----------
@@ -60,7 +61,9 @@ def follow_feet(
         The samples cannot be a walk; the message says why.
     """
     parts = list(pieces)
-    measured = recording_of(parts, setup, hello)
+    measured = stored_recording(context.engine, context.session_id, hello, setup.placements)
+    if measured is None:
+        measured = recording_of(parts, setup, hello)
     context.progress(progress_from + 0.3 * (1 - progress_from), say("progress.feet"))
     result_id = new_result(context, setup, pipelines.create(setup))
     try:

@@ -36,24 +36,20 @@ def store_shoes(session: Session, session_id: str, recording: Recording) -> None
     recording : Recording
         Sensors on one time base, see `read_instrumented_shoe`.
     """
-    arrays: dict[str, Any] = {}
-    for name, sensor in recording.sensors.items():
-        arrays["time_s"] = sensor.time_s
-        for field in _FIELDS:
-            values = getattr(sensor, field)
-            if values is not None:
-                arrays[f"{name}.{field}"] = values.astype(np.float32)
-    buffer = io.BytesIO()
-    np.savez(buffer, **arrays)
-    data = zlib.compress(buffer.getvalue(), 6)
+    data = zlib.compress(_packed(recording), 6)
     session.execute(
         delete(SignalChunk).where(SignalChunk.session_id == session_id, SignalChunk.stream == SHOES_STREAM)
     )
-    ticks = len(arrays["time_s"])
+    ticks = max(sensor.time_s.size for sensor in recording.sensors.values())
     scale = {"version": 1, "rate_hz": recording.nominal_rate_hz}
     insert_chunk(
         session, session_id, SHOES_STREAM, 0, EncodedChunk(0, ticks, _CODEC, scale, checksum(data), data)
     )
+
+
+def as_stored(recording: Recording) -> Recording:
+    """Return the shoes' signals as a session that stores them gives them: numbers of 32 bits."""
+    return _unpacked(_packed(recording), recording.nominal_rate_hz)
 
 
 def load_shoes(session: Session, session_id: str) -> Recording | None:
@@ -65,7 +61,24 @@ def load_shoes(session: Session, session_id: str) -> Recording | None:
         return None
     if checksum(row.data) != row.crc:
         raise DamagedChunkError(say("stored.checksum"))
-    with np.load(io.BytesIO(zlib.decompress(row.data)), allow_pickle=False) as content:
+    return _unpacked(zlib.decompress(row.data), float(row.scale["rate_hz"]))
+
+
+def _packed(recording: Recording) -> bytes:
+    arrays: dict[str, Any] = {}
+    for name, sensor in recording.sensors.items():
+        arrays["time_s"] = sensor.time_s
+        for field in _FIELDS:
+            values = getattr(sensor, field)
+            if values is not None:
+                arrays[f"{name}.{field}"] = values.astype(np.float32)
+    buffer = io.BytesIO()
+    np.savez(buffer, **arrays)
+    return buffer.getvalue()
+
+
+def _unpacked(data: bytes, rate_hz: float) -> Recording:
+    with np.load(io.BytesIO(data), allow_pickle=False) as content:
         arrays = {name: np.asarray(content[name], dtype=np.float64) for name in content.files}
     time_s = arrays.pop("time_s")
     names = dict.fromkeys(name.partition(".")[0] for name in arrays)
@@ -80,7 +93,7 @@ def load_shoes(session: Session, session_id: str) -> Recording | None:
         )
         for name in names
     }
-    return Recording(sensors, float(row.scale["rate_hz"]), origin="session")
+    return Recording(sensors, rate_hz, origin="session")
 
 
 def shoes_of(pieces: Sequence[ImuChunk], setup: SessionSetup) -> tuple[Recording | None, float, str]:
@@ -152,4 +165,4 @@ def _signals(piece: ImuChunk, rows: list[int]) -> NDArray[np.float64]:
     return np.concatenate([piece.gyroscope_radps[rows], piece.accelerometer_mps2[rows], *loads], axis=2)
 
 
-__all__ = ["SHOES_STREAM", "load_shoes", "shoes_of", "store_shoes"]
+__all__ = ["SHOES_STREAM", "as_stored", "load_shoes", "shoes_of", "store_shoes"]

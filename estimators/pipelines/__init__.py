@@ -10,7 +10,7 @@ from estimators.pipelines._contract import (
     Pipeline,
     SessionSetup,
 )
-from estimators.pipelines._elbows import elbows_to_refine, refine_elbows
+from estimators.pipelines._elbows import elbow_poses, elbows_to_refine, refine_elbows
 from estimators.pipelines._gait import GaitPipeline
 from estimators.pipelines._gait_layout import BALANCE_POINTS, FORCE_STATES
 from estimators.pipelines._magnetic_feet import FEET, apart_at_start, relative_feet, with_relative_feet
@@ -61,6 +61,7 @@ __all__ = [
     "available",
     "concatenate",
     "create",
+    "elbow_poses",
     "elbows_to_refine",
     "find_pose",
     "has_shoes",

@@ -18,6 +18,26 @@ from estimators.sentences import say
 WORST_SIGMA_RAD: Final = math.radians(12.0)
 """Told worse than this, the mounting rule, which people keep to about ten degrees, stands."""
 
+_RATE_HZ: Final = 10.0
+"""What the elbow tells takes so many poses a second; an hour of them is small."""
+
+
+def elbow_poses(frames: Frames) -> Frames:
+    """Return the frames thinned to those that tell the elbows, so that thinned pieces continue each other."""
+    stride = max(1, round(1.0 / (frames.time_step_s * _RATE_HZ)))
+    ticks = np.arange(-frames.first_tick % stride, frames.tick_count, stride)
+    arrays = (
+        "q_room_segment", "point_room_m", "angle_rad", "angle_sigma_rad", "scalar", "segment_flags", "angle_flags",
+    )  # fmt: skip
+    return replace(
+        frames,
+        first_tick=-(-frames.first_tick // stride),
+        time_step_s=frames.time_step_s * stride,
+        segment_sigma_rad=None,
+        point_sigma_m=None,
+        **{name: getattr(frames, name)[ticks] for name in arrays},
+    )
+
 
 def elbows_to_refine(setup: SessionSetup) -> tuple[Side, ...]:
     """Return the arms whose mounting a standing pose left to the mounting rule, for want of compasses."""

@@ -9,7 +9,7 @@ from estimators import signals
 from estimators.errors import CalibrationError, SetupError, ShapeError
 from estimators.pipelines._arm import ArmPipeline
 from estimators.pipelines._contract import Frames, Pipeline, SessionSetup
-from estimators.pipelines._elbows import elbows_to_refine, refine_elbows
+from estimators.pipelines._elbows import elbow_poses, elbows_to_refine, refine_elbows
 from estimators.pipelines._gait import GaitPipeline
 from estimators.pipelines._offline import smoothed_chunk
 from estimators.pipelines._orientation import OrientationPipeline
@@ -167,7 +167,7 @@ def run(
     frames = step_through(create(setup), chunk)
     if elbows_from_movement:
         middle_s = (chunk.first_tick + 0.5 * (first + stop)) * chunk.time_step_s
-        refined = refine_elbows(frames, setup, middle_s)
+        refined = refine_elbows(elbow_poses(frames), setup, middle_s)
         if elbows_to_refine(refined) != elbows_to_refine(setup):
             return step_through(create(refined), chunk), refined
         setup = refined

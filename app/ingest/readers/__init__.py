@@ -17,7 +17,7 @@ from app.ingest.readers._instrumented_shoe import read_instrumented_shoe, write_
 from app.ingest.readers._markers import METRES, MarkerTracks, read_markers
 from app.ingest.readers._mat import variables
 from app.ingest.readers._packet_log import LogReader, read_packet_log, read_ticks
-from app.ingest.readers._packets import RecordingPackets, packets_of
+from app.ingest.readers._packets import RecordingPackets, as_feet, packets_of, stamped
 from app.ingest.readers._preview import FORMATS, TEXT, WALKS, Preview, pipeline_for, preview_text, text_format
 from app.ingest.readers._pyshoe import read_pyshoe
 from app.ingest.readers._qmt import PLACEMENT_OF, read_qmt
@@ -113,6 +113,7 @@ __all__ = [
     "Preview",
     "RecordingPackets",
     "accepting",
+    "as_feet",
     "guess",
     "packets_of",
     "pipeline_for",
@@ -129,6 +130,7 @@ __all__ = [
     "read_pyshoe",
     "read_qmt",
     "read_ticks",
+    "stamped",
     "start_of",
     "write_instrumented_shoe",
 ]

@@ -1,7 +1,7 @@
 """Our packet log: the hello and every packet as it came."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from app.ingest.clock import PacketClock
 from app.ingest.declaration import Declaration, check_hello
 from app.ingest.messages import PROTOCOL_VERSION, HelloMessage
 from app.ingest.packet import Packet, decode_packet
+from app.ingest.readers._packets import stamped
 from app.recordings.chunks import RawPacket
 from app.recordings.packet_log import read_entries, read_head
 from app.recordings.ranges import SequenceRanges
@@ -76,8 +77,9 @@ def declaration_of(hello: dict[str, Any]) -> Declaration:
             ticket="", protocol_version=PROTOCOL_VERSION, **{k: v for k, v in hello.items() if k in known}
         )
         checked = check_hello(message)
-        if hello.get("clock_epochs"):
-            return Declaration.from_dict({**checked.to_dict(), "clock_epochs": hello["clock_epochs"]})
+        found = {key: hello[key] for key in ("clock_epochs", "is_stamped") if hello.get(key)}
+        if found:
+            return Declaration.from_dict({**checked.to_dict(), **found})
     except PacketError as error:
         raise RecordingFormatError(say("log.hello_refused", reason=error.message)) from error
     except (ValidationError, TypeError, KeyError) as error:
@@ -102,13 +104,18 @@ def read_ticks(path: Path) -> tuple[ImuChunk, LogReader]:
 
 
 def read_packet_log(path: Path) -> Recording:
-    """Read a packet log on the common tick of its session; what was never measured is left out.
+    """Read a packet log on the common tick of its session, or on the stamps of its file, without what was not measured.
 
     Raises
     ------
     RecordingFormatError
         No log, cut off, or without a sound packet.
     """
+    log = LogReader(path)
+    if log.declaration.is_stamped:
+        packets = sorted((raw for raw, _ in log.packets()), key=lambda raw: raw.sequence)
+        found = stamped(packets, log.declaration)
+        return replace(found, metadata=found.metadata | _about(log))
     chunk, log = read_ticks(path)
     sensors = {}
     for index, placement in enumerate(log.declaration.placements):
@@ -124,8 +131,12 @@ def read_packet_log(path: Path) -> Recording:
         sensors,
         log.declaration.rate_hz,
         origin=f"packet log {log.declaration.device}".strip(),
-        metadata={"format": "packet_log", "damaged_packets": str(log.damaged)},
+        metadata=_about(log),
     )
+
+
+def _about(log: LogReader) -> dict[str, str]:
+    return {"format": "packet_log", "damaged_packets": str(log.damaged)}
 
 
 __all__ = ["LogReader", "declaration_of", "read_packet_log", "read_ticks"]

@@ -1,10 +1,11 @@
-"""A file's recording as packets, so that it is stored and analysed exactly like a streamed one."""
+"""A file's recording as packets, in which it is stored, and back on its own stamps, on which it is analysed."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Final, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.errors import RecordingFormatError
 from app.ingest.declaration import Declaration, check_placements
@@ -12,11 +13,12 @@ from app.ingest.packet import Channel
 from app.recordings.chunks import FLOAT32, RawPacket
 from app.sentences import say
 from estimators.conventions import PLACEMENTS, Placement
-from estimators.recording import Recording
+from estimators.recording import Float, Recording, SensorSignals
 
 PACKET_S: Final = 0.05
-_EVEN: Final = 0.02
+_EVEN: Final = 0.002
 """Ticks of one packet lie this close to their even spacing, in ticks; else each is its own packet."""
+_INERTIAL: Final = Channel.GYROSCOPE | Channel.ACCELEROMETER
 
 
 @dataclass(frozen=True)
@@ -43,28 +45,11 @@ class RecordingPackets:
     def packets(self, arrival_ns: int) -> Iterator[RawPacket]:
         """Yield float32 packets in order; a sensor without a sample sends zeros, as on the wire."""
         sensors = [self.recording.sensors[name] for name in self.declaration.placements]
-        time_us = np.round(sensors[0].time_s * 1e6).astype(np.int64)
+        time_us = _whole_microseconds(sensors[0].time_s)
         interval_us = max(1, round(1e6 / self.declaration.rate_hz))
-        has_field = sensors[0].magnetometer_t is not None
-        mask = int(Channel.GYROSCOPE | Channel.ACCELEROMETER | (Channel.MAGNETOMETER if has_field else 0))
+        values, mask = _wire_values(sensors)
         ticks = max(1, min(64, round(PACKET_S * self.declaration.rate_hz)))
         for sequence, (first, stop) in enumerate(_groups(time_us, interval_us, ticks)):
-            values = np.stack(
-                [
-                    np.concatenate(
-                        [
-                            s.gyroscope_radps[first:stop],
-                            s.accelerometer_mps2[first:stop],
-                            *([s.magnetometer_t[first:stop]] if s.magnetometer_t is not None else []),
-                        ],
-                        axis=1,
-                    )
-                    for s in sensors
-                ],
-                axis=1,
-            )
-            nothing = ~np.isfinite(values[:, :, :6]).all(axis=2)
-            values[nothing] = 0.0
             yield RawPacket(
                 sequence=sequence,
                 device_time_us=int(time_us[first]),
@@ -74,9 +59,76 @@ class RecordingPackets:
                 channel_mask=mask,
                 encoding=FLOAT32,
                 flags=0,
-                payload=np.nan_to_num(values, nan=0.0).astype("<f4").tobytes(),
+                payload=values[first:stop].tobytes(),
                 arrival_ns=arrival_ns,
             )
+
+    def as_stored(self) -> Recording:
+        """Return the recording as a session that holds these packets gives it, notes and metadata included.
+
+        Numbers have 32 bits and stamps whole microseconds; what is at no supported position is not in it.
+        """
+        found = stamped(self.packets(0), self.declaration)
+        return replace(
+            self.recording, sensors=found.sensors, metadata=self.recording.metadata | found.metadata
+        )
+
+
+def stamped(packets: Iterable[RawPacket], declaration: Declaration) -> Recording:
+    """Return the recording that was stored as packets, on the stamps that its file had.
+
+    Parameters
+    ----------
+    packets : iterable of RawPacket
+        By rising sequence, as `RecordingPackets.packets` gives them; others, of a log that somebody made, are left out.
+    declaration : Declaration
+        Says that its packets carry the stamps of a file.
+
+    Returns
+    -------
+    Recording
+        Sensors in the order of the declaration; where one gave nothing it has no sample.
+    """
+    first = None
+    heads: list[tuple[int, int, int]] = []
+    payload = bytearray()
+    for packet in packets:
+        first = packet if first is None else first
+        if packet.shape_key == first.shape_key and packet.encoding == FLOAT32:
+            heads.append((packet.device_time_us, packet.tick_interval_us, packet.tick_count))
+            payload += packet.payload
+    if first is None or not heads or first.channel_mask & _INERTIAL != _INERTIAL:
+        raise RecordingFormatError(say("log.no_packet"))
+    start_us, interval_us, counts = np.array(heads, dtype=np.int64).T
+    within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+    time_us = np.repeat(start_us, counts) + within * np.repeat(interval_us, counts)
+    values = np.frombuffer(payload, "<f4").reshape(time_us.size, first.sensor_count, -1).astype(np.float64)
+    rises = np.r_[True, time_us[1:] > np.maximum.accumulate(time_us)[:-1]]
+    time_s, values = (time_us[rises] - time_us[0]) * 1e-6, values[rises]
+    has_field = bool(first.channel_mask & Channel.MAGNETOMETER)
+    sensors: dict[str, SensorSignals] = {}
+    for row, name in enumerate(declaration.placements):
+        measured = values[:, row, :6].any(axis=1)
+        columns = values[measured, row]
+        field = columns[:, 6:9].copy() if has_field else None
+        if field is not None:
+            field[~field.any(axis=1)] = np.nan
+        sensors[name] = SensorSignals(
+            time_s[measured],
+            np.ascontiguousarray(columns[:, :3]),
+            np.ascontiguousarray(columns[:, 3:6]),
+            field if field is not None and np.isfinite(field).any() else None,
+        )
+    clips = {
+        "gyroscope_clip_radps": declaration.clip_gyroscope_radps,
+        "accelerometer_clip_mps2": declaration.clip_accelerometer_mps2,
+    }
+    return Recording(
+        sensors,
+        declaration.rate_hz,
+        origin=declaration.device,
+        metadata={name: str(level) for name, level in clips.items() if level is not None},
+    )
 
 
 def packets_of(recording: Recording, *, any_name: bool = False) -> RecordingPackets:
@@ -99,21 +151,59 @@ def packets_of(recording: Recording, *, any_name: bool = False) -> RecordingPack
     first = recording.sensors[ours[0]]
     if any(not np.array_equal(recording.sensors[name].time_s, first.time_s) for name in ours):
         raise RecordingFormatError(say("file.time_stamps_differ"))
-    clip_radps = recording.metadata.get("gyroscope_clip_radps")
+    clips = {
+        name: float(recording.metadata[name])
+        for name in ("gyroscope_clip_radps", "accelerometer_clip_mps2")
+        if name in recording.metadata
+    }
     declaration = Declaration(
         placements=cast(tuple[Placement, ...], tuple(ours)) if any_name else check_placements(ours),
         rate_hz=recording.nominal_rate_hz,
         device=recording.origin[:100],
-        clip_gyroscope_radps=None if clip_radps is None else float(clip_radps),
+        clip_gyroscope_radps=clips.get("gyroscope_clip_radps"),
+        clip_accelerometer_mps2=clips.get("accelerometer_clip_mps2"),
+        is_stamped=True,
     )
     left_out = tuple(name for name in recording.sensors if name not in ours)
     more = recording.metadata.get("left_out")
     return RecordingPackets(recording, declaration, left_out + ((more,) if more else ()))
 
 
+def as_feet(recording: Recording) -> Recording:
+    """Return what packets can hold of two shoes: the heel's sensor as the foot's, and the lower legs."""
+    named = {
+        name.replace("heel", "foot"): replace(sensor, force_n=None, moment_nm=None)
+        for name, sensor in recording.sensors.items()
+        if not name.startswith("forefoot")
+    }
+    return replace(recording, sensors=named)
+
+
+def _whole_microseconds(time_s: Float) -> NDArray[np.int64]:
+    """Return strictly rising stamps in whole microseconds: two that are less apart must not become one."""
+    rounded = np.round(time_s * 1e6).astype(np.int64)
+    places = np.arange(rounded.size)
+    return np.asarray(np.maximum.accumulate(rounded - places) + places)
+
+
+def _wire_values(sensors: Sequence[SensorSignals]) -> tuple[NDArray[np.float32], int]:
+    """Return what the packets hold, shape (N, S, 6 or 9), and the mask of its channels."""
+    has_field = sensors[0].magnetometer_t is not None
+    width = 9 if has_field else 6
+    values = np.zeros((sensors[0].time_s.size, len(sensors), width), dtype="<f4")
+    for row, sensor in enumerate(sensors):
+        inertial = np.concatenate([sensor.gyroscope_radps, sensor.accelerometer_mps2], axis=1)
+        inertial[~np.isfinite(inertial).all(axis=1)] = 0.0
+        values[:, row, :6] = inertial
+        if sensor.magnetometer_t is not None and has_field:
+            values[:, row, 6:] = np.nan_to_num(sensor.magnetometer_t, nan=0.0)
+    return values, int(_INERTIAL | (Channel.MAGNETOMETER if has_field else 0))
+
+
 def _groups(time_us: np.ndarray, interval_us: int, ticks: int) -> Iterator[tuple[int, int]]:
     """Split into runs of `ticks` even ticks; where the stamps are not even, one tick a packet."""
-    tolerance_us = max(1.0, _EVEN * interval_us)
+    # An interval in whole microseconds alone is off by half a one at every tick.
+    tolerance_us = max(1.0 + 0.5 * ticks, _EVEN * interval_us)
     first = 0
     while first < time_us.size:
         stop = min(first + ticks, time_us.size)
@@ -126,4 +216,4 @@ def _groups(time_us: np.ndarray, interval_us: int, ticks: int) -> Iterator[tuple
         first = stop
 
 
-__all__ = ["RecordingPackets", "packets_of"]
+__all__ = ["RecordingPackets", "as_feet", "packets_of", "stamped"]

@@ -1,82 +1,12 @@
 import csv
-from pathlib import Path
 
 import numpy as np
 import pytest
-import scipy.io
 
 from app.errors import RecordingFormatError
 from app.ingest import readers
+from tests.app.ingest.recording_files import FEET, G, gaitmap, gaitmap_rows, pyshoe, xio
 from tests.said import codes
-
-FEET = Path(__file__).parents[2] / "data" / "feet"
-G = 9.80665
-
-
-def pyshoe(path, **changes):
-    content = np.load(FEET / "pyshoe_walk.npz")
-    given = {
-        "imu_data": np.concatenate([content["accelerometer_mps2"], content["gyroscope_radps"]], axis=1),
-        "timestamps_all": content["time_s"][None, :] + 5.0,
-        "gt": content["position_xy_m"] * [1.0, -1.0],
-    }
-    scipy.io.savemat(path, {k: v for k, v in (given | changes).items() if v is not None})
-    return path
-
-
-def xio(path, edit=lambda rows: None, header=None, count=3000):
-    content = np.load(FEET / "xio_short_walk.npz")
-    table = np.concatenate(
-        [
-            content["time_s"][:count, None],
-            np.rad2deg(content["gyroscope_radps"][:count]),
-            content["accelerometer_mps2"][:count] / G,
-        ],
-        axis=1,
-    )
-    edit(table)
-    names = (
-        ["Time (s)"] + [f"Gyroscope {a} (deg/s)" for a in "XYZ"] + [f"Accelerometer {a} (g)" for a in "XYZ"]
-    )
-    with path.open("w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(header or names)
-        writer.writerows(table.tolist())
-    return path
-
-
-def gaitmap_rows(side, count=2000):
-    content = np.load(FEET / "gaitmap_strides.npz")
-    return np.concatenate(
-        [
-            content[f"accelerometer_{side}_mps2"][:count],
-            np.rad2deg(content[f"gyroscope_{side}_radps"][:count]),
-        ],
-        axis=1,
-    )
-
-
-def gaitmap(folder, truth=True):
-    axes = ["acc_x", "acc_y", "acc_z", "gyr_x", "gyr_y", "gyr_z"]
-    folder.mkdir(exist_ok=True)
-    both = np.concatenate([gaitmap_rows("left"), gaitmap_rows("right")], axis=1)
-    with (folder / "imu_sample.csv").open("w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(["sensor", *["left_sensor"] * 6, *["right_sensor"] * 6])
-        writer.writerow(["axis", *axes, *axes])
-        writer.writerows([i, *row] for i, row in enumerate(both.tolist()))
-    if truth:
-        markers = [f"{side}_{name}" for side in "LR" for name in ("TOE", "FCC", "FM5")]
-        with (folder / "mocap_sample.csv").open("w", newline="") as file:
-            writer = csv.writer(file)
-            writer.writerow(["", *[m for m in markers for _ in "xyz"]])
-            writer.writerow(["", *"xyz" * 6])
-            writer.writerows([i, *range(18)] for i in range(900))
-        (folder / "stride_events_sample.csv").write_text(
-            "s_id,foot,start,end,ic,tc,min_vel,pre_ic\n0,left,494.0,709.0,657.0,586.0,494.0,438.0\n"
-            "1,right,600.0,800.0,757.0,686.0,600.0,500.0\n"
-        )
-    return folder / "imu_sample.csv"
 
 
 def test_a_pyshoe_walk(tmp_path):

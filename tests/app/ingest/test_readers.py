@@ -24,9 +24,9 @@ from app.recordings.packet_log import log_entry, log_head, packet_message, write
 from app.recordings.schemas import CsvColumn, CsvMapping
 from estimators.recording import Recording, SensorSignals
 from estimators.signals import to_common_ticks
+from tests.app.ingest.recording_files import BROAD, broad_content
 from tests.said import codes
 
-BROAD = Path(__file__).parents[2] / "data" / "broad" / "fast_combined_15s.npz"
 SENSORS = ("sternum", "upper_arm_right")
 
 
@@ -326,15 +326,7 @@ def test_a_wrong_whole_body_file_is_refused(tmp_path: Path, changes: dict[str, A
 
 @pytest.mark.parametrize("kind", ["mat", "hdf5"])
 def test_broad_trials_carry_their_truth(tmp_path: Path, kind: str) -> None:
-    with np.load(BROAD) as data:
-        content = {
-            "imu_gyr": data["gyroscope_radps"],
-            "imu_acc": data["accelerometer_mps2"],
-            "imu_mag": data["magnetometer_ut"],
-            "opt_quat": data["q_earth_sensor_optical"],
-            "movement": data["movement"].astype(np.uint8),
-            "sampling_rate": float(data["sampling_rate_hz"]),
-        }
+    content = broad_content()
     path = tmp_path / f"trial.{kind}"
     if kind == "mat":
         scipy.io.savemat(path, content)

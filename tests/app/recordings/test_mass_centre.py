@@ -13,7 +13,7 @@ from app.commands import mass_centre as command
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput, NotFound
 from app.ingest import readers
-from app.ingest.upload import estimated
+from app.ingest.declaration import estimated
 from app.recordings._rows import insert_chunk
 from app.recordings.chunks import encode_frames, frames_stream, slice_frames
 from app.recordings.mass_centre import mass_centre_of
