@@ -1,4 +1,4 @@
-"""Samples that cannot be true: values of no device, and a rate that leaps alone."""
+"""Samples that cannot be true: values of no device, a rate that leaps alone, and a sensor that repeats itself."""
 
 import math
 from dataclasses import replace
@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators._kernels import kernel
+from estimators.orientation import _frozen
+from estimators.orientation._frozen import forget, frozen
 from estimators.recording import Float, ImuChunk, SampleQuality
 
 LARGEST_RATE_RADPS: Final = 70.0
@@ -26,14 +28,26 @@ _DOUBTED_S: Final = 0.04
 
 _MISSING = int(SampleQuality.MISSING)
 _LAST, _FORCE, _RECENT, _HAS_LAST, _DOUBTS = 0, 3, 6, 7, 8
-MEMORY = 9
-"""Per sensor: last rate and force believed, largest recent rate, whether there is a last one, doubted in a row."""
+_FROZEN = 9
+MEMORY = _FROZEN + _frozen.MEMORY
+"""Per sensor: last rate and force believed, largest recent rate, whether there is a last one, doubted in a row; and
+what tells a freeze."""
 _SAMPLE, _FIELD = 1, 2
 _NO_FIELD: Final = np.empty((0, 0, 3))
 
 
+@kernel("void(uint8[::1], int64, float64, int64)")
+def _mark_back(wild: NDArray[np.uint8], last: int, count: float, verdict: int) -> None:
+    """Mark the last `count` ticks up to and with `last`, as far as they are not marked yet."""
+    k, first = last, max(0, last + 1 - int(count))
+    while k >= first and wild[k] & verdict == 0:
+        wild[k] |= verdict
+        k -= 1
+
+
 @kernel(
-    "int64(float64[:, :, :], float64[:, :, :], float64[:, :, :], uint8[:, :], float64, float64[:, ::1], uint8[:, ::1])"
+    "int64(float64[:, :, :], float64[:, :, :], float64[:, :, :], uint8[:, :], float64, boolean, float64[:, ::1],"
+    "uint8[:, ::1])"
 )
 def _judge(
     rate_radps: Float,
@@ -41,16 +55,22 @@ def _judge(
     field_t: Float,
     quality: NDArray[np.uint8],
     step_s: float,
+    is_whole: bool,
     memory: Float,
     wild: NDArray[np.uint8],
 ) -> int:
-    """Mark what cannot be used in `wild` (S, K), carry `memory` on, and return how much was marked."""
+    """Mark what cannot be used in `wild` (S, K), carry `memory` on, and return how much was marked.
+
+    A freeze is marked from where it is certain, or where these are all ticks, from its first repeated sample.
+    """
     found = 0
     keep = math.exp(-step_s / _RECENT_S)
     least = _LEAP_RADPS * max(step_s / _LEAP_STEP_S, 1.0)
+    has_field = field_t.shape[0] > 0
     most_doubted = max(math.floor(_DOUBTED_S / step_s + 1e-6), 1)
     for s in range(quality.shape[0]):
         m = memory[s]
+        still = memory[s, _FROZEN:]
         for k in range(quality.shape[1]):
             verdict = 0
             largest_rate = largest_force = 0.0
@@ -61,6 +81,15 @@ def _judge(
                 largest_rate, largest_force = max(largest_rate, w), max(largest_force, f)
             recent = keep * m[_RECENT]
             m[_RECENT] = recent
+            lasts = field_lasts = 0.0
+            if finite:
+                # Without a magnetometer any three numbers stand for those that are not looked at.
+                field = field_t[s, k] if has_field else force_mps2[s, k]
+                lasts, field_lasts = frozen(
+                    still, rate_radps[s, k], force_mps2[s, k], field, has_field, step_s
+                )
+            else:
+                forget(still)
             if not finite:
                 m[_HAS_LAST] = m[_DOUBTS] = 0.0
             elif largest_rate > LARGEST_RATE_RADPS or largest_force > LARGEST_FORCE_MPS2:
@@ -82,12 +111,15 @@ def _judge(
                     for a in range(3):
                         m[_LAST + a] = rate_radps[s, k, a]
                         m[_FORCE + a] = force_mps2[s, k, a]
-            if field_t.shape[0] > 0:
+            if has_field:
                 for a in range(3):
                     if abs(field_t[s, k, a]) > LARGEST_FIELD:
                         verdict |= _FIELD
             wild[s, k] = verdict
-            if verdict:
+            if lasts > 0.0 or field_lasts > 0.0:
+                _mark_back(wild[s], k, lasts if is_whole else min(lasts, 1.0), _SAMPLE)
+                _mark_back(wild[s], k, field_lasts if is_whole else min(field_lasts, 1.0), _FIELD)
+            if wild[s, k]:
                 found += 1
     return found
 
@@ -105,16 +137,20 @@ class SampleScreen:
     rates before, which is why the limit grows with both: of the public recordings of fast hands, shaken legs, stairs
     and heel strikes none comes nearer to it than 5 rad/s.
 
+    A sensor that repeats itself (`_frozen`) gives nothing either; its magnetometer alone may.
+
     Only the past is looked at, so the cut of a stream into chunks cannot matter.
 
     Parameters
     ----------
     sensor_count : int
     time_step_s : float
+    is_whole : bool
+        The one chunk is the whole session: a freeze is marked from its first sample on, not from when it was certain.
     """
 
-    def __init__(self, sensor_count: int, time_step_s: float) -> None:
-        self._time_step_s = time_step_s
+    def __init__(self, sensor_count: int, time_step_s: float, *, is_whole: bool = False) -> None:
+        self._time_step_s, self._is_whole = time_step_s, is_whole
         self.memory = np.zeros((sensor_count, MEMORY))
 
     def screened(self, chunk: ImuChunk) -> ImuChunk:
@@ -125,7 +161,7 @@ class SampleScreen:
         quality = np.asarray(chunk.quality, dtype=np.uint8)
         wild = np.empty(quality.shape, dtype=np.uint8)
         given = _NO_FIELD if field is None else np.asarray(field, dtype=np.float64)
-        if not _judge(rate, force, given, quality, self._time_step_s, self.memory, wild):
+        if not _judge(rate, force, given, quality, self._time_step_s, self._is_whole, self.memory, wild):
             return chunk
         lost = (wild & _SAMPLE) != 0
         return replace(

@@ -103,7 +103,7 @@ def smooth(
     Bryson-Frazier. Sensors are worked on one after the other, so beside chunk and result there is only
     memory for the blocks of one, about 10 kB a block of 0.2 s.
     """
-    chunk = ChunkGuard(chunk.sensor_count, chunk.time_step_s).accept(chunk)
+    chunk = ChunkGuard(chunk.sensor_count, chunk.time_step_s, is_whole=True).accept(chunk)
     if chunk.tick_count == 0:
         raise ShapeError("the session holds no ticks; there is nothing to smooth")
     if constants is not None and len(constants) != chunk.sensor_count:

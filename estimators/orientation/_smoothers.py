@@ -73,7 +73,7 @@ class Smoother(OrientationEstimator):
     def __init__(
         self, sensor_count: int, time_step_s: float, parameters: Mapping[str, Any] | None = None
     ) -> None:
-        self._guard = ChunkGuard(sensor_count, time_step_s)
+        self._guard = ChunkGuard(sensor_count, time_step_s, is_whole=True)
         self._parameters = read_parameters(self._parameter_kind, parameters)
         self._constants: tuple[DeviceConstants, ...] = ()
 
@@ -130,7 +130,7 @@ class TelemotionSmoother(Smoother):
     """Our own filter's model over the whole session, both ways."""
 
     name: ClassVar[str] = "telemotion_smoother"
-    version: ClassVar[str] = "5"
+    version: ClassVar[str] = "6"
     title: ClassVar[str] = "Telemotion, off-line"
     description: ClassVar[str] = (
         "Looks at the whole session, forward and backward, once it is recorded; the most accurate."

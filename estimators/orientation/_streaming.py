@@ -21,9 +21,11 @@ class ChunkGuard:
     ----------
     sensor_count : int
     time_step_s : float
+    is_whole : bool
+        One chunk will be the whole session (`SampleScreen`).
     """
 
-    def __init__(self, sensor_count: int, time_step_s: float) -> None:
+    def __init__(self, sensor_count: int, time_step_s: float, *, is_whole: bool = False) -> None:
         if not 1 <= sensor_count <= MAXIMUM_SENSORS:
             raise SetupError(f"{sensor_count} sensors; an estimator serves 1 to {MAXIMUM_SENSORS}")
         if not 1e-4 <= time_step_s <= 1.0:
@@ -31,7 +33,7 @@ class ChunkGuard:
         self.sensor_count = sensor_count
         self.time_step_s = float(time_step_s)
         self.next_tick = _NEVER
-        self._screen = SampleScreen(sensor_count, self.time_step_s)
+        self._screen = SampleScreen(sensor_count, self.time_step_s, is_whole=is_whole)
 
     @property
     def memory(self) -> Float:

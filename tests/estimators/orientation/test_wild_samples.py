@@ -5,7 +5,7 @@ import pytest
 
 from estimators import orientation, rotation
 from estimators.orientation import OrientationFlag
-from estimators.orientation._screen import SampleScreen, _judge
+from estimators.orientation._screen import MEMORY, SampleScreen, _judge
 from tests.estimators.orientation.orientation_contract import STEP_S, assert_same_bits, joined, moving_network
 
 BRIDGED_OR_INVALID = int(OrientationFlag.BRIDGED | OrientationFlag.INVALID)
@@ -68,8 +68,15 @@ def test_a_rate_that_stays_is_believed():
 
 def test_kernel_agrees_with_its_python_twin():
     chunk = wild_network(ticks=520)
-    given = (chunk.gyroscope_radps, chunk.accelerometer_mps2, chunk.magnetometer_t, chunk.quality, STEP_S)
-    memory, twin_memory = np.zeros((2, 3, 9))
+    given = (
+        chunk.gyroscope_radps,
+        chunk.accelerometer_mps2,
+        chunk.magnetometer_t,
+        chunk.quality,
+        STEP_S,
+        True,
+    )
+    memory, twin_memory = np.zeros((2, 3, MEMORY))
     wild, twin_wild = np.zeros((2, *chunk.quality.shape), dtype=np.uint8)
     assert _judge(*given, memory, wild) == _judge.py_func(*given, twin_memory, twin_wild) == 7
     np.testing.assert_array_equal(wild, twin_wild)
