@@ -53,9 +53,9 @@ from app.live.replay import router as replay_router
 from app.live.watch_socket import router as watch_router
 from app.observation import observe
 from app.patients.endpoints import router as patients_router
-from app.recordings import GroupCommitWriter
 from app.recordings.disk import DiskUse
 from app.recordings.endpoints import router as sessions_router
+from app.recordings.group_commit import GroupCommitWriter
 from app.recordings.jobs import Handler, JobRunner
 from app.recordings.magnetic_endpoints import router as magnetic_router
 from app.recordings.mass_centre_endpoints import router as mass_centre_router

@@ -2,12 +2,17 @@
 
 from collections.abc import Mapping
 from datetime import date, datetime
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StrictBool, model_validator
 
 from app.sentences import CATALOGUE, Sentence
 from estimators.sentences import for_json
+
+SessionState = Literal[
+    "created", "calibrating", "ready", "recording", "link_lost", "closing", "analysed", "failed"
+]
+"""Of a session, in the order in which it usually goes through them."""
 
 
 class Schema(BaseModel):

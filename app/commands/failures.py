@@ -7,10 +7,8 @@ from json import JSONDecodeError
 
 import typer
 from pydantic import ValidationError
-from sqlalchemy.exc import DBAPIError
 
 from app.errors import TelemotionError
-from app.logs import safe_words
 from estimators.errors import EstimationError
 
 EXIT_REFUSED = 2
@@ -30,11 +28,24 @@ def in_one_line() -> Iterator[None]:
             place = ".".join(str(part) for part in problem["loc"])
             lines.append(f"{place + ': ' if place else ''}{problem['msg']}")
         _refuse(*lines)
-    except DBAPIError as error:
-        # Not the statement, whose values are patient data.
-        _refuse(f"the database cannot be used: {safe_words(error) or type(error).__name__}")
     except JSONDecodeError as error:
         _refuse(f"this is no JSON: {error}")
+    except Exception as error:
+        words = _words_of_the_database(error)
+        if words is None:
+            raise
+        _refuse(f"the database cannot be used: {words}")
+
+
+def _words_of_the_database(error: Exception) -> str | None:
+    """Return what a database complains about, without the statement, whose values are patient data; None for others."""
+    # A command that uses no database has not loaded it, and gets no error of its.
+    database = sys.modules.get("sqlalchemy.exc")
+    if database is None or not isinstance(error, database.DBAPIError):
+        return None
+    from app.logs import safe_words
+
+    return safe_words(error) or type(error).__name__
 
 
 def _refuse(*lines: str) -> None:

@@ -15,7 +15,7 @@ from app.ingest import readers
 from app.ingest.marker_fusion import fuse_tracks, motion_of, report_of
 from app.recordings.marker_motion import csv_head, csv_lines
 from app.recordings.marker_schemas import MarkerFileIn, MarkerReport
-from app.recordings.schemas import CsvMapping
+from app.recordings.table_schemas import CsvMapping
 from estimators import signals
 from estimators.optical import WITHHELD_M, OpticalFusion, OpticalResult, Provenance
 from estimators.recording import Float, Recording, SampleQuality

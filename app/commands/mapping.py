@@ -8,10 +8,11 @@ import typer
 from pydantic import ValidationError
 
 from app.errors import InvalidInput
-from app.ingest.readers import TEXT, Guess, PipelineName, Preview, preview_text, start_of
+from app.ingest import readers
 
 if TYPE_CHECKING:
-    from app.recordings.schemas import CsvMapping
+    from app.ingest.readers import Guess, PipelineName, Preview
+    from app.recordings.table_schemas import CsvMapping
 
 
 def mapping_from(path: Path) -> "CsvMapping":
@@ -26,7 +27,7 @@ def mapping_from(path: Path) -> "CsvMapping":
     InvalidInput
         It is no JSON, or says something that is no mapping; with the signal and its columns.
     """
-    from app.recordings.schemas import CsvMapping
+    from app.recordings.table_schemas import CsvMapping
 
     try:
         content = json.loads(path.read_text("utf-8"))
@@ -71,7 +72,7 @@ def mapping(table: Path, out: Path | None, pipeline: str, rate_hz: float | None)
         typer.echo(line, err=True)
 
 
-def previewed(table: Path, pipeline: str, rate_hz: float | None) -> Preview:
+def previewed(table: Path, pipeline: str, rate_hz: float | None) -> "Preview":
     """Say what a file seems to be, as the upload page shows it; see `preview_text`.
 
     Raises
@@ -79,13 +80,13 @@ def previewed(table: Path, pipeline: str, rate_hz: float | None) -> Preview:
     InvalidInput
         For an ending that no table has.
     """
-    if table.suffix.lower() not in TEXT:
-        raise InvalidInput(f"{table} is no table: those end with {', '.join(sorted(TEXT))}")
-    asked = cast(PipelineName | None, pipeline or None)
-    return preview_text(table.name, start_of(table), asked, rate_hz)
+    if table.suffix.lower() not in readers.TEXT:
+        raise InvalidInput(f"{table} is no table: those end with {', '.join(sorted(readers.TEXT))}")
+    asked = cast("PipelineName | None", pipeline or None)
+    return readers.preview_text(table.name, readers.start_of(table), asked, rate_hz)
 
 
-def guessed_mapping(found: Preview, written: Path | None) -> "CsvMapping | None":
+def guessed_mapping(found: "Preview", written: Path | None) -> "CsvMapping | None":
     """Return the guessed mapping of a table, or None for a format that needs none; say what was assumed.
 
     Parameters
@@ -116,12 +117,12 @@ def guessed_mapping(found: Preview, written: Path | None) -> "CsvMapping | None"
         raise InvalidInput(f"{' '.join(guess.missing)}{options} {complete} with --mapping.")
     for line in guess.notes:
         typer.echo(f"note: {line}", err=True)
-    from app.recordings.schemas import CsvMapping
+    from app.recordings.table_schemas import CsvMapping
 
     return CsvMapping.model_validate(guess.mapping)
 
 
-def as_json(guess: Guess) -> str:
+def as_json(guess: "Guess") -> str:
     """Return a mapping as people edit it."""
     return json.dumps(guess.mapping, indent=2, ensure_ascii=False)
 

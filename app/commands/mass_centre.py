@@ -9,7 +9,7 @@ import typer
 
 from app.errors import InvalidInput
 from app.ingest import readers
-from app.recordings.schemas import CsvMapping
+from app.recordings.table_schemas import CsvMapping
 from estimators import pipelines
 from estimators.balance import MASS_SCALARS, has_mass_centre
 from estimators.body import body_from_stature

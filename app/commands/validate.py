@@ -12,7 +12,7 @@ import typer
 from app.accuracy.report import fresh_seed, make_report
 from app.errors import InvalidInput
 from app.ingest import readers
-from app.recordings.schemas import CsvMapping
+from app.recordings.table_schemas import CsvMapping
 from estimators import validation
 from estimators.recording import Recording, SensorSignals
 from estimators.validation import ProtocolResult, Values

@@ -5,8 +5,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from app.errors import TelemotionError
-from app.recordings.schemas import SessionState
-from app.schemas import Schema, Spoken
+from app.schemas import Schema, SessionState, Spoken
 
 PROTOCOL_VERSION = 1
 

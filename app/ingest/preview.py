@@ -4,7 +4,8 @@ from fastapi import APIRouter
 
 from app.accounts.dependencies import CurrentSubject
 from app.ingest import readers
-from app.recordings.schemas import CsvMapping, PreviewIn, TablePreview
+from app.recordings.schemas import PreviewIn, TablePreview
+from app.recordings.table_schemas import CsvMapping
 
 router = APIRouter(prefix="/api", tags=["sessions"])
 _SHOWN_COLUMNS = 300

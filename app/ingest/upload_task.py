@@ -15,9 +15,10 @@ from app.ingest import readers
 from app.ingest.declaration import Declaration, estimated
 from app.ingest.upload import pipeline_of, upload_folder
 from app.recordings._rows import insert_chunk
-from app.recordings.chunks import RAW_STREAM, EncodedChunk, RawPacket, encode_packets
+from app.recordings.chunks import RAW_STREAM, EncodedChunk, encode_packets
 from app.recordings.jobs import JobContext
 from app.recordings.models import MotionSession, SessionEvent, SignalChunk
+from app.recordings.raw_packet import RawPacket
 from app.recordings.reprocess import (
     SINGLE_SENSORS,
     Analysis,

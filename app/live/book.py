@@ -14,8 +14,9 @@ from app.live.bus import Bus, topic
 from app.live.messages import EventMessage, HealthMessage, StateMessage
 from app.live.saver import Saver
 from app.live.states import StateMachine
-from app.recordings import GroupCommitWriter
-from app.recordings.schemas import SessionEventOut, SessionState
+from app.recordings.group_commit import GroupCommitWriter
+from app.recordings.schemas import SessionEventOut
+from app.schemas import SessionState
 
 logger = logging.getLogger(__name__)
 

@@ -26,7 +26,7 @@ from app.live.runner import LiveSession
 from app.live.states import OPEN
 from app.live.stored import stored_state
 from app.live.warmup import Readiness, prepare_process
-from app.recordings import GroupCommitWriter
+from app.recordings.group_commit import GroupCommitWriter
 from app.recordings.magnetic import CONFIRMATION_HOURS
 from app.sentences import say
 from estimators.calibration import Hemisphere

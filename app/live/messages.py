@@ -32,8 +32,8 @@ from app.ingest.messages import (
     JsonSensor,
 )
 from app.live.calibration_messages import CalibrationMessage
-from app.recordings.schemas import CalibrationOut, FrameLayoutOut, SessionEventOut, SessionState
-from app.schemas import Schema, Spoken
+from app.recordings.schemas import CalibrationOut, FrameLayoutOut, SessionEventOut
+from app.schemas import Schema, SessionState, Spoken
 
 
 class LayoutMessage(Schema):

@@ -15,8 +15,7 @@ from app.live.states import OPEN
 from app.patients.access import require_patient
 from app.recordings.magnetic import require_confirmed
 from app.recordings.models import MotionSession
-from app.recordings.schemas import SessionState
-from app.schemas import Schema
+from app.schemas import Schema, SessionState
 from app.sentences import say
 from app.services import services_of
 from estimators.conventions import Placement

@@ -15,7 +15,7 @@ from app.live.plausibility import CheckProcess
 from app.live.rebuild import rebuild
 from app.live.runner import LiveSession
 from app.live.states import OPEN
-from app.recordings import GroupCommitWriter
+from app.recordings.group_commit import GroupCommitWriter
 from app.sentences import say
 from estimators import pipelines
 from estimators.calibration import Hemisphere

@@ -26,8 +26,8 @@ from app.recordings.magnetic import CONFIRMATION_HOURS, require_confirmed, withd
 from app.recordings.magnetic_schemas import MagneticSafetyOut
 from app.recordings.models import MotionSession, Result, SignalChunk
 from app.recordings.result_rows import layout_dict
-from app.recordings.schemas import SessionState
 from app.recordings.walks import estimator_of
+from app.schemas import SessionState
 from app.sentences import say
 from estimators import orientation
 from estimators.pipelines import Calibration, Pipeline, SessionSetup

@@ -32,8 +32,11 @@ from app.live.messages import AcknowledgeMessage, HealthMessage, LayoutMessage, 
 from app.live.plausibility import Check, check
 from app.live.states import OPEN, STREAMING, streaming_state
 from app.live.stray_source import StraySource
-from app.recordings import GroupCommitWriter, RawPacket, SequenceRanges
-from app.recordings.schemas import CalibrationOut, SessionState
+from app.recordings.group_commit import GroupCommitWriter
+from app.recordings.ranges import SequenceRanges
+from app.recordings.raw_packet import RawPacket
+from app.recordings.schemas import CalibrationOut
+from app.schemas import SessionState
 from app.sentences import CATALOGUE, say
 from estimators.calibration import Finding, Hemisphere
 from estimators.pipelines import Frames, Pipeline

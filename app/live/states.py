@@ -12,7 +12,7 @@
 from typing import Final
 
 from app.errors import Conflict
-from app.recordings.schemas import SessionState
+from app.schemas import SessionState
 from app.sentences import say
 
 TRANSITIONS: Final[dict[SessionState, frozenset[SessionState]]] = {

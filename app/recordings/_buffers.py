@@ -13,12 +13,12 @@ from app.errors import TelemotionError
 from app.recordings.chunks import (
     MAX_CHUNK_TICKS,
     EncodedChunk,
-    RawPacket,
     encode_frames,
     encode_packets,
     frames_stream,
 )
 from app.recordings.ranges import SequenceRanges
+from app.recordings.raw_packet import RawPacket
 from estimators.pipelines._contract import Frames
 
 logger = logging.getLogger(__name__)

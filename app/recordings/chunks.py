@@ -20,85 +20,22 @@ from app.recordings._bit_columns import room_words
 from app.recordings._packet_kernel import pack_packets, unpack_packets
 from app.recordings.models import SignalChunk
 from app.recordings.ranges import ranges_of
+from app.recordings.raw_packet import COUNTS, WIDTH, RawPacket
 from app.sentences import say
 from estimators.pipelines._contract import FrameLayout, Frames
 from estimators.recording import Float
 
 if TYPE_CHECKING:
     # The wire format's messages name types of this room; at run time the arrow must not close a circle.
-    from app.ingest.packet import Packet
+    pass
 
 RAW_STREAM: Final = "raw"
-FLOAT32, COUNTS = 0, 1
-_WIDTH: Final = {FLOAT32: 4, COUNTS: 2}
 COUNTS_CODEC: Final = "int16-rice/1"
 _HEAD: Final = attrgetter(
     "sequence", "device_time_us", "tick_interval_us", "tick_count", "flags", "arrival_ns"
 )
 _HEAD_COLUMNS: Final = 6
 MAX_CHUNK_TICKS: Final = 4096
-
-
-@dataclass(slots=True)
-class RawPacket:
-    """One packet as it came: the header's fields, the payload's bytes and when it arrived. Treat as immutable.
-
-    Attributes
-    ----------
-    sequence : int
-        Sequence number of the packet; may go on above 32 bits where the sender's counter wrapped.
-    device_time_us : int
-        Device clock at the first tick, as sent.
-    tick_interval_us : int
-    sensor_count, tick_count, channel_mask, encoding, flags : int
-        Fields of the packet header (design page, section 4); encoding 0 is float32, 1 is int16 counts.
-    payload : bytes
-        For each tick, for each sensor, the channels of the mask.
-    arrival_ns : int
-        Server clock when it arrived, ns since the epoch. Never mixed with the device clock.
-    """
-
-    sequence: int
-    device_time_us: int
-    tick_interval_us: int
-    sensor_count: int
-    tick_count: int
-    channel_mask: int
-    encoding: int
-    flags: int
-    payload: bytes
-    arrival_ns: int
-
-    @property
-    def values_per_tick(self) -> int:
-        """Numbers in the payload per tick, over all sensors."""
-        return len(self.payload) // (self.tick_count * _WIDTH[self.encoding])
-
-    @property
-    def shape_key(self) -> tuple[int, int, int, int]:
-        """Packets share a chunk when this is equal."""
-        return self.sensor_count, self.channel_mask, self.encoding, self.values_per_tick
-
-    @classmethod
-    def from_packet(cls, packet: "Packet", arrival_ns: int, sequence: int | None = None) -> "RawPacket":
-        """Take a decoded packet; `sequence` replaces the one on the wire when its counter wrapped."""
-        return cls(
-            sequence=packet.sequence if sequence is None else sequence,
-            device_time_us=packet.device_time_us,
-            tick_interval_us=packet.tick_interval_us,
-            sensor_count=packet.sensor_count,
-            tick_count=packet.tick_count,
-            channel_mask=packet.channels,
-            encoding=packet.encoding,
-            flags=packet.flags,
-            payload=packet.data[len(packet.data) - packet.values.nbytes :],
-            arrival_ns=arrival_ns,
-        )
-
-    def table(self) -> NDArray[Any]:
-        """Return the payload as a view, shape (tick_count, values_per_tick), float32 or int16 counts."""
-        dtype = np.dtype("<i2") if self.encoding == COUNTS else np.dtype("<f4")
-        return np.frombuffer(self.payload, dtype=dtype).reshape(self.tick_count, -1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,11 +58,11 @@ def check_packet(packet: RawPacket) -> None:
     InvalidInput
         With the field that is wrong; the decoder of the wire format catches these first.
     """
-    if packet.encoding not in _WIDTH:
+    if packet.encoding not in WIDTH:
         raise InvalidInput(say("stored.packet_encoding", encoding=packet.encoding))
     if not 1 <= packet.tick_count <= MAX_CHUNK_TICKS or packet.sensor_count < 1:
         raise InvalidInput(say("stored.packet_empty"), field="tick_count")
-    unit = packet.tick_count * _WIDTH[packet.encoding]
+    unit = packet.tick_count * WIDTH[packet.encoding]
     if not packet.payload or len(packet.payload) % unit:
         raise InvalidInput(
             say("stored.packet_payload", size=len(packet.payload), ticks=packet.tick_count),
@@ -143,7 +80,7 @@ def encode_packets(packets: Sequence[RawPacket]) -> EncodedChunk:
     heads = fields.view(np.int64).reshape(-1, _HEAD_COLUMNS)
     payload = bytearray().join([packet.payload for packet in packets])
     ticks = sum([packet.tick_count for packet in packets])
-    values_per_tick = len(payload) // (ticks * _WIDTH[first.encoding])
+    values_per_tick = len(payload) // (ticks * WIDTH[first.encoding])
     scale = {
         "packets": len(packets),
         "ranges": ranges_of([packet.sequence for packet in packets]),
@@ -334,12 +271,9 @@ def slice_frames(frames: Frames, start: int, stop: int) -> Frames:
 
 
 __all__ = [
-    "COUNTS",
-    "FLOAT32",
     "MAX_CHUNK_TICKS",
     "RAW_STREAM",
     "EncodedChunk",
-    "RawPacket",
     "check_packet",
     "decode_frames",
     "decode_packets",

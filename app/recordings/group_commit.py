@@ -35,9 +35,10 @@ from app.errors import Conflict, TelemotionError, Unavailable
 from app.recordings._buffers import Batch, DurableCallback, FailureCallback, OpenSession, event_row, tell
 from app.recordings._metrics import WriterMetrics
 from app.recordings._rows import AlreadyStoredError, write_batch, write_batches
-from app.recordings.chunks import RAW_STREAM, RawPacket, check_packet
+from app.recordings.chunks import RAW_STREAM, check_packet
 from app.recordings.models import SignalChunk
 from app.recordings.ranges import SequenceRanges
+from app.recordings.raw_packet import RawPacket
 from app.recordings.store import stored_ranges
 from app.sentences import say
 from estimators.pipelines._contract import Frames

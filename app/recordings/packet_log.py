@@ -16,7 +16,7 @@ from typing import Any, BinaryIO, Final
 
 from app.errors import RecordingFormatError
 from app.ingest.packet import MAX_PACKET_BYTES, encode_packet
-from app.recordings.chunks import RawPacket
+from app.recordings.raw_packet import RawPacket
 from app.sentences import say
 
 MAGIC: Final = b"TML1"

@@ -21,7 +21,6 @@ from app.ingest.packet import Packet
 from app.recordings.chunks import (
     RAW_STREAM,
     EncodedChunk,
-    RawPacket,
     encode_frames,
 )
 from app.recordings.elbows import with_elbows
@@ -29,6 +28,7 @@ from app.recordings.heading_line import HeadingLine, HeadingReset, resets_in_for
 from app.recordings.jobs import JobContext
 from app.recordings.magnetic import PIPELINE as MAGNETIC
 from app.recordings.models import Job, MotionSession, Result, SessionEvent, SignalChunk
+from app.recordings.raw_packet import RawPacket
 from app.recordings.result_rows import CHUNKS_A_COMMIT, new_result, write_frames
 from app.recordings.smoothing import SmoothedModules, SmoothedSession, remember, smoother_for
 from app.recordings.stamped import stored_recording, ticks_of

@@ -5,14 +5,11 @@ from typing import Any, Literal
 
 from pydantic import Base64Bytes, Field
 
-from app.schemas import Flag, Schema, Spoken
+from app.recordings.table_schemas import CsvMapping
+from app.schemas import Flag, Schema, SessionState, Spoken
 from estimators.calibration import Calibration
 from estimators.conventions import Placement
 from estimators.orientation import DEFAULT
-
-SessionState = Literal[
-    "created", "calibrating", "ready", "recording", "link_lost", "closing", "analysed", "failed"
-]
 
 
 class SessionIn(Schema):
@@ -160,32 +157,6 @@ class JobOut(Spoken):
     message: str
     is_implausible: bool
     """Failed because the readings of an upload cannot be right; see `accept_implausible`."""
-
-
-class CsvColumn(Schema):
-    """Where one axis triple stands in a CSV file."""
-
-    placement: Placement | None = None
-    """Where the sensor is worn; None for a single sensor that is worn nowhere in particular."""
-    sensor: str = Field(default="", max_length=60)
-    """What a sensor is called in the table: tells those without placement apart."""
-    quantity: Literal["gyroscope", "accelerometer", "magnetometer"]
-    columns: list[str] = Field(min_length=3, max_length=3)
-    unit: Literal["rad/s", "deg/s", "mdps", "m/s^2", "g", "mg", "T", "uT", "mT", "G", "mG"]
-
-
-class CsvMapping(Schema):
-    """How to read a table: time column with its unit, or a fixed rate, and the columns of each sensor.
-
-    Names of columns are those of docs/mapping.md: header lines joined, repeated names numbered.
-    """
-
-    time_column: str | None = None
-    time_unit: Literal["s", "ms", "us", "ns"] = "s"
-    rate_hz: float | None = Field(default=None, gt=0)
-    delimiter: Literal[",", ";", "\t", "|", " "] | None = None
-    """What stands between the columns; a blank for any number of blanks; None to have it found."""
-    signals: list[CsvColumn]
 
 
 class PreviewIn(Schema):

@@ -17,7 +17,6 @@ from app.recordings.chunks import (
     MAX_CHUNK_TICKS,
     RAW_STREAM,
     EncodedChunk,
-    RawPacket,
     decode_frames,
     decode_packets,
     frames_stream,
@@ -27,6 +26,7 @@ from app.recordings.chunks import (
 )
 from app.recordings.models import Result, SignalChunk
 from app.recordings.ranges import SequenceRanges
+from app.recordings.raw_packet import RawPacket
 from app.sentences import say
 from estimators.pipelines._contract import Frames
 

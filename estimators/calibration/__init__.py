@@ -1,7 +1,6 @@
 """Constants of a session: static bias, how sensors sit on their segments, and how good that is."""
 
 from estimators.calibration._contract import Calibration
-from estimators.calibration._contradiction import calm_size
 from estimators.calibration._device import DeviceCalibration, TriadCalibration, correct
 from estimators.calibration._ferraris import FerrarisResult, Rest, ferraris, find_positions
 from estimators.calibration._field import EARTH_NORM_T, LocalField, local_field, odd_fields
@@ -50,7 +49,6 @@ __all__ = [
     "Rest",
     "StaticBias",
     "TriadCalibration",
-    "calm_size",
     "check_distinct",
     "check_mounting",
     "check_recording",

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from estimators import rotation
 from estimators.conventions import GRAVITY_MPS2
+from estimators.gravity import calm_size
 from estimators.recording import Float
 
 SIGNED_PERMUTATIONS: Final = np.stack(
@@ -60,7 +61,6 @@ _TURNING_S: Final = 0.4
 _CALM: Final = 0.05
 """Variance of the size of a direction, relative, from which it spoils what the direction says."""
 _REST_SPREAD: Final = 0.02
-_CALM_S, _CALM_SHARE = 0.2, 0.1
 _MOST_OFFSET: Final = 0.05
 _MOST_WINDOWS: Final = 24
 
@@ -150,34 +150,6 @@ def gather(rate: Float, force: Float, field: Float | None, time_step_s: float) -
         left, unturned = _of_field(rate[chosen], field[chosen] / strength, step_s)
         found += Evidence(0.0 * left, left, np.array([0.0, unturned]), np.array([0, len(starts)]))
     return found
-
-
-def calm_size(force: Float, time_step_s: float) -> float:
-    """Return the size of specific force where it changes least: gravity, in the unit of the readings.
-
-    Parameters
-    ----------
-    force : ndarray, shape (N, 3)
-        NaN where a sample is missing.
-    time_step_s : float
-
-    Returns
-    -------
-    float
-        Median over the calmest tenth of pieces of 0.2 s, or over all samples when no piece is whole; NaN without any.
-        In a run the median over all samples is twice gravity, but every foot stands between its swings.
-    """
-    sizes = np.linalg.norm(force, axis=1)
-    width = max(2, round(_CALM_S / time_step_s))
-    parts = len(force) // width
-    pieces = force[: parts * width].reshape(parts, width, 3)
-    whole = np.isfinite(pieces).all(axis=(1, 2))
-    if not whole.any():
-        sizes = sizes[np.isfinite(sizes)]
-        return float(np.median(sizes)) if len(sizes) else float("nan")
-    spread = np.linalg.norm(pieces.std(axis=1), axis=1)
-    calm = whole & (spread <= np.quantile(spread[whole], _CALM_SHARE))
-    return float(np.median(sizes[: parts * width].reshape(parts, width)[calm]))
 
 
 def slowed(values: Float, time_step_s: float) -> tuple[Float, float]:
@@ -313,7 +285,6 @@ __all__ = [
     "SIGNED_PERMUTATIONS",
     "WINDOW_S",
     "Evidence",
-    "calm_size",
     "gather",
     "resting_rate",
     "slowed",

@@ -7,11 +7,11 @@ import numpy as np
 from estimators import rotation
 from estimators.calibration._contradiction import (
     WINDOW_S,
-    calm_size,
     resting_rate,
     slowed,
     turning,
 )
+from estimators.gravity import calm_size
 from estimators.recording import Float
 
 _LEAST_TURNED: Final = 0.03

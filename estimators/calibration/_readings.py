@@ -7,9 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.calibration._clipping import ClipWatch
-from estimators.calibration._contradiction import HOP, WINDOW_S, Evidence, calm_size, gather
+from estimators.calibration._contradiction import HOP, WINDOW_S, Evidence, gather
 from estimators.calibration._dip import Dip
 from estimators.conventions import GRAVITY_MPS2
+from estimators.gravity import calm_size
 from estimators.recording import Float
 
 _ENOUGH_WINDOWS: Final = 48

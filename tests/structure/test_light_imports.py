@@ -1,5 +1,6 @@
 """A command loads what it needs: explaining itself and refusing a file take no seconds of imports."""
 
+import json
 import subprocess
 import sys
 
@@ -20,17 +21,47 @@ def test_the_command_line_explains_itself_without_the_library() -> None:
     assert not imported_by(code) & HEAVY
 
 
-@pytest.mark.parametrize("content", ["no recording", "a,b\n1,2\n"], ids=["text", "csv"])
-def test_a_refused_file_loads_no_web_framework(tmp_path, content: str) -> None:
-    file = tmp_path / "file.csv"
-    file.write_text(content)
+REFUSED = {
+    "nonsense": ("file.bin", bytes(range(256)) * 80, ()),
+    "ending of no format": ("file.csv.old", b"time,x", ()),
+    "text": ("file.csv", b"no recording", ()),
+    "table without a mapping": ("file.csv", b"a,b\n1,2\n", ()),
+    "table that says nothing": ("file.csv", b"a,b\n1,2\n", ("--guess",)),
+    "broken table": ("file.csv", b"t,x,y,z\n1,2,3,word\n2,3,word,4\n", ("--mapping",)),
+    "missing": ("file.csv", None, ()),
+}
+MAPPING = {
+    "time_column": "t",
+    "signals": [
+        {"quantity": quantity, "columns": ["x", "y", "z"], "unit": unit}
+        for quantity, unit in (("gyroscope", "rad/s"), ("accelerometer", "m/s^2"))
+    ],
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_a_refused_file_loads_neither_estimators_nor_the_service(tmp_path, case: str) -> None:
+    name, content, options = REFUSED[case]
+    file = tmp_path / name
+    if content is not None:
+        file.write_bytes(content)
+    if "--mapping" in options:
+        (tmp_path / "mapping.json").write_text(json.dumps(MAPPING))
+        options = ("--mapping", str(tmp_path / "mapping.json"))
+    command = ["process", str(file), *options, "--out", str(tmp_path / "out")]
+    # As the installed command begins, refusal and all.
     code = (
-        "from app.cli import cli\nfrom app.errors import TelemotionError\n"
-        f"try:\n    cli(['process', {str(file)!r}, '--out', {str(tmp_path)!r}], standalone_mode=False)\n"
-        "except TelemotionError:\n    pass\nelse:\n    raise SystemExit('not refused')"
+        "import sys\nfrom app.cli import main\n"
+        f"sys.argv = ['telemotion', *{command!r}]\n"
+        "try:\n    main()\nexcept SystemExit as end:\n    assert end.code == 2, end.code\n"
+        "else:\n    raise SystemExit('not refused')"
     )
     found = imported_by(code)
-    assert not found & (SCIENCE | {"fastapi", "viser", "pyarrow.parquet"})
+    packages = {name.partition(".")[0] for name in found}
+    assert not packages & {"numba", "scipy", "sqlalchemy", "fastapi", "viser", "h5py"}
+    assert not found & {"pyarrow.parquet", "estimators.orientation", "app.settings"}
+    if case in ("nonsense", "ending of no format", "missing"):
+        assert "pyarrow" not in packages
 
 
 @pytest.mark.slow

@@ -24,7 +24,7 @@ from app.ingest.readers._units import (
     check_gyroscope,
     check_magnetometer,
 )
-from app.recordings.schemas import CsvColumn, CsvMapping
+from app.recordings.table_schemas import CsvColumn, CsvMapping
 from app.sentences import Sentence, say
 from estimators.recording import Float, Recording, SensorSignals
 

@@ -1,13 +1,16 @@
 """MATLAB files of versions 4 to 7, from strangers."""
 
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import scipy
 
 from app.errors import RecordingFormatError
 from app.ingest.readers._unpacked import check_mat
 from app.sentences import say
+
+PYSHOE_MARKS: Final = ("imu_data", "timestamps_all")
+"""Variables by which a walk of the PyShoe set is known."""
 
 
 def load_mat(path: Path, names: list[str], *, simplify: bool = False) -> dict[str, Any]:
@@ -31,12 +34,21 @@ def load_mat(path: Path, names: list[str], *, simplify: bool = False) -> dict[st
     return content
 
 
-def variables(path: Path) -> set[str]:
-    """Return the names in a file without reading their values."""
+def mat_format(path: Path) -> str:
+    """Return which of the formats kept in such files one seems to have, by the names in it.
+
+    Raises
+    ------
+    RecordingFormatError
+        The file cannot be read.
+    """
     try:
-        return {name for name, _, _ in scipy.io.whosmat(path)}
+        names = {name for name, _, _ in scipy.io.whosmat(path)}
     except Exception as error:
         raise RecordingFormatError(say("mat.unreadable")) from error
+    if set(PYSHOE_MARKS) <= names:
+        return "pyshoe"
+    return "broad" if "imu_gyr" in names else "qmt_mat"
 
 
-__all__ = ["load_mat", "variables"]
+__all__ = ["PYSHOE_MARKS", "load_mat", "mat_format"]

@@ -15,9 +15,9 @@ from app.ingest.declaration import Declaration, check_hello
 from app.ingest.messages import PROTOCOL_VERSION, HelloMessage
 from app.ingest.packet import Packet, decode_packet
 from app.ingest.readers._packets import stamped
-from app.recordings.chunks import RawPacket
 from app.recordings.packet_log import read_entries, read_head
 from app.recordings.ranges import SequenceRanges
+from app.recordings.raw_packet import RawPacket
 from app.sentences import say
 from estimators.recording import ImuChunk, Recording, SampleQuality, SensorSignals
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from app.errors import RecordingFormatError
 from app.ingest.declaration import Declaration, check_placements
 from app.ingest.packet import Channel
-from app.recordings.chunks import FLOAT32, RawPacket
+from app.recordings.raw_packet import FLOAT32, RawPacket
 from app.sentences import say
 from estimators.conventions import PLACEMENTS, Placement
 from estimators.recording import Float, Recording, SensorSignals

@@ -9,19 +9,6 @@ from app.ingest.readers._csv_guess import Guess, PipelineName, guess_of_head, pi
 from app.ingest.readers._table_head import TableHead, head_of
 from app.ingest.readers._text import encoding_of
 
-FORMATS: Final = (
-    "packet_log",
-    "csv",
-    "qmt_mat",
-    "broad",
-    "pyshoe",
-    "gait_tracking",
-    "gaitmap",
-    "instrumented_shoe",
-)
-WALKS: Final = ("pyshoe", "gait_tracking", "gaitmap", "instrumented_shoe")
-"""Formats of walking feet only."""
-TEXT: Final = frozenset({".csv", ".txt", ".tsv", ".dat", ".asc"})
 _OF_MAKERS: Final = {
     "gait_tracking": _gait_tracking.looks_like,
     "instrumented_shoe": _instrumented_shoe.looks_like,
@@ -95,4 +82,4 @@ def text_format(stem: str, start: bytes) -> str:
     return "csv"
 
 
-__all__ = ["FORMATS", "TEXT", "WALKS", "Preview", "pipeline_for", "preview_text", "text_format"]
+__all__ = ["Preview", "pipeline_for", "preview_text", "text_format"]

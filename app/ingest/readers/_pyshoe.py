@@ -10,14 +10,12 @@ from typing import Any, Final
 import numpy as np
 
 from app.errors import RecordingFormatError
-from app.ingest.readers._mat import load_mat
+from app.ingest.readers._mat import PYSHOE_MARKS, load_mat
 from app.ingest.readers._time import nominal_rate, seconds_of
 from app.ingest.readers._units import check_accelerometer, check_foot_gyroscope, check_gyroscope
 from app.sentences import say
 from estimators.recording import Float, Recording, SensorSignals
 
-MARKS: Final = ("imu_data", "timestamps_all")
-"""Variables by which a file of this set is known."""
 GYROSCOPE_CLIP_RADPS: Final = 9.09
 """The set's gyroscopes clip at 9.1 to 9.7 rad/s; 1 % below the filter takes a sample for clipped."""
 _MIRROR: Final = np.array([1.0, -1.0])
@@ -38,8 +36,8 @@ def read_pyshoe(path: Path) -> Recording:
     RecordingFormatError
         Not a walk of this set.
     """
-    content = load_mat(path, [*MARKS, "gt"])
-    missing = [name for name in MARKS if name not in content]
+    content = load_mat(path, [*PYSHOE_MARKS, "gt"])
+    missing = [name for name in PYSHOE_MARKS if name not in content]
     if missing:
         raise RecordingFormatError(say("file.not_this_kind", missing=missing, kind="pyshoe"))
     time_s = seconds_of(_numbers(content["timestamps_all"], None).reshape(-1), "s", first_row=1)
@@ -75,4 +73,4 @@ def _numbers(values: Any, width: int | None) -> Float:
     return table
 
 
-__all__ = ["MARKS", "read_pyshoe"]
+__all__ = ["read_pyshoe"]

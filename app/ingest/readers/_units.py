@@ -10,8 +10,8 @@ import numpy as np
 
 from app.errors import ImplausibleReadings, RecordingFormatError
 from app.sentences import Sentence, say
-from estimators.calibration import calm_size
 from estimators.conventions import GRAVITY_MPS2
+from estimators.gravity import calm_size
 from estimators.recording import Float
 
 TO_SI: Final[dict[str, float]] = {

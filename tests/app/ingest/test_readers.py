@@ -21,7 +21,7 @@ from app.ingest import readers
 from app.ingest.readers import accepting, packets_of
 from app.ingest.readers._units import check_accelerometer
 from app.recordings.packet_log import log_entry, log_head, packet_message, write_log
-from app.recordings.schemas import CsvColumn, CsvMapping
+from app.recordings.table_schemas import CsvColumn, CsvMapping
 from estimators.recording import Recording, SensorSignals
 from estimators.signals import to_common_ticks
 from tests.app.ingest.recording_files import BROAD, broad_content

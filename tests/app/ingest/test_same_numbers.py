@@ -17,11 +17,11 @@ from app.commands.upload import Wanted, declaration_of
 from app.database.unit_of_work import read_only
 from app.ingest import readers
 from app.ingest.upload_task import upload
-from app.recordings import read_frames
 from app.recordings.columns import frames_table
 from app.recordings.jobs import run_job
 from app.recordings.packet_log import write_log
 from app.recordings.schemas import UploadIn
+from app.recordings.store import read_frames
 from app.settings import Settings
 from estimators.pipelines import Frames
 from estimators.simulation import Bout, Leg, SimulatedSession, gait_preset, simulate_gait

@@ -12,7 +12,7 @@ from app.errors import InvalidInput, RecordingFormatError
 from app.ingest import readers
 from app.ingest.readers._csv_guess import guess_of_head
 from app.ingest.readers._table_head import head_of_file, read_head
-from app.recordings.schemas import CsvMapping
+from app.recordings.table_schemas import CsvMapping
 from tests.said import codes
 
 DATA = Path(__file__).parents[2] / "data" / "tables"

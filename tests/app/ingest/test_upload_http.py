@@ -15,7 +15,7 @@ from app.database.unit_of_work import read_only
 from app.ingest import readers
 from app.ingest.upload import upload_folder
 from app.recordings.models import MotionSession
-from app.recordings.schemas import CsvMapping
+from app.recordings.table_schemas import CsvMapping
 from app.settings import Settings
 from tests.app.ingest.odd_tables import odd_tables
 from tests.app.ingest.uploads import declare

@@ -20,7 +20,7 @@ from app.live import manager as live_manager
 from app.live import opening, repository, warmup
 from app.live.bus import MemoryBus
 from app.live.manager import LiveManager
-from app.recordings import GroupCommitWriter
+from app.recordings.group_commit import GroupCommitWriter
 from app.recordings.models import MotionSession
 from app.recordings.store import read_packets
 from app.services import Services

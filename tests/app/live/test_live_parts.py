@@ -14,7 +14,7 @@ from app.live.health import LinkHealth
 from app.live.ledger import GIVE_UP_AFTER_S, REPORT_AFTER_S, SequenceLedger
 from app.live.pose import PoseCollector
 from app.live.states import OPEN, STREAMING, TRANSITIONS, StateMachine, streaming_state
-from app.recordings.schemas import SessionState
+from app.schemas import SessionState
 from estimators.pipelines import FrameLayout, Frames
 from estimators.recording import ImuChunk, SampleQuality
 from tests.said import refuses

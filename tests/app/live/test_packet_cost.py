@@ -22,7 +22,7 @@ from app.limits import Limits
 from app.live.bus import MemoryBus, topic
 from app.live.intake import Intake
 from app.live.manager import LiveManager
-from app.recordings import GroupCommitWriter
+from app.recordings.group_commit import GroupCommitWriter
 from app.settings import Settings
 from tests.app.live.live_load import connected, remember, swaying
 

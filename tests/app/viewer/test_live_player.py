@@ -9,7 +9,7 @@ import pytest
 from app.live.blocks import PublishedFrames
 from app.live.bus import MemoryBus, topic
 from app.live.messages import StateMessage
-from app.recordings.schemas import SessionState
+from app.schemas import SessionState
 from app.viewer.player import LivePlayer
 from estimators.body import BodyDimensions
 
