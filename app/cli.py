@@ -450,12 +450,25 @@ def validate(
         Path | None, typer.Option(help="Also write the report with its plots to this JSON file.")
     ] = None,
     page: Annotated[Path | None, typer.Option(help="Also write a Markdown page to this file.")] = None,
+    into: Annotated[
+        Path | None,
+        typer.Option(help="Put the results into this report of all protocols; --page is then of the whole."),
+    ] = None,
 ) -> None:
     """Run the published experiments: published figure, required figure, ours. Exit code 1 when one falls short."""
     from app.commands import validate as command
 
     command.validate(
-        names or None, seeds, first_seed, processes, data, json=json, list_only=list_only, out=out, page=page
+        names or None,
+        seeds,
+        first_seed,
+        processes,
+        data,
+        json=json,
+        list_only=list_only,
+        out=out,
+        page=page,
+        into=into,
     )
 
 

@@ -42,6 +42,33 @@ def make_report(
     )
 
 
+def renewed(report: AccuracyReport, measured: AccuracyReport) -> AccuracyReport:
+    """Return a report in which newer experiments stand for those of the same name.
+
+    Parameters
+    ----------
+    report, measured : AccuracyReport
+        The older one, of all experiments, and the newer one, of some.
+
+    Returns
+    -------
+    AccuracyReport
+        In the order of `validation.protocols`; what is no experiment any more, or has other figures now, is left out.
+    """
+    entries = {entry.name: entry for entry in [*report.protocols, *measured.protocols]}
+    current = validation.from_data([entry.model_dump() for entry in entries.values()])
+    protocols = [entries[result.name] for result in current]
+    return report.model_copy(
+        update={
+            "version": measured.version,
+            "made_at": measured.made_at,
+            "data": sorted({*report.data, *measured.data}),
+            "seconds": round(sum(entry.seconds for entry in protocols), 1),
+            "protocols": protocols,
+        }
+    )
+
+
 def own_version() -> str:
     """Return the version that is measured."""
     try:
@@ -61,4 +88,4 @@ def _machine() -> str:
     return f"{platform.system()} {platform.machine()}, {cpu_count()} cores, {python}"
 
 
-__all__ = ["fresh_seed", "make_report", "own_version"]
+__all__ = ["fresh_seed", "make_report", "own_version", "renewed"]

@@ -66,6 +66,7 @@ class AccuracyProtocol(Schema):
     what: str
     verdict: AccuracyVerdict
     seeds: int
+    first_seed: int
     seconds: float
     figures: list[AccuracyFigure]
     plots: list[AccuracyPlot]
@@ -74,7 +75,8 @@ class AccuracyProtocol(Schema):
 class AccuracyReport(Schema):
     """A whole run, and what it was run with.
 
-    `data` names the recordings that were given. The seeds are `first_seed` and those after it.
+    `data` names the recordings that were given. The seeds are `first_seed` and those after it; an experiment that was
+    measured anew by itself names its own.
     """
 
     format: Literal[2] = 2

@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 import typer
 
-from app.accuracy.report import fresh_seed, make_report
+from app.accuracy import AccuracyReport
+from app.accuracy.report import fresh_seed, make_report, renewed
 from app.errors import InvalidInput
 from app.ingest import readers
 from app.recordings.table_schemas import CsvMapping
@@ -30,6 +31,7 @@ def validate(
     list_only: bool,
     out: Path | None,
     page: Path | None,
+    into: Path | None = None,
 ) -> None:
     """Run protocols, print a table or JSON, and exit with 1 when one falls short of what is required.
 
@@ -50,7 +52,12 @@ def validate(
         Also write the report, with plots, to this file.
     page : Path or None
         Also write a Markdown page to this file.
+    into : Path or None
+        A report of all experiments, in which those measured now take the place of the older ones; `page` is then of
+        the whole.
     """
+    if out is not None and into is not None:
+        raise InvalidInput("give --out or --into, not both")
     if list_only:
         for protocol in validation.protocols():
             typer.echo(f"{protocol.name:<32} {protocol.title}")
@@ -64,19 +71,20 @@ def validate(
     recordings = _recordings(data) if data else None
     first = fresh_seed() if first_seed is None else first_seed
     drawn = range(first, first + seeds)
-    results = _run(names, drawn, recordings or {}, processes, plots=json or out is not None)
+    results = _run(
+        names, drawn, recordings or {}, processes, plots=json or out is not None or into is not None
+    )
     words = _command(names, seeds, first_seed, data)
-    if json or out is not None:
-        report = make_report(
-            results, seeds=seeds, first_seed=first, command=words, data=sorted(recordings or {})
-        ).model_dump_json(indent=1)
-        if out is not None:
-            out.write_text(report + "\n", encoding="utf-8")
-        if json:
-            typer.echo(report)
+    report = make_report(results, seeds=seeds, first_seed=first, command=words, data=sorted(recordings or {}))
+    if into is not None:
+        report = renewed(AccuracyReport.model_validate_json(into.read_bytes()), report)
+    if target := into or out:
+        target.write_text(report.model_dump_json(indent=1) + "\n", encoding="utf-8")
+    if json:
+        typer.echo(report.model_dump_json(indent=1))
     if page is not None:
-        text = validation.to_markdown(results, words, sorted(recordings or {}))
-        page.write_text(text, encoding="utf-8")
+        shown = validation.from_data([entry.model_dump() for entry in report.protocols])
+        page.write_text(validation.to_markdown(shown, report.command, report.data), encoding="utf-8")
     if not json:
         typer.echo(validation.to_table(results))
         if data is None:

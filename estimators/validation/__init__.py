@@ -8,7 +8,10 @@
 No files are read here: recordings for protocols with `needs_data` are handed in by the caller.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+import numpy as np
 
 from estimators.errors import SetupError
 from estimators.recording import Recording
@@ -263,6 +266,38 @@ def kinds(recording: Recording) -> set[str]:
     return found
 
 
+def from_data(entries: Iterable[Mapping[str, Any]]) -> list[ProtocolResult]:
+    """Return the results that `to_data` wrote, without their plots, in the order of `protocols`.
+
+    Parameters
+    ----------
+    entries : iterable of mapping
+
+    Returns
+    -------
+    list of ProtocolResult
+        Of the experiments that there still are; one whose figures or limits have changed since counts as none.
+    """
+    stored = {entry["name"]: entry for entry in entries}
+    found = []
+    for protocol in protocols():
+        entry = stored.get(protocol.name)
+        if entry is None or [(figure.name, figure.required) for figure in protocol.figures] != [
+            (one["name"], one["required"]) for one in entry["figures"]
+        ]:
+            continue
+        figures = tuple(
+            FigureResult(figure, np.array(one["values"], dtype=np.float64), one["each"])
+            for figure, one in zip(protocol.figures, entry["figures"], strict=True)
+        )
+        found.append(
+            ProtocolResult(
+                protocol, figures, entry["seeds"], entry["seconds"], first_seed=entry["first_seed"]
+            )
+        )
+    return found
+
+
 __all__ = [
     "Curve",
     "Data",
@@ -274,6 +309,7 @@ __all__ = [
     "Values",
     "Verdict",
     "chosen",
+    "from_data",
     "gather",
     "kinds",
     "measured",

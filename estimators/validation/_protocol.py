@@ -230,6 +230,8 @@ class ProtocolResult:
     seeds: int
     seconds: float = field(compare=False)
     plots: tuple[Plot, ...] = field(default=(), compare=False)
+    first_seed: int = 0
+    """The `seeds` seeds are this one and those after it."""
 
     @property
     def name(self) -> str:
@@ -319,7 +321,8 @@ def gather(
         if not protocol.needs_data:
             each = "seed" if sum(map(len, found)) == len(seeds) and len(found[0]) > 1 else "batch"
         figures.append(FigureResult(figure, np.concatenate(found), each))
-    return ProtocolResult(protocol, tuple(figures), len(seeds), sum(seconds for _, seconds in parts), plots)
+    seconds = sum(taken for _, taken in parts)
+    return ProtocolResult(protocol, tuple(figures), len(seeds), seconds, plots, seeds[0] if seeds else 0)
 
 
 def run_protocol(

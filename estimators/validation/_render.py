@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections import Counter
 from collections.abc import Sequence
 from typing import Any, Final
 
@@ -103,6 +104,7 @@ def to_markdown(results: Sequence[ProtocolResult], command: str, data: Sequence[
         f"Made by `{command}`. {passed} of {len(results)} experiments reach what is required in every figure, "
         f"{undecided} are open, {len(results) - passed - undecided} fall short.",
         *([f"FOLDER held {', '.join(data)}."] if data else []),
+        *_other_seeds(results),
         "",
         "| experiment | n | verdict | nearest to its limit (or farthest past it) | required | ours |",
         "|---|---|---|---|---|---|",
@@ -137,6 +139,20 @@ def to_markdown(results: Sequence[ProtocolResult], command: str, data: Sequence[
     return "\n".join(lines) + "\n"
 
 
+def _other_seeds(results: Sequence[ProtocolResult]) -> list[str]:
+    """Name what was measured with other seeds than most."""
+    drawn = Counter((result.first_seed, result.seeds) for result in results if not result.protocol.needs_data)
+    lines = []
+    for (first, count), _ in drawn.most_common()[1:]:
+        names = [
+            result.name
+            for result in results
+            if (result.first_seed, result.seeds) == (first, count) and not result.protocol.needs_data
+        ]
+        lines.append(f"With {count} seeds from {first} on: {', '.join(names)}.")
+    return lines
+
+
 def _share(found: FigureResult) -> float:
     """Return how much of what its limit allows a figure uses up; infinite when nothing could be measured."""
     limit, judged = found.figure.required, found.judged.high if found.figure.at_most else found.judged.low
@@ -161,6 +177,7 @@ def to_data(results: Sequence[ProtocolResult]) -> list[dict[str, Any]]:
             "what": result.protocol.what,
             "verdict": result.verdict,
             "seeds": result.seeds,
+            "first_seed": result.first_seed,
             "seconds": round(result.seconds, 2),
             "figures": [
                 {

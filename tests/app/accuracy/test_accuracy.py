@@ -31,7 +31,9 @@ def test_the_stored_report_is_of_this_tree():
         entry.name: [(f.name, f.required) for f in entry.figures] for entry in stored_report().protocols
     }
     wanted = {entry.name: [(f.name, f.required) for f in entry.figures] for entry in validation.protocols()}
-    assert measured == wanted, "run `telemotion validate --data BROAD --out app/accuracy/report.json`"
+    assert measured == wanted, (
+        "run `telemotion validate NAME --seeds 50 --data FOLDER --into app/accuracy/report.json`"
+    )
 
 
 def test_everybody_who_is_signed_in_sees_it(sign_in, nobody):
@@ -69,6 +71,42 @@ def test_the_command_fails_when_a_protocol_does(monkeypatch, tmp_path, required,
     assert report.protocols[0].figures[0].values == [1.0, 1.0, 1.0]
     assert report.command == "telemotion validate --seeds 3 --first-seed 40"
     assert AccuracyReport.model_validate(json.loads(out.read_text())) == report
+
+
+def test_what_is_measured_anew_takes_its_place_in_a_report(monkeypatch, tmp_path):
+    first, second = (replace(made_up(2.0), name=name) for name in ("first", "second"))
+    monkeypatch.setattr(validation, "_PROTOCOLS", (first, second))
+    report, page = tmp_path / "report.json", tmp_path / "page.md"
+    run = CliRunner().invoke
+    assert run(cli, ["validate", "--seeds", "3", "--first-seed", "7", "--out", str(report)]).exit_code == 0
+    said = [
+        "validate",
+        "second",
+        "--seeds",
+        "5",
+        "--first-seed",
+        "40",
+        "--into",
+        str(report),
+        "--page",
+        str(page),
+    ]
+    assert run(cli, said).exit_code == 0
+    both = AccuracyReport.model_validate_json(report.read_text())
+    assert [(entry.name, entry.first_seed, entry.seeds) for entry in both.protocols] == [
+        ("first", 7, 3),
+        ("second", 40, 5),
+    ]
+    # The command is that of the whole page; what was measured otherwise is named on it.
+    assert both.command == "telemotion validate --seeds 3 --first-seed 7"
+    assert "With 5 seeds from 40 on: second." in page.read_text()
+    # An experiment whose limit has changed since is not as measured.
+    monkeypatch.setattr(validation, "_PROTOCOLS", (replace(made_up(3.0), name="first"), second))
+    assert run(cli, said).exit_code == 0
+    assert [entry.name for entry in AccuracyReport.model_validate_json(report.read_text()).protocols] == [
+        "second"
+    ]
+    assert run(cli, [*said, "--out", str(report)]).exit_code != 0
 
 
 def test_by_default_twenty_seeds_that_the_version_draws(monkeypatch):

@@ -1902,6 +1902,8 @@ export interface components {
         AccuracyProtocol: {
             /** Figures */
             figures: components["schemas"]["AccuracyFigure"][];
+            /** First Seed */
+            first_seed: number;
             /** Name */
             name: string;
             /** Plots */
@@ -1926,7 +1928,8 @@ export interface components {
          * AccuracyReport
          * @description A whole run, and what it was run with.
          *
-         *     `data` names the recordings that were given. The seeds are `first_seed` and those after it.
+         *     `data` names the recordings that were given. The seeds are `first_seed` and those after it; an experiment that was
+         *     measured anew by itself names its own.
          */
         AccuracyReport: {
             /**

@@ -14,7 +14,7 @@ const figure = (verdict: Verdict): AccuracyFigure => {
   const [judged, low, high] = JUDGED[verdict];
   return { name: 'error', unit: 'deg', published: 2, required: 1, at_most: true, judged_by: 'worst', median: 0.5, worst: high, spread: 0.1, values: [0.5], each: 'seed', judged, low, high, verdict };
 };
-const protocol = (name: string, verdict: Verdict): AccuracyProtocol => ({ name, title: `Experiment ${name}`, source: 'Somebody 2009', what: `What ${name} does.`, verdict, seeds: 50, seconds: 3, figures: [figure(verdict)], plots: [] });
+const protocol = (name: string, verdict: Verdict): AccuracyProtocol => ({ name, title: `Experiment ${name}`, source: 'Somebody 2009', what: `What ${name} does.`, verdict, seeds: 50, first_seed: 7, seconds: 3, figures: [figure(verdict)], plots: [] });
 const REPORT: AccuracyReport = { format: 2, version: '0.1.0', made_at: '2026-11-21T10:00:00Z', command: 'telemotion validate --seeds 50', seeds: 50, first_seed: 7, machine: 'Linux', data: [], seconds: 9, protocols: [protocol('one', 'pass'), protocol('two', 'short'), protocol('three', 'open')] };
 
 describe('the accuracy page', () => {
