@@ -1,22 +1,37 @@
 """Which repetitions to leave out, and why, in words a therapist would use."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from estimators.comparison._alignment import align, apply, resample
-from estimators.comparison._channels import ArmChannels, arm_channels, fill_gaps
+from estimators.comparison._channels import fill_gaps
 from estimators.comparison._contract import PHASES, Repetition, Trajectory
+from estimators.comparison._cycles_kernel import walk
+from estimators.comparison._posture import posture
 from estimators.recording import Float
 from estimators.sentences import say
 
 _MAXIMUM_GAP_S = 0.3
 _MAXIMUM_GAP_SHARE = 0.10
-_SHORT, _LONG, _SMALL, _OPPOSITE = 0.5, 2.0, 0.6, -0.2
+_SHORT, _LONG, _SMALL, _OPPOSITE = 0.5, 3.0, 0.7, -0.2
 _UNLIKE_FLOOR = 0.15
 """Share of the movement's size: repetitions of healthy people differ by half of this; less is never odd."""
 _UNLIKE_MADS = 5.0
-_ANGLE_WEIGHT = 0.5
+_STEP = 0.05
+"""Share of a repetition's size below which nothing belongs to its way: tremor, noise."""
+
+
+@dataclass(frozen=True)
+class _Moved:
+    """Posture over time, NaN where nothing was measured."""
+
+    time_s: Float
+    values: Float
+
+    def cut(self, repetition: Repetition) -> "_Moved":
+        inside = (self.time_s >= repetition.start_s - 1e-9) & (self.time_s < repetition.end_s - 1e-9)
+        return _Moved(self.time_s[inside], self.values[inside])
 
 
 def judge_repetitions(source: Trajectory, repetitions: list[Repetition], side: str) -> list[Repetition]:
@@ -40,39 +55,27 @@ def judge_repetitions(source: Trajectory, repetitions: list[Repetition], side: s
     ComparisonError
         If nothing of that side was measured.
     """
-    arm = arm_channels(source, side)
+    moved = _Moved(source.time_s, posture(source, side))
     judged = list(repetitions)
     for place, repetition in enumerate(judged):
-        if repetition.is_kept and (reason := _gap_reason(arm.cut(repetition))):
+        if repetition.is_kept and (reason := _gap_reason(moved.cut(repetition))):
             judged[place] = replace(repetition, is_kept=False, reason=reason)
     for judge in (_judge_duration, _judge_size_and_direction, _judge_likeness):
         kept = [place for place, repetition in enumerate(judged) if repetition.is_kept]
         if len(kept) < 3:
             break
-        for place, reason in judge(arm, [judged[k] for k in kept], kept):
+        for place, reason in judge(moved, [judged[k] for k in kept], kept):
             judged[place] = replace(judged[place], is_kept=False, reason=reason)
     return judged
 
 
-def _posture(arm: ArmChannels) -> Float:
-    """Wrist and elbow angles as columns with comparable units; NaN in gaps."""
-    columns = []
-    for name in arm.channels:
-        column = arm.values[:, arm.channels.index(name)]
-        if name.startswith("wrist_"):
-            columns.append(column / 0.55)
-        elif name.endswith(("_zxy_flexion", "_zxy_pronation", "_yxy_elevation")) and "hand" not in name:
-            columns.append(column * _ANGLE_WEIGHT)
-    return np.stack(columns, axis=1) if columns else arm.values
-
-
-def _gap_reason(cut: ArmChannels) -> str:
+def _gap_reason(cut: _Moved) -> str:
     if len(cut.time_s) < 5:
         return say("repetition.no_measurement")
     step_s = float(np.median(np.diff(cut.time_s)))
-    posture = _posture(cut)
-    lost = ~np.isfinite(posture[:, np.isfinite(posture).any(axis=0)]).all(axis=1)
-    if not np.isfinite(posture).any():
+    sound = np.isfinite(cut.values)
+    lost = ~sound[:, sound.any(axis=0)].all(axis=1)
+    if not sound.any():
         return say("repetition.no_measurement")
     longest = _longest_run(np.asarray(lost)) * step_s
     if longest > _MAXIMUM_GAP_S or lost.mean() > _MAXIMUM_GAP_SHARE:
@@ -85,7 +88,7 @@ def _longest_run(mask: np.typing.NDArray[np.bool_]) -> int:
     return int((edges[1::2] - edges[::2]).max()) if len(edges) else 0
 
 
-def _judge_duration(arm: ArmChannels, kept: list[Repetition], places: list[int]) -> list[tuple[int, str]]:
+def _judge_duration(moved: _Moved, kept: list[Repetition], places: list[int]) -> list[tuple[int, str]]:
     durations = np.array([r.end_s - r.start_s for r in kept])
     usual = float(np.median(durations))
     odd: list[tuple[int, str]] = []
@@ -98,9 +101,9 @@ def _judge_duration(arm: ArmChannels, kept: list[Repetition], places: list[int])
 
 
 def _judge_size_and_direction(
-    arm: ArmChannels, kept: list[Repetition], places: list[int]
+    moved: _Moved, kept: list[Repetition], places: list[int]
 ) -> list[tuple[int, str]]:
-    curves = _curves(arm, kept)
+    curves = _curves(moved, kept)
     curves = [curve - (curve[0] + curve[-1]) / 2 for curve in curves]
     usual = np.median(np.stack(curves), axis=0)
     if not usual.any():
@@ -110,24 +113,27 @@ def _judge_size_and_direction(
         # Laid on each other in time first, or a hesitation would look like a smaller movement.
         laid = apply(align(curve, usual, np.ones(usual.shape[1])), curve, PHASES)
         along = float(np.sum(laid * usual) / np.sum(usual * usual))
-        if float(np.sum(curve * usual) / np.sum(usual * usual)) < _OPPOSITE:
+        if along < _OPPOSITE:
             odd.append((place, say("repetition.opposite")))
         elif along < _SMALL:
             odd.append((place, say("repetition.half_way", share=along)))
     return odd
 
 
-def _curves(arm: ArmChannels, kept: list[Repetition]) -> list[Float]:
+def _curves(moved: _Moved, kept: list[Repetition]) -> list[Float]:
+    """Return the way each repetition took, evenly along it: pace and holds are no matter of its shape."""
     curves = []
     for repetition in kept:
-        cut = arm.cut(repetition)
-        filled, _ = fill_gaps(_posture(cut))
-        curves.append(resample(cut.time_s, filled, PHASES))
+        filled, _ = fill_gaps(moved.cut(repetition).values)
+        size = float(np.linalg.norm(filled - filled[0], axis=1).max())
+        path, _ = walk(np.ascontiguousarray(filled), _STEP * size) if size > 0 else (filled, None)
+        path = np.concatenate([path, filled[-1:]])
+        curves.append(resample(np.arange(len(path), dtype=np.float64), path, PHASES))
     return curves
 
 
-def _judge_likeness(arm: ArmChannels, kept: list[Repetition], places: list[int]) -> list[tuple[int, str]]:
-    curves = _curves(arm, kept)
+def _judge_likeness(moved: _Moved, kept: list[Repetition], places: list[int]) -> list[tuple[int, str]]:
+    curves = _curves(moved, kept)
     middle = np.median(np.stack(curves), axis=0)
     size = float(np.linalg.norm(middle - middle[0], axis=1).max())
     if size == 0:

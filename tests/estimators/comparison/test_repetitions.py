@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
 
-from estimators.comparison import Repetition, Trajectory, find_repetitions, judge_repetitions
+from estimators.comparison import Repetition, Trajectory, _cycles, find_repetitions, judge_repetitions
+from estimators.comparison._cycles_kernel import search
 from estimators.errors import ComparisonError, SetupError
 
 
@@ -116,7 +117,7 @@ def test_odd_duration_is_dropped_with_its_reason(planar):
     made = planar()
     truth = list(made.truth)
     truth[1] = replace(truth[1], end_s=truth[1].start_s + 0.9)
-    truth[3] = replace(truth[3], end_s=truth[3].end_s + 3.7)
+    truth[3] = replace(truth[3], end_s=truth[3].end_s + 6.0)
     judged = judge_repetitions(made.trajectory, truth, "right")
     assert "shorter" in judged[1].reason
     assert "longer" in judged[3].reason
@@ -153,3 +154,22 @@ def test_wrong_side_says_what_to_do(planar):
 def test_empty_trajectory_gives_none():
     empty = Trajectory(np.zeros(0), ("x",), np.zeros((0, 1)), np.zeros((0, 1)), np.zeros((0, 1), bool))
     assert find_repetitions(empty, "right", 0.0, 1.0) == []
+
+
+def test_work_grows_no_faster_than_the_session(planar, monkeypatch):
+    """Cells that the search goes through for a session and for one ten times as long."""
+    searched = []
+
+    def counted(piece, path, furthest, stray):
+        searched.append(len(piece) * len(path))
+        return search(piece, path, furthest, stray)
+
+    monkeypatch.setattr(_cycles, "search", counted)
+    work = []
+    for count in (30, 300):
+        searched.clear()
+        made = planar(repetitions=count, rate_hz=20.0)
+        assert len(find_repetitions(made.trajectory, "right")) == count
+        work.append(sum(searched))
+    assert made.trajectory.time_s[-1] > 1000
+    assert work[1] < 11 * work[0]

@@ -1,0 +1,175 @@
+"""Compiled parts of the search for what repeats: the path of a movement, and where a piece of it comes again."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.compiling import compiled
+from estimators.recording import Float
+
+
+@compiled("Tuple((float64[:,::1], float64[::1]))(float64[:,::1], float64)", error_model="python")
+def walk(values: Float, step: float) -> tuple[Float, Float]:  # pragma: no cover
+    """Follow a movement in steps of one length: rest, holds, pace and what is smaller than a step vanish.
+
+    Parameters
+    ----------
+    values : ndarray, shape (N, D)
+        Postures, evenly in time.
+    step : float
+        Distance of successive points of the path.
+
+    Returns
+    -------
+    path : ndarray, shape (M, D)
+        Each point is one step from the one before it.
+    place : ndarray, shape (M,)
+        Sample, with fraction, at which the movement came to each point.
+    """
+    samples, dimensions = values.shape
+    total = 0.0
+    for i in range(1, samples):
+        square = 0.0
+        for d in range(dimensions):
+            square += (values[i, d] - values[i - 1, d]) ** 2
+        total += np.sqrt(square)
+    room = int(total / step) + 2
+    path = np.empty((room, dimensions))
+    place = np.empty(room)
+    path[0] = values[0]
+    place[0] = 0.0
+    count = 1
+    for i in range(1, samples):
+        while count < room:
+            square = 0.0
+            for d in range(dimensions):
+                square += (values[i, d] - path[count - 1, d]) ** 2
+            away = np.sqrt(square)
+            if away < step:
+                break
+            share = step / away
+            for d in range(dimensions):
+                path[count, d] = path[count - 1, d] + share * (values[i, d] - path[count - 1, d])
+            place[count] = max(place[count - 1], i - 1 + share)
+            count += 1
+    return path[:count].copy(), place[:count].copy()
+
+
+@compiled(
+    "Tuple((float64[::1], int64[::1]))(float64[:,::1], float64[:,::1], float64, float64)",
+    error_model="python",
+)
+def search(
+    piece: Float, path: Float, furthest: float, stray: float
+) -> tuple[Float, NDArray[np.int64]]:  # pragma: no cover
+    """Find where a piece of a path comes again, wherever it begins: warping with the slope held within 1/2 and 2.
+
+    Parameters
+    ----------
+    piece : ndarray, shape (K, D)
+    path : ndarray, shape (M, D)
+    furthest : float
+        A match does not begin further from where the piece begins.
+    stray : float
+        Nor is any part of it further from that part of the piece, counted from where both begin, so that a posture
+        that drifts stays alike.
+
+    Returns
+    -------
+    rms : ndarray, shape (M,)
+        Root mean square of that distance for the best match that ends at each point; infinite where nothing ends.
+    start : ndarray of int, shape (M,)
+        Where that match begins.
+
+    Notes
+    -----
+    Sakoe and Chiba 1978, slopes of P = 1 in their asymmetric form, with a free beginning: of all matches through a cell
+    only the best is followed, and distances are counted from its beginning.
+    """
+    rows, columns, dimensions = piece.shape[0], path.shape[0], piece.shape[1]
+    cost = np.full((3, columns), np.inf)
+    start = np.full((3, columns), -1)
+    for i in range(rows):
+        now, last, before = i % 3, (i + 2) % 3, (i + 1) % 3
+        for j in range(columns):
+            cost[now, j] = np.inf
+            start[now, j] = -1
+            if i == 0:
+                square = 0.0
+                for d in range(dimensions):
+                    square += (path[j, d] - piece[0, d]) ** 2
+                if square <= furthest * furthest:
+                    cost[now, j] = 0.0
+                    start[now, j] = j
+                continue
+            for step in range(3):
+                if step == 0:
+                    row, column, middle_row, middle_column = last, j - 1, i, j
+                elif step == 1:
+                    if i < 2:
+                        continue
+                    row, column, middle_row, middle_column = before, j - 1, i - 1, j
+                else:
+                    row, column, middle_row, middle_column = last, j - 2, i, j - 1
+                if column < 0 or start[row, column] < 0 or cost[row, column] >= cost[now, j]:
+                    continue
+                origin = start[row, column]
+                here = 0.0
+                middle = 0.0
+                for d in range(dimensions):
+                    shift = path[origin, d] - piece[0, d]
+                    here += (path[j, d] - shift - piece[i, d]) ** 2
+                    middle += (path[middle_column, d] - shift - piece[middle_row, d]) ** 2
+                if here > stray * stray or middle > stray * stray:
+                    continue
+                # Every point of the piece weighs the same, however many of the path it is matched with: weights that
+                # count both would favour short matches.
+                total = cost[row, column]
+                total += here if step == 0 else (middle + here if step == 1 else 0.5 * (middle + here))
+                if total < cost[now, j]:
+                    cost[now, j] = total
+                    start[now, j] = origin
+    final = (rows - 1) % 3
+    rms = np.full(columns, np.inf)
+    for j in range(columns):
+        if start[final, j] >= 0:
+            rms[j] = np.sqrt(cost[final, j] / (rows - 1))
+    return rms, start[final].copy()
+
+
+@compiled("int64[:,::1](float64[::1], int64[::1])", error_model="python")
+def chain(worth: Float, start: NDArray[np.int64]) -> NDArray[np.int64]:  # pragma: no cover
+    """Choose matches that share no way so that they are worth most together.
+
+    Parameters
+    ----------
+    worth : ndarray, shape (M,)
+        Of the match that ends at each point; negative where none does.
+    start : ndarray of int, shape (M,)
+        Where that match begins.
+
+    Returns
+    -------
+    ndarray of int, shape (K, 2)
+        First and last point of each, in order.
+    """
+    count = len(worth)
+    best = np.zeros(count + 1)
+    is_chosen = np.zeros(count, dtype=np.bool_)
+    for end in range(count):
+        best[end + 1] = best[end]
+        # One match may begin at the point where another ends.
+        if worth[end] >= 0 and best[start[end] + 1] + worth[end] > best[end + 1]:
+            best[end + 1] = best[start[end] + 1] + worth[end]
+            is_chosen[end] = True
+    matches = np.empty((count, 2), dtype=np.int64)
+    found = 0
+    end = count - 1
+    while end > 0:
+        if is_chosen[end]:
+            matches[found, 0] = start[end]
+            matches[found, 1] = end
+            found += 1
+            end = start[end]
+        else:
+            end -= 1
+    return matches[:found][::-1].copy()
