@@ -27,7 +27,8 @@ class CsvMapping(Schema):
     """
 
     time_column: str | None = None
-    time_unit: Literal["s", "ms", "us", "ns"] = "s"
+    time_unit: Literal["s", "ms", "us", "ns", "clock"] = "s"
+    """`clock`: text with a time of day, with or without a date and a zone."""
     rate_hz: float | None = Field(default=None, gt=0)
     delimiter: Literal[",", ";", "\t", "|", " "] | None = None
     """What stands between the columns; a blank for any number of blanks; None to have it found."""

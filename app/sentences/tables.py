@@ -33,6 +33,18 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
         "other": "The time was set back {count:number} times in the recording; a pause of {pause_s:s} is assumed at"
         " each.",
     },
+    "time.midnight": {
+        "one": "The times of day have no date and pass midnight once; the next day is assumed there.",
+        "other": "The times of day have no date and pass midnight {count:number} times; the next day is assumed at"
+        " each.",
+    },
+    "time.clock_changed": {
+        "one": "The times have no zone and jump by one hour at a full hour: the clock is taken to have been put forward"
+        " or back there. If the recording paused for an hour instead, write the times with their zone.",
+        "other": "The times have no zone and jump by one hour at a full hour {count:number} times: the clock is taken"
+        " to have been put forward or back there. If the recording paused for an hour instead, write the times with"
+        " their zone.",
+    },
     "time.does_not_advance": "The time column does not advance; choose another one, or give the rate instead.",
     "time.hopeless": "{count:number} of {rows:number} rows have no usable time; choose another time column, or give the"
     " rate instead.",

@@ -9,9 +9,11 @@ from typing import Any, BinaryIO, Final
 
 import numpy as np
 import pyarrow as pa
+from numpy.typing import NDArray
 from pyarrow import csv
 
 from app.errors import RecordingFormatError
+from app.ingest.readers._clock import CLOCK, seconds_of_clock
 from app.ingest.readers._csv_guess import SINGLE
 from app.ingest.readers._table_head import TableHead, head_of_file
 from app.ingest.readers._text import opened
@@ -56,14 +58,19 @@ def read_csv(path: Path, mapping: CsvMapping) -> Recording:
     if mapping.time_column is not None:
         wanted.append(mapping.time_column)
     head = head_of_file(path, mapping.delimiter)
-    table, left_out = read_table(path, list(dict.fromkeys(wanted)), head)
+    clock = mapping.time_column if mapping.time_unit == CLOCK else None
+    table, left_out = read_table(path, list(dict.fromkeys(wanted)), head, clock)
     notes = [say("table.rows_left_out", count=left_out)] if left_out else []
+    if clock is not None:
+        table[clock], said = seconds_of_clock(table[clock].tolist())
+        notes += said
     rows = len(next(iter(table.values())))
     if rows < 2:
         raise RecordingFormatError(say("file.too_few_rows"))
     if mapping.time_column is not None:
         with _naming([mapping.time_column]):
-            table, time_s, mended_notes = _on_time(table, mapping.time_column, mapping.time_unit)
+            unit = "s" if clock is not None else mapping.time_unit
+            table, time_s, mended_notes = _on_time(table, mapping.time_column, unit)
         notes += mended_notes
         rate_hz = mapping.rate_hz or nominal_rate(time_s)
     else:
@@ -194,8 +201,18 @@ def read_columns(path: Path, wanted: list[str], delimiter: str | None) -> dict[s
     return read_table(path, wanted, head_of_file(path, delimiter))[0]
 
 
-def read_table(path: Path, wanted: list[str], head: TableHead) -> tuple[dict[str, Float], int]:
+def read_table(
+    path: Path, wanted: list[str], head: TableHead, text: str | None = None
+) -> tuple[dict[str, NDArray[Any]], int]:
     """Read the wanted columns of a table whose head is known; see `read_columns`.
+
+    Parameters
+    ----------
+    path : Path
+    wanted : list of str
+    head : TableHead
+    text : str, optional
+        The one of them that is read as it is written.
 
     Returns
     -------
@@ -210,21 +227,21 @@ def read_table(path: Path, wanted: list[str], head: TableHead) -> tuple[dict[str
             say("table.no_column", missing=missing[:9], present=shown), missing=missing[:40]
         )
     try:
-        return _read_with(path, wanted, head, ".")
+        return _read_with(path, wanted, head, ".", text)
     except pa.ArrowInvalid as error:
         if "conversion error" not in str(error):
             raise _in_words(error, head) from error
         with_points = error
     try:
         # Between commas, decimal commas stand in quotes.
-        return _read_with(path, wanted, head, ",")
+        return _read_with(path, wanted, head, ",", text)
     except pa.ArrowInvalid:
         raise _in_words(with_points, head) from with_points
 
 
 def _read_with(
-    path: Path, wanted: list[str], head: TableHead, decimal_point: str
-) -> tuple[dict[str, Float], int]:
+    path: Path, wanted: list[str], head: TableHead, decimal_point: str, text: str | None
+) -> tuple[dict[str, NDArray[Any]], int]:
     parts: dict[str, list[Any]] = {name: [] for name in wanted}
     values = left_out = 0
 
@@ -246,7 +263,7 @@ def _read_with(
                 parse_options=csv.ParseOptions(delimiter=head.delimiter, invalid_row_handler=leave_out),
                 convert_options=csv.ConvertOptions(
                     include_columns=wanted,
-                    column_types={name: pa.float64() for name in wanted},
+                    column_types={name: pa.string() if name == text else pa.float64() for name in wanted},
                     decimal_point=decimal_point,
                     null_values=_NOTHING,
                     strings_can_be_null=True,
@@ -270,7 +287,10 @@ def _read_with(
         raise RecordingFormatError(say("table.ragged"))
     if not values:
         raise RecordingFormatError(say("table.no_rows"))
-    table = {name: np.concatenate(pieces).astype(np.float64, copy=False) for name, pieces in parts.items()}
+    table = {
+        name: np.concatenate(pieces).astype(object if name == text else np.float64, copy=False)
+        for name, pieces in parts.items()
+    }
     return table, left_out
 
 

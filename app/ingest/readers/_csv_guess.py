@@ -10,6 +10,7 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
+from app.ingest.readers._clock import CLOCK
 from app.ingest.readers._csv_names import (
     Named,
     is_orientation,
@@ -223,17 +224,32 @@ def _time(head: TableHead, body: Body, signals: set[str]) -> tuple[str | None, s
             # Not the clock of the samples.
             continue
         return column, unit, None
+    if clock := _clock_column(others, body, rate_hz):
+        return clock, CLOCK, None
     if by_name and rate_hz is None and np.isfinite(body.numbers(by_name[0])).any():
         # Its own refusal says more than that there is none.
         return by_name[0], time_unit_of(by_name[0]) or "s", None
     return None, "s", rate_hz
 
 
+def _clock_column(columns: list[str], body: Body, rate_hz: float | None) -> str | None:
+    """Return the first column of times of day that advance, by its content; a said rate must agree with it."""
+    for column in columns:
+        times = body.times(column, CLOCK)
+        steps = np.diff(times[np.isfinite(times)])
+        if 2 * steps.size < times.size - 1 or not (steps > 0).any() or (steps < 0).mean() > 0.5:
+            continue
+        usual = float(steps[steps > 0].sum() / steps.size)
+        if rate_hz is None or 0.8 < rate_hz * usual < 1.25:
+            return column
+    return None
+
+
 def _step_s(body: Body, column: str, unit: str) -> float | None:
-    steps = np.diff(body.numbers(column)[:, 0])
+    steps = np.diff(body.times(column, unit))
     steps = steps[np.isfinite(steps)]
     usual = float(np.median(steps)) if steps.size else 0.0
-    return usual * UNIT_FACTORS[unit] if usual > 0.0 else None
+    return usual * UNIT_FACTORS.get(unit, 1.0) if usual > 0.0 else None
 
 
 def _with_unit(

@@ -4,6 +4,7 @@ from typing import Final
 
 import numpy as np
 
+from app.ingest.readers._clock import CLOCK, seconds_of_clock
 from app.ingest.readers._table_head import TableHead, split_line
 from app.ingest.readers._units import TO_SI, UNITS
 from estimators.conventions import GRAVITY_MPS2
@@ -52,6 +53,13 @@ class Body:
         places = [self._places[name] for name in columns]
         table = [[_float(row[at]) if at < len(row) else np.nan for at in places] for row in self._rows]
         return np.array(table, dtype=np.float64).reshape(-1, len(places))
+
+    def times(self, column: str, unit: str) -> Float:
+        """Return a time column in its unit, shape (N,), times of day in seconds; NaN where there is none."""
+        if unit != CLOCK:
+            return self.numbers(column)[:, 0]
+        at = self._places[column]
+        return seconds_of_clock([row[at] if at < len(row) else None for row in self._rows])[0]
 
 
 def _float(field: str) -> float:

@@ -6,6 +6,7 @@ has seen is one more line here.
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from datetime import datetime, timedelta, timezone
 from pathlib import Path
 
 import numpy as np
@@ -92,7 +93,7 @@ PLAIN = ",".join(["time", *NINE])
 
 
 def odd_tables() -> dict[str, Odd]:
-    return {**_headings(), **_texts(), **_times(), **_units()}
+    return {**_headings(), **_texts(), **_times(), **_clocks(), **_units()}
 
 
 def _headings() -> dict[str, Odd]:
@@ -307,6 +308,52 @@ def _times() -> dict[str, Odd]:
             text([",".join(NINE)], rows_of(*ALL, time_s=None)).encode(), options=("--rate", "100")
         ),
         "time without a name": Odd(text(["," + ",".join(NINE)], rows).encode()),
+    }
+
+
+def _clocks() -> dict[str, Odd]:
+    """Times of day as text; whole numbers of milliseconds."""
+
+    def written(start: str, pattern: str, changes: Callable[[datetime], datetime] | None = None) -> list[str]:
+        moments = [datetime.fromisoformat(start) + timedelta(milliseconds=10 * k) for k in range(ROWS)]
+        moments = moments if changes is None else [changes(moment) for moment in moments]
+        return [
+            moment.strftime(pattern).replace("<ms>", f"{moment.microsecond // 1000:03d}")
+            for moment in moments
+        ]
+
+    def clocks(stamps: list[str], notes: str = "", heading: str = "time", delimiter: str = ",") -> Odd:
+        rows = [[stamp, *row] for stamp, row in zip(stamps, rows_of(*ALL, time_s=None), strict=True)]
+        names = PLAIN.replace("time", heading).replace(",", delimiter)
+        return Odd(text([names], rows, delimiter).encode(), notes=frozenset({notes} - {""}))
+
+    # Central Europe: summer time begins on 29 March and ends on 25 October 2026, at 01:00 UTC.
+    def local(moment: datetime, zone: bool) -> datetime:
+        begins, ends = datetime.fromisoformat("2026-03-29T01:00"), datetime.fromisoformat("2026-10-25T01:00")
+        ahead = timedelta(hours=2 if begins <= moment < ends else 1)
+        return (moment + ahead).replace(tzinfo=timezone(ahead) if zone else None)
+
+    iso, spring, autumn = "%Y-%m-%dT%H:%M:%S.<ms>", "2026-03-29T00:59:53", "2026-10-25T00:59:53"
+    return {
+        "moments in UTC": clocks(written("2026-11-22T10:00:00", iso + "Z")),
+        "moments without a zone": clocks(written("2026-11-22T10:00:00", iso), heading="Timestamp"),
+        "date and time": clocks(written("2026-11-22T10:00:00", "%Y-%m-%d %H:%M:%S.<ms>"), heading="DateTime"),
+        "german date": clocks(
+            written("2026-11-22T10:00:00", "%d.%m.%Y %H:%M:%S.<ms>"), heading="Zeit", delimiter=";"
+        ),
+        "times of day": clocks(written("2026-11-22T10:00:00", "%H:%M:%S.<ms>"), heading="Clock"),
+        "twelve hours": clocks(written("2026-11-22T11:59:53", "%I:%M:%S.<ms> %p")),
+        "times of day past midnight": clocks(
+            written("2026-11-22T23:59:53", "%H:%M:%S.<ms>"), "time.midnight"
+        ),
+        "moments past midnight": clocks(written("2026-12-31T23:59:53", iso)),
+        "summer time begins": clocks(written(spring, iso, lambda m: local(m, False)), "time.clock_changed"),
+        "summer time ends": clocks(written(autumn, iso, lambda m: local(m, False)), "time.clock_changed"),
+        "summer time begins, with zones": clocks(written(spring, iso + "%z", lambda m: local(m, True))),
+        "summer time ends, with zones": clocks(written(autumn, iso + "%z", lambda m: local(m, True))),
+        "clock of whole seconds": clocks(
+            written("2026-11-22T10:00:00", "%Y-%m-%d %H:%M:%S"), "time.repeated"
+        ),
     }
 
 

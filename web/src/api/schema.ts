@@ -2526,7 +2526,7 @@ export interface components {
              * @default s
              * @enum {string}
              */
-            time_unit?: "s" | "ms" | "us" | "ns";
+            time_unit?: "s" | "ms" | "us" | "ns" | "clock";
         };
         /**
          * CurvePair

@@ -79,7 +79,7 @@ export function CsvMappingForm({ head, pipeline, placements, value, onChange }: 
         {value.time_column ? (
           <Select
             label={t('csv.timeUnit')}
-            data={(['s', 'ms', 'us', 'ns'] as const).map((unit) => ({ value: unit, label: t(`csv.unit.${unit}`) }))}
+            data={(['s', 'ms', 'us', 'ns', 'clock'] as const).map((unit) => ({ value: unit, label: t(`csv.unit.${unit}`) }))}
             value={value.time_unit ?? 's'}
             onChange={(unit) => onChange({ ...value, time_unit: unit as CsvMapping['time_unit'] })}
           />

@@ -383,6 +383,7 @@ export const session = {
   'csv.unit.ms': 'Milliseconds',
   'csv.unit.us': 'Microseconds',
   'csv.unit.ns': 'Nanoseconds',
+  'csv.unit.clock': 'Times of day as text',
   'csv.rate': 'Samples per second',
   'csv.placement': 'placement',
   'csv.quantity': 'quantity',

@@ -1,0 +1,133 @@
+"""Times of day as text (`2026-11-22T10:00:00.123Z`, `2026-11-22 10:00:00.123`, `10:00:00.123`) as seconds.
+
+Only differences count. A zone that is written is respected, so clocks that are put forward or back in the recording do
+no harm; without one, and without a date, what happened is told from the jump, and that is said.
+"""
+
+import re
+from collections.abc import Sequence
+from datetime import date
+from typing import Final
+
+import numpy as np
+
+from app.sentences import Sentence, say
+from estimators.recording import Float
+
+CLOCK: Final = "clock"
+"""Stands for a unit of time in a mapping whose time column holds such text."""
+_TEXT: Final = re.compile(
+    r"\s*(?:(?P<date>\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}\.\d{1,2}\.\d{4})(?:T|\s+))?"
+    r"(?P<h>\d{1,2}):(?P<m>\d{2}):(?P<s>\d{2})(?:[.,:](?P<part>\d{1,9}))?\s*(?P<half>[AaPp]\.?[Mm]\.?)?"
+    r"\s*(?P<zone>Z|UTC|GMT|[+-]\d{2}:?(?:\d{2})?)?\s*"
+)
+_DAY_S, _HOUR_S = 86_400.0, 3600.0
+_NEAR_S: Final = 2.0
+"""So close to full hours, and to one hour, is a jump of a clock that was put forward or back."""
+
+
+def is_clock(text: str) -> bool:
+    """Return whether a field holds a time of day."""
+    return _TEXT.fullmatch(text) is not None
+
+
+def seconds_of_clock(column: Sequence[str | None]) -> tuple[Float, tuple[Sentence, ...]]:
+    """Return times as text in seconds from the first day of the column.
+
+    Parameters
+    ----------
+    column : sequence of str or None
+
+    Returns
+    -------
+    seconds : ndarray, shape (N,)
+        NaN where there is no time of day, or one that no clock shows.
+    notes : tuple of Sentence
+        What was told from jumps.
+    """
+    days: dict[str, float] = {}
+    seconds = np.full(len(column), np.nan)
+    has_date = has_zone = False
+    first_day = zone_s = 0.0
+    for row, text in enumerate(column):
+        found = _TEXT.fullmatch(text) if text else None
+        if found is None:
+            continue
+        time_s = _time_of_day(found)
+        day = _day(found["date"], days)
+        if time_s is None or day is None:
+            continue
+        if found["date"]:
+            first_day = first_day if has_date else day
+            time_s += (day - first_day) * _DAY_S
+            has_date = True
+        if found["zone"]:
+            zone_s = _zone(found["zone"])
+            has_zone = True
+        seconds[row] = time_s - zone_s
+    rows = np.flatnonzero(np.isfinite(seconds))
+    notes: list[Sentence] = []
+    if not has_date and rows.size:
+        whole = np.unwrap(seconds[rows], period=_DAY_S)
+        if nights := round(float(whole[-1] - seconds[rows[-1]]) / _DAY_S):
+            notes.append(say("time.midnight", count=abs(nights)))
+        seconds[rows] = whole
+    if not has_zone and rows.size:
+        seconds[rows], changes = _without_changes(seconds[rows])
+        if changes:
+            notes.append(say("time.clock_changed", count=changes))
+    return seconds, tuple(notes)
+
+
+def _time_of_day(found: re.Match[str]) -> float | None:
+    hour, minute, second = int(found["h"]), int(found["m"]), int(found["s"])
+    if found["half"]:
+        if not 1 <= hour <= 12:
+            return None
+        hour = hour % 12 + (12 if found["half"][0] in "pP" else 0)
+    # A leap second is written as 60.
+    if hour > 24 or minute > 59 or second > 60:
+        return None
+    part = found["part"]
+    return hour * _HOUR_S + minute * 60.0 + second + (int(part) / 10.0 ** len(part) if part else 0.0)
+
+
+def _day(text: str | None, known: dict[str, float]) -> float | None:
+    """Return the number of a day, zero without one; None for one that no calendar has."""
+    if text is None:
+        return 0.0
+    if text not in known:
+        numbers = [int(part) for part in re.split(r"[-/.]", text)]
+        year, month, day = numbers if numbers[0] > 31 else reversed(numbers)
+        try:
+            known[text] = float(date(year, month, day).toordinal())
+        except ValueError:
+            known[text] = np.nan
+    return None if np.isnan(known[text]) else known[text]
+
+
+def _zone(text: str) -> float:
+    """Return how far a zone is ahead of UTC, s."""
+    if text[0] not in "+-":
+        return 0.0
+    digits = text[1:].replace(":", "").ljust(4, "0")
+    ahead_s = int(digits[:2]) * _HOUR_S + int(digits[2:]) * 60.0
+    return -ahead_s if text[0] == "-" else ahead_s
+
+
+def _without_changes(time_s: Float) -> tuple[Float, int]:
+    """Take out jumps by one hour at full hours, as summer time begins and ends with; return how many there were.
+
+    A pause of one hour from a full hour to the next looks the same, and is much rarer.
+    """
+    steps = np.diff(time_s)
+    to_hour = np.abs(time_s - _HOUR_S * np.round(time_s / _HOUR_S))
+    # Forward an hour is missing after 01:59:59, back one is there twice after 02:59:59.
+    is_change = (
+        (np.abs(np.abs(steps) - _HOUR_S) < _NEAR_S) & (to_hour[:-1] < _NEAR_S) & (to_hour[1:] < _NEAR_S)
+    )
+    shift = np.concatenate([[0.0], np.cumsum(np.where(is_change, np.sign(steps) * _HOUR_S, 0.0))])
+    return np.asarray(time_s - shift), int(is_change.sum())
+
+
+__all__ = ["CLOCK", "is_clock", "seconds_of_clock"]

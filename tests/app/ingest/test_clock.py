@@ -1,0 +1,59 @@
+"""Times of day as text: which are read, and what a jump of them means."""
+
+import numpy as np
+import pytest
+
+from app.ingest.readers._clock import is_clock, seconds_of_clock
+from tests.said import codes
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        ("2026-11-22T10:00:00.123Z", "2026-11-22T10:00:00.133Z"),
+        ("2026-11-22T10:00:00,123+01:00", "2026-11-22T09:00:00,133Z"),
+        ("2026-11-22 10:00:00.123 +0530", "2026-11-22 04:30:00.133 UTC"),
+        ("2026/11/22 10:00:00.123-08", "2026/11/22 18:00:00.133Z"),
+        ("22.11.2026 23:59:59.995", "23.11.2026 00:00:00.005"),
+        ("10:00:00:123", "10:00:00:133"),
+        ("11:59:59.995 am", "12:00:00.005 PM"),
+        ("23:59:59.995", "00:00:00.005"),
+    ],
+)
+def test_the_difference_of_two_times(first, second):
+    seconds, _ = seconds_of_clock([first, second])
+    assert np.diff(seconds)[0] == pytest.approx(0.01, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "text", ["", "12", "11/22/2026 10:00:00", "2026-11-22", "10:00", "10:00:00.1.2", "a10:00:00"]
+)
+def test_what_is_no_time_of_day(text):
+    assert not is_clock(text)
+
+
+def test_times_that_no_clock_shows_are_none():
+    seconds, notes = seconds_of_clock(
+        ["10:00:00", "10:61:00", "2026-02-30 10:00:00", "13:00:00 PM", None, "10:00:01"]
+    )
+    assert np.isnan(seconds[1:5]).all()
+    assert seconds[5] - seconds[0] == 1.0
+    assert notes == ()
+
+
+def test_a_row_that_came_late_at_midnight_stays_where_it_was():
+    seconds, notes = seconds_of_clock(["23:59:59.99", "00:00:00.01", "23:59:59.995", "00:00:00.02"])
+    np.testing.assert_allclose(seconds - seconds[0], [0.0, 0.02, 0.005, 0.03], atol=1e-9)
+    assert codes(notes) == ["time.midnight"]
+
+
+def test_a_pause_of_an_hour_within_an_hour_is_a_pause():
+    seconds, notes = seconds_of_clock(["2026-11-22 10:20:00", "2026-11-22 11:20:00"])
+    assert np.diff(seconds)[0] == 3600.0
+    assert notes == ()
+
+
+def test_a_clock_put_forward_with_its_zone_is_no_jump():
+    seconds, notes = seconds_of_clock(["2026-03-29T01:59:59.99+01:00", "2026-03-29T03:00:00.00+02:00"])
+    assert np.diff(seconds)[0] == pytest.approx(0.01, abs=1e-9)
+    assert notes == ()
