@@ -73,7 +73,7 @@ const preview = (change: Partial<TablePreview> = {}): TablePreview => ({
   ...change,
 });
 
-async function choose(found: TablePreview) {
+async function choose(found: TablePreview | [number, unknown]) {
   const user = userEvent.setup();
   const declared = takeUploads(job({ status: 'queued' }));
   const view = renderPage(<UploadPage />, { at: '/?patient=p', answers: { ...PAGE, 'POST /api/uploads/preview': found, '/api/jobs/j': job({ status: 'running' }) } });
@@ -89,6 +89,42 @@ describe('a table', () => {
     expect(declared).toEqual([]);
     await user.click(screen.getByRole('button', { name: 'Upload' }));
     expect(declared[0]).toMatchObject({ format: 'csv', pipeline: 'orientation', file_name: 'box.csv', csv: preview().mapping });
+  });
+
+  it('is shown with its columns and first rows', async () => {
+    await choose(preview({ rows: [['0.00', '1', '2', '3', '4', '5', '6'], ['0.01', '7', '8', '9', '10', '11', '12']] }));
+    const table = within(await screen.findByRole('region', { name: 'First lines of the file' })).getByRole('table');
+    expect(within(table).getAllByRole('columnheader').map((one) => one.textContent)).toEqual(columns);
+    expect(within(table).getAllByRole('row').map((row) => row.textContent)).toEqual([columns.join(''), '0.00123456', '0.01789101112']);
+  });
+
+  it('is sent as a person corrects the guess', async () => {
+    const { user, declared } = await choose(preview());
+    const pick = async (box: string | RegExp, option: string) => {
+      await user.click(await screen.findByRole('combobox', { name: box }));
+      await user.click(await screen.findByRole('option', { name: option }));
+    };
+    await pick('Unit of time', 'Times of day as text');
+    await pick('Signal 1: unit', 'rad/s');
+    await pick('Signal 2: column of x', 'gyr_x');
+    await user.click(screen.getByRole('button', { name: 'Upload' }));
+    const [gyroscope, accelerometer] = preview().mapping!.signals;
+    expect(declared[0]?.csv).toEqual({
+      ...preview().mapping,
+      time_unit: 'clock',
+      signals: [
+        { ...gyroscope, unit: 'rad/s' },
+        { ...accelerometer, columns: ['gyr_x', 'acc_y', 'acc_z'] },
+      ],
+    });
+  });
+
+  it('that is none is refused in words and cannot be sent', async () => {
+    const { declared } = await choose([422, { code: 'recording_format', message: 'The file is not text: it holds bytes that no table has.', details: {} }]);
+    expect(await screen.findByText(/not text/)).toBeTruthy();
+    expect(screen.queryByRole('region', { name: 'First lines of the file' })).toBeNull();
+    expect(screen.getByRole('button', { name: 'Upload' })).toHaveProperty('disabled', true);
+    expect(declared).toEqual([]);
   });
 
   it('cannot be sent for joints while nobody has said where its sensor is worn', async () => {
