@@ -19,12 +19,7 @@ def upload(
     format: RecordingFormat = "auto",
     mapping: Mapping = None,
     guess: Guess = False,
-    pipeline: Annotated[
-        str,
-        typer.Option(
-            help="arm, gait or orientation (single sensors); default: what the sensors are worn for."
-        ),
-    ] = "",
+    pipeline: Pipeline = "",
     rate: Annotated[
         float | None, typer.Option(help="Samples a second of a table without time, with --guess.")
     ] = None,
@@ -51,12 +46,7 @@ def upload(
 def mapping(
     table: Annotated[Path, typer.Argument(help="CSV or text file.", exists=True, dir_okay=False)],
     out: Annotated[Path | None, typer.Option(help="JSON file to write; default: standard output.")] = None,
-    pipeline: Annotated[
-        str,
-        typer.Option(
-            help="arm, gait or orientation (single sensors); default: what the sensors are worn for."
-        ),
-    ] = "",
+    pipeline: Pipeline = "",
     rate: Annotated[
         float | None, typer.Option(help="Samples a second, where no column holds the time.")
     ] = None,

@@ -16,8 +16,9 @@ import pytest
 from sqlalchemy import Engine
 
 from app.database.engine import create_from_url
-from app.gateway import ServiceClient
+from app.gateway import DeviceStream, ServiceClient, stream_of
 from app.settings import Settings
+from estimators.simulation import ArmScenario, Schedule, simulate_arm
 
 PASSWORD = "a long enough password"
 """Of everybody in `world`."""
@@ -127,3 +128,9 @@ def signed_in(server: ServerProcess, email: Callable[[str], str]) -> Callable[..
         return client
 
     return make
+
+
+@pytest.fixture(scope="module")
+def stream() -> DeviceStream:
+    scenario = ArmScenario(schedule=Schedule(n_pose_s=10.0, repetitions=1), seed=5)
+    return stream_of(simulate_arm(scenario).recording)

@@ -1,0 +1,52 @@
+"""What tests of the live sockets share: sessions, a gateway on its socket, and waiting for messages."""
+
+import asyncio
+import contextlib
+import json
+from collections.abc import AsyncIterator, Awaitable, Callable
+from typing import Any
+
+from websockets.asyncio.client import ClientConnection, connect
+
+from app.gateway import DeviceStream, ServiceClient
+from app.recordings.schemas import SessionIn
+
+SignedIn = Callable[..., Awaitable[ServiceClient]]
+Message = dict[str, Any]
+
+
+async def new_session(client: ServiceClient, patient_id: str, stream: DeviceStream) -> str:
+    made = await client.create_session(SessionIn(patient_id=patient_id, placements=list(stream.placements)))  # type: ignore[arg-type]
+    return made.id
+
+
+@contextlib.asynccontextmanager
+async def gateway(
+    client: ServiceClient, session_id: str, stream: DeviceStream
+) -> AsyncIterator[ClientConnection]:
+    """A connection after its hello was acknowledged."""
+    async with connect(client.ingest_url, proxy=None) as socket:
+        hello = stream.hello(await client.ticket(session_id))
+        await socket.send(hello.model_dump_json(exclude_none=True))
+        answer = json.loads(await socket.recv())
+        assert answer["type"] == "acknowledge", answer
+        yield socket
+
+
+async def until(
+    socket: ClientConnection, wanted: Callable[[Message], bool], timeout_s: float = 20.0
+) -> Message:
+    """Read until a JSON message is wanted."""
+    async with asyncio.timeout(timeout_s):
+        while True:
+            text = await socket.recv()
+            if isinstance(text, str) and wanted(message := json.loads(text)):
+                return message
+
+
+def is_error(reason: str) -> Callable[[Message], bool]:
+    return lambda message: message["type"] == "error" and message["details"].get("reason") == reason
+
+
+def has_acknowledged(sequence: int) -> Callable[[Message], bool]:
+    return lambda message: message["type"] == "acknowledge" and message["acknowledged"] >= sequence
