@@ -5,28 +5,18 @@ import pytest
 
 from estimators import rotation
 from estimators.orientation import OrientationResult
-from estimators.recording import Recording, SampleQuality, SensorSignals
+from estimators.recording import SampleQuality
 from estimators.signals import to_common_ticks
 from estimators.validation import _broad_conditions as conditions
 from estimators.validation import protocols
+from tests.estimators.validation.made_up import trial_at_rest
 
 RATE_HZ = 200.0
 
 
 @pytest.fixture
 def trial():
-    rng = np.random.default_rng(3)
-    ticks = 4000
-    time_s = np.arange(ticks) / RATE_HZ
-    is_movement = time_s >= 8.0
-    imu = SensorSignals(
-        time_s,
-        0.01 * rng.standard_normal((ticks, 3)),
-        np.array([0.0, 0.0, 9.81]) + 0.02 * rng.standard_normal((ticks, 3)),
-        np.array([0.0, 20e-6, -45e-6]) + 0.2e-6 * rng.standard_normal((ticks, 3)),
-    )
-    reference = {"q_earth_sensor": rotation.identity((ticks,)), "is_movement": is_movement}
-    return Recording({"imu": imu}, RATE_HZ, reference=reference)
+    return trial_at_rest(3, 4000, RATE_HZ, (8.0, 20.0))
 
 
 @pytest.mark.parametrize("rest_s", [3.0, 0.0])

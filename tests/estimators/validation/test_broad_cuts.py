@@ -3,28 +3,16 @@
 import numpy as np
 import pytest
 
-from estimators import rotation
-from estimators.recording import Recording, SensorSignals
 from estimators.validation import _broad_cuts as cuts
 from estimators.validation import protocols
+from tests.estimators.validation.made_up import trial_at_rest
 
 RATE_HZ = 100.0
 
 
 @pytest.fixture
 def trial():
-    rng = np.random.default_rng(4)
-    ticks = 7000
-    time_s = np.arange(ticks) / RATE_HZ
-    imu = SensorSignals(
-        time_s,
-        0.01 * rng.standard_normal((ticks, 3)),
-        np.array([0.0, 0.0, 9.81]) + 0.02 * rng.standard_normal((ticks, 3)),
-        np.array([0.0, 20e-6, -45e-6]) + 0.2e-6 * rng.standard_normal((ticks, 3)),
-    )
-    is_movement = (time_s >= 10.0) & (time_s < 60.0)
-    reference = {"q_earth_sensor": rotation.identity((ticks,)), "is_movement": is_movement}
-    return Recording({"imu": imu}, RATE_HZ, reference=reference)
+    return trial_at_rest(4, 7000, RATE_HZ, (10.0, 60.0))
 
 
 def test_moments_lie_inside_the_movement_and_leave_enough_to_score(trial):

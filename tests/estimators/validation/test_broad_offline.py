@@ -4,26 +4,16 @@ import numpy as np
 import pytest
 
 from estimators import rotation
-from estimators.recording import Recording, SensorSignals
 from estimators.validation import _broad_offline as offline
 from estimators.validation import protocols
+from tests.estimators.validation.made_up import trial_at_rest
 
 RATE_HZ = 200.0
 
 
 @pytest.fixture
 def trial():
-    rng = np.random.default_rng(3)
-    ticks = 3000
-    time_s = np.arange(ticks) / RATE_HZ
-    imu = SensorSignals(
-        time_s,
-        0.01 * rng.standard_normal((ticks, 3)),
-        np.array([0.0, 0.0, 9.81]) + 0.02 * rng.standard_normal((ticks, 3)),
-        np.array([0.0, 20e-6, -45e-6]) + 0.2e-6 * rng.standard_normal((ticks, 3)),
-    )
-    reference = {"q_earth_sensor": rotation.identity((ticks,)), "is_movement": time_s >= 6.0}
-    return Recording({"imu": imu}, RATE_HZ, reference=reference)
+    return trial_at_rest(3, 3000, RATE_HZ, (6.0, 15.0))
 
 
 def test_drift_counts_from_the_start_of_the_movement(trial):
