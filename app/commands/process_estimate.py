@@ -11,9 +11,7 @@ from app.commands.process_walk import analyse, write_walk
 from app.errors import InvalidInput
 from app.ingest import readers
 from app.ingest.declaration import SINGLE_SENSORS, WALKING, estimated
-from app.recordings.columns import frames_table
-from app.recordings.result_files import origin_of, setup_record, write_results
-from app.recordings.walk_shoes import as_stored as shoes_as_stored
+from app.recordings.shoe_arrays import as_stored as shoes_as_stored
 from app.sentences import say
 from estimators import orientation as orientations
 from estimators import pipelines, signals
@@ -88,6 +86,10 @@ def estimate(measured: Recording, file: Path, out: Path, asked: Asked) -> None:
             measured, setup, asked.pose_s, elbows_from_movement=asked.pipeline == "arm"
         )
         out.mkdir(parents=True, exist_ok=True)
+    # What writes results loads the service: not before the estimate is there.
+    from app.recordings.columns import frames_table
+    from app.recordings.result_files import origin_of, setup_record, write_results
+
     origin = origin_of(file, asked.format)
     body = used.body if asked.pipeline == "arm" else None
     table = frames_table(frames, body, pipeline=asked.pipeline, about={**origin, "setup": setup_record(used)})

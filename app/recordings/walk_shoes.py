@@ -1,9 +1,8 @@
 """Signals of instrumented shoes: from the packets of a session, or kept as one row with an uploaded one."""
 
-import io
 import zlib
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +13,7 @@ from app.recordings._rows import insert_chunk
 from app.recordings.chunks import EncodedChunk
 from app.recordings.codecs import DamagedChunkError, checksum
 from app.recordings.models import SignalChunk
+from app.recordings.shoe_arrays import packed, unpacked
 from app.sentences import say
 from estimators.conventions import SHOE_PLACEMENTS
 from estimators.kinetics import stretches
@@ -23,7 +23,6 @@ from estimators.recording import ImuChunk, Recording, SensorSignals
 SHOES_STREAM: Final = "shoes"
 _CODEC: Final = "npz.zlib"
 _LONGEST_HOLE_S: Final = 0.2
-_FIELDS: Final = ("gyroscope_radps", "accelerometer_mps2", "force_n", "moment_nm")
 
 
 def store_shoes(session: Session, session_id: str, recording: Recording) -> None:
@@ -36,7 +35,7 @@ def store_shoes(session: Session, session_id: str, recording: Recording) -> None
     recording : Recording
         Sensors on one time base, see `read_instrumented_shoe`.
     """
-    data = zlib.compress(_packed(recording), 6)
+    data = zlib.compress(packed(recording), 6)
     session.execute(
         delete(SignalChunk).where(SignalChunk.session_id == session_id, SignalChunk.stream == SHOES_STREAM)
     )
@@ -45,11 +44,6 @@ def store_shoes(session: Session, session_id: str, recording: Recording) -> None
     insert_chunk(
         session, session_id, SHOES_STREAM, 0, EncodedChunk(0, ticks, _CODEC, scale, checksum(data), data)
     )
-
-
-def as_stored(recording: Recording) -> Recording:
-    """Return the shoes' signals as a session that stores them gives them: numbers of 32 bits."""
-    return _unpacked(_packed(recording), recording.nominal_rate_hz)
 
 
 def load_shoes(session: Session, session_id: str) -> Recording | None:
@@ -61,39 +55,7 @@ def load_shoes(session: Session, session_id: str) -> Recording | None:
         return None
     if checksum(row.data) != row.crc:
         raise DamagedChunkError(say("stored.checksum"))
-    return _unpacked(zlib.decompress(row.data), float(row.scale["rate_hz"]))
-
-
-def _packed(recording: Recording) -> bytes:
-    arrays: dict[str, Any] = {}
-    for name, sensor in recording.sensors.items():
-        arrays["time_s"] = sensor.time_s
-        for field in _FIELDS:
-            values = getattr(sensor, field)
-            if values is not None:
-                arrays[f"{name}.{field}"] = values.astype(np.float32)
-    buffer = io.BytesIO()
-    np.savez(buffer, **arrays)
-    return buffer.getvalue()
-
-
-def _unpacked(data: bytes, rate_hz: float) -> Recording:
-    with np.load(io.BytesIO(data), allow_pickle=False) as content:
-        arrays = {name: np.asarray(content[name], dtype=np.float64) for name in content.files}
-    time_s = arrays.pop("time_s")
-    names = dict.fromkeys(name.partition(".")[0] for name in arrays)
-    sensors = {
-        name: SensorSignals(
-            time_s,
-            arrays[f"{name}.gyroscope_radps"],
-            arrays[f"{name}.accelerometer_mps2"],
-            None,
-            arrays.get(f"{name}.force_n"),
-            arrays.get(f"{name}.moment_nm"),
-        )
-        for name in names
-    }
-    return Recording(sensors, rate_hz, origin="session")
+    return unpacked(zlib.decompress(row.data), float(row.scale["rate_hz"]))
 
 
 def shoes_of(pieces: Sequence[ImuChunk], setup: SessionSetup) -> tuple[Recording | None, float, str]:
@@ -165,4 +127,4 @@ def _signals(piece: ImuChunk, rows: list[int]) -> NDArray[np.float64]:
     return np.concatenate([piece.gyroscope_radps[rows], piece.accelerometer_mps2[rows], *loads], axis=2)
 
 
-__all__ = ["SHOES_STREAM", "as_stored", "load_shoes", "shoes_of", "store_shoes"]
+__all__ = ["SHOES_STREAM", "load_shoes", "shoes_of", "store_shoes"]

@@ -64,6 +64,17 @@ def test_a_refused_file_loads_neither_estimators_nor_the_service(tmp_path, case:
         assert "pyarrow" not in packages
 
 
+def test_estimating_a_file_loads_nothing_of_the_service() -> None:
+    found = imported_by("import app.commands.process_estimate")
+    assert not {name.partition(".")[0] for name in found} & {
+        "fastapi",
+        "sqlalchemy",
+        "viser",
+        "pyarrow",
+        "h5py",
+    }
+
+
 @pytest.mark.slow
 def test_the_service_starts_without_what_only_analyses_need() -> None:
     found = imported_by("import app.main")
