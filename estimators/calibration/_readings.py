@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.calibration._clipping import ClipWatch
+from estimators._clipping import LEAST_FORCE_RANGE_MPS2, LEAST_RATE_RANGE_RADPS, ClipWatch
 from estimators.calibration._contradiction import HOP, WINDOW_S, Evidence, gather
 from estimators.calibration._dip import Dip
 from estimators.conventions import GRAVITY_MPS2
@@ -16,8 +16,6 @@ from estimators.recording import Float
 _ENOUGH_WINDOWS: Final = 48
 """With so many windows of movement the axes and the unit of a sensor are known."""
 _RESTING_S, _RESTING_SPREAD = 0.5, 0.02
-_LEAST_RATE_RANGE_RADPS: Final = math.radians(30.0)
-_LEAST_FORCE_RANGE_MPS2: Final = 1.5 * GRAVITY_MPS2
 
 
 class Readings:
@@ -44,8 +42,8 @@ class Readings:
         self.field_t: list[float] = []
         self.field_spread: list[float] = []
         self.still_products: list[Float] = []
-        self.rate_clips = ClipWatch(_LEAST_RATE_RANGE_RADPS, is_rate=True)
-        self.force_clips = ClipWatch(_LEAST_FORCE_RANGE_MPS2, is_rate=False)
+        self.rate_clips = ClipWatch(LEAST_RATE_RANGE_RADPS, is_rate=True)
+        self.force_clips = ClipWatch(LEAST_FORCE_RANGE_MPS2, is_rate=False)
         self.first: dict[str, Float] = {}
         self.changing: dict[str, NDArray[np.bool_]] = {}
 

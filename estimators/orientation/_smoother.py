@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators import rotation
+from estimators._clipping import mark_clipped
 from estimators.errors import SetupError, ShapeError
 from estimators.orientation import _telemotion_layout as at
 from estimators.orientation._contract import OrientationFlag, OrientationResult
@@ -19,7 +20,7 @@ from estimators.orientation._smoother_session import SensorSession, prepare, tur
 from estimators.orientation._streaming import ChunkGuard, usable_samples
 from estimators.orientation._telemotion import MICROTESLA_PER_TESLA, TelemotionEstimator
 from estimators.orientation._telemotion_parameters import TelemotionParameters, settings_of
-from estimators.recording import Float, ImuChunk
+from estimators.recording import Float, ImuChunk, SampleQuality
 
 _TRIAL_PASSES = 2
 _CONVINCING, _CONVINCING_A_BLOCK = 40.0, 0.4
@@ -103,7 +104,7 @@ def smooth(
     Bryson-Frazier. Sensors are worked on one after the other, so beside chunk and result there is only
     memory for the blocks of one, about 10 kB a block of 0.2 s.
     """
-    chunk = ChunkGuard(chunk.sensor_count, chunk.time_step_s, is_whole=True).accept(chunk)
+    chunk = mark_clipped(ChunkGuard(chunk.sensor_count, chunk.time_step_s, is_whole=True).accept(chunk))
     if chunk.tick_count == 0:
         raise ShapeError("the session holds no ticks; there is nothing to smooth")
     if constants is not None and len(constants) != chunk.sensor_count:
@@ -150,6 +151,10 @@ def _smooth_sensor(
     prior, variance = estimator.nominal[0], estimator.covariance[0].diagonal().copy()
     live, opened, irons = _run_online(estimator, chunk)
     flags, usable = live.flags[0], usable_samples(chunk)[0]
+    clipped = (
+        live.flags & int(OrientationFlag.SATURATED)
+    ) != 0  # the filter may have met a level that hardly piles up
+    chunk = replace(chunk, quality=chunk.quality | clipped * np.uint8(SampleQuality.SATURATED))
     gain = estimator.nominal[0, at.GAIN : at.GAIN + 9].reshape(3, 3).T
     turn_back(live, chunk, usable, gain)
     session = prepare(chunk, usable, live.q_earth_sensor[0], settings)

@@ -11,6 +11,7 @@ from estimators.conventions import GRAVITY_MPS2
 from estimators.orientation import _telemotion_layout as at
 from estimators.orientation._contract import OrientationFlag, OrientationResult
 from estimators.orientation._smoother_kernel import AT_REST, FACTS, RATE, SHARE
+from estimators.orientation._telemotion_samples import CLIP_SHARE
 from estimators.recording import Float, ImuChunk, SampleQuality
 
 _MICROTESLA = 1e6
@@ -97,9 +98,14 @@ def prepare(
             turn, speed = _fill(samples, int(before), int(after), measured[span], spread, settings)
             turn_variance[after // block_ticks] += turn
             speed_variance[after // block_ticks] += speed
+    edges = np.arange(blocks) * block_ticks
+    cut_off = _growth(samples[:, at.SATURATED] > 0.0, settings)
+    largest = np.abs(samples[:, at.RATE : at.RATE + 3]).max(axis=1)
+    unseen = np.maximum(settings[at.CLIP_RATE], (CLIP_SHARE * largest) ** 2)
+    turn_variance += np.add.reduceat(unseen * cut_off, edges)[:, None]
+    speed_variance += settings[at.CLIP_FORCE] * np.add.reduceat(cut_off, edges)[:, None]
     facts = np.zeros((blocks, FACTS))
     rest = _rest(samples, settings) & seen
-    edges = np.arange(blocks) * block_ticks
     lengths = np.diff(np.append(edges, stop - first))
     facts[:, AT_REST] = np.add.reduceat(rest, edges) == lengths
     facts[:, RATE : RATE + 3] = np.add.reduceat(samples[:, :3], edges) / lengths[:, None]
@@ -200,6 +206,13 @@ def _fill(
     bulge = length / 8.0 * (rise - fall)[:3]
     rate = share * ((high - low)[:3] ** 2 + (_MEAN_SHARE * (high + low)[:3]) ** 2) + unseen + 0.25 * bulge**2
     return rate * time_s**2, share * ((high - low)[3:] * time_s) ** 2
+
+
+def _growth(is_clipped: NDArray[np.bool_], settings: Float) -> Float:
+    """Return by how much the squared time at the limit grows with each sample: as the online filter counts it."""
+    count = np.arange(1, len(is_clipped) + 1)
+    since = count - np.maximum.accumulate(np.where(is_clipped, 0, count))
+    return np.where(is_clipped, (2.0 * since - 1.0) * settings[at.STEP_S] ** 2, 0.0)
 
 
 def _rest(samples: Float, settings: Float) -> NDArray[np.bool_]:

@@ -44,7 +44,7 @@ class TelemotionEstimator(KernelEstimator):
     """
 
     name: ClassVar[str] = "telemotion"
-    version: ClassVar[str] = "7"
+    version: ClassVar[str] = "8"
     title: ClassVar[str] = "Telemotion"
     description: ClassVar[str] = (
         "Also learns each sensor's own errors and nearby magnets while it is worn; the most accurate live estimate."

@@ -140,8 +140,8 @@ def read(
         if math.isfinite(total) and total > 0.0:
             sample[HAS_FIELD] = 1.0
     sample[SATURATED] = 1.0 if quality & _SAMPLE_SATURATED else 0.0
-    # Interpolated values are none of the device's.
-    if quality == 0 and (
+    # Interpolated values are none of the device's; a level is learnt also where it is known to be one.
+    if (quality | _SAMPLE_SATURATED) == _SAMPLE_SATURATED and (
         (turning > _LEAST_RANGE[0] ** 2 and at_clip(memory, counts, sample, 0))
         or (squares > _LEAST_RANGE[1] ** 2 and at_clip(memory, counts, sample, 1))
     ):

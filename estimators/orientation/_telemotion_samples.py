@@ -53,6 +53,8 @@ from estimators.recording import Float
 
 _REST_MEAN_RATE = math.radians(3.0)
 """A mean rate above this is a slow turn and not the bias of a usable gyroscope."""
+CLIP_SHARE = 0.25
+"""What a gyroscope at its limit misses, as a share of that: a swing cut off at three quarters of its peak."""
 _MOST_DOUBT = 1000.0
 """So that a bias that has jumped is found again within a minute of rest."""
 
@@ -193,8 +195,10 @@ def integrate(
         # The error is the same for the whole time at the limit: it grows with its square, 2 n - 1 a step.
         counts[CLIPPED] += 1
         growth = (2.0 * counts[CLIPPED] - 1.0) * step_s * step_s
+        largest = max(abs(sample[RATE]), abs(sample[RATE + 1]), abs(sample[RATE + 2]))
+        unseen = max(settings[CLIP_RATE], (CLIP_SHARE * largest) ** 2)
         for axis in range(3):
-            memory[GAP_TURN_VARIANCE + axis] += settings[CLIP_RATE] * growth
+            memory[GAP_TURN_VARIANCE + axis] += unseen * growth
             memory[GAP_SPEED_VARIANCE + axis] += settings[CLIP_FORCE] * growth
     else:
         counts[CLIPPED] = 0
@@ -219,4 +223,13 @@ def level(q: Float, memory: Float, counts: NDArray[np.int64]) -> None:
         memory[first], memory[first + 1], memory[first + 2] = x, y, z
 
 
-__all__ = ["begin_rest", "clear_sums", "integrate", "level", "rest_variance", "to_vertical", "watch_rest"]
+__all__ = [
+    "CLIP_SHARE",
+    "begin_rest",
+    "clear_sums",
+    "integrate",
+    "level",
+    "rest_variance",
+    "to_vertical",
+    "watch_rest",
+]

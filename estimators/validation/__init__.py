@@ -41,6 +41,7 @@ from estimators.validation._foot_recordings import (
 )
 from estimators.validation._functional import FUNCTIONAL_CALIBRATION
 from estimators.validation._hand_motion import BIAS_STATES, HAND_MOTION, SINGULARITY
+from estimators.validation._honesty import HONESTY
 from estimators.validation._joint_headings import JOINT_HEADINGS
 from estimators.validation._judgement import Verdict
 from estimators.validation._kinematics import CONVERSIONS, ELBOW_POSITION, KINEMATIC_IDENTITY
@@ -121,6 +122,7 @@ _PROTOCOLS = (
     STILL_SENSOR,
     CONSISTENCY,
     COVARIANCE,
+    HONESTY,
     STATIC_IRON,
     QUARTER_TURNS,
     ELBOW_FLEXION,

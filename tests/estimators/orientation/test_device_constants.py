@@ -171,6 +171,21 @@ def test_clip_level_is_learnt_used_and_unlearnt():
     assert wrong.device_constants[0].gyroscope_clip_radps is None
 
 
+def test_looking_back_a_clip_that_nobody_declared_is_marked_and_doubted():
+    chunk, truth = turning_sensor(7, seconds=40.0, clip_radps=4.3, pace=1.8)
+    # Calibrated after it was cut off: the level differs from sample to sample, no two are equal.
+    rate = chunk.gyroscope_radps * (1.0 + 0.0005 * np.random.default_rng(1).normal(size=(40 * 200, 1)))
+    found = orientation.smooth("telemotion_smoother", replace(chunk, gyroscope_radps=rate)).orientation
+    saturated = (found.flags[0] & int(orientation.OrientationFlag.SATURATED)) != 0
+    clipped = (np.abs(chunk.gyroscope_radps[0]) >= 4.3).any(axis=-1)
+    assert clipped.sum() > 100
+    assert saturated[clipped].mean() > 0.95
+    assert saturated[~clipped].mean() < 0.02
+    error = rotation.log(rotation.multiply(found.q_earth_sensor[0], rotation.conjugate(truth)))
+    squares = ((error / found.sigma_rad[0]) ** 2).sum(axis=-1)
+    assert (squares < 7.8).mean() > 0.8
+
+
 def test_vqf_has_no_use_for_them(learnt):
     estimator = orientation.create("vqf", 1, STEP_S)
     estimator.set_device_constants([learnt])

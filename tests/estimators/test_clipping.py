@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from estimators.calibration._clipping import ClipWatch, at_levels
+from estimators._clipping import ClipWatch, at_levels
 
 STEP_S = 0.01
 LEAST = np.radians(30.0)

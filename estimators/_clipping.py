@@ -1,11 +1,20 @@
 """Channels that stop at the end of their range, known by how values pile up there."""
 
+import math
+from dataclasses import replace
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.recording import Float
+from estimators.conventions import GRAVITY_MPS2
+from estimators.recording import Float, ImuChunk, SampleQuality
+
+LEAST_RATE_RANGE_RADPS: Final = math.radians(30.0)
+LEAST_FORCE_RANGE_MPS2: Final = 1.5 * GRAVITY_MPS2
+"""No device has a smaller range: peaks below it are peaks."""
+_STRETCH_TICKS: Final = 10_000
 
 _TOP: Final = 0.995
 """Values this near the largest count as one level: calibration turns and scales what a device cut off, so that its
@@ -100,4 +109,26 @@ def at_levels(values: Float, levels: Float) -> NDArray[np.bool_]:
     return np.asarray(((values >= levels[0]) | (-values >= levels[1])).any(axis=-1))
 
 
-__all__ = ["ClipWatch", "at_levels"]
+def mark_clipped(chunk: ImuChunk) -> ImuChunk:
+    """Return a whole session with SATURATED where values pile up at the end of a range that nobody declared.
+
+    Parameters
+    ----------
+    chunk : ImuChunk
+        The same one is returned where nothing is cut off.
+    """
+    quality = chunk.quality.copy()
+    edges = [*range(0, chunk.tick_count, _STRETCH_TICKS), chunk.tick_count]
+    for s in range(chunk.sensor_count):
+        for values, least, is_rate in (
+            (chunk.gyroscope_radps[s], LEAST_RATE_RANGE_RADPS, True),
+            (chunk.accelerometer_mps2[s], LEAST_FORCE_RANGE_MPS2, False),
+        ):
+            watch = ClipWatch(least, is_rate=is_rate)
+            for start, stop in pairwise(edges):
+                watch.add(values[start:stop], chunk.time_step_s)
+            quality[s, at_levels(values, watch.levels)] |= np.uint8(SampleQuality.SATURATED)
+    return chunk if (quality == chunk.quality).all() else replace(chunk, quality=quality)
+
+
+__all__ = ["LEAST_FORCE_RANGE_MPS2", "LEAST_RATE_RANGE_RADPS", "ClipWatch", "at_levels", "mark_clipped"]
