@@ -42,7 +42,6 @@ _CLOSINGS: Final = 3
 _CELLS: Final = 15_000_000
 """Work that the search may cost: a long session tries fewer hypotheses."""
 _RIVAL: Final = 0.5
-_GAIN_WORTH: Final = 0.3
 _CUTS: Final = 25
 _NEAR: Final = 0.12
 """Share of the size within which somebody stays where they are."""
@@ -52,7 +51,9 @@ _STILL, _MUCH_SLOWER = 0.1, 5.0
 """Of the longest stay and of the usual time for a step of the path: what lasts longer is a stay as well."""
 _REST_S: Final = 0.4
 _REST_WORTH: Final = 0.5
-_END_WORTH: Final = 0.4
+_END_WORTH: Final = 0.3
+_LONG_REST_S: Final = 1.5
+"""Nobody who exercises pauses inside a repetition for long: rest at either end speaks for home the more the longer."""
 
 
 @dataclass(frozen=True)
@@ -299,8 +300,9 @@ def most_likely(found: list[Explanation], path: Path, step_s: float) -> Explanat
     most = max(len(one.matches) for one in rivals)
 
     def fitness(one: Explanation) -> float:
-        share = len(one.matches) / most + one.covered / best.covered + _GAIN_WORTH * one.gain / best.gain
-        return share + _rest(one, path, step_s)
+        # A recording that begins or ends inside a repetition shows a whole one more of those that are cut elsewhere.
+        count = min((len(one.matches) + 1) / most, 1.0)
+        return count + one.covered / best.covered + one.gain / best.gain + _rest(one, path, step_s)
 
     return _centred(max(rivals, key=fitness), path)
 
@@ -318,14 +320,8 @@ def _centred(one: Explanation, path: Path) -> Explanation:
 def _single(path: Path, step_s: float) -> Explanation | None:
     """Return the movement that was done once, from rest to rest; None where there is none."""
     count = len(path.points) - 1
-    found = [
-        one
-        for a, b in _closed_pieces(path)
-        if _worth_at_the_ends(
-            one := Explanation((a, b), np.array([(a, b)]), 0.0, (b - a) / count), path, step_s
-        )
-        == 2
-    ]
+    once = [Explanation((a, b), np.array([(a, b)]), 0.0, (b - a) / count) for a, b in _closed_pieces(path)]
+    found = [one for one in once if min(_rested_at_the_ends(one, path, step_s)) > _REST_S]
     return max(found, key=lambda one: one.covered, default=None)
 
 
@@ -420,19 +416,20 @@ def _rest(one: Explanation, path: Path, step_s: float) -> float:
     length = float(np.median(np.diff(path.place[one.matches], axis=1)))
     follows = stays[:-1, 1, 0] == stays[1:, 0, 0]
     rest = float(np.median(stayed[1:, 0][follows])) / (length + 1.0) if follows.any() else 0.0
-    return _REST_WORTH * min(rest, 1.0) + _END_WORTH * _worth_at_the_ends(one, path, step_s)
+    ends = sum(min(rested / _LONG_REST_S, 1.0) for rested in _rested_at_the_ends(one, path, step_s))
+    return _REST_WORTH * min(rest, 1.0) + _END_WORTH * ends
 
 
-def _worth_at_the_ends(one: Explanation, path: Path, step_s: float) -> int:
-    """At how many of the two ends somebody rests at home, and does nothing else before, or after.
+def _rested_at_the_ends(one: Explanation, path: Path, step_s: float) -> list[float]:
+    """Seconds that somebody rests at home at either end; none where they do something else before, or after.
 
     A hold inside a repetition has a part of one on either side.
     """
     stays = at_home(one, path)
     place = np.append(path.place, path.last)
     first, last = stays[0, 0], stays[-1, 1]
-    worth = 0
+    rested = []
     for points, (begin, end) in ((path.points[: first[1] + 1], first), (path.points[last[0] :], last)):
-        away = np.linalg.norm(points - path.points[begin], axis=1).max()
-        worth += bool((place[end + 1] - place[begin]) * step_s > _REST_S and away < _BACK * path.size)
-    return worth
+        away = np.linalg.norm(points - path.points[end], axis=1).max()
+        rested.append(float(place[end + 1] - place[begin]) * step_s if away < _LEFT * path.size else 0.0)
+    return rested

@@ -93,6 +93,7 @@ from estimators.validation._relative_pose_faults import (
 )
 from estimators.validation._relative_pose_feet import RELATIVE_POSE_FEET
 from estimators.validation._render import to_data, to_json, to_markdown, to_table
+from estimators.validation._repetitions import ANY_REPETITIONS
 from estimators.validation._roetenberg_case import STEEL_CASE
 from estimators.validation._roetenberg_elbow import ELBOW_FLEXION
 from estimators.validation._roetenberg_static import STATIC_IRON
@@ -114,6 +115,7 @@ _PROTOCOLS = (
     ELBOW_POSITION,
     TEMPLATE_COMPARISON,
     REPETITIONS,
+    ANY_REPETITIONS,
     ARM_SESSION,
     FUNCTIONAL_CALIBRATION,
     JOINT_HEADINGS,

@@ -19,6 +19,7 @@ SLOW = {
     "optical_refusal": 2,
     "arm_joint_headings": 5,
     "arm_repetitions": 2,
+    "repetitions": 1,
     "arm_session": 2,
     "arm_template_comparison": 2,
     "inclination_daily_tasks": 1,
@@ -79,6 +80,11 @@ SHORT: dict[str, set[str]] = {
         "foreign field for a time, our filter, inside the 95 % region",
         "foreign field for a time, our filter, NEES of a run",
         "all scenes but the whole field off, our smoother, inside the 95 % region, at most",
+    },
+    "repetitions": {
+        "repetitions found, share of the true ones",
+        "true ones, share of those found",
+        "sets with the true count",
     },
 }
 """What falls short today, and the command says so; nothing else may."""
