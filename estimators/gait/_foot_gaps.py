@@ -14,7 +14,9 @@ from estimators.signals import BRIDGE_S
 
 Bool = NDArray[np.bool_]
 
-_GAP_STEPS, _GAP_S = 2.5, 0.025
+_GAP_STEPS = 1.8
+_SLOW_HZ, _FINE_HZ = 75.0, 200.0
+"""A foot turns by ten degrees between the samples of a slow sensor: the filter takes it in steps of a fast one's."""
 _SHORTEST_S = 0.5
 _LONGEST_FILL_S = 3600.0
 
@@ -31,11 +33,17 @@ class FilledSignals:
         Length of the hole that a sample fills; zero where it was measured.
     is_missing : ndarray of bool, shape (N,)
         In holes too long to interpolate: the foot is taken to rest there, and nothing else is known.
+    rate_hz : float
+        Of the filled samples: that of the device, or a multiple of it where that is slow.
+    lag : int
+        Which multiple.
     """
 
     signals: SensorSignals
     gap_s: Float
     is_missing: Bool
+    rate_hz: float
+    lag: int
 
 
 def fill_gaps(signals: SensorSignals, rate_hz: float) -> FilledSignals:
@@ -65,19 +73,18 @@ def fill_gaps(signals: SensorSignals, rate_hz: float) -> FilledSignals:
     if len(time_s) < 3 or len(time_s) < _SHORTEST_S * rate_hz:
         raise ShapeError(say("walk.too_short", least_s=_SHORTEST_S))
     steps = np.diff(time_s)
-    holes = np.flatnonzero(steps > max(_GAP_STEPS / rate_hz, _GAP_S))
-    if not len(holes):
-        kept = SensorSignals(time_s, gyroscope, accelerometer, field)
-        return FilledSignals(kept, np.zeros(len(time_s)), np.zeros(len(time_s), dtype=np.bool_))
     if steps.max() > _LONGEST_FILL_S:
         raise ShapeError(say("walk.hole", hole_s=steps.max()))
-    between = [
-        time_s[i] + steps[i] * np.arange(1, count) / count
-        for i in holes
-        if (count := max(2, round(steps[i] * rate_hz)))
-    ]
-    new_s = np.concatenate(between)
-    length = np.concatenate([np.full(len(t), steps[i]) for t, i in zip(between, holes, strict=True)])
+    is_hole = steps > _GAP_STEPS / rate_hz
+    lag = round(_FINE_HZ / rate_hz) if rate_hz < _SLOW_HZ else 1
+    fine_hz = lag * rate_hz
+    counts = np.where(is_hole, np.maximum(np.rint(steps * fine_hz), 2), lag).astype(np.int64)
+    if counts.max() == 1:
+        kept = SensorSignals(time_s, gyroscope, accelerometer, field)
+        return FilledSignals(kept, np.zeros(len(time_s)), np.zeros(len(time_s), dtype=np.bool_), fine_hz, lag)
+    places = np.flatnonzero(counts > 1)
+    new_s = np.concatenate([time_s[i] + steps[i] * np.arange(1, counts[i]) / counts[i] for i in places])
+    length = np.repeat(np.where(is_hole, steps, 0.0), counts - 1)
     curve = scipy.interpolate.PchipInterpolator(
         time_s, np.concatenate([gyroscope, accelerometer], axis=1), axis=0
     )
@@ -100,7 +107,8 @@ def fill_gaps(signals: SensorSignals, rate_hz: float) -> FilledSignals:
         merged(accelerometer, values[:, 3:]),
         None if field is None else merged(field, np.full((len(new_s), 3), np.nan)),
     )
-    return FilledSignals(filled, merged(measured, length), merged(measured, is_long.astype(np.float64)) > 0.0)
+    is_missing = merged(measured, is_long.astype(np.float64)) > 0.0
+    return FilledSignals(filled, merged(measured, length), is_missing, fine_hz, lag)
 
 
 __all__ = ["FilledSignals", "fill_gaps"]

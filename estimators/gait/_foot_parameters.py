@@ -1,11 +1,18 @@
 """Parameters of the foot trajectory: one set for all people, speeds and devices."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import dataclass, fields, replace
+from typing import Any, Final
 
+import numpy as np
+
+from estimators._clipping import ClipWatch
 from estimators.errors import SetupError
 from estimators.orientation._parameters import read_parameters
+from estimators.recording import SensorSignals
+
+_LEAST_RANGE: Final = {"gyroscope_clip_radps": 4.3, "accelerometer_clip_mps2": 19.0}
+"""Devices of 250 deg/s and 2 g are the least that are made."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +61,7 @@ class FootParameters:
     accelerometer_jerk_share, gyroscope_jerk_share : float
         Noise in proportion to half the difference of the neighbouring samples.
     gap_accelerometer_density, gap_gyroscope_density, gap_scale_s : float
-        Least noise on samples that were filled in, growing with the root of the gap's length.
+        Least noise where samples are missing for too long to be bridged, growing with the root of the gap's length.
     pivot_sigma_m, pivot_density : float
         Start and random walk (m/sqrt(s)) of the vector from the contact point to the sensor.
     gyroscope_bias_sigma_radps, accelerometer_bias_sigma_mps2 : float
@@ -141,4 +148,20 @@ def foot_parameters(values: "Mapping[str, Any] | FootParameters | None" = None) 
     return parameters
 
 
-__all__ = ["FootParameters", "foot_parameters"]
+def with_clips(signals: SensorSignals, parameters: FootParameters) -> FootParameters:
+    """Return the parameters with clip levels that the samples themselves pile up at, where those are lower."""
+    step_s = float(np.median(np.diff(signals.time_s)))
+    found: dict[str, Any] = {}
+    for name, values, is_rate in (
+        ("gyroscope_clip_radps", signals.gyroscope_radps, True),
+        ("accelerometer_clip_mps2", signals.accelerometer_mps2, False),
+    ):
+        given = getattr(parameters, name)
+        watch = ClipWatch(_LEAST_RANGE[name], is_rate=is_rate)
+        watch.add(values, step_s)
+        if watch.level is not None and watch.level < given:
+            found[name] = watch.level
+    return replace(parameters, **found) if found else parameters
+
+
+__all__ = ["FootParameters", "foot_parameters", "with_clips"]

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from estimators.conventions import GRAVITY_MPS2
 from estimators.gait import _foot_layout as at
+from estimators.gait._bridge_kernel import BESIDE_S, add_bridge_noise
 from estimators.gait._foot_filter import (
     START_S,
     Records,
@@ -205,6 +206,19 @@ class FootStream:
         )
         kind = self._kind[place]
         if kind.any():
+            add_bridge_noise(
+                self._gyroscope,
+                self._force,
+                (self._kind & (BRIDGED | MISSING)) == BRIDGED,
+                (self._kind & (BRIDGED | MISSING)) != 0,
+                place.start,
+                place.stop,
+                max(1, round(BESIDE_S * self.rate_hz)),
+                1,
+                1.0 / self.rate_hz,
+                inputs[2],
+                rate_variance,
+            )
             has_field = (kind & FIELD != 0) & (bits & at.STANCE != 0)
             missing = (kind & MISSING) != 0
             bits |= has_field * np.uint8(at.HEADING)
@@ -220,11 +234,11 @@ class FootStream:
         return max(self.released, self.first)
 
     def _gap_root(self, first: int, end: int) -> Float:
-        """Return the root of the length of the gaps that ticks fill, as far as may be known; for all buffered ticks.
+        """Return the root of the length of the gaps that nothing bridges, as far as may be known; for all ticks.
 
         Right for the ticks `[first - 1, end]`.
         """
-        filled = (self._kind & (BRIDGED | MISSING)) != 0
+        filled = (self._kind & MISSING) != 0
         if not filled.any():
             return _ALL_MEASURED
         count = len(filled)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from estimators.errors import ShapeError
 from estimators.gait import _foot_layout as at
+from estimators.gait._bridge_kernel import BESIDE_S, add_bridge_noise
 from estimators.gait._foot_filter import (
     NO_FIELD,
     START_S,
@@ -20,7 +21,7 @@ from estimators.gait._foot_filter import (
     start_state,
 )
 from estimators.gait._foot_gaps import FilledSignals, fill_gaps
-from estimators.gait._foot_parameters import FootParameters
+from estimators.gait._foot_parameters import FootParameters, with_clips
 from estimators.gait._stance import Stance, find_stance, gravity_scale, noise, resting_bias
 from estimators.recording import Float, SensorSignals
 from estimators.sentences import say
@@ -127,7 +128,7 @@ def smooth(
     rate_hz = rate_of(signals.time_s)
     if not is_usable_rate(rate_hz):
         raise ShapeError(say("walk.rate", rate_hz=rate_hz))
-    run = _Run(fill_gaps(signals, rate_hz), rate_hz, chosen)
+    run = _Run(fill_gaps(signals, rate_hz), with_clips(signals, chosen))
     for _ in range(passes):
         run.there_and_back()
     return run.trajectory()
@@ -136,8 +137,8 @@ def smooth(
 class _Run:
     """One record on its way through the filter."""
 
-    def __init__(self, filled: FilledSignals, rate_hz: float, parameters: FootParameters) -> None:
-        signals = filled.signals
+    def __init__(self, filled: FilledSignals, parameters: FootParameters) -> None:
+        signals, rate_hz = filled.signals, filled.rate_hz
         samples = len(signals.time_s)
         self.filled, self.parameters = filled, parameters
         self.time_s = signals.time_s
@@ -150,7 +151,21 @@ class _Run:
         self.stance = find_stance(gyroscope, self.accelerometer, rate_hz, parameters, missing)
         self.sigma_mps = np.where(missing, LOST_SIGMA_MPS, self.stance.sigma_mps)
         self.force_variance, self.rate_variance = noise(
-            gyroscope, self.accelerometer, filled.gap_s, parameters
+            gyroscope, self.accelerometer, np.where(missing, filled.gap_s, 0.0), parameters
+        )
+        is_filled = filled.gap_s > 0.0
+        add_bridge_noise(
+            gyroscope,
+            self.accelerometer,
+            is_filled & ~missing,
+            is_filled,
+            0,
+            samples,
+            max(1, round(BESIDE_S * rate_hz)),
+            filled.lag,
+            filled.lag / rate_hz,
+            self.force_variance,
+            self.rate_variance,
         )
         self.wanted = self.stance.bits
         # Where nothing is known the foot is taken to go nowhere, loosely.

@@ -32,6 +32,7 @@ from estimators.validation._covariance import COVARIANCE
 from estimators.validation._foot_conditions import FOOT_CONDITIONS
 from estimators.validation._foot_events import FOOT_EVENTS
 from estimators.validation._foot_placement import FOOT_PLACEMENT
+from estimators.validation._foot_rates import FOOT_RATES_AND_LINKS
 from estimators.validation._foot_recordings import (
     FOOT_LOOPS,
     FOOT_PATIENT,
@@ -137,6 +138,7 @@ _PROTOCOLS = (
     FOOT_LOOPS,
     FOOT_STAIRS,
     FOOT_PATIENT,
+    FOOT_RATES_AND_LINKS,
     ANKLE_DYNAMICS,
     MASS_CENTRE,
     CUTOFFS,

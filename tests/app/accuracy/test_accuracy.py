@@ -14,6 +14,7 @@ from estimators import validation
 from estimators.validation import Figure, Protocol
 
 SHORT = {
+    "foot_rates_and_links",
     "magnetic_fusion_checks",
     "optical_refusal",
     "orientation_cuts",
