@@ -17,7 +17,7 @@ def test_the_first_walk_limps_and_the_last_does_not(tmp_path) -> None:
         measured = readers.read(path, "instrumented_shoe")
         placements = tuple(measured.placements)
         setup = SessionSetup("gait", placements, measured.nominal_rate_hz, feet_apart_m=WIDTH_M)  # type: ignore[arg-type]
-        analysed, _, _ = analyse(measured, setup)
+        analysed, _, _ = analyse(measured, measured, setup)
         found.append({name: one.value for name, one in analysed.summary.asymmetry.items()})
     limping, even = found
     # The paretic left leg steps late, stands shortly and is hardly raised; strides of two feet are equally long.
