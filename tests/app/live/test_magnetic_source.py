@@ -76,6 +76,16 @@ class TestSourceControl:
         # The pulse that is on ends; then the service is waited for again.
         assert not any(self.ticks(control, 140, 185)[4:])
 
+    def test_a_pulse_asked_for_may_follow_the_plans_without_a_pause(self) -> None:
+        """Of the same coil they are one in the samples, though two in the account."""
+        control = SourceControl(10_000.0)
+        control.hear(PLAN)
+        assert self.ticks(control, 0, 114)[110:] == [1] * 4
+        done = control.account.by_plan
+        control.hear(asked(1, coil=1, at_us=1_140_000))
+        assert self.ticks(control, 114, 118)[0] == 1
+        assert (control.account.asked, control.account.by_plan) == (1, done)
+
     def test_the_end_of_the_session_takes_the_plan_back_at_once(self) -> None:
         control = SourceControl(10_000.0)
         control.hear(PLAN)
