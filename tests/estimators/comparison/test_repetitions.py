@@ -8,6 +8,7 @@ import pytest
 from scipy.ndimage import gaussian_filter1d
 
 from estimators.comparison import Repetition, Trajectory, _cycles, find_repetitions, judge_repetitions
+from estimators.comparison._cycles import at_home
 from estimators.comparison._cycles_kernel import search
 from estimators.errors import ComparisonError, SetupError
 
@@ -157,19 +158,28 @@ def test_empty_trajectory_gives_none():
 
 
 def test_work_grows_no_faster_than_the_session(planar, monkeypatch):
-    """Cells that the search goes through for a session and for one ten times as long."""
-    searched = []
+    """Cells that the search goes through, and walks over all matches, in a session and in one ten times as long."""
+    searched, walked = [], []
+
+    def walk(one, path):
+        walked.append(one)
+        return at_home(one, path)
 
     def counted(piece, path, furthest, stray):
         searched.append(len(piece) * len(path))
         return search(piece, path, furthest, stray)
 
     monkeypatch.setattr(_cycles, "search", counted)
-    work = []
+    monkeypatch.setattr(_cycles, "at_home", walk)
+    work, walks = [], []
     for count in (30, 300):
         searched.clear()
+        walked.clear()
         made = planar(repetitions=count, rate_hz=20.0)
         assert len(find_repetitions(made.trajectory, "right")) == count
         work.append(sum(searched))
+        walks.append(len(walked))
     assert made.trajectory.time_s[-1] > 1000
     assert work[1] < 11 * work[0]
+    # Each walk is as long as the session: their number must not grow with it, or the whole is quadratic.
+    assert 0 < walks[1] <= 1.5 * walks[0], walks
