@@ -17,6 +17,7 @@ def unpack_python(
     values: NDArray[np.int16] | NDArray[np.float32],
     scales: Float,
     clips: Float,
+    levels: Float,
     is_clipped: bool,
     every: int,
     stuck_ticks: int,
@@ -35,6 +36,8 @@ def unpack_python(
         SI per unit of the first U of three channels.
     clips : ndarray, shape (2,)
         From which on gyroscope and accelerometer count as clipped, SI.
+    levels : ndarray, shape (S, 2, 2, 3)
+        The same as found in what each sensor sent: gyroscope and accelerometer, positive and negative side, axis.
     is_clipped : bool
         The device says so.
     every : int
@@ -59,7 +62,8 @@ def unpack_python(
             flag = every
             for c in range(2):
                 for a in range(3):
-                    if abs(signals[c, s, k, a]) >= clips[c]:
+                    value = signals[c, s, k, a]
+                    if abs(value) >= clips[c] or value >= levels[s, c, 0, a] or -value >= levels[s, c, 1, a]:
                         flag |= _SATURATED
                         found = True
             quality[s, k] = flag
@@ -89,6 +93,7 @@ def _signature(number: Any) -> Any:
         types.Array(number, 3, "C", readonly=True),
         types.float64[::1],
         types.float64[::1],
+        types.float64[:, :, :, ::1],
         types.boolean,
         types.int64,
         types.int64,

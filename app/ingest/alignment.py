@@ -59,6 +59,8 @@ class Aligner:
         self._window_us = reorder_window_s * 1e6
         self._bridge_ticks = int(BRIDGE_LIMIT_S * declaration.rate_hz + 1e-9)
         self._unpacker: Unpacker | None = None
+        self.clip_levels = np.full((declaration.sensor_count, 2, 2, 3), np.inf)
+        """Levels at which a sensor was found to be cut off, see `Unpacker`; written in place."""
         self._waiting: dict[int, tuple[Packet, int]] = {}
         self._next_sequence = -1
         self._released_end_us = 0
@@ -112,7 +114,8 @@ class Aligner:
                 sequence=packet.sequence,
             )
         if self._unpacker is None:
-            self._unpacker = Unpacker(self._declaration, bool(packet.channels & Channel.MAGNETOMETER))
+            has_magnetometer = bool(packet.channels & Channel.MAGNETOMETER)
+            self._unpacker = Unpacker(self._declaration, has_magnetometer, self.clip_levels)
             self._next_sequence = sequence
             self._released_end_us = time_us
         if sequence < self._next_sequence:

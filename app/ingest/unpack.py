@@ -26,9 +26,13 @@ class Unpacker:
     declaration : Declaration
     has_magnetometer : bool
         Whether the signals carry a third channel; NaN in packets without one.
+    clip_levels : ndarray, shape (S, 2, 2, 3)
+        From which on samples count as clipped though nobody declared it, as `RecordingCheck.clip_levels`. Looked at
+        with every packet: whoever finds a level writes it there.
     """
 
-    def __init__(self, declaration: Declaration, has_magnetometer: bool) -> None:
+    def __init__(self, declaration: Declaration, has_magnetometer: bool, clip_levels: Float) -> None:
+        self._clip_levels = clip_levels
         self.channel_count = 3 if has_magnetometer else 2
         scales = (
             declaration.gyroscope_scale,
@@ -78,6 +82,7 @@ class Unpacker:
             packet.values,
             scales[:used],
             clips,
+            self._clip_levels,
             packet.flags & _CLIPPED != 0,
             _BACKFILLED_QUALITY if packet.flags & _BACKFILLED else 0,
             self._stuck_ticks,

@@ -7,10 +7,12 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Final
 
+import numpy as np
+
 from app.ingest.alignment import joined_chunks
 from app.live.plausibility import Check, Checked, check
 from estimators.calibration import Finding, Hemisphere, RecordingCheck, in_words
-from estimators.recording import ImuChunk
+from estimators.recording import Float, ImuChunk
 
 logger = logging.getLogger(__name__)
 
@@ -74,6 +76,9 @@ class FirstSeconds:
         Shared between sessions; without, a check comes whenever it is due.
     work : Check
         Runs one check, in a thread; by default there.
+    clipped : callable(levels), optional
+        Called on the loop's thread after each check with the clip levels found, see `RecordingCheck.clip_levels`;
+        those of a sensor that was away meanwhile are infinite.
     """
 
     def __init__(
@@ -83,7 +88,9 @@ class FirstSeconds:
         hemisphere: Hemisphere = "north",
         turns: CheckTurns | None = None,
         work: Check = check,
+        clipped: Callable[[Float], None] | None = None,
     ) -> None:
+        self._clipped = clipped
         self._turns, self._work = turns, work
         self._names, self._tell = tuple(names), tell
         self._kept: deque[ImuChunk] = deque()
@@ -150,6 +157,10 @@ class FirstSeconds:
             logger.exception("the readings could not be checked")
             return None
         self._state = checked.state
+        if self._clipped is not None:
+            levels = checked.clip_levels
+            levels[[name in self._gone for name in self._names]] = np.inf
+            self._clipped(levels)
         self._current = [finding for finding in checked.findings if finding.sensor not in self._gone]
         new = [finding for finding in self._current if self._is_new(finding)]
         self._known |= {finding.subject: finding for finding in new}

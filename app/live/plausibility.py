@@ -18,7 +18,7 @@ from typing import Final, NamedTuple
 from app.errors import Unavailable
 from app.sentences import say
 from estimators.calibration import Finding, RecordingCheck
-from estimators.recording import ImuChunk
+from estimators.recording import Float, ImuChunk
 
 logger = logging.getLogger(__name__)
 
@@ -35,12 +35,15 @@ class Checked(NamedTuple):
     state : RecordingCheck
         What is known of the whole stream now, for the next check.
     findings : list of Finding
+    clip_levels : ndarray, shape (S, 2, 2, 3)
+        As of `RecordingCheck`.
     cost_s : float
         Processor time that it took.
     """
 
     state: RecordingCheck
     findings: list[Finding]
+    clip_levels: Float
     cost_s: float
 
 
@@ -61,7 +64,7 @@ def check(state: RecordingCheck, chunk: ImuChunk) -> Checked:
     state.add(chunk)
     # A sensor that sends nothing is told as lost by the health of the link.
     found = [finding for finding in state.findings if finding.code != "no_data"]
-    return Checked(state, found, time.thread_time() - began_s)
+    return Checked(state, found, state.clip_levels, time.thread_time() - began_s)
 
 
 class CheckProcess:

@@ -10,6 +10,7 @@ import logging
 import time
 from functools import partial
 
+import numpy as np
 from sqlalchemy import Engine
 
 from app.errors import Conflict, TelemotionError, Unavailable
@@ -40,7 +41,7 @@ from app.schemas import SessionState
 from app.sentences import CATALOGUE, say
 from estimators.calibration import Finding, Hemisphere
 from estimators.pipelines import Frames, Pipeline
-from estimators.recording import ImuChunk
+from estimators.recording import Float, ImuChunk
 
 logger = logging.getLogger(__name__)
 
@@ -112,7 +113,7 @@ class LiveSession(CalibratedSession):
         self.prepare_calibration(hemisphere)
         self._forces = ForceWatch.of(pipeline)
         self._first_seconds = FirstSeconds(
-            declaration.placements, self._implausible, hemisphere, ALL_SESSIONS, check
+            declaration.placements, self._implausible, hemisphere, ALL_SESSIONS, check, self._cut_off
         )
         self._loop = asyncio.get_running_loop()
 
@@ -201,6 +202,10 @@ class LiveSession(CalibratedSession):
             self._calibration.add(chunk)
         self._first_seconds.add(chunk)
 
+    def _cut_off(self, levels: Float) -> None:
+        """Flag from now on what lies at a clip level that nobody declared."""
+        self.aligner.clip_levels[:] = levels
+
     def _implausible(self, findings: list[Finding], time_s: float) -> None:
         """Tell readings that cannot be right, before anybody trusts the estimate."""
         for finding in findings:
@@ -227,6 +232,7 @@ class LiveSession(CalibratedSession):
                 kind = "sensor_lost" if change.is_lost else "sensor_back"
                 if not change.is_lost:
                     self._first_seconds.restart(change.placement)
+                    self.aligner.clip_levels[self.declaration.placements.index(change.placement)] = np.inf
                 self.add_event(kind, change.tick * step_s, placement=change.placement)
         for gap in self.aligner.gaps:
             if not gap.is_bridged:

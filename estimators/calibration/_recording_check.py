@@ -98,6 +98,15 @@ class RecordingCheck:
         self._sensors = [Readings(name) if sensor.name == name else sensor for sensor in self._sensors]
 
     @property
+    def clip_levels(self) -> Float:
+        """From which on samples are cut off, as far as values piled up, infinite where none did.
+
+        Shape (S, 2, 2, 3): gyroscope (rad/s) and accelerometer (m/s^2), positive and negative side, axis. A larger
+        value later shows that a level was none.
+        """
+        return np.array([(known.rate_clips.levels, known.force_clips.levels) for known in self._sensors])
+
+    @property
     def findings(self) -> tuple[Finding, ...]:
         """What was found; what the movement does not say is not claimed."""
         return tuple(
