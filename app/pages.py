@@ -50,7 +50,7 @@ class Page:
     after : list, optional
         The row before the first; without it the list is read from its beginning.
     more : callable(list), optional
-        Told the place of the page's last row when others follow.
+        Called with the place of the page's last row when others follow.
     """
 
     def __init__(

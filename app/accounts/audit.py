@@ -176,7 +176,7 @@ def verify(session: Session, clinic_id: str, expected_head: tuple[int, str] | No
     session : Session
     clinic_id : str
     expected_head : (int, str), optional
-        A `head` that was kept elsewhere: the chain must still contain it, so a cut end is found too.
+        A `head` that was stored elsewhere: the chain must still contain it, so a cut end is found too.
 
     Returns
     -------
@@ -194,7 +194,7 @@ def verify(session: Session, clinic_id: str, expected_head: tuple[int, str] | No
         if expected_head is not None and event.number == expected_head[0]:
             if event.hash != expected_head[1]:
                 return ChainReport(
-                    False, count, event.number, "differs from the head that was kept", previous
+                    False, count, event.number, "differs from the head that was stored", previous
                 )
             found_head = True
     if not found_head:

@@ -80,9 +80,9 @@ def forget_browsers(session: Session, account_id: str, but: str | None = None) -
     but : str, optional
         Value of the cookie of the one that stays.
     """
-    kept = hash_token(but) if but else ""
+    excepted = hash_token(but) if but else ""
     session.execute(
-        delete(KnownBrowser).where(KnownBrowser.account_id == account_id, KnownBrowser.token_hash != kept)
+        delete(KnownBrowser).where(KnownBrowser.account_id == account_id, KnownBrowser.token_hash != excepted)
     )
 
 

@@ -54,7 +54,7 @@ class Account(Identified, Base):
     totp_last_step: Mapped[int] = mapped_column(BigInteger, default=0, server_default="0")
     """The newest step whose code was used: none is good twice."""
     totp_removed_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
-    """When an administrator took the second factor away; the person is told until they have read it."""
+    """When an administrator took the second factor away; the person is shown a notice until they have read it."""
     recovery_hashes: Mapped[list[str]] = mapped_column(JSON, default=list, server_default="[]")
     """Of the recovery codes that are left."""
 

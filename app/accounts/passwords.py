@@ -2,7 +2,7 @@
 
 One hash takes tens of milliseconds of a core and 64 MiB of memory by design. A flood of sign-ins must not
 take both cores from the live sessions, so hashing has its own limiter and a bounded queue; who comes later is
-told to try again.
+asked to try again.
 """
 
 from anyio import CapacityLimiter, to_thread

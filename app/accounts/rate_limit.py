@@ -5,7 +5,7 @@ failures of strangers, however many, do not lock its owner out; a stranger canno
 
 Each key has a level that every attempt raises by one and that time lowers steadily; above the capacity an
 attempt is refused with the time after which the next one is allowed. An attempt is counted before its
-password is checked (so many at once cannot slip past) and taken back when it succeeds. Accounts are limited
+password is checked (so many at once cannot slip past) and refunded when it succeeds. Accounts are limited
 whether they exist or not, so the limit says nothing about them.
 """
 

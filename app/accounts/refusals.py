@@ -1,8 +1,8 @@
 """Refused sign-ins in the audit trail, without what was typed.
 
 For an account that exists, the event names it in its clinic's chain, where its owner can see it too. An unknown
-address belongs to no clinic: it goes to the log as a keyed fingerprint, so that repeated attempts can be told from
-many different ones and nobody can look the address up. Both are done by one thread of their own, after the refusal
+address belongs to no clinic: it goes to the log as a keyed fingerprint, so that repeated attempts differ from many
+different ones and nobody can look the address up. Both are done by one thread of their own, after the refusal
 was given: the time of the answer must not tell whether the account exists.
 """
 

@@ -99,7 +99,7 @@ class AccountOut(Schema):
     role: Role
     is_active: bool
     has_second_factor: bool | None = None
-    """Whether a code is asked for at sign-in; only administrators are told."""
+    """Whether a code is asked for at sign-in; only administrators see it."""
 
 
 class AccountIn(Schema):

@@ -117,8 +117,8 @@ def compare_task(context: JobContext) -> str:
             found.valid_repetitions, found.active_s = counts
         if work is not None:
             _store(session, context.subject, found, work)
-            kept = sum(1 for r in work.result.repetitions if r.repetition.is_kept)
-            message = say("comparison.done", kept=kept, all=len(work.result.repetitions))
+            accepted = sum(1 for r in work.result.repetitions if r.repetition.is_kept)
+            message = say("comparison.done", kept=accepted, all=len(work.result.repetitions))
         if close and found.state == "closing":
             _conclude(session, found, message if work is None and version is not None else "")
     return message

@@ -1,6 +1,6 @@
 """Measured values over sessions: the queries behind progress and the caseload, and the statistics of change.
 
-One session gives one value per measure: the mean over its kept repetitions, from the newest comparison of the
+One session gives one value per measure: the mean over its accepted repetitions, from the newest comparison of the
 session's main result. Their spread is the standard deviation between repetitions.
 """
 

@@ -1,4 +1,4 @@
-"""What was valid in one session: repetitions that were kept, and how long the exercise was really done."""
+"""What was valid in one session: repetitions that were accepted, and how long the exercise was really done."""
 
 from collections.abc import Iterable
 from typing import Final, NamedTuple
@@ -29,9 +29,9 @@ class Practised(NamedTuple):
     Attributes
     ----------
     repetitions : int
-        Kept; 0 for walks.
+        Accepted; 0 for walks.
     active_s : float
-        Time inside the kept repetitions, in the strides that count, or in movement; 0 when nothing was valid.
+        Time inside the accepted repetitions, in the strides that count, or in movement; 0 when nothing was valid.
     """
 
     repetitions: int
@@ -56,7 +56,7 @@ def practised(
     Notes
     -----
     Walks, also those of no exercise, count by the strides that are steady, walking tests by the time of the test,
-    everything else by repetitions that were kept. Exercises that need not repeat anything count by movement where
+    everything else by repetitions that were accepted. Exercises that need not repeat anything count by movement where
     nothing repeats.
     """
     exercise = session.get(Exercise, found.exercise_id) if found.exercise_id else None
@@ -69,12 +69,12 @@ def practised(
     try:
         if repetitions is None:
             repetitions = _found(session, found, exercise.side if exercise is not None else "right")
-        kept = [one for one in repetitions if one.is_kept]
-        if not kept and exercise is not None and exercise.movement in WITHOUT_REPETITIONS:
+        accepted = [one for one in repetitions if one.is_kept]
+        if not accepted and exercise is not None and exercise.movement in WITHOUT_REPETITIONS:
             return Practised(0, _moving_s(session, found))
     except (EstimationError, InvalidInput, NotFound):
         return NOTHING
-    return Practised(len(kept), sum(one.end_s - one.start_s for one in kept))
+    return Practised(len(accepted), sum(one.end_s - one.start_s for one in accepted))
 
 
 def walked_s(content: WalkContent) -> float:

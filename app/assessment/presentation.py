@@ -130,7 +130,7 @@ def repetition_comparison(result: RepetitionResult, template: Template) -> Repet
 
 
 def summary_out(result: ComparisonResult, template: Template) -> list[MeasureValue]:
-    """Return the summary over the kept repetitions."""
+    """Return the summary over the accepted repetitions."""
     return [measure_out(measure, template) for measure in result.summary]
 
 

@@ -1,4 +1,4 @@
-"""Templates from a recorded session: cut, judged, averaged; looked at first, then kept for good."""
+"""Templates from a recorded session: cut, judged, averaged; previewed first, then saved."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -84,7 +84,7 @@ def load_source(session: Session, found: MotionSession, result: Result) -> Sourc
 
 @dataclass(frozen=True)
 class Built:
-    """A template with every repetition that was found, kept or not."""
+    """A template with every repetition that was found, accepted or not."""
 
     template: Template
     repetitions: list[Repetition]
@@ -98,12 +98,12 @@ def build(
     dropped: Sequence[int] | None,
     tolerance_scale: Mapping[str, float],
 ) -> Built:
-    """Cut a session into repetitions and average those that are kept.
+    """Cut a session into repetitions and average those that are accepted.
 
     Parameters
     ----------
     dropped : sequence of int, optional
-        Numbers that a person left out: all others are kept, odd ones too. When absent the service decides,
+        Numbers that a person left out: all others are accepted, odd ones too. When absent the service decides,
         and says why.
 
     Raises

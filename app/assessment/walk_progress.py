@@ -85,7 +85,7 @@ def walk_values(session: Session, patient_id: str, exercise_id: str | None = Non
         for name, one in _chosen(content).items():
             if one.value is None:
                 continue
-            # Parts of one are told in per cent.
+            # Parts of one are shown in per cent.
             factor, unit = (100.0, "%") if one.unit == "1" else (1.0, one.unit)
             found.append(
                 SessionValue(

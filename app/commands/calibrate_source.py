@@ -20,7 +20,7 @@ from estimators.pipelines import SessionSetup
 
 @dataclass(frozen=True)
 class CalibrateOptions:
-    """What the command was told; see `telemotion calibrate-source --help`."""
+    """Options of the command; see `telemotion calibrate-source --help`."""
 
     recording: Path
     places: Path | None
@@ -45,18 +45,20 @@ def calibrate_source(options: CalibrateOptions) -> None:
         The file, the places or the description of the source cannot be, or no coils explain the pulses.
     """
     reader = LogReader(options.recording)
-    told: dict[str, Any] = {
+    parameters: dict[str, Any] = {
         "coil_turns": options.turns,
         "coil_radius_m": options.radius_cm / 100.0,
         "coil_offset_m": options.offset_cm / 100.0,
         "current_limit_a": options.current_limit_a,
     }
     if options.source:
-        told["source"] = options.source
+        parameters["source"] = options.source
     declared = reader.declaration
-    setup = SessionSetup("relative_pose", declared.placements, declared.rate_hz, orientation_parameters=told)
+    setup = SessionSetup(
+        "relative_pose", declared.placements, declared.rate_hz, orientation_parameters=parameters
+    )
     if declared.clip_magnetometer_t is not None:
-        told["full_scale_t"] = declared.clip_magnetometer_t
+        parameters["full_scale_t"] = declared.clip_magnetometer_t
     ordered = sorted(reader.packets(), key=lambda pair: pair[0].sequence)
     try:
         bench = Bench(
@@ -66,7 +68,7 @@ def calibrate_source(options: CalibrateOptions) -> None:
         )
     except SetupError as error:
         raise InvalidInput(f"{error}.") from error
-    for number, one in enumerate(bench.told(), start=1):
+    for number, one in enumerate(bench.to_schema(), start=1):
         where = "?" if one.position_m is None else " ".join(f"{value:6.3f}" for value in one.position_m)
         typer.echo(
             f"{number:3d}  {one.start_s:7.1f} to {one.end_s:7.1f} s  {min(one.pulses):3d} pulses  about {where} m"

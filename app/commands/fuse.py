@@ -23,7 +23,7 @@ from estimators.recording import Float, Recording, SampleQuality
 
 @dataclass(frozen=True)
 class FuseOptions:
-    """What the command was told; see `telemotion fuse --help`."""
+    """Options of the command; see `telemotion fuse --help`."""
 
     recording: Path
     markers: Path
@@ -74,8 +74,8 @@ def fuse(options: FuseOptions) -> None:
     ticks = np.arange(len(fusion.residual_m), dtype=np.float64)
     time_s = start_s + (fusion.first_tick + ticks) * step_s
     options.out.mkdir(parents=True, exist_ok=True)
-    told = {"motion": fusion.result, "filter": fusion.filtered, "lagged": fusion.lagged}
-    for name, result in told.items():
+    results = {"motion": fusion.result, "filter": fusion.filtered, "lagged": fusion.lagged}
+    for name, result in results.items():
         if result is None:
             continue
         _write_motion(options.out / f"{name}.csv", fusion, result, time_s)
@@ -88,7 +88,7 @@ def fuse(options: FuseOptions) -> None:
 
 
 def _sensor(measured: Recording, wanted: str) -> str:
-    """Return the name of the sensor that wore the marker: told, or the only one."""
+    """Return the name of the sensor that wore the marker: named, or the only one."""
     names = measured.placements
     if wanted in names:
         return wanted

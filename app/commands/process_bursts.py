@@ -96,8 +96,8 @@ def summary(one: BurstAnalysis) -> dict[str, Any]:
     used = [burst for burst in one.bursts if burst.used and burst.carried is not None]
     flags: Counter[str] = Counter()
     for burst in one.bursts:
-        told = burst.alone.flags if burst.carried is None else burst.carried.fix.flags
-        flags.update(flag.name or "" for flag in TrackerFlag if flag and flag in told)
+        stated = burst.alone.flags if burst.carried is None else burst.carried.fix.flags
+        flags.update(flag.name or "" for flag in TrackerFlag if flag and flag in stated)
     found: dict[str, Any] = {
         "bursts": len(one.bursts),
         "used": len(used),

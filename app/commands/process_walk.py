@@ -61,7 +61,7 @@ def write_walk(walk: Walk, out: Path, shoes: ShoeWalk | None = None, note: str =
         An existing folder.
     shoes : ShoeWalk, optional
     note : str
-        A reason to be told with the walk's own.
+        A reason to be reported with the walk's own.
     """
     names = [field.name for field in fields(Strides) if _is_column(field.name)]
     with (out / "strides.csv").open("w", newline="", encoding="utf-8") as file:

@@ -79,7 +79,7 @@ def claim(
 
 
 def run(settings: Settings, listener: socket.socket, lock: WriterLock) -> None:
-    """Serve until told to stop.
+    """Serve until asked to stop.
 
     Parameters
     ----------

@@ -113,7 +113,7 @@ async def stream(
     options : Options
         `speed` None sends as fast as the server takes it.
     say : callable(text)
-        Told what happens; no patient data.
+        Called with what happens; no patient data.
     alongside : callable, optional
         May exchange what the device is about to send.
 

@@ -61,10 +61,12 @@ def walk_of(options: WalkOptions) -> tuple[SimulatedWalk, Recording, float]:
         worn: dict[str, str] = {name: name for name in SHOE_PLACEMENTS}
     else:
         worn = {f"foot_{side}": f"heel_{side}" for side in SIDES}
-    kept = {name: sensors[of] for name, of in worn.items()}
+    worn_only = {name: sensors[of] for name, of in worn.items()}
     if not options.forces:
-        kept = {name: replace(sensor, force_n=None, moment_nm=None) for name, sensor in kept.items()}
-    return walked, replace(walked.recording, sensors=kept), preset.walk.step_width_m
+        worn_only = {
+            name: replace(sensor, force_n=None, moment_nm=None) for name, sensor in worn_only.items()
+        }
+    return walked, replace(walked.recording, sensors=worn_only), preset.walk.step_width_m
 
 
 async def stream(

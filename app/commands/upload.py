@@ -63,16 +63,16 @@ async def finished(service: ServiceClient, session_id: str, show: bool = False) 
     TelemotionError
         The task failed; the message says why.
     """
-    told = ""
+    shown = ""
     while True:
         jobs = await service.jobs(session_id)
         for job in jobs:
             if job.status == "failed":
                 raise TelemotionError(job.message or "The task failed.")
             line = f"{job.kind} {round(100 * job.progress)} %"
-            if show and job.status == "running" and line != told:
+            if show and job.status == "running" and line != shown:
                 typer.echo(line)
-                told = line
+                shown = line
         if jobs and all(job.status == "complete" for job in jobs):
             state = await service.state(session_id)
             if state.state in {"analysed", "failed"}:

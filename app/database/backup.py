@@ -7,7 +7,7 @@ service runs, checked after writing and then moved into place, so a file under i
 Browser sessions and tickets are left out: an old backup must not sign anybody in. It holds everything else,
 so it is as confidential as the database; only its owner may read it.
 
-The manifest carries the head of each clinic's audit chain; with a manifest kept elsewhere a cut or rewritten
+The manifest carries the head of each clinic's audit chain; with a manifest stored elsewhere a cut or rewritten
 chain shows (`app.accounts.audit.verify`).
 """
 

@@ -62,7 +62,7 @@ def create_from_url(url: str, *, durability: str = "process_death") -> Engine:
     Returns
     -------
     Engine
-        With foreign keys enforced, and with the values of statements kept out of error messages and logs:
+        With foreign keys enforced, and with the values of statements left out of error messages and logs:
         they are patient data.
 
     Notes

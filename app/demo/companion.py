@@ -48,16 +48,16 @@ async def for_ever(server: str, perform: Callable[[ServiceClient], Awaitable[Any
     pause_s : float
         Between two performances.
     """
-    told = ""
+    reported = ""
     while True:
         try:
             await signed_in(server, perform)
-            told = ""
+            reported = ""
         except Exception as error:
             # Once for each kind of trouble: a service that is away for the night must not fill a screen.
-            if type(error).__name__ != told:
+            if type(error).__name__ != reported:
                 logger.warning("the simulated patient begins again after: %s", error)
-                told = type(error).__name__
+                reported = type(error).__name__
         await asyncio.sleep(pause_s)
 
 
@@ -176,7 +176,7 @@ def _quiet(text: str) -> None:
 
 
 def main() -> None:
-    """Run until told to stop."""
+    """Run until asked to stop."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--server", required=True)
     parser.add_argument("--started-s", type=float, default=time.time())

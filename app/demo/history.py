@@ -82,7 +82,7 @@ async def make_history(
         Identifier of each demonstration patient by e-mail.
     progress : HistoryProgress
     say : callable(text)
-        Told when all is there.
+        Called when all is there.
     """
     if progress.is_complete:
         return

@@ -48,7 +48,7 @@ class TemplateVersion(Identified, Base):
     source_session_id: Mapped[str] = mapped_column(String(32))
     source_result_id: Mapped[str] = mapped_column(String(32))
     repetitions: Mapped[list[dict[str, Any]]] = mapped_column(JSON)
-    """Start, end, kept or dropped with its reason, per repetition."""
+    """Start, end, accepted or dropped with its reason, per repetition."""
     tolerance_scale: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
     """The therapist's widening of the band, per channel and phase."""
     content: Mapped[bytes] = mapped_column(LargeBinary)

@@ -43,7 +43,7 @@ class RepetitionOut(Spoken):
     end_s: float
     is_kept: bool
     reason: str
-    """Why it was dropped; empty when kept."""
+    """Why it was dropped; empty when accepted."""
 
 
 class PhaseCurve(Schema):
@@ -75,8 +75,8 @@ class TemplatePreviewIn(Schema):
     session_id: str
     result_id: str | None = None
     dropped: list[int] | None = None
-    """Numbers of the repetitions to leave out: all others are kept, odd ones too, so [] keeps everything. None lets the
-    service decide."""
+    """Numbers of the repetitions to leave out: all others are accepted, odd ones too, so [] accepts everything.
+    None lets the service decide."""
     tolerance_scale: dict[str, float] = Field(default_factory=dict)
     """Factor on the band per channel, 1 when absent."""
 

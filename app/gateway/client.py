@@ -1,8 +1,8 @@
 """A gateway's side of `/ws/ingest`: send, keep until acknowledged, send again what is missing.
 
 This is the reference for integrators: the rules are in `docs/packet.md`, and this file is one way to keep
-them. A packet is kept until an acknowledgement covers it. After every connection the server says what it
-has; everything else that is kept is sent again, marked back-filled. At the end a goodbye tells the last
+them. A packet is held until an acknowledgement covers it. After every connection the server says what it
+has; everything else that is held is sent again, marked back-filled. At the end a goodbye states the last
 sequence, and the session closes when all of it is settled.
 """
 
@@ -94,7 +94,7 @@ class GatewayReport:
     dropped : int
         Packets thrown away because the memory of the gateway was full.
     unacknowledged : int
-        Packets still kept at the end; zero when everything is safe.
+        Packets still held at the end; zero when everything is safe.
     state : str
         Of the session, from the last acknowledgement.
     """
@@ -124,7 +124,7 @@ class GatewayClient:
     give_up_s : float
         Longest time without a connection.
     heard : callable(message), optional
-        Called with every message of the server: a magnetic source is told so what to do, and that it is not alone.
+        Called with every message of the server: so a magnetic source learns what to do, and that it is not alone.
     """
 
     def __init__(
@@ -141,7 +141,7 @@ class GatewayClient:
         self._pace = pace
         self._give_up_s = give_up_s
         self._heard = heard or (lambda message: None)
-        self._kept: dict[int, bytes] = {}
+        self._held: dict[int, bytes] = {}
         self._sent_s: dict[int, float] = {}
         self._connection: ClientConnection | None = None
         self._reader: asyncio.Task[None] | None = None
@@ -202,7 +202,7 @@ class GatewayClient:
             await self._settled(last, goodbye)
         finally:
             await self._disconnect()
-        self.report.unacknowledged = len(self._kept)
+        self.report.unacknowledged = len(self._held)
         return self.report
 
     async def _act(self, milestone: Milestone) -> None:
@@ -221,15 +221,15 @@ class GatewayClient:
         await acting
 
     def _keep(self, delivery: Delivery) -> None:
-        self._kept.setdefault(delivery.sequence, delivery.data)
-        if len(self._kept) > KEPT_PACKETS:
-            oldest = next(iter(self._kept))
-            del self._kept[oldest]
+        self._held.setdefault(delivery.sequence, delivery.data)
+        if len(self._held) > KEPT_PACKETS:
+            oldest = next(iter(self._held))
+            del self._held[oldest]
             self._sent_s.pop(oldest, None)
             self.report.dropped += 1
 
     async def _send(self, sequence: int, data: bytes) -> None:
-        """Send one packet; when the link is broken, reconnecting sends all that is kept, also this one."""
+        """Send one packet; when the link is broken, reconnecting sends all that is held, also this one."""
         if self._fatal is not None:
             raise self._fatal
         connection = self._connection
@@ -260,10 +260,10 @@ class GatewayClient:
                 raise self._fatal
             if self.report.state in {"closing", "analysed"}:
                 return
-            if not self._kept and not goodbye:
+            if not self._held and not goodbye:
                 return
             if (
-                not self._kept
+                not self._held
                 and goodbye
                 and self._connection is not None
                 and said_to is not self._connection
@@ -324,9 +324,9 @@ class GatewayClient:
         self._connection = connection
         self._take(answer)
         self._reader = asyncio.create_task(self._read(connection), name="gateway read")
-        if self.report.connections > 1 or self._kept:
+        if self.report.connections > 1 or self._held:
             missing = set(self._wanted(answer.missing))
-            for sequence, data in list(self._kept.items()):
+            for sequence, data in list(self._held.items()):
                 if sequence > answer.highest or sequence in missing:
                     await self._send_again(connection, sequence, data)
 
@@ -362,8 +362,8 @@ class GatewayClient:
     def _take(self, answer: AcknowledgeMessage) -> None:
         """Forget what is safe."""
         if answer.acknowledged > self.report.acknowledged:
-            for sequence in [kept for kept in self._kept if kept <= answer.acknowledged]:
-                del self._kept[sequence]
+            for sequence in [held for held in self._held if held <= answer.acknowledged]:
+                del self._held[sequence]
                 self._sent_s.pop(sequence, None)
         self.report.acknowledged = max(self.report.acknowledged, answer.acknowledged)
         self.report.state = answer.state
@@ -374,11 +374,11 @@ class GatewayClient:
         now = time.monotonic()
         for sequence in self._wanted(answer.missing):
             if now - self._sent_s.get(sequence, 0.0) > SEND_AGAIN_AFTER_S:
-                await self._send_again(connection, sequence, self._kept[sequence])
+                await self._send_again(connection, sequence, self._held[sequence])
 
     def _wanted(self, missing: list[tuple[int, int]]) -> list[int]:
-        """Return the kept sequences within the half-open ranges."""
-        return [kept for kept in self._kept if any(start <= kept < stop for start, stop in missing)]
+        """Return the held sequences within the half-open ranges."""
+        return [held for held in self._held if any(start <= held < stop for start, stop in missing)]
 
     async def _disconnect(self) -> None:
         connection, self._connection = self._connection, None

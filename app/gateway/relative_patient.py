@@ -37,7 +37,7 @@ RELATIVE_MOVEMENTS: Final[dict[str, tuple[Placement, Placement]]] = {
 """Movements of `estimators.simulation.coils`, and where source and sensor are worn in them.
 
 On the `bench` nobody wears them: the source lies still, and the sensor is laid at `bench_places`. Its coils are wound
-by hand: they differ from what the session is told of them, as a calibration is to find.
+by hand: they differ from what the session declares, as a calibration is to find.
 """
 _SHOE: Final[dict[str, Any]] = {"coil_radius_m": 0.075, "current_a": 1.36}
 _BENCH: Final[dict[str, Any]] = {"fixed_interval_s": 0.25, "mounting_direction": [0.0, 0.0, 0.0]}
@@ -54,7 +54,7 @@ class RelativeFaults:
 
     `dead_s`: the coils are said to be on and are not. `silent_s`: the source does nothing and says so.
     `exchanged_s`: the numbers of the first two coils are exchanged. `beside_coil_s`: the sensor has slipped onto the
-    source. Each until its end. `lost_share` of the pulses from `lost_from_s` on are neither fired nor told.
+    source. Each until its end. `lost_share` of the pulses from `lost_from_s` on are neither fired nor reported.
     `full_scale_t`: of the magnetometers, as the hello says.
     `modules_exchanged`: the network sends what the source measures as the sensor's, and the other way round.
     """
@@ -71,7 +71,7 @@ class RelativeFaults:
 
 @dataclass
 class RelativePatient:
-    """One session of a simulated person; what the source is told comes in through `control`.
+    """One session of a simulated person; commands to the source come in through `control`.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ class RelativePatient:
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """What the session must be told of the source."""
+        """What the session must declare about the source."""
         known: dict[str, dict[str, Any]] = {"feet": _SHOE, "bench": _BENCH}
         return dict(known.get(self.movement, {}))
 

@@ -62,7 +62,7 @@ class ServiceClient:
         return self.server.replace("http", "ws", 1) + "/ws/ingest"
 
     async def sign_in(self, email: str, password: str) -> Me:
-        """Sign in with e-mail and password; the cookie and the CSRF token are kept.
+        """Sign in with e-mail and password; the cookie and the CSRF token are stored.
 
         Raises
         ------

@@ -79,7 +79,7 @@ class SourceControl:
             # Numbers begin anew with a service that was restarted.
             self._plan, self._last_number = message, 0
             if not message.coils:
-                # The word that it is safe was taken back: nothing goes on, not even the pulse that is on.
+                # The safety confirmation was revoked: nothing goes on, not even the pulse that is on.
                 self._next, self._left = None, 0
         elif isinstance(message, ActuateMessage) and message.number > self._last_number:
             self._last_number = message.number

@@ -46,7 +46,7 @@ def fuse_tracks(
     bridged : ndarray of bool, shape (K,), optional
         Samples that were interpolated over lost packets.
     lag_s : float, optional
-        Also tell what a smoother so far behind would have told.
+        Also return what a smoother so far behind would have returned.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def _contradiction(error: ContradictionError, declared: MarkerFileIn) -> str:
 
 
 def report_of(fusion: OpticalFusion, marker: str, start_s: float = 0.0) -> MarkerReport:
-    """Return what people are told of a fusion.
+    """Return what people are shown of a fusion.
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ def _curves(fusion: OpticalFusion, used: NDArray[np.bool_], start_s: float) -> M
 
 
 def motion_of(fusion: OpticalFusion, result: OpticalResult | None = None) -> NDArray[np.float32]:
-    """Return the motion as it is kept and exported, shape (K, C); the columns are `app.recordings.markers.COLUMNS`.
+    """Return the motion as it is stored and exported, shape (K, C); the columns are `app.recordings.markers.COLUMNS`.
 
     Parameters
     ----------

@@ -193,7 +193,7 @@ def pipeline_of(declaration: UploadIn) -> str:
 
 
 def _announced(declaration: UploadIn, path: Path) -> tuple[list[Placement], float]:
-    """Return placements and rate as far as they can be told without reading the whole file."""
+    """Return placements and rate as far as they are known without reading the whole file."""
     if declaration.format == "packet_log":
         log = readers.LogReader(path)
         return list(log.declaration.placements), log.declaration.rate_hz

@@ -216,7 +216,7 @@ class IngestConnection:
                 self._wrong_in_a_row = 0
             except TelemotionError as error:
                 if not intake.is_open:
-                    # Told by the closing acknowledgement.
+                    # Reported by the closing acknowledgement.
                     continue
                 await self._wrong(error)
             wait_s = self._pace.take(ticks * intake.declaration.time_step_s)

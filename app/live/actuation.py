@@ -142,14 +142,14 @@ class Actuation:
         now_s = (frames.first_tick + frames.tick_count) * frames.time_step_s
         for name, column in self._states.items():
             states = {int(bits) for bits in frames.scalar[:, column].tolist()}
-            told = reduce(or_, states)
-            if told & _FAULT and self._is_wired_wrong(states) and not self._trouble[name] & _FAULT:
+            seen = reduce(or_, states)
+            if seen & _FAULT and self._is_wired_wrong(states) and not self._trouble[name] & _FAULT:
                 self._tell("source_trouble", now_s, name, _WIRING)
                 self._trouble[name] |= RelativeFlag.FAULT
                 self._sound_since.pop(name, None)
-            if told & _STARTING:
+            if seen & _STARTING:
                 continue
-            present = told & _ANY
+            present = seen & _ANY
             if not self._is_allowed:
                 # That no pulse comes is as it should be.
                 present &= ~int(RelativeFlag.MISSING_PULSE)

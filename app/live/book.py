@@ -1,4 +1,4 @@
-"""What is stored and told about a live session: its state, its time line, its recording interval."""
+"""What is stored and reported about a live session: its state, its time line, its recording interval."""
 
 import contextlib
 import logging
@@ -94,7 +94,7 @@ class SessionBook(ABC):
     ) -> None:
         """Store and publish something on the time line."""
         with contextlib.suppress(Conflict, Unavailable):
-            # A session that cannot be stored is told so once, by the writer.
+            # A session that cannot be stored hears of it once, from the writer.
             self._writer.add_event(
                 self.id,
                 kind,

@@ -34,7 +34,7 @@ class Subscription:
     bus : MemoryBus
     topics : tuple of str
     size : int
-        Messages kept; the oldest is dropped when one more comes.
+        Messages held; the oldest is dropped when one more comes.
     """
 
     def __init__(self, bus: "MemoryBus", topics: tuple[str, ...], size: int) -> None:
@@ -47,12 +47,12 @@ class Subscription:
 
     def put(self, topic: str, message: Any) -> bool:
         """Take a message; False when an older one was dropped for it."""
-        kept = len(self._queue) < (self._queue.maxlen or 0)
-        if not kept:
+        fits = len(self._queue) < (self._queue.maxlen or 0)
+        if not fits:
             self.dropped += 1
         self._queue.append((topic, message))
         self._ready.set()
-        return kept
+        return fits
 
     def take(self) -> list[tuple[str, Any]]:
         """Return everything that waits, oldest first, without waiting."""

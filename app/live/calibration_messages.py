@@ -133,7 +133,7 @@ class FieldOut(Schema):
     def of(
         cls, placement: Placement, seen: LocalField, before: LocalField | None, is_plausible: bool
     ) -> "FieldOut":
-        """Return what is told of a field."""
+        """Return what is reported of a field."""
         return cls(
             placement=placement,
             norm_ut=round(1e6 * seen.norm, 1),

@@ -201,7 +201,7 @@ class MovementSteps(Collector):
             raise Conflict(say("live.functional_sensors"))
         self._pose = PoseCollector(placements, time_step_s, self.steps[0].said("instruction"))
         self._pose.begin()
-        self._kept: list[ImuChunk] = []
+        self._held: list[ImuChunk] = []
         self._ranges: dict[str, tuple[int, int]] = {}
         self._begin_tick = 0
         self._next_tick = 0
@@ -219,14 +219,14 @@ class MovementSteps(Collector):
         """Keep everything from the rest on."""
         self._next_tick = chunk.first_tick + chunk.tick_count
         if self.step > 0:
-            self._kept.append(chunk)
+            self._held.append(chunk)
             if not self.is_complete and (self._next_tick - self._begin_tick) * self.step_s > LONGEST_STEP_S:
                 self.trouble = say("live.movement_not_ended")
             return
         held = self._pose.add(chunk)
         self.hint = self._pose.hint
         if held is not None:
-            self._kept = [held]
+            self._held = [held]
             self._ranges["rest"] = (held.first_tick, self._next_tick)
             self._advance()
         elif not self._pose.is_active:
@@ -251,8 +251,8 @@ class MovementSteps(Collector):
 
     def evaluate(self, pipeline: Pipeline) -> Outcome:
         """Evaluate rest and movements."""
-        chunk = joined_chunks(self._kept)
-        rest = self._kept[0]
+        chunk = joined_chunks(self._held)
+        rest = self._held[0]
         check_distinct(rest.gyroscope_radps, rest.accelerometer_mps2, self.placements)
         movements = {
             f"{name}{ending}": bounds

@@ -297,23 +297,23 @@ class Compass(_InHand):
                 found[placement] = DeviceCalibration(magnetometer=result.calibration, field=result.field)
                 fields[placement], scores[placement] = result.field, result.score
                 reasons += [_of(placement, reason) for reason in result.reasons]
-        told, doubts = self._told(fields, pipeline.setup.devices)
-        return replace(self.outcome(pipeline, found, scores, (*reasons, *doubts)), fields=told)
+        reported, doubts = self._reported(fields, pipeline.setup.devices)
+        return replace(self.outcome(pipeline, found, scores, (*reasons, *doubts)), fields=reported)
 
-    def _told(
+    def _reported(
         self, fields: Mapping[Placement, LocalField], known: Mapping[Placement, DeviceCalibration]
     ) -> tuple[tuple[FieldOut, ...], list[str]]:
         """Return the field that each sensor saw, and why it cannot be the earth's."""
         odd = odd_fields({str(placement): seen for placement, seen in fields.items()})
-        told: list[FieldOut] = []
+        reported: list[FieldOut] = []
         doubts: list[str] = []
         for placement, seen in fields.items():
             why = [*seen.doubts(self.hemisphere), *([odd[placement]] if placement in odd else [])]
             doubts += [_of(placement, one) for one in why]
-            told.append(
+            reported.append(
                 FieldOut.of(placement, seen, known[placement].field if placement in known else None, not why)
             )
-        return tuple(told), doubts
+        return tuple(reported), doubts
 
 
 def _of(placement: Placement, what: str) -> Sentence:

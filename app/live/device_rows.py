@@ -79,9 +79,9 @@ def save_device_constants(
     serials: Mapping[Placement, str],
     found: Mapping[Placement, DeviceConstants],
 ) -> None:
-    """Remember what a session learnt about its sensors; nothing learnt, nothing kept.
+    """Remember what a session learnt about its sensors; nothing learnt, nothing stored.
 
-    Nor is anything kept of a sensor whose readings could not be right: swapped axes or a wrong unit look like a
+    Nor is anything stored of a sensor whose readings could not be right: swapped axes or a wrong unit look like a
     device with large constants, which would spoil the next session, where the readings are right.
     """
     with unit_of_work(engine) as session:

@@ -93,7 +93,7 @@ class FirstSeconds:
         self._clipped = clipped
         self._turns, self._work = turns, work
         self._names, self._tell = tuple(names), tell
-        self._kept: deque[ImuChunk] = deque()
+        self._held: deque[ImuChunk] = deque()
         self._state = RecordingCheck(self._names, hemisphere)
         self._gone: set[str] = set()
         self._known: dict[tuple[str, str], Finding] = {}
@@ -117,23 +117,23 @@ class FirstSeconds:
         self._next_s = 0.0
         self._known = {subject: found for subject, found in self._known.items() if found.sensor != name}
         self._current = [found for found in self._current if found.sensor != name]
-        self._kept.clear()
+        self._held.clear()
 
     def add(self, chunk: ImuChunk) -> None:
         """Take the newest ticks."""
-        kept, step_s = self._kept, chunk.time_step_s
-        kept.append(chunk)
+        held, step_s = self._held, chunk.time_step_s
+        held.append(chunk)
         end_s = (chunk.first_tick + chunk.tick_count - 1) * step_s
-        while len(kept) > 1 and kept[1].first_tick * step_s < end_s - CHECK_EVERY_S:
-            kept.popleft()
-        if end_s < self._next_s or end_s - kept[0].first_tick * step_s < FIRST_CHECK_S - 1.0:
+        while len(held) > 1 and held[1].first_tick * step_s < end_s - CHECK_EVERY_S:
+            held.popleft()
+        if end_s < self._next_s or end_s - held[0].first_tick * step_s < FIRST_CHECK_S - 1.0:
             return
         if self._checking is not None and not self._checking.done():
             return
         if self._turns is not None and not self._turns.begin():
             return
         self._next_s = end_s + CHECK_EVERY_S
-        pieces, self._kept = list(self._kept), deque()
+        pieces, self._held = list(self._held), deque()
         self._checking = asyncio.get_running_loop().create_task(self._check(pieces, end_s))
         if self._turns is not None:
             turns, began_s = self._turns, time.monotonic()
@@ -169,7 +169,7 @@ class FirstSeconds:
         return checked.cost_s
 
     def _is_new(self, finding: Finding) -> bool:
-        """At rest a unit is only doubted: that it is wrong, told by the movement, is new."""
+        """At rest a unit is only doubted: that it is wrong, as the movement shows, is new."""
         known = self._known.get(finding.subject)
         return known is None or (known.severity, finding.severity) == ("warning", "refuse")
 

@@ -12,7 +12,7 @@ from estimators.orientation._contract import OrientationFlag
 from estimators.recording import ImuChunk, SampleQuality
 
 LOST_AFTER_S = 0.5
-"""A sensor without samples for so long is told to be lost."""
+"""A sensor without samples for so long is reported as lost."""
 _NOISY_LOSS_PERCENT = 5.0
 _WINDOW_S = 1.0
 _LATENCIES = 512
@@ -34,7 +34,7 @@ class _Window:
 
 @dataclass(frozen=True)
 class SensorChange:
-    """A sensor was lost or came back; told once."""
+    """A sensor was lost or came back; reported once."""
 
     placement: str
     is_lost: bool

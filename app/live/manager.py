@@ -185,7 +185,7 @@ class LiveManager:
                 check_network(session.declaration, declaration)
             if session.state not in OPEN:
                 raise Conflict(say("live.closed"), state=session.state)
-            # Asked anew: the word may have been taken back while the session was being opened.
+            # Asked anew: the confirmation may have been revoked while the session was being opened.
             await self.check_source(stored.id)
             may_stream = partial(repository.still_allowed, self.engine, subject, stored.id, "record")
             intake = Intake(
@@ -309,7 +309,7 @@ class LiveManager:
         return stored_state(stored, stored.id in self._preparing)
 
     async def check(self, work: Callable[[], Answer]) -> Answer:
-        """Run a small database read in the thread kept for checks of open sockets."""
+        """Run a small database read in the thread reserved for checks of open sockets."""
         return await asyncio.get_running_loop().run_in_executor(self._checks, work)
 
     async def _check_gateway(

@@ -62,7 +62,7 @@ def check(state: RecordingCheck, chunk: ImuChunk) -> Checked:
     """
     began_s = time.thread_time()
     state.add(chunk)
-    # A sensor that sends nothing is told as lost by the health of the link.
+    # A sensor that sends nothing is reported as lost by the health of the link.
     found = [finding for finding in state.findings if finding.code != "no_data"]
     return Checked(state, found, state.clip_levels, time.thread_time() - began_s)
 

@@ -27,7 +27,7 @@ class PoseCollector:
         For the hint.
     time_step_s : float
     begin_hint : str
-        What to do, told until the first chunk.
+        What to do, shown until the first chunk.
     """
 
     def __init__(self, placements: tuple[str, ...], time_step_s: float, begin_hint: str = BEGIN) -> None:

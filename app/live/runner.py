@@ -220,13 +220,13 @@ class LiveSession(CalibratedSession):
         """Store frames unless that was done before a restart."""
         if frames.first_tick >= self._unstored_tick:
             with contextlib.suppress(Conflict, Unavailable):
-                # A session that cannot be stored is told so once, by `on_store_failure`.
+                # A session that cannot be stored hears of it once, from `on_store_failure`.
                 self._writer.append_frames(self.id, self.result_id, frames.as_stored_live())
 
     def _tell_changes(self, chunk: ImuChunk) -> None:
         changes = self.health.add_chunk(chunk)
         step_s = chunk.time_step_s
-        # All sensors at once are a gap of the link, told as one below.
+        # All sensors at once are a gap of the link, reported as one below.
         if changes and len(changes) < max(2, len(self.health.placements)):
             for change in changes:
                 kind = "sensor_lost" if change.is_lost else "sensor_back"

@@ -27,7 +27,7 @@ TRANSITIONS: Final[dict[SessionState, frozenset[SessionState]]] = {
 }
 
 STREAMING: Final[frozenset[SessionState]] = frozenset({"calibrating", "ready", "recording"})
-"""States in which packets are expected; a broken link is told."""
+"""States in which packets are expected; a broken link is reported."""
 OPEN: Final[frozenset[SessionState]] = STREAMING | {"created", "link_lost", "failed"}
 """States in which packets are taken."""
 

@@ -1,7 +1,7 @@
 """A source that fires although it should not: in a session without one, or after it was stopped.
 
 Coil states (mask bit 6) in the packets of any session are stored as they came; only a session with a magnetic source
-uses them. A coil that is on anywhere else was asked for by nobody, and nobody was asked about implants: that is told.
+uses them. A coil that is on anywhere else was asked for by nobody, and nobody was asked about implants: it is reported.
 """
 
 from collections.abc import Callable
@@ -36,7 +36,7 @@ class StraySource:
     def add(self, chunk: ImuChunk, placements: tuple[str, ...], is_allowed: bool | None) -> None:
         """Take ticks; `is_allowed` says whether the source may fire, None that the session has none.
 
-        Told once, and once more each time a source was stopped.
+        Reported once, and once more each time a source was stopped.
         """
         if is_allowed:
             self._stopped_s, self._is_told = None, False

@@ -29,7 +29,7 @@ FailureCallback = Callable[[TelemotionError], None]
 
 @dataclass
 class Batch:
-    """What one commit takes from one session; kept as it is when the commit must be repeated."""
+    """What one commit takes from one session; held unchanged when the commit must be repeated."""
 
     packets: list[RawPacket]
     frame_parts: list[tuple[str, Frames]]

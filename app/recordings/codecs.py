@@ -98,7 +98,7 @@ def decode_integers(data: bytes, rows: int, columns: int) -> NDArray[np.int64]:
 
 
 def encode_floats(values: NDArray[np.float32]) -> bytes:
-    """Encode 32-bit floats, shape (N, C); bit patterns of NaN are kept."""
+    """Encode 32-bit floats, shape (N, C); bit patterns of NaN are preserved."""
     return _compress(_shuffle(np.asarray(values, dtype="<f4")))
 
 

@@ -119,7 +119,7 @@ def _ticks(session: Session, result: Result) -> int:
 
 @dataclass
 class _Sum:
-    """What is kept of the differences of one column."""
+    """What is stored of the differences of one column."""
 
     count: int = 0
     total: float = 0.0

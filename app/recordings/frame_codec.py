@@ -1,11 +1,11 @@
-"""Frames as bytes: what a session shows, kept so finely that a replay cannot be told from it.
+"""Frames as bytes: what a session shows, stored so finely that a replay cannot be distinguished from it.
 
 Each column is rounded to steps of a power of two that are chosen for it in every chunk:
 
 - angles, lengths and orientations to 2^-14 and 2^-15 (60 and 30 millionths), and finer where their sigma asks for
   it: what is read back differs from what was written by less than a tenth of its sigma, however small that is;
 - sigmas to a 500th of the least one, other numbers to 22 bits of the largest, so whole numbers stay whole;
-- a column that this cannot hold (infinite, huge, or with a sigma of zero) is kept exactly.
+- a column that this cannot hold (infinite, huge, or with a sigma of zero) is stored exactly.
 
 Nothing clips. `_frame_kernel` holds the rules and the format; `frames-float32-shuffle-zstd/1`, which was written
 before, is still read.
@@ -43,7 +43,7 @@ _FLAGS: Final = attrgetter("segment_flags"), attrgetter("angle_flags")
 
 
 class Columns(NamedTuple):
-    """The columns of one layout as they are kept.
+    """The columns of one layout as they are stored.
 
     Attributes
     ----------

@@ -3,7 +3,7 @@
 A live session hands over packets, frames and events from any thread and never waits for the disk. They
 gather in chunks of about one second; a writer thread packs those that are due in compiled code and commits them
 together, one statement a table. Chunks of different sessions end at moments spread over the second: a commit
-takes few. Only then is a session told which packets are durable, and only those may be acknowledged to its
+takes few. Only then does a session learn which packets are durable, and only those may be acknowledged to its
 gateway, which keeps and repeats the rest: a crash loses nothing acknowledged.
 
 Back-pressure, said plainly. What waits is bounded in bytes, in total and per session. When full:

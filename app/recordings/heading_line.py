@@ -57,7 +57,7 @@ class HeadingReset:
 
 
 def resets_in_force(session: Session, session_id: str) -> tuple[HeadingReset, ...]:
-    """Return the resets since the mounting in force was told, earliest first."""
+    """Return the resets since the mounting in force was set, earliest first."""
     events = session.scalars(
         select(SessionEvent)
         .where(SessionEvent.session_id == session_id, SessionEvent.kind == "calibration")

@@ -89,7 +89,7 @@ Handler = Callable[[JobContext], str]
 
 @dataclass(frozen=True)
 class JobDone:
-    """Told to subscribers when a task ends."""
+    """Sent to subscribers when a task ends."""
 
     job_id: str
     session_id: str

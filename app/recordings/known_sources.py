@@ -1,4 +1,4 @@
-"""A magnetic source of the clinic by its identifier, and what a session that wears it is told."""
+"""A magnetic source of the clinic by its identifier, and what a session that wears it declares."""
 
 from typing import Any, Final
 
@@ -21,7 +21,7 @@ def find_source(session: Session, subject: Subject, source_id: str) -> MagneticS
 
 
 def parameters_of(session: Session, subject: Subject, source_id: str) -> dict[str, Any]:
-    """Return what a session's setup is told of a source of the clinic.
+    """Return what a session's setup declares of a source of the clinic.
 
     Raises
     ------

@@ -205,7 +205,7 @@ def _source_of(setup: dict[str, Any]) -> tuple[SourceSettings | None, float | No
         settings = relative_source(SessionSetup.from_dict(setup))
         source = settings.coils
         out_m = max(math.dist(coil.centre_m, (0.0, 0.0, 0.0)) for coil in source.coils)
-        # From the middle of the source, to the next centimetre: what is told to people must not be too short.
+        # From the middle of the source, to the next centimetre: a distance stated to people must not be too short.
         return settings, math.ceil(100.0 * (out_m + keep_away_distance_m(source))) / 100.0
     except SetupError:
         return None, None

@@ -27,7 +27,7 @@ class MagneticSafetyOut(Spoken):
     expires_at: datetime | None
     """Asked again from then on; of a confirmation that has ended, when it ended by itself."""
     withdrawn_at: datetime | None
-    """The newest word was taken back, then."""
+    """When the newest confirmation was revoked."""
     withdrawn_by: str | None
     source: str | None
     """Where the source is worn."""

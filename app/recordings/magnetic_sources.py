@@ -1,4 +1,4 @@
-"""Magnetic sources of a clinic: their coils as they were measured, kept by serial number, chosen for sessions.
+"""Magnetic sources of a clinic: their coils as they were measured, stored by serial number, chosen for sessions.
 
 They are no patient data: everybody who works in the clinic may see and replace them. Calibrating one from a session
 reads that session, which needs the right to treat its patient. A session keeps the coils that it was recorded with.
@@ -71,7 +71,7 @@ def stops(session: Session, subject: Subject, session_id: str, sensor: Placement
     """Return where the sensor lay still in a bench session."""
     found = _bench_session(session, subject, session_id, "session.source_stops")
     bench = _bench(session, found, sensor)
-    return SourceStopsOut(source=bench.source, sensor=bench.sensor, stops=bench.told())
+    return SourceStopsOut(source=bench.source, sensor=bench.sensor, stops=bench.to_schema())
 
 
 def calibrate(
@@ -132,10 +132,10 @@ def _store(
 
 
 def _check(coils: list[dict[str, Any]], current_limit_a: float, gain_sigma: float) -> None:
-    told = {"calibrated_coils": coils, "current_limit_a": current_limit_a, "gain_sigma": gain_sigma}
+    parameters = {"calibrated_coils": coils, "current_limit_a": current_limit_a, "gain_sigma": gain_sigma}
     try:
         relative_source(
-            SessionSetup("relative_pose", ("pelvis", "sternum"), 100.0, orientation_parameters=told)
+            SessionSetup("relative_pose", ("pelvis", "sternum"), 100.0, orientation_parameters=parameters)
         )
     except SetupError as error:
         raise InvalidInput(say("source.impossible", reason=error.message), field="coils") from error

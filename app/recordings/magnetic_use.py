@@ -47,7 +47,7 @@ def use_of(result_id: str, frames: Frames) -> SourceUseOut:
     edge = np.flatnonzero(np.diff(np.concatenate([[0], coil])) != 0)
     starts = edge[coil[edge] > 0]
     ends = np.append(edge, len(coil))[np.searchsorted(edge, starts) + 1]
-    kept = slice(max(0, len(starts) - MAX_PULSES), None)
+    shown = slice(max(0, len(starts) - MAX_PULSES), None)
     thin = max(1, -(-frames.tick_count // CURVE_POINTS))
     sensors = frames.layout.segments[1:]
     on = coil > 0
@@ -60,10 +60,10 @@ def use_of(result_id: str, frames: Frames) -> SourceUseOut:
         charge_as=float(np.abs(current[on]).sum() * step_s),
         current_squared_a2s=float((current[on] ** 2).sum() * step_s),
         asked_count=int((np.nan_to_num(_column(frames, "source_ask_coil")) > 0).sum()),
-        start_s=_rounded(time_s[starts[kept]]),
-        length_s=_rounded(np.asarray((ends - starts)[kept] * step_s, dtype=np.float64)),
-        coil=coil[starts[kept]].tolist(),
-        current_a=_rounded(current[starts[kept]]),
+        start_s=_rounded(time_s[starts[shown]]),
+        length_s=_rounded(np.asarray((ends - starts)[shown] * step_s, dtype=np.float64)),
+        coil=coil[starts[shown]].tolist(),
+        current_a=_rounded(current[starts[shown]]),
         time_s=_rounded(time_s[::thin]),
         charge_curve_as=_rounded(np.nan_to_num(_column(frames, "source_charge_as"))[::thin]),
         sigma_m={name: _known(_column(frames, f"{name}_distance_sigma_m")[::thin]) for name in sensors},

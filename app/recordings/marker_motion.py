@@ -181,7 +181,7 @@ def _pieces(
         names = list(scale["columns"])
         stored = codecs.decode_floats(sound(row), ticks, len(names))
         values = np.full((ticks, len(COLUMNS)), np.nan, dtype=np.float32)
-        # An earlier version kept fewer columns.
+        # An earlier version stored fewer columns.
         for column, name in enumerate(COLUMNS):
             if name in names:
                 values[:, column] = stored[:, names.index(name)]

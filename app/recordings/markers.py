@@ -1,6 +1,6 @@
 """Uploaded marker trajectories: the file as it came, and what fusing it with a sensor gave.
 
-Kept as rows of the signal table, erased with their session: stream `markers/<id>` holds the file in pieces,
+Stored as rows of the signal table, erased with their session: stream `markers/<id>` holds the file in pieces,
 `optical/<id>` the fused motion at full rate, and `optical_report/<id>` the report.
 """
 
@@ -76,7 +76,7 @@ def store_file(
     """Keep an uploaded file whole and queue its fusion."""
     markers_id = new_id()
     size = path.stat().st_size
-    told = {
+    described = {
         "declaration": declared.model_dump(mode="json"),
         "bytes": size,
         "uploaded_at": utc_now().isoformat(),
@@ -84,7 +84,7 @@ def store_file(
     with path.open("rb") as file:
         for sequence, raw in enumerate(iter(lambda: file.read(_PIECE_BYTES), b"")):
             data = zlib.compress(raw, 6)
-            chunk = EncodedChunk(0, 0, "file.zlib", told, codecs.checksum(data), data)
+            chunk = EncodedChunk(0, 0, "file.zlib", described, codecs.checksum(data), data)
             insert_chunk(session, found.id, _FILE + markers_id, sequence, chunk)
     return repository.add_job(session, found, KIND, {"markers_id": markers_id}, subject)
 
@@ -159,8 +159,8 @@ def markers_of(session: Session, subject: Subject, session_id: str, page: Page) 
     reports = {row.stream: row for row in session.scalars(select(SignalChunk).where(*first, is_report))}
     found = []
     for markers_id, job in jobs.items():
-        told: dict[str, Any] = scales.get(_FILE + markers_id, {})
-        declared = told.get("declaration", {})
+        described: dict[str, Any] = scales.get(_FILE + markers_id, {})
+        declared = described.get("declaration", {})
         row = reports.get(_REPORT + markers_id)
         found.append(
             MarkersOut(
@@ -168,8 +168,8 @@ def markers_of(session: Session, subject: Subject, session_id: str, page: Page) 
                 session_id=session_id,
                 segment=declared.get("segment", ""),
                 format=declared.get("format", "csv"),
-                file_bytes=told.get("bytes", 0),
-                uploaded_at=told.get("uploaded_at"),
+                file_bytes=described.get("bytes", 0),
+                uploaded_at=described.get("uploaded_at"),
                 status=job.status,
                 message=job.message,
                 report=None if row is None else MarkerReport.model_validate_json(zlib.decompress(sound(row))),

@@ -67,9 +67,9 @@ def mass_centre_of(
     for begin in range(first, stop, length):
         frames = read_frames(session, result.id, begin * step_s, min(begin + length, stop) * step_s)
         values = frames.scalar[:, columns].astype(np.float64)
-        kept = slice(-frames.first_tick % stride, None, stride)
-        times.append(frames.time_s[kept])
-        parts.append(values[kept])
+        thinned = slice(-frames.first_tick % stride, None, stride)
+        times.append(frames.time_s[thinned])
+        parts.append(values[thinned])
         placed = values[:, : len(NAMES)]
         least = np.fmin(least, np.min(placed, axis=0, initial=np.inf, where=np.isfinite(placed)))
         most = np.fmax(most, np.max(placed, axis=0, initial=-np.inf, where=np.isfinite(placed)))

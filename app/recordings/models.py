@@ -50,14 +50,14 @@ class MotionSession(Identified, Base):
     ended_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
     recording_start_s: Mapped[float | None] = mapped_column(Float)
     recording_end_s: Mapped[float | None] = mapped_column(Float)
-    """Session time between which repetitions count; raw data before and after is kept."""
+    """Session time between which repetitions count; raw data before and after stays stored."""
     packets_stored: Mapped[int] = mapped_column(Integer, default=0)
     packets_missing: Mapped[int] = mapped_column(Integer, default=0)
     duration_s: Mapped[float] = mapped_column(Float, default=0.0)
     main_result_id: Mapped[str | None] = mapped_column(String(32))
     """The result that views open by default."""
     valid_repetitions: Mapped[int | None] = mapped_column(Integer)
-    """Repetitions that were kept; 0 for walks. None until it is analysed, and where that was before it was counted."""
+    """Repetitions that were accepted; 0 for walks. None until analysed, and where that was before it was counted."""
     active_s: Mapped[float | None] = mapped_column(Float)
     """How long the exercise was really done; 0 when nothing valid was. None as `valid_repetitions`."""
 
@@ -101,7 +101,7 @@ class SessionEvent(Identified, Base):
 
 
 class Result(Identified, Base):
-    """One run of a pipeline over a session; every run is kept."""
+    """One run of a pipeline over a session; every run is stored."""
 
     __tablename__ = "result"
 

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 
 
 class SequenceRanges:
-    """Sequence numbers kept as few ranges; adding in any order gives the same set.
+    """Sequence numbers held as few ranges; adding in any order gives the same set.
 
     Parameters
     ----------

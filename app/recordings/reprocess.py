@@ -379,7 +379,7 @@ def stretches(context: JobContext, setup: SessionSetup, length_s: float) -> Iter
 
 
 def _last_pose(session: Session, session_id: str) -> tuple[float, float] | None:
-    """Return the stretch of the standing pose in force; None where something else told the mounting.
+    """Return the stretch of the standing pose in force; None where something else set the mounting.
 
     A T-pose or movements are not evaluated anew: mountings do not depend on the filter, and with a compass the
     facing does not either. Headings set anew and biases found later leave the pose in force.

@@ -36,8 +36,8 @@ def setup_record(setup: SessionSetup) -> dict[str, Any]:
     wanted = _APPLIES.get(setup.pipeline)
     if wanted is None:
         return values
-    kept = {name: values[name] for name in (*_ALWAYS, *wanted) if values[name] is not None}
-    return kept | {name: values[name] for name in _LEARNT if values[name]}
+    columns = {name: values[name] for name in (*_ALWAYS, *wanted) if values[name] is not None}
+    return columns | {name: values[name] for name in _LEARNT if values[name]}
 
 
 def software() -> dict[str, str]:

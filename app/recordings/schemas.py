@@ -34,7 +34,7 @@ class SessionIn(Schema):
     """Let elbows and wrists bound heading drift: for sensors without magnetometers or near iron."""
     use_mounting: Flag = True
     """Start with how the sensors sat on this patient last time, if that is known for these placements; headings are
-    told by a pose or a heading reset before the session is ready."""
+    set by a pose or a heading reset before the session is ready."""
 
 
 class ResultOut(Spoken):
@@ -160,7 +160,7 @@ class JobOut(Spoken):
 
 
 class PreviewIn(Schema):
-    """The beginning of a text file, to be told what it seems to be."""
+    """The beginning of a text file whose format is to be guessed."""
 
     file_name: str = Field(max_length=200)
     """With its ending; may say the side of a foot."""

@@ -285,7 +285,7 @@ def frames(
 def thinned(frames_: Frames, max_points: int) -> Frames:
     """Keep every n-th tick so that at most `max_points` are left; the tick interval grows with it.
 
-    Flags of the ticks left out are kept by joining them into the tick before, so a gap stays visible.
+    Flags of the ticks left out are preserved by joining them into the tick before, so a gap stays visible.
     """
     stride = -(-frames_.tick_count // max(1, max_points))
     if stride <= 1:
@@ -348,7 +348,7 @@ def queue_closing(session: Session, session_id: str) -> str:
     """Queue the analysis of a session that has just been closed; returns the task's id.
 
     The live side calls this after its last packet is durable, and again after a restart: while any task of
-    the closing is unfinished, that one is kept.
+    the closing is unfinished, that one stays.
     """
     found = session.get_one(MotionSession, session_id)
     unfinished = select(Job).where(Job.session_id == session_id, Job.status.in_(("queued", "running")))

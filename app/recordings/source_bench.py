@@ -59,15 +59,15 @@ class Bench:
         others = [name for name in setup.placements if name != settings.source]
         if sensor is not None and sensor not in others:
             raise InvalidInput(say("bench.no_sensor", place=sensor), field="sensor")
-        kept, ticks = [], 0
+        pieces, ticks = [], 0
         for piece in pieces:
-            kept.append(piece)
+            pieces.append(piece)
             ticks += piece.tick_count
             if ticks > LONGEST_S * setup.rate_hz:
                 raise InvalidInput(say("bench.too_long"))
-        if not kept:
+        if not pieces:
             raise InvalidInput(say("session.no_packets"))
-        chunk = joined_chunks(kept)
+        chunk = joined_chunks(pieces)
         if chunk.coil_state is None or chunk.magnetometer_t is None:
             raise InvalidInput(say("bench.no_coils"))
         self.source = next(name for name in setup.placements if name == settings.source)
@@ -87,7 +87,7 @@ class Bench:
             full_scale_t=0.99 * float(setup.orientation_parameters.get("full_scale_t", _FULL_SCALE_T)),
         )
 
-    def told(self) -> list[SourceStopOut]:
+    def to_schema(self) -> list[SourceStopOut]:
         """Return the stops for people, each with where the sensor seems to have been."""
         return [
             SourceStopOut(
@@ -111,9 +111,9 @@ class Bench:
             As many places as stops are needed, or the fit says what is wrong.
         """
         if len(positions_m) != len(self.stops):
-            times = [say("bench.time", start_s=one.start_s, end_s=one.end_s) for one in self.told()[:40]] or [
-                say("bench.no_stop")
-            ]
+            times = [
+                say("bench.time", start_s=one.start_s, end_s=one.end_s) for one in self.to_schema()[:40]
+            ] or [say("bench.no_stop")]
             raise InvalidInput(
                 say("bench.places", stops=len(self.stops), places=len(positions_m), times=times),
                 field="positions_m",

@@ -1,4 +1,4 @@
-"""What is kept of balance: paths of mass and pressure, base of support, and their numbers."""
+"""What is stored of balance: paths of mass and pressure, base of support, and their numbers."""
 
 from itertools import pairwise
 from typing import Final

@@ -99,7 +99,7 @@ class FootOut(Schema):
     """x and y of the sensor, 20 a second."""
     curves: list[CycleCurve]
     turning: list[WalkMeasure] = Field(default_factory=list)
-    """Of strides along turns alone; empty where there were none, and of walks stored before this was kept."""
+    """Of strides along turns alone; empty where there were none, and of walks stored before this was recorded."""
 
 
 class SupportOut(Schema):
@@ -153,7 +153,7 @@ class WalkTestOut(Spoken):
 
 
 class WalkContent(Spoken):
-    """What is kept of a walk with its result."""
+    """What is stored of a walk with its result."""
 
     feet: list[FootOut]
     both: list[WalkMeasure]

@@ -1,4 +1,4 @@
-"""Signals of instrumented shoes: from the packets of a session, or kept as one row with an uploaded one."""
+"""Signals of instrumented shoes: from the packets of a session, or stored as one row with an uploaded one."""
 
 import zlib
 from collections.abc import Sequence

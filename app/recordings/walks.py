@@ -76,8 +76,10 @@ def recording_of(
         ]
         field = columns[2] if np.isfinite(columns[2]).any() else None
         sensors[str(name)] = SensorSignals(time_s[measured], columns[0], columns[1], field)
-    told = {key: (hello or {}).get(f"clip_{key}") for key in ("gyroscope_radps", "accelerometer_mps2")}
-    known = {f"{key.replace('_', '_clip_')}": str(value) for key, value in told.items() if value is not None}
+    declared = {key: (hello or {}).get(f"clip_{key}") for key in ("gyroscope_radps", "accelerometer_mps2")}
+    known = {
+        f"{key.replace('_', '_clip_')}": str(value) for key, value in declared.items() if value is not None
+    }
     return Recording(sensors, setup.rate_hz, origin="session", metadata=known)
 
 
@@ -93,7 +95,7 @@ def _column(parts: list[ImuChunk], field: str, row: int, measured: NDArray[np.bo
 def content_of(
     walk: Walk, shoes: ShoeWalk | None = None, test: GuidedKind = "walk", notes: Sequence[str] = ()
 ) -> WalkContent:
-    """Return what is kept of a walk beside its frames.
+    """Return what is stored of a walk besides its frames.
 
     Parameters
     ----------

@@ -13,7 +13,7 @@ from estimators import rotation
 _SEEN_M: Final = 0.5
 """So far a foot must have come before its way says where the walk goes."""
 _CERTAIN_M: Final = 2.0
-"""From here on the course is kept: later turns are turns."""
+"""From here on the course is fixed: later turns are turns."""
 _PRINTS: Final = 120
 _TRAIL_EVERY: Final = 3
 _TRAIL_POINTS: Final = 140

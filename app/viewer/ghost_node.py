@@ -70,7 +70,7 @@ class GhostNode:
         self._is_visible = True
 
     def show(self, phase: float | None, *, with_path: bool = True) -> None:
-        """Show a phase from 0 to 100, interpolated; None hides the arm, and its path only when told."""
+        """Show a phase from 0 to 100, interpolated; None hides the arm, and its path only when asked for."""
         if self._path is not None and self._path.visible != with_path:
             self._path.visible = with_path
         if (phase is not None) != self._is_visible:

@@ -98,7 +98,7 @@ def distance_words(placement: str, distance_m: float, *, is_lone: bool) -> str:
     placement : str
     distance_m : float
     is_lone : bool
-        The place goes on without the source: the distance is then not told as if it were measured.
+        The place goes on without the source: the distance is then not shown as if it were measured.
     """
     # Viser packs text of this very type only.
     if is_lone:

@@ -299,7 +299,7 @@ def _side(name: str) -> Side:
 
 
 def thinned(frames: Frames, rate_hz: float = 60.0) -> Frames:
-    """Return every n-th tick, so that no more are kept than are ever drawn.
+    """Return every n-th tick, so that no more are held than are ever drawn.
 
     Parameters
     ----------

@@ -41,7 +41,7 @@ _ENDED = ("analysed", "failed")
 
 @dataclass(frozen=True)
 class ViewTarget:
-    """What a view shows, by identifiers; small enough to be kept for hours."""
+    """What a view shows, by identifiers; small enough to be held for hours."""
 
     mode: Mode
     session_id: str

@@ -163,8 +163,8 @@ def _frame_count(groups: dict[str, dict[str, list[Any]]], first: int, last: int)
     else:
         counted = last - first + 1
         if last == 0xFFFF:
-            told = _number(point, "FRAMES", counted)
-            counted = int(_number(point, "LONG_FRAMES", told + 65536 if told < 0 else told))
+            stated = _number(point, "FRAMES", counted)
+            counted = int(_number(point, "LONG_FRAMES", stated + 65536 if stated < 0 else stated))
     if counted < 1:
         raise RecordingFormatError(say("c3d.no_frames"))
     return counted

@@ -1,7 +1,7 @@
 """Times of day as text (`2026-11-22T10:00:00.123Z`, `2026-11-22 10:00:00.123`, `10:00:00.123`) as seconds.
 
 Only differences count. A zone that is written is respected, so clocks that are put forward or back in the recording do
-no harm; without one, and without a date, what happened is told from the jump, and that is said.
+no harm; without one, and without a date, what happened is concluded from the jump, and a warning says so.
 """
 
 import re
@@ -43,7 +43,7 @@ def seconds_of_clock(column: Sequence[str | None]) -> tuple[Float, tuple[Sentenc
     seconds : ndarray, shape (N,)
         NaN where there is no time of day, or one that no clock shows.
     notes : tuple of Sentence
-        What was told from jumps.
+        What was concluded from jumps.
     """
     days: dict[str, float] = {}
     seconds = np.full(len(column), np.nan)

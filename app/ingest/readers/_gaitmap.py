@@ -1,7 +1,7 @@
 """Foot recordings of the gaitmap library as CSV: m/s^2 and deg/s, three shapes of header.
 
 Both feet at 204.8 Hz with two header rows (sensor, axis), optionally beside motion capture of heel and toe markers and
-a list of strides; or one foot of a patient at 102.4 Hz, told by the file's name.
+a list of strides; or one foot of a patient at 102.4 Hz, known from the file's name.
 """
 
 import csv

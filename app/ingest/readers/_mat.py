@@ -35,7 +35,7 @@ def load_mat(path: Path, names: list[str], *, simplify: bool = False) -> dict[st
 
 
 def mat_format(path: Path) -> str:
-    """Return which of the formats kept in such files one seems to have, by the names in it.
+    """Return which of the formats stored in such files one seems to have, by the names in it.
 
     Raises
     ------

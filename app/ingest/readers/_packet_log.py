@@ -64,7 +64,7 @@ class LogReader:
 
 
 def declaration_of(hello: dict[str, Any]) -> Declaration:
-    """Check the hello of a log as the socket would; clock epochs found by a live session are kept.
+    """Check the hello of a log as the socket would; clock epochs found by a live session stay.
 
     Raises
     ------

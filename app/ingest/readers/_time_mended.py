@@ -1,7 +1,7 @@
 """Time columns of real devices: stamps that repeat, miss, step back or start again, mended where that is certain.
 
 Every sample that was measured stays; a row that was written twice, or has no place in time, is left out. What was done
-is told with its count, and where more than a tenth of the rows is concerned nothing is mended: that is no time column.
+is reported with its count, and where more than a tenth of the rows is concerned nothing is mended: no time column.
 """
 
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What compressed files from strangers unpack to, before anything of it is kept: a few kilobytes can hold gigabytes."""
+"""What compressed files from strangers unpack to, before any of it is stored: a few kilobytes can hold gigabytes."""
 
 import struct
 import zlib
@@ -22,7 +22,7 @@ _MI_COMPRESSED: Final = 15
 def check_mat(path: Path, most_bytes: int = MOST_BYTES) -> None:
     """Refuse a `.mat` file of version 5 or 7 whose variables unpack to too much.
 
-    Sizes that the file states are not believed: each variable is unpacked piece by piece, and nothing kept.
+    Sizes that the file states are not believed: each variable is unpacked piece by piece, and nothing is held.
 
     Parameters
     ----------

@@ -3862,7 +3862,7 @@ export interface components {
         };
         /**
          * PreviewIn
-         * @description The beginning of a text file, to be told what it seems to be.
+         * @description The beginning of a text file whose format is to be guessed.
          */
         PreviewIn: {
             /**

@@ -1,4 +1,4 @@
-// Several named lines on common axes, told apart by colour and stroke, with a legend in words.
+// Several named lines on common axes, distinguished by colour and stroke, with a legend in words.
 import { useMemo } from 'react';
 import type uPlot from 'uplot';
 import { axis, Plot, themeColour, type PlotOptions } from './Plot';

@@ -9,7 +9,7 @@ import { Notice, Problem } from './Feedback';
 export function SecondFactorRemoved({ at }: { at: string }) {
   const note = useNoteSecondFactor();
   return (
-    <div className="page page-told">
+    <div className="page page-notice">
       <Notice>
         <p>{t('second.removed', { date: date(at) })}</p>
         {note.error && <Problem error={note.error} />}

@@ -40,14 +40,14 @@ export class SessionClock {
   }
 
   /** Take a time of the session that has just arrived; what was on its way longest is believed least. */
-  told(sessionS: number): void {
+  set(sessionS: number): void {
     const shown = this.read();
     if (shown !== null && sessionS <= shown) return;
     this.#sessionS = sessionS;
     this.#wallS = this.#now();
   }
 
-  /** Time of the session now; null before anything was told. */
+  /** Time of the session now; null before anything was set. */
   read(): number | null {
     return this.#sessionS === null ? null : this.#sessionS + this.#now() - this.#wallS;
   }

@@ -26,7 +26,7 @@ export function isStarting(bits: number): boolean {
   return (bits & (CALIBRATING | INVALID)) !== 0;
 }
 
-/** Uncertainties are told as this many standard deviations, as the bands of the curves are. */
+/** Uncertainties are shown as this many standard deviations, as the bands of the curves are. */
 export const SIGMAS = 2;
 
 /** Charge as it is printed on batteries. */

@@ -1,4 +1,4 @@
-// What a session with a magnetic source is told: where the source is worn, which sensors are around it, its coils.
+// What a session with a magnetic source declares: where the source is worn, which sensors are around it, its coils.
 import type { Placement, SessionIn, Side } from '../api/types';
 
 export const USES = ['back', 'arm', 'leg', 'feet', 'bench', 'other'] as const;
@@ -43,7 +43,7 @@ export function wornFor(use: Use, side: Side | null | undefined): Worn {
   }
 }
 
-/** What the service is told of the source; only what differs from its own defaults. */
+/** What is declared of the source; only what differs from its own defaults. */
 export function sourceParameters(worn: Worn, coils: Coils, use: Use = 'other'): NonNullable<SessionIn['orientation_parameters']> {
   const shoe = worn.source.startsWith('foot') ? SHOE : {};
   return {

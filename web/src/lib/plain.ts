@@ -1,4 +1,4 @@
-// Results in plain words for the patient: a change is told only when it is larger than what repeats by chance.
+// Results in plain words for the patient: a change is reported only when it is larger than what repeats by chance.
 import type { MeasureValue, ProgressMeasure } from '../api/types';
 import { t, tOr } from '../i18n';
 import { displayUnit, number, quantity } from './format';

@@ -1,4 +1,4 @@
-// A drawn person for instructions: seen from the front or from the side, standing or seated, arms as told.
+// A drawn person for instructions: seen from the front or from the side, standing or seated, arms as asked for.
 import type { ReactNode } from 'react';
 
 type Point = readonly [number, number];

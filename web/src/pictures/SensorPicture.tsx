@@ -23,7 +23,7 @@ function Frame({ children }: { children: React.ReactNode }) {
   );
 }
 
-/** Laid down with an axis up or down; turned about it on the table, if told. */
+/** Laid down with an axis up or down; turned about it on the table, if asked for. */
 export function LaidSensor({ axis, isDown, isTurned }: { axis: Axis; isDown?: boolean; isTurned?: boolean }) {
   const size = LYING[axis];
   const x = 112 - size[0] / 2 - size[1] * 0.27;

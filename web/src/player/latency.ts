@@ -1,10 +1,10 @@
 // From publication by the service to arrival here, with two clocks that may disagree.
 
-const KEPT = 60;
+const SHOWN = 60;
 
 /**
  * Median of the newest delays. Where this machine's clock stands behind the service's (a negative delay, which cannot be),
- * delays are told relative to the shortest one seen, which is then the least that can be said.
+ * delays are stated relative to the shortest one seen, which is then the least that can be said.
  */
 export class LatencyMeter {
   readonly now: () => number;
@@ -20,7 +20,7 @@ export class LatencyMeter {
     if (!Number.isFinite(delayMs)) return;
     this.#shortestMs = Math.min(this.#shortestMs, delayMs);
     this.#delays.push(delayMs);
-    if (this.#delays.length > KEPT) this.#delays.shift();
+    if (this.#delays.length > SHOWN) this.#delays.shift();
   }
 
   /** Median in ms, null before the first frame. */

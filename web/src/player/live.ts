@@ -9,7 +9,7 @@ import { ReturningSocket, type ReturningSocketOptions } from './socket';
 import { inOurWords } from '../i18n/sentence';
 import { columnsOf, SnapshotStore, type Clock, type Player, type PlayerSnapshot, type Stretch } from './types';
 
-/** Frames kept for the running curves. */
+/** Frames held for the running curves. */
 export const HELD_S = 60;
 const KEPT_EVENTS = 200;
 /** Frames come twenty times a second: after so long without one, no number on the page is of now. */

@@ -61,7 +61,7 @@ export class ReplayPlayer implements Player {
     const timeS = Math.min(endS, this.#baseS + ran);
     if (isPlaying && timeS >= endS) {
       this.#baseS = endS;
-      // Not in the middle of whoever is drawing: the end is told right after.
+      // Not in the middle of whoever is drawing: the end is reported right after.
       queueMicrotask(() => this.#store.set({ isPlaying: false }));
     }
     return { timeS, startS, endS, isPlaying, speed };

@@ -12,15 +12,15 @@ describe('the clock of a walking test', () => {
     let wallS = 100;
     const clock = new SessionClock(() => wallS);
     expect(clock.read()).toBeNull();
-    clock.told(50);
+    clock.set(50);
     wallS = 103;
     expect(clock.read()).toBe(53);
     // A frame that came late, and one of those that are sent again.
-    clock.told(52.8);
-    clock.told(20);
+    clock.set(52.8);
+    clock.set(20);
     expect(clock.read()).toBe(53);
     // A stream faster than real time.
-    clock.told(80);
+    clock.set(80);
     wallS = 104;
     expect(clock.read()).toBe(81);
   });

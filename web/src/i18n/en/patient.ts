@@ -138,7 +138,7 @@ export const patient = {
   'device.pairQr': 'QR code with the address of this service and the pairing code',
   'device.token': 'Device token',
   'device.once': 'Copy this token into the gateway now. It is shown only once and cannot be displayed again.',
-  'device.kept': 'I have copied it',
+  'device.copied': 'I have copied it',
   'device.until': 'Until {date}',
   'device.revoke': 'Revoke',
   'device.revokeNamed': 'Revoke the token {name}',

@@ -36,7 +36,7 @@ export const report = {
   'report.dataLoss': 'Data quality',
   'report.dataLossText': '{percent} % of the packets missing; gaps longer than 0.2 s: {gaps}; sensors lost: {lost}',
   'report.templateText': '“{name}”, version {number} of {date}, mean of {count} repetitions',
-  'report.kept': '{kept} of {all} found were evaluated',
+  'report.evaluated': '{accepted} of {all} found were evaluated',
   'report.mainAngle': 'Main angle',
   'report.dropped': 'Excluded repetitions',
   'report.meaning': 'How to read the numbers',

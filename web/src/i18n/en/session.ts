@@ -293,7 +293,7 @@ export const session = {
   'template.from': 'From “{what}”, {when}.',
   'template.other': 'Choose another recording',
   'template.stepCut': '2. Choose the good repetitions',
-  'template.found': '{kept} of {all} used',
+  'template.found': '{accepted} of {all} used',
   'template.droppedByYou': 'Excluded by you',
   'template.stepBand': '3. Set the tolerance',
   'template.bandHelp': 'The grey band is what still counts as the same movement. Widen it where precision does not matter.',

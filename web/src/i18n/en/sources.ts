@@ -33,7 +33,7 @@ export const sources = {
   'sources.serial': 'Serial number',
   'sources.ruler': 'Accuracy of the positions (mm)',
   'sources.keep': 'Find the coils and save the source',
-  'sources.kept': '{name} is saved: field uncertainty {gain} %, position error {off} mm.',
+  'sources.saved': '{name} is saved: field uncertainty {gain} %, position error {off} mm.',
 
   'safety.until': 'The question is asked again from {at} on.',
   'safety.source': 'Source {name}, serial number {serial}: field uncertainty {gain} %.',

@@ -41,14 +41,14 @@ function useNow({ session, player, message, isRecording, delayS }: GuidedWalkPro
   const [clock] = useState(() => new SessionClock());
   const [now, setNow] = useState<Now | null>(null);
   useEffect(() => {
-    if (message) clock.told(message.session_time_s);
+    if (message) clock.set(message.session_time_s);
   }, [clock, message]);
   useEffect(() => {
     if (startS === null) return;
     const tally = new WalkTally(startS + delayS);
     const look = () => {
       const { endS } = player.clock();
-      if (endS > 0) clock.told(endS);
+      if (endS > 0) clock.set(endS);
       tally.take(player);
       const sessionS = clock.read();
       if (sessionS === null) return;

@@ -55,7 +55,7 @@ function Form({ sessionId, found }: { sessionId: string; found: SourceStops }) {
       {calibrate.error && <Problem error={calibrate.error} />}
       {calibrate.data && (
         <Notice>
-          {t('sources.kept', {
+          {t('sources.saved', {
             name: calibrate.data.name,
             gain: number(100 * calibrate.data.gain_sigma, 2),
             off: number(1000 * (calibrate.data.found.place_residual_m ?? 0), 1),

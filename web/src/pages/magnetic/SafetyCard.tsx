@@ -14,18 +14,18 @@ import { ImplantQuestions } from './ImplantQuestions';
 const ENDED: readonly string[] = ['closing', 'analysed', 'failed'];
 
 /** Why an earlier word does not hold any more. */
-function whyAgain(told: MagneticSafety): string | null {
-  if (told.withdrawn_at) {
-    const at = dateTime(told.withdrawn_at);
-    return told.withdrawn_by ? t('safety.withdrawn', { name: told.withdrawn_by, at }) : t('safety.withdrawnNoName', { at });
+function whyAgain(safety: MagneticSafety): string | null {
+  if (safety.withdrawn_at) {
+    const at = dateTime(safety.withdrawn_at);
+    return safety.withdrawn_by ? t('safety.withdrawn', { name: safety.withdrawn_by, at }) : t('safety.withdrawnNoName', { at });
   }
-  return told.confirmed_at ? t('safety.expired', { at: dateTime(told.confirmed_at) }) : null;
+  return safety.confirmed_at ? t('safety.expired', { at: dateTime(safety.confirmed_at) }) : null;
 }
 
-function sourceText(told: MagneticSafety): string {
-  if (typeof told.gain_sigma !== 'number') return '';
-  const gain = number(100 * told.gain_sigma, 1);
-  return told.source_serial ? t('safety.source', { name: told.source_name, serial: told.source_serial, gain }) : t('safety.sourceDescribed', { gain });
+function sourceText(safety: MagneticSafety): string {
+  if (typeof safety.gain_sigma !== 'number') return '';
+  const gain = number(100 * safety.gain_sigma, 1);
+  return safety.source_serial ? t('safety.source', { name: safety.source_name, serial: safety.source_serial, gain }) : t('safety.sourceDescribed', { gain });
 }
 
 export function SafetyCard({ session }: { session: SessionDetail }) {
@@ -35,13 +35,13 @@ export function SafetyCard({ session }: { session: SessionDetail }) {
   const [said, setSaid] = useState(UNASKED);
   return (
     <Answer of={safety} lines={3}>
-      {(told) =>
-        told.confirmed ? (
+      {(safety) =>
+        safety.confirmed ? (
           <Notice icon={<IconShieldCheck size={22} aria-hidden />}>
-            {told.confirmed_by
-              ? t('magnetic.confirmed', { name: told.confirmed_by, at: dateTime(told.confirmed_at ?? '') })
-              : t('magnetic.confirmedNoName', { at: dateTime(told.confirmed_at ?? '') })}{' '}
-            {told.expires_at && t('safety.until', { at: dateTime(told.expires_at) })} {sourceText(told)}
+            {safety.confirmed_by
+              ? t('magnetic.confirmed', { name: safety.confirmed_by, at: dateTime(safety.confirmed_at ?? '') })
+              : t('magnetic.confirmedNoName', { at: dateTime(safety.confirmed_at ?? '') })}{' '}
+            {safety.expires_at && t('safety.until', { at: dateTime(safety.expires_at) })} {sourceText(safety)}
             {session.may_treat && !ENDED.includes(session.state) && (
               <Confirm
                 label={t('safety.withdraw')}
@@ -59,14 +59,14 @@ export function SafetyCard({ session }: { session: SessionDetail }) {
         ) : (
           <section className="card stack" aria-labelledby="safety">
             <h2 id="safety">{t('magnetic.safety')}</h2>
-            {whyAgain(told) && (
+            {whyAgain(safety) && (
               <p className="strong" role="status">
-                {whyAgain(told)}
+                {whyAgain(safety)}
               </p>
             )}
             {session.may_treat ? (
               <>
-                <ImplantQuestions value={said} onChange={setSaid} keepAwayM={told.keep_away_m} limitT={told.limit_t} />
+                <ImplantQuestions value={said} onChange={setSaid} keepAwayM={safety.keep_away_m} limitT={safety.limit_t} />
                 {confirm.error && <Problem error={confirm.error} />}
                 <div>
                   <Button disabled={!isSafe(said)} loading={confirm.isPending} onClick={() => confirm.mutate(undefined)}>

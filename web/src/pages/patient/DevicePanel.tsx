@@ -42,7 +42,7 @@ function NewToken({ patient, onDone }: { patient: Patient; onDone: () => void })
         </Notice>
         <CopyBox label={t('device.token')} text={add.data.token} />
         <Group justify="flex-end">
-          <Button onClick={onDone}>{t('device.kept')}</Button>
+          <Button onClick={onDone}>{t('device.copied')}</Button>
         </Group>
       </div>
     );

@@ -27,7 +27,7 @@ export function MethodSheet({ session, patient, comparison, template, estimators
     [t('report.estimator'), result ? t('report.estimatorText', { title: estimator?.title ?? result.orientation, version: result.orientation_version, pipeline: result.pipeline_version, kind: result.kind === 'live' ? t('result.live') : t('result.offline') }) : '–'],
     [t('report.dataLoss'), all > 0 ? t('report.dataLossText', { percent: number((100 * session.packets_missing) / all, 1), gaps: gaps.length, lost: lost.length }) : t('details.uploaded')],
     [t('compare.template'), comparison ? t('report.templateText', { name: comparison.template_name, number: template ? number(template.number) : '–', date: template ? date(template.created_at, new Date(0)) : '–', count: template ? number(template.repetition_count) : '–' }) : t('report.notCompared')],
-    [t('progress.count'), comparison ? t('report.kept', { kept: comparison.repetition_count, all: comparison.repetitions.length }) : '–'],
+    [t('progress.count'), comparison ? t('report.evaluated', { accepted: comparison.repetition_count, all: comparison.repetitions.length }) : '–'],
     ...(text ? [[t('report.mainAngle'), `${text}: ${convention}`] as [string, string]] : []),
   ];
   return (

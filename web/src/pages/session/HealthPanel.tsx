@@ -67,9 +67,9 @@ function Sensor({ sensor, shared }: { sensor: SensorHealth; shared: readonly Tro
   );
 }
 
-export function HealthPanel({ health: told, placements, isOutOfReach = false }: { health: HealthMessage | null; placements: readonly Placement[]; isOutOfReach?: boolean }) {
+export function HealthPanel({ health: reported, placements, isOutOfReach = false }: { health: HealthMessage | null; placements: readonly Placement[]; isOutOfReach?: boolean }) {
   // What was good a while ago may not be now.
-  const health = isOutOfReach ? null : told;
+  const health = isOutOfReach ? null : reported;
   const lost = health?.sensors.filter((sensor) => sensor.status === 'lost') ?? [];
   const shared = health ? sharedTroubles(health.sensors) : [];
   return (

@@ -120,7 +120,7 @@ function Shape({ session, exerciseId: wantedExercise, content, request, onReques
   );
   const exercise = exercises.data?.find((one) => one.id === exerciseId);
   const curves = pickCurves(content.curves, showsAll, exercise?.primary_angle ?? null);
-  const kept = content.repetitions.length - dropped.size;
+  const accepted = content.repetitions.length - dropped.size;
   const existing = templates.data ?? [];
   const suggested = `${exercise?.name ?? session.exercise_name ?? t('session.free')}${forWhom === 'patient' && patient.data ? `, ${patient.data.given_name}` : ''}`;
   const patientName = patient.data ? `${patient.data.given_name} ${patient.data.family_name}` : t('patient.title');
@@ -151,7 +151,7 @@ function Shape({ session, exerciseId: wantedExercise, content, request, onReques
       <section className="card" aria-labelledby="cut">
         <div className="card-head">
           <h2 id="cut">{t('template.stepCut')}</h2>
-          <span className="muted end">{t('template.found', { kept, all: content.repetitions.length })}</span>
+          <span className="muted end">{t('template.found', { accepted, all: content.repetitions.length })}</span>
         </div>
         <ul className="plain-list repetition-choice">
           {content.repetitions.map((one, index) => (
@@ -244,13 +244,13 @@ function Shape({ session, exerciseId: wantedExercise, content, request, onReques
           </>
         )}
         {save.error && <Problem error={save.error} />}
-        {kept < 2 && (
+        {accepted < 2 && (
           <p className="alert-text" role="alert">
             {t('template.tooFew')}
           </p>
         )}
         <div>
-          <Button size="lg" disabled={!exerciseId || kept < 2} loading={save.isPending} onClick={submit}>
+          <Button size="lg" disabled={!exerciseId || accepted < 2} loading={save.isPending} onClick={submit}>
             {t('template.save')}
           </Button>
         </div>
