@@ -9,7 +9,7 @@ may overlap as far as the compiler knows, and every store to one would make it r
 """
 
 from estimators._kernels import Scalars3, Scalars4, kernel, multiply
-from estimators.orientation._strapdown_steps import turn
+from estimators.kernels import turn
 from estimators.recording import Float
 
 Upper = tuple[float, ...]

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators._kernels import kernel, multiply, rotate
+from estimators.kernels import mirror, turn
 from estimators.orientation import _marzouk_steps as steps
 from estimators.orientation._marzouk_covariance import (
     UPPER,
@@ -21,8 +22,6 @@ from estimators.orientation._marzouk_covariance import (
     turned_by_rate,
 )
 from estimators.orientation._marzouk_steps import direction, prepare, set_heading, start_variance, store
-from estimators.orientation._strapdown_kernel import mirror
-from estimators.orientation._strapdown_steps import turn
 from estimators.recording import Float
 
 # Positions in the settings, after the shared ones.

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators._kernels import kernel, wrapped
+from estimators.kernels import mirror
 from estimators.orientation import _marzouk_steps as steps
 from estimators.orientation._contract import OrientationFlag
 from estimators.orientation._marzouk_angles import (
@@ -20,7 +21,6 @@ from estimators.orientation._marzouk_angles import (
 )
 from estimators.orientation._marzouk_covariance import ERRORS, UPPER, Errors, Upper, keep, lessened, loaded
 from estimators.orientation._marzouk_steps import direction, prepare, set_heading, start_variance, store
-from estimators.orientation._strapdown_kernel import mirror
 from estimators.recording import Float
 
 # Positions in the settings, after the shared ones; triples start at the number given.

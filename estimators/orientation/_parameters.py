@@ -1,13 +1,45 @@
-"""How estimators read their parameters: frozen dataclasses with units in the names, checked once."""
+"""How estimators read their parameters: frozen dataclasses that carry unit, bound and meaning, checked once."""
 
 import math
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import dataclass, field, fields
 from typing import Any, TypeVar
 
 from estimators.errors import SetupError
 
 P = TypeVar("P")
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What stands beside a parameter: unit, meaning, and the values it may have."""
+
+    unit: str
+    meaning: str
+    above: float | None
+    below: float | None
+
+
+def parameter(
+    default: float | bool, unit: str, meaning: str, *, above: float | None = None, below: float | None = None
+) -> Any:
+    """Return a field of a dataclass of parameters; `meaning_of` reads back what is said here.
+
+    Parameters
+    ----------
+    default : bool or float
+    unit : str
+        Empty for a plain number or a switch.
+    meaning : str
+    above, below : float, optional
+        Bounds that the value may not reach. No number may be negative.
+    """
+    return field(default=default, metadata={"parameter": Meaning(unit, meaning, above, below)})
+
+
+def meaning_of(kind: type[Any]) -> dict[str, Meaning]:
+    """Return unit, meaning and bounds of every parameter that was declared by `parameter`."""
+    return {one.name: one.metadata["parameter"] for one in fields(kind) if "parameter" in one.metadata}
 
 
 def read_parameters(kind: type[P], values: Mapping[str, Any] | None) -> P:
@@ -23,7 +55,7 @@ def read_parameters(kind: type[P], values: Mapping[str, Any] | None) -> P:
     Raises
     ------
     SetupError
-        For a name that the dataclass does not have, or a value of the wrong kind.
+        For a name that the dataclass does not have, a value of the wrong kind, or one out of bounds.
     """
     values = dict(values or {})
     known = {field.name: field.default for field in fields(kind)}  # type: ignore[arg-type]
@@ -39,7 +71,19 @@ def read_parameters(kind: type[P], values: Mapping[str, Any] | None) -> P:
             raise SetupError(f"{name} must be a finite number, not {value!r}")
         else:
             values[name] = float(value)
-    return kind(**values)
+    made = kind(**values)
+    for name, meaning in meaning_of(kind).items():
+        _check_bounds(name, getattr(made, name), meaning)
+    return made
 
 
-__all__ = ["read_parameters"]
+def _check_bounds(name: str, value: float, meaning: Meaning) -> None:
+    if value < 0.0:
+        raise SetupError(f"{name} must not be negative, not {value}")
+    if meaning.above is not None and value <= meaning.above:
+        raise SetupError(f"{name} must be above {meaning.above or 'zero'}")
+    if meaning.below is not None and value >= meaning.below:
+        raise SetupError(f"{name} must be below {meaning.below:g}")
+
+
+__all__ = ["Meaning", "meaning_of", "parameter", "read_parameters"]

@@ -3,22 +3,22 @@
 import math
 from abc import abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
 
 from estimators.conventions import GRAVITY_MPS2
-from estimators.errors import SetupError
-from estimators.orientation import _strapdown_steps as steps
 from estimators.orientation._contract import OrientationResult
-from estimators.orientation._kernel_estimator import KernelEstimator
+from estimators.orientation._parameters import parameter
+from estimators.orientation._record_estimator import RecordEstimator
+from estimators.orientation._strapdown_steps import Estimates, Ticks
 from estimators.recording import Float, ImuChunk
 
 REFERENCE_RATE_HZ = 100.0
 """Rate at which the papers' noise figures are those of single samples."""
 
-_NO_DETAILS = np.empty((0, 0, 0))
+_NO_FIELD, _NO_DETAILS = np.empty((0, 0, 3)), np.empty((0, 0, 0))
 
 
 @dataclass(frozen=True)
@@ -26,28 +26,27 @@ class StrapdownParameters:
     """Noise, start and gaps of both filters.
 
     Noise sigmas are of single samples at 100 Hz; at another rate they are scaled so that a second of samples
-    weighs the same. `acceleration_correlation` and `acceleration_change_sigma_mps2` are c_a and sigma_w of
-    a(t) = c_a a(t - 10 ms) + w; the stationary acceleration stays the same at another rate.
-    `bias_walk_degps_per_sqrt_s`: random walk of the gyroscope bias. `instantaneous_rate`: samples are the rate
-    at their time and not the mean since the last one, as in devices that sum up inside. `coast_s`: how long a
-    gap is crossed at the last rate, whose error is taken as `gap_rate_sigma_degps`. `report_details`: results
-    carry acceleration and innovations too.
+    weighs the same, and the stationary acceleration stays the same.
     """
 
-    gyroscope_sigma_radps: float = 0.01
-    accelerometer_sigma_mps2: float = 0.1
-    acceleration_correlation: float = 0.6
-    acceleration_change_sigma_mps2: float = 0.4
-    bias_walk_degps_per_sqrt_s: float = 0.03
-    instantaneous_rate: bool = False
-    start_samples: float = 10.0
-    initial_attitude_sigma_deg: float = 3.0
-    initial_bias_sigma_degps: float = 1.0
-    coast_s: float = 0.2
-    gap_rate_sigma_degps: float = 57.3
-    convergence_s: float = 3.0
-    acceleration_tolerance_mps2: float = 2.0
-    report_details: bool = False
+    gyroscope_sigma_radps: float = parameter(0.01, "rad/s", "noise of a sample", above=0.0)
+    accelerometer_sigma_mps2: float = parameter(0.1, "m/s^2", "noise of a sample", above=0.0)
+    acceleration_correlation: float = parameter(0.6, "", "c_a of a(t) = c_a a(t - 10 ms) + w", below=1.0)
+    acceleration_change_sigma_mps2: float = parameter(0.4, "m/s^2", "sigma_w of the same")
+    bias_walk_degps_per_sqrt_s: float = parameter(0.03, "deg/s/sqrt(s)", "random walk of the gyroscope bias")
+    instantaneous_rate: bool = parameter(
+        False,
+        "",
+        "samples are the rate at their time, not the mean since the last as where devices sum up inside",
+    )
+    start_samples: float = parameter(10.0, "samples", "mean that the filter starts from", above=0.0)
+    initial_attitude_sigma_deg: float = parameter(3.0, "deg", "of an axis at a start at rest")
+    initial_bias_sigma_degps: float = parameter(1.0, "deg/s", "of the gyroscope bias before any calibration")
+    coast_s: float = parameter(0.2, "s", "how long a gap is crossed at the last rate")
+    gap_rate_sigma_degps: float = parameter(57.3, "deg/s", "error of the last rate in a gap")
+    convergence_s: float = parameter(3.0, "s", "after a start in which estimates are flagged as converging")
+    acceleration_tolerance_mps2: float = parameter(2.0, "m/s^2", "force off gravity that is flagged")
+    report_details: bool = parameter(False, "", "results carry acceleration and innovations too")
 
 
 @dataclass(frozen=True)
@@ -73,7 +72,7 @@ class StrapdownResult(OrientationResult):
     field_dip_rad: Float | None = None
 
 
-class StrapdownEstimator(KernelEstimator):
+class StrapdownEstimator(RecordEstimator):
     """Noise settings and details; subclasses name the kernel and their own settings.
 
     A MISSING tick is coasted at the last rate with growing covariance, flagged BRIDGED, for at most
@@ -82,11 +81,6 @@ class StrapdownEstimator(KernelEstimator):
     """
 
     _parameter_kind: ClassVar[type[StrapdownParameters]]
-    _positive: ClassVar[tuple[str, ...]] = (
-        "gyroscope_sigma_radps",
-        "accelerometer_sigma_mps2",
-        "start_samples",
-    )
     _bias_first = 3
     _details: ClassVar[int]
     """Columns that the kernel writes when details are asked for; the first three are the acceleration."""
@@ -119,31 +113,32 @@ class StrapdownEstimator(KernelEstimator):
     def _force_variance(self) -> float:
         return self._parameters.accelerometer_sigma_mps2**2 * self._noise_scale
 
-    def _make_settings(self) -> Float:
+    def _make_settings(self) -> dict[str, float]:
         p, step_s = self._parameters, self._guard.time_step_s
-        if p.acceleration_correlation >= 1.0:
-            raise SetupError("acceleration_correlation must be below 1")
-        settings = np.zeros(steps.SHARED_SETTINGS)
-        for position, value in (
-            (steps.STEP_S, step_s),
-            (steps.INSTANT_RATE, float(p.instantaneous_rate)),
-            (steps.START_SAMPLES, p.start_samples),
-            (steps.BRIDGE_TICKS, math.floor(p.coast_s / step_s + 1e-6)),
-            (steps.CONVERGENCE_TICKS, p.convergence_s / step_s),
-            (steps.ATTITUDE_SIGMA, math.radians(p.initial_attitude_sigma_deg)),
-            (steps.GAP_RATE_SIGMA, math.radians(p.gap_rate_sigma_degps)),
-            (steps.ACCELERATION_TOLERANCE, p.acceleration_tolerance_mps2),
-            (steps.GRAVITY, GRAVITY_MPS2),
-            (steps.RATE_VARIANCE, p.gyroscope_sigma_radps**2 * self._noise_scale),
-            (steps.BIAS_VARIANCE, math.radians(p.bias_walk_degps_per_sqrt_s) ** 2 * step_s),
-            (steps.ACCELERATION_GAIN, self._acceleration_gain),
-        ):
-            settings[position] = value
-        return np.concatenate((settings, self._own_settings()))
+        return {
+            "step_s": step_s,
+            "is_rate_instantaneous": p.instantaneous_rate,
+            "start_samples": p.start_samples,
+            "bridge_ticks": math.floor(p.coast_s / step_s + 1e-6),
+            "convergence_ticks": p.convergence_s / step_s,
+            "attitude_sigma": math.radians(p.initial_attitude_sigma_deg),
+            "gap_rate_sigma": math.radians(p.gap_rate_sigma_degps),
+            "acceleration_tolerance": p.acceleration_tolerance_mps2,
+            "gravity": GRAVITY_MPS2,
+            "rate_variance": p.gyroscope_sigma_radps**2 * self._noise_scale,
+            "bias_variance": math.radians(p.bias_walk_degps_per_sqrt_s) ** 2 * step_s,
+            "force_variance": self._force_variance,
+            "acceleration_gain": self._acceleration_gain,
+            "change_variance": self._change_variance,
+        } | self._own_settings()
 
     @abstractmethod
-    def _own_settings(self) -> Float:
-        """Return the settings of the subclass's kernel, in its order."""
+    def _own_settings(self) -> dict[str, float]:
+        """Return the settings that are the subclass's own."""
+
+    @abstractmethod
+    def _run(self, *arguments: Any) -> None:
+        """Call the kernel: ticks, settings, state, covariance, estimates."""
 
     def _field(self, chunk: ImuChunk) -> Float | None:
         """Return what the kernel is to see of the magnetometer."""
@@ -155,11 +150,29 @@ class StrapdownEstimator(KernelEstimator):
         details = _NO_DETAILS
         if self._parameters.report_details:
             details = np.full((chunk.sensor_count, chunk.tick_count, self._details), np.nan)
-        found = self._filter(chunk, self._field(chunk), details)
-        plain = (found.q_earth_sensor, found.gyroscope_bias_radps, found.sigma_rad, found.flags)
+        shape = chunk.gyroscope_radps.shape[:2]
+        # One piece of memory: the system gives a large one in large pages, which cost less than many small ones.
+        ticks_in_all = shape[0] * shape[1]
+        whole = np.empty(10 * ticks_in_all)
+        out = Estimates(
+            whole[: 4 * ticks_in_all].reshape(*shape, 4),
+            whole[4 * ticks_in_all : 7 * ticks_in_all].reshape(*shape, 3),
+            whole[7 * ticks_in_all :].reshape(*shape, 3),
+            np.empty(shape, dtype=np.uint8),
+            details,
+        )
+        field = self._field(chunk)
+        ticks = Ticks(
+            np.ascontiguousarray(chunk.gyroscope_radps, dtype=np.float64),
+            np.ascontiguousarray(chunk.accelerometer_mps2, dtype=np.float64),
+            np.ascontiguousarray(_NO_FIELD if field is None else field, dtype=np.float64),
+            np.ascontiguousarray(chunk.quality, dtype=np.uint8),
+        )
+        self._run(ticks, self._settings, self._state, self._covariance, out)
+        found = StrapdownResult(out.q, out.bias, out.sigma_rad, out.flags)
         if not self._parameters.report_details:
-            return StrapdownResult(*plain)
-        return self._detailed(StrapdownResult(*plain, acceleration_earth_mps2=details[..., :3]), details)
+            return found
+        return self._detailed(replace(found, acceleration_earth_mps2=details[..., :3]), details)
 
     @abstractmethod
     def _detailed(self, result: StrapdownResult, details: Float) -> StrapdownResult:

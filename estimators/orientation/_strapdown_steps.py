@@ -6,44 +6,101 @@ frame, estimate = Exp(xi) truth, where its transition is the identity and gravit
 """
 
 import math
+from typing import Any, Final, NamedTuple
 
 import numpy as np
+from numba import types
 from numpy.typing import NDArray
 
 from estimators._kernels import Scalars3, Scalars4, kernel, multiply, normalized, rotate
+from estimators.kernels import VOID, Fields, Record, bundle, record, rows, step
 from estimators.orientation._contract import OrientationFlag
 from estimators.recording import Float, SampleQuality
 
-# Columns of the counters, one row a sensor.
-RUNNING, COLLECTED, FIELD_COLLECTED, GAP, SINCE_START, HEADING_KNOWN, STARTED = range(7)
-COUNTERS = 7
+MEASUREMENTS: Final = 5
+"""At most so many scalar measurements a sample."""
 
-# Columns of the memory, one row a sensor: triples start at the number given. SUM_FIELD is in sensor axes.
-LAST_RATE, SUM_RATE, SUM_FORCE, SUM_FIELD, SUM_FIELD_NORM, ACCELERATION = 0, 3, 6, 9, 12, 13
-MEMORY = 16
+SETTINGS: Final[Fields] = [
+    ("step_s", "f8"),
+    ("is_rate_instantaneous", "i8"),
+    ("start_samples", "f8"),
+    ("bridge_ticks", "f8"),
+    ("convergence_ticks", "f8"),
+    ("attitude_sigma", "f8"),
+    ("gap_rate_sigma", "f8"),
+    ("acceleration_tolerance", "f8"),
+    ("gravity", "f8"),
+    ("rate_variance", "f8"),
+    ("bias_variance", "f8"),
+    ("force_variance", "f8"),
+    ("acceleration_gain", "f8"),  # c_a
+    ("change_variance", "f8"),  # sigma_w^2
+]
+"""Constants of both filters, for this time step; each filter's own follow."""
 
-# Positions in a prepared sample.
-RATE, FORCE, FIELD, FORCE_NORM, FIELD_NORM, HAS_FIELD, GAP_VARIANCE = 0, 3, 6, 9, 10, 11, 12
-INNOVATION = 13
-"""Pairs of an innovation and the inverse of its variance, one for each scalar measurement."""
-SAMPLE = INNOVATION + 2 * 5
+STATE: Final[Fields] = [
+    ("q", "f8", 4),  # q_earth_sensor
+    ("bias", "f8", 3),
+    ("acceleration", "f8", 3),  # earth frame
+    ("last_rate", "f8", 3),
+    # Sums over the samples of a start, in sensor axes.
+    ("sum_rate", "f8", 3),
+    ("sum_force", "f8", 3),
+    ("sum_field", "f8", 3),
+    ("is_running", "i8"),
+    ("collected", "i8"),
+    ("field_collected", "i8"),
+    ("gap", "i8"),
+    ("since_start", "i8"),
+    ("is_heading_known", "i8"),
+    ("started", "i8"),
+]
+"""What both filters carry from sample to sample, a record a sensor, apart from the covariance."""
 
-# Positions in the settings shared by both filters; each filter's own follow.
-(
-    STEP_S,
-    INSTANT_RATE,
-    START_SAMPLES,
-    BRIDGE_TICKS,
-    CONVERGENCE_TICKS,
-    ATTITUDE_SIGMA,
-    GAP_RATE_SIGMA,
-    ACCELERATION_TOLERANCE,
-    GRAVITY,
-    RATE_VARIANCE,
-    BIAS_VARIANCE,
-    ACCELERATION_GAIN,
-) = range(12)
-SHARED_SETTINGS = 12
+SAMPLE: Final = record(
+    [
+        ("rate", "f8", 3),
+        ("force", "f8", 3),
+        ("field", "f8", 3),
+        ("force_norm", "f8"),
+        ("field_norm", "f8"),
+        ("has_field", "i8"),
+        ("gap_variance", "f8"),
+        ("innovation", "f8", MEASUREMENTS),
+        ("inverse", "f8", MEASUREMENTS),  # 1 / variance of the innovation; zero where none was taken
+    ]
+)
+"""One tick of one sensor, prepared."""
+
+
+class Ticks(NamedTuple):
+    """What a kernel reads: rate and force, shape (S, K, 3), field the same or without sensors, and quality, (S, K)."""
+
+    gyroscope_radps: Float
+    accelerometer_mps2: Float
+    magnetometer_t: Float
+    quality: NDArray[np.uint8]
+
+
+class Estimates(NamedTuple):
+    """What a kernel writes, shapes (S, K, ...); `details` of no sensor are not wanted."""
+
+    q: Float
+    bias: Float
+    sigma_rad: Float
+    flags: NDArray[np.uint8]
+    details: Float
+
+
+_VALUES, _BYTES = types.float64[:, :, ::1], types.uint8[:, ::1]
+
+
+def run_signature(settings: np.dtype[Any], state: np.dtype[Any]) -> Any:
+    """Return the signature of a filter's `run(ticks, settings, state, covariance, out)`."""
+    ticks = bundle(Ticks, _VALUES, _VALUES, _VALUES, _BYTES)
+    out = bundle(Estimates, _VALUES, _VALUES, _VALUES, _BYTES, _VALUES)
+    return VOID(ticks, rows(settings), rows(state), _VALUES, out)
+
 
 HOLD, COAST, FILTER, BEGIN = range(4)
 """What `prepare` asks for: keep the estimate; predict only; predict and correct; set the start values."""
@@ -61,40 +118,6 @@ _SAMPLE_MISSING = int(SampleQuality.MISSING)
 _SAMPLE_SATURATED = int(SampleQuality.SATURATED)
 
 
-@kernel("UniTuple(float64, 4)(float64, float64, float64)", inlined=True)
-def turn(rx: float, ry: float, rz: float) -> Scalars4:
-    """Return the unit quaternion of a rotation vector; below half a radian by series exact to 1e-16."""
-    square = 0.25 * (rx * rx + ry * ry + rz * rz)
-    # sin(x)/x and cos(x) of x^2 = square; the terms left out are below 1e-16.
-    if square < 1e-3:
-        # Most samples and nearly all corrections: shorter series, of which attitude waits for the next.
-        scale = 0.5 + square * (-1 / 12 + square * (1 / 240 - square * (1 / 10080)))
-        cosine = 1.0 + square * (-1 / 2 + square * (1 / 24 + square * (-1 / 720 + square * (1 / 40320))))
-        return cosine, rx * scale, ry * scale, rz * scale
-    if square < 0.0625:
-        scale = 0.5 * (
-            1.0
-            + square
-            * (
-                -1 / 6
-                + square * (1 / 120 + square * (-1 / 5040 + square * (1 / 362880 - square * (1 / 39916800))))
-            )
-        )
-        cosine = 1.0 + square * (
-            -1 / 2
-            + square
-            * (
-                1 / 24
-                + square
-                * (-1 / 720 + square * (1 / 40320 + square * (-1 / 3628800 + square * (1 / 479001600))))
-            )
-        )
-        return cosine, rx * scale, ry * scale, rz * scale
-    half = math.sqrt(square)
-    scale = 0.5 * math.sin(half) / half
-    return math.cos(half), rx * scale, ry * scale, rz * scale
-
-
 @kernel("UniTuple(float64, 4)(float64, float64, float64, float64, float64, float64, float64)")
 def tilted_to_force(w: float, x: float, y: float, z: float, fx: float, fy: float, fz: float) -> Scalars4:
     """Turn q_earth_sensor by the least angle so that specific force points up; heading is kept."""
@@ -109,284 +132,209 @@ def tilted_to_force(w: float, x: float, y: float, z: float, fx: float, fy: float
     return multiply(tw, tx, ty, tz, w, x, y, z)
 
 
-@kernel("UniTuple(float64, 4)(float64, float64, float64, float64, float64, float64, float64)")
-def facing_field(w: float, x: float, y: float, z: float, mx: float, my: float, mz: float) -> Scalars4:
-    """Turn q_earth_sensor about the vertical so that the field's horizontal part points north."""
-    east, north, _ = rotate(w, x, y, z, mx, my, mz)
-    half = 0.5 * math.atan2(east, north)
-    return multiply(math.cos(half), 0.0, 0.0, math.sin(half), w, x, y, z)
+@step()
+def cross_gap(x: Record, c: Record, sample: Record, growth: float) -> int:
+    """Coast at the last rate for `bridge_ticks`, then hold and start again with bias and heading."""
+    x.gap += 1
+    if x.is_running and x.gap <= c.bridge_ticks:
+        for axis in range(3):
+            sample.rate[axis] = x.last_rate[axis]
+        # Variance of (rate error x time): differences of n^2 are 2n - 1.
+        sample.gap_variance = growth * (2.0 * x.gap - 1.0)
+        x.since_start += 1
+        return COAST
+    if x.is_running or x.collected:
+        x.is_running = x.collected = x.field_collected = 0
+        for axis in range(3):
+            x.sum_rate[axis] = x.sum_force[axis] = x.sum_field[axis] = x.acceleration[axis] = 0.0
+    return HOLD
 
 
-@kernel(
-    "int64(int64, int64, float64[:, :, ::1], float64[:, :, ::1], uint8[:, ::1], float64[::1],"
-    "float64[:, ::1], float64[:, ::1], int64[:, ::1], float64[::1])"
-)
-def prepare_unusual(
-    s: int,
-    k: int,
-    gyroscope_radps: Float,
-    accelerometer_mps2: Float,
-    quality: NDArray[np.uint8],
-    settings: Float,
-    q: Float,
-    memory: Float,
-    counters: NDArray[np.int64],
-    sample: Float,
-) -> int:
+@step()
+def collect(x: Record, c: Record, sample: Record) -> int:
+    """Gather the samples of a start; inclination is set here, heading by the filter."""
+    x.since_start = x.since_start + 1 if x.collected else 0
+    x.collected += 1
+    x.started += 1
+    for axis in range(3):
+        x.last_rate[axis] = sample.rate[axis]
+        x.sum_rate[axis] += sample.rate[axis]
+        x.sum_force[axis] += sample.force[axis]
+        if sample.has_field:
+            x.sum_field[axis] += sample.field[axis]
+    x.field_collected += sample.has_field
+    x.q[0], x.q[1], x.q[2], x.q[3] = tilted_to_force(
+        x.q[0], x.q[1], x.q[2], x.q[3], x.sum_force[0], x.sum_force[1], x.sum_force[2]
+    )
+    return BEGIN if x.collected >= c.start_samples else HOLD
+
+
+@step()
+def prepare_unusual(x: Record, c: Record, sample: Record, quality: int) -> int:
     """Start from the mean of the first samples, coast short gaps, hold long ones.
 
-    A gap is coasted at the last rate, with an error that grows with `GAP_RATE_SIGMA`, for `BRIDGE_TICKS`;
-    after that the filter starts again with its bias and heading. Inclination is set here at a start, heading by
-    the filter.
+    While a gap is coasted at the last rate its error grows with `gap_rate_sigma`.
     """
-    count, kept = counters[s], memory[s]
-    usable = (quality[s, k] & _SAMPLE_MISSING) == 0 and sample[FORCE_NORM] > 0.0
+    usable = (quality & _SAMPLE_MISSING) == 0 and sample.force_norm > 0.0
     for axis in range(3):
-        usable &= math.isfinite(gyroscope_radps[s, k, axis]) and math.isfinite(accelerometer_mps2[s, k, axis])
-    growth = (settings[GAP_RATE_SIGMA] * settings[STEP_S]) ** 2
+        usable &= math.isfinite(sample.rate[axis]) and math.isfinite(sample.force[axis])
+    growth = (c.gap_rate_sigma * c.step_s) ** 2
     if not usable:
-        count[GAP] += 1
-        if count[RUNNING] and count[GAP] <= settings[BRIDGE_TICKS]:
-            for axis in range(3):
-                sample[RATE + axis] = kept[LAST_RATE + axis]
-            # Variance of (rate error x time): differences of n^2 are 2n - 1.
-            sample[GAP_VARIANCE] = growth * (2.0 * count[GAP] - 1.0)
-            count[SINCE_START] += 1
-            return COAST
-        if count[RUNNING] or count[COLLECTED]:
-            count[RUNNING] = count[COLLECTED] = count[FIELD_COLLECTED] = 0
-            for i in range(SUM_RATE, ACCELERATION + 3):
-                kept[i] = 0.0
-        return HOLD
-    count[GAP] = 0
-    if count[RUNNING]:
-        count[SINCE_START] += 1
-        if quality[s, k] & _SAMPLE_SATURATED:
-            sample[GAP_VARIANCE] = growth
+        return cross_gap(x, c, sample, growth)
+    x.gap = 0
+    if x.is_running:
+        x.since_start += 1
+        if quality & _SAMPLE_SATURATED:
+            sample.gap_variance = growth
         return FILTER
-    count[SINCE_START] = count[SINCE_START] + 1 if count[COLLECTED] else 0
-    count[COLLECTED] += 1
-    count[STARTED] += 1
-    for axis in range(3):
-        kept[LAST_RATE + axis] = sample[RATE + axis]
-        kept[SUM_RATE + axis] += sample[RATE + axis]
-        kept[SUM_FORCE + axis] += sample[FORCE + axis]
-        if sample[HAS_FIELD] > 0.0:
-            kept[SUM_FIELD + axis] += sample[FIELD + axis]
-    if sample[HAS_FIELD] > 0.0:
-        count[FIELD_COLLECTED] += 1
-        kept[SUM_FIELD_NORM] += sample[FIELD_NORM]
-    q[s, 0], q[s, 1], q[s, 2], q[s, 3] = tilted_to_force(
-        q[s, 0], q[s, 1], q[s, 2], q[s, 3], kept[SUM_FORCE], kept[SUM_FORCE + 1], kept[SUM_FORCE + 2]
-    )
-    return BEGIN if count[COLLECTED] >= settings[START_SAMPLES] else HOLD
+    return collect(x, c, sample)
 
 
-@kernel("void(int64, float64[:, ::1], float64[::1], float64[::1], float64, float64, float64)")
-def coning(s: int, memory: Float, settings: Float, sample: Float, rx: float, ry: float, rz: float) -> None:
+@step()
+def coning(x: Record, c: Record, sample: Record, rx: float, ry: float, rz: float) -> None:
     """Replace the rate of now by the mean turn since the last sample: Bortz, two samples (page A3).
 
     phi/T = (last + now)/2 + T/12 last x now. The bias, the same in both, is left in: its part of the cross
     product is T/12 bias x (now - last), below a part in a million.
     """
-    lx, ly, lz = memory[s, LAST_RATE], memory[s, LAST_RATE + 1], memory[s, LAST_RATE + 2]
-    twelfth = settings[STEP_S] / 12.0
-    sample[RATE] = 0.5 * (lx + rx) + twelfth * (ly * rz - lz * ry)
-    sample[RATE + 1] = 0.5 * (ly + ry) + twelfth * (lz * rx - lx * rz)
-    sample[RATE + 2] = 0.5 * (lz + rz) + twelfth * (lx * ry - ly * rx)
+    lx, ly, lz = x.last_rate[0], x.last_rate[1], x.last_rate[2]
+    twelfth = c.step_s / 12.0
+    sample.rate[0] = 0.5 * (lx + rx) + twelfth * (ly * rz - lz * ry)
+    sample.rate[1] = 0.5 * (ly + ry) + twelfth * (lz * rx - lx * rz)
+    sample.rate[2] = 0.5 * (lz + rz) + twelfth * (lx * ry - ly * rx)
 
 
-@kernel(
-    "int64(int64, int64, float64[:, :, ::1], float64[:, :, ::1], float64[:, :, ::1], uint8[:, ::1],"
-    "float64[::1], float64[:, ::1], float64[:, ::1], int64[:, ::1], float64[::1])",
-    inlined=True,
-)
-def prepare(
-    s: int,
-    k: int,
-    gyroscope_radps: Float,
-    accelerometer_mps2: Float,
-    magnetometer_t: Float,
-    quality: NDArray[np.uint8],
-    settings: Float,
-    q: Float,
-    memory: Float,
-    counters: NDArray[np.int64],
-    sample: Float,
-) -> int:
-    """Read one tick into `sample` and say what the filter is to do."""
-    fx, fy, fz = accelerometer_mps2[s, k, 0], accelerometer_mps2[s, k, 1], accelerometer_mps2[s, k, 2]
-    rx, ry, rz = gyroscope_radps[s, k, 0], gyroscope_radps[s, k, 1], gyroscope_radps[s, k, 2]
+@step(inlined=True)
+def prepare(ticks: Ticks, s: int, k: int, x: Record, c: Record, sample: Record) -> int:
+    """Read tick `k` of sensor `s` into `sample` and say what the filter is to do."""
+    force, rate, quality = ticks.accelerometer_mps2, ticks.gyroscope_radps, ticks.quality[s, k]
+    fx, fy, fz = force[s, k, 0], force[s, k, 1], force[s, k, 2]
+    rx, ry, rz = rate[s, k, 0], rate[s, k, 1], rate[s, k, 2]
     square = fx * fx + fy * fy + fz * fz
     # Zero if all are finite, and not a number otherwise.
     finite = 0.0 * (rx + ry + rz + square)
-    sample[RATE], sample[RATE + 1], sample[RATE + 2] = rx, ry, rz
-    sample[FORCE], sample[FORCE + 1], sample[FORCE + 2] = fx, fy, fz
-    sample[FORCE_NORM] = math.sqrt(square)
-    sample[HAS_FIELD] = 0.0
-    sample[GAP_VARIANCE] = 0.0
-    if magnetometer_t.shape[0] > 0:
-        mx, my, mz = magnetometer_t[s, k, 0], magnetometer_t[s, k, 1], magnetometer_t[s, k, 2]
+    sample.rate[0], sample.rate[1], sample.rate[2] = rx, ry, rz
+    sample.force[0], sample.force[1], sample.force[2] = fx, fy, fz
+    sample.force_norm = math.sqrt(square)
+    sample.has_field = 0
+    sample.gap_variance = 0.0
+    if ticks.magnetometer_t.shape[0] > 0:
+        field = ticks.magnetometer_t
+        mx, my, mz = field[s, k, 0], field[s, k, 1], field[s, k, 2]
         norm = math.sqrt(mx * mx + my * my + mz * mz)
-        sample[FIELD], sample[FIELD + 1], sample[FIELD + 2], sample[FIELD_NORM] = mx, my, mz, norm
-        sample[HAS_FIELD] = 1.0 if 0.0 < norm < math.inf else 0.0
-    flawed = quality[s, k] & (_SAMPLE_MISSING | _SAMPLE_SATURATED)
-    if finite != 0.0 or flawed != 0 or counters[s, RUNNING] == 0 or square == 0.0:
-        action = prepare_unusual(
-            s, k, gyroscope_radps, accelerometer_mps2, quality, settings, q, memory, counters, sample
-        )
+        sample.field[0], sample.field[1], sample.field[2], sample.field_norm = mx, my, mz, norm
+        sample.has_field = 1 if 0.0 < norm < math.inf else 0
+    flawed = quality & (_SAMPLE_MISSING | _SAMPLE_SATURATED)
+    if finite != 0.0 or flawed != 0 or x.is_running == 0 or square == 0.0:
+        action = prepare_unusual(x, c, sample, quality)
         if action != FILTER:
             return action
     else:
-        counters[s, GAP] = 0
-        counters[s, SINCE_START] += 1
-    if settings[INSTANT_RATE] > 0.0:
-        coning(s, memory, settings, sample, rx, ry, rz)
-    memory[s, LAST_RATE], memory[s, LAST_RATE + 1], memory[s, LAST_RATE + 2] = rx, ry, rz
+        x.gap = 0
+        x.since_start += 1
+    if c.is_rate_instantaneous:
+        coning(x, c, sample, rx, ry, rz)
+    x.last_rate[0], x.last_rate[1], x.last_rate[2] = rx, ry, rz
     return FILTER
 
 
-@kernel("float64(int64, float64[:, ::1], int64[:, ::1], float64[::1])")
-def start_variance(s: int, memory: Float, counters: NDArray[np.int64], settings: Float) -> float:
-    """Return the variance per axis of the start attitude: more if the sensor turned or was pushed."""
+@step()
+def begin(x: Record, p: Float, c: Record) -> None:
+    """Set the start covariance (A2.3), apart from that of the offset; after a gap the heading may be anything.
+
+    The start attitude is known less well if the sensor turned or was pushed.
+    """
     turned = force = 0.0
     for axis in range(3):
-        turned += (memory[s, SUM_RATE + axis] * settings[STEP_S]) ** 2
-        force += (memory[s, SUM_FORCE + axis] / counters[s, COLLECTED]) ** 2
+        turned += (x.sum_rate[axis] * c.step_s) ** 2
+        force += (x.sum_force[axis] / x.collected) ** 2
     # A bias of a few degrees a second is no turn: it is known to the filter, and the start is short.
-    push = math.sqrt(force) / settings[GRAVITY] - 1.0
-    return float(settings[ATTITUDE_SIGMA] ** 2 + turned + push * push)
+    push = math.sqrt(force) / c.gravity - 1.0
+    variance = c.attitude_sigma**2 + turned + push * push
+    for i in range(3):
+        for j in range(p.shape[0]):
+            p[i, j] = p[j, i] = 0.0
+        p[i, i] = variance
+        x.acceleration[i] = 0.0
+    if x.started > x.collected:
+        p[2, 2] = UNKNOWN
+    x.is_running = 1
 
 
-@kernel(
-    "void(int64, int64, int64, int64, uint8[:, ::1], float64[::1], int64[:, ::1], float64[::1],"
-    "float64[:, :, ::1], uint8[:, ::1])",
-    inlined=True,
-)
-def store_flags(
-    s: int,
-    k: int,
-    action: int,
-    own_flag: int,
-    quality: NDArray[np.uint8],
-    settings: Float,
-    counters: NDArray[np.int64],
-    sample: Float,
-    sigma_rad: Float,
-    flags: NDArray[np.uint8],
-) -> None:
-    """Write the flags as `store` does, and before the start sigma, for filters that write the rest in lanes.
-
-    Called from `store`, which has these lines again, it makes the scalar filters a seventh slower.
-    """
-    flag = own_flag
-    if quality[s, k]:
-        if quality[s, k] & _SAMPLE_BRIDGED:
-            flag |= _BRIDGED
-        if quality[s, k] & _SAMPLE_SATURATED:
-            flag |= _SATURATED
-    if counters[s, RUNNING] == 0:
-        held = counters[s, COLLECTED] == 0
-        for axis in range(3):
-            sigma_rad[s, k, axis] = math.pi if held else settings[ATTITUDE_SIGMA]
-        flags[s, k] = flag | (_INVALID if held else _CONVERGING)
-        return
-    if action == COAST:
-        flag |= _BRIDGED
-    elif abs(sample[FORCE_NORM] - settings[GRAVITY]) > settings[ACCELERATION_TOLERANCE]:
-        flag |= _ACCELERATION
-    if counters[s, SINCE_START] < settings[CONVERGENCE_TICKS]:
-        flag |= _CONVERGING
-    flags[s, k] = flag
+@step(inlined=True)
+def force_without_acceleration(x: Record, sample: Record, c: Record) -> Scalars3:
+    """Return measured force in the earth frame less the predicted acceleration c_a a: the vertical of (7)."""
+    fx, fy, fz = rotate(x.q[0], x.q[1], x.q[2], x.q[3], sample.force[0], sample.force[1], sample.force[2])
+    share, a = c.acceleration_gain, x.acceleration
+    return fx - share * a[0], fy - share * a[1], fz - share * a[2]
 
 
-@kernel(
-    "void(int64, int64, int64, int64, uint8[:, ::1], float64[::1], float64[:, ::1], float64[:, ::1],"
-    "float64[:, ::1], int64[:, ::1], float64[::1], float64[:, :, ::1], float64[:, :, ::1],"
-    "float64[:, :, ::1], uint8[:, ::1])",
-    inlined=True,
-)
+@step(inlined=True)
+def keep_acceleration(x: Record, sample: Record, c: Record) -> None:
+    """Take measured force less gravity for the acceleration in the earth frame (A5.5)."""
+    ax, ay, az = rotate(x.q[0], x.q[1], x.q[2], x.q[3], sample.force[0], sample.force[1], sample.force[2])
+    x.acceleration[0], x.acceleration[1], x.acceleration[2] = ax, ay, az - c.gravity
+
+
+@kernel("float64(float64)", inlined=True)
+def sigma_of(variance: float) -> float:
+    """Return the square root of a variance of an angle, at most half a turn."""
+    return min(math.sqrt(max(variance, 0.0)), math.pi)
+
+
+@step(inlined=True)
 def store(
+    out: Estimates,
     s: int,
     k: int,
+    x: Record,
+    variances: Scalars3,
+    quality: int,
     action: int,
     own_flag: int,
-    quality: NDArray[np.uint8],
-    settings: Float,
-    q: Float,
-    bias: Float,
-    p: Float,
-    counters: NDArray[np.int64],
-    sample: Float,
-    q_earth_sensor: Float,
-    bias_out: Float,
-    sigma_rad: Float,
-    flags: NDArray[np.uint8],
+    sample: Record,
+    c: Record,
 ) -> None:
-    """Write the estimate with sigma and flags; `own_flag` is the filter's.
+    """Write the estimate of a tick with sigma, from the variances about the earth's axes, and flags.
 
-    The covariance `p` begins with the error in the earth frame. Before the start sigma is that of a resting
-    start.
+    `own_flag` is the filter's. Before the start sigma is that of a resting start.
     """
     for i in range(4):
-        q_earth_sensor[s, k, i] = q[s, i]
-    for axis in range(3):
-        bias_out[s, k, axis] = bias[s, axis]
+        out.q[s, k, i] = x.q[i]
     flag = own_flag
-    if quality[s, k]:
-        if quality[s, k] & _SAMPLE_BRIDGED:
-            flag |= _BRIDGED
-        if quality[s, k] & _SAMPLE_SATURATED:
-            flag |= _SATURATED
-    if counters[s, RUNNING] == 0:
-        held = counters[s, COLLECTED] == 0
-        for axis in range(3):
-            sigma_rad[s, k, axis] = math.pi if held else settings[ATTITUDE_SIGMA]
-        flags[s, k] = flag | (_INVALID if held else _CONVERGING)
-        return
     for axis in range(3):
-        sigma_rad[s, k, axis] = min(math.sqrt(max(p[axis, axis], 0.0)), math.pi)
+        out.bias[s, k, axis] = x.bias[axis]
+    if quality:
+        if quality & _SAMPLE_BRIDGED:
+            flag |= _BRIDGED
+        if quality & _SAMPLE_SATURATED:
+            flag |= _SATURATED
+    if x.is_running == 0:
+        held = x.collected == 0
+        for axis in range(3):
+            out.sigma_rad[s, k, axis] = math.pi if held else c.attitude_sigma
+        out.flags[s, k] = flag | (_INVALID if held else _CONVERGING)
+        return
+    out.sigma_rad[s, k, 0] = sigma_of(variances[0])
+    out.sigma_rad[s, k, 1] = sigma_of(variances[1])
+    out.sigma_rad[s, k, 2] = sigma_of(variances[2])
     if action == COAST:
         flag |= _BRIDGED
-    elif abs(sample[FORCE_NORM] - settings[GRAVITY]) > settings[ACCELERATION_TOLERANCE]:
+    elif abs(sample.force_norm - c.gravity) > c.acceleration_tolerance:
         flag |= _ACCELERATION
-    if counters[s, SINCE_START] < settings[CONVERGENCE_TICKS]:
+    if x.since_start < c.convergence_ticks:
         flag |= _CONVERGING
-    flags[s, k] = flag
+    out.flags[s, k] = flag
 
 
-@kernel(
-    "UniTuple(float64, 3)(int64, float64[:, ::1], float64[:, ::1], float64[::1], float64[::1])", inlined=True
-)
-def force_without_acceleration(s: int, q: Float, memory: Float, sample: Float, settings: Float) -> Scalars3:
-    """Return measured force in the earth frame less the predicted acceleration c_a a: the vertical of (7)."""
-    fx, fy, fz = rotate(
-        q[s, 0], q[s, 1], q[s, 2], q[s, 3], sample[FORCE], sample[FORCE + 1], sample[FORCE + 2]
-    )
-    share = settings[ACCELERATION_GAIN]
-    return (
-        fx - share * memory[s, ACCELERATION],
-        fy - share * memory[s, ACCELERATION + 1],
-        fz - share * memory[s, ACCELERATION + 2],
-    )
-
-
-@kernel("void(int64, float64[:, ::1], float64[:, ::1], float64[::1], float64[::1])", inlined=True)
-def keep_acceleration(s: int, q: Float, memory: Float, sample: Float, settings: Float) -> None:
-    """Take measured force less gravity for the acceleration in the earth frame (A5.5)."""
-    ax, ay, az = rotate(
-        q[s, 0], q[s, 1], q[s, 2], q[s, 3], sample[FORCE], sample[FORCE + 1], sample[FORCE + 2]
-    )
-    memory[s, ACCELERATION] = ax
-    memory[s, ACCELERATION + 1] = ay
-    memory[s, ACCELERATION + 2] = az - settings[GRAVITY]
-
-
-@kernel("void(int64, int64, int64, int64, float64[:, ::1], float64[::1], float64[:, :, ::1])")
-def tell(s: int, k: int, innovations: int, action: int, memory: Float, sample: Float, details: Float) -> None:
+@step()
+def store_details(
+    out: Estimates, s: int, k: int, innovations: int, action: int, x: Record, sample: Record
+) -> None:
     """Write acceleration and whitened innovations, NaN where there was no correction."""
     for axis in range(3):
-        details[s, k, axis] = memory[s, ACCELERATION + axis]
+        out.details[s, k, axis] = x.acceleration[axis]
     for i in range(innovations):
-        value, inverse = sample[INNOVATION + 2 * i], sample[INNOVATION + 2 * i + 1]
-        details[s, k, 3 + i] = value * math.sqrt(inverse) if action == FILTER and inverse > 0.0 else math.nan
+        value, inverse = sample.innovation[i], sample.inverse[i]
+        taken = action == FILTER and inverse > 0.0
+        out.details[s, k, 3 + i] = value * math.sqrt(inverse) if taken else math.nan

@@ -7,7 +7,7 @@ import numpy as np
 
 from estimators import orientation
 from estimators.conventions import GRAVITY_MPS2
-from estimators.orientation._luinge import PUBLISHED
+from estimators.orientation.luinge import PUBLISHED
 from estimators.recording import Float, ImuChunk
 from estimators.validation._luinge_scenes import (
     ACCELEROMETER_SD_MPS2,

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
-from estimators.orientation._luinge import PUBLISHED
+from estimators.orientation.luinge import PUBLISHED
 from estimators.recording import Float, ImuChunk
 from estimators.validation._luinge_scenes import (
     CONSISTENT,

@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from estimators import orientation, rotation
 from estimators.conventions import GRAVITY_MPS2 as G
-from estimators.orientation._strapdown_steps import turn
+from estimators.kernels import turn
 from estimators.recording import ImuChunk
 from tests.estimators.orientation import strapdown_twins as twins
 from tests.estimators.orientation.test_luinge_filter import DEG, UP, shaken

@@ -8,7 +8,7 @@ from estimators import orientation, rotation
 from estimators.conventions import GRAVITY_MPS2 as G
 from estimators.errors import SetupError
 from estimators.orientation import OrientationFlag
-from estimators.orientation._luinge import PUBLISHED
+from estimators.orientation.luinge import PUBLISHED
 from estimators.recording import ImuChunk, SampleQuality
 from tests.estimators.orientation import strapdown_twins as twins
 from tests.estimators.orientation.orientation_contract import OrientationContract, moving_network
@@ -117,9 +117,10 @@ class LuingeContract(OrientationContract):
             estimator.update(chunk.ticks(0, 50))
         turn_by = rotation.about_z(1.1)
         state = second.state()
-        state["q"] = rotation.multiply(turn_by, state["q"])
+        records = state["state"]
+        records["q"] = rotation.multiply(turn_by, records["q"])
         horizontal = np.array(rotation.to_matrix(turn_by))
-        state["memory"][0, 13:16] = horizontal @ state["memory"][0, 13:16]
+        records["acceleration"][0] = horizontal @ records["acceleration"][0]
         if not self.create(1).parameters["published_structure"]:
             whole = np.eye(6)
             whole[:3, :3] = horizontal

@@ -14,34 +14,27 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from estimators.conventions import GRAVITY_MPS2
-from estimators.orientation import _luinge_kernel as consistent
-from estimators.orientation import _luinge_published_kernel as published
-from estimators.orientation import _luinge_rest as rest
-from estimators.orientation import _strapdown_steps as steps
+from estimators.orientation._parameters import parameter
 from estimators.orientation._strapdown_estimator import (
     StrapdownEstimator,
     StrapdownParameters,
     StrapdownResult,
 )
+from estimators.orientation.luinge import _consistent as consistent
+from estimators.orientation.luinge import _published as published
+from estimators.orientation.luinge._rest import BLOCKS
 from estimators.recording import Float, ImuChunk
 
 
 @dataclass(frozen=True)
 class LuingeParameters(StrapdownParameters):
-    """The consistent filter with the page's figures; the offset may drift with temperature (E-9).
+    """The consistent filter with the page's figures; the offset may drift with temperature (E-9)."""
 
-    `rest_update`: measure the offset where nothing varies for `rest_window_s` by more than
-    `rest_sigma_factor` times the noise. `published_structure`: the paper's filter (A4), without rest update.
-    """
-
-    rest_update: bool = True
-    rest_window_s: float = 0.5
-    rest_sigma_factor: float = 2.0
-    published_structure: bool = False
+    rest_update: bool = parameter(True, "", "measure the offset where nothing varies")
+    rest_window_s: float = parameter(0.5, "s", "in which nothing may vary", above=0.0)
+    rest_sigma_factor: float = parameter(2.0, "", "times the noise, the most that rest varies by", above=0.0)
+    published_structure: bool = parameter(False, "", "the paper's filter (A4), without rest update")
 
 
 PUBLISHED: Final[dict[str, Any]] = {
@@ -67,10 +60,9 @@ class LuingeEstimator(StrapdownEstimator):
         "Published filter that ignores magnetism: how far each sensor leans is sound, where it faces drifts."
     )
     _parameter_kind = LuingeParameters
-    _positive = (*StrapdownEstimator._positive, "rest_window_s", "rest_sigma_factor")
+    _settings_kind = consistent.SETTINGS
+    _state_kind = consistent.STATE
     _covariance_size = 6
-    _memory_columns = rest.MEMORY
-    _counter_columns = rest.COUNTERS
     _details = 6
     _parameters: LuingeParameters
 
@@ -80,30 +72,24 @@ class LuingeEstimator(StrapdownEstimator):
         super().__init__(sensor_count, time_step_s, parameters)
         self._kernel = published.run if self._parameters.published_structure else consistent.run
 
-    def _own_settings(self) -> Float:
+    def _own_settings(self) -> dict[str, float]:
         p, step_s = self._parameters, self._guard.time_step_s
         force, gain = self._force_variance, self._acceleration_gain
-        # R_v of A5.3 over the square of the row's (1 - c_a).
-        inclination = (self._change_variance + (1.0 + gain**2) * force) / (GRAVITY_MPS2 * (1.0 - gain)) ** 2
-        block = max(round(p.rest_window_s / rest.BLOCKS / step_s), 1) if p.rest_update else 0
         rate_sigma = p.gyroscope_sigma_radps * math.sqrt(self._noise_scale)
-        settings = np.zeros(published.SETTINGS - steps.SHARED_SETTINGS)
-        for position, value in (
-            (consistent.INCLINATION_VARIANCE, inclination),
-            (rest.BLOCK_TICKS, float(block)),
-            (rest.RATE_LIMIT, p.rest_sigma_factor * rate_sigma),
-            (rest.FORCE_LIMIT, p.rest_sigma_factor * math.sqrt(force)),
-            (published.FORCE_VARIANCE, force),
-            (published.CHANGE_VARIANCE, self._change_variance),
-        ):
-            settings[position - steps.SHARED_SETTINGS] = value
-        return settings
+        return {
+            # R_v of A5.3 over the square of the row's (1 - c_a).
+            "inclination_variance": (self._change_variance + (1.0 + gain**2) * force)
+            / (GRAVITY_MPS2 * (1.0 - gain)) ** 2,
+            "block_ticks": max(round(p.rest_window_s / BLOCKS / step_s), 1) if p.rest_update else 0,
+            "rate_limit": p.rest_sigma_factor * rate_sigma,
+            "force_limit": p.rest_sigma_factor * math.sqrt(force),
+        }
 
     def _field(self, chunk: ImuChunk) -> Float | None:
         return None
 
-    def _run(self, *arrays: NDArray[Any]) -> None:
-        self._kernel(*arrays)
+    def _run(self, *arguments: Any) -> None:
+        self._kernel(*arguments)
 
     def _detailed(self, result: StrapdownResult, details: Float) -> StrapdownResult:
         innovations = 3 if self._parameters.published_structure else 2

@@ -1,0 +1,40 @@
+"""What compiled filters share: records, small linear algebra, and the error-state core that models are written on."""
+
+from estimators.kernels._angles import arcsine, turn
+from estimators.kernels._error_state import BASE, Matrix, absorb, attitude_seen, inject, predict, turn_by_rate
+from estimators.kernels._linear import invert_symmetric, mirror, skew
+from estimators.kernels._records import (
+    VOID,
+    Fields,
+    Record,
+    bundle,
+    filled,
+    record,
+    restored,
+    rows,
+    step,
+)
+
+__all__ = [
+    "BASE",
+    "VOID",
+    "Fields",
+    "Matrix",
+    "Record",
+    "absorb",
+    "arcsine",
+    "attitude_seen",
+    "bundle",
+    "filled",
+    "inject",
+    "invert_symmetric",
+    "mirror",
+    "predict",
+    "record",
+    "restored",
+    "rows",
+    "skew",
+    "step",
+    "turn",
+    "turn_by_rate",
+]

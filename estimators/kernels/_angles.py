@@ -1,0 +1,70 @@
+"""Angles and turns inside compiled loops, by series where they are exact to rounding."""
+
+import math
+
+from estimators._kernels import Scalars4, kernel
+
+
+@kernel("UniTuple(float64, 4)(float64, float64, float64)", inlined=True)
+def turn(rx: float, ry: float, rz: float) -> Scalars4:
+    """Return the unit quaternion of a rotation vector; below half a radian by series exact to 1e-16."""
+    square = 0.25 * (rx * rx + ry * ry + rz * rz)
+    # sin(x)/x and cos(x) of x^2 = square; the terms left out are below 1e-16.
+    if square < 1e-3:
+        # Most samples and nearly all corrections: shorter series, of which attitude waits for the next.
+        scale = 0.5 + square * (-1 / 12 + square * (1 / 240 - square * (1 / 10080)))
+        cosine = 1.0 + square * (-1 / 2 + square * (1 / 24 + square * (-1 / 720 + square * (1 / 40320))))
+        return cosine, rx * scale, ry * scale, rz * scale
+    if square < 0.0625:
+        scale = 0.5 * (
+            1.0
+            + square
+            * (
+                -1 / 6
+                + square * (1 / 120 + square * (-1 / 5040 + square * (1 / 362880 - square * (1 / 39916800))))
+            )
+        )
+        cosine = 1.0 + square * (
+            -1 / 2
+            + square
+            * (
+                1 / 24
+                + square
+                * (-1 / 720 + square * (1 / 40320 + square * (-1 / 3628800 + square * (1 / 479001600))))
+            )
+        )
+        return cosine, rx * scale, ry * scale, rz * scale
+    half = math.sqrt(square)
+    scale = 0.5 * math.sin(half) / half
+    return math.cos(half), rx * scale, ry * scale, rz * scale
+
+
+@kernel("float64(float64)", inlined=True)
+def arcsine(sine: float) -> float:
+    """Return asin of what lies within one, exact to 2e-16, without a call.
+
+    Below a half asin x = x + x s P(s) with s = x^2, above pi/2 - 2 asin sqrt((1 - x) / 2). P interpolates the
+    series at the thirteen Chebyshev points of s in [0, 1/4].
+    """
+    size = abs(sine)
+    steep = size > 0.5
+    s = 0.5 * (1.0 - size) if steep else size * size
+    x = math.sqrt(s) if steep else size
+    s2 = s * s
+    s4 = s2 * s2
+    first = (0.16666666666666669 + s * 0.07499999999998433) + s2 * (
+        0.04464285714635543 + s * 0.030381944138531247
+    )
+    second = (0.02237217294214989 + s * 0.017352392720869973) + s2 * (
+        0.013971212973552933 + s * 0.011479177415184906
+    )
+    third = (0.01032281435018578 + s * 0.005457506718640356) + s2 * (
+        0.017400879442694025 - s * 0.014851887071247209
+    )
+    angle = x + x * (s * (first + s4 * (second + s4 * (third + s4 * 0.02875785136742157))))
+    if steep:
+        angle = 0.5 * math.pi - 2.0 * angle
+    return -angle if sine < 0.0 else angle
+
+
+__all__ = ["arcsine", "turn"]

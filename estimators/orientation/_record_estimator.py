@@ -1,0 +1,85 @@
+"""What every estimator keeps whose compiled filter works on records: its arrays, their storage and the checks."""
+
+from abc import abstractmethod
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.kernels import filled, restored
+from estimators.orientation._contract import OrientationEstimator
+from estimators.orientation._parameters import read_parameters
+from estimators.orientation._streaming import ChunkGuard, bias_array
+from estimators.recording import Float
+
+
+class RecordEstimator(OrientationEstimator):
+    """Settings, state and covariance of a filter; subclasses name their parameters, records and kernel.
+
+    Class attributes: `_parameter_kind` is the dataclass of the parameters; `_settings_kind` and `_state_kind` are the
+    dtypes of the kernel's records, the latter with `q` and `bias`; `_covariance_size` counts the filter's states, the
+    three of the gyroscope bias at `_bias_first`.
+    """
+
+    _parameter_kind: ClassVar[type[Any]]
+    _settings_kind: ClassVar[np.dtype[Any]]
+    _state_kind: ClassVar[np.dtype[Any]]
+    _covariance_size: ClassVar[int]
+    _bias_first: ClassVar[int]
+
+    def __init__(
+        self, sensor_count: int, time_step_s: float, parameters: Mapping[str, Any] | None = None
+    ) -> None:
+        self._guard = ChunkGuard(sensor_count, time_step_s)
+        self._parameters = read_parameters(self._parameter_kind, parameters)
+        self._settings = filled(self._settings_kind, self._make_settings())
+        self._state = np.zeros(sensor_count, dtype=self._state_kind)
+        self._state["q"][:, 0] = 1.0
+        self._covariance = np.zeros((sensor_count, self._covariance_size, self._covariance_size))
+
+    @abstractmethod
+    def _make_settings(self) -> dict[str, float]:
+        """Return the derived constants by the names of the settings' record."""
+
+    def _set_bias_covariance(self, sigma_radps: float) -> None:
+        bias = slice(self._bias_first, self._bias_first + 3)
+        self._covariance[:, bias, :] = self._covariance[:, :, bias] = 0.0
+        self._covariance[:, bias, bias] = sigma_radps**2 * np.eye(3)
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """Return the records and covariances of all sensors, copied."""
+        return {
+            "state": self._state.copy(),
+            "covariance": self._covariance.copy(),
+            "next_tick": np.array(self._guard.next_tick, dtype=np.int64),
+            "screen": self._guard.memory.copy(),
+        }
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Continue from `state` of an estimator built alike."""
+        records = restored(state, "state", self._state)
+        covariance = restored(state, "covariance", self._covariance)
+        next_tick = restored(state, "next_tick", np.array(0, dtype=np.int64))
+        screen = restored(state, "screen", self._guard.memory)
+        self._state, self._covariance = records, covariance
+        self._guard.next_tick, self._guard.memory = int(next_tick), screen
+
+    def set_gyroscope_bias(self, bias_radps: Float, sigma_radps: float) -> None:
+        """Take a static calibration, shape (S, 3), with its standard error."""
+        self._state["bias"] = bias_array(bias_radps, sigma_radps, self._guard.sensor_count)
+        self._set_bias_covariance(sigma_radps)
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """Every parameter with its value."""
+        return asdict(self._parameters)
+
+    @property
+    def covariance(self) -> Float:
+        """Covariance of the filter's states now, shape (S, n, n), in the units and order of the kernel."""
+        return self._covariance.copy()
+
+
+__all__ = ["RecordEstimator"]
