@@ -1,11 +1,14 @@
-"""Times of day as text (`2026-11-22T10:00:00.123Z`, `2026-11-22 10:00:00.123`, `10:00:00.123`) as seconds.
+"""Times of day as text (`2026-11-22T10:00:00.123Z`, `11/22/2026 10:00:00.123`, `10:00:00.123`) as seconds.
 
-Only differences count. A zone that is written is respected, so clocks that are put forward or back in the recording do
-no harm; without one, and without a date, what happened is concluded from the jump, and a warning says so.
+Only differences count. Dates with slashes do not say whether the month or the day comes first: read in the order that
+is a date in most rows, and of two such orders in the one where fewer days pass. A zone that is written is respected, so
+clocks that are put forward or back in the recording do no harm; without one, and without a date, what happened is
+concluded from the jump, and a warning says so.
 """
 
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 from datetime import date
 from typing import Final
 
@@ -17,7 +20,7 @@ from estimators.recording import Float
 CLOCK: Final = "clock"
 """Stands for a unit of time in a mapping whose time column holds such text."""
 _TEXT: Final = re.compile(
-    r"\s*(?:(?P<date>\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}\.\d{1,2}\.\d{4})(?:T|\s+))?"
+    r"\s*(?:(?P<date>\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[./]\d{1,2}[./]\d{4})(?:T|\s+))?"
     r"(?P<h>\d{1,2}):(?P<m>\d{2}):(?P<s>\d{2})(?:[.,:](?P<part>\d{1,9}))?\s*(?P<half>[AaPp]\.?[Mm]\.?)?"
     r"\s*(?P<zone>Z|UTC|GMT|[+-]\d{2}:?(?:\d{2})?)?\s*"
 )
@@ -45,16 +48,16 @@ def seconds_of_clock(column: Sequence[str | None]) -> tuple[Float, tuple[Sentenc
     notes : tuple of Sentence
         What was concluded from jumps.
     """
-    days: dict[str, float] = {}
+    matches = [_TEXT.fullmatch(text) if text else None for text in column]
+    days = _days({found["date"] for found in matches if found and found["date"]})
     seconds = np.full(len(column), np.nan)
     has_date = has_zone = False
     first_day = zone_s = 0.0
-    for row, text in enumerate(column):
-        found = _TEXT.fullmatch(text) if text else None
+    for row, found in enumerate(matches):
         if found is None:
             continue
         time_s = _time_of_day(found)
-        day = _day(found["date"], days)
+        day = days.get(found["date"]) if found["date"] else 0.0
         if time_s is None or day is None:
             continue
         if found["date"]:
@@ -92,18 +95,25 @@ def _time_of_day(found: re.Match[str]) -> float | None:
     return hour * _HOUR_S + minute * 60.0 + second + (int(part) / 10.0 ** len(part) if part else 0.0)
 
 
-def _day(text: str | None, known: dict[str, float]) -> float | None:
-    """Return the number of a day, zero without one; None for one that no calendar has."""
-    if text is None:
-        return 0.0
-    if text not in known:
-        numbers = [int(part) for part in re.split(r"[-/.]", text)]
-        year, month, day = numbers if numbers[0] > 31 else reversed(numbers)
-        try:
-            known[text] = float(date(year, month, day).toordinal())
-        except ValueError:
-            known[text] = np.nan
-    return None if np.isnan(known[text]) else known[text]
+def _days(texts: set[str]) -> dict[str, float]:
+    """Return the number of each day that a calendar has."""
+    tried = [_numbered(texts, month_first=first) for first in (True, False)]
+    return min(tried, key=lambda days: (-len(days), max(days.values()) - min(days.values()) if days else 0.0))
+
+
+def _numbered(texts: set[str], *, month_first: bool) -> dict[str, float]:
+    days: dict[str, float] = {}
+    for text in texts:
+        first, second, third = (int(part) for part in re.split(r"[-/.]", text))
+        if first > 31:
+            year, month, day = first, second, third
+        elif "/" in text and month_first:
+            year, month, day = third, first, second
+        else:
+            year, month, day = third, second, first
+        with suppress(ValueError):
+            days[text] = float(date(year, month, day).toordinal())
+    return days
 
 
 def _zone(text: str) -> float:

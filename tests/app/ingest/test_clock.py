@@ -15,6 +15,10 @@ from tests.said import codes
         ("2026-11-22 10:00:00.123 +0530", "2026-11-22 04:30:00.133 UTC"),
         ("2026/11/22 10:00:00.123-08", "2026/11/22 18:00:00.133Z"),
         ("22.11.2026 23:59:59.995", "23.11.2026 00:00:00.005"),
+        ("11/22/2026 11:59:59.995 PM", "11/23/2026 12:00:00.005 AM"),
+        ("22/11/2026 23:59:59.995", "23/11/2026 00:00:00.005"),
+        ("1/12/2026 23:59:59.995", "1/13/2026 00:00:00.005"),
+        ("01/12/2026 23:59:59.995", "02/12/2026 00:00:00.005"),
         ("10:00:00:123", "10:00:00:133"),
         ("11:59:59.995 am", "12:00:00.005 PM"),
         ("23:59:59.995", "00:00:00.005"),
@@ -26,7 +30,7 @@ def test_the_difference_of_two_times(first, second):
 
 
 @pytest.mark.parametrize(
-    "text", ["", "12", "11/22/2026 10:00:00", "2026-11-22", "10:00", "10:00:00.1.2", "a10:00:00"]
+    "text", ["", "12", "11/22/2026", "11/22/26 10:00:00", "2026-11-22", "10:00", "10:00:00.1.2", "a10:00:00"]
 )
 def test_what_is_no_time_of_day(text):
     assert not is_clock(text)
@@ -39,6 +43,12 @@ def test_times_that_no_clock_shows_are_none():
     assert np.isnan(seconds[1:5]).all()
     assert seconds[5] - seconds[0] == 1.0
     assert notes == ()
+
+
+def test_one_damaged_date_with_slashes_does_not_turn_the_others():
+    seconds, _ = seconds_of_clock(["11/22/2026 10:00:00", "31/11/2026 10:00:00", "11/22/2026 10:00:02"])
+    assert np.isnan(seconds[1])
+    assert seconds[2] - seconds[0] == 2.0
 
 
 def test_a_row_that_came_late_at_midnight_stays_where_it_was():
