@@ -24,6 +24,7 @@ FindingCode = Literal[
     "magnetic_disturbance",
     "magnetometer_axes",
     "magnetometer_dead",
+    "magnetometer_frozen",
     "magnetometer_unit",
     "no_data",
 ]

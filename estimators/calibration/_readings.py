@@ -31,6 +31,7 @@ class Readings:
         self.name = name
         self.ticks = self.sound_ticks = 0
         self.is_marked_clipped = False
+        self.frozen_field_s = 0.0
         self.time_s = 0.0
         self.evidence = Evidence.nothing()
         self.tail: Float | None = None

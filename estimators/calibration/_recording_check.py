@@ -13,6 +13,7 @@ from estimators.calibration._finding import Finding, FindingCode, Hemisphere, Se
 from estimators.calibration._readings import Readings
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import ShapeError
+from estimators.orientation._screen import SampleScreen
 from estimators.recording import Float, ImuChunk, SampleQuality
 from estimators.sentences import Sentence, say
 
@@ -46,6 +47,8 @@ _FIELD_UNITS: Final = (
 _FIELD_DOUBT_T: Final = (10e-6, 150e-6)
 _DISTURBED: Final = 0.15
 _LEAST_DIP_SINE: Final = 0.3
+_FROZEN_S: Final = 1.0
+"""A compass that repeats itself for so long in movement is worth a word; shorter ones are flagged where they are."""
 
 
 class RecordingCheck:
@@ -68,6 +71,7 @@ class RecordingCheck:
         self._hemisphere = hemisphere
         self._sensors = [Readings(name) for name in names]
         self._next_tick = 0
+        self._screen: SampleScreen | None = None
 
     def add(self, chunk: ImuChunk) -> None:
         """Take the next stretch.
@@ -86,9 +90,15 @@ class RecordingCheck:
             raise ShapeError(f"{len(self._sensors)} names for {chunk.sensor_count} sensors")
         is_next = chunk.first_tick == self._next_tick
         self._next_tick = chunk.first_tick + chunk.tick_count
+        if self._screen is None or not is_next:
+            self._screen = SampleScreen(chunk.sensor_count, chunk.time_step_s)
+        self._screen.screened(chunk)
+        lost = self._screen.lost_field
         for s, sensor in enumerate(self._sensors):
             if not is_next:
                 sensor.tail = None
+            if lost is not None:
+                sensor.frozen_field_s += float(lost[s].sum()) * chunk.time_step_s
             field = None if chunk.magnetometer_t is None else chunk.magnetometer_t[s]
             sensor.add(chunk.gyroscope_radps[s], chunk.accelerometer_mps2[s], field, chunk.time_step_s)
             sensor.is_marked_clipped |= bool((chunk.quality[s] & SampleQuality.SATURATED).any())
@@ -96,6 +106,7 @@ class RecordingCheck:
     def forget(self, name: str) -> None:
         """Begin anew with one sensor: another device may have come in its place."""
         self._sensors = [Readings(name) if sensor.name == name else sensor for sensor in self._sensors]
+        self._screen = None
 
     @property
     def clip_levels(self) -> Float:
@@ -290,6 +301,9 @@ class _Verdict:
         if not self.readings.field_t:
             return False
         where, middle = [self.name], float(np.median(self.readings.field_t))
+        if (lasts_s := self.readings.frozen_field_s) > _FROZEN_S:
+            message = say("readings.magnetometer_frozen", where=where, lasts_s=lasts_s)
+            self._tell("magnetometer_frozen", message, lasts_s, "warning")
         if middle == 0.0 or self._is_constant("magnetometer").all():
             message = (
                 say("readings.magnetometer_constant", where=where)

@@ -26,7 +26,7 @@ class OrientationFlag(IntFlag):
     ACCELERATION_NOT_TRUSTED = 8
     """Specific force is not mainly gravity."""
     MAGNETIC_DISTURBANCE = 16
-    """The field differs from the local reference."""
+    """The field differs from the local reference, or repeats one value while the sensor turns."""
     HEADING_NOT_TRUSTED = 32
     """No magnetometer, or disturbed for so long that heading has drifted beyond use."""
     SATURATED = 64

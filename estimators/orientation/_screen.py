@@ -137,7 +137,7 @@ class SampleScreen:
     rates before, which is why the limit grows with both: of the public recordings of fast hands, shaken legs, stairs
     and heel strikes none comes nearer to it than 5 rad/s.
 
-    A sensor that repeats itself (`_frozen`) gives nothing either; its magnetometer alone may.
+    A sensor that repeats itself (`_frozen`) gives nothing either; its magnetometer alone may (`lost_field`).
 
     Only the past is looked at, so the cut of a stream into chunks cannot matter.
 
@@ -152,6 +152,8 @@ class SampleScreen:
     def __init__(self, sensor_count: int, time_step_s: float, *, is_whole: bool = False) -> None:
         self._time_step_s, self._is_whole = time_step_s, is_whole
         self.memory = np.zeros((sensor_count, MEMORY))
+        self.lost_field: NDArray[np.bool_] | None = None
+        """Which samples of the last chunk lost their field alone, shape (S, K); None where none did."""
 
     def screened(self, chunk: ImuChunk) -> ImuChunk:
         """Return the next ticks with wild samples MISSING, values NaN; the same chunk where there are none."""
@@ -159,11 +161,13 @@ class SampleScreen:
         force = np.asarray(chunk.accelerometer_mps2, dtype=np.float64)
         field = chunk.magnetometer_t
         quality = np.asarray(chunk.quality, dtype=np.uint8)
+        self.lost_field = None
         wild = np.empty(quality.shape, dtype=np.uint8)
         given = _NO_FIELD if field is None else np.asarray(field, dtype=np.float64)
         if not _judge(rate, force, given, quality, self._time_step_s, self._is_whole, self.memory, wild):
             return chunk
         lost = (wild & _SAMPLE) != 0
+        self.lost_field = (wild == _FIELD) if (wild == _FIELD).any() else None
         return replace(
             chunk,
             gyroscope_radps=np.where(lost[..., None], np.nan, rate),

@@ -50,6 +50,7 @@ class SmootherParameters(TelemotionParameters):
     gain_sigma: float = 0.01
     speed_noise_mps_per_sqrt_s: float = 0.1
     rate_noise_per_rate_sqrt_s: float = 0.0015
+    tilt_sigma_scale: float = 0.6
     heading_sigma_scale: float = 0.3
     heading_sigma_floor_deg: float = 1.0
 
@@ -104,7 +105,8 @@ def smooth(
     Bryson-Frazier. Sensors are worked on one after the other, so beside chunk and result there is only
     memory for the blocks of one, about 10 kB a block of 0.2 s.
     """
-    chunk = mark_clipped(ChunkGuard(chunk.sensor_count, chunk.time_step_s, is_whole=True).accept(chunk))
+    guard = ChunkGuard(chunk.sensor_count, chunk.time_step_s, is_whole=True)
+    chunk = mark_clipped(guard.accept(chunk))
     if chunk.tick_count == 0:
         raise ShapeError("the session holds no ticks; there is nothing to smooth")
     if constants is not None and len(constants) != chunk.sensor_count:
@@ -123,6 +125,7 @@ def smooth(
         learnt.append(found.constants[0])
         for name in ("q_earth_sensor", "gyroscope_bias_radps", "sigma_rad", "flags"):
             getattr(result, name)[s] = getattr(found.orientation, name)[0]
+    guard.flag_lost_field(result.flags)
     return SmoothedOrientation(result, tuple(learnt))
 
 

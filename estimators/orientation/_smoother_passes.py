@@ -85,6 +85,7 @@ class SensorPasses:
         self._settle(odds)
         self.q: Float = np.empty((len(session.samples), 4))
         self._misfit = self._level = np.zeros(len(session.facts))
+        self._share = np.ones(len(session.facts))
         self.log_likelihood, self.largest_gain, self.field_blocks = -math.inf, 0.0, 0
         self._rests = Rests(session.facts, settings)
         self._bias_variance = np.full(len(session.facts), np.inf)
@@ -180,7 +181,8 @@ class SensorPasses:
         )
         moving, rest = self._settings[at.FIELD_NOISE_MOVING], self._settings[at.FIELD_NOISE_REST]
         noise = np.where(facts[:, AT_REST] > 0.0, rest, moving)
-        noise *= self._quiet(field, squares, facts, seen)
+        self._share = self._quiet(field, squares, facts, seen)
+        noise *= self._share
         noise += facts[:, SHARE] * (self._settings[at.FIELD_NOISE_START] - noise)
         variance = noise**2 / time_s * (1.0 + np.maximum(self._misfit, self._level))
         return np.where(seen, variance, 0.0)
@@ -236,12 +238,17 @@ class SensorPasses:
         self._q_ends = np.ascontiguousarray(self._q_ends)
 
     def sigma(self) -> Float:
-        """Return one sigma about the axes of the earth at every sample, shape (K, 3), after the last pass."""
+        """Return one sigma about the axes of the earth at every sample, shape (K, 3), after the last pass.
+
+        The floor of the heading stands for how far the field of a room points from that of its surroundings, of
+        which the readings show only how much it varies along the way: where the noise of the field falls with
+        that, so does the floor. What is turned everywhere alike shows in no reading, and is in no sigma.
+        """
         settings = self._settings
         tilt = settings[at.TILT_SCALE] * np.maximum(self._variances[:, :2], 0.0) + settings[at.TILT_FLOOR]
         level = 1.0 + np.minimum(self._level, _WORST_LEVEL)
         own = np.maximum(self._variances[:, 3], 0.0) * (settings[at.HEADING_SCALE] if self.has_field else 1.0)
-        heading = np.sqrt(own + settings[at.HEADING_FLOOR] * level)
+        heading = np.sqrt(own + settings[at.HEADING_FLOOR] * level * self._share**2)
         blocks = np.column_stack((np.sqrt(tilt), np.minimum(heading, math.pi)))
         ends = (np.arange(len(blocks)) + 1) * self._block_ticks - 1
         ticks = np.arange(len(self.q))

@@ -7,11 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.errors import SetupError, ShapeError
+from estimators.orientation._contract import OrientationFlag
 from estimators.orientation._screen import SampleScreen
 from estimators.recording import Float, ImuChunk, SampleQuality
 
 MAXIMUM_SENSORS = 255
 _NEVER = -1
+_DISTURBANCE = np.uint8(OrientationFlag.MAGNETIC_DISTURBANCE)
 
 
 class ChunkGuard:
@@ -43,6 +45,11 @@ class ChunkGuard:
     @memory.setter
     def memory(self, values: Float) -> None:
         self._screen.memory = values
+
+    def flag_lost_field(self, flags: NDArray[np.uint8]) -> None:
+        """Flag MAGNETIC_DISTURBANCE, in place, where the chunk last accepted had a field that cannot be one."""
+        if self._screen.lost_field is not None:
+            flags |= np.where(self._screen.lost_field, _DISTURBANCE, np.uint8(0))
 
     def accept(self, chunk: ImuChunk) -> ImuChunk:
         """Return the chunk with wild samples MISSING; `ShapeError` unless it is the next one of this network."""

@@ -44,7 +44,7 @@ class TelemotionEstimator(KernelEstimator):
     """
 
     name: ClassVar[str] = "telemotion"
-    version: ClassVar[str] = "8"
+    version: ClassVar[str] = "9"
     title: ClassVar[str] = "Telemotion"
     description: ClassVar[str] = (
         "Also learns each sensor's own errors and nearby magnets while it is worn; the most accurate live estimate."
@@ -97,7 +97,9 @@ class TelemotionEstimator(KernelEstimator):
         """Take the next ticks; see the contract."""
         chunk = self._guard.accept(chunk)
         self._counters[:, at.TICK] = chunk.first_tick
-        return self._filter(chunk, chunk.magnetometer_t)
+        result = self._filter(chunk, chunk.magnetometer_t)
+        self._guard.flag_lost_field(result.flags)
+        return result
 
     def set_device_constants(self, constants: Sequence[DeviceConstants | None]) -> None:
         """Begin with what earlier sessions learnt about the same devices; call before the first sample."""

@@ -107,7 +107,8 @@ HONESTY = Protocol(
     "4 s, a field that is turned by 5 degrees as a whole, or by 40 for 45 s. Scored twice a second from 10 s on, where "
     "an orientation is given: squared error over reported variance, inside the 95 % region of three axes, and its "
     "mean (3 when honest). A field that is off everywhere and always shows in no reading; it falls short by what the "
-    "stated sigma of the heading, relative to the field of the place, leaves out.",
+    "stated sigma of the heading, relative to the field of the place, leaves out: where the field is the same all "
+    "along the way, the smoother's holds (90 % inside) for fields turned as a whole by up to 0.3 degrees.",
     figures=_figures(),
     measure=_measured,
 )

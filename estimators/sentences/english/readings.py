@@ -57,6 +57,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " switch it on.",
     "readings.magnetometer_constant": "{where:place}: the magnetometer never changes. Declare that there is none, or"
     " switch it on.",
+    "readings.magnetometer_frozen": "{where:place}: the magnetometer repeated one value for {lasts_s:s} while the"
+    " sensor turned. Headings there rest on the gyroscope alone; check the sensor and its connection.",
     "readings.magnetometer_unit": "{where:place}: the magnetometer reads {value:number~3} where 0.000025 to 0.000065"
     " T is expected. {remedy}",
     "readings.field_in_microtesla": "This looks like microtesla: divide by 1 000 000.",

@@ -157,6 +157,19 @@ def test_marked_clipping_and_missing_data(sound):
         check_recording(sound, ("one",))
 
 
+def test_a_magnetometer_that_repeats_itself_in_movement_is_doubted(sound):
+    turning = np.linalg.norm(sound.gyroscope_radps[1], axis=1)
+    first = 600 + int(np.argmax(np.convolve(turning[600:], np.ones(300), "valid")))
+    field = sound.magnetometer_t.copy()
+    field[1, first : first + 300] = field[1, first - 1]
+    found = check_recording(replace(sound, magnetometer_t=field), ARM)
+    assert [(f.sensor, f.code, f.severity) for f in found] == [(ARM[1], "magnetometer_frozen", "warning")]
+    assert 1.0 < found[0].value <= 3.0
+    # A slow one holds its value between two samples.
+    held = np.arange(sound.tick_count) // 5 * 5
+    assert codes(replace(sound, magnetometer_t=sound.magnetometer_t[:, held])) == []
+
+
 @pytest.mark.parametrize("exercise", EXERCISES)
 @pytest.mark.parametrize("errors", ["nominal", "marzouk_2009"])
 def test_sound_simulations_name_nothing(exercise, errors):

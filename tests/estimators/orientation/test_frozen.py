@@ -55,6 +55,23 @@ def test_a_frozen_magnetometer_leaves_the_rest_of_the_sensor_alone():
     assert np.flatnonzero(field[0]).tolist() == list(range(FREEZE.start, FREEZE.stop))
 
 
+@pytest.mark.parametrize("is_offline", [False, True])
+def test_a_frozen_magnetometer_is_flagged(is_offline):
+    chunk, sound = frozen_network(TRIADS[2:]), moving_network(sensors=2, ticks=1100)[0]
+    flags, before = (
+        orientation.smooth("telemotion_smoother", given).orientation.flags
+        if is_offline
+        else orientation.create("telemotion", 2, STEP_S).update(given).flags
+        for given in (chunk, sound)
+    )
+    disturbed = (flags & int(OrientationFlag.MAGNETIC_DISTURBANCE)) != 0
+    assert disturbed[0, FREEZE.start + (0 if is_offline else 60) : FREEZE.stop].all()
+    assert not disturbed[0, : FREEZE.start].any()
+    assert not disturbed[1].any()
+    assert not (flags[0, FREEZE] & LOST).any()
+    assert not (before & int(OrientationFlag.MAGNETIC_DISTURBANCE)).any()
+
+
 def test_held_and_coarse_samples_are_sound():
     chunk, _ = moving_network(sensors=2, ticks=1100)
     held, coarse = np.arange(1100) // 2 * 2, np.arange(1100) // 6 * 6

@@ -16,6 +16,7 @@ from estimators.orientation._smoother_kernel import AT_REST, FACTS, RATE
 from estimators.orientation._smoother_rest import Rests
 from estimators.orientation._telemotion_parameters import settings_of
 from estimators.recording import ImuChunk, SampleQuality
+from estimators.validation._honesty_scenes import scene
 
 NAME = "telemotion_smoother"
 INVALID = int(OrientationFlag.INVALID)
@@ -334,3 +335,13 @@ def test_a_rest_tells_less_the_more_it_sways_and_contradicts_what_the_session_sh
     sinking = _rest_weight(still + np.deg2rad(0.5), 0.0)
     assert (sinking > 20.0 * table).all()
     np.testing.assert_allclose(_rest_weight(still + np.deg2rad(0.5), np.inf), table)
+
+
+def test_the_heading_is_as_sure_as_the_field_along_the_way_is_the_same():
+    clean, foreign = (
+        orientation.smooth("telemotion_smoother", scene(title, [5, 6])[0]).orientation.sigma_rad
+        for title in ("arm swings", "foreign field for a time")
+    )
+    # The floor of a degree stands for a room whose field varies; 0.1 is the least share of it.
+    assert np.degrees(np.median(clean[..., 2])) < 0.8
+    assert np.degrees(foreign[:, 1000:, 2]).min() > 1.0

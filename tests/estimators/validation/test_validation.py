@@ -79,7 +79,8 @@ SHORT: dict[str, set[str]] = {
         # Few seeds decide neither: of fifty 90.4 +- 2.3 % are inside, NEES 3.1 +- 1.0.
         "foreign field for a time, our filter, inside the 95 % region",
         "foreign field for a time, our filter, NEES of a run",
-        "all scenes but the whole field off, our smoother, inside the 95 % region, at most",
+        # Of 48 others 96 to 97 %: a few devices whose own iron turns the heading by a degree decide.
+        "swings at constant length, our smoother, inside the 95 % region",
     },
     "repetitions": {
         "repetitions found, share of the true ones",
