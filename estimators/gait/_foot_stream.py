@@ -42,6 +42,9 @@ _ROOM = 18
 _NO_STANCE, _INVALID = int(FootFlag.NO_STANCE), int(FootFlag.INVALID)
 _BRIDGED, _SATURATED = int(FootFlag.BRIDGED), int(FootFlag.SATURATED)
 _UPRIGHT = np.array([0.0, 0.0, GRAVITY_MPS2])
+_TILT_KNOWN_RAD = 0.1
+"""Begun in mid-stride, no stance counts before the vertical is as certain as this: then a swing of half a second goes
+wrong by a tenth of a metre."""
 
 
 class FootStream:
@@ -344,6 +347,9 @@ class FootStream:
             values[place, at.STATE + 6] = self._inputs[1, :given]
             values[place, at.STATE + 7] = stands[:given]
             kind = self._kind[known - self.origin : upto - self.origin]
+            if self._last_stance < 0:
+                is_level = (values[place, at.STATE + 3 : at.STATE + 5] < _TILT_KNOWN_RAD).all(axis=1)
+                stands = stands[:given] & np.logical_or.accumulate(stands[:given] & is_level)
             flags[place] = self._flags(known, upto, stands, kind)
             flags[place] |= self._lost.widen(
                 state[:, at.P : at.P + 3],

@@ -43,7 +43,8 @@ class FootFlag(IntFlag):
     BRIDGED = 2
     """Interpolated across a short gap."""
     NO_STANCE = 8
-    """No stance for so long, before and after, that position and velocity are not known."""
+    """No stance for so long, before and after, that position and velocity are not known; live also until a stance has
+    shown which way is up, where a record begins in the middle of a stride."""
     PLACE_LOST = 16
     """Live: after a long gap. Place and heading against the time before are lost; strides since then are sound."""
     BEGINS_ANEW = 32

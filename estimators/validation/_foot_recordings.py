@@ -4,9 +4,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from estimators.conventions import Side
-from estimators.gait import FootParameters, FootTracker, find_strides, smooth, steady
+from estimators.gait import FootFlag, FootParameters, FootTracker, find_strides, smooth, steady
 from estimators.recording import Float, Recording, SensorSignals
 from estimators.signals import to_common_ticks
 from estimators.validation._protocol import Data, Figure, Protocol, Values
@@ -24,13 +25,31 @@ def parameters_of(recording: Recording) -> FootParameters:
 
 def live_position(signals: SensorSignals, rate_hz: float, parameters: FootParameters) -> Float:
     """Follow a foot live, on even ticks, and return its position at the samples, shape (N, 3)."""
+    return followed(signals, rate_hz, parameters)[0]
+
+
+def followed(
+    signals: SensorSignals, rate_hz: float, parameters: FootParameters
+) -> tuple[Float, NDArray[np.bool_]]:
+    """Follow a foot live, on even ticks.
+
+    Returns
+    -------
+    position_m : ndarray, shape (N, 3)
+        At the samples.
+    is_known : ndarray of bool, shape (N,)
+        Whether a stance was found lately, as the flags say; before the first one speed and place are not known.
+    """
     chunk = to_common_ticks(Recording({"foot": signals}, rate_hz), rate_hz)
     tracker = FootTracker(1, chunk.time_step_s, parameters)
     ticks = range(0, chunk.tick_count, _CHUNK)
     parts = [tracker.update(chunk.ticks(i, min(i + _CHUNK, chunk.tick_count))) for i in ticks]
-    released = np.concatenate([part.position_m[0] for part in [*parts, tracker.finish()]])
+    parts.append(tracker.finish())
+    released = np.concatenate([part.position_m[0] for part in parts])
+    flags = np.concatenate([part.flags[0] for part in parts])
     time_s = signals.time_s[0] + np.arange(len(released)) * chunk.time_step_s
-    return _at(signals.time_s, time_s, released)
+    tick = np.clip(np.searchsorted(time_s, signals.time_s), 0, len(time_s) - 1)
+    return _at(signals.time_s, time_s, released), (flags[tick] & int(FootFlag.NO_STANCE)) == 0
 
 
 def rigid_rmse(found_m: Float, truth_m: Float) -> float:

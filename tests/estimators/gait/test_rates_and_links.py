@@ -9,7 +9,8 @@ from estimators.gait._foot_gaps import fill_gaps
 from estimators.gait._foot_parameters import with_clips
 from estimators.recording import SensorSignals
 from estimators.simulation import gait_preset, simulate_gait
-from estimators.validation._foot_rates import averaged, lossy
+from estimators.validation._foot_rates import averaged, lossy, picked
+from estimators.validation._foot_recordings import followed, rigid_rmse
 
 
 def turning(time_s, rate_radps=8.0):
@@ -87,3 +88,19 @@ def test_a_walk_with_a_twentieth_lost_stays_where_it_was(burst_s):
     broken_m = broken.position_m[-1] - broken.position_m[0]
     apart = np.linalg.norm(whole_m[:2]) - np.linalg.norm(broken_m[:2])
     assert abs(apart) < 0.01 * np.linalg.norm(whole_m[:2])
+
+
+@pytest.mark.parametrize("begin_s", [5.2, 5.5, 5.8, 6.1])
+def test_begun_while_walking_live_says_nothing_is_known_until_it_is(begin_s):
+    walk = simulate_gait(gait_preset("placement"))
+    signals = walk.recording.sensors["heel_left"]
+    parameters = FootParameters()
+    whole = smooth(signals, parameters)
+    begin = int(np.searchsorted(signals.time_s, begin_s))
+    late = picked(signals, slice(begin, None))
+    found, is_known = followed(late, walk.recording.nominal_rate_hz, parameters)
+    since = int(np.argmax(is_known))
+    assert is_known.any()
+    assert late.time_s[since] - late.time_s[0] < 4.0
+    true = np.stack([np.interp(late.time_s, whole.time_s, whole.position_m[:, i]) for i in (0, 1)], axis=1)
+    assert rigid_rmse(found[since:, :2], true[since:]) < 0.05
