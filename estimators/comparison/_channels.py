@@ -12,10 +12,14 @@ from estimators.errors import ComparisonError, SetupError
 from estimators.orientation._contract import OrientationFlag
 from estimators.pipelines._contract import Frames
 from estimators.recording import Float
+from estimators.rotation import conjugate, rotate
 from estimators.sentences import ENGLISH, say
 
 TRUNK_CHANNELS = ("trunk_lean_forward_rad", "trunk_lean_lateral_rad", "trunk_axial_rotation_rad")
 """Scalars that show compensation with the trunk; the last two change sign in a mirror."""
+
+LEG_SEGMENTS = ("thigh", "shank")
+"""Their lean is a channel of repetitions, not of comparisons: no joint of the leg is measured."""
 
 _MIRRORED_SIGN = {"trunk_lean_lateral_rad", "trunk_axial_rotation_rad"}
 _ARM_POINTS = ("elbow", "wrist", "hand")
@@ -33,9 +37,10 @@ def trajectory(frames: Frames) -> Trajectory:
     Returns
     -------
     Trajectory
-        Every angle, every scalar, then every point as `<point>.x|y|z` in the room frame, m. A value is
-        valid when it is finite and its sensors were tracked; an angle also not where its sequence is
-        singular, because there the number says nothing about the posture.
+        Every angle, every scalar, then every point as `<point>.x|y|z` in the room frame, m; then of worn thighs and
+        shanks `<segment>_lean_forward_rad`, how far the upper end leans ahead in the segment's own x-z plane, rad. A
+        value is valid when it is finite and its sensors were tracked; an angle also not where its sequence is singular,
+        because there the number says nothing about the posture.
     """
     layout = frames.layout
     points = tuple(f"{point}.{axis}" for point in layout.points for axis in "xyz")
@@ -50,9 +55,21 @@ def trajectory(frames: Frames) -> Trajectory:
         needed = [layout.segments.index(s) for s in _segments_behind(name) if s in layout.segments]
         if needed:
             valid[:, column] &= tracked[:, needed].all(axis=1)
+    legs = [column for column, name in enumerate(layout.segments) if name.startswith(LEG_SEGMENTS)]
+    if legs:
+        up = rotate(conjugate(frames.q_room_segment[:, legs]), np.array([0.0, 0.0, 1.0]))
+        lean = np.arctan2(-up[..., 0], up[..., 2])
+        values = np.concatenate([values, lean], axis=1)
+        sigma = np.concatenate([sigma, np.full_like(lean, np.nan)], axis=1)
+        valid = np.concatenate([valid, np.isfinite(lean) & tracked[:, legs]], axis=1)
     return Trajectory(
         time_s=frames.time_s,
-        channels=(*layout.angles, *layout.scalars, *points),
+        channels=(
+            *layout.angles,
+            *layout.scalars,
+            *points,
+            *(f"{layout.segments[column]}_lean_forward_rad" for column in legs),
+        ),
         values=values,
         sigma=sigma,
         valid=valid,
@@ -132,7 +149,9 @@ def arm_channels(source: Trajectory, side: str, size_ratio: float = 1.0) -> ArmC
     values: list[Float] = []
     sigma: list[Float] = []
     for name in source.channels:
-        is_angle = f"_{side}_" in name and not name.endswith(("_mps", "_m"))
+        is_angle = (
+            f"_{side}_" in name and not name.endswith(("_mps", "_m")) and not name.startswith(LEG_SEGMENTS)
+        )
         if is_angle or name in TRUNK_CHANNELS or name == f"shoulder_hike_{side}_m":
             names.append(name)
             values.append(masked[:, index[name]])

@@ -15,8 +15,12 @@ from app.recordings.jobs import run_job
 from app.recordings.models import Job, MotionSession, Result
 from app.recordings.walk_schemas import FootOut, StrideOut, WalkContent, WalkTestOut
 from app.recordings.walks import store_walk
+from estimators.arm import ArmModel
+from estimators.body import BodyDimensions
 from estimators.comparison import moving_time
 from estimators.orientation import OrientationFlag
+from estimators.pipelines import FrameLayout
+from estimators.rotation import about_y
 from tests.app.viewer.stored_reaches import RATE_HZ, Recorded, compared_reaches, reaching_frames, store
 
 REACHES, REACH_S = 5, 3.0
@@ -80,6 +84,48 @@ def test_repetitions_that_are_kept_count_with_their_time(engine, keep) -> None:
     # Only two of them lie inside the recording: a second of rest, then one every four seconds.
     repetitions, active_s = measured(engine, recorded, recording_start_s=0.5, recording_end_s=8.8)
     assert (repetitions, active_s) == (2, pytest.approx(2 * REACH_S, rel=0.12))
+
+
+def bent(placements: tuple[str, ...], angles_rad: dict[str, float]):
+    """Still frames of those sensors but for the segments that bend forward, hold and come back, as often as reaches."""
+    frames = still(1.0 + REACHES * (REACH_S + 1.0))
+    moving = (frames.time_s - 1.0) % (REACH_S + 1.0)
+    course = np.where(frames.time_s >= 1.0, np.clip(moving, 0.0, REACH_S), 0.0)
+    course = np.sin(np.pi * course / REACH_S) ** 2
+    q = np.stack([about_y(angles_rad.get(name, 0.0) * course) for name in placements], axis=1)
+    model = ArmModel(BodyDimensions(), placements, 1.0 / RATE_HZ)
+    found = model.evaluate(q)
+    layout = FrameLayout(placements, model.points, model.angles, model.scalars)
+    return replace(
+        frames,
+        layout=layout,
+        q_room_segment=q,
+        point_room_m=found.point_room_m,
+        angle_rad=found.angle_rad,
+        angle_sigma_rad=np.full_like(found.angle_rad, np.nan),
+        scalar=found.scalar,
+        segment_flags=np.zeros((len(q), len(placements)), np.uint8),
+        angle_flags=found.angle_flags,
+    )
+
+
+@pytest.mark.parametrize(
+    ("placements", "angles_rad"),
+    [
+        (
+            ("sternum", "upper_arm_right", "thigh_right", "shank_right"),
+            {"thigh_right": -1.4, "shank_right": 0.5},
+        ),
+        (("sternum", "upper_arm_right"), {"sternum": 0.9, "upper_arm_right": 0.9}),
+    ],
+    ids=["squat", "trunk_bend"],
+)
+def test_repetitions_of_legs_and_trunk_count(engine, keep, placements, angles_rad) -> None:
+    """A squat moves no arm: without the channels of the leg nothing of it would be found."""
+    repetitions, active_s = measured(engine, keep(bent(placements, angles_rad)), "other")
+    assert repetitions == REACHES
+    # A sine squared passes 5 percent of its peak speed at 2 percent of its time.
+    assert active_s == pytest.approx(REACHES * REACH_S, rel=0.12)
 
 
 def test_a_session_in_which_nobody_moved_is_none(engine, keep) -> None:
