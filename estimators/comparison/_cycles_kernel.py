@@ -1,4 +1,4 @@
-"""Compiled parts of the search for what repeats: the path of a movement, and where a piece of it comes again."""
+"""Compiled parts of the search for what repeats: the path, where a piece of it comes again, and the stays at home."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -173,3 +173,105 @@ def chain(worth: Float, start: NDArray[np.int64]) -> NDArray[np.int64]:  # pragm
         else:
             end -= 1
     return matches[:found][::-1].copy()
+
+
+@compiled(
+    "int64[:,:,::1](float64[:,::1], float64[::1], int64[:,::1],"
+    " float64, float64, float64, float64, float64, float64, float64)",
+    error_model="python",
+)
+def stays_at_home(
+    points: Float,
+    stay: Float,
+    matches: NDArray[np.int64],
+    around: float,
+    slow: float,
+    elsewhere: float,
+    left: float,
+    near: float,
+    still: float,
+    much_slower: float,
+) -> NDArray[np.int64]:  # pragma: no cover
+    """Find the stay next to both ends of each repetition.
+
+    Parameters
+    ----------
+    points : ndarray, shape (M, D)
+    stay : ndarray, shape (M,)
+        Samples spent at each point.
+    matches : ndarray of int, shape (K, 2)
+        First and last point of each repetition, in order.
+    around : float
+        Share of a repetition by which a stay may be away from its end.
+    slow, much_slower : float
+        Samples from which on a point is a stay, and from which on it is one whatever else is.
+    elsewhere, left, near : float
+        Distances: a stay is no further than the first from home, another no further than the second from it to belong
+        to it, and whatever is nearer than the third belongs to it.
+    still : float
+        Share of the longest stay from which on another one next to it belongs to it.
+
+    Returns
+    -------
+    ndarray of int, shape (K, 2, 2)
+        First and last point of the stay before and after each repetition; twice its own end where there is none.
+
+    Notes
+    -----
+    Home is where the stays usually are, seen from the ends of the repetitions: a posture that drifts stays home, and a
+    rest somewhere else does not become it.
+    """
+    count, dimensions = len(matches), points.shape[1]
+    last = len(points) - 1
+    window = np.empty((count, 2, 2), dtype=np.int64)
+    from_cut = np.empty((2 * count, dimensions))
+    rested = 0
+    for k in range(count):
+        a, b = matches[k]
+        reach = int(np.rint(around * (b - a)))
+        before = matches[k - 1, 1] if k > 0 else 0
+        after = matches[k + 1, 0] if k + 1 < count else last
+        # What follows at once shares the stay; what does not, stays on its side of the other one.
+        window[k, 0, 0] = max(before - reach if k > 0 and a - before <= reach else max(a - reach, before), 0)
+        window[k, 0, 1] = a + reach
+        window[k, 1, 0] = b - reach
+        window[k, 1, 1] = min(
+            after + reach if k + 1 < count and after - b <= reach else min(b + reach, after), last
+        )
+        for side in range(2):
+            low, high = window[k, side]
+            longest = low + np.argmax(stay[low : high + 1])
+            if stay[longest] >= slow:
+                from_cut[rested] = points[longest] - points[matches[k, side]]
+                rested += 1
+    home = np.zeros(dimensions)
+    for d in range(dimensions):
+        if rested > 0:
+            home[d] = np.median(from_cut[:rested, d])
+    found = np.empty((count, 2, 2), dtype=np.int64)
+    for k in range(count):
+        for side in range(2):
+            low, high = window[k, side]
+            cut = matches[k, side]
+            longest = -1
+            for j in range(low, high + 1):
+                away = np.sqrt(((points[j] - points[cut] - home) ** 2).sum())
+                if away < elsewhere and (longest < 0 or stay[j] > stay[longest]):
+                    longest = j
+            if longest < 0 or stay[longest] < slow:
+                found[k, side] = cut
+                continue
+            # Somebody who settles elsewhere, not far, before setting out stays there as well.
+            least = min(max(still * stay[longest], much_slower), stay[longest])
+            first = end = longest
+            for j in range(low, high + 1):
+                if stay[j] >= least and np.sqrt(((points[j] - points[longest]) ** 2).sum()) < left:
+                    first = min(first, j)
+                    end = max(end, j)
+            while first > low and np.sqrt(((points[first - 1] - points[longest]) ** 2).sum()) < near:
+                first -= 1
+            while end < high and np.sqrt(((points[end + 1] - points[longest]) ** 2).sum()) < near:
+                end += 1
+            found[k, side, 0] = first
+            found[k, side, 1] = end
+    return found

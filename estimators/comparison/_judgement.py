@@ -18,6 +18,8 @@ _SHORT, _LONG, _SMALL, _OPPOSITE = 0.5, 3.0, 0.7, -0.2
 _UNLIKE_FLOOR = 0.15
 """Share of the movement's size: repetitions of healthy people differ by half of this; less is never odd."""
 _UNLIKE_MADS = 5.0
+_HELD = 5.0
+"""Times the usual: a step of the way that takes longer is a hold."""
 _STEP = 0.05
 """Share of a repetition's size below which nothing belongs to its way: tremor, noise."""
 
@@ -91,13 +93,27 @@ def _longest_run(mask: np.typing.NDArray[np.bool_]) -> int:
 def _judge_duration(moved: _Moved, kept: list[Repetition], places: list[int]) -> list[tuple[int, str]]:
     durations = np.array([r.end_s - r.start_s for r in kept])
     usual = float(np.median(durations))
+    # Who leaves out a hold has moved no shorter.
+    moving = np.array([_moving_s(moved.cut(r)) for r in kept])
+    is_short = (durations < _SHORT * usual) & (moving < _SHORT * np.median(moving))
     odd: list[tuple[int, str]] = []
-    for place, duration in zip(places, durations, strict=True):
-        if duration < _SHORT * usual:
+    for place, duration, short in zip(places, durations, is_short, strict=True):
+        if short:
             odd.append((place, say("repetition.shorter", duration_s=duration, usual_s=usual)))
         elif duration > _LONG * usual:
             odd.append((place, say("repetition.longer", duration_s=duration, usual_s=usual)))
     return odd
+
+
+def _moving_s(cut: _Moved) -> float:
+    """How long a repetition takes without what is held in it, and a hold is a step that takes far longer than usual."""
+    filled, _ = fill_gaps(cut.values)
+    size = float(np.linalg.norm(filled - filled[0], axis=1).max())
+    if size == 0:
+        return 0.0
+    _, place = walk(np.ascontiguousarray(filled), _STEP * size)
+    took = np.diff(place, append=len(filled) - 1.0)
+    return float(np.minimum(took, _HELD * np.median(took)).sum()) * float(np.median(np.diff(cut.time_s)))
 
 
 def _judge_size_and_direction(

@@ -1,9 +1,9 @@
 """Finding repetitions in a recording without a threshold per person.
 
 A repetition leaves a posture, goes somewhere and is back in that posture, and resembles the others. Which channels take
-part, how far they go, how fast and from where is not given: `_cycles` finds what comes again, and here its bounds are
-moved to where the movement begins and ends. All thresholds are shares of the movement's own size and speed. The only
-absolute numbers are what body-worn sensors can resolve.
+part, how far they go, how fast and from where is not given: `_cycles` finds what comes again, `_home` where it begins,
+and here its bounds are moved to where the movement begins and ends. All thresholds are shares of the movement's own
+size and speed. The only absolute numbers are what body-worn sensors can resolve.
 """
 
 from dataclasses import dataclass
@@ -13,16 +13,9 @@ import numpy as np
 
 from estimators.comparison._channels import fill_gaps
 from estimators.comparison._contract import Repetition, Trajectory
-from estimators.comparison._cycles import (
-    Explanation,
-    Path,
-    at_home,
-    explain,
-    most_likely,
-    path_of,
-    smoothed,
-    with_tries,
-)
+from estimators.comparison._cycles import Explanation, explain
+from estimators.comparison._home import at_home, most_likely, with_tries
+from estimators.comparison._path import Path, path_of, smoothed
 from estimators.comparison._posture import posture
 from estimators.recording import Float
 
@@ -102,17 +95,22 @@ class _Bounds:
 
 
 def _in_time(found: Explanation, path: Path) -> list[_Bounds]:
-    place = path.place
+    place = np.append(path.place, path.last)
     return [
         _Bounds(
             int(place[c + 1]),
             int(np.ceil(place[d])),
             # The stay reaches two steps of the path from home: a movement with least jerk takes 2.8 times as long for
             # its first two steps as for the next three.
-            int(_SETTING_OUT * (place[c + 4] - place[c + 1])),
-            int(_SETTING_OUT * (place[d] - place[d - 3])),
+            # Who goes through home without a stay does not set out.
+            int(
+                _SETTING_OUT * (place[c + 4] - place[c + 1])
+                if path.is_stay(b, c)
+                else place[c + 1] - place[c]
+            ),
+            int(_SETTING_OUT * (place[d] - place[d - 3]) if path.is_stay(d, e) else place[d + 1] - place[d]),
         )
-        for (_, c), (d, _) in at_home(found, path).tolist()
+        for (b, c), (d, e) in at_home(found, path).tolist()
         if d - c > 4
     ]
 
@@ -155,14 +153,18 @@ def _sharpen(bounds: list[_Bounds], speed: Float, smoothing: float) -> list[tupl
         first, last = max(limits[number], start - one.before), min(limits[number + 1], end + one.after)
         peak = float(speed[start : end + 1].max())
         onset = min(max(_ONSET_SHARE * peak, restless), 0.25 * peak)
-        while start > first and speed[start] > onset:
-            start -= 1
-        while end < last and speed[end] > onset:
-            end += 1
+        start -= _way_to_rest(speed[first : start + 1][::-1], onset)
+        end += _way_to_rest(speed[end : last + 1], onset)
         begins = _extrapolate(speed[start : end + 1], onset, peak, smoothing)
         ends = _extrapolate(speed[start : end + 1][::-1], onset, peak, smoothing)
         sharp.append((max(start - begins, first), min(end + ends, last)))
     return sharp
+
+
+def _way_to_rest(speed: Float, onset: float) -> int:
+    """How many samples it takes to come to rest; where nobody does, to be slowest."""
+    slow = np.flatnonzero(speed <= onset)
+    return int(slow[0]) if len(slow) else int(np.argmin(speed)) if len(speed) else 0
 
 
 def _extrapolate(speed: Float, onset: float, peak: float, smoothing: float) -> int:

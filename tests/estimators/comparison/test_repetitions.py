@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
 
-from estimators.comparison import Repetition, Trajectory, _cycles, find_repetitions, judge_repetitions
-from estimators.comparison._cycles import at_home
+from estimators.comparison import Repetition, Trajectory, _cycles, _home, find_repetitions, judge_repetitions
 from estimators.comparison._cycles_kernel import search
+from estimators.comparison._home import at_home
 from estimators.errors import ComparisonError, SetupError
 
 
@@ -170,7 +170,7 @@ def test_work_grows_no_faster_than_the_session(planar, monkeypatch):
         return search(piece, path, furthest, stray)
 
     monkeypatch.setattr(_cycles, "search", counted)
-    monkeypatch.setattr(_cycles, "at_home", walk)
+    monkeypatch.setattr(_home, "at_home", walk)
     work, walks = [], []
     for count in (30, 300):
         searched.clear()

@@ -1,0 +1,192 @@
+"""Where a repetition begins and ends: home, and how long somebody stays there.
+
+What comes again explains as much wherever it is cut. People begin and end at rest, and rest more between repetitions
+than within: the cut is tried all along one repetition, and on the stay next to it. Where nobody stays, home is the
+posture of the cut, and any is as right as another.
+"""
+
+from dataclasses import replace
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.comparison._cycles import BACK, LEFT, OPEN, Explanation, closed_pieces, explained
+from estimators.comparison._cycles_kernel import stays_at_home
+from estimators.comparison._path import Path
+
+_TRIED: Final = 0.25
+"""Share of the size beyond which leaving home was a try."""
+_RIVAL: Final = 0.5
+_CUTS: Final = 25
+_ELSEWHERE: Final = 0.5
+"""Share of the size: a stay further from home than that is not at home."""
+_CLOSED: Final = 0.35
+"""Share of the size: a rest further from where the repetition next to it began or ended is not at home."""
+_NEAR: Final = 0.12
+"""Share of the size within which somebody stays where they are."""
+_AROUND: Final = 0.12
+"""Share of a repetition by which the stay at home may be away from where the path was cut."""
+_STILL, _MUCH_SLOWER = 0.1, 5.0
+"""Of the longest stay and of the usual time for a step of the path: what lasts longer is a stay as well."""
+_REST_S: Final = 0.4
+_REST_WORTH: Final = 0.5
+_END_WORTH: Final = 0.8
+_LEAST_OF_REST: Final = 0.9
+_LONG_REST_S: Final = 1.5
+"""Nobody who exercises pauses inside a repetition for long: rest at either end speaks for home the more the longer."""
+
+
+def most_likely(found: list[Explanation], path: Path, step_s: float) -> Explanation | None:
+    """Return the best explanation, cut where the repetitions begin and end.
+
+    Parameters
+    ----------
+    found : list of Explanation
+        The best first.
+    path : Path
+    step_s : float
+        Between samples.
+
+    Notes
+    -----
+    What comes again explains as much wherever it is cut. People begin and end at rest, and rest more between
+    repetitions than within: the cut is tried all along one repetition.
+    """
+    if not found:
+        return _single(path, step_s)
+    best = found[0]
+    shifted = [one for piece in _shifted(best, path) if (one := explained(path, piece)) is not None]
+    rivals = [best, *(one for one in shifted if one.gain >= _RIVAL * best.gain)]
+    most = max(len(one.matches) for one in rivals)
+
+    def fitness(one: Explanation) -> float:
+        # A recording that begins or ends inside a repetition shows a whole one more of those that are cut elsewhere.
+        count = min((len(one.matches) + 1) / most, 1.0)
+        return count + one.covered / best.covered + one.gain / best.gain + _rest(one, path, step_s)
+
+    return max((_centred(one, path, step_s) for one in rivals), key=fitness)
+
+
+def _centred(one: Explanation, path: Path, step_s: float) -> Explanation:
+    """Cut where the stays at home are, not near them, unless that loses them: the cuts tried are some way apart."""
+    left = at_home(one, path)[:, 0]
+    begins = one.matches[:, 0]
+    away = np.maximum(left[:, 0] - begins, 0) + np.minimum(left[:, 1] - begins, 0)
+    pieces = _cut_at(path, one.piece[0] + round(float(np.median(away))), one.piece[1] - one.piece[0])
+    centred = [found for piece in pieces if (found := explained(path, piece)) is not None]
+    rest = _LEAST_OF_REST * _rest(one, path, step_s)
+    return next(
+        (new for new in centred if len(new.matches) >= len(one.matches) and _rest(new, path, step_s) >= rest),
+        one,
+    )
+
+
+def _single(path: Path, step_s: float) -> Explanation | None:
+    """Return the movement that was done once, from rest to rest; None where there is none."""
+    count = len(path.points) - 1
+    once = [Explanation((a, b), np.array([(a, b)]), 0.0, (b - a) / count) for a, b in closed_pieces(path)]
+    found = [one for one in once if min(_rested_at_the_ends(one, path, step_s)) > _REST_S]
+    return max(found, key=lambda one: one.covered, default=None)
+
+
+def _shifted(best: Explanation, path: Path) -> list[tuple[int, int]]:
+    """Cut the same repetition elsewhere, from half a repetition earlier to half a one later."""
+    begin, end = best.piece
+    length = end - begin
+    pieces = []
+    for shift in np.linspace(-0.5, 0.5, _CUTS).round(6):
+        pieces.extend(_cut_at(path, begin + round(shift * length), length))
+    return pieces
+
+
+def _cut_at(path: Path, first: int, length: int) -> list[tuple[int, int]]:
+    """Return the piece of about some length that begins at a point; none where it is not closed."""
+    low, high = first + round(0.75 * length), first + round(1.25 * length) + 1
+    if first < 0 or low >= len(path.points):
+        return []
+    away = np.linalg.norm(path.points[low:high] - path.points[first], axis=1)
+    return [(first, low + int(np.argmin(away)))] if away.min() < BACK * path.size else []
+
+
+def with_tries(one: Explanation, path: Path) -> Explanation:
+    """Add what leaves home and comes back between two repetitions without resembling them.
+
+    Parameters
+    ----------
+    one : Explanation
+    path : Path
+    """
+    piece = path.points[one.piece[0] : one.piece[1] + 1]
+    size = float(np.linalg.norm(piece - piece[0], axis=1).max())
+    tries = []
+    for (_, b), (a, _) in pairwise(one.matches.tolist()):
+        away = np.linalg.norm(path.points[b : a + 1] - path.points[b], axis=1)
+        if away.max() > _TRIED * size and away[-1] < OPEN * size:
+            tries.append((b, a))
+    both = np.concatenate([one.matches, tries]) if tries else one.matches
+    return replace(one, matches=both[np.argsort(both[:, 0])])
+
+
+def at_home(one: Explanation, path: Path) -> NDArray[np.int64]:
+    """Return the stays at home between which each repetition lies.
+
+    Parameters
+    ----------
+    one : Explanation
+    path : Path
+
+    Returns
+    -------
+    ndarray of int, shape (K, 2, 2)
+        Of each repetition the first and last point of the stay that it leaves, and of the one at which it arrives: the
+        point of the cut twice where there is no stay. Where one repetition follows the other, both share one stay.
+    """
+    usual = path.usual_stay
+    return stays_at_home(
+        path.points,
+        path.stay,
+        np.ascontiguousarray(one.matches),
+        _AROUND,
+        path.slow,
+        _ELSEWHERE * path.size,
+        LEFT * path.size,
+        _NEAR * path.size,
+        _STILL,
+        _MUCH_SLOWER * usual,
+    )
+
+
+def _rest(one: Explanation, path: Path, step_s: float) -> float:
+    """Worth of rest: the share of the time that is spent at home between repetitions, and rest at either end."""
+    stays = at_home(one, path)
+    place = np.append(path.place, path.last)
+    stayed = place[stays[:, :, 1] + 1] - place[stays[:, :, 0]]
+    length = float(np.median(np.diff(path.place[one.matches], axis=1)))
+    follows = stays[:-1, 1, 0] == stays[1:, 0, 0]
+    rest = float(np.median(stayed[1:, 0][follows])) / (length + 1.0) if follows.any() else 0.0
+    ends = sum(min(rested / _LONG_REST_S, 1.0) for rested in _rested_at_the_ends(one, path, step_s))
+    return _REST_WORTH * min(rest, 1.0) + _END_WORTH * ends
+
+
+def _rested_at_the_ends(one: Explanation, path: Path, step_s: float) -> list[float]:
+    """Seconds that somebody rests at home at either end; none where they do something else before, or after.
+
+    A hold inside a repetition has a part of one on either side.
+    """
+    stays = at_home(one, path)
+    place = np.append(path.place, path.last)
+    rested = []
+    for rest, other, outside in (
+        (stays[0, 0], stays[0, 1], slice(0, stays[0, 0, 1] + 1)),
+        (stays[-1, 1], stays[-1, 0], slice(stays[-1, 1, 0], None)),
+    ):
+        here, there = (
+            path.points[begin + np.argmax(path.stay[begin : end + 1])] for begin, end in (rest, other)
+        )
+        away = np.linalg.norm(path.points[outside] - here, axis=1).max()
+        # Home is where the repetition next to it begins and ends; a hold near the end of it is not.
+        is_home = away < LEFT * path.size and np.linalg.norm(here - there) < _CLOSED * path.size
+        rested.append(float(place[rest[1] + 1] - place[rest[0]]) * step_s if is_home else 0.0)
+    return rested
