@@ -7,9 +7,6 @@ from estimators.errors import SetupError
 from estimators.orientation._contract import OrientationEstimator, OrientationFlag, OrientationResult
 from estimators.orientation._device_constants import DeviceConstants
 from estimators.orientation._heading import estimate_lag, to_true_north
-from estimators.orientation._marzouk_error_state import MarzoukErrorStateEstimator
-from estimators.orientation._marzouk_euler import MarzoukEulerEstimator
-from estimators.orientation._marzouk_quaternion import MarzoukQuaternionEstimator
 from estimators.orientation._optical_reference import align_marker_frame, heading_offset, stick_angle_errors
 from estimators.orientation._scoring import OrientationErrors, orientation_errors
 from estimators.orientation._smoother import SmoothedOrientation
@@ -24,6 +21,11 @@ from estimators.orientation._smoothers import (
 from estimators.orientation._telemotion import TelemotionEstimator
 from estimators.orientation._vqf import VqfEstimator
 from estimators.orientation.luinge import LuingeEstimator
+from estimators.orientation.marzouk import (
+    MarzoukErrorStateEstimator,
+    MarzoukEulerEstimator,
+    MarzoukQuaternionEstimator,
+)
 from estimators.orientation.roetenberg import RoetenbergEstimator
 
 DEFAULT: Final = TelemotionEstimator.name

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from estimators.orientation._marzouk_quaternion import PUBLISHED_TUNING
+from estimators.orientation.marzouk._quaternion import PUBLISHED_TUNING
 from estimators.recording import Float
 from estimators.validation._plots import error_over_time
 from estimators.validation._protocol import Data, Figure, Plot, Protocol, Values

@@ -6,9 +6,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from estimators import rotation, signals
-from estimators._lanes import of_one
 from estimators.arm import two_link_joint_angles, two_link_pose
-from estimators.orientation._marzouk_quaternion_kernel import pitch_row, roll_row, yaw_row
+from estimators.orientation.marzouk._quaternion_kernel import pitch_row, roll_row, yaw_row
 from estimators.recording import Float
 from estimators.validation._protocol import Data, Figure, Protocol, Values
 from estimators.validation._thesis import (
@@ -54,7 +53,7 @@ def _jacobian_error(q: Float) -> float:
     # The twisting directions q * (0, axis) span the tangent space.
     for axis in np.eye(3):
         tangent = rotation.multiply(q, np.array([0.0, *axis]))
-        for angle_row in (of_one(roll_row), of_one(pitch_row), of_one(yaw_row)):
+        for angle_row in (roll_row, pitch_row, yaw_row):
             _, _, length, *derivative = angle_row(*q)
             row = np.array(derivative) / length
             ahead, behind = (

@@ -11,6 +11,7 @@ from estimators.kernels import (
     absorb,
     arcsine,
     attitude_seen,
+    far_direction,
     filled,
     inject,
     invert_symmetric,
@@ -109,6 +110,12 @@ def test_arcsine_is_that_of_the_library():
     sines = np.concatenate((np.linspace(-1.0, 1.0, 2001), [0.5, np.nextafter(0.5, 1.0), 1e-9, -1e-300, 0.0]))
     found = [arcsine(float(sine)) for sine in sines]
     np.testing.assert_allclose(found, np.arcsin(sines), rtol=4e-16, atol=4e-16)
+
+
+def test_direction_is_that_of_the_library():
+    y, x = np.random.default_rng(8).standard_normal((2, 500))
+    found = [far_direction(float(a), float(b)) for a, b in zip(y, x, strict=True)]
+    np.testing.assert_allclose(found, np.arctan2(y, x), rtol=1e-15)
 
 
 def test_small_matrices():

@@ -6,9 +6,9 @@ from scipy.spatial.transform import Rotation
 
 from estimators import rotation
 from estimators.orientation import OrientationFlag
-from estimators.orientation._marzouk_angles import euler, halves, quaternion, variances, wrap
-from estimators.orientation._marzouk_covariance import loaded
-from estimators.orientation._marzouk_euler import PUBLISHED_TUNING
+from estimators.orientation.marzouk._angles import euler, halves, quaternion, variances, wrap
+from estimators.orientation.marzouk._covariance import loaded
+from estimators.orientation.marzouk._euler import PUBLISHED_TUNING
 from tests.estimators.orientation import marzouk_twins as twins
 from tests.estimators.orientation import thesis_scene as scenes
 from tests.estimators.orientation.orientation_contract import moving_network

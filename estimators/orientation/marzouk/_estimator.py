@@ -9,8 +9,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from estimators.conventions import GRAVITY_MPS2
-from estimators.orientation import _marzouk_steps as steps
 from estimators.orientation._kernel_estimator import KernelEstimator
+from estimators.orientation.marzouk import _steps as steps
 from estimators.recording import Float
 
 HEADING_LOST_RAD = math.radians(15.0)

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from estimators._kernels import kernel, wrapped
 from estimators.kernels import mirror
-from estimators.orientation import _marzouk_steps as steps
 from estimators.orientation._contract import OrientationFlag
-from estimators.orientation._marzouk_angles import (
+from estimators.orientation.marzouk import _steps as steps
+from estimators.orientation.marzouk._angles import (
     attitude,
     doubled,
     euler,
@@ -19,8 +19,8 @@ from estimators.orientation._marzouk_angles import (
     variances,
     wrap,
 )
-from estimators.orientation._marzouk_covariance import ERRORS, UPPER, Errors, Upper, keep, lessened, loaded
-from estimators.orientation._marzouk_steps import direction, prepare, set_heading, start_variance, store
+from estimators.orientation.marzouk._covariance import ERRORS, UPPER, Errors, Upper, keep, lessened, loaded
+from estimators.orientation.marzouk._steps import direction, prepare, set_heading, start_variance, store
 from estimators.recording import Float
 
 # Positions in the settings, after the shared ones; triples start at the number given.

@@ -281,55 +281,6 @@ def start_variance(s: int, memory: Float, counters: NDArray[np.int64], settings:
 
 
 @kernel(
-    "void(int64, int64, int64, int64, uint8[:, ::1], float64[::1], int64[:, ::1], float64[::1],"
-    "float64[:, :, ::1], uint8[:, ::1])",
-    inlined=True,
-)
-def store_flags(
-    s: int,
-    k: int,
-    action: int,
-    own_flag: int,
-    quality: NDArray[np.uint8],
-    settings: Float,
-    counters: NDArray[np.int64],
-    sample: Float,
-    sigma_rad: Float,
-    flags: NDArray[np.uint8],
-) -> None:
-    """Write flags, and sigma before the start, as `store` does; that has its own lines since a call slows it."""
-    flag = own_flag
-    mark = quality[s, k]
-    if mark & _SAMPLE_BRIDGED:
-        flag |= _BRIDGED
-    if mark & _SAMPLE_SATURATED:
-        flag |= _SATURATED
-    if counters[s, RUNNING] == 0:
-        held = action == HOLD and counters[s, COLLECTED] == 0
-        for axis in range(3):
-            sigma_rad[s, k, axis] = math.pi if held else min(settings[ATTITUDE_SIGMA], math.pi)
-        if held:
-            flags[s, k] = flag | _INVALID | _NO_HEADING
-            return
-    if action == COAST:
-        flag |= _BRIDGED
-    elif abs(sample[GRAVITY_NORM] - 1.0) > settings[ACCELERATION_TOLERANCE_G]:
-        flag |= _ACCELERATION
-    if counters[s, SINCE_START] < settings[CONVERGENCE_TICKS]:
-        flag |= _CONVERGING
-    disturbed = counters[s, DISTURBED]
-    if disturbed > 0:
-        flag |= _DISTURBANCE
-    if (
-        counters[s, HEADING_KNOWN] == 0
-        or disturbed > settings[DISTURBED_TICKS]
-        or sigma_rad[s, k, 2] > settings[HEADING_LOST]
-    ):
-        flag |= _NO_HEADING
-    flags[s, k] = flag
-
-
-@kernel(
     "void(int64, int64, int64, int64, float64, float64, float64, uint8[:, ::1], float64[::1],"
     "float64[:, ::1], float64[:, ::1], int64[:, ::1], float64[::1], float64[:, :, ::1], float64[:, :, ::1],"
     "float64[:, :, ::1], uint8[:, ::1])",

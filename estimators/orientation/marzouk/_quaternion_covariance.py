@@ -1,14 +1,11 @@
 """Covariance of quaternion and offset held in registers, for the quaternion filter of the thesis.
 
-Of the 7 x 7 matrix the 28 numbers of the upper triangle, each the `Lanes` of some sensors, travel as a tuple:
+Of the 7 x 7 matrix the 28 numbers of the upper triangle travel as a tuple:
 quaternion (10, by rows), cross terms (12, by rows), offset (6). Arrays may overlap as far as the compiler knows, and
 every store to one would make it read the others again.
 """
 
-from numba import types
-
-from estimators._kernels import Scalars3, Scalars4
-from estimators._lanes import LANES_TYPE, QUATERNION_TYPE, column, in_lanes, put_column
+from estimators._kernels import Scalars3, Scalars4, kernel
 from estimators.recording import Float
 
 Upper = tuple[float, ...]
@@ -17,89 +14,55 @@ Cross = tuple[float, float, float, float, float, float, float, float, float, flo
 Noise = tuple[float, float, float, float, float, float, float, float, float, float]
 Seen = tuple[float, float, float, float, float, float, float]
 
-UPPER, CROSS, NOISE = (
-    types.UniTuple(LANES_TYPE, 28),
-    types.UniTuple(LANES_TYPE, 12),
-    types.UniTuple(LANES_TYPE, 10),
-)
-SEEN = types.UniTuple(LANES_TYPE, 7)
-_ALIKE = types.UniTuple(types.float64, 3)
-_FLAT = types.float64[:, ::1]
+UPPER, CROSS, NOISE, SEEN = (f"UniTuple(float64, {count})" for count in (28, 12, 10, 7))
+QUATERNION, VECTOR = "UniTuple(float64, 4)", "UniTuple(float64, 3)"
 
 
-@in_lanes(UPPER(_FLAT, types.intp, types.intp))
-def loaded(p: Float, row: int, last: int) -> Upper:
-    """Read the upper triangles of sensors side by side from covariances by rows, (S, 49)."""
+@kernel(f"{UPPER}(float64[:, ::1])", inlined=True)
+def loaded(p: Float) -> Upper:
+    """Read the upper triangle of a 7 x 7 matrix."""
     return (
-        column(p, (row, last, 0)),
-        column(p, (row, last, 1)),
-        column(p, (row, last, 2)),
-        column(p, (row, last, 3)),
-        column(p, (row, last, 8)),
-        column(p, (row, last, 9)),
-        column(p, (row, last, 10)),
-        column(p, (row, last, 16)),
-        column(p, (row, last, 17)),
-        column(p, (row, last, 24)),
-        column(p, (row, last, 4)),
-        column(p, (row, last, 5)),
-        column(p, (row, last, 6)),
-        column(p, (row, last, 11)),
-        column(p, (row, last, 12)),
-        column(p, (row, last, 13)),
-        column(p, (row, last, 18)),
-        column(p, (row, last, 19)),
-        column(p, (row, last, 20)),
-        column(p, (row, last, 25)),
-        column(p, (row, last, 26)),
-        column(p, (row, last, 27)),
-        column(p, (row, last, 32)),
-        column(p, (row, last, 33)),
-        column(p, (row, last, 34)),
-        column(p, (row, last, 40)),
-        column(p, (row, last, 41)),
-        column(p, (row, last, 48)),
+        p[0, 0],
+        p[0, 1],
+        p[0, 2],
+        p[0, 3],
+        p[1, 1],
+        p[1, 2],
+        p[1, 3],
+        p[2, 2],
+        p[2, 3],
+        p[3, 3],
+        p[0, 4],
+        p[0, 5],
+        p[0, 6],
+        p[1, 4],
+        p[1, 5],
+        p[1, 6],
+        p[2, 4],
+        p[2, 5],
+        p[2, 6],
+        p[3, 4],
+        p[3, 5],
+        p[3, 6],
+        p[4, 4],
+        p[4, 5],
+        p[4, 6],
+        p[5, 5],
+        p[5, 6],
+        p[6, 6],
     )
 
 
-@in_lanes(types.void(_FLAT, types.intp, types.intp, UPPER))
-def keep(p: Float, row: int, last: int, upper: Upper) -> None:
-    """Write the covariances of sensors side by side."""
-    put_column(p, (row, last, 0), upper[0])
-    put_column(p, (row, last, 1), upper[1])
-    put_column(p, (row, last, 2), upper[2])
-    put_column(p, (row, last, 3), upper[3])
-    put_column(p, (row, last, 8), upper[4])
-    put_column(p, (row, last, 9), upper[5])
-    put_column(p, (row, last, 10), upper[6])
-    put_column(p, (row, last, 16), upper[7])
-    put_column(p, (row, last, 17), upper[8])
-    put_column(p, (row, last, 24), upper[9])
-    put_column(p, (row, last, 4), upper[10])
-    put_column(p, (row, last, 5), upper[11])
-    put_column(p, (row, last, 6), upper[12])
-    put_column(p, (row, last, 11), upper[13])
-    put_column(p, (row, last, 12), upper[14])
-    put_column(p, (row, last, 13), upper[15])
-    put_column(p, (row, last, 18), upper[16])
-    put_column(p, (row, last, 19), upper[17])
-    put_column(p, (row, last, 20), upper[18])
-    put_column(p, (row, last, 25), upper[19])
-    put_column(p, (row, last, 26), upper[20])
-    put_column(p, (row, last, 27), upper[21])
-    put_column(p, (row, last, 32), upper[22])
-    put_column(p, (row, last, 33), upper[23])
-    put_column(p, (row, last, 34), upper[24])
-    put_column(p, (row, last, 40), upper[25])
-    put_column(p, (row, last, 41), upper[26])
-    put_column(p, (row, last, 48), upper[27])
-    for s in range(row, last + 1):
-        for i in range(7):
-            for j in range(i):
-                p[s, 7 * i + j] = p[s, 7 * j + i]
+@kernel(f"void(float64[:, ::1], {UPPER})", inlined=True)
+def keep(p: Float, upper: Upper) -> None:
+    """Write the upper triangle of a 7 x 7 matrix."""
+    p[0, 0], p[0, 1], p[0, 2], p[0, 3], p[1, 1], p[1, 2], p[1, 3], p[2, 2], p[2, 3], p[3, 3] = upper[:10]
+    p[0, 4], p[0, 5], p[0, 6], p[1, 4], p[1, 5], p[1, 6] = upper[10:16]
+    p[2, 4], p[2, 5], p[2, 6], p[3, 4], p[3, 5], p[3, 6] = upper[16:22]
+    p[4, 4], p[4, 5], p[4, 6], p[5, 5], p[5, 6], p[6, 6] = upper[22:]
 
 
-@in_lanes(UPPER(UPPER, QUATERNION_TYPE, CROSS, NOISE, _ALIKE))
+@kernel(f"{UPPER}({UPPER}, {QUATERNION}, {CROSS}, {NOISE}, {VECTOR})", inlined=True)
 def predicted(p: Upper, turned: Scalars4, right: Cross, noise: Noise, drift: Scalars3) -> Upper:
     """P' = Phi P Phi' + Q, with Phi = [[Omega, right], [0, I]] and Omega of `turned`, which multiplies from the right.
 
@@ -203,7 +166,7 @@ def predicted(p: Upper, turned: Scalars4, right: Cross, noise: Noise, drift: Sca
     )
 
 
-@in_lanes(SEEN(UPPER, QUATERNION_TYPE))
+@kernel(f"{SEEN}({UPPER}, {QUATERNION})", inlined=True)
 def seen(p: Upper, row: Scalars4) -> Seen:
     """Return P H' of a measurement of the quaternion alone."""
     a, b, c, d = row
@@ -218,7 +181,7 @@ def seen(p: Upper, row: Scalars4) -> Seen:
     )
 
 
-@in_lanes(UPPER(UPPER, LANES_TYPE, SEEN))
+@kernel(f"{UPPER}({UPPER}, float64, {SEEN})", inlined=True)
 def lessened(p: Upper, inverse: float, h: Seen) -> Upper:
     """Take h h' times `inverse` from the covariance: a scalar measurement with h = P H' and S = 1 / inverse."""
     h0, h1, h2, h3, h4, h5, h6 = h
@@ -261,7 +224,7 @@ def lessened(p: Upper, inverse: float, h: Seen) -> Upper:
     )
 
 
-@in_lanes(LANES_TYPE(UPPER, LANES_TYPE, LANES_TYPE, LANES_TYPE, LANES_TYPE))
+@kernel(f"float64({UPPER}, float64, float64, float64, float64)", inlined=True)
 def quadratic(p: Upper, g0: float, g1: float, g2: float, g3: float) -> float:
     """Return g' P g over the quaternion block."""
     first = g0 * (g0 * p[0] + 2.0 * (g1 * p[1] + g2 * p[2] + g3 * p[3]))
@@ -270,10 +233,9 @@ def quadratic(p: Upper, g0: float, g1: float, g2: float, g3: float) -> float:
 
 
 __all__ = [
-    "CROSS",
-    "NOISE",
-    "SEEN",
+    "QUATERNION",
     "UPPER",
+    "VECTOR",
     "Cross",
     "Upper",
     "keep",

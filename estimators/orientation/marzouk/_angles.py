@@ -7,7 +7,7 @@ those of the predicted angles from what the sample added.
 import math
 
 from estimators._kernels import Scalars3, Scalars4, kernel, wrapped
-from estimators.orientation._marzouk_covariance import ERRORS, UPPER, Errors, Upper
+from estimators.orientation.marzouk._covariance import ERRORS, UPPER, Errors, Upper
 from estimators.recording import Float
 
 _QUATERNION, _VECTOR, _PAIR = "UniTuple(float64, 4)", "UniTuple(float64, 3)", "UniTuple(float64, 2)"

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from estimators._kernels import kernel, multiply, rotate
 from estimators.kernels import mirror, turn
-from estimators.orientation import _marzouk_steps as steps
-from estimators.orientation._marzouk_covariance import (
+from estimators.orientation.marzouk import _steps as steps
+from estimators.orientation.marzouk._covariance import (
     UPPER,
     Upper,
     keep,
@@ -21,7 +21,7 @@ from estimators.orientation._marzouk_covariance import (
     predicted,
     turned_by_rate,
 )
-from estimators.orientation._marzouk_steps import direction, prepare, set_heading, start_variance, store
+from estimators.orientation.marzouk._steps import direction, prepare, set_heading, start_variance, store
 from estimators.recording import Float
 
 # Positions in the settings, after the shared ones.

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.conventions import GRAVITY_MPS2
-from estimators.orientation import _marzouk_euler_kernel as kernel
-from estimators.orientation._marzouk_estimator import MarzoukEstimator, SharedParameters
+from estimators.orientation.marzouk import _euler_kernel as kernel
+from estimators.orientation.marzouk._estimator import MarzoukEstimator, SharedParameters
 from estimators.recording import Float
 
 _ROLL_DEG, _PITCH_DEG, _YAW_DEG = math.sqrt(0.5737), math.sqrt(0.9096), math.sqrt(6.5572)

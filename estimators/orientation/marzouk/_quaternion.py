@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.conventions import GRAVITY_MPS2
-from estimators.orientation import _marzouk_quaternion_kernel as kernel
-from estimators.orientation._marzouk_estimator import MarzoukEstimator, SharedParameters
+from estimators.orientation.marzouk import _quaternion_kernel as kernel
+from estimators.orientation.marzouk._estimator import MarzoukEstimator, SharedParameters
 from estimators.recording import Float
 
 

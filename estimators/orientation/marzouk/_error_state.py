@@ -6,8 +6,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.orientation import _marzouk_error_state_kernel as kernel
-from estimators.orientation._marzouk_estimator import MarzoukEstimator, SharedParameters
+from estimators.orientation.marzouk import _error_state_kernel as kernel
+from estimators.orientation.marzouk._estimator import MarzoukEstimator, SharedParameters
 from estimators.recording import Float
 
 
