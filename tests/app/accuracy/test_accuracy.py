@@ -14,6 +14,7 @@ from estimators import validation
 from estimators.validation import Figure, Protocol
 
 SHORT = {
+    "broad_offline",
     "foot_rates_and_links",
     "magnetic_fusion_checks",
     "optical_refusal",
