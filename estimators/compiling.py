@@ -46,7 +46,12 @@ def only_cached() -> Iterator[None]:
 
 class _Cache(FunctionCache):  # type: ignore[misc]
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        found = super().load_overload(sig, target_context)
+        try:
+            found = super().load_overload(sig, target_context)
+        except (ImportError, AttributeError):
+            # The index is unpickled before its stamp is read, and names a class that is gone or has moved.
+            self.flush()
+            found = None
         if found is None and not _is_compiling_allowed.get():
             raise NotCompiled(self._name)
         return found
