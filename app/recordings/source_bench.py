@@ -59,15 +59,15 @@ class Bench:
         others = [name for name in setup.placements if name != settings.source]
         if sensor is not None and sensor not in others:
             raise InvalidInput(say("bench.no_sensor", place=sensor), field="sensor")
-        pieces, ticks = [], 0
+        chunks, ticks = [], 0
         for piece in pieces:
-            pieces.append(piece)
+            chunks.append(piece)
             ticks += piece.tick_count
             if ticks > LONGEST_S * setup.rate_hz:
                 raise InvalidInput(say("bench.too_long"))
-        if not pieces:
+        if not chunks:
             raise InvalidInput(say("session.no_packets"))
-        chunk = joined_chunks(pieces)
+        chunk = joined_chunks(chunks)
         if chunk.coil_state is None or chunk.magnetometer_t is None:
             raise InvalidInput(say("bench.no_coils"))
         self.source = next(name for name in setup.placements if name == settings.source)

@@ -29,12 +29,12 @@ function sourceText(safety: MagneticSafety): string {
 }
 
 export function SafetyCard({ session }: { session: SessionDetail }) {
-  const safety = useMagneticSafety(session.id, true);
+  const asked = useMagneticSafety(session.id, true);
   const confirm = useConfirmNoImplants(session.id);
   const withdraw = useWithdrawSafety(session.id);
   const [said, setSaid] = useState(UNASKED);
   return (
-    <Answer of={safety} lines={3}>
+    <Answer of={asked} lines={3}>
       {(safety) =>
         safety.confirmed ? (
           <Notice icon={<IconShieldCheck size={22} aria-hidden />}>
