@@ -227,7 +227,8 @@ class _Verdict:
             message = say("readings.accelerometer_clipped", where=where, level_mps2=level)
             self._tell("accelerometer_clipped", message, level, "warning")
         level = self.readings.rate_clips.level
-        if level is None and self.readings.is_marked_clipped:
+        # A mark does not say of which triad it is: with a level of the other it may be that one's.
+        if level is None and self.readings.force_clips.level is None and self.readings.is_marked_clipped:
             level = self.readings.rate_clips.largest
         if level is not None:
             message = say("readings.gyroscope_clipped", where=where, level_radps=level)

@@ -7,7 +7,8 @@ concluded from the jump, and a warning says so.
 """
 
 import re
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from datetime import date
 from typing import Final
@@ -49,7 +50,7 @@ def seconds_of_clock(column: Sequence[str | None]) -> tuple[Float, tuple[Sentenc
         What was concluded from jumps.
     """
     matches = [_TEXT.fullmatch(text) if text else None for text in column]
-    days = _days({found["date"] for found in matches if found and found["date"]})
+    days = _days(Counter(found["date"] for found in matches if found and found["date"]))
     seconds = np.full(len(column), np.nan)
     has_date = has_zone = False
     first_day = zone_s = 0.0
@@ -95,13 +96,19 @@ def _time_of_day(found: re.Match[str]) -> float | None:
     return hour * _HOUR_S + minute * 60.0 + second + (int(part) / 10.0 ** len(part) if part else 0.0)
 
 
-def _days(texts: set[str]) -> dict[str, float]:
-    """Return the number of each day that a calendar has."""
-    tried = [_numbered(texts, month_first=first) for first in (True, False)]
-    return min(tried, key=lambda days: (-len(days), max(days.values()) - min(days.values()) if days else 0.0))
+def _days(rows: Counter[str]) -> dict[str, float]:
+    """Return the number of each day that a calendar has, of texts with how many rows have them."""
+    tried = [_numbered(rows, month_first=first) for first in (True, False)]
+    return min(
+        tried,
+        key=lambda days: (
+            -sum(rows[text] for text in days),
+            max(days.values()) - min(days.values()) if days else 0.0,
+        ),
+    )
 
 
-def _numbered(texts: set[str], *, month_first: bool) -> dict[str, float]:
+def _numbered(texts: Iterable[str], *, month_first: bool) -> dict[str, float]:
     days: dict[str, float] = {}
     for text in texts:
         first, second, third = (int(part) for part in re.split(r"[-/.]", text))

@@ -51,6 +51,13 @@ def test_one_damaged_date_with_slashes_does_not_turn_the_others():
     assert seconds[2] - seconds[0] == 2.0
 
 
+def test_the_order_of_most_rows_counts_not_of_most_dates():
+    seconds, _ = seconds_of_clock(
+        ["11/22/2026 10:00:00"] * 9 + ["22/11/2026 10:00:00", "23/11/2026 10:00:00"]
+    )
+    assert np.isfinite(seconds).tolist() == [True] * 9 + [False] * 2
+
+
 def test_a_row_that_came_late_at_midnight_stays_where_it_was():
     seconds, notes = seconds_of_clock(["23:59:59.99", "00:00:00.01", "23:59:59.995", "00:00:00.02"])
     np.testing.assert_allclose(seconds - seconds[0], [0.0, 0.02, 0.005, 0.03], atol=1e-9)
