@@ -27,9 +27,7 @@ function packed(): Plugin {
 }
 
 /** What changes with each version apart from what stays: a new version then asks for little. */
-const LIBRARIES: readonly [string, RegExp][] = [
-  ['react', /node_modules\/(react|react-dom|react-router|scheduler)\//],
-];
+const LIBRARIES: readonly [string, RegExp][] = [['react', /node_modules\/(react|react-dom|react-router|scheduler)\//]];
 
 export default defineConfig({
   plugins: [react(), packed()],
@@ -43,9 +41,7 @@ export default defineConfig({
   },
   worker: { format: 'es' },
   server: {
-    proxy: Object.fromEntries(
-      ['/api', '/ws', '/viewer'].map((path) => [path, { target: service, ws: true }]),
-    ),
+    proxy: Object.fromEntries(['/api', '/ws', '/viewer'].map((path) => [path, { target: service, ws: true }])),
   },
   test: {
     environment: 'jsdom',

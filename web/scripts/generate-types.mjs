@@ -9,17 +9,20 @@ const here = (path) => fileURLToPath(new URL(path, import.meta.url));
 const documentPath = here('../src/api/openapi.json');
 const typesPath = here('../src/api/schema.ts');
 const check = process.argv.includes('--check');
-const python = process.env.PYTHON ?? (existsSync(here('../../.venv/bin/python')) ? here('../../.venv/bin/python') : null);
+const python =
+  process.env.PYTHON ?? (existsSync(here('../../.venv/bin/python')) ? here('../../.venv/bin/python') : null);
 
 const sentencesPath = here('../src/i18n/en/sentences.json');
 
 let document = existsSync(documentPath) ? readFileSync(documentPath, 'utf8') : '';
 if (python) {
-  const dump = (...what) => execFileSync(python, [here('dump_schemas.py'), ...what], { encoding: 'utf8', cwd: here('../..') });
+  const dump = (...what) =>
+    execFileSync(python, [here('dump_schemas.py'), ...what], { encoding: 'utf8', cwd: here('../..') });
   const fresh = dump();
   const sentences = dump('sentences');
   if (check && fresh !== document) fail('api/openapi.json');
-  if (check && (!existsSync(sentencesPath) || readFileSync(sentencesPath, 'utf8') !== sentences)) fail('i18n/en/sentences.json');
+  if (check && (!existsSync(sentencesPath) || readFileSync(sentencesPath, 'utf8') !== sentences))
+    fail('i18n/en/sentences.json');
   document = fresh;
   if (!check) {
     writeFileSync(documentPath, fresh);

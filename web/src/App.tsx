@@ -29,25 +29,64 @@ export const routes: RouteObject[] = [
         children: [
           { path: 'my/results', lazy: async () => ({ Component: (await import('./pages/mine/Results')).ResultsPage }) },
           { path: 'my/data', lazy: async () => ({ Component: (await import('./pages/mine/MyData')).MyDataPage }) },
-          { path: 'my/sessions/:sessionId', lazy: async () => ({ Component: (await import('./pages/mine/Replay')).MyReplayPage }) },
-          { path: 'my/sessions/:sessionId/live', lazy: async () => ({ Component: (await import('./pages/mine/Live')).MyLivePage }) },
+          {
+            path: 'my/sessions/:sessionId',
+            lazy: async () => ({ Component: (await import('./pages/mine/Replay')).MyReplayPage }),
+          },
+          {
+            path: 'my/sessions/:sessionId/live',
+            lazy: async () => ({ Component: (await import('./pages/mine/Live')).MyLivePage }),
+          },
         ],
       },
       {
         element: <StaffPages />,
         children: [
-          { path: 'patients/new', lazy: async () => ({ Component: (await import('./pages/PatientNew')).PatientNewPage }) },
-          { path: 'patients/:patientId', lazy: async () => ({ Component: (await import('./pages/patient/PatientPage')).PatientPage }) },
-          { path: 'patients/:patientId/sessions/new', lazy: async () => ({ Component: (await import('./pages/session/NewSession')).NewSessionPage }) },
-          { path: 'sessions/:sessionId', lazy: async () => ({ Component: (await import('./pages/session/SessionPage')).SessionPage }) },
-          { path: 'sessions/:sessionId/live', lazy: async () => ({ Component: (await import('./pages/session/LiveSession')).LiveSessionPage }) },
-          { path: 'sessions/:sessionId/gait', lazy: async () => ({ Component: (await import('./pages/gait/GaitPage')).GaitPage }) },
-          { path: 'patients/:patientId/walks', lazy: async () => ({ Component: (await import('./pages/gait/ConditionsPage')).ConditionsPage }) },
-          { path: 'sessions/:sessionId/estimators', lazy: async () => ({ Component: (await import('./pages/session/EstimatorsPage')).EstimatorsPage }) },
-          { path: 'sessions/:sessionId/report', lazy: async () => ({ Component: (await import('./pages/report/ReportPage')).ReportPage }) },
-          { path: 'templates/record', lazy: async () => ({ Component: (await import('./pages/template/RecordTemplate')).RecordTemplatePage }) },
+          {
+            path: 'patients/new',
+            lazy: async () => ({ Component: (await import('./pages/PatientNew')).PatientNewPage }),
+          },
+          {
+            path: 'patients/:patientId',
+            lazy: async () => ({ Component: (await import('./pages/patient/PatientPage')).PatientPage }),
+          },
+          {
+            path: 'patients/:patientId/sessions/new',
+            lazy: async () => ({ Component: (await import('./pages/session/NewSession')).NewSessionPage }),
+          },
+          {
+            path: 'sessions/:sessionId',
+            lazy: async () => ({ Component: (await import('./pages/session/SessionPage')).SessionPage }),
+          },
+          {
+            path: 'sessions/:sessionId/live',
+            lazy: async () => ({ Component: (await import('./pages/session/LiveSession')).LiveSessionPage }),
+          },
+          {
+            path: 'sessions/:sessionId/gait',
+            lazy: async () => ({ Component: (await import('./pages/gait/GaitPage')).GaitPage }),
+          },
+          {
+            path: 'patients/:patientId/walks',
+            lazy: async () => ({ Component: (await import('./pages/gait/ConditionsPage')).ConditionsPage }),
+          },
+          {
+            path: 'sessions/:sessionId/estimators',
+            lazy: async () => ({ Component: (await import('./pages/session/EstimatorsPage')).EstimatorsPage }),
+          },
+          {
+            path: 'sessions/:sessionId/report',
+            lazy: async () => ({ Component: (await import('./pages/report/ReportPage')).ReportPage }),
+          },
+          {
+            path: 'templates/record',
+            lazy: async () => ({ Component: (await import('./pages/template/RecordTemplate')).RecordTemplatePage }),
+          },
           { path: 'exercises', lazy: async () => ({ Component: (await import('./pages/Exercises')).ExercisesPage }) },
-          { path: 'exercises/:exerciseId', lazy: async () => ({ Component: (await import('./pages/ExercisePage')).ExercisePage }) },
+          {
+            path: 'exercises/:exerciseId',
+            lazy: async () => ({ Component: (await import('./pages/ExercisePage')).ExercisePage }),
+          },
           { path: 'clinic', lazy: async () => ({ Component: (await import('./pages/Clinic')).ClinicPage }) },
           { path: 'accuracy', lazy: async () => ({ Component: (await import('./pages/Accuracy')).AccuracyPage }) },
           { path: 'upload', lazy: async () => ({ Component: (await import('./pages/Upload')).UploadPage }) },

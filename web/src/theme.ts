@@ -2,13 +2,40 @@ import { createTheme, type MantineColorsTuple } from '@mantine/core';
 
 // One accent: a quiet deep teal. White on its sixth shade has a contrast of 6.6 to 1.
 const accent: MantineColorsTuple = [
-  '#eaf5f6', '#d3e8ea', '#a9d2d6', '#7bbac1', '#4fa0a9', '#24767f', '#0f6674', '#0c5562', '#0a4651', '#073740',
+  '#eaf5f6',
+  '#d3e8ea',
+  '#a9d2d6',
+  '#7bbac1',
+  '#4fa0a9',
+  '#24767f',
+  '#0f6674',
+  '#0c5562',
+  '#0a4651',
+  '#073740',
 ];
 const gray: MantineColorsTuple = [
-  '#f7f8f8', '#eff1f1', '#e2e6e6', '#cfd5d6', '#aab3b5', '#7d888b', '#566164', '#3c4649', '#262e31', '#171d1f',
+  '#f7f8f8',
+  '#eff1f1',
+  '#e2e6e6',
+  '#cfd5d6',
+  '#aab3b5',
+  '#7d888b',
+  '#566164',
+  '#3c4649',
+  '#262e31',
+  '#171d1f',
 ];
 const dark: MantineColorsTuple = [
-  '#e9eeef', '#b9c3c6', '#8d999d', '#6b777b', '#485358', '#343e43', '#262f33', '#1b2226', '#13191c', '#0c1012',
+  '#e9eeef',
+  '#b9c3c6',
+  '#8d999d',
+  '#6b777b',
+  '#485358',
+  '#343e43',
+  '#262f33',
+  '#1b2226',
+  '#13191c',
+  '#0c1012',
 ];
 
 export const theme = createTheme({

@@ -24,17 +24,24 @@ describe('sentences of the service', () => {
 
   it('puts its own words into answers, however deep', () => {
     const sentence = { code: 'side.left', params: {}, text: 'LEFT' };
-    const answer = inOurWords({ rows: [{ text: 'LEFT', note: 'kept', sentences: { text: sentence } }], reasons: ['LEFT', 'plain'], sentences: { reasons: [sentence, 'plain'] } });
+    const answer = inOurWords({
+      rows: [{ text: 'LEFT', note: 'kept', sentences: { text: sentence } }],
+      reasons: ['LEFT', 'plain'],
+      sentences: { reasons: [sentence, 'plain'] },
+    });
     expect(answer.rows[0]).toMatchObject({ text: 'Left', note: 'kept' });
     expect(answer.reasons).toEqual(['Left', 'plain']);
   });
 
-  it.each(Object.entries(english as Record<string, string | { one: string; other: string }>))('renders %s', (code, entry) => {
-    const every = typeof entry === 'string' ? [entry] : Object.values(entry);
-    const params: Record<string, unknown> = { count: 2 };
-    for (const found of every.join(' ').matchAll(/\{(\w+)/g)) params[found[1] ?? ''] ??= 1;
-    const text = said({ code, params }, catalogue);
-    expect(text).toBeTruthy();
-    expect(text).not.toMatch(/[{}]|undefined|NaN|\s\s/);
-  });
+  it.each(Object.entries(english as Record<string, string | { one: string; other: string }>))(
+    'renders %s',
+    (code, entry) => {
+      const every = typeof entry === 'string' ? [entry] : Object.values(entry);
+      const params: Record<string, unknown> = { count: 2 };
+      for (const found of every.join(' ').matchAll(/\{(\w+)/g)) params[found[1] ?? ''] ??= 1;
+      const text = said({ code, params }, catalogue);
+      expect(text).toBeTruthy();
+      expect(text).not.toMatch(/[{}]|undefined|NaN|\s\s/);
+    },
+  );
 });

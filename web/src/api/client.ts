@@ -29,7 +29,9 @@ export function setCsrfToken(token: string): void {
 async function errorOf(response: Response): Promise<ApiError> {
   const fallback = `The service answered ${response.status}. Try again; if it stays, tell the person who runs the service.`;
   try {
-    const body = inOurWords((await response.json()) as { code?: string; message?: string; details?: Record<string, unknown> });
+    const body = inOurWords(
+      (await response.json()) as { code?: string; message?: string; details?: Record<string, unknown> },
+    );
     return new ApiError(response.status, body.code ?? 'unknown', body.message ?? fallback, body.details ?? {});
   } catch {
     return new ApiError(response.status, 'unknown', fallback);
@@ -39,7 +41,11 @@ async function errorOf(response: Response): Promise<ApiError> {
 async function send(path: string, init: RequestInit): Promise<Response> {
   let response: Response;
   try {
-    response = await fetch(path, { credentials: 'same-origin', ...init, headers: { ...idleHeader(), ...(init.headers as Record<string, string> | undefined) } });
+    response = await fetch(path, {
+      credentials: 'same-origin',
+      ...init,
+      headers: { ...idleHeader(), ...(init.headers as Record<string, string> | undefined) },
+    });
   } catch (error) {
     if (error instanceof DOMException && error.name === 'AbortError') throw error;
     throw new ApiError(0, 'offline', 'The service cannot be reached. Check the network connection, then try again.');
@@ -95,7 +101,7 @@ async function page<T>(path: string, signal?: AbortSignal): Promise<ListPage<T>>
 /** A whole list, page after page, for what needs every row: choices in a form, a comparison over all. */
 async function all<T>(path: string, signal?: AbortSignal): Promise<T[]> {
   const found: T[] = [];
-  for (let at: string | null = path; at !== null; ) {
+  for (let at: string | null = path; at !== null;) {
     const { rows, next }: ListPage<T> = await page<T>(at, signal);
     found.push(...rows);
     at = next;
@@ -116,7 +122,12 @@ export const api = {
 };
 
 /** Upload a form with progress from 0 to 1; fetch cannot tell how much was sent. */
-export function upload<T>(path: string, form: FormData, onProgress: (share: number) => void, signal?: AbortSignal): Promise<T> {
+export function upload<T>(
+  path: string,
+  form: FormData,
+  onProgress: (share: number) => void,
+  signal?: AbortSignal,
+): Promise<T> {
   return new Promise<T>((resolve, reject) => {
     const request = new XMLHttpRequest();
     request.open('POST', path);
@@ -125,7 +136,13 @@ export function upload<T>(path: string, form: FormData, onProgress: (share: numb
       if (event.lengthComputable) onProgress(event.loaded / event.total);
     };
     request.onerror = () =>
-      reject(new ApiError(0, 'offline', 'The upload was interrupted. Check the network connection, then send the file again.'));
+      reject(
+        new ApiError(
+          0,
+          'offline',
+          'The upload was interrupted. Check the network connection, then send the file again.',
+        ),
+      );
     request.onabort = () => reject(new DOMException('Aborted', 'AbortError'));
     request.onload = async () => {
       if (request.status >= 200 && request.status < 300) resolve(inOurWords(JSON.parse(request.responseText) as T));

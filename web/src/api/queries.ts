@@ -1,5 +1,12 @@
 // Every question the client asks the service, with one key each, so a change refreshes what it touched.
-import { useInfiniteQuery, useMutation, useQuery, useQueryClient, type InfiniteData, type QueryClient } from '@tanstack/react-query';
+import {
+  useInfiniteQuery,
+  useMutation,
+  useQuery,
+  useQueryClient,
+  type InfiniteData,
+  type QueryClient,
+} from '@tanstack/react-query';
 import { api, ApiError, setCsrfToken, withQuery, type ListPage } from './client';
 import type * as Wire from './types';
 import { setLocale } from '../i18n';
@@ -33,10 +40,12 @@ export const keys = {
   sourceUse: (id: string, resultId: string | null) => ['sessions', id, 'source-use', resultId] as const,
   massCentre: (id: string, resultId: string | null) => ['sessions', id, 'mass-centre', resultId] as const,
   markers: (id: string) => ['sessions', id, 'markers'] as const,
-  markerMotion: (id: string, markersId: string, block: number) => ['sessions', id, 'markers', markersId, block] as const,
+  markerMotion: (id: string, markersId: string, block: number) =>
+    ['sessions', id, 'markers', markersId, block] as const,
   gait: (id: string) => ['sessions', id, 'gait'] as const,
   walks: (id: string) => ['patients', id, 'walks'] as const,
-  conditions: (id: string, a: readonly string[], b: readonly string[]) => ['patients', id, 'walks', 'conditions', a, b] as const,
+  conditions: (id: string, a: readonly string[], b: readonly string[]) =>
+    ['patients', id, 'walks', 'conditions', a, b] as const,
   comparison: (id: string) => ['comparisons', id] as const,
   estimators: ['estimators'] as const,
   differences: (id: string, a: string, b: string) => ['sessions', id, 'differences', a, b] as const,
@@ -93,14 +102,22 @@ export function forgetEverything(client: QueryClient): void {
   client.setQueryData(keys.me, null);
 }
 
-function useGet<T>(queryKey: readonly unknown[], path: string, options: { enabled?: boolean; refetchInterval?: number; staleTime?: number } = {}) {
+function useGet<T>(
+  queryKey: readonly unknown[],
+  path: string,
+  options: { enabled?: boolean; refetchInterval?: number; staleTime?: number } = {},
+) {
   return useQuery({ queryKey, queryFn: ({ signal }) => api.get<T>(path, signal), ...options });
 }
 
 const rowsOf = <T>(data: InfiniteData<ListPage<T>>): T[] => data.pages.flatMap((page) => page.rows);
 
 /** A list that people read: its first page, and further ones when they ask (`ShowMore`). */
-function usePages<T>(queryKey: readonly unknown[], path: string, options: { enabled?: boolean; refetchInterval?: number } = {}) {
+function usePages<T>(
+  queryKey: readonly unknown[],
+  path: string,
+  options: { enabled?: boolean; refetchInterval?: number } = {},
+) {
   return useInfiniteQuery({
     queryKey,
     queryFn: ({ pageParam, signal }) => api.page<T>(pageParam, signal),
@@ -117,7 +134,10 @@ function useAll<T>(queryKey: readonly unknown[], path: string, options: { enable
 }
 
 /** A change, and the keys that it makes old. */
-function useChange<In, Out>(change: (input: In) => Promise<Out>, old: (input: In, output: Out) => readonly (readonly unknown[])[]) {
+function useChange<In, Out>(
+  change: (input: In) => Promise<Out>,
+  old: (input: In, output: Out) => readonly (readonly unknown[])[],
+) {
   const client = useQueryClient();
   return useMutation<Out, Error, In>({
     mutationFn: change,
@@ -134,17 +154,23 @@ export const useDemonstration = () =>
     refetchInterval: (query) => (query.state.data ? 3_000 : false),
     staleTime: Infinity,
   });
-export const useCaseload = () => usePages<Wire.CaseloadRow>(keys.caseload, '/api/caseload', { refetchInterval: 15_000 });
+export const useCaseload = () =>
+  usePages<Wire.CaseloadRow>(keys.caseload, '/api/caseload', { refetchInterval: 15_000 });
 export const usePatients = () => useAll<Wire.Patient>(keys.patients, '/api/patients');
 export const useArchivedPatients = () => usePages<Wire.Patient>(keys.archived, '/api/patients?archived=true');
-export const usePatient = (id: string) => useGet<Wire.Patient>(keys.patient(id), `/api/patients/${id}`, { enabled: id !== '' });
+export const usePatient = (id: string) =>
+  useGet<Wire.Patient>(keys.patient(id), `/api/patients/${id}`, { enabled: id !== '' });
 export const useProgress = (id: string, exerciseId: string | null) =>
-  useGet<Wire.Progress>(keys.progress(id, exerciseId), withQuery(`/api/patients/${id}/progress`, { exercise_id: exerciseId }));
+  useGet<Wire.Progress>(
+    keys.progress(id, exerciseId),
+    withQuery(`/api/patients/${id}/progress`, { exercise_id: exerciseId }),
+  );
 export const usePatientSessions = (id: string, enabled = true) =>
   usePages<Wire.Session>(keys.patientSessions(id), `/api/patients/${id}/sessions`, { enabled: enabled && id !== '' });
 export const usePrescriptions = (id: string) =>
   useGet<Wire.Prescription[]>(keys.prescriptions(id), `/api/patients/${id}/prescriptions`, { enabled: id !== '' });
-export const useGrants = (id: string, enabled = true) => useGet<Wire.Grant[]>(keys.grants(id), `/api/patients/${id}/grants`, { enabled });
+export const useGrants = (id: string, enabled = true) =>
+  useGet<Wire.Grant[]>(keys.grants(id), `/api/patients/${id}/grants`, { enabled });
 export const useDeviceTokens = (id: string, enabled = true) =>
   useAll<Wire.DeviceToken>(keys.deviceTokens(id), `/api/patients/${id}/device-tokens`, { enabled });
 export const useConsents = (id: string) => useGet<Wire.Consent[]>(keys.consents(id), `/api/patients/${id}/consents`);
@@ -175,15 +201,25 @@ export const MOTION_BLOCK_S = 20;
 export const useMarkerMotion = (id: string, markersId: string, block: number) =>
   useGet<Wire.MarkerMotion>(
     keys.markerMotion(id, markersId, block),
-    withQuery(`/api/sessions/${id}/markers/motion/stretch`, { markers_id: markersId, from_s: block * MOTION_BLOCK_S, until_s: (block + 1) * MOTION_BLOCK_S }),
+    withQuery(`/api/sessions/${id}/markers/motion/stretch`, {
+      markers_id: markersId,
+      from_s: block * MOTION_BLOCK_S,
+      until_s: (block + 1) * MOTION_BLOCK_S,
+    }),
     { staleTime: Infinity },
   );
-export const useComparisons = (id: string) => useAll<Wire.Comparison>(keys.comparisons(id), `/api/sessions/${id}/comparisons`);
+export const useComparisons = (id: string) =>
+  useAll<Wire.Comparison>(keys.comparisons(id), `/api/sessions/${id}/comparisons`);
 export const useComparison = (id: string | null) =>
-  useGet<Wire.ComparisonDetail>(keys.comparison(id ?? ''), `/api/comparisons/${id}`, { enabled: id !== null, staleTime: Infinity });
-export const useEstimators = () => useGet<Wire.Estimator[]>(keys.estimators, '/api/estimators', { staleTime: Infinity });
+  useGet<Wire.ComparisonDetail>(keys.comparison(id ?? ''), `/api/comparisons/${id}`, {
+    enabled: id !== null,
+    staleTime: Infinity,
+  });
+export const useEstimators = () =>
+  useGet<Wire.Estimator[]>(keys.estimators, '/api/estimators', { staleTime: Infinity });
 
-export const useCalibrations = (enabled = true) => useGet<Wire.CalibrationGuide[]>(keys.calibrations, '/api/calibrations', { staleTime: Infinity, enabled });
+export const useCalibrations = (enabled = true) =>
+  useGet<Wire.CalibrationGuide[]>(keys.calibrations, '/api/calibrations', { staleTime: Infinity, enabled });
 export const useAccuracy = () => useGet<Wire.AccuracyReport>(keys.accuracy, '/api/accuracy', { staleTime: Infinity });
 
 /** A long task, asked for twice a second until it ends. */
@@ -208,7 +244,10 @@ export function useJob(id: string | null, onEnd?: (job: Wire.Job) => void) {
 }
 
 export const useAddPatient = () =>
-  useChange((input: Wire.PatientIn) => api.post<Wire.Patient>('/api/patients', input), () => [keys.patients, keys.caseload]);
+  useChange(
+    (input: Wire.PatientIn) => api.post<Wire.Patient>('/api/patients', input),
+    () => [keys.patients, keys.caseload],
+  );
 export const useEditPatient = (id: string) =>
   useChange(
     (input: Wire.PatientPatch) => api.patch<Wire.Patient>(`/api/patients/${id}`, input),
@@ -219,7 +258,11 @@ export const useErasePatient = () =>
     (id: string) => api.delete<void>(`/api/patients/${id}`, { confirmation: 'ERASE' }),
     () => [keys.caseload],
   );
-export const useAddAccount = () => useChange((input: Wire.AccountIn) => api.post<Wire.Account>('/api/accounts', input), () => [keys.accounts]);
+export const useAddAccount = () =>
+  useChange(
+    (input: Wire.AccountIn) => api.post<Wire.Account>('/api/accounts', input),
+    () => [keys.accounts],
+  );
 export const useChangeAccount = () =>
   useChange(
     ({ id, patch }: { id: string; patch: Wire.AccountPatch }) => api.patch<Wire.Account>(`/api/accounts/${id}`, patch),
@@ -230,14 +273,32 @@ export const useChangeClinic = () =>
     (patch: Wire.ClinicPatch) => api.patch<Wire.Clinic>('/api/clinic', patch),
     () => [keys.clinic, keys.patients, keys.caseload],
   );
-export const useNoteSecondFactor = () => useChange(() => api.post<void>('/api/me/second-factor/noted'), () => [keys.me]);
-export const useChangePassword = () => useChange((input: Wire.PasswordIn) => api.post<void>('/api/me/password', input), () => [keys.me]);
+export const useNoteSecondFactor = () =>
+  useChange(
+    () => api.post<void>('/api/me/second-factor/noted'),
+    () => [keys.me],
+  );
+export const useChangePassword = () =>
+  useChange(
+    (input: Wire.PasswordIn) => api.post<void>('/api/me/password', input),
+    () => [keys.me],
+  );
 export const useSecondFactor = () => useGet<Wire.SecondFactor>(keys.secondFactor, '/api/me/second-factor');
-export const useBeginSecondFactor = () => useChange(() => api.post<Wire.SecondFactorSetup>('/api/me/second-factor'), () => []);
+export const useBeginSecondFactor = () =>
+  useChange(
+    () => api.post<Wire.SecondFactorSetup>('/api/me/second-factor'),
+    () => [],
+  );
 export const useConfirmSecondFactor = () =>
-  useChange((input: { code: string }) => api.post<Wire.RecoveryCodes>('/api/me/second-factor/confirm', input), () => [keys.secondFactor, keys.me]);
+  useChange(
+    (input: { code: string }) => api.post<Wire.RecoveryCodes>('/api/me/second-factor/confirm', input),
+    () => [keys.secondFactor, keys.me],
+  );
 export const useRemoveSecondFactor = () =>
-  useChange((input: { password: string }) => api.post<void>('/api/me/second-factor/remove', input), () => [keys.secondFactor, keys.me]);
+  useChange(
+    (input: { password: string }) => api.post<void>('/api/me/second-factor/remove', input),
+    () => [keys.secondFactor, keys.me],
+  );
 export const usePrescribe = (id: string) =>
   useChange(
     (input: Wire.PrescriptionIn) => api.post<Wire.Prescription>(`/api/patients/${id}/prescriptions`, input),
@@ -249,9 +310,15 @@ export const useEndPrescription = (id: string) =>
     () => [keys.prescriptions(id), keys.caseload],
   );
 export const useGrant = (id: string) =>
-  useChange((input: Wire.GrantIn) => api.post<Wire.Grant>(`/api/patients/${id}/grants`, input), () => [keys.grants(id)]);
+  useChange(
+    (input: Wire.GrantIn) => api.post<Wire.Grant>(`/api/patients/${id}/grants`, input),
+    () => [keys.grants(id)],
+  );
 export const useRevokeGrant = (id: string) =>
-  useChange((grantId: string) => api.delete<void>(`/api/grants/${grantId}`), () => [keys.grants(id)]);
+  useChange(
+    (grantId: string) => api.delete<void>(`/api/grants/${grantId}`),
+    () => [keys.grants(id)],
+  );
 export const useAddDeviceToken = (id: string) =>
   useChange(
     (input: Wire.DeviceTokenIn) => api.post<Wire.DeviceToken>(`/api/patients/${id}/device-tokens`, input),
@@ -263,11 +330,20 @@ export const usePairingCode = (id: string) =>
     () => [],
   );
 export const useRevokeDeviceToken = (id: string) =>
-  useChange((tokenId: string) => api.delete<void>(`/api/device-tokens/${tokenId}`), () => [keys.deviceTokens(id)]);
+  useChange(
+    (tokenId: string) => api.delete<void>(`/api/device-tokens/${tokenId}`),
+    () => [keys.deviceTokens(id)],
+  );
 export const useConsent = (id: string) =>
-  useChange((input: Wire.ConsentIn) => api.put<unknown>(`/api/patients/${id}/consents`, input), () => [keys.consents(id)]);
+  useChange(
+    (input: Wire.ConsentIn) => api.put<unknown>(`/api/patients/${id}/consents`, input),
+    () => [keys.consents(id)],
+  );
 export const useAddExercise = () =>
-  useChange((input: Wire.ExerciseIn) => api.post<Wire.Exercise>('/api/exercises', input), () => [keys.exercises]);
+  useChange(
+    (input: Wire.ExerciseIn) => api.post<Wire.Exercise>('/api/exercises', input),
+    () => [keys.exercises],
+  );
 export const useNewSession = () =>
   useChange(
     (input: Wire.SessionIn) => api.post<Wire.SessionDetail>('/api/sessions', input),
@@ -295,7 +371,10 @@ export const useCompare = (id: string) =>
     () => [keys.comparisons(id)],
   );
 export const useSaveTemplate = () =>
-  useChange((input: Wire.TemplateIn) => api.post<Wire.TemplateVersionDetail>('/api/templates', input), () => [['templates']]);
+  useChange(
+    (input: Wire.TemplateIn) => api.post<Wire.TemplateVersionDetail>('/api/templates', input),
+    () => [['templates']],
+  );
 
 const NO_IMPLANTS = { patient_has_no_implant: true, people_nearby_have_none: true };
 /** A session with a source, and the therapist's word about implants. Should the word be lost, its page asks again. */
@@ -303,7 +382,9 @@ export const useNewSourceSession = () =>
   useChange(
     async (input: Wire.SessionIn) => {
       const session = await api.post<Wire.SessionDetail>('/api/sessions', input);
-      await api.post<Wire.MagneticSafety>(`/api/sessions/${session.id}/magnetic-safety`, NO_IMPLANTS).catch(() => undefined);
+      await api
+        .post<Wire.MagneticSafety>(`/api/sessions/${session.id}/magnetic-safety`, NO_IMPLANTS)
+        .catch(() => undefined);
       return session;
     },
     (input) => [keys.patientSessions(input.patient_id), keys.caseload],
@@ -320,7 +401,8 @@ export const useWithdrawSafety = (id: string) =>
     () => api.delete<Wire.MagneticSafety>(`/api/sessions/${id}/magnetic-safety`),
     () => [keys.magneticSafety(id), keys.session(id)],
   );
-export const useMagneticSources = (enabled: boolean) => useGet<Wire.MagneticSource[]>(keys.magneticSources, '/api/magnetic-sources', { enabled });
+export const useMagneticSources = (enabled: boolean) =>
+  useGet<Wire.MagneticSource[]>(keys.magneticSources, '/api/magnetic-sources', { enabled });
 export const useKeepSource = () =>
   useChange(
     (source: Wire.MagneticSourceIn) => api.post<Wire.MagneticSource>('/api/magnetic-sources', source),
@@ -331,18 +413,33 @@ export const useRetireSource = () =>
     (id: string) => api.delete<void>(`/api/magnetic-sources/${id}`),
     () => [keys.magneticSources],
   );
-export const useSourceStops = (id: string, enabled: boolean) => useGet<Wire.SourceStops>(keys.sourceStops(id), `/api/sessions/${id}/source-stops`, { enabled, staleTime: Infinity });
+export const useSourceStops = (id: string, enabled: boolean) =>
+  useGet<Wire.SourceStops>(keys.sourceStops(id), `/api/sessions/${id}/source-stops`, { enabled, staleTime: Infinity });
 export const useCalibrateSource = (id: string) =>
   useChange(
-    (wanted: Wire.SourceCalibrationIn) => api.post<Wire.MagneticSource>(`/api/sessions/${id}/source-calibration`, wanted),
+    (wanted: Wire.SourceCalibrationIn) =>
+      api.post<Wire.MagneticSource>(`/api/sessions/${id}/source-calibration`, wanted),
     () => [keys.magneticSources],
   );
 export const useSourceUse = (id: string, resultId: string | null) =>
-  useGet<Wire.SourceUse>(keys.sourceUse(id, resultId), withQuery(`/api/sessions/${id}/source-use`, { result_id: resultId }), { staleTime: 60_000 });
+  useGet<Wire.SourceUse>(
+    keys.sourceUse(id, resultId),
+    withQuery(`/api/sessions/${id}/source-use`, { result_id: resultId }),
+    { staleTime: 60_000 },
+  );
 export const useMassCentre = (id: string, resultId: string | null) =>
-  useGet<Wire.MassCentre>(keys.massCentre(id, resultId), withQuery(`/api/sessions/${id}/mass-centre`, { result_id: resultId, max_points: 1000 }), { staleTime: 60_000 });
-export const useGait = (id: string | null) => useGet<Wire.Gait>(keys.gait(id ?? ''), `/api/sessions/${id}/gait`, { enabled: id !== null && id !== '', staleTime: 60_000 });
-export const useWalks = (patientId: string) => useAll<Wire.WalkRow>(keys.walks(patientId), `/api/patients/${patientId}/walks`, { enabled: patientId !== '' });
+  useGet<Wire.MassCentre>(
+    keys.massCentre(id, resultId),
+    withQuery(`/api/sessions/${id}/mass-centre`, { result_id: resultId, max_points: 1000 }),
+    { staleTime: 60_000 },
+  );
+export const useGait = (id: string | null) =>
+  useGet<Wire.Gait>(keys.gait(id ?? ''), `/api/sessions/${id}/gait`, {
+    enabled: id !== null && id !== '',
+    staleTime: 60_000,
+  });
+export const useWalks = (patientId: string) =>
+  useAll<Wire.WalkRow>(keys.walks(patientId), `/api/patients/${patientId}/walks`, { enabled: patientId !== '' });
 /** Two conditions compared; asked anew whenever the choice of walks changes. */
 export const useConditions = (patientId: string, a: readonly string[], b: readonly string[]) =>
   useQuery({

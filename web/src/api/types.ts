@@ -92,7 +92,8 @@ export type CalibrationKind = CalibrationIn['kind'];
 export type SensorProgress = Schemas['SensorProgress'];
 export type SensorFinding = Schemas['SensorFinding'];
 export type Differences = Schemas['DifferencesOut'];
-export type LiveMessage = LayoutMessage | StateMessage | HealthMessage | EventMessage | CalibrationMessage | ErrorMessage;
+export type LiveMessage =
+  LayoutMessage | StateMessage | HealthMessage | EventMessage | CalibrationMessage | ErrorMessage;
 export type PlayerCommand = Schemas['PlayerCommand'];
 export type CameraCommand = Schemas['CameraCommand'];
 export type PlayerState = Schemas['PlayerState'];

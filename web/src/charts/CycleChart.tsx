@@ -24,18 +24,37 @@ export function CycleChart({ name, left, right, beforeLeft, beforeRight, height 
   const { factor } = displayUnit(unit);
   const data = useMemo<uPlot.AlignedData>(() => {
     const line = (curve: CycleCurve | undefined) => curve?.mean.map((value) => value * factor) ?? NONE;
-    const edge = (curve: CycleCurve | undefined, sign: number) => curve?.mean.map((value, index) => (value + sign * (curve.spread[index] ?? 0)) * factor) ?? NONE;
-    return [PHASES, edge(left, 1), edge(left, -1), edge(right, 1), edge(right, -1), line(beforeLeft), line(beforeRight), line(left), line(right)] as uPlot.AlignedData;
+    const edge = (curve: CycleCurve | undefined, sign: number) =>
+      curve?.mean.map((value, index) => (value + sign * (curve.spread[index] ?? 0)) * factor) ?? NONE;
+    return [
+      PHASES,
+      edge(left, 1),
+      edge(left, -1),
+      edge(right, 1),
+      edge(right, -1),
+      line(beforeLeft),
+      line(beforeRight),
+      line(left),
+      line(right),
+    ] as uPlot.AlignedData;
   }, [left, right, beforeLeft, beforeRight, factor]);
   const options = useMemo<PlotOptions>(() => {
     const hidden = { stroke: 'transparent', points: { show: false } };
-    const before = (colour: `--tm-${string}`, dash?: number[]) => ({ stroke: () => themeColour(colour), width: 1.2, dash, points: { show: false } });
+    const before = (colour: `--tm-${string}`, dash?: number[]) => ({
+      stroke: () => themeColour(colour),
+      width: 1.2,
+      dash,
+      points: { show: false },
+    });
     return {
       cursor: { show: false },
       legend: { show: false },
       padding: [10, 24, 0, 0],
       scales: { x: { time: false, range: [0, 100] } },
-      axes: [axis({ size: 30, space: 60, values: (_, ticks) => ticks.map((tick) => `${tick} %`) }), axis({ size: 56, space: 38, values: (_, ticks) => ticks.map((tick) => `${Number(tick.toFixed(2))}`) })],
+      axes: [
+        axis({ size: 30, space: 60, values: (_, ticks) => ticks.map((tick) => `${tick} %`) }),
+        axis({ size: 56, space: 38, values: (_, ticks) => ticks.map((tick) => `${Number(tick.toFixed(2))}`) }),
+      ],
       series: [
         {},
         hidden,
@@ -60,7 +79,12 @@ export function CycleChart({ name, left, right, beforeLeft, beforeRight, height 
       <figcaption>
         <span className="strong">{name}</span> {suffix && <span className="muted small">{suffix}</span>}
       </figcaption>
-      <Plot options={options} data={data} height={height} label={t('cycle.summary', { name, left: most(left), right: most(right) })} />
+      <Plot
+        options={options}
+        data={data}
+        height={height}
+        label={t('cycle.summary', { name, left: most(left), right: most(right) })}
+      />
     </figure>
   );
 }

@@ -6,7 +6,8 @@ import { number } from '../lib/format';
 import { floorPath, mapFrame } from '../lib/gait';
 
 /** Outline of a left shoe in metres, seen from above: sensor at the heel, x to the toes, y to the left. */
-const SHOE = 'M-0.055 0C-0.055 0.026-0.038 0.036-0.012 0.036C0.04 0.036 0.075 0.036 0.11 0.046C0.15 0.056 0.19 0.05 0.208 0.022C0.22-0.002 0.212-0.034 0.184-0.046C0.15-0.056 0.12-0.046 0.085-0.034C0.05-0.022 0.02-0.034-0.012-0.034C-0.038-0.034-0.055-0.026-0.055 0Z';
+const SHOE =
+  'M-0.055 0C-0.055 0.026-0.038 0.036-0.012 0.036C0.04 0.036 0.075 0.036 0.11 0.046C0.15 0.056 0.19 0.05 0.208 0.022C0.22-0.002 0.212-0.034 0.184-0.046C0.15-0.056 0.12-0.046 0.085-0.034C0.05-0.022 0.02-0.034-0.012-0.034C-0.038-0.034-0.055-0.026-0.055 0Z';
 
 export interface MapParts {
   mass: boolean;
@@ -41,21 +42,48 @@ export function FootprintMap({ gait, parts, selected }: FootprintMapProps) {
     // eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex -- a scrolling region must be reachable by keyboard
     <div className="map-scroll" ref={box} role="group" aria-label={t('map.title')} tabIndex={0}>
       <svg width={width} height={height} viewBox={`0 0 ${width} ${height}`} role="img" aria-labelledby={title}>
-        <title id={title}>{t('map.summary', { left: count('left'), right: count('right'), length: number(frame.maxX - frame.minX - 0.6, 1) })}</title>
+        <title id={title}>
+          {t('map.summary', {
+            left: count('left'),
+            right: count('right'),
+            length: number(frame.maxX - frame.minX - 0.6, 1),
+          })}
+        </title>
         {Array.from({ length: Math.ceil(frame.maxX) - Math.ceil(frame.minX) }, (_, index) => {
           const x = (Math.ceil(frame.minX) + index - frame.minX) * scale;
           return <path key={index} d={`M${x} 0V${floor}`} stroke="var(--tm-line)" strokeWidth="1" />;
         })}
         {parts.support &&
-          gait.balance?.support.map((one) => one.outline_m.length > 2 && <path key={one.time_s} d={`${floorPath(one.outline_m, frame)}Z`} fill="var(--tm-series-4)" fillOpacity="0.05" stroke="var(--tm-series-4)" strokeOpacity="0.4" strokeWidth="1" />)}
+          gait.balance?.support.map(
+            (one) =>
+              one.outline_m.length > 2 && (
+                <path
+                  key={one.time_s}
+                  d={`${floorPath(one.outline_m, frame)}Z`}
+                  fill="var(--tm-series-4)"
+                  fillOpacity="0.05"
+                  stroke="var(--tm-series-4)"
+                  strokeOpacity="0.4"
+                  strokeWidth="1"
+                />
+              ),
+          )}
         {gait.feet.map((foot) =>
           foot.footholds.map((hold, index) => {
             const isLeft = foot.side === 'left';
-            const isSelected = selected !== null && selected.side === foot.side && (selected.number === index || selected.number === index + 1);
+            const isSelected =
+              selected !== null &&
+              selected.side === foot.side &&
+              (selected.number === index || selected.number === index + 1);
             const x = (hold.x_m - frame.minX) * scale;
             const y = (frame.maxY - hold.y_m) * scale;
             return (
-              <g key={`${foot.side}${index}`} transform={`translate(${x.toFixed(1)} ${y.toFixed(1)}) rotate(${((-hold.heading_rad * 180) / Math.PI).toFixed(1)})`} className={`print print-${foot.side}`} data-selected={isSelected || undefined}>
+              <g
+                key={`${foot.side}${index}`}
+                transform={`translate(${x.toFixed(1)} ${y.toFixed(1)}) rotate(${((-hold.heading_rad * 180) / Math.PI).toFixed(1)})`}
+                className={`print print-${foot.side}`}
+                data-selected={isSelected || undefined}
+              >
                 <g transform={`scale(${scale} ${isLeft ? -scale : scale})`}>
                   <path d={SHOE} vectorEffect="non-scaling-stroke" />
                 </g>
@@ -66,8 +94,26 @@ export function FootprintMap({ gait, parts, selected }: FootprintMapProps) {
             );
           }),
         )}
-        {parts.pressure && gait.balance && <path d={floorPath(gait.balance.pressure_m, frame)} fill="none" stroke="var(--tm-series-3)" strokeWidth="1.8" strokeDasharray="5 3" strokeLinejoin="round" />}
-        {parts.mass && gait.balance && <path d={floorPath(gait.balance.centre_m, frame)} fill="none" stroke="var(--tm-ink)" strokeWidth="3.2" strokeLinejoin="round" strokeLinecap="round" />}
+        {parts.pressure && gait.balance && (
+          <path
+            d={floorPath(gait.balance.pressure_m, frame)}
+            fill="none"
+            stroke="var(--tm-series-3)"
+            strokeWidth="1.8"
+            strokeDasharray="5 3"
+            strokeLinejoin="round"
+          />
+        )}
+        {parts.mass && gait.balance && (
+          <path
+            d={floorPath(gait.balance.centre_m, frame)}
+            fill="none"
+            stroke="var(--tm-ink)"
+            strokeWidth="3.2"
+            strokeLinejoin="round"
+            strokeLinecap="round"
+          />
+        )}
         <g transform={`translate(8 ${floor + 20})`}>
           <path d={`M0 -5V5M0 0H${scale}M${scale} -5V5`} stroke="var(--tm-muted)" strokeWidth="1.5" />
           <text x={scale + 8} y="5" fontSize="14" fill="var(--tm-muted)">

@@ -53,7 +53,12 @@ export function LineChart({ lines, xTitle, yTitle, label, logarithmic = false, h
           {lines.map((line, index) => (
             <li key={line.name}>
               <svg width="34" height="14" aria-hidden>
-                <path d="M0 7h34" stroke={`var(${colourOf(index)})`} strokeWidth="3" strokeDasharray={dashOf(index)?.join(' ')} />
+                <path
+                  d="M0 7h34"
+                  stroke={`var(${colourOf(index)})`}
+                  strokeWidth="3"
+                  strokeDasharray={dashOf(index)?.join(' ')}
+                />
               </svg>
               {line.name}
             </li>

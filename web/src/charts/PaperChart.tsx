@@ -59,7 +59,9 @@ export function pathOf(values: Values, x: (index: number) => number, y: (value: 
 }
 
 function bandOf(low: Values, high: Values, x: (index: number) => number, y: (value: number) => number): string {
-  const there = low.flatMap((value, index) => (value !== null && high[index] !== null && high[index] !== undefined ? [index] : []));
+  const there = low.flatMap((value, index) =>
+    value !== null && high[index] !== null && high[index] !== undefined ? [index] : [],
+  );
   if (there.length < 2) return '';
   const upper = there.map((index) => `${x(index).toFixed(1)} ${y(high[index] as number).toFixed(1)}`);
   const lower = there.reverse().map((index) => `${x(index).toFixed(1)} ${y(low[index] as number).toFixed(1)}`);
@@ -78,7 +80,12 @@ function Axes({ at, suffix, xTicks }: { at: Frame; suffix: string; xTicks: { at:
         </g>
       ))}
       {xTicks.map((tick, index) => (
-        <text key={tick.text} x={tick.at} y={at.height - 9} textAnchor={index === 0 && tick.at <= LEFT + 1 ? 'start' : tick.at >= at.width - RIGHT - 1 ? 'end' : 'middle'}>
+        <text
+          key={tick.text}
+          x={tick.at}
+          y={at.height - 9}
+          textAnchor={index === 0 && tick.at <= LEFT + 1 ? 'start' : tick.at >= at.width - RIGHT - 1 ? 'end' : 'middle'}
+        >
           {tick.text}
         </text>
       ))}
@@ -98,7 +105,15 @@ export function joined(stretches: readonly { from: number; until: number }[]): {
 }
 
 /** One channel over the phases: template with band, every repetition that counts, thick and barred where it leaves the band. */
-export function PaperPhases({ curve, left, outside = [] }: { curve: PhaseCurve; left: ReadonlySet<number>; outside?: readonly OutsideStretch[] }) {
+export function PaperPhases({
+  curve,
+  left,
+  outside = [],
+}: {
+  curve: PhaseCurve;
+  left: ReadonlySet<number>;
+  outside?: readonly OutsideStretch[];
+}) {
   const unit = displayUnit(curve.unit);
   const scaled = (values: Values) => values.map((value) => (value === null ? null : value * unit.factor));
   const low = scaled(curve.low);
@@ -109,17 +124,44 @@ export function PaperPhases({ curve, left, outside = [] }: { curve: PhaseCurve; 
   const at = frame(PHASES, range[0], range[1], 0, 100);
   const own = extent(...repetitions);
   return (
-    <svg className="paper-chart" viewBox={`0 0 ${at.width} ${at.height}`} role="img" aria-label={t('report.phaseLabel', { label: curve.label, low: quantity(own ? own[0] / unit.factor : null, curve.unit), high: quantity(own ? own[1] / unit.factor : null, curve.unit) })}>
-      <Axes at={at} suffix={unit.suffix === '°' ? '°' : ''} xTicks={[0, 25, 50, 75, 100].map((phase) => ({ at: at.x(phase), text: `${phase} %` }))} />
+    <svg
+      className="paper-chart"
+      viewBox={`0 0 ${at.width} ${at.height}`}
+      role="img"
+      aria-label={t('report.phaseLabel', {
+        label: curve.label,
+        low: quantity(own ? own[0] / unit.factor : null, curve.unit),
+        high: quantity(own ? own[1] / unit.factor : null, curve.unit),
+      })}
+    >
+      <Axes
+        at={at}
+        suffix={unit.suffix === '°' ? '°' : ''}
+        xTicks={[0, 25, 50, 75, 100].map((phase) => ({ at: at.x(phase), text: `${phase} %` }))}
+      />
       <path className="paper-band" d={bandOf(low, high, at.x, at.y)} />
       {repetitions.map((values, index) => (
         <path key={index} className="paper-line" d={pathOf(values, at.x, at.y)} />
       ))}
       {outside.map(({ repetition, from, until }) => (
-        <path key={`${repetition}/${from}`} className="paper-outside" d={pathOf(scaled(curve.repetitions[repetition] ?? []).map((value, phase) => (phase >= from && phase < until ? value : null)), at.x, at.y)} />
+        <path
+          key={`${repetition}/${from}`}
+          className="paper-outside"
+          d={pathOf(
+            scaled(curve.repetitions[repetition] ?? []).map((value, phase) =>
+              phase >= from && phase < until ? value : null,
+            ),
+            at.x,
+            at.y,
+          )}
+        />
       ))}
       {joined(outside).map(({ from, until }) => (
-        <path key={from} className="paper-outside-bar" d={`M${at.x(from).toFixed(1)} ${BAR - 4}v8m0 -4H${at.x(Math.min(until, 100)).toFixed(1)}m0 -4v8`} />
+        <path
+          key={from}
+          className="paper-outside-bar"
+          d={`M${at.x(from).toFixed(1)} ${BAR - 4}v8m0 -4H${at.x(Math.min(until, 100)).toFixed(1)}m0 -4v8`}
+        />
       ))}
       <path className="paper-template" d={pathOf(mean, at.x, at.y)} />
     </svg>
@@ -127,16 +169,31 @@ export function PaperPhases({ curve, left, outside = [] }: { curve: PhaseCurve; 
 }
 
 /** One quantity over the gait cycle: left drawn through, right dashed, each with its band. */
-export function PaperCycle({ name, left, right }: { name: string; left: CycleCurve | undefined; right: CycleCurve | undefined }) {
+export function PaperCycle({
+  name,
+  left,
+  right,
+}: {
+  name: string;
+  left: CycleCurve | undefined;
+  right: CycleCurve | undefined;
+}) {
   const unit = displayUnit((left ?? right)?.unit ?? '');
-  const edge = (curve: CycleCurve | undefined, sign: number) => (curve?.mean ?? []).map((value, index) => (value + sign * (curve?.spread[index] ?? 0)) * unit.factor);
+  const edge = (curve: CycleCurve | undefined, sign: number) =>
+    (curve?.mean ?? []).map((value, index) => (value + sign * (curve?.spread[index] ?? 0)) * unit.factor);
   const line = (curve: CycleCurve | undefined) => edge(curve, 0);
   const range = extent(edge(left, 1), edge(left, -1), edge(right, 1), edge(right, -1)) ?? [0, 1];
   const at = frame(PHASES, range[0], range[1], 0, 100);
   const x = (index: number) => at.x(2 * index);
-  const most = (curve: CycleCurve | undefined) => quantity(curve ? Math.max(...curve.mean) : null, (left ?? right)?.unit ?? '');
+  const most = (curve: CycleCurve | undefined) =>
+    quantity(curve ? Math.max(...curve.mean) : null, (left ?? right)?.unit ?? '');
   return (
-    <svg className="paper-chart" viewBox={`0 0 ${at.width} ${at.height}`} role="img" aria-label={t('cycle.summary', { name, left: most(left), right: most(right) })}>
+    <svg
+      className="paper-chart"
+      viewBox={`0 0 ${at.width} ${at.height}`}
+      role="img"
+      aria-label={t('cycle.summary', { name, left: most(left), right: most(right) })}
+    >
       <Axes at={at} suffix="" xTicks={[0, 25, 50, 75, 100].map((phase) => ({ at: at.x(phase), text: `${phase} %` }))} />
       <path className="paper-band paper-band-own" d={bandOf(edge(left, -1), edge(left, 1), x, at.y)} />
       <path className="paper-band" d={bandOf(edge(right, -1), edge(right, 1), x, at.y)} />
@@ -160,14 +217,40 @@ export function PaperProgress({ measure, sessionId }: { measure: ProgressMeasure
   const x = (index: number) => at.x(times[index] ?? 0);
   const last = points.length - 1;
   // The first and the last day are named, and those between that leave room for their neighbours.
-  const shown = points.reduce<number[]>((named, _, index) => (index === 0 || index === last || (x(index) - x(named.at(-1) ?? 0) >= LABEL && x(last) - x(index) >= LABEL) ? [...named, index] : named), []);
+  const shown = points.reduce<number[]>(
+    (named, _, index) =>
+      index === 0 || index === last || (x(index) - x(named.at(-1) ?? 0) >= LABEL && x(last) - x(index) >= LABEL)
+        ? [...named, index]
+        : named,
+    [],
+  );
   return (
-    <svg className="paper-chart" viewBox={`0 0 ${at.width} ${at.height}`} role="img" aria-label={t('report.progressLabel', { label: measure.label, count: points.length, first: quantity(points[0]?.value, measure.unit), last: quantity(points.at(-1)?.value, measure.unit) })}>
-      <Axes at={at} suffix={unit.suffix === '°' ? '°' : ''} xTicks={shown.map((index) => ({ at: x(index), text: date(points[index]?.at ?? '') }))} />
+    <svg
+      className="paper-chart"
+      viewBox={`0 0 ${at.width} ${at.height}`}
+      role="img"
+      aria-label={t('report.progressLabel', {
+        label: measure.label,
+        count: points.length,
+        first: quantity(points[0]?.value, measure.unit),
+        last: quantity(points.at(-1)?.value, measure.unit),
+      })}
+    >
+      <Axes
+        at={at}
+        suffix={unit.suffix === '°' ? '°' : ''}
+        xTicks={shown.map((index) => ({ at: x(index), text: date(points[index]?.at ?? '') }))}
+      />
       <path className="paper-band paper-band-own" d={bandOf(low, high, x, at.y)} />
       <path className="paper-line paper-line-strong" d={pathOf(values, x, at.y)} />
       {values.map((value, index) => (
-        <circle key={points[index]?.session_id} className={points[index]?.session_id === sessionId ? 'paper-point paper-point-here' : 'paper-point'} cx={x(index)} cy={at.y(value)} r="3.6" />
+        <circle
+          key={points[index]?.session_id}
+          className={points[index]?.session_id === sessionId ? 'paper-point paper-point-here' : 'paper-point'}
+          cx={x(index)}
+          cy={at.y(value)}
+          r="3.6"
+        />
       ))}
     </svg>
   );

@@ -102,7 +102,16 @@ function nearest(plot: uPlot, phase: number, top: number, drawn: Drawn): number 
 const PHASES = Array.from({ length: 101 }, (_, phase) => phase);
 const OFFSET = 3;
 
-export function PhaseChart({ curve, left = new Set(), selected = null, outside = [], bandScale = 1, onPhase, height = 240, phaseNow }: PhaseChartProps) {
+export function PhaseChart({
+  curve,
+  left = new Set(),
+  selected = null,
+  outside = [],
+  bandScale = 1,
+  onPhase,
+  height = 240,
+  phaseNow,
+}: PhaseChartProps) {
   const unit = displayUnit(curve.unit);
   const drawn = useRef<Drawn>({ outside, left, selected, offset: OFFSET, onPhase });
   drawn.current = { outside, left, selected, offset: OFFSET, onPhase };
@@ -128,7 +137,11 @@ export function PhaseChart({ curve, left = new Set(), selected = null, outside =
       },
       axes: [
         axis({ size: 30, space: 60, values: (_, ticks) => ticks.map((tick) => `${tick} %`) }),
-        axis({ size: unit.suffix.length > 2 ? 80 : 56, space: 38, values: (_, ticks) => ticks.map((at) => tick(at, unit)) }),
+        axis({
+          size: unit.suffix.length > 2 ? 80 : 56,
+          space: 38,
+          values: (_, ticks) => ticks.map((at) => tick(at, unit)),
+        }),
       ],
       series: [
         {},
@@ -162,10 +175,21 @@ export function PhaseChart({ curve, left = new Set(), selected = null, outside =
   }, [count, isClickable, scaled, unit, sign]);
 
   const data = useMemo<uPlot.AlignedData>(() => {
-    const show = (values: readonly (number | null)[]) => values.map((value) => (value === null || !Number.isFinite(value) ? null : value * scaled));
+    const show = (values: readonly (number | null)[]) =>
+      values.map((value) => (value === null || !Number.isFinite(value) ? null : value * scaled));
     const band = (edge: readonly (number | null)[]) =>
-      show(edge.map((value, phase) => (curve.mean[phase] ?? NaN) + ((value ?? NaN) - (curve.mean[phase] ?? NaN)) * bandScale));
-    return [PHASES, band(curve.low), band(curve.high), ...curve.repetitions.map(show), show(curve.mean)] as uPlot.AlignedData;
+      show(
+        edge.map(
+          (value, phase) => (curve.mean[phase] ?? NaN) + ((value ?? NaN) - (curve.mean[phase] ?? NaN)) * bandScale,
+        ),
+      );
+    return [
+      PHASES,
+      band(curve.low),
+      band(curve.high),
+      ...curve.repetitions.map(show),
+      show(curve.mean),
+    ] as uPlot.AlignedData;
   }, [curve, bandScale, scaled]);
 
   const plot = useRef<uPlot | null>(null);
@@ -179,7 +203,8 @@ export function PhaseChart({ curve, left = new Set(), selected = null, outside =
       const element = head.current;
       if (!element) return;
       element.hidden = phase === null || plot.current === null;
-      if (phase !== null && plot.current) element.style.left = `${plot.current.valToPos(phase, 'x') + plot.current.over.offsetLeft}px`;
+      if (phase !== null && plot.current)
+        element.style.left = `${plot.current.valToPos(phase, 'x') + plot.current.over.offsetLeft}px`;
     };
     step();
     return () => cancelAnimationFrame(frame);
@@ -190,18 +215,18 @@ export function PhaseChart({ curve, left = new Set(), selected = null, outside =
   return (
     <div className="trace-plot">
       <Plot
-      options={options}
-      data={data}
-      height={height}
-      onReady={(made) => void (plot.current = made)}
-      label={
-        t('phase.summary', {
-          label: curve.label,
-          low: quantity(range?.[0], curve.unit),
-          high: quantity(range?.[1], curve.unit),
-          count: count - left.size,
-        }) + (outside.length ? ` ${t('phase.summaryOutside', { count: leaves })}` : '')
-      }
+        options={options}
+        data={data}
+        height={height}
+        onReady={(made) => void (plot.current = made)}
+        label={
+          t('phase.summary', {
+            label: curve.label,
+            low: quantity(range?.[0], curve.unit),
+            high: quantity(range?.[1], curve.unit),
+            count: count - left.size,
+          }) + (outside.length ? ` ${t('phase.summaryOutside', { count: leaves })}` : '')
+        }
       />
       {phaseNow && <span className="trace-cursor" data-testid="playhead" aria-hidden hidden ref={head} />}
     </div>

@@ -44,7 +44,11 @@ export function Plot({ options, data, height, label, onReady }: PlotProps) {
   useLayoutEffect(() => {
     const element = box.current;
     if (!element) return;
-    const made = new uPlot({ ...options, width: Math.max(60, element.clientWidth), height }, latest.current.data, element);
+    const made = new uPlot(
+      { ...options, width: Math.max(60, element.clientWidth), height },
+      latest.current.data,
+      element,
+    );
     plot.current = made;
     latest.current.onReady?.(made);
     const observer = new ResizeObserver(() => {

@@ -9,7 +9,17 @@ import { axis, Plot, themeColour, type PlotOptions } from './Plot';
 const seconds = (at: string) => new Date(at).getTime() / 1000;
 
 /** The verdict on a change: only called a change when it is larger than two sessions differ by chance. */
-export function changeText({ change, is_real_change: isReal, unit, limit }: { change?: number | null; is_real_change?: boolean | null; unit: string; limit: number | null | undefined }): string {
+export function changeText({
+  change,
+  is_real_change: isReal,
+  unit,
+  limit,
+}: {
+  change?: number | null;
+  is_real_change?: boolean | null;
+  unit: string;
+  limit: number | null | undefined;
+}): string {
   if (change === null || change === undefined || isReal === null || isReal === undefined) return t('progress.tooFew');
   const words = { change: difference(change, unit), limit: span(limit, unit) };
   return isReal ? t('progress.changeReal', words) : t('progress.changeNotReal', words);
@@ -40,12 +50,23 @@ function pins(plot: uPlot, events: readonly ProgressEvent[]): void {
 /** Room of a date under the axis. */
 const DATE_PX = 76;
 
-export function ProgressChart({ measure, events, height = 260 }: { measure: ProgressMeasure; events: readonly ProgressEvent[]; height?: number }) {
+export function ProgressChart({
+  measure,
+  events,
+  height = 260,
+}: {
+  measure: ProgressMeasure;
+  events: readonly ProgressEvent[];
+  height?: number;
+}) {
   const unit = displayUnit(measure.unit);
   const { points } = measure;
   const firstS = points[0] ? seconds(points[0].at) : 0;
   const lastS = points.at(-1) ? seconds(points.at(-1)?.at ?? '') : 1;
-  const within = useMemo(() => events.filter((event) => seconds(event.at) >= firstS - 43_200 && seconds(event.at) <= lastS + 43_200), [events, firstS, lastS]);
+  const within = useMemo(
+    () => events.filter((event) => seconds(event.at) >= firstS - 43_200 && seconds(event.at) <= lastS + 43_200),
+    [events, firstS, lastS],
+  );
   const options = useMemo<PlotOptions>(
     () => ({
       cursor: { show: false },
@@ -73,12 +94,20 @@ export function ProgressChart({ measure, events, height = 260 }: { measure: Prog
             const most = Math.min(6, Math.max(1, Math.floor(chart.over.clientWidth / DATE_PX)));
             const every = Math.max(1, Math.ceil(days / most));
             const start = new Date(low * 1000);
-            const first = new Date(start.getFullYear(), start.getMonth(), start.getDate() + 1).getTime() / 1000 + 43_200;
-            return Array.from({ length: Math.ceil(days / every) }, (___, index) => first + index * every * 86_400).filter((at) => at <= high);
+            const first =
+              new Date(start.getFullYear(), start.getMonth(), start.getDate() + 1).getTime() / 1000 + 43_200;
+            return Array.from(
+              { length: Math.ceil(days / every) },
+              (___, index) => first + index * every * 86_400,
+            ).filter((at) => at <= high);
           },
           values: (_, ticks) => ticks.map((tick) => date(new Date(tick * 1000))),
         }),
-        axis({ size: unit.suffix.length > 2 ? 84 : 60, space: 44, values: (_, ticks) => ticks.map((at) => tick(at, unit)) }),
+        axis({
+          size: unit.suffix.length > 2 ? 84 : 60,
+          space: 44,
+          values: (_, ticks) => ticks.map((at) => tick(at, unit)),
+        }),
       ],
       series: [
         {},
@@ -87,7 +116,13 @@ export function ProgressChart({ measure, events, height = 260 }: { measure: Prog
         {
           stroke: () => themeColour('--tm-accent'),
           width: 3,
-          points: { show: true, size: 10, width: 3, stroke: () => themeColour('--tm-accent'), fill: () => themeColour('--tm-surface') },
+          points: {
+            show: true,
+            size: 10,
+            width: 3,
+            stroke: () => themeColour('--tm-accent'),
+            fill: () => themeColour('--tm-surface'),
+          },
         },
       ],
       bands: [{ series: [2, 1], fill: () => themeColour('--tm-accent-band') }],

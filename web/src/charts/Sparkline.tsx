@@ -14,10 +14,20 @@ export interface SparklineProps {
 }
 
 /** Points of a polyline in the box, x even, y up. */
-export function polyline(values: readonly number[], minimum: number, maximum: number, width: number, height: number, pad: number): [number, number][] {
+export function polyline(
+  values: readonly number[],
+  minimum: number,
+  maximum: number,
+  width: number,
+  height: number,
+  pad: number,
+): [number, number][] {
   const span = maximum - minimum || 1;
   const step = values.length > 1 ? (width - 2 * pad) / (values.length - 1) : 0;
-  return values.map((value, index) => [pad + index * step, height - pad - ((value - minimum) / span) * (height - 2 * pad)]);
+  return values.map((value, index) => [
+    pad + index * step,
+    height - pad - ((value - minimum) / span) * (height - 2 * pad),
+  ]);
 }
 
 const path = (points: readonly [number, number][]) =>
@@ -31,10 +41,18 @@ export function Sparkline({ values, low, high, unit, label, width = 150, height 
   const maximum = Math.max(...finite);
   const place = (series: readonly number[]) => polyline(series, minimum, maximum, width, height, 5);
   const line = place(values);
-  const band = low.length === values.length && high.length === values.length ? [...place(high), ...place(low).reverse()] : [];
+  const band =
+    low.length === values.length && high.length === values.length ? [...place(high), ...place(low).reverse()] : [];
   const last = line.at(-1);
   return (
-    <svg width={width} height={height} viewBox={`0 0 ${width} ${height}`} role="img" aria-labelledby={title} style={{ flex: 'none' }}>
+    <svg
+      width={width}
+      height={height}
+      viewBox={`0 0 ${width} ${height}`}
+      role="img"
+      aria-labelledby={title}
+      style={{ flex: 'none' }}
+    >
       <title id={title}>
         {t('trend.summary', {
           label,
@@ -44,7 +62,14 @@ export function Sparkline({ values, low, high, unit, label, width = 150, height 
         })}
       </title>
       {band.length > 2 && <path d={`${path(band)}Z`} fill="var(--tm-accent-band)" />}
-      <path d={path(line)} fill="none" stroke="var(--tm-accent)" strokeWidth="2.4" strokeLinejoin="round" strokeLinecap="round" />
+      <path
+        d={path(line)}
+        fill="none"
+        stroke="var(--tm-accent)"
+        strokeWidth="2.4"
+        strokeLinejoin="round"
+        strokeLinecap="round"
+      />
       {last && <circle cx={last[0]} cy={last[1]} r="4" fill="var(--tm-accent)" />}
     </svg>
   );

@@ -62,8 +62,18 @@ function traceOptions(chart: Chart, unit: string, isLive: boolean, onSeek: Trace
       y: { range: () => steadyRange(chart.low, chart.high, step, 2 * step) },
     },
     axes: [
-      axis({ show: true, size: 22, space: 70, incrs: [1, 2, 5, 10, 15, 30, 60], values: (_, ticks) => ticks.map((tick) => (isLive && tick === 0 ? t('traces.now') : `${number(tick)} s`)) }),
-      axis({ size: 52, space: 34, values: (_, ticks) => ticks.map((tick) => `${tick}${shown.suffix.trim() === '°' ? '°' : ''}`) }),
+      axis({
+        show: true,
+        size: 22,
+        space: 70,
+        incrs: [1, 2, 5, 10, 15, 30, 60],
+        values: (_, ticks) => ticks.map((tick) => (isLive && tick === 0 ? t('traces.now') : `${number(tick)} s`)),
+      }),
+      axis({
+        size: 52,
+        space: 34,
+        values: (_, ticks) => ticks.map((tick) => `${tick}${shown.suffix.trim() === '°' ? '°' : ''}`),
+      }),
     ],
     series: [
       {},
@@ -102,7 +112,16 @@ function traceOptions(chart: Chart, unit: string, isLive: boolean, onSeek: Trace
 const EMPTY_DATA: uPlot.AlignedData = [[], [], [], [], [], [], []];
 
 /** Read the window and draw it; returns what a person would read from the curve. */
-function draw(chart: Chart, player: Player, unit: string, fromS: number, untilS: number, cursorS: number, zeroS: number, templateAt?: TemplateAt): void {
+function draw(
+  chart: Chart,
+  player: Player,
+  unit: string,
+  fromS: number,
+  untilS: number,
+  cursorS: number,
+  zeroS: number,
+  templateAt?: TemplateAt,
+): void {
   const { plot } = chart;
   if (!plot) return;
   const { channel } = chart;
@@ -138,10 +157,19 @@ function draw(chart: Chart, player: Player, unit: string, fromS: number, untilS:
   [chart.low, chart.high] = extent(value, mean) ?? [NaN, NaN];
   chart.reading = range ? { now, low: range[0], high: range[1] } : null;
   // uPlot draws a break at null, not at NaN.
-  const breaks = (array: Float64Array): (number | null)[] => Array.from(array, (one) => (Number.isNaN(one) ? null : one));
+  const breaks = (array: Float64Array): (number | null)[] =>
+    Array.from(array, (one) => (Number.isNaN(one) ? null : one));
   plot.batch(() => {
     plot.setData(
-      [Array.from(read.timeS, (at) => at - zeroS), breaks(bandLow), breaks(bandHigh), breaks(mean), breaks(low), breaks(high), breaks(value)],
+      [
+        Array.from(read.timeS, (at) => at - zeroS),
+        breaks(bandLow),
+        breaks(bandHigh),
+        breaks(mean),
+        breaks(low),
+        breaks(high),
+        breaks(value),
+      ],
       false,
     );
     plot.setScale('x', { min: fromS - zeroS, max: untilS - zeroS });
@@ -160,7 +188,15 @@ export function Traces({ player, channels, windowS = 10, templateAt, onSeek, too
   const described = useMemo(
     () =>
       channels.map((channel) => {
-        const chart: Chart = { channel, plot: null, value: null, flags: new Float32Array(0), reading: null, low: NaN, high: NaN };
+        const chart: Chart = {
+          channel,
+          plot: null,
+          value: null,
+          flags: new Float32Array(0),
+          reading: null,
+          low: NaN,
+          high: NaN,
+        };
         charts.current.set(channel, chart);
         const label = channelLabel(channel);
         return { channel, chart, label, options: traceOptions(chart, label.unit, isLive, onSeek) };
@@ -179,7 +215,9 @@ export function Traces({ player, channels, windowS = 10, templateAt, onSeek, too
       const clock = player.clock();
       // In a replay the window goes with the cursor, and stays inside the recording.
       const latestS = Math.max(clock.startS, clock.endS - windowS);
-      const fromS = isLive ? clock.timeS - windowS : Math.min(latestS, Math.max(clock.startS, clock.timeS - windowS / 2));
+      const fromS = isLive
+        ? clock.timeS - windowS
+        : Math.min(latestS, Math.max(clock.startS, clock.timeS - windowS / 2));
       const untilS = fromS + windowS;
       const sign = `${clock.timeS}/${fromS}/${player.getSnapshot().epoch}/${described.map((one) => Number(one.chart.plot !== null)).join('')}`;
       if (sign === drawn) return;
@@ -190,7 +228,8 @@ export function Traces({ player, channels, windowS = 10, templateAt, onSeek, too
         const zeroS = isLive ? clock.timeS : clock.startS;
         draw(chart, player, label.unit, fromS, isLive ? untilS + 1e-9 : untilS, clock.timeS, zeroS, templateAt);
         const cursor = cursors.current.get(channel);
-        if (cursor && chart.plot) cursor.style.left = `${chart.plot.valToPos(clock.timeS - zeroS, 'x') + chart.plot.over.offsetLeft}px`;
+        if (cursor && chart.plot)
+          cursor.style.left = `${chart.plot.valToPos(clock.timeS - zeroS, 'x') + chart.plot.over.offsetLeft}px`;
       }
     };
     frame = requestAnimationFrame(step);
@@ -204,37 +243,47 @@ export function Traces({ player, channels, windowS = 10, templateAt, onSeek, too
           <Button
             variant="default"
             size="sm"
-            leftSection={snapshot.isPlaying ? <IconPlayerPause size={18} aria-hidden /> : <IconPlayerPlay size={18} aria-hidden />}
+            leftSection={
+              snapshot.isPlaying ? <IconPlayerPause size={18} aria-hidden /> : <IconPlayerPlay size={18} aria-hidden />
+            }
             onClick={() => (snapshot.isPlaying ? player.pause() : player.play())}
           >
             {snapshot.isPlaying ? t('traces.pause') : t('traces.resume')}
           </Button>
-          <span className="muted small">{!snapshot.isPlaying ? t('traces.paused') : channels.some(hasSigma) ? t('traces.band') : ''}</span>
+          <span className="muted small">
+            {!snapshot.isPlaying ? t('traces.paused') : channels.some(hasSigma) ? t('traces.band') : ''}
+          </span>
           {tools && <span className="push">{tools}</span>}
         </div>
       )}
       <div className="trace-list">
-      {described.map(({ channel, chart, label, options }) => (
-        <div className="trace" key={channel}>
-          <div className="trace-name">
-            <span className="strong">{label.text}</span>
-            <span className="trace-value number" ref={(element) => void (chart.value = element)} />
-            <span className="muted trace-convention">{label.convention}</span>
-          </div>
-          <div className="trace-plot">
-            <Plot options={options} data={EMPTY_DATA} height={HEIGHT} label={t('traces.label', { name: label.text })} onReady={(plot) => void (chart.plot = plot)} />
-            {!isLive && (
-              <span
-                className="trace-cursor"
-                aria-hidden
-                ref={(element) => {
-                  if (element) cursors.current.set(channel, element);
-                }}
+        {described.map(({ channel, chart, label, options }) => (
+          <div className="trace" key={channel}>
+            <div className="trace-name">
+              <span className="strong">{label.text}</span>
+              <span className="trace-value number" ref={(element) => void (chart.value = element)} />
+              <span className="muted trace-convention">{label.convention}</span>
+            </div>
+            <div className="trace-plot">
+              <Plot
+                options={options}
+                data={EMPTY_DATA}
+                height={HEIGHT}
+                label={t('traces.label', { name: label.text })}
+                onReady={(plot) => void (chart.plot = plot)}
               />
-            )}
+              {!isLive && (
+                <span
+                  className="trace-cursor"
+                  aria-hidden
+                  ref={(element) => {
+                    if (element) cursors.current.set(channel, element);
+                  }}
+                />
+              )}
+            </div>
           </div>
-        </div>
-      ))}
+        ))}
       </div>
       <TraceTable readings={() => described.map(({ chart, label }) => ({ label, reading: chart.reading }))} />
     </div>
@@ -255,7 +304,8 @@ function TraceTable({ readings }: { readings: () => ReadingRow[] }) {
     const timer = setInterval(() => setRows(ask.current()), 1000);
     return () => clearInterval(timer);
   }, [isOpen]);
-  const say = (value: number | undefined, unit: string) => (value === undefined ? '–' : quantity(value / displayUnit(unit).factor, unit));
+  const say = (value: number | undefined, unit: string) =>
+    value === undefined ? '–' : quantity(value / displayUnit(unit).factor, unit);
   return (
     <details className="as-table" onToggle={(event) => setOpen(event.currentTarget.open)}>
       <summary>{t('chart.asTable')}</summary>

@@ -64,7 +64,9 @@ export interface Line {
 
 /** Lines over one rising axis, as a chart needs them; where a line has no point of its own it has undefined, which is drawn through. */
 export function aligned(lines: readonly Line[]): (number | null | undefined)[][] {
-  const tables = lines.map((line) => new Map(line.x.flatMap((x, index) => (x === null ? [] : [[x, line.y[index] ?? null] as const]))));
+  const tables = lines.map(
+    (line) => new Map(line.x.flatMap((x, index) => (x === null ? [] : [[x, line.y[index] ?? null] as const]))),
+  );
   const axis = [...new Set(tables.flatMap((table) => [...table.keys()]))].sort((a, b) => a - b);
   return [axis, ...tables.map((table) => axis.map((x) => table.get(x)))];
 }

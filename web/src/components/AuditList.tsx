@@ -28,7 +28,8 @@ export function AuditList({ entries }: { entries: readonly AuditEntry[] }) {
               <span className="strong">{who}</span> <span className="muted">({tOr(`role.${role}`, role)})</span>
             </span>
             <span className="muted number">
-              {date(day)}, {clockTime(first) === clockTime(last) ? clockTime(last) : `${clockTime(first)}–${clockTime(last)}`}
+              {date(day)},{' '}
+              {clockTime(first) === clockTime(last) ? clockTime(last) : `${clockTime(first)}–${clockTime(last)}`}
             </span>
           </div>
           <ul className="audit-deeds">

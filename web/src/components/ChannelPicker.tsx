@@ -6,7 +6,15 @@ import { channelLabel } from '../lib/channels';
 const MOST = 8;
 
 /** Which angles are drawn; at most eight, so that each stays readable. */
-export function ChannelPicker({ available, value, onChange }: { available: readonly string[]; value: readonly string[]; onChange: (channels: string[]) => void }) {
+export function ChannelPicker({
+  available,
+  value,
+  onChange,
+}: {
+  available: readonly string[];
+  value: readonly string[];
+  onChange: (channels: string[]) => void;
+}) {
   const toggle = (channel: string) => {
     const next = value.includes(channel) ? value.filter((one) => one !== channel) : [...value, channel];
     onChange(available.filter((one) => next.includes(one)));
@@ -22,7 +30,13 @@ export function ChannelPicker({ available, value, onChange }: { available: reado
         <fieldset className="fieldset picker">
           <legend>{t('channels.legend', { most: MOST })}</legend>
           {available.map((channel) => (
-            <Checkbox key={channel} label={channelLabel(channel).text} checked={value.includes(channel)} disabled={!value.includes(channel) && value.length >= MOST} onChange={() => toggle(channel)} />
+            <Checkbox
+              key={channel}
+              label={channelLabel(channel).text}
+              checked={value.includes(channel)}
+              disabled={!value.includes(channel) && value.length >= MOST}
+              onChange={() => toggle(channel)}
+            />
           ))}
         </fieldset>
       </Popover.Dropdown>

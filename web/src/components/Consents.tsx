@@ -14,7 +14,9 @@ export function Consents({ patientId, mayChange = true }: { patientId: string; m
   const consents = useConsents(patientId);
   const change = useConsent(patientId);
   const words = (purpose: ConsentIn['purpose']) =>
-    isOwn ? { label: t(`consent.${purpose}`), text: t(`consent.${purpose}.text`) } : { label: t(`consent.staff.${purpose}`), text: t(`consent.staff.${purpose}.text`) };
+    isOwn
+      ? { label: t(`consent.${purpose}`), text: t(`consent.${purpose}.text`) }
+      : { label: t(`consent.staff.${purpose}`), text: t(`consent.staff.${purpose}.text`) };
   return (
     <section className="card stack" aria-labelledby="consents">
       <h2 id="consents">{t(isOwn ? 'mine.consents' : 'consent.title')}</h2>

@@ -21,7 +21,12 @@ export function CopyBox({ label, text }: { label: string; text: string }) {
       <pre aria-label={label} tabIndex={0} role="region">
         {text}
       </pre>
-      <Button variant="default" size="sm" leftSection={isCopied ? <IconCheck size={17} aria-hidden /> : <IconCopy size={17} aria-hidden />} onClick={() => void copy()}>
+      <Button
+        variant="default"
+        size="sm"
+        leftSection={isCopied ? <IconCheck size={17} aria-hidden /> : <IconCopy size={17} aria-hidden />}
+        onClick={() => void copy()}
+      >
         <span aria-live="polite">{isCopied ? t('action.copied') : t('action.copy')}</span>
       </Button>
     </div>

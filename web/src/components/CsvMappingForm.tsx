@@ -25,14 +25,18 @@ interface Props {
 /** Which column is what: a line a sensor and quantity, guessed by the service, corrected by hand. */
 export function CsvMappingForm({ head, pipeline, placements, value, onChange }: Props) {
   const set = (index: number, change: Partial<CsvColumn>) =>
-    onChange({ ...value, signals: value.signals.map((one, position) => (position === index ? { ...one, ...change } : one)) });
+    onChange({
+      ...value,
+      signals: value.signals.map((one, position) => (position === index ? { ...one, ...change } : one)),
+    });
   const columns = head.columns.map((column) => ({ value: column, label: column }));
   const problems = mappingProblems(value, pipeline);
   return (
     <fieldset className="fieldset stack">
       <legend>{t('csv.title')}</legend>
       <p className="muted small">
-        {t('csv.help', { count: head.columns.length })} {head.skipped_lines > 1 && t('csv.skipped', { count: head.skipped_lines + 1 })}
+        {t('csv.help', { count: head.columns.length })}{' '}
+        {head.skipped_lines > 1 && t('csv.skipped', { count: head.skipped_lines + 1 })}
       </p>
       {head.notes.length > 0 && (
         <ul className="small">
@@ -74,17 +78,28 @@ export function CsvMappingForm({ head, pipeline, placements, value, onChange }: 
           label={t('csv.time')}
           data={[{ value: FIXED, label: t('csv.fixedRate') }, ...columns]}
           value={value.time_column ?? FIXED}
-          onChange={(column) => onChange({ ...value, time_column: column || null, rate_hz: column ? null : (value.rate_hz ?? 100) })}
+          onChange={(column) =>
+            onChange({ ...value, time_column: column || null, rate_hz: column ? null : (value.rate_hz ?? 100) })
+          }
         />
         {value.time_column ? (
           <Select
             label={t('csv.timeUnit')}
-            data={(['s', 'ms', 'us', 'ns', 'clock'] as const).map((unit) => ({ value: unit, label: t(`csv.unit.${unit}`) }))}
+            data={(['s', 'ms', 'us', 'ns', 'clock'] as const).map((unit) => ({
+              value: unit,
+              label: t(`csv.unit.${unit}`),
+            }))}
             value={value.time_unit ?? 's'}
             onChange={(unit) => onChange({ ...value, time_unit: unit as CsvMapping['time_unit'] })}
           />
         ) : (
-          <NumberInput label={t('csv.rate')} suffix=" Hz" min={1} value={value.rate_hz ?? ''} onChange={(rate) => onChange({ ...value, rate_hz: Number(rate) || null })} />
+          <NumberInput
+            label={t('csv.rate')}
+            suffix=" Hz"
+            min={1}
+            value={value.rate_hz ?? ''}
+            onChange={(rate) => onChange({ ...value, rate_hz: Number(rate) || null })}
+          />
         )}
       </div>
       <ul className="plain-list csv-signals">
@@ -92,15 +107,45 @@ export function CsvMappingForm({ head, pipeline, placements, value, onChange }: 
           const name = t('csv.signalName', { number: index + 1 });
           return (
             <li key={index} className="csv-signal">
-              <Select aria-label={`${name}: ${t('csv.placement')}`} searchable data={placements.map((one) => ({ value: one, label: placementLabel(one) }))} clearable={pipeline === 'orientation'} value={signal.placement ?? null} onChange={(placement) => onChange(placed(value, signal, placement as Placement | null))} placeholder={pipeline === 'orientation' ? t('csv.single', { sensor: signal.sensor ?? '' }) : t('csv.choosePlacement')} />
+              <Select
+                aria-label={`${name}: ${t('csv.placement')}`}
+                searchable
+                data={placements.map((one) => ({ value: one, label: placementLabel(one) }))}
+                clearable={pipeline === 'orientation'}
+                value={signal.placement ?? null}
+                onChange={(placement) => onChange(placed(value, signal, placement as Placement | null))}
+                placeholder={
+                  pipeline === 'orientation'
+                    ? t('csv.single', { sensor: signal.sensor ?? '' })
+                    : t('csv.choosePlacement')
+                }
+              />
               <Select
                 aria-label={`${name}: ${t('csv.quantity')}`}
-                data={(['gyroscope', 'accelerometer', 'magnetometer'] as const).map((one) => ({ value: one, label: t(`csv.${one}`) }))}
+                data={(['gyroscope', 'accelerometer', 'magnetometer'] as const).map((one) => ({
+                  value: one,
+                  label: t(`csv.${one}`),
+                }))}
                 value={signal.quantity}
-                onChange={(quantity) => set(index, { quantity: quantity as CsvColumn['quantity'], unit: UNITS[quantity as CsvColumn['quantity']][0] ?? 'rad/s' })}
+                onChange={(quantity) =>
+                  set(index, {
+                    quantity: quantity as CsvColumn['quantity'],
+                    unit: UNITS[quantity as CsvColumn['quantity']][0] ?? 'rad/s',
+                  })
+                }
               />
-              <Select aria-label={`${name}: ${t('csv.unitLabel')}`} data={UNITS[signal.quantity].map((unit) => ({ value: unit, label: UNIT_TEXT[unit] ?? unit }))} value={signal.unit} onChange={(unit) => set(index, { unit: unit as CsvColumn['unit'] })} />
-              <ActionIcon size={42} color="gray" aria-label={t('csv.remove', { number: index + 1 })} onClick={() => onChange({ ...value, signals: value.signals.filter((_, other) => other !== index) })}>
+              <Select
+                aria-label={`${name}: ${t('csv.unitLabel')}`}
+                data={UNITS[signal.quantity].map((unit) => ({ value: unit, label: UNIT_TEXT[unit] ?? unit }))}
+                value={signal.unit}
+                onChange={(unit) => set(index, { unit: unit as CsvColumn['unit'] })}
+              />
+              <ActionIcon
+                size={42}
+                color="gray"
+                aria-label={t('csv.remove', { number: index + 1 })}
+                onClick={() => onChange({ ...value, signals: value.signals.filter((_, other) => other !== index) })}
+              >
                 <IconTrash size={19} aria-hidden />
               </ActionIcon>
               {AXES.map((axis, position) => (
@@ -112,7 +157,13 @@ export function CsvMappingForm({ head, pipeline, placements, value, onChange }: 
                   searchable
                   data={columns}
                   value={signal.columns[position] || null}
-                  onChange={(column) => set(index, { columns: signal.columns.map((one, other) => (other === position ? (column ?? '') : one)) as CsvColumn['columns'] })}
+                  onChange={(column) =>
+                    set(index, {
+                      columns: signal.columns.map((one, other) =>
+                        other === position ? (column ?? '') : one,
+                      ) as CsvColumn['columns'],
+                    })
+                  }
                 />
               ))}
             </li>
@@ -124,7 +175,15 @@ export function CsvMappingForm({ head, pipeline, placements, value, onChange }: 
           variant="default"
           size="sm"
           leftSection={<IconPlus size={17} aria-hidden />}
-          onClick={() => onChange({ ...value, signals: [...value.signals, { placement: placements[0] ?? 'sternum', quantity: 'gyroscope', columns: ['', '', ''], unit: 'rad/s' }] })}
+          onClick={() =>
+            onChange({
+              ...value,
+              signals: [
+                ...value.signals,
+                { placement: placements[0] ?? 'sternum', quantity: 'gyroscope', columns: ['', '', ''], unit: 'rad/s' },
+              ],
+            })
+          }
         >
           {t('csv.add')}
         </Button>

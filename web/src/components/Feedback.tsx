@@ -43,7 +43,19 @@ export function Notice({ children, icon }: { children: ReactNode; icon?: ReactNo
 }
 
 /** Nothing here yet, and what to do next. */
-export function Empty({ icon, title, children, action, level = 2 }: { icon?: ReactNode; title: string; children?: ReactNode; action?: ReactNode; level?: 2 | 3 }) {
+export function Empty({
+  icon,
+  title,
+  children,
+  action,
+  level = 2,
+}: {
+  icon?: ReactNode;
+  title: string;
+  children?: ReactNode;
+  action?: ReactNode;
+  level?: 2 | 3;
+}) {
   const Heading = level === 2 ? 'h2' : 'h3';
   return (
     <div className="empty">
@@ -81,7 +93,13 @@ export function ShowMore({ of }: { of: Paged }) {
   return (
     <div className="show-more">
       {of.isFetchNextPageError && <Problem error={of.error} />}
-      <Button mt={14} variant="default" size="sm" loading={of.isFetchingNextPage} onClick={() => void of.fetchNextPage()}>
+      <Button
+        mt={14}
+        variant="default"
+        size="sm"
+        loading={of.isFetchingNextPage}
+        onClick={() => void of.fetchNextPage()}
+      >
         {t('action.showMore')}
       </Button>
     </div>
@@ -95,7 +113,17 @@ interface Asked<T> {
 }
 
 /** One question to the service: waiting, failed, or its answer. */
-export function Answer<T>({ of, children, lines, height }: { of: Asked<T>; children: (data: T) => ReactNode; lines?: number; height?: number }) {
+export function Answer<T>({
+  of,
+  children,
+  lines,
+  height,
+}: {
+  of: Asked<T>;
+  children: (data: T) => ReactNode;
+  lines?: number;
+  height?: number;
+}) {
   if (of.data !== undefined) return <>{children(of.data)}</>;
   if (of.error) return <Problem error={of.error} onRetry={() => void of.refetch()} />;
   return <Waiting lines={lines} height={height} />;

@@ -5,7 +5,8 @@ import { placementList } from '../lib/channels';
 
 const BODY = {
   head: 'M100 12c13 0 22 10 22 24s-9 27-22 27-22-13-22-27 9-24 22-24z',
-  trunk: 'M92 64h16c2 7 10 10 22 13 10 3 14 8 14 17l-6 62c-1 12-2 20 0 34H62c2-14 1-22 0-34l-6-62c0-9 4-14 14-17 12-3 20-6 22-13z',
+  trunk:
+    'M92 64h16c2 7 10 10 22 13 10 3 14 8 14 17l-6 62c-1 12-2 20 0 34H62c2-14 1-22 0-34l-6-62c0-9 4-14 14-17 12-3 20-6 22-13z',
   legs: 'M63 190h74l-3 84-4 96h-22l-5-96-3-58-3 58-5 96H70l-4-96z',
   armRight: 'M57 90c-9 3-12 11-13 20l-6 48-5 42-3 22c-1 8 1 17 5 17s6-7 7-15l6-24 8-42 6-42z',
   armLeft: 'M143 90c9 3 12 11 13 20l6 48 5 42 3 22c1 8-1 17-5 17s-6-7-7-15l-6-24-8-42-6-42z',
@@ -49,9 +50,28 @@ export function WornFigure({ worn }: { worn: readonly Placement[] }) {
     <Person label={label}>
       {(Object.entries(SPOTS) as [Placement, readonly [number, number]][]).map(([placement, [x, y]]) =>
         worn.includes(placement) ? (
-          <rect key={placement} x={x - 9} y={y - 9} width="18" height="18" rx="5" fill="var(--tm-accent)" stroke="var(--tm-surface)" strokeWidth="2" />
+          <rect
+            key={placement}
+            x={x - 9}
+            y={y - 9}
+            width="18"
+            height="18"
+            rx="5"
+            fill="var(--tm-accent)"
+            stroke="var(--tm-surface)"
+            strokeWidth="2"
+          />
         ) : (
-          <circle key={placement} cx={x} cy={y} r="4.5" fill="none" stroke="var(--tm-line-strong)" strokeWidth="1.5" strokeDasharray="2 2.5" />
+          <circle
+            key={placement}
+            cx={x}
+            cy={y}
+            r="4.5"
+            fill="none"
+            stroke="var(--tm-line-strong)"
+            strokeWidth="1.5"
+            strokeDasharray="2 2.5"
+          />
         ),
       )}
       <text x="14" y="376" fontSize="13" fill="var(--tm-muted)">
@@ -74,7 +94,14 @@ export function FindingFigure({ findings }: { findings: readonly SensorFinding[]
   return (
     <Person label={t('figure.finding', { places: placementList(wrong) })}>
       {swaps.map(([[ax, ay], [bx, by]]) => (
-        <path key={`${ax}/${ay}`} d={`M${ax} ${ay}Q${(ax + bx) / 2 + (ax === bx ? 40 : 0)} ${(ay + by) / 2 - 46} ${bx} ${by}`} fill="none" stroke="var(--tm-alert)" strokeWidth="3" strokeDasharray="6 5" />
+        <path
+          key={`${ax}/${ay}`}
+          d={`M${ax} ${ay}Q${(ax + bx) / 2 + (ax === bx ? 40 : 0)} ${(ay + by) / 2 - 46} ${bx} ${by}`}
+          fill="none"
+          stroke="var(--tm-alert)"
+          strokeWidth="3"
+          strokeDasharray="6 5"
+        />
       ))}
       {wrong.map((placement) => {
         const spot = SPOTS[placement];

@@ -1,5 +1,12 @@
 // Small signs that never rely on colour: each has a shape and a word.
-import { IconArrowDownRight, IconBroadcast, IconCalendarOff, IconPlugConnectedX, IconRouteOff, IconWifiOff } from '@tabler/icons-react';
+import {
+  IconArrowDownRight,
+  IconBroadcast,
+  IconCalendarOff,
+  IconPlugConnectedX,
+  IconRouteOff,
+  IconWifiOff,
+} from '@tabler/icons-react';
 import type { CaseloadRow, SessionState, Side } from '../api/types';
 import { t } from '../i18n';
 
@@ -51,6 +58,11 @@ export function LiveMark({ state }: { state: NonNullable<CaseloadRow['live_state
 
 /** State of a session in a word. */
 export function StateMark({ state }: { state: SessionState }) {
-  const tone = state === 'failed' || state === 'link_lost' ? 'tag-alert' : state === 'recording' || state === 'ready' || state === 'calibrating' ? 'tag-accent' : '';
+  const tone =
+    state === 'failed' || state === 'link_lost'
+      ? 'tag-alert'
+      : state === 'recording' || state === 'ready' || state === 'calibrating'
+        ? 'tag-accent'
+        : '';
   return <span className={`tag ${tone}`}>{t(`sessionState.${state}`)}</span>;
 }

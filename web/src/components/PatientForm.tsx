@@ -76,8 +76,23 @@ export function PatientForm({ patient, isSaving, error, onSave, onCancel }: Pati
     <form className="stack" onSubmit={submit}>
       {error ? <Problem error={error} /> : null}
       <SimpleGrid cols={{ base: 1, xs: 2 }}>
-        <TextInput label={t('patient.givenName')} required withAsterisk={false} maxLength={100} value={given} onChange={(event) => setGiven(event.currentTarget.value)} data-autofocus />
-        <TextInput label={t('patient.familyName')} required withAsterisk={false} maxLength={100} value={family} onChange={(event) => setFamily(event.currentTarget.value)} />
+        <TextInput
+          label={t('patient.givenName')}
+          required
+          withAsterisk={false}
+          maxLength={100}
+          value={given}
+          onChange={(event) => setGiven(event.currentTarget.value)}
+          data-autofocus
+        />
+        <TextInput
+          label={t('patient.familyName')}
+          required
+          withAsterisk={false}
+          maxLength={100}
+          value={family}
+          onChange={(event) => setFamily(event.currentTarget.value)}
+        />
       </SimpleGrid>
       <DateField label={t('patient.birthDate')} value={birth} onChange={setBirth} />
       <SideChoice legend={t('patient.affectedSide')} value={side} onChange={setSide} allowNone />
@@ -100,9 +115,22 @@ export function PatientForm({ patient, isSaving, error, onSave, onCancel }: Pati
           ))}
         </SimpleGrid>
       </fieldset>
-      <Textarea label={t('patient.notes')} autosize minRows={3} maxLength={4000} value={notes} onChange={(event) => setNotes(event.currentTarget.value)} />
+      <Textarea
+        label={t('patient.notes')}
+        autosize
+        minRows={3}
+        maxLength={4000}
+        value={notes}
+        onChange={(event) => setNotes(event.currentTarget.value)}
+      />
       {!patient && (
-        <Checkbox size="md" label={t('patient.agrees')} description={t('patient.agreesHelp')} checked={agrees} onChange={(event) => setAgrees(event.currentTarget.checked)} />
+        <Checkbox
+          size="md"
+          label={t('patient.agrees')}
+          description={t('patient.agreesHelp')}
+          checked={agrees}
+          onChange={(event) => setAgrees(event.currentTarget.checked)}
+        />
       )}
       <Group justify="flex-end">
         <Button variant="default" onClick={onCancel}>

@@ -6,14 +6,23 @@ import { placementLabel } from '../lib/channels';
 import { armPlacements, LEG_PLACEMENTS } from '../lib/placements';
 import { WornFigure } from './Figures';
 
-const GROUPS: { legend: 'placements.trunk' | 'placements.leftArm' | 'placements.rightArm' | 'placements.legs'; placements: Placement[] }[] = [
+const GROUPS: {
+  legend: 'placements.trunk' | 'placements.leftArm' | 'placements.rightArm' | 'placements.legs';
+  placements: Placement[];
+}[] = [
   { legend: 'placements.leftArm', placements: armPlacements('left') },
   { legend: 'placements.rightArm', placements: armPlacements('right') },
   { legend: 'placements.trunk', placements: ['sternum', 'pelvis', 'head'] },
   { legend: 'placements.legs', placements: LEG_PLACEMENTS },
 ];
 
-export function PlacementChoice({ value, onChange }: { value: readonly Placement[]; onChange: (placements: Placement[]) => void }) {
+export function PlacementChoice({
+  value,
+  onChange,
+}: {
+  value: readonly Placement[];
+  onChange: (placements: Placement[]) => void;
+}) {
   const toggle = (placement: Placement) =>
     onChange(value.includes(placement) ? value.filter((one) => one !== placement) : [...value, placement]);
   return (
@@ -27,7 +36,12 @@ export function PlacementChoice({ value, onChange }: { value: readonly Placement
             <fieldset key={group.legend} className="fieldset placement-group">
               <legend>{t(group.legend)}</legend>
               {group.placements.map((placement) => (
-                <Checkbox key={placement} label={placementLabel(placement)} checked={value.includes(placement)} onChange={() => toggle(placement)} />
+                <Checkbox
+                  key={placement}
+                  label={placementLabel(placement)}
+                  checked={value.includes(placement)}
+                  onChange={() => toggle(placement)}
+                />
               ))}
             </fieldset>
           ))}

@@ -14,7 +14,14 @@ export function ThemeToggle() {
   const { setColorScheme } = useMantineColorScheme();
   const label = scheme === 'dark' ? t('theme.light') : t('theme.dark');
   return (
-    <ActionIcon size={44} color="gray" variant="subtle" aria-label={label} title={label} onClick={() => setColorScheme(scheme === 'dark' ? 'light' : 'dark')}>
+    <ActionIcon
+      size={44}
+      color="gray"
+      variant="subtle"
+      aria-label={label}
+      title={label}
+      onClick={() => setColorScheme(scheme === 'dark' ? 'light' : 'dark')}
+    >
       {scheme === 'dark' ? <IconSun size={21} aria-hidden /> : <IconMoon size={21} aria-hidden />}
     </ActionIcon>
   );
@@ -104,7 +111,14 @@ export function Shell() {
             <ThemeToggle />
             <Menu position="bottom-end" width={260}>
               <Menu.Target>
-                <Button variant="subtle" color="gray" visibleFrom="sm" h={44} rightSection={<IconChevronDown size={16} aria-hidden />} className="account-button">
+                <Button
+                  variant="subtle"
+                  color="gray"
+                  visibleFrom="sm"
+                  h={44}
+                  rightSection={<IconChevronDown size={16} aria-hidden />}
+                  className="account-button"
+                >
                   {me.data.display_name}
                 </Button>
               </Menu.Target>

@@ -1,6 +1,11 @@
 // The time line of a replay: a slider for hand and keyboard, repetitions as blocks, events as marks.
 import { ActionIcon, Button, SegmentedControl } from '@mantine/core';
-import { IconPlayerPauseFilled, IconPlayerPlayFilled, IconPlayerSkipBackFilled, IconPlayerSkipForwardFilled } from '@tabler/icons-react';
+import {
+  IconPlayerPauseFilled,
+  IconPlayerPlayFilled,
+  IconPlayerSkipBackFilled,
+  IconPlayerSkipForwardFilled,
+} from '@tabler/icons-react';
 import type { KeyboardEvent } from 'react';
 import type { Repetition, SessionEvent } from '../api/types';
 import { t } from '../i18n';
@@ -18,7 +23,17 @@ export interface TimelineProps {
 }
 
 const SPEEDS = ['0.25', '0.5', '1', '2'] as const;
-const SHOWN_EVENTS = new Set(['gap', 'sensor_lost', 'sensor_back', 'forces_lost', 'forces_back', 'mark', 'error', 'calibration', 'implausible']);
+const SHOWN_EVENTS = new Set([
+  'gap',
+  'sensor_lost',
+  'sensor_back',
+  'forces_lost',
+  'forces_back',
+  'mark',
+  'error',
+  'calibration',
+  'implausible',
+]);
 
 export function Timeline({ player, repetitions, events, onRepetition }: TimelineProps) {
   const { isPlaying, speed } = useSnapshot(player);
@@ -27,10 +42,13 @@ export function Timeline({ player, repetitions, events, onRepetition }: Timeline
   const length = Math.max(endS - startS, 1e-3);
   const share = (at: number) => `${(100 * Math.min(Math.max(at - startS, 0), length)) / length}%`;
   const here = repetitionAt(repetitions, timeS);
-  const shown = events.filter((event) => SHOWN_EVENTS.has(event.kind) && event.time_s >= startS && event.time_s <= endS);
+  const shown = events.filter(
+    (event) => SHOWN_EVENTS.has(event.kind) && event.time_s >= startS && event.time_s <= endS,
+  );
   const jump = (direction: 1 | -1) => {
     const starts = repetitions.map((one) => one.start_s);
-    const target = direction > 0 ? starts.find((start) => start > timeS + 0.05) : starts.findLast((start) => start < timeS - 0.3);
+    const target =
+      direction > 0 ? starts.find((start) => start > timeS + 0.05) : starts.findLast((start) => start < timeS - 0.3);
     player.seek(target ?? (direction > 0 ? endS : startS));
   };
   const step = (event: KeyboardEvent<HTMLInputElement>) => {
@@ -57,7 +75,10 @@ export function Timeline({ player, repetitions, events, onRepetition }: Timeline
             <span
               key={`${event.time_s}${index}`}
               className={event.duration_s > 0 ? 'event event-long' : 'event'}
-              style={{ left: share(event.time_s), width: event.duration_s > 0 ? `${(100 * event.duration_s) / length}%` : undefined }}
+              style={{
+                left: share(event.time_s),
+                width: event.duration_s > 0 ? `${(100 * event.duration_s) / length}%` : undefined,
+              }}
             />
           ))}
         </div>
@@ -65,7 +86,10 @@ export function Timeline({ player, repetitions, events, onRepetition }: Timeline
           type="range"
           className="timeline-slider"
           aria-label={t('timeline.position')}
-          aria-valuetext={t('timeline.at', { at: position(timeS - startS), of: position(length) }) + (here ? `, ${t('repetition.numbered', { number: here.number })}` : '')}
+          aria-valuetext={
+            t('timeline.at', { at: position(timeS - startS), of: position(length) }) +
+            (here ? `, ${t('repetition.numbered', { number: here.number })}` : '')
+          }
           min={startS}
           max={endS}
           step={0.01}
@@ -75,13 +99,31 @@ export function Timeline({ player, repetitions, events, onRepetition }: Timeline
         />
       </div>
       <div className="transport">
-        <ActionIcon size={44} color="gray" aria-label={t('timeline.previous')} title={t('timeline.previous')} onClick={() => jump(-1)}>
+        <ActionIcon
+          size={44}
+          color="gray"
+          aria-label={t('timeline.previous')}
+          title={t('timeline.previous')}
+          onClick={() => jump(-1)}
+        >
           <IconPlayerSkipBackFilled size={22} aria-hidden />
         </ActionIcon>
-        <ActionIcon size={52} radius="xl" variant="filled" aria-label={isPlaying ? t('timeline.pause') : t('timeline.play')} onClick={() => (isPlaying ? player.pause() : player.play())}>
+        <ActionIcon
+          size={52}
+          radius="xl"
+          variant="filled"
+          aria-label={isPlaying ? t('timeline.pause') : t('timeline.play')}
+          onClick={() => (isPlaying ? player.pause() : player.play())}
+        >
           {isPlaying ? <IconPlayerPauseFilled size={26} aria-hidden /> : <IconPlayerPlayFilled size={26} aria-hidden />}
         </ActionIcon>
-        <ActionIcon size={44} color="gray" aria-label={t('timeline.next')} title={t('timeline.next')} onClick={() => jump(1)}>
+        <ActionIcon
+          size={44}
+          color="gray"
+          aria-label={t('timeline.next')}
+          title={t('timeline.next')}
+          onClick={() => jump(1)}
+        >
           <IconPlayerSkipForwardFilled size={22} aria-hidden />
         </ActionIcon>
         <span className="number timeline-time">

@@ -69,10 +69,26 @@ function CameraBar({ link, near }: { link: ViewLink | null; near: Near }) {
   );
 }
 
-export function Viewer3D({ sessionId, request, title, player = null, ghost, isReady = true, onShown, near = 'arm' }: Viewer3DProps) {
+export function Viewer3D({
+  sessionId,
+  request,
+  title,
+  player = null,
+  ghost,
+  isReady = true,
+  onShown,
+  near = 'arm',
+}: Viewer3DProps) {
   const scheme = useComputedColorScheme('light');
   const view = useQuery({
-    queryKey: ['view', sessionId, request.mode, request.result_id ?? null, request.template_version_id ?? null, request.markers_id ?? null],
+    queryKey: [
+      'view',
+      sessionId,
+      request.mode,
+      request.result_id ?? null,
+      request.template_version_id ?? null,
+      request.markers_id ?? null,
+    ],
     queryFn: () => api.post<View>(`/api/sessions/${sessionId}/views`, request),
     enabled: isReady,
     staleTime: Infinity,
@@ -97,7 +113,10 @@ export function Viewer3D({ sessionId, request, title, player = null, ghost, isRe
   }, [link, ghost]);
   useEffect(() => link?.setTheme(scheme), [link, scheme]);
 
-  const { status, problem, shown } = useSyncExternalStore(link?.subscribe ?? never, link?.getSnapshot ?? (() => NOTHING));
+  const { status, problem, shown } = useSyncExternalStore(
+    link?.subscribe ?? never,
+    link?.getSnapshot ?? (() => NOTHING),
+  );
   useEffect(() => onShown?.(shown), [shown, onShown]);
   // A service that was started again knows nothing of this view: after a loss a new one is opened without a hand.
   const wasLost = useRef(false);
@@ -122,16 +141,16 @@ export function Viewer3D({ sessionId, request, title, player = null, ghost, isRe
     <div className="viewer-box">
       <div className={isGone ? 'viewer viewer-gone' : 'viewer'} data-testid="viewer">
         {view.data ? (
-            <iframe
-              key={view.data.id}
-              src={view.data.page_path}
-              title={title}
-              allow="fullscreen"
-              onLoad={(event) => {
-                passKeysOn(event.currentTarget);
-                if (event.currentTarget.contentWindow) listenForUse(event.currentTarget.contentWindow);
-              }}
-            />
+          <iframe
+            key={view.data.id}
+            src={view.data.page_path}
+            title={title}
+            allow="fullscreen"
+            onLoad={(event) => {
+              passKeysOn(event.currentTarget);
+              if (event.currentTarget.contentWindow) listenForUse(event.currentTarget.contentWindow);
+            }}
+          />
         ) : (
           <Skeleton height="100%" radius={0} animate={false} role="status" aria-label={t('state.loading')} />
         )}

@@ -13,4 +13,18 @@ import { session } from './en/session';
 import { sources } from './en/sources';
 import { walking } from './en/walking';
 
-export const en = { ...calibration, ...clinic, ...common, ...home, ...magnetic, ...markers, ...motion, ...patient, ...report, ...research, ...session, ...sources, ...walking } as const;
+export const en = {
+  ...calibration,
+  ...clinic,
+  ...common,
+  ...home,
+  ...magnetic,
+  ...markers,
+  ...motion,
+  ...patient,
+  ...report,
+  ...research,
+  ...session,
+  ...sources,
+  ...walking,
+} as const;

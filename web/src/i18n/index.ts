@@ -7,7 +7,9 @@ type Parameters<E extends Entry> = E extends string
   ? { [K in Names<E>]: string | number }
   : { [K in Names<(E & { other: string })['other']> | 'count']: string | number };
 
-export type Catalogue = { [K in keyof typeof en]: (typeof en)[K] extends string ? string : { one: string; other: string } };
+export type Catalogue = {
+  [K in keyof typeof en]: (typeof en)[K] extends string ? string : { one: string; other: string };
+};
 export type Key = keyof typeof en;
 type Arguments<K extends Key> = keyof Parameters<(typeof en)[K]> extends never
   ? []

@@ -36,7 +36,8 @@ const UNITS: Record<string, { factor: number; suffix: string; digits: number } |
 };
 const LISTS = { and: 'conjunction', or: 'disjunction' } as const;
 
-const isSentence = (value: unknown): value is Sentence => typeof value === 'object' && value !== null && 'code' in value;
+const isSentence = (value: unknown): value is Sentence =>
+  typeof value === 'object' && value !== null && 'code' in value;
 const isList = (format: string): format is keyof typeof LISTS => format in LISTS;
 const all = (value: unknown): unknown[] => (Array.isArray(value) ? value : [value]);
 
@@ -49,15 +50,21 @@ function quantity(value: unknown, format: string): string | null {
   const unit = UNITS[found?.name ?? ''];
   if (!unit) return null;
   const digits = found?.digits === undefined ? unit.digits : Number(found.digits);
-  const length = found?.significant === undefined ? { minimumFractionDigits: digits, maximumFractionDigits: digits } : { maximumSignificantDigits: Number(found.significant) };
-  const text = new Intl.NumberFormat(formatLocale(), { ...length, useGrouping: false }).format(Number(value) * unit.factor);
+  const length =
+    found?.significant === undefined
+      ? { minimumFractionDigits: digits, maximumFractionDigits: digits }
+      : { maximumSignificantDigits: Number(found.significant) };
+  const text = new Intl.NumberFormat(formatLocale(), { ...length, useGrouping: false }).format(
+    Number(value) * unit.factor,
+  );
   return text.replace('-', /[1-9]/.test(text) ? '−' : '') + unit.suffix;
 }
 
 function written(value: unknown, format: string, words: Sentences): string {
-  const plain = (one: unknown) => (isSentence(one) ? said(one, words) ?? '' : String(one));
+  const plain = (one: unknown) => (isSentence(one) ? (said(one, words) ?? '') : String(one));
   // Within a sentence a sentence has no capital of its own.
-  const within = (one: unknown) => (isSentence(one) ? plain(one).slice(0, 1).toLocaleLowerCase(formatLocale()) + plain(one).slice(1) : plain(one));
+  const within = (one: unknown) =>
+    isSentence(one) ? plain(one).slice(0, 1).toLocaleLowerCase(formatLocale()) + plain(one).slice(1) : plain(one);
   if (isList(format)) return listed(all(value).map(within), format);
   if (format === 'lines') return all(value).map(plain).join(' ');
   if (!format) return plain(value);
@@ -76,8 +83,13 @@ export function said(sentence: Sentence, words: Sentences): string | null {
   const entry = words[sentence.code];
   const params = sentence.params ?? {};
   if (entry === undefined) return null;
-  const chosen = typeof entry === 'string' ? entry : entry[new Intl.PluralRules(currentLanguage()).select(Number(params.count)) === 'one' ? 'one' : 'other'];
-  const text = chosen.replace(/\{(\w+)(?::([^}]*))?\}/g, (_, name: string, format: string | undefined) => written(params[name] ?? '', format ?? '', words));
+  const chosen =
+    typeof entry === 'string'
+      ? entry
+      : entry[new Intl.PluralRules(currentLanguage()).select(Number(params.count)) === 'one' ? 'one' : 'other'];
+  const text = chosen.replace(/\{(\w+)(?::([^}]*))?\}/g, (_, name: string, format: string | undefined) =>
+    written(params[name] ?? '', format ?? '', words),
+  );
   return text.slice(0, 1).toLocaleUpperCase(formatLocale()) + text.slice(1);
 }
 
@@ -87,7 +99,8 @@ export function words(text: string, sentence: Sentence | null | undefined): stri
   return said(sentence, catalogues[currentLanguage()] ?? {}) ?? said(sentence, catalogues.en ?? {}) ?? text;
 }
 
-const isObject = (value: unknown): value is Record<string, unknown> => typeof value === 'object' && value !== null && !Array.isArray(value);
+const isObject = (value: unknown): value is Record<string, unknown> =>
+  typeof value === 'object' && value !== null && !Array.isArray(value);
 
 function spoken(text: unknown, sentence: unknown): unknown {
   if (Array.isArray(text) && Array.isArray(sentence)) return text.map((one, at) => spoken(one, sentence[at]));
@@ -104,7 +117,8 @@ export function inOurWords<T>(answer: T): T {
       const fields: Record<string, unknown> = answer;
       for (const [name, sentence] of Object.entries(answer.sentences)) fields[name] = spoken(fields[name], sentence);
     }
-    for (const [name, value] of Object.entries(answer)) if (name !== 'sentences' && typeof value === 'object') inOurWords(value);
+    for (const [name, value] of Object.entries(answer))
+      if (name !== 'sentences' && typeof value === 'object') inOurWords(value);
   }
   return answer;
 }

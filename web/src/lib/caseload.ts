@@ -12,5 +12,7 @@ export function matches(row: CaseloadRow, filter: CaseloadFilter, search: string
 /** Whether a name holds every word searched for, accents and case aside. */
 export function holdsWords(name: string, search: string): boolean {
   const plain = (text: string) => text.normalize('NFD').replace(/\p{M}/gu, '').toLowerCase();
-  return plain(search).split(/\s+/).every((word) => plain(name).includes(word));
+  return plain(search)
+    .split(/\s+/)
+    .every((word) => plain(name).includes(word));
 }

@@ -48,7 +48,10 @@ export function channelLabel(name: string): ChannelLabel {
   const pair = relative ? pairOf(relative[1] ?? '') : null;
   if (relative && pair) {
     return {
-      text: t('magnetic.angleOf', { angle: t(`magnetic.angle.${relative[2] as 'rotation' | 'flexion' | 'lateral'}`), place: placementLabel(pair.sensor) }),
+      text: t('magnetic.angleOf', {
+        angle: t(`magnetic.angle.${relative[2] as 'rotation' | 'flexion' | 'lateral'}`),
+        place: placementLabel(pair.sensor),
+      }),
       convention: t('magnetic.against', { source: placementLabel(pair.source) }),
       unit: 'rad',
       side: null,
@@ -67,7 +70,12 @@ export function channelLabel(name: string): ChannelLabel {
   const distance = DISTANCE.exec(name);
   if (distance) {
     const [, place = '', sigma] = distance;
-    return { text: t(sigma ? 'magnetic.sigmaOf' : 'magnetic.distanceOf', { place: placementLabel(place) }), convention: '', unit: 'm', side: null };
+    return {
+      text: t(sigma ? 'magnetic.sigmaOf' : 'magnetic.distanceOf', { place: placementLabel(place) }),
+      convention: '',
+      unit: 'm',
+      side: null,
+    };
   }
   const scalar = SCALAR.exec(name);
   if (scalar) {
@@ -92,11 +100,18 @@ export function placementLabel(placement: Placement | string): string {
 
 /** Several places in a row, as they stand within a sentence: `left forearm, left hand`. */
 export function placementList(placements: readonly string[]): string {
-  return placements.map((one) => placementLabel(one).replace(/^./, (first) => first.toLocaleLowerCase(formatLocale()))).join(', ');
+  return placements
+    .map((one) => placementLabel(one).replace(/^./, (first) => first.toLocaleLowerCase(formatLocale())))
+    .join(', ');
 }
 
 /** The angles worth showing first: the exercise's own, then what a therapist looks at next. */
-export function preferredAngles(angles: readonly string[], primary: string | null | undefined, side: string | null, count = 4): string[] {
+export function preferredAngles(
+  angles: readonly string[],
+  primary: string | null | undefined,
+  side: string | null,
+  count = 4,
+): string[] {
   const order = [
     'humerus_forearm_{side}_zxy_flexion',
     'thorax_humerus_{side}_yxy_elevation',

@@ -14,7 +14,12 @@ export function outsideOf(comparison: ComparisonDetail, channel: string): Outsid
   return comparison.repetitions
     .flatMap((one, repetition) =>
       one.repetition.is_kept
-        ? (one.outside_band[channel] ?? []).map(([from, until]) => ({ repetition, number: one.repetition.number, from, until }))
+        ? (one.outside_band[channel] ?? []).map(([from, until]) => ({
+            repetition,
+            number: one.repetition.number,
+            from,
+            until,
+          }))
         : [],
     )
     .sort((a, b) => b.until - b.from - (a.until - a.from));
@@ -31,7 +36,12 @@ export function primaryChannel(summary: readonly { measure: string }[]): string 
  * The curves to show: the main one, then those that leave the band most, positions of points last.
  * `outsideLength` says how long a channel is outside, over all repetitions.
  */
-export function pickCurves(curves: readonly PhaseCurve[], all: boolean, primary: string | null = null, outsideLength: (channel: string) => number = () => 0): PhaseCurve[] {
+export function pickCurves(
+  curves: readonly PhaseCurve[],
+  all: boolean,
+  primary: string | null = null,
+  outsideLength: (channel: string) => number = () => 0,
+): PhaseCurve[] {
   const rank = (curve: PhaseCurve) => (curve.channel === primary ? 0 : curve.channel.includes('.') ? 2 : 1);
   const ordered = curves
     .filter((curve) => curve.mean.some((value) => value !== null && Number.isFinite(value)))

@@ -26,12 +26,24 @@ export function sensorOf(signal: CsvColumn): string {
 
 /** A placement is chosen once for all signals of a sensor. */
 export function placed(mapping: CsvMapping, chosen: CsvColumn, placement: Placement | null): CsvMapping {
-  const isSame = (one: CsvColumn) => one === chosen || (one.placement === chosen.placement && (one.sensor ?? '') === (chosen.sensor ?? ''));
+  const isSame = (one: CsvColumn) =>
+    one === chosen || (one.placement === chosen.placement && (one.sensor ?? '') === (chosen.sensor ?? ''));
   return { ...mapping, signals: mapping.signals.map((one) => (isSame(one) ? { ...one, placement } : one)) };
 }
 
 /** What keeps a mapping from being sent, as keys of the catalogue. Single sensors need no placement. */
-export function mappingProblems(mapping: CsvMapping, pipeline: Pipeline): ('csv.needSignals' | 'csv.needPlacement' | 'csv.needGyroscope' | 'csv.needAccelerometer' | 'csv.twice' | 'csv.needTime' | 'csv.needColumns')[] {
+export function mappingProblems(
+  mapping: CsvMapping,
+  pipeline: Pipeline,
+): (
+  | 'csv.needSignals'
+  | 'csv.needPlacement'
+  | 'csv.needGyroscope'
+  | 'csv.needAccelerometer'
+  | 'csv.twice'
+  | 'csv.needTime'
+  | 'csv.needColumns'
+)[] {
   const problems = new Set<ReturnType<typeof mappingProblems>[number]>();
   if (mapping.signals.length === 0) problems.add('csv.needSignals');
   if (!mapping.time_column && !mapping.rate_hz) problems.add('csv.needTime');

@@ -16,7 +16,12 @@ export function readDay(text: string): string | null {
         ? [Number(words[3]), MONTHS.indexOf(words[2] ?? '') + 1, Number(words[1])]
         : [NaN, NaN, NaN];
   const at = new Date(Date.UTC(year, month - 1, day));
-  const isReal = year >= 1890 && year < 2200 && at.getUTCFullYear() === year && at.getUTCMonth() === month - 1 && at.getUTCDate() === day;
+  const isReal =
+    year >= 1890 &&
+    year < 2200 &&
+    at.getUTCFullYear() === year &&
+    at.getUTCMonth() === month - 1 &&
+    at.getUTCDate() === day;
   return isReal ? at.toISOString().slice(0, 10) : null;
 }
 

@@ -12,7 +12,10 @@ export function differenceRows(others: readonly (Differences | undefined)[]): Di
   const names = [...new Set(others.flatMap((one) => one?.angles.map((angle) => angle.name) ?? []))];
   const largest = (row: DifferenceRow) => Math.max(-1, ...row.rms.map((value) => value ?? -1));
   return names
-    .map((name) => ({ name, rms: others.map((one) => one?.angles.find((angle) => angle.name === name)?.rms_deg ?? null) }))
+    .map((name) => ({
+      name,
+      rms: others.map((one) => one?.angles.find((angle) => angle.name === name)?.rms_deg ?? null),
+    }))
     .sort((a, b) => largest(b) - largest(a));
 }
 
@@ -20,7 +23,9 @@ export function differenceRows(others: readonly (Differences | undefined)[]): Di
 export function overallRms(one: Differences | undefined): number | null {
   const known = (one?.angles ?? []).filter((angle) => angle.rms_deg !== null && angle.compared_s > 0);
   const time = known.reduce((sum, angle) => sum + angle.compared_s, 0);
-  return time > 0 ? Math.sqrt(known.reduce((sum, angle) => sum + (angle.rms_deg ?? 0) ** 2 * angle.compared_s, 0) / time) : null;
+  return time > 0
+    ? Math.sqrt(known.reduce((sum, angle) => sum + (angle.rms_deg ?? 0) ** 2 * angle.compared_s, 0) / time)
+    : null;
 }
 
 /** The newest complete result of each estimator and kind: runs of the same thing would only repeat a column. */

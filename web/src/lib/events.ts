@@ -7,6 +7,7 @@ export function eventText(event: SessionEvent): string {
   const { text, placement, kind } = event;
   if (!text) return tOr(`event.${kind}`, t('event.unnamed'));
   // The service names sensors as programs do.
-  if (placement && text.startsWith(`${placement}: `)) return `${placementLabel(placement)}: ${text.slice(placement.length + 2)}`;
+  if (placement && text.startsWith(`${placement}: `))
+    return `${placementLabel(placement)}: ${text.slice(placement.length + 2)}`;
   return tOr(`sessionState.${text}`, text);
 }

@@ -31,8 +31,15 @@ export const isUsable = (state: ForceState | null): boolean => state === 'measur
 /** The newest of everything; null before the first frame. */
 export function readWalk(player: Player): WalkReading | null {
   const { timeS } = player.clock();
-  const names = SIDES.flatMap((side) => ['force_state', 'force_z_n', 'toe_out_rad', 'stride_length_m'].map((name) => `foot_${side}_${name}`));
-  const read = player.read(timeS - 0.5, timeS + 1e-6, [...names, 'body_mass_kg', 'centre_of_mass.z', 'margin_of_stability_m', 'centre_of_mass_sigma_m'], 500);
+  const names = SIDES.flatMap((side) =>
+    ['force_state', 'force_z_n', 'toe_out_rad', 'stride_length_m'].map((name) => `foot_${side}_${name}`),
+  );
+  const read = player.read(
+    timeS - 0.5,
+    timeS + 1e-6,
+    [...names, 'body_mass_kg', 'centre_of_mass.z', 'margin_of_stability_m', 'centre_of_mass_sigma_m'],
+    500,
+  );
   const last = read.timeS.length - 1;
   if (last < 0) return null;
   const at = (column: number) => read.values[column]?.[last] ?? NaN;

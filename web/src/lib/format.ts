@@ -91,7 +91,9 @@ export function clockTime(at: string | Date): string {
 
 /** Clock time to the second of a moment in s since the epoch, e.g. `14:05:09`. */
 export function clockTimeS(atS: number): string {
-  return new Intl.DateTimeFormat(formatLocale(), { hour: '2-digit', minute: '2-digit', second: '2-digit' }).format(new Date(atS * 1000));
+  return new Intl.DateTimeFormat(formatLocale(), { hour: '2-digit', minute: '2-digit', second: '2-digit' }).format(
+    new Date(atS * 1000),
+  );
 }
 
 /** Calendar date, e.g. `3 Mar 2025`; without the year when it is this year's. */
@@ -117,7 +119,9 @@ export function day(at: string | Date | null, now = new Date()): string {
 
 /** A day by its name, e.g. `Saturday 22 November`. */
 export function weekday(at: string | Date): string {
-  return new Intl.DateTimeFormat(formatLocale(), { weekday: 'long', day: 'numeric', month: 'long' }).format(new Date(at));
+  return new Intl.DateTimeFormat(formatLocale(), { weekday: 'long', day: 'numeric', month: 'long' }).format(
+    new Date(at),
+  );
 }
 
 /** Date and time, for lists where both count. */
@@ -128,7 +132,8 @@ export function dateTime(at: string | Date): string {
 /** Age in whole years. */
 export function age(birthDate: string, now = new Date()): number {
   const born = new Date(birthDate);
-  const had = now.getMonth() > born.getMonth() || (now.getMonth() === born.getMonth() && now.getDate() >= born.getDate());
+  const had =
+    now.getMonth() > born.getMonth() || (now.getMonth() === born.getMonth() && now.getDate() >= born.getDate());
   return now.getFullYear() - born.getFullYear() - (had ? 0 : 1);
 }
 

@@ -4,7 +4,17 @@ import { tOr } from '../i18n';
 import { number, quantity, uncertain } from './format';
 
 /** Seen first; all others when asked for. */
-export const MAIN_MEASURES = ['speed', 'stride_length', 'cadence', 'step_time', 'stance_share', 'swing_time', 'clearance', 'toe_out', 'circumduction'];
+export const MAIN_MEASURES = [
+  'speed',
+  'stride_length',
+  'cadence',
+  'step_time',
+  'stance_share',
+  'swing_time',
+  'clearance',
+  'toe_out',
+  'circumduction',
+];
 
 /** A measure in plain words. */
 export function measureLabel(name: string): string {
@@ -44,10 +54,18 @@ const OF_BOTH = ['double_support', 'double_support_share', 'step_width', 'step_l
 /** What a comparison of conditions has, in the parts of its table; left and right of a measure beside each other. */
 export function partsOf(changes: readonly MeasureChange[]): [Part, MeasureChange[]][] {
   const partOf = (one: MeasureChange): Part =>
-    one.foot !== 'both' ? 'feet' : one.measure.endsWith('_asymmetry') ? 'asymmetry' : OF_BOTH.includes(one.measure) ? 'both' : 'balance';
+    one.foot !== 'both'
+      ? 'feet'
+      : one.measure.endsWith('_asymmetry')
+        ? 'asymmetry'
+        : OF_BOTH.includes(one.measure)
+          ? 'both'
+          : 'balance';
   const names = [...new Set(changes.map((one) => one.measure))];
   const inOrder = [...changes].sort((one, other) => names.indexOf(one.measure) - names.indexOf(other.measure));
-  return PARTS.map((part): [Part, MeasureChange[]] => [part, inOrder.filter((one) => partOf(one) === part)]).filter(([, found]) => found.length > 0);
+  return PARTS.map((part): [Part, MeasureChange[]] => [part, inOrder.filter((one) => partOf(one) === part)]).filter(
+    ([, found]) => found.length > 0,
+  );
 }
 
 export interface MapFrame {
@@ -84,11 +102,19 @@ export function mapFrame(gait: Gait, width: number): MapFrame {
 
 /** A path on the floor for SVG. */
 export function floorPath(points: readonly (readonly number[])[], frame: MapFrame): string {
-  return points.map(([x = 0, y = 0], index) => `${index === 0 ? 'M' : 'L'}${((x - frame.minX) * frame.scale).toFixed(1)} ${((frame.maxY - y) * frame.scale).toFixed(1)}`).join('');
+  return points
+    .map(
+      ([x = 0, y = 0], index) =>
+        `${index === 0 ? 'M' : 'L'}${((x - frame.minX) * frame.scale).toFixed(1)} ${((frame.maxY - y) * frame.scale).toFixed(1)}`,
+    )
+    .join('');
 }
 
 /** Where the centre of mass is carried, in words that a person would use. */
-export function leaning(measures: readonly WalkMeasure[], name: 'centre_to_left' | 'centre_to_left_standing'): { side: 'left' | 'right' | 'middle'; distance: string } | null {
+export function leaning(
+  measures: readonly WalkMeasure[],
+  name: 'centre_to_left' | 'centre_to_left_standing',
+): { side: 'left' | 'right' | 'middle'; distance: string } | null {
   const found = findMeasure(measures, name);
   if (!found || found.value === null) return null;
   const { value } = found;

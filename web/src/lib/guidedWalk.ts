@@ -105,7 +105,11 @@ export class WalkTally {
     this.#readS = endS;
     for (let row = 0; row < found.timeS.length; row += 1) {
       SIDES.forEach((side, index) => {
-        const [stance, x, y] = [0, 1, 2].map((column) => found.values[3 * index + column]?.[row] ?? NaN) as [number, number, number];
+        const [stance, x, y] = [0, 1, 2].map((column) => found.values[3 * index + column]?.[row] ?? NaN) as [
+          number,
+          number,
+          number,
+        ];
         if (!Number.isFinite(stance + x + y)) return;
         this.countedFromS ??= found.timeS[row] ?? null;
         this.#step(this.#feet[side], stance > 0.5, [x, y]);
@@ -116,9 +120,11 @@ export class WalkTally {
 
   read(): WalkSoFar {
     const worn = SIDES.map((side) => this.#feet[side]).filter((foot) => foot.start !== null);
-    const mean = (of: (foot: Foot) => number) => (worn.length ? worn.reduce((sum, foot) => sum + of(foot), 0) / worn.length : null);
+    const mean = (of: (foot: Foot) => number) =>
+      worn.length ? worn.reduce((sum, foot) => sum + of(foot), 0) / worn.length : null;
     const awayM = mean((foot) => foot.awayM);
-    const leg = this.#farthestM < MARK_M - 0.5 ? 'out' : !this.#isBack ? 'turn' : (awayM ?? Infinity) < BACK_M ? 'there' : 'back';
+    const leg =
+      this.#farthestM < MARK_M - 0.5 ? 'out' : !this.#isBack ? 'turn' : (awayM ?? Infinity) < BACK_M ? 'there' : 'back';
     return { distanceM: mean((foot) => foot.wayM), steps: worn.reduce((sum, foot) => sum + foot.steps, 0), awayM, leg };
   }
 

@@ -21,7 +21,15 @@ export function useKeys(deeds: Readonly<Record<string, () => void>>): void {
   useEffect(() => {
     const press = (event: KeyboardEvent) => {
       const deed = latest.current[event.key.toLowerCase()];
-      if (!deed || event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented || belongsTo(event.target, event.key)) return;
+      if (
+        !deed ||
+        event.ctrlKey ||
+        event.metaKey ||
+        event.altKey ||
+        event.defaultPrevented ||
+        belongsTo(event.target, event.key)
+      )
+        return;
       event.preventDefault();
       if (!event.repeat) deed();
     };
@@ -33,6 +41,8 @@ export function useKeys(deeds: Readonly<Record<string, () => void>>): void {
 /** Pass keys pressed inside a frame of our own on to the page around it. */
 export function passKeysOn(frame: HTMLIFrameElement): void {
   frame.contentWindow?.addEventListener('keydown', ({ key, ctrlKey, metaKey, altKey, repeat }) => {
-    document.dispatchEvent(new KeyboardEvent('keydown', { key, ctrlKey, metaKey, altKey, repeat, bubbles: true, cancelable: true }));
+    document.dispatchEvent(
+      new KeyboardEvent('keydown', { key, ctrlKey, metaKey, altKey, repeat, bubbles: true, cancelable: true }),
+    );
   });
 }

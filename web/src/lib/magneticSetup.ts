@@ -19,7 +19,14 @@ export interface Coils {
   depthCm: number | null;
 }
 
-export const USUAL: Coils = { radiusCm: null, turns: null, offsetCm: null, currentA: null, lengthCm: null, depthCm: null };
+export const USUAL: Coils = {
+  radiusCm: null,
+  turns: null,
+  offsetCm: null,
+  currentA: null,
+  lengthCm: null,
+  depthCm: null,
+};
 /** Coils around a shoe are wider than those on a belt. */
 const SHOE = { coil_radius_m: 0.075, current_a: 1.36 };
 const HIGHEST_A = 1.5;
@@ -44,7 +51,11 @@ export function wornFor(use: Use, side: Side | null | undefined): Worn {
 }
 
 /** What is declared of the source; only what differs from its own defaults. */
-export function sourceParameters(worn: Worn, coils: Coils, use: Use = 'other'): NonNullable<SessionIn['orientation_parameters']> {
+export function sourceParameters(
+  worn: Worn,
+  coils: Coils,
+  use: Use = 'other',
+): NonNullable<SessionIn['orientation_parameters']> {
   const shoe = worn.source.startsWith('foot') ? SHOE : {};
   return {
     source: worn.source,
@@ -52,7 +63,9 @@ export function sourceParameters(worn: Worn, coils: Coils, use: Use = 'other'): 
     ...(coils.radiusCm ? { coil_radius_m: coils.radiusCm / 100 } : {}),
     ...(coils.turns ? { coil_turns: coils.turns } : {}),
     ...(coils.offsetCm !== null ? { coil_offset_m: coils.offsetCm / 100 } : {}),
-    ...(coils.lengthCm || coils.depthCm ? { coil_length_m: (coils.lengthCm ?? 0) / 100, coil_depth_m: (coils.depthCm ?? 0) / 100, coil_layers: LAYERS } : {}),
+    ...(coils.lengthCm || coils.depthCm
+      ? { coil_length_m: (coils.lengthCm ?? 0) / 100, coil_depth_m: (coils.depthCm ?? 0) / 100, coil_layers: LAYERS }
+      : {}),
     ...(use === 'bench' ? BENCH : {}),
     ...(coils.currentA ? { current_a: coils.currentA, current_limit_a: Math.max(coils.currentA, HIGHEST_A) } : {}),
   };

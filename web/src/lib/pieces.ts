@@ -5,7 +5,10 @@ const NOT_FETCHED = /dynamically imported module|module script failed|loading.*c
 
 /** Whether this says that something could not be fetched, and not that the page is wrong. */
 export function isNotFetched(error: unknown): boolean {
-  return error instanceof Error && (NOT_FETCHED.test(error.message) || (error.name === 'ApiError' && 'status' in error && error.status === 0));
+  return (
+    error instanceof Error &&
+    (NOT_FETCHED.test(error.message) || (error.name === 'ApiError' && 'status' in error && error.status === 0))
+  );
 }
 
 /** Whether the service answers now. */

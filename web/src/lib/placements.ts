@@ -24,7 +24,9 @@ export function tellsMassCentre(placements: readonly Placement[]): boolean {
 }
 
 /** What is missing, as a key of the catalogue; null when the choice makes sense. */
-export function placementProblem(placements: readonly Placement[]): 'placements.needUpperArm' | 'placements.needForearm' | 'placements.needArm' | 'placements.needThighs' | null {
+export function placementProblem(
+  placements: readonly Placement[],
+): 'placements.needUpperArm' | 'placements.needForearm' | 'placements.needArm' | 'placements.needThighs' | null {
   const has = (placement: Placement) => placements.includes(placement);
   if (LEG_PLACEMENTS.some(has) && !tellsMassCentre(placements)) return 'placements.needThighs';
   const arms = (['left', 'right'] as const).filter((side) => armPlacements(side).some(has));

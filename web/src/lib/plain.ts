@@ -24,8 +24,10 @@ export function plainProgress(measure: ProgressMeasure | null): string {
   const unit = displayUnit(measure.unit);
   const size = Math.abs(change * unit.factor);
   const way = change > 0 ? 'more' : 'less';
-  if (measure.measure === 'walk:test_time') return t(`mine.walk.test_time.${way}`, { amount: quantity(Math.abs(change), measure.unit) });
-  if (measure.measure === 'walk:test_distance') return t(`mine.walk.test_distance.${way}`, { amount: quantity(Math.abs(change), measure.unit) });
+  if (measure.measure === 'walk:test_time')
+    return t(`mine.walk.test_time.${way}`, { amount: quantity(Math.abs(change), measure.unit) });
+  if (measure.measure === 'walk:test_distance')
+    return t(`mine.walk.test_distance.${way}`, { amount: quantity(Math.abs(change), measure.unit) });
   if (measure.measure.startsWith('walk:speed')) return t(`mine.walk.speed.${way}`);
   if (unit.suffix !== '°') return t('mine.changed');
   const degrees = number(size);
@@ -34,7 +36,11 @@ export function plainProgress(measure: ProgressMeasure | null): string {
 }
 
 /** What one session showed, in sentences that hold whatever was exercised: how often, how far, and how far the example went. */
-export function plainFeedback(summary: readonly MeasureValue[], repetitions: number, primaryAngle: string | undefined): string[] {
+export function plainFeedback(
+  summary: readonly MeasureValue[],
+  repetitions: number,
+  primaryAngle: string | undefined,
+): string[] {
   const ranges = summary.filter((one) => one.measure.startsWith('range:') && one.value !== null);
   const main = ranges.find((one) => one.measure === `range:${primaryAngle}`) ?? ranges[0];
   const said = [repetitions > 0 ? t('home.did', { count: repetitions }) : t('home.didNone')];
@@ -42,7 +48,11 @@ export function plainFeedback(summary: readonly MeasureValue[], repetitions: num
   if (main?.value === null || main?.value === undefined || repetitions === 0 || unit.suffix !== '°') return said;
   const degrees = number(main.value * unit.factor);
   const joint = jointOf(main.measure);
-  said.push(main.template_value === null ? t('home.moved', { joint, degrees }) : t('home.movedExample', { joint, degrees, example: number(main.template_value * unit.factor) }));
+  said.push(
+    main.template_value === null
+      ? t('home.moved', { joint, degrees })
+      : t('home.movedExample', { joint, degrees, example: number(main.template_value * unit.factor) }),
+  );
   return said;
 }
 

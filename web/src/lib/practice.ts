@@ -6,7 +6,9 @@ type Week = Pick<Prescription, 'done_this_week' | 'times_per_week' | 'repetition
 
 /** Time of exercise: seconds below a minute, else whole minutes. */
 export function activeText(seconds: number): string {
-  return seconds < 59.5 ? t('practice.seconds', { seconds: Math.round(seconds) }) : t('practice.minutes', { minutes: Math.round(seconds / 60) });
+  return seconds < 59.5
+    ? t('practice.seconds', { seconds: Math.round(seconds) })
+    : t('practice.minutes', { minutes: Math.round(seconds / 60) });
 }
 
 /** For instance `2 of 3 sessions this week · 24 repetitions · 6 min active`; more than prescribed are named apart. */

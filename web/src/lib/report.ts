@@ -9,7 +9,11 @@ const GROUPS = ['range', 'timing', 'shape', 'smoothness', 'path', 'compensation'
 const MOST_ROWS = 9;
 
 /** The measures for one page: of each group the first ones in turn, in the order of the groups. */
-export function reportRows(summary: readonly MeasureValue[], progress: readonly ProgressMeasure[], most = MOST_ROWS): ReportRow[] {
+export function reportRows(
+  summary: readonly MeasureValue[],
+  progress: readonly ProgressMeasure[],
+  most = MOST_ROWS,
+): ReportRow[] {
   const known = summary.filter((one) => typeof one.value === 'number' && !one.measure.startsWith('range_ratio:'));
   const groups = GROUPS.map((group) => known.filter((one) => one.group === group));
   const chosen = new Set<MeasureValue>();

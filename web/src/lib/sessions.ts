@@ -12,7 +12,13 @@ export function isLive(state: SessionState): boolean {
 /** What was done: the exercise, or what is measured when there is none. */
 export function sessionTitle(session: Pick<SessionDetail, 'exercise_name' | 'pipeline'>): string {
   if (session.exercise_name) return session.exercise_name;
-  return t(session.pipeline === 'relative_pose' ? 'magnetic.kind' : session.pipeline === 'gait' ? 'session.freeWalk' : 'session.free');
+  return t(
+    session.pipeline === 'relative_pose'
+      ? 'magnetic.kind'
+      : session.pipeline === 'gait'
+        ? 'session.freeWalk'
+        : 'session.free',
+  );
 }
 
 /** The page that fits the state of a session. */

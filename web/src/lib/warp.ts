@@ -44,12 +44,18 @@ export function phaseAt(repetition: { start_s: number; end_s: number }, timeS: n
 }
 
 /** The repetition at a session time, if any. */
-export function repetitionAt<R extends { start_s: number; end_s: number }>(repetitions: readonly R[], timeS: number): R | null {
+export function repetitionAt<R extends { start_s: number; end_s: number }>(
+  repetitions: readonly R[],
+  timeS: number,
+): R | null {
   return repetitions.find((one) => timeS >= one.start_s && timeS < one.end_s) ?? null;
 }
 
 /** Where a moment stands in curves over the template's phases: the inverse of `timeAtTemplatePhase`; null between repetitions. */
-export function templatePhaseAt(repetitions: readonly { repetition: { start_s: number; end_s: number }; warp_template_phase: readonly number[] }[], timeS: number): number | null {
+export function templatePhaseAt(
+  repetitions: readonly { repetition: { start_s: number; end_s: number }; warp_template_phase: readonly number[] }[],
+  timeS: number,
+): number | null {
   for (const { repetition, warp_template_phase: warp } of repetitions) {
     const phase = phaseAt(repetition, timeS);
     if (phase !== null) return atPhase(warp, phase);

@@ -35,9 +35,13 @@ function Row({ one }: { one: AccuracyFigure }) {
     <tr className={judged ? undefined : 'row-left-out'}>
       <th scope="row">{one.name}</th>
       <td className="number">{figure(one.published, one.unit)}</td>
-      <td className="number">{judged ? `${one.at_most ? '≤' : '≥'} ${figure(one.required, one.unit)}` : t('accuracy.shownOnly')}</td>
+      <td className="number">
+        {judged ? `${one.at_most ? '≤' : '≥'} ${figure(one.required, one.unit)}` : t('accuracy.shownOnly')}
+      </td>
       <td className="number strong">{judged && figure(one.judged, one.unit)}</td>
-      <td className="number">{isDrawn && t('accuracy.from', { low: figure(one.low, one.unit), high: figure(one.high, one.unit) })}</td>
+      <td className="number">
+        {isDrawn && t('accuracy.from', { low: figure(one.low, one.unit), high: figure(one.high, one.unit) })}
+      </td>
       <td className="number">{figure(one.median, one.unit)}</td>
       <td className="number">{figure(one.worst, one.unit)}</td>
       <td>{judged && <Mark verdict={one.verdict} />}</td>
@@ -74,7 +78,8 @@ function Table({ figures, caption }: { figures: readonly AccuracyFigure[]; capti
 }
 
 function Curves({ plot }: { plot: AccuracyPlot }) {
-  const withUnit = (label: string, unit: string) => (unitSign(unit).trim() ? `${label} (${unitSign(unit).trim()})` : label);
+  const withUnit = (label: string, unit: string) =>
+    unitSign(unit).trim() ? `${label} (${unitSign(unit).trim()})` : label;
   return (
     <figure className="figure">
       <figcaption className="strong">{plot.title}</figcaption>
@@ -83,7 +88,12 @@ function Curves({ plot }: { plot: AccuracyPlot }) {
         xTitle={withUnit(plot.x_label, plot.x_unit)}
         yTitle={withUnit(plot.y_label, plot.y_unit)}
         logarithmic={plot.logarithmic}
-        label={t('accuracy.plotLabel', { title: plot.title, y: plot.y_label, x: plot.x_label, lines: plot.curves.map((curve) => curve.name).join(', ') })}
+        label={t('accuracy.plotLabel', {
+          title: plot.title,
+          y: plot.y_label,
+          x: plot.x_label,
+          lines: plot.curves.map((curve) => curve.name).join(', '),
+        })}
       />
     </figure>
   );
@@ -131,8 +141,16 @@ function Protocol({ protocol, command, isOpen, onToggle }: ProtocolProps) {
               </div>
             )}
             <div>
-              <p className="muted small">{t('accuracy.again', { seeds: protocol.seeds, seconds: number(protocol.seconds, protocol.seconds < 10 ? 1 : 0) })}</p>
-              <CopyBox label={t('accuracy.commandOf', { title: protocol.title })} text={command.replace('validate', `validate ${protocol.name}`)} />
+              <p className="muted small">
+                {t('accuracy.again', {
+                  seeds: protocol.seeds,
+                  seconds: number(protocol.seconds, protocol.seconds < 10 ? 1 : 0),
+                })}
+              </p>
+              <CopyBox
+                label={t('accuracy.commandOf', { title: protocol.title })}
+                text={command.replace('validate', `validate ${protocol.name}`)}
+              />
             </div>
           </div>
         )}
@@ -144,7 +162,13 @@ function Protocol({ protocol, command, isOpen, onToggle }: ProtocolProps) {
 function Report({ report }: { report: AccuracyReport }) {
   const count = (verdict: Verdict) => report.protocols.filter((one) => one.verdict === verdict).length;
   // Sixty experiments are a long page: closed but for what falls short and what was asked for.
-  const [open, setOpen] = useState(() => new Set([...report.protocols.filter((one) => one.verdict === 'short').map((one) => one.name), window.location.hash.slice(1)]));
+  const [open, setOpen] = useState(
+    () =>
+      new Set([
+        ...report.protocols.filter((one) => one.verdict === 'short').map((one) => one.name),
+        window.location.hash.slice(1),
+      ]),
+  );
   // The report comes after the browser has looked for what the address names.
   useEffect(() => {
     if (window.location.hash) document.getElementById(window.location.hash.slice(1))?.scrollIntoView();
@@ -173,17 +197,32 @@ function Report({ report }: { report: AccuracyReport }) {
               <a href={`#${one.name}`} onClick={() => turn(one.name, true)}>
                 {one.title}
               </a>
-              {one.verdict !== 'pass' && <span className={one.verdict === 'short' ? 'alert-text' : 'muted'}> ({t(WORDS[one.verdict])})</span>}
+              {one.verdict !== 'pass' && (
+                <span className={one.verdict === 'short' ? 'alert-text' : 'muted'}> ({t(WORDS[one.verdict])})</span>
+              )}
             </li>
           ))}
         </ol>
         <div>
-          <p className="muted small">{t('accuracy.made', { version: report.version, date: date(report.made_at, new Date(0)), machine: report.machine, seconds: number(report.seconds) })}</p>
+          <p className="muted small">
+            {t('accuracy.made', {
+              version: report.version,
+              date: date(report.made_at, new Date(0)),
+              machine: report.machine,
+              seconds: number(report.seconds),
+            })}
+          </p>
           <CopyBox label={t('accuracy.command')} text={report.command} />
         </div>
       </section>
       {report.protocols.map((one) => (
-        <Protocol key={one.name} protocol={one} command={report.command} isOpen={open.has(one.name)} onToggle={(isOpen) => turn(one.name, isOpen)} />
+        <Protocol
+          key={one.name}
+          protocol={one}
+          command={report.command}
+          isOpen={open.has(one.name)}
+          onToggle={(isOpen) => turn(one.name, isOpen)}
+        />
       ))}
     </div>
   );

@@ -56,7 +56,13 @@ function Row({ row }: { row: CaseloadRow }) {
       </td>
       <td data-label={row.main_measure ?? t('caseload.trend')} className="wide">
         <div className="trend">
-          <Sparkline values={row.trend} low={row.trend_low} high={row.trend_high} unit={row.main_unit ?? null} label={row.main_measure ?? ''} />
+          <Sparkline
+            values={row.trend}
+            low={row.trend_low}
+            high={row.trend_high}
+            unit={row.main_unit ?? null}
+            label={row.main_measure ?? ''}
+          />
           {row.trend.length > 0 && (
             <span>
               <span className="value number">{quantity(row.trend.at(-1), row.main_unit)}</span>
@@ -83,7 +89,11 @@ function Rows({ rows, of }: { rows: CaseloadRow[]; of: ReturnType<typeof useCase
   const { hasNextPage, isFetchingNextPage, fetchNextPage } = of;
   // Who needs attention comes first: once somebody without a reason is read, all of them are.
   const mayMoreNeedAttention = hasNextPage && rows.at(-1)?.reason !== '';
-  const needsRest = hasNextPage && !isFetchingNextPage && !of.isFetchNextPageError && (search !== '' || filter === 'live' || mayMoreNeedAttention);
+  const needsRest =
+    hasNextPage &&
+    !isFetchingNextPage &&
+    !of.isFetchNextPageError &&
+    (search !== '' || filter === 'live' || mayMoreNeedAttention);
   useEffect(() => {
     if (needsRest) void fetchNextPage();
   }, [needsRest, fetchNextPage]);
@@ -194,9 +204,20 @@ export function CaseloadPage() {
   return (
     <Page
       title={t('caseload.title')}
-      lead={waiting === undefined ? me.clinic_name : waiting === 0 ? t('caseload.leadNobody') : t('caseload.lead', { count: waiting })}
+      lead={
+        waiting === undefined
+          ? me.clinic_name
+          : waiting === 0
+            ? t('caseload.leadNobody')
+            : t('caseload.lead', { count: waiting })
+      }
       actions={
-        <Button component={Link} to="/patients/new" variant="default" leftSection={<IconUserPlus size={19} aria-hidden />}>
+        <Button
+          component={Link}
+          to="/patients/new"
+          variant="default"
+          leftSection={<IconUserPlus size={19} aria-hidden />}
+        >
           {t('patient.add')}
         </Button>
       }

@@ -45,12 +45,26 @@ function NewAccount({ onDone }: { onDone: () => void }) {
   const [patientId, setPatientId] = useState<string | null>(null);
   const submit = (event: FormEvent) => {
     event.preventDefault();
-    add.mutate({ role, display_name: name.trim(), email: email.trim(), password, patient_id: role === 'patient' ? patientId : null }, { onSuccess: onDone });
+    add.mutate(
+      {
+        role,
+        display_name: name.trim(),
+        email: email.trim(),
+        password,
+        patient_id: role === 'patient' ? patientId : null,
+      },
+      { onSuccess: onDone },
+    );
   };
   return (
     <form className="stack" onSubmit={submit}>
       {add.error && <Problem error={add.error} />}
-      <RadioCards legend={t('clinic.role')} value={role} onChange={setRole} options={ROLES.map((one) => ({ value: one, title: t(`role.${one}`), text: t(`clinic.role.${one}`) }))} />
+      <RadioCards
+        legend={t('clinic.role')}
+        value={role}
+        onChange={setRole}
+        options={ROLES.map((one) => ({ value: one, title: t(`role.${one}`), text: t(`clinic.role.${one}`) }))}
+      />
       {role === 'patient' && (
         <Select
           label={t('clinic.record')}
@@ -61,8 +75,24 @@ function NewAccount({ onDone }: { onDone: () => void }) {
           onChange={setPatientId}
         />
       )}
-      <TextInput label={t('clinic.name')} required withAsterisk={false} maxLength={200} value={name} onChange={(event) => setName(event.currentTarget.value)} />
-      <TextInput label={t('signIn.email')} type="email" required withAsterisk={false} maxLength={254} autoComplete="off" value={email} onChange={(event) => setEmail(event.currentTarget.value)} />
+      <TextInput
+        label={t('clinic.name')}
+        required
+        withAsterisk={false}
+        maxLength={200}
+        value={name}
+        onChange={(event) => setName(event.currentTarget.value)}
+      />
+      <TextInput
+        label={t('signIn.email')}
+        type="email"
+        required
+        withAsterisk={false}
+        maxLength={254}
+        autoComplete="off"
+        value={email}
+        onChange={(event) => setEmail(event.currentTarget.value)}
+      />
       <Password label={t('clinic.firstPassword')} value={password} onChange={setPassword} />
       <Group justify="flex-end">
         <Button variant="default" onClick={onDone}>
@@ -135,7 +165,13 @@ function Row({ account, onReset }: { account: Account; onReset: () => void }) {
             disabled={change.isPending}
             onChange={(event) => change.mutate({ id: account.id, patch: { is_active: event.currentTarget.checked } })}
           />
-          <Button size="sm" variant="default" leftSection={<IconKey size={17} aria-hidden />} aria-label={t('clinic.resetNamed', { name: account.display_name })} onClick={onReset}>
+          <Button
+            size="sm"
+            variant="default"
+            leftSection={<IconKey size={17} aria-hidden />}
+            aria-label={t('clinic.resetNamed', { name: account.display_name })}
+            onClick={onReset}
+          >
             {t('clinic.newPassword')}
           </Button>
         </Group>
@@ -180,10 +216,20 @@ export function ClinicPage() {
         {me.role === 'administrator' && <ClinicCard />}
         <SourcesCard />
       </div>
-      <Modal opened={isAdding} onClose={adding.close} title={t('clinic.add')} closeButtonProps={{ 'aria-label': t('action.close') }}>
+      <Modal
+        opened={isAdding}
+        onClose={adding.close}
+        title={t('clinic.add')}
+        closeButtonProps={{ 'aria-label': t('action.close') }}
+      >
         {isAdding && <NewAccount onDone={adding.close} />}
       </Modal>
-      <Modal opened={reset !== null} onClose={() => setReset(null)} title={t('clinic.newPassword')} closeButtonProps={{ 'aria-label': t('action.close') }}>
+      <Modal
+        opened={reset !== null}
+        onClose={() => setReset(null)}
+        title={t('clinic.newPassword')}
+        closeButtonProps={{ 'aria-label': t('action.close') }}
+      >
         {reset && <NewPassword account={reset} onDone={() => setReset(null)} />}
       </Modal>
     </Page>

@@ -31,7 +31,13 @@ export function ClinicCard() {
           />
         )}
       </Answer>
-      {change.error ? <Problem error={change.error} /> : change.data ? <p role="status">{t('clinic.zoneSaved')}</p> : clinic.data && !clinic.data.is_time_zone_set && <p className="muted small">{t('clinic.zoneNotSet')}</p>}
+      {change.error ? (
+        <Problem error={change.error} />
+      ) : change.data ? (
+        <p role="status">{t('clinic.zoneSaved')}</p>
+      ) : (
+        clinic.data && !clinic.data.is_time_zone_set && <p className="muted small">{t('clinic.zoneNotSet')}</p>
+      )}
     </section>
   );
 }

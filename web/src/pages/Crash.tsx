@@ -27,7 +27,11 @@ function Offline({ onBack }: { onBack: () => void }) {
     };
   }, [onBack]);
   return (
-    <Empty icon={<IconPlugConnectedX size={44} aria-hidden />} title={t('offline.title')} action={<Button onClick={onBack}>{t('action.tryAgain')}</Button>}>
+    <Empty
+      icon={<IconPlugConnectedX size={44} aria-hidden />}
+      title={t('offline.title')}
+      action={<Button onClick={onBack}>{t('action.tryAgain')}</Button>}
+    >
       {t('offline.text')}
     </Empty>
   );
@@ -48,7 +52,10 @@ export function CrashPage({ onReload = reload }: { onReload?: () => void }) {
         {isMissing && isThere === null ? null : isMissing && !isThere ? (
           <Offline onBack={onReload} />
         ) : (
-          <Empty title={t(isMissing ? 'crash.oldTitle' : 'crash.title')} action={<Button onClick={onReload}>{t('crash.reload')}</Button>}>
+          <Empty
+            title={t(isMissing ? 'crash.oldTitle' : 'crash.title')}
+            action={<Button onClick={onReload}>{t('crash.reload')}</Button>}
+          >
             {t(isMissing ? 'crash.oldText' : 'crash.text')}
           </Empty>
         )}

@@ -13,9 +13,18 @@ import { channelLabel } from '../lib/channels';
 import { pickCurves } from '../lib/comparison';
 import { date, number } from '../lib/format';
 
-function TemplateCard({ template, wanted, primary }: { template: Template; wanted: string | null; primary: string | null }) {
+function TemplateCard({
+  template,
+  wanted,
+  primary,
+}: {
+  template: Template;
+  wanted: string | null;
+  primary: string | null;
+}) {
   const [picked, setPicked] = useState<string | null>(null);
-  const versionId = picked ?? template.versions.find((one) => one.id === wanted)?.id ?? template.versions[0]?.id ?? null;
+  const versionId =
+    picked ?? template.versions.find((one) => one.id === wanted)?.id ?? template.versions[0]?.id ?? null;
   const version = useTemplateVersion(versionId);
   return (
     <section className="card" aria-label={template.name}>
@@ -28,7 +37,10 @@ function TemplateCard({ template, wanted, primary }: { template: Template; wante
             size="sm"
             w={230}
             aria-label={t('template.versionLabel')}
-            data={template.versions.map((one) => ({ value: one.id, label: t('template.versionOf', { number: one.number, date: date(one.created_at) }) }))}
+            data={template.versions.map((one) => ({
+              value: one.id,
+              label: t('template.versionOf', { number: one.number, date: date(one.created_at) }),
+            }))}
             value={versionId}
             onChange={setPicked}
           />
@@ -37,13 +49,24 @@ function TemplateCard({ template, wanted, primary }: { template: Template; wante
       <Answer of={version} lines={4} height={40}>
         {({ content, repetition_count: count, number: versionNumber, created_at: at }) => (
           <>
-            <p className="muted small">{t('template.made', { number: versionNumber, date: date(at), count, seconds: number(content.duration_s, 1) })}</p>
+            <p className="muted small">
+              {t('template.made', {
+                number: versionNumber,
+                date: date(at),
+                count,
+                seconds: number(content.duration_s, 1),
+              })}
+            </p>
             <PhaseLegend withOutside={false} patient={false} />
             <div className="template-curves">
               {pickCurves(content.curves, false, primary).map((curve) => (
                 <div key={curve.channel} className="template-curve">
                   <h3>{curve.label}</h3>
-                  <PhaseChart curve={curve} left={new Set(content.repetitions.flatMap((one, index) => (one.is_kept ? [] : [index])))} height={200} />
+                  <PhaseChart
+                    curve={curve}
+                    left={new Set(content.repetitions.flatMap((one, index) => (one.is_kept ? [] : [index])))}
+                    height={200}
+                  />
                 </div>
               ))}
             </div>
@@ -65,13 +88,24 @@ export function ExercisePage() {
   return (
     <Page
       title={exercise?.name ?? t('exercise.one')}
-      lead={exercise && (exercise.description || (isWalk(exercise.movement) ? t('exercise.judgedByWalk') : t('exercise.judgedBy', { angle: channelLabel(exercise.primary_angle ?? '').text })))}
+      lead={
+        exercise &&
+        (exercise.description ||
+          (isWalk(exercise.movement)
+            ? t('exercise.judgedByWalk')
+            : t('exercise.judgedBy', { angle: channelLabel(exercise.primary_angle ?? '').text })))
+      }
       crumbs={[
         { to: '/exercises', text: t('nav.exercises') },
-        ...(patient.data ? [{ to: `/patients/${patient.data.id}`, text: `${patient.data.given_name} ${patient.data.family_name}` }] : []),
+        ...(patient.data
+          ? [{ to: `/patients/${patient.data.id}`, text: `${patient.data.given_name} ${patient.data.family_name}` }]
+          : []),
       ]}
       actions={
-        <Button component={Link} to={`/templates/record?exercise=${exerciseId}${patientId ? `&patient=${patientId}` : ''}`}>
+        <Button
+          component={Link}
+          to={`/templates/record?exercise=${exerciseId}${patientId ? `&patient=${patientId}` : ''}`}
+        >
           {t('template.record')}
         </Button>
       }
@@ -82,12 +116,22 @@ export function ExercisePage() {
           {(list) =>
             list.length === 0 ? (
               <div className="card">
-                <Empty icon={<IconRouteOff size={44} aria-hidden />} title={patientId ? t('template.emptyTitle') : t('template.emptyClinicTitle')}>
+                <Empty
+                  icon={<IconRouteOff size={44} aria-hidden />}
+                  title={patientId ? t('template.emptyTitle') : t('template.emptyClinicTitle')}
+                >
                   {patientId ? t('template.emptyText') : t('template.emptyClinicText')}
                 </Empty>
               </div>
             ) : (
-              list.map((one) => <TemplateCard key={one.id} template={one} wanted={search.get('version')} primary={exercise?.primary_angle ?? null} />)
+              list.map((one) => (
+                <TemplateCard
+                  key={one.id}
+                  template={one}
+                  wanted={search.get('version')}
+                  primary={exercise?.primary_angle ?? null}
+                />
+              ))
             )
           }
         </Answer>

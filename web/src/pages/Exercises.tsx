@@ -12,7 +12,17 @@ import { t } from '../i18n';
 import { channelLabel } from '../lib/channels';
 import { isWalk, primaryAngles, usualAngle } from '../lib/exercises';
 
-const MOVEMENTS = ['reaching', 'drinking', 'abduction', 'flexion', 'pronation', 'walk', 'timed_up_and_go', 'six_minute_walk', 'other'] as const;
+const MOVEMENTS = [
+  'reaching',
+  'drinking',
+  'abduction',
+  'flexion',
+  'pronation',
+  'walk',
+  'timed_up_and_go',
+  'six_minute_walk',
+  'other',
+] as const;
 
 function NewExercise({ onDone }: { onDone: () => void }) {
   const add = useAddExercise();
@@ -24,14 +34,38 @@ function NewExercise({ onDone }: { onDone: () => void }) {
   const primary = angle && angle.includes(`_${side}_`) ? angle : usualAngle(movement, side);
   const submit = (event: FormEvent) => {
     event.preventDefault();
-    add.mutate({ name: name.trim(), description, movement, side, primary_angle: isWalk(movement) ? '' : primary }, { onSuccess: onDone });
+    add.mutate(
+      { name: name.trim(), description, movement, side, primary_angle: isWalk(movement) ? '' : primary },
+      { onSuccess: onDone },
+    );
   };
   return (
     <form className="stack" onSubmit={submit}>
       {add.error && <Problem error={add.error} />}
-      <TextInput label={t('exercise.name')} required withAsterisk={false} maxLength={200} value={name} onChange={(event) => setName(event.currentTarget.value)} data-autofocus />
-      <Textarea label={t('exercise.description')} description={t('exercise.descriptionHelp')} autosize minRows={2} maxLength={2000} value={description} onChange={(event) => setDescription(event.currentTarget.value)} />
-      <Select label={t('exercise.movement')} data={MOVEMENTS.map((value) => ({ value, label: t(`movement.${value}`) }))} value={movement} onChange={(value) => setMovement(value as ExerciseIn['movement'])} />
+      <TextInput
+        label={t('exercise.name')}
+        required
+        withAsterisk={false}
+        maxLength={200}
+        value={name}
+        onChange={(event) => setName(event.currentTarget.value)}
+        data-autofocus
+      />
+      <Textarea
+        label={t('exercise.description')}
+        description={t('exercise.descriptionHelp')}
+        autosize
+        minRows={2}
+        maxLength={2000}
+        value={description}
+        onChange={(event) => setDescription(event.currentTarget.value)}
+      />
+      <Select
+        label={t('exercise.movement')}
+        data={MOVEMENTS.map((value) => ({ value, label: t(`movement.${value}`) }))}
+        value={movement}
+        onChange={(value) => setMovement(value as ExerciseIn['movement'])}
+      />
       {!isWalk(movement) && (
         <>
           <RadioCards
@@ -41,7 +75,13 @@ function NewExercise({ onDone }: { onDone: () => void }) {
             columns={2}
             options={(['left', 'right'] as const).map((value) => ({ value, title: t(`exercise.arm.${value}`) }))}
           />
-          <Select label={t('exercise.angle')} description={t('exercise.angleHelp')} data={primaryAngles(side).map((value) => ({ value, label: channelLabel(value).text }))} value={primary} onChange={setAngle} />
+          <Select
+            label={t('exercise.angle')}
+            description={t('exercise.angleHelp')}
+            data={primaryAngles(side).map((value) => ({ value, label: channelLabel(value).text }))}
+            value={primary}
+            onChange={setAngle}
+          />
         </>
       )}
       <Group justify="flex-end">
@@ -67,7 +107,11 @@ function Card({ exercise }: { exercise: Exercise }) {
         {!isWalk(exercise.movement) && ` · ${t(`exercise.arm.${exercise.side ?? 'right'}`)}`}
       </p>
       {exercise.description && <p>{exercise.description}</p>}
-      <p className="small muted">{isWalk(exercise.movement) ? t('exercise.judgedByWalk') : t('exercise.judgedBy', { angle: channelLabel(exercise.primary_angle ?? '').text })}</p>
+      <p className="small muted">
+        {isWalk(exercise.movement)
+          ? t('exercise.judgedByWalk')
+          : t('exercise.judgedBy', { angle: channelLabel(exercise.primary_angle ?? '').text })}
+      </p>
     </li>
   );
 }
@@ -94,7 +138,11 @@ export function ExercisesPage() {
         {(list) =>
           list.length === 0 ? (
             <div className="card">
-              <Empty icon={<IconStretching size={44} aria-hidden />} title={t('exercise.emptyTitle')} action={<Button onClick={dialog.open}>{t('exercise.add')}</Button>}>
+              <Empty
+                icon={<IconStretching size={44} aria-hidden />}
+                title={t('exercise.emptyTitle')}
+                action={<Button onClick={dialog.open}>{t('exercise.add')}</Button>}
+              >
                 {t('exercise.emptyText')}
               </Empty>
             </div>
@@ -107,7 +155,12 @@ export function ExercisesPage() {
           )
         }
       </Answer>
-      <Modal opened={isOpen} onClose={dialog.close} title={t('exercise.add')} closeButtonProps={{ 'aria-label': t('action.close') }}>
+      <Modal
+        opened={isOpen}
+        onClose={dialog.close}
+        title={t('exercise.add')}
+        closeButtonProps={{ 'aria-label': t('action.close') }}
+      >
         {isOpen && <NewExercise onDone={dialog.close} />}
       </Modal>
     </Page>

@@ -44,8 +44,27 @@ export function OwnAccountPage() {
               <p role="status">{t('account.changed')}</p>
             </Notice>
           )}
-          <PasswordInput label={t('account.present')} autoComplete="current-password" required withAsterisk={false} value={present} onChange={(event) => setPresent(event.currentTarget.value)} visibilityToggleButtonProps={toggle} />
-          <PasswordInput label={t('clinic.newPassword')} description={t('clinic.passwordHelp', { least: LEAST })} autoComplete="new-password" required withAsterisk={false} minLength={LEAST} maxLength={200} value={wanted} onChange={(event) => setWanted(event.currentTarget.value)} visibilityToggleButtonProps={toggle} />
+          <PasswordInput
+            label={t('account.present')}
+            autoComplete="current-password"
+            required
+            withAsterisk={false}
+            value={present}
+            onChange={(event) => setPresent(event.currentTarget.value)}
+            visibilityToggleButtonProps={toggle}
+          />
+          <PasswordInput
+            label={t('clinic.newPassword')}
+            description={t('clinic.passwordHelp', { least: LEAST })}
+            autoComplete="new-password"
+            required
+            withAsterisk={false}
+            minLength={LEAST}
+            maxLength={200}
+            value={wanted}
+            onChange={(event) => setWanted(event.currentTarget.value)}
+            visibilityToggleButtonProps={toggle}
+          />
           <div>
             <Button type="submit" loading={change.isPending}>
               {t('account.change')}

@@ -43,7 +43,16 @@ export function SecondFactorCard() {
                 {t('second.byHand')} <code className="break">{begin.data.secret.replace(/(.{4})/g, '$1 ').trim()}</code>
               </p>
               {confirm.error && <Problem error={confirm.error} />}
-              <TextInput label={t('second.code')} inputMode="numeric" autoComplete="one-time-code" required withAsterisk={false} maxLength={7} value={code} onChange={(event) => setCode(event.currentTarget.value)} />
+              <TextInput
+                label={t('second.code')}
+                inputMode="numeric"
+                autoComplete="one-time-code"
+                required
+                withAsterisk={false}
+                maxLength={7}
+                value={code}
+                onChange={(event) => setCode(event.currentTarget.value)}
+              />
               <div>
                 <Button type="submit" loading={confirm.isPending}>
                   {t('second.turnOn')}
@@ -88,7 +97,15 @@ function TurnOff({ since, left }: { since: string; left: number }) {
         {t('second.isOn', { date: date(since) })} {t('second.left', { count: left })}
       </p>
       {remove.error && <Problem error={remove.error} />}
-      <PasswordInput label={t('account.present')} autoComplete="current-password" required withAsterisk={false} value={password} onChange={(event) => setPassword(event.currentTarget.value)} visibilityToggleButtonProps={{ 'aria-label': t('signIn.showPassword'), tabIndex: 0, 'aria-hidden': false }} />
+      <PasswordInput
+        label={t('account.present')}
+        autoComplete="current-password"
+        required
+        withAsterisk={false}
+        value={password}
+        onChange={(event) => setPassword(event.currentTarget.value)}
+        visibilityToggleButtonProps={{ 'aria-label': t('signIn.showPassword'), tabIndex: 0, 'aria-hidden': false }}
+      />
       <div>
         <Button type="submit" variant="default" loading={remove.isPending}>
           {t('second.turnOff')}

@@ -40,9 +40,29 @@ export function SignInPage() {
       <div className="sign-in-picture">
         <Wordmark />
         <svg viewBox="0 0 600 300" aria-hidden>
-          <path d="M20 250C140 250 180 90 300 78s170 130 280 132" fill="none" stroke="#a9d2d6" strokeOpacity=".24" strokeWidth="66" strokeLinecap="round" />
-          <path d="M20 250C140 250 180 90 300 78s170 130 280 132" fill="none" stroke="#a9d2d6" strokeWidth="3" strokeDasharray="2 11" strokeLinecap="round" />
-          <path d="M20 254C120 258 190 112 292 92s176 96 288 108" fill="none" stroke="#fff" strokeWidth="5" strokeLinecap="round" />
+          <path
+            d="M20 250C140 250 180 90 300 78s170 130 280 132"
+            fill="none"
+            stroke="#a9d2d6"
+            strokeOpacity=".24"
+            strokeWidth="66"
+            strokeLinecap="round"
+          />
+          <path
+            d="M20 250C140 250 180 90 300 78s170 130 280 132"
+            fill="none"
+            stroke="#a9d2d6"
+            strokeWidth="3"
+            strokeDasharray="2 11"
+            strokeLinecap="round"
+          />
+          <path
+            d="M20 254C120 258 190 112 292 92s176 96 288 108"
+            fill="none"
+            stroke="#fff"
+            strokeWidth="5"
+            strokeLinecap="round"
+          />
           <circle cx="292" cy="92" r="10" fill="#0c4a55" stroke="#fff" strokeWidth="5" />
         </svg>
         <p>{t('signIn.promise')}</p>
@@ -56,7 +76,16 @@ export function SignInPage() {
             </Notice>
           )}
           {signIn.error && !isAsked(signIn.error) && <Problem error={signIn.error} />}
-          <TextInput label={t('signIn.email')} type="email" autoComplete="username" required withAsterisk={false} size="lg" value={email} onChange={(event) => setEmail(event.currentTarget.value)} />
+          <TextInput
+            label={t('signIn.email')}
+            type="email"
+            autoComplete="username"
+            required
+            withAsterisk={false}
+            size="lg"
+            value={email}
+            onChange={(event) => setEmail(event.currentTarget.value)}
+          />
           <PasswordInput
             label={t('signIn.password')}
             autoComplete="current-password"
@@ -68,7 +97,17 @@ export function SignInPage() {
             visibilityToggleButtonProps={{ 'aria-label': t('signIn.showPassword'), tabIndex: 0, 'aria-hidden': false }}
           />
           {asksCode && (
-            <TextInput label={t('second.code')} description={t('second.codeHelp')} autoComplete="one-time-code" required withAsterisk={false} size="lg" maxLength={40} value={code} onChange={(event) => setCode(event.currentTarget.value)} />
+            <TextInput
+              label={t('second.code')}
+              description={t('second.codeHelp')}
+              autoComplete="one-time-code"
+              required
+              withAsterisk={false}
+              size="lg"
+              maxLength={40}
+              value={code}
+              onChange={(event) => setCode(event.currentTarget.value)}
+            />
           )}
           <Button type="submit" size="lg" loading={signIn.isPending}>
             {t('action.signIn')}

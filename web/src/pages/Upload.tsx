@@ -18,7 +18,20 @@ import { number } from '../lib/format';
 import { JobProgress } from './session/AnalysisWait';
 import { FileDrop, FormatChoice, type Format } from './upload/FilePart';
 
-const PLACEMENTS: Placement[] = ['sternum', 'upper_arm_right', 'forearm_right', 'hand_right', 'upper_arm_left', 'forearm_left', 'hand_left', 'pelvis', 'head', 'shoulder_left', 'shoulder_right', ...LEG_PLACEMENTS];
+const PLACEMENTS: Placement[] = [
+  'sternum',
+  'upper_arm_right',
+  'forearm_right',
+  'hand_right',
+  'upper_arm_left',
+  'forearm_left',
+  'hand_left',
+  'pelvis',
+  'head',
+  'shoulder_left',
+  'shoulder_right',
+  ...LEG_PLACEMENTS,
+];
 const WALKS: readonly Format[] = ['gaitmap', 'instrumented_shoe', 'pyshoe', 'gait_tracking'];
 const PIPELINES: readonly Pipeline[] = ['arm', 'gait', 'orientation'];
 const TEXT = /\.(csv|tsv|txt|dat|asc)$/i;
@@ -63,7 +76,11 @@ export function UploadPage() {
   const newest = useRef(0);
   const look = useMutation({
     mutationFn: async ({ chosen, asked }: { chosen: File; asked: Pipeline | null; turn: number }) =>
-      api.post<TablePreview>('/api/uploads/preview', { file_name: chosen.name.slice(-200), beginning: await beginningOf(chosen), pipeline: asked } satisfies PreviewIn),
+      api.post<TablePreview>('/api/uploads/preview', {
+        file_name: chosen.name.slice(-200),
+        beginning: await beginningOf(chosen),
+        pipeline: asked,
+      } satisfies PreviewIn),
     onSuccess: (found, { turn }) => {
       if (turn !== newest.current) return;
       setFormat(found.format as Format);
@@ -91,7 +108,16 @@ export function UploadPage() {
   const orientation = wantedEstimator ?? estimators.data?.[0]?.name;
   const isMapped = format !== 'csv' || (mapping !== null && complete(mapping, pipeline) !== null);
   const isReady = file !== null && patientId !== null && orientation !== undefined && isMapped;
-  const lacking = file === null ? 'upload.lacksFile' : look.isPending ? null : !isMapped ? 'upload.lacksColumns' : patientId === null ? 'upload.lacksPatient' : null;
+  const lacking =
+    file === null
+      ? 'upload.lacksFile'
+      : look.isPending
+        ? null
+        : !isMapped
+          ? 'upload.lacksColumns'
+          : patientId === null
+            ? 'upload.lacksPatient'
+            : null;
   const submit = (event: FormEvent) => {
     event.preventDefault();
     if (!isReady || !file || !patientId || !orientation) return;
@@ -123,13 +149,24 @@ export function UploadPage() {
       <form className="stack" onSubmit={submit}>
         <section className="card stack">
           <FileDrop file={file} onFile={take} />
-          {file && !look.isPending && <FormatChoice key={`${file.name} ${file.lastModified}`} value={format} isRecognised={look.isSuccess || /\.(tmlog|hdf5|h5)$/i.test(file.name)} onChange={setFormat} />}
+          {file && !look.isPending && (
+            <FormatChoice
+              key={`${file.name} ${file.lastModified}`}
+              value={format}
+              isRecognised={look.isSuccess || /\.(tmlog|hdf5|h5)$/i.test(file.name)}
+              onChange={setFormat}
+            />
+          )}
           {file && hasPipeline && !look.isPending && (
             <RadioCards
               legend={t('upload.pipeline')}
               value={pipeline}
               onChange={choosePipeline}
-              options={PIPELINES.map((value) => ({ value, title: t(`upload.pipeline.${value}`), text: t(`upload.pipeline.${value}.text`) }))}
+              options={PIPELINES.map((value) => ({
+                value,
+                title: t(`upload.pipeline.${value}`),
+                text: t(`upload.pipeline.${value}.text`),
+              }))}
             />
           )}
           {look.isPending && <p className="muted">{t('upload.looking')}</p>}
@@ -141,7 +178,13 @@ export function UploadPage() {
                   {reason}
                 </p>
               ))}
-              <CsvMappingForm head={look.data} pipeline={pipeline} placements={PLACEMENTS} value={mapping} onChange={setMapping} />
+              <CsvMappingForm
+                head={look.data}
+                pipeline={pipeline}
+                placements={PLACEMENTS}
+                value={mapping}
+                onChange={setMapping}
+              />
             </>
           )}
         </section>
@@ -150,12 +193,22 @@ export function UploadPage() {
             label={t('upload.patient')}
             searchable
             maw={480}
-            data={(patients.data ?? []).filter((one) => one.may_treat).map((one) => ({ value: one.id, label: `${one.given_name} ${one.family_name}` }))}
+            data={(patients.data ?? [])
+              .filter((one) => one.may_treat)
+              .map((one) => ({ value: one.id, label: `${one.given_name} ${one.family_name}` }))}
             value={patientId}
             onChange={setPatientId}
           />
           {patients.error && <Problem error={patients.error} />}
-          <Select label={t('upload.exercise')} searchable clearable maw={480} data={(exercises.data ?? []).map((one) => ({ value: one.id, label: one.name }))} value={exerciseId} onChange={setExerciseId} />
+          <Select
+            label={t('upload.exercise')}
+            searchable
+            clearable
+            maw={480}
+            data={(exercises.data ?? []).map((one) => ({ value: one.id, label: one.name }))}
+            value={exerciseId}
+            onChange={setExerciseId}
+          />
           {isWalk ? (
             <NumberInput
               label={t('newSession.apart')}
@@ -178,16 +231,40 @@ export function UploadPage() {
               />
               {!isSingle && (
                 <>
-                  <Switch label={t('upload.withLegs')} description={t('upload.withLegsHelp')} checked={withLegs} onChange={(event) => setWithLegs(event.currentTarget.checked)} />
-                  <Switch label={t('upload.knowsPose')} description={t('upload.knowsPoseHelp')} checked={knowsPose} onChange={(event) => setKnowsPose(event.currentTarget.checked)} />
+                  <Switch
+                    label={t('upload.withLegs')}
+                    description={t('upload.withLegsHelp')}
+                    checked={withLegs}
+                    onChange={(event) => setWithLegs(event.currentTarget.checked)}
+                  />
+                  <Switch
+                    label={t('upload.knowsPose')}
+                    description={t('upload.knowsPoseHelp')}
+                    checked={knowsPose}
+                    onChange={(event) => setKnowsPose(event.currentTarget.checked)}
+                  />
                 </>
               )}
             </>
           )}
           {knowsPose && !isWalk && !isSingle && (
             <Group>
-              <NumberInput label={t('upload.poseFrom')} suffix=" s" min={0} w={140} value={pose[0]} onChange={(value) => setPose([Number(value) || 0, pose[1]])} />
-              <NumberInput label={t('upload.poseUntil')} suffix=" s" min={0} w={140} value={pose[1]} onChange={(value) => setPose([pose[0], Number(value) || 0])} />
+              <NumberInput
+                label={t('upload.poseFrom')}
+                suffix=" s"
+                min={0}
+                w={140}
+                value={pose[0]}
+                onChange={(value) => setPose([Number(value) || 0, pose[1]])}
+              />
+              <NumberInput
+                label={t('upload.poseUntil')}
+                suffix=" s"
+                min={0}
+                w={140}
+                value={pose[1]}
+                onChange={(value) => setPose([pose[0], Number(value) || 0])}
+              />
             </Group>
           )}
         </section>
@@ -199,7 +276,12 @@ export function UploadPage() {
                 <span className="strong">{t('upload.sending')}</span>
                 <span className="muted number">{number(100 * (send.isSuccess ? 1 : sent))} %</span>
               </div>
-              <Progress size="lg" transitionDuration={0} value={100 * (send.isSuccess ? 1 : sent)} aria-label={t('upload.sending')} />
+              <Progress
+                size="lg"
+                transitionDuration={0}
+                value={100 * (send.isSuccess ? 1 : sent)}
+                aria-label={t('upload.sending')}
+              />
             </div>
             {job.data && <JobProgress job={job.data} />}
             {job.error && <Problem error={job.error} />}
@@ -214,12 +296,22 @@ export function UploadPage() {
                   value={hemisphere}
                   onChange={(value) => setHemisphere(value ?? 'north')}
                 />
-                <Checkbox label={t('upload.accept')} description={t('upload.acceptHelp')} checked={accepts} onChange={(event) => setAccepts(event.currentTarget.checked)} />
+                <Checkbox
+                  label={t('upload.accept')}
+                  description={t('upload.acceptHelp')}
+                  checked={accepts}
+                  onChange={(event) => setAccepts(event.currentTarget.checked)}
+                />
               </>
             )}
             {isDone && job.data && (
               <div>
-                <Button size="lg" component={Link} to={`/sessions/${job.data.session_id}`} rightSection={<IconArrowRight size={19} aria-hidden />}>
+                <Button
+                  size="lg"
+                  component={Link}
+                  to={`/sessions/${job.data.session_id}`}
+                  rightSection={<IconArrowRight size={19} aria-hidden />}
+                >
                   {t('live.toReplay')}
                 </Button>
               </div>
@@ -228,7 +320,12 @@ export function UploadPage() {
         )}
         <Group justify="flex-end">
           {lacking && <p className="muted">{t(lacking)}</p>}
-          <Button type="submit" size="lg" disabled={!isReady || (send.isSuccess && !hasFailed)} loading={send.isPending}>
+          <Button
+            type="submit"
+            size="lg"
+            disabled={!isReady || (send.isSuccess && !hasFailed)}
+            loading={send.isPending}
+          >
             {t(hasFailed ? 'upload.again' : 'upload.send')}
           </Button>
         </Group>

@@ -24,13 +24,27 @@ function limb(from: Point, to: Point, wide: number, narrow: number): string {
   return `M${at(from, wide)}L${at(to, narrow)}A${narrow} ${narrow} 0 0 0 ${at(to, -narrow)}L${at(from, -wide)}A${wide} ${wide} 0 0 0 ${at(from, wide)}Z`;
 }
 
-export function armPoints(shoulder: Point, [upper, forearm]: Arm, sign: 1 | -1): { elbow: Point; wrist: Point; hand: Point } {
+export function armPoints(
+  shoulder: Point,
+  [upper, forearm]: Arm,
+  sign: 1 | -1,
+): { elbow: Point; wrist: Point; hand: Point } {
   const elbow = along(shoulder, upper, UPPER, sign);
   const wrist = along(elbow, forearm, FOREARM, sign);
   return { elbow, wrist, hand: along(wrist, forearm, HAND, sign) };
 }
 
-function ArmShape({ shoulder, arm, sign, kind }: { shoulder: Point; arm: Arm; sign: 1 | -1; kind: 'rest' | 'moves' | 'before' }) {
+function ArmShape({
+  shoulder,
+  arm,
+  sign,
+  kind,
+}: {
+  shoulder: Point;
+  arm: Arm;
+  sign: 1 | -1;
+  kind: 'rest' | 'moves' | 'before';
+}) {
   const { elbow, wrist, hand } = armPoints(shoulder, arm, sign);
   return (
     <g className={`figure-${kind}`}>
@@ -42,7 +56,19 @@ function ArmShape({ shoulder, arm, sign, kind }: { shoulder: Point; arm: Arm; si
 }
 
 /** An arrow along a circle around a joint, from one angle to another. */
-function Sweep({ around, radius, from, to, sign }: { around: Point; radius: number; from: number; to: number; sign: 1 | -1 }) {
+function Sweep({
+  around,
+  radius,
+  from,
+  to,
+  sign,
+}: {
+  around: Point;
+  radius: number;
+  from: number;
+  to: number;
+  sign: 1 | -1;
+}) {
   const start = along(around, from, radius, sign);
   const end = along(around, to, radius, sign);
   const isClockwise = sign * (to - from) < 0;
@@ -80,8 +106,12 @@ function Moves({ shoulder, sign, arm, before, turns }: ManyArms & { shoulder: Po
     <>
       {before && <ArmShape shoulder={shoulder} arm={before} sign={sign} kind="before" />}
       <ArmShape shoulder={shoulder} arm={arm} sign={sign} kind="moves" />
-      {before && turns === 'shoulder' && <Sweep around={shoulder} radius={UPPER + 34} from={before[0] + 8} to={arm[0] - 14} sign={sign} />}
-      {before && turns === 'elbow' && <Sweep around={elbow} radius={FOREARM + 28} from={before[1] + 8} to={arm[1] - 14} sign={sign} />}
+      {before && turns === 'shoulder' && (
+        <Sweep around={shoulder} radius={UPPER + 34} from={before[0] + 8} to={arm[0] - 14} sign={sign} />
+      )}
+      {before && turns === 'elbow' && (
+        <Sweep around={elbow} radius={FOREARM + 28} from={before[1] + 8} to={arm[1] - 14} sign={sign} />
+      )}
       {turns === 'palm' && (
         <g className="figure-arrow">
           <path d={`M${wrist[0] - 4} ${wrist[1] - 19}a7 19 0 1 1 -3 37`} />

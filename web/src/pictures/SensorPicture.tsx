@@ -4,12 +4,25 @@ type Axis = 'x' | 'y' | 'z';
 /** Width, depth and height of the box as it lies, by the axis that is upright. */
 const LYING: Record<Axis, readonly [number, number, number]> = { z: [104, 66, 30], x: [66, 30, 104], y: [104, 30, 66] };
 
-function Box({ x, y, size: [width, depth, height], isOver }: { x: number; y: number; size: readonly [number, number, number]; isOver?: boolean }) {
+function Box({
+  x,
+  y,
+  size: [width, depth, height],
+  isOver,
+}: {
+  x: number;
+  y: number;
+  size: readonly [number, number, number];
+  isOver?: boolean;
+}) {
   const [dx, dy] = [depth * 0.55, depth * 0.4];
   return (
     <g className="sensor-box">
       <path d={`M${x} ${y}v${-height}h${width}v${height}z`} />
-      <path className={isOver ? 'sensor-back' : 'sensor-top'} d={`M${x} ${y - height}l${dx} ${-dy}h${width}l${-dx} ${dy}z`} />
+      <path
+        className={isOver ? 'sensor-back' : 'sensor-top'}
+        d={`M${x} ${y - height}l${dx} ${-dy}h${width}l${-dx} ${dy}z`}
+      />
       <path className="sensor-side" d={`M${x + width} ${y}v${-height}l${dx} ${-dy}v${height}z`} />
     </g>
   );
@@ -35,7 +48,10 @@ export function LaidSensor({ axis, isDown, isTurned }: { axis: Axis; isDown?: bo
       <Box x={x} y={190} size={size} isOver={isDown} />
       <g className="figure-arrow">
         <path d={isDown ? `M${middle} ${top - 50}V${top - 14}` : `M${middle} ${top}V${top - 38}`} />
-        <path className="figure-tip" d={isDown ? `M${middle} ${top - 2}l-8 -14h16z` : `M${middle} ${top - 52}l-8 14h16z`} />
+        <path
+          className="figure-tip"
+          d={isDown ? `M${middle} ${top - 2}l-8 -14h16z` : `M${middle} ${top - 52}l-8 14h16z`}
+        />
         {isTurned && (
           <>
             <path d={`M${middle - 84} 196a84 20 0 0 0 166 6`} />

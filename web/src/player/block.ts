@@ -21,14 +21,17 @@ export class BlockError extends Error {
 
 /** Decode a block; throws `BlockError` when length and header do not agree. */
 export function decodeBlock(buffer: ArrayBuffer): Block {
-  if (buffer.byteLength < HEADER_BYTES) throw new BlockError(`block of ${buffer.byteLength} bytes is shorter than its header`);
+  if (buffer.byteLength < HEADER_BYTES)
+    throw new BlockError(`block of ${buffer.byteLength} bytes is shorter than its header`);
   const view = new DataView(buffer);
   if (view.getUint32(0, true) !== MAGIC) throw new BlockError('block does not begin with TMF1');
   const ticks = view.getUint32(4, true);
   const count = view.getUint32(8, true);
   const expected = HEADER_BYTES + ticks * count * 4;
   if (buffer.byteLength !== expected) {
-    throw new BlockError(`block of ${ticks} ticks and ${count} columns must have ${expected} bytes, not ${buffer.byteLength}`);
+    throw new BlockError(
+      `block of ${ticks} ticks and ${count} columns must have ${expected} bytes, not ${buffer.byteLength}`,
+    );
   }
   const rows = new Float32Array(buffer, HEADER_BYTES, ticks * count);
   const columns: Float32Array[] = [];

@@ -19,7 +19,12 @@ export function useLivePlayer(sessionId: string): LivePlayer | null {
 }
 
 /** The player of a stored session; a new one for each result. */
-export function useReplayPlayer(sessionId: string, resultId: string | null, startS: number, endS: number): ReplayPlayer | null {
+export function useReplayPlayer(
+  sessionId: string,
+  resultId: string | null,
+  startS: number,
+  endS: number,
+): ReplayPlayer | null {
   const [player, setPlayer] = useState<ReplayPlayer | null>(null);
   useEffect(() => {
     if (!resultId || endS <= startS) return;

@@ -1,6 +1,13 @@
 // A session while it happens: socket in, ring of frames, state, health and events out.
 import { PROTOCOL_VERSION } from '../api/schema';
-import type { CalibrationMessage, ErrorMessage, HealthMessage, LiveMessage, SessionEvent, StateMessage } from '../api/types';
+import type {
+  CalibrationMessage,
+  ErrorMessage,
+  HealthMessage,
+  LiveMessage,
+  SessionEvent,
+  StateMessage,
+} from '../api/types';
 import { t } from '../i18n';
 import { createDecoder, type Decoder } from './decoder';
 import { LatencyMeter } from './latency';
@@ -137,14 +144,16 @@ export class LivePlayer implements Player {
     this.#store.set({
       connection,
       problem: connection === 'open' ? null : reason || this.#store.get().problem,
-      lostSinceS: connection === 'lost' ? (this.#store.get().lostSinceS ?? (this.#lastWordS || this.#latency.now())) : null,
+      lostSinceS:
+        connection === 'lost' ? (this.#store.get().lostSinceS ?? (this.#lastWordS || this.#latency.now())) : null,
     });
   }
 
   /** The service said something. */
   #heard(): void {
     this.#lastWordS = this.#latency.now();
-    if (this.#store.get().lostSinceS !== null && this.#socket.isOpen) this.#store.set({ connection: 'open', problem: null, lostSinceS: null });
+    if (this.#store.get().lostSinceS !== null && this.#socket.isOpen)
+      this.#store.set({ connection: 'open', problem: null, lostSinceS: null });
   }
 
   /** What did not come cannot call: look for it. */
@@ -171,7 +180,9 @@ export class LivePlayer implements Player {
     switch (message.type) {
       case 'layout':
         if (message.protocol_version !== PROTOCOL_VERSION) {
-          this.#socket.refuse(t('player.otherVersion', { ours: PROTOCOL_VERSION, theirs: message.protocol_version ?? '?' }));
+          this.#socket.refuse(
+            t('player.otherVersion', { ours: PROTOCOL_VERSION, theirs: message.protocol_version ?? '?' }),
+          );
           return;
         }
         this.#forget(new FrameRing(columnsOf(message), HELD_S));
@@ -219,7 +230,8 @@ export class LivePlayer implements Player {
       }
       ring.push(block);
     } catch (error) {
-      if (this.#store.get().connection !== 'closed') this.#socket.refuse(error instanceof Error ? error.message : String(error));
+      if (this.#store.get().connection !== 'closed')
+        this.#socket.refuse(error instanceof Error ? error.message : String(error));
     }
   }
 }

@@ -70,9 +70,11 @@ export class ReplayPlayer implements Player {
   /** Frames of the interval at full rate where the pages are here, else from the overview until they are. */
   read(startS: number, endS: number, columns: readonly string[], maxPoints = Infinity): Stretch {
     const known = this.#store.get().columns;
-    if (!known || !this.#overview) return { timeS: new Float64Array(0), values: columns.map(() => new Float32Array(0)), isComplete: false };
+    if (!known || !this.#overview)
+      return { timeS: new Float64Array(0), values: columns.map(() => new Float32Array(0)), isComplete: false };
     const spanPoints = (endS - startS) * known.rateHz;
-    if (spanPoints > maxPoints || endS - startS > PAGE_S * (PAGES_HELD / 2)) return cut([this.#overview], startS, endS, known.index, columns, true);
+    if (spanPoints > maxPoints || endS - startS > PAGE_S * (PAGES_HELD / 2))
+      return cut([this.#overview], startS, endS, known.index, columns, true);
     const first = Math.floor(Math.max(startS, this.#options.startS) / PAGE_S);
     const last = Math.ceil(Math.min(endS, this.#options.endS) / PAGE_S);
     const pages: Block[] = [];
@@ -88,7 +90,9 @@ export class ReplayPlayer implements Player {
         void this.#fetchPage(page);
       }
     }
-    return isComplete ? cut(pages, startS, endS, known.index, columns, true) : cut([this.#overview], startS, endS, known.index, columns, false);
+    return isComplete
+      ? cut(pages, startS, endS, known.index, columns, true)
+      : cut([this.#overview], startS, endS, known.index, columns, false);
   }
 
   play(): void {
@@ -127,7 +131,9 @@ export class ReplayPlayer implements Player {
   async #open(): Promise<void> {
     const { sessionId, resultId, startS, endS } = this.#options;
     try {
-      const message = await api.get<LayoutMessage>(withQuery(`/api/sessions/${sessionId}/layout`, { result_id: resultId }));
+      const message = await api.get<LayoutMessage>(
+        withQuery(`/api/sessions/${sessionId}/layout`, { result_id: resultId }),
+      );
       if (message.protocol_version !== PROTOCOL_VERSION) {
         this.#store.set({
           connection: 'refused',
@@ -137,7 +143,12 @@ export class ReplayPlayer implements Player {
       }
       this.#overview = await this.#fetchBlock(startS, endS, OVERVIEW_POINTS);
       if (this.#store.get().connection === 'closed') return;
-      this.#store.set({ connection: 'open', problem: null, columns: columnsOf(message), epoch: this.#store.get().epoch + 1 });
+      this.#store.set({
+        connection: 'open',
+        problem: null,
+        columns: columnsOf(message),
+        epoch: this.#store.get().epoch + 1,
+      });
     } catch (error) {
       if (this.#store.get().connection === 'closed') return;
       this.#store.set({ connection: 'refused', problem: error instanceof Error ? error.message : String(error) });
@@ -181,9 +192,17 @@ export class ReplayPlayer implements Player {
 }
 
 /** The ticks of the interval out of blocks in time order. */
-function cut(blocks: readonly Block[], startS: number, endS: number, index: ReadonlyMap<string, number>, names: readonly string[], isComplete: boolean): Stretch {
+function cut(
+  blocks: readonly Block[],
+  startS: number,
+  endS: number,
+  index: ReadonlyMap<string, number>,
+  names: readonly string[],
+  isComplete: boolean,
+): Stretch {
   const ranges = blocks.map((block) => {
-    const at = (timeS: number) => Math.min(block.ticks, Math.max(0, Math.ceil((timeS - block.startS) / block.stepS - 1e-6)));
+    const at = (timeS: number) =>
+      Math.min(block.ticks, Math.max(0, Math.ceil((timeS - block.startS) / block.stepS - 1e-6)));
     return { block, from: at(startS), until: at(endS) };
   });
   const size = ranges.reduce((sum, { from, until }) => sum + Math.max(0, until - from), 0);

@@ -18,6 +18,8 @@ it('puts parameters in and follows the plural', () => {
 it('has no words that no page uses', () => {
   // Keys that are put together at run time begin with one of these.
   const joined = [...sources.matchAll(/t(?:Or)?\(`([^$`]+)\$\{/g)].map((match) => match[1] ?? '');
-  const unused = Object.keys(en).filter((key) => !sources.includes(`'${key}'`) && !joined.some((start) => key.startsWith(start)));
+  const unused = Object.keys(en).filter(
+    (key) => !sources.includes(`'${key}'`) && !joined.some((start) => key.startsWith(start)),
+  );
   expect(unused).toEqual([]);
 });

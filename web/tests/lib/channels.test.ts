@@ -26,9 +26,16 @@ describe('channelLabel', () => {
 });
 
 describe('preferredAngles', () => {
-  const angles = ['thorax_humerus_left_yxy_elevation', 'humerus_forearm_left_zxy_flexion', 'humerus_forearm_left_zxy_pronation'];
+  const angles = [
+    'thorax_humerus_left_yxy_elevation',
+    'humerus_forearm_left_zxy_flexion',
+    'humerus_forearm_left_zxy_pronation',
+  ];
   it('begins with the exercise’s own angle and shows nothing that is not there', () => {
-    expect(preferredAngles(angles, 'humerus_forearm_left_zxy_pronation', 'left', 2)).toEqual(['humerus_forearm_left_zxy_pronation', 'humerus_forearm_left_zxy_flexion']);
+    expect(preferredAngles(angles, 'humerus_forearm_left_zxy_pronation', 'left', 2)).toEqual([
+      'humerus_forearm_left_zxy_pronation',
+      'humerus_forearm_left_zxy_flexion',
+    ]);
     expect(preferredAngles([], 'humerus_forearm_left_zxy_pronation', 'left')).toEqual([]);
   });
 });

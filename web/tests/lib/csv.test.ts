@@ -20,19 +20,33 @@ describe('what keeps a mapping from being sent', () => {
   });
   it('is a missing time, quantity, column, or one of them twice', () => {
     expect(mappingProblems(mapping([], { time_column: null, rate_hz: 100 }), 'arm')).toEqual(['csv.needSignals']);
-    expect(mappingProblems(mapping(WHOLE.slice(0, 1), { time_column: null }), 'orientation')).toEqual(['csv.needTime', 'csv.needAccelerometer']);
+    expect(mappingProblems(mapping(WHOLE.slice(0, 1), { time_column: null }), 'orientation')).toEqual([
+      'csv.needTime',
+      'csv.needAccelerometer',
+    ]);
     expect(mappingProblems(mapping([...WHOLE, ...WHOLE]), 'orientation')).toEqual(['csv.twice']);
-    expect(mappingProblems(mapping([{ ...signal('a', 'gyroscope'), columns: ['x', '', 'z'] }, signal('a', 'accelerometer')]), 'orientation')).toEqual(['csv.needColumns']);
+    expect(
+      mappingProblems(
+        mapping([{ ...signal('a', 'gyroscope'), columns: ['x', '', 'z'] }, signal('a', 'accelerometer')]),
+        'orientation',
+      ),
+    ).toEqual(['csv.needColumns']);
   });
   it('is not that two sensors have the same quantities', () => {
-    expect(mappingProblems(mapping([...WHOLE, signal('b', 'gyroscope'), signal('b', 'accelerometer')]), 'orientation')).toEqual([]);
+    expect(
+      mappingProblems(mapping([...WHOLE, signal('b', 'gyroscope'), signal('b', 'accelerometer')]), 'orientation'),
+    ).toEqual([]);
   });
 });
 
 describe('choosing a placement', () => {
   it('holds for all signals of the sensor and no other', () => {
     const two = mapping([...WHOLE, signal('b', 'gyroscope')]);
-    expect(placed(two, two.signals[0] as CsvColumn, 'head').signals.map((one) => one.placement)).toEqual(['head', 'head', null]);
+    expect(placed(two, two.signals[0] as CsvColumn, 'head').signals.map((one) => one.placement)).toEqual([
+      'head',
+      'head',
+      null,
+    ]);
   });
 });
 

@@ -15,7 +15,14 @@ const player = (values: Record<string, number>, timeS: number[] = [4.98, 4.99]):
 describe('what the newest frame says of a walk', () => {
   it('reads both feet and the balance', () => {
     const found = readWalk(
-      player({ foot_left_force_state: 0, foot_left_force_z_n: 420, foot_left_toe_out_rad: 0.2, foot_right_force_state: 2, body_mass_kg: 80, 'centre_of_mass.z': 0.95 }),
+      player({
+        foot_left_force_state: 0,
+        foot_left_force_z_n: 420,
+        foot_left_toe_out_rad: 0.2,
+        foot_right_force_state: 2,
+        body_mass_kg: 80,
+        'centre_of_mass.z': 0.95,
+      }),
     );
     expect(found?.feet[0]).toMatchObject({ side: 'left', state: 'measured', loadN: 420 });
     expect(found?.feet[0]?.toeOutRad).toBeCloseTo(0.2);

@@ -4,8 +4,22 @@ import type { Player } from '../../src/player/types';
 
 describe('the clock of a walking test', () => {
   it('counts six minutes down and says each full minute', () => {
-    expect([0, 0.4, 59.99, 60, 359.2, 360, 400].map(countdown)).toEqual(['6:00', '6:00', '5:01', '5:00', '0:01', '0:00', '0:00']);
-    expect([59, 60, 125, 359.9, 360].map(minutePrompt)).toEqual(['', '1 minute done, 5 to go.', '2 minutes done, 4 to go.', '5 minutes done, 1 to go.', 'Stop now.']);
+    expect([0, 0.4, 59.99, 60, 359.2, 360, 400].map(countdown)).toEqual([
+      '6:00',
+      '6:00',
+      '5:01',
+      '5:00',
+      '0:01',
+      '0:00',
+      '0:00',
+    ]);
+    expect([59, 60, 125, 359.9, 360].map(minutePrompt)).toEqual([
+      '',
+      '1 minute done, 5 to go.',
+      '2 minutes done, 4 to go.',
+      '5 minutes done, 1 to go.',
+      'Stop now.',
+    ]);
   });
 
   it('goes on between messages and over a lost link, and never back', () => {
@@ -26,7 +40,13 @@ describe('the clock of a walking test', () => {
   });
 
   it('takes whatever is no test for a walk', () => {
-    expect(['six_minute_walk', 'timed_up_and_go', 'walk', 'reaching', undefined].map(walkKind)).toEqual(['six_minute_walk', 'timed_up_and_go', 'walk', 'walk', 'walk']);
+    expect(['six_minute_walk', 'timed_up_and_go', 'walk', 'reaching', undefined].map(walkKind)).toEqual([
+      'six_minute_walk',
+      'timed_up_and_go',
+      'walk',
+      'walk',
+      'walk',
+    ]);
   });
 });
 
@@ -52,7 +72,11 @@ function walking(course: readonly number[]) {
     clock: () => ({ timeS: endS, startS: 0, endS, isPlaying: true, speed: 1 }),
     read: (from: number, to: number, columns: readonly string[]) => {
       const chosen = rows.filter((row) => row.timeS >= from && row.timeS < to);
-      return { timeS: new Float64Array(chosen.map((row) => row.timeS)), values: columns.map((name) => new Float32Array(chosen.map((row) => row.values[name] ?? NaN))), isComplete: true };
+      return {
+        timeS: new Float64Array(chosen.map((row) => row.timeS)),
+        values: columns.map((name) => new Float32Array(chosen.map((row) => row.values[name] ?? NaN))),
+        isComplete: true,
+      };
     },
   } as unknown as Player;
   return { player, until: (timeS: number) => void (endS = timeS), lengthS: course.length };

@@ -1,5 +1,14 @@
 import { expect, it } from 'vitest';
-import { isForbidden, isSafe, placesOf, simulatedMovement, sourceParameters, USES, USUAL, wornFor } from '../../src/lib/magneticSetup';
+import {
+  isForbidden,
+  isSafe,
+  placesOf,
+  simulatedMovement,
+  sourceParameters,
+  USES,
+  USUAL,
+  wornFor,
+} from '../../src/lib/magneticSetup';
 
 it('wears the source on the pelvis and the sensors on the treated side, or one on each shoe', () => {
   expect(wornFor('leg', 'left')).toEqual({ source: 'pelvis', sensors: ['thigh_left'] });
@@ -10,8 +19,14 @@ it('wears the source on the pelvis and the sensors on the treated side, or one o
 
 it('tells the service what differs from its own defaults, in metres', () => {
   expect(sourceParameters(wornFor('back', null), USUAL)).toEqual({ source: 'pelvis' });
-  expect(sourceParameters(wornFor('feet', null), USUAL)).toEqual({ source: 'foot_left', coil_radius_m: 0.075, current_a: 1.36 });
-  expect(sourceParameters(wornFor('back', null), { ...USUAL, radiusCm: 4, turns: 80, offsetCm: 0, currentA: 2 })).toEqual({
+  expect(sourceParameters(wornFor('feet', null), USUAL)).toEqual({
+    source: 'foot_left',
+    coil_radius_m: 0.075,
+    current_a: 1.36,
+  });
+  expect(
+    sourceParameters(wornFor('back', null), { ...USUAL, radiusCm: 4, turns: 80, offsetCm: 0, currentA: 2 }),
+  ).toEqual({
     source: 'pelvis',
     coil_radius_m: 0.04,
     coil_turns: 80,
@@ -22,15 +37,27 @@ it('tells the service what differs from its own defaults, in metres', () => {
 });
 
 it('tells a winding that is not thin, and fires every coil in turn on a bench', () => {
-  expect(sourceParameters(wornFor('back', null), { ...USUAL, lengthCm: 1.2 })).toEqual({ source: 'pelvis', coil_length_m: 0.012, coil_depth_m: 0, coil_layers: [5, 3] });
-  expect(sourceParameters(wornFor('bench', null), USUAL, 'bench')).toMatchObject({ fixed_interval_s: 0.25, mounting_direction: [0, 0, 0] });
+  expect(sourceParameters(wornFor('back', null), { ...USUAL, lengthCm: 1.2 })).toEqual({
+    source: 'pelvis',
+    coil_length_m: 0.012,
+    coil_depth_m: 0,
+    coil_layers: [5, 3],
+  });
+  expect(sourceParameters(wornFor('bench', null), USUAL, 'bench')).toMatchObject({
+    fixed_interval_s: 0.25,
+    mounting_direction: [0, 0, 0],
+  });
 });
 
 it('takes places in centimetres, leaves empty stops out, and waits for six whole ones', () => {
   const five: [number, number, number][] = [1, 2, 3, 4, 5].map((n) => [10 * n, 0, -5]);
   expect(placesOf(five)).toBeNull();
   expect(placesOf([...five, [1, null, 2]])).toBeNull();
-  expect(placesOf([...five, [null, null, null], [20, 1, 2]])?.slice(4)).toEqual([[0.5, 0, -0.05], null, [0.2, 0.01, 0.02]]);
+  expect(placesOf([...five, [null, null, null], [20, 1, 2]])?.slice(4)).toEqual([
+    [0.5, 0, -0.05],
+    null,
+    [0.2, 0.01, 0.02],
+  ]);
 });
 
 it('takes two answers of no for safe, and one other for forbidden', () => {

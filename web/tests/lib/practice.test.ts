@@ -1,7 +1,12 @@
 import { expect, it } from 'vitest';
 import { activeText, weekText } from '../../src/lib/practice';
 
-const week = (done: number, of: number, repetitions = 0, active = 0) => ({ done_this_week: done, times_per_week: of, repetitions_this_week: repetitions, active_s_this_week: active });
+const week = (done: number, of: number, repetitions = 0, active = 0) => ({
+  done_this_week: done,
+  times_per_week: of,
+  repetitions_this_week: repetitions,
+  active_s_this_week: active,
+});
 
 it('says sessions, repetitions and time of the week', () => {
   expect(weekText(week(2, 3, 24, 360))).toBe('2 of 3 sessions this week · 24 repetitions · 6 min active');
@@ -11,7 +16,9 @@ it('says sessions, repetitions and time of the week', () => {
 });
 
 it('never says thirteen of three', () => {
-  expect(weekText(week(13, 3, 130, 1300))).toBe('3 of 3 sessions this week · 10 more than prescribed · 130 repetitions · 22 min active');
+  expect(weekText(week(13, 3, 130, 1300))).toBe(
+    '3 of 3 sessions this week · 10 more than prescribed · 130 repetitions · 22 min active',
+  );
 });
 
 it('rounds time once', () => {

@@ -8,11 +8,20 @@ import { plainProgress } from '../../src/lib/plain';
 import type { SessionEvent } from '../../src/api/types';
 import { eventText } from '../../src/lib/events';
 
-const row = (given_name: string, family_name: string, reason: CaseloadRow['reason'], live_state: CaseloadRow['live_state'] = null) =>
-  ({ given_name, family_name, reason, live_state }) as CaseloadRow;
+const row = (
+  given_name: string,
+  family_name: string,
+  reason: CaseloadRow['reason'],
+  live_state: CaseloadRow['live_state'] = null,
+) => ({ given_name, family_name, reason, live_state }) as CaseloadRow;
 
 describe('caseload', () => {
-  const rows = [row('Ana', 'Zuber', ''), row('José', 'Núñez', 'declining'), row('Bo', 'Abt', 'link_lost', 'link_lost'), row('Li', 'Mo', '', 'streaming')];
+  const rows = [
+    row('Ana', 'Zuber', ''),
+    row('José', 'Núñez', 'declining'),
+    row('Bo', 'Abt', 'link_lost', 'link_lost'),
+    row('Li', 'Mo', '', 'streaming'),
+  ];
   it('finds names without accents, in any order', () => {
     expect(rows.filter((one) => matches(one, 'all', 'nunez jos')).map((one) => one.given_name)).toEqual(['José']);
   });
@@ -23,7 +32,14 @@ describe('caseload', () => {
 });
 
 describe('audit', () => {
-  const entry = (at: string, who: string, action: string): AuditEntry => ({ at, who, action, role: 'therapist', resource_id: null, details: {} });
+  const entry = (at: string, who: string, action: string): AuditEntry => ({
+    at,
+    who,
+    action,
+    role: 'therapist',
+    resource_id: null,
+    details: {},
+  });
   it('makes one line of a person and a day and loses no deed', () => {
     const entries = [
       entry('2025-01-01T10:00:00', 'A', 'patient.read'),
@@ -35,7 +51,13 @@ describe('audit', () => {
     const groups = groupAudit(entries);
     expect(groups.map((group) => [group.who, group.deeds])).toEqual([
       ['A', [{ action: 'patient.read', count: 1 }]],
-      ['A', [{ action: 'patient.read', count: 2 }, { action: 'session.read', count: 1 }]],
+      [
+        'A',
+        [
+          { action: 'patient.read', count: 2 },
+          { action: 'session.read', count: 1 },
+        ],
+      ],
       ['B', [{ action: 'patient.read', count: 1 }]],
     ]);
     expect(groups[1]).toMatchObject({ first: '2025-01-01T08:00:00', last: '2025-01-01T10:10:00' });
@@ -59,7 +81,18 @@ describe('plain words', () => {
     measure: 'range:elbow',
     label: 'Elbow',
     unit: 'rad',
-    points: Array.from({ length: points }, () => ({ session_id: 's', at: '2025-01-01T00:00:00Z', value: 1, low: 1, high: 1, count: 5, orientation: 'vqf', template_version_id: null, change: null, is_real_change: null })),
+    points: Array.from({ length: points }, () => ({
+      session_id: 's',
+      at: '2025-01-01T00:00:00Z',
+      value: 1,
+      low: 1,
+      high: 1,
+      count: 5,
+      orientation: 'vqf',
+      template_version_id: null,
+      change: null,
+      is_real_change: null,
+    })),
     change,
     minimal_detectable_change: 0.1,
     is_real_change,
@@ -73,8 +106,19 @@ describe('plain words', () => {
   });
 
   it('says of a walk what became more or less', () => {
-    const walked = (name: string, unit: string, change: number) => plainProgress({ measure: `walk:${name}`, label: '', unit, points: Array(4).fill({}), change, minimal_detectable_change: 1, is_real_change: true } as unknown as ProgressMeasure);
-    expect(walked('test_time', 's', 2.24)).toBe('Your walk now takes 2.2 s more than in your first sessions. Your therapist sees this too.');
+    const walked = (name: string, unit: string, change: number) =>
+      plainProgress({
+        measure: `walk:${name}`,
+        label: '',
+        unit,
+        points: Array(4).fill({}),
+        change,
+        minimal_detectable_change: 1,
+        is_real_change: true,
+      } as unknown as ProgressMeasure);
+    expect(walked('test_time', 's', 2.24)).toBe(
+      'Your walk now takes 2.2 s more than in your first sessions. Your therapist sees this too.',
+    );
     expect(walked('test_time', 's', -2.24)).toBe('Your walk now takes 2.2 s less than in your first sessions.');
     expect(walked('test_distance', 'metres', 31.4)).toBe('You now walk 31 m further than in your first sessions.');
     expect(walked('speed:left', 'm/s', -0.2)).toMatch(/^You now walk more slowly/);
@@ -92,14 +136,20 @@ describe('scales', () => {
   });
   it('finds half-open runs', () => {
     const marks = [0, 1, 1, 0, 1];
-    expect(runs(marks.length, (index) => marks[index] === 1)).toEqual([[1, 3], [4, 5]]);
+    expect(runs(marks.length, (index) => marks[index] === 1)).toEqual([
+      [1, 3],
+      [4, 5],
+    ]);
   });
 });
 
 describe('what happened', () => {
-  const event = (change: Partial<SessionEvent>): SessionEvent => ({ time_s: 1, kind: 'note', ...change }) as SessionEvent;
+  const event = (change: Partial<SessionEvent>): SessionEvent =>
+    ({ time_s: 1, kind: 'note', ...change }) as SessionEvent;
   it('is told with the plain name of a sensor', () => {
-    expect(eventText(event({ placement: 'hand_right', text: 'hand_right: the magnetic field varies' }))).toBe('Right hand: the magnetic field varies');
+    expect(eventText(event({ placement: 'hand_right', text: 'hand_right: the magnetic field varies' }))).toBe(
+      'Right hand: the magnetic field varies',
+    );
     expect(eventText(event({ placement: 'hand_right', text: 'Iron is near' }))).toBe('Iron is near');
     expect(eventText(event({ kind: 'device_calibration', text: '' }))).toBe('A sensor was calibrated in the hand');
   });

@@ -1,5 +1,12 @@
 import { describe, expect, it } from 'vitest';
-import { atPhase, patientPhase, phaseAt, templatePhaseAt, templateValueAt, timeAtTemplatePhase } from '../../src/lib/warp';
+import {
+  atPhase,
+  patientPhase,
+  phaseAt,
+  templatePhaseAt,
+  templateValueAt,
+  timeAtTemplatePhase,
+} from '../../src/lib/warp';
 
 const phases = Array.from({ length: 101 }, (_, phase) => phase);
 /** A patient who is slow at first: template phase grows with the square of the patient's. */
@@ -31,9 +38,15 @@ describe('warping between patient and template', () => {
   });
 
   it('puts the playhead where a click on the curve would go', () => {
-    const repetitions = [{ repetition, warp_template_phase: slowStart }, { repetition: { start_s: 15, end_s: 17 }, warp_template_phase: phases }];
+    const repetitions = [
+      { repetition, warp_template_phase: slowStart },
+      { repetition: { start_s: 15, end_s: 17 }, warp_template_phase: phases },
+    ];
     for (const phase of [1, 25, 50, 99]) {
-      for (const one of repetitions) expect(templatePhaseAt(repetitions, timeAtTemplatePhase(one.repetition, one.warp_template_phase, phase))).toBeCloseTo(phase, 6);
+      for (const one of repetitions)
+        expect(
+          templatePhaseAt(repetitions, timeAtTemplatePhase(one.repetition, one.warp_template_phase, phase)),
+        ).toBeCloseTo(phase, 6);
     }
     expect(templatePhaseAt(repetitions, 14.5)).toBeNull();
   });

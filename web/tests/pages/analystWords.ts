@@ -46,7 +46,10 @@ export function analystWordsIn(root: ParentNode): string[] {
     for (const node of element.childNodes) if (node.nodeType === Node.TEXT_NODE) texts.push(node.textContent ?? '');
     // How far holding still has come is a share of time, and no judgement.
     if (element.getAttribute('role') === 'progressbar') continue;
-    for (const name of ['aria-label', 'aria-valuetext', 'aria-description', 'title', 'placeholder', 'alt']) texts.push(element.getAttribute(name) ?? '');
+    for (const name of ['aria-label', 'aria-valuetext', 'aria-description', 'title', 'placeholder', 'alt'])
+      texts.push(element.getAttribute(name) ?? '');
   }
-  return texts.flatMap((text) => ANALYST_WORDS.filter((word) => word.test(text)).map((word) => `${word} in: ${text.trim()}`));
+  return texts.flatMap((text) =>
+    ANALYST_WORDS.filter((word) => word.test(text)).map((word) => `${word} in: ${text.trim()}`),
+  );
 }

@@ -4,19 +4,32 @@ import { createMemoryRouter, RouterProvider } from 'react-router';
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
 import { CrashPage } from '../../src/pages/Crash';
 
-const MISSING = new TypeError('Failed to fetch dynamically imported module: http://127.0.0.1/assets/SessionPage-1a2b.js');
+const MISSING = new TypeError(
+  'Failed to fetch dynamically imported module: http://127.0.0.1/assets/SessionPage-1a2b.js',
+);
 let answer: () => Promise<Response>;
 
 beforeEach(() => {
   vi.stubGlobal('fetch', () => answer());
-  vi.stubGlobal('matchMedia', () => ({ matches: false, addEventListener: () => undefined, removeEventListener: () => undefined }));
+  vi.stubGlobal('matchMedia', () => ({
+    matches: false,
+    addEventListener: () => undefined,
+    removeEventListener: () => undefined,
+  }));
   vi.spyOn(console, 'error').mockImplementation(() => undefined);
 });
 afterEach(() => vi.unstubAllGlobals());
 
 function open(fault: Error): ReturnType<typeof vi.fn> {
   const onReload = vi.fn();
-  const router = createMemoryRouter([{ path: '/', lazy: () => Promise.reject(fault), errorElement: <CrashPage onReload={onReload} />, HydrateFallback: () => null }]);
+  const router = createMemoryRouter([
+    {
+      path: '/',
+      lazy: () => Promise.reject(fault),
+      errorElement: <CrashPage onReload={onReload} />,
+      HydrateFallback: () => null,
+    },
+  ]);
   render(
     <MantineProvider env="test">
       <RouterProvider router={router} />

@@ -44,7 +44,13 @@ const NEXT = '/api/caseload?limit=50&after=x';
 describe('lists in pages', () => {
   it('shows the older sessions of a patient on request', async () => {
     const path = `/api/patients/${PATIENT.id}/sessions`;
-    renderPage(<SessionPanel patient={PATIENT} />, { answers: { [path]: new Paged(sessions(0, 50), `${path}?after=x`), [`${path}?after=x`]: sessions(50, 3), [`/api/patients/${PATIENT.id}/walks`]: [] } });
+    renderPage(<SessionPanel patient={PATIENT} />, {
+      answers: {
+        [path]: new Paged(sessions(0, 50), `${path}?after=x`),
+        [`${path}?after=x`]: sessions(50, 3),
+        [`/api/patients/${PATIENT.id}/walks`]: [],
+      },
+    });
     await screen.findByText('Exercise 0');
     expect(screen.getAllByRole('listitem')).toHaveLength(8);
     await userEvent.click(screen.getByRole('button', { name: 'Show more' }));
@@ -57,7 +63,9 @@ describe('lists in pages', () => {
 
   it('says when a further page could not be read, and tries again', async () => {
     const path = `/api/patients/${PATIENT.id}/sessions`;
-    renderPage(<SessionPanel patient={PATIENT} />, { answers: { [path]: new Paged(sessions(0, 9), `${path}?after=x`), [`/api/patients/${PATIENT.id}/walks`]: [] } });
+    renderPage(<SessionPanel patient={PATIENT} />, {
+      answers: { [path]: new Paged(sessions(0, 9), `${path}?after=x`), [`/api/patients/${PATIENT.id}/walks`]: [] },
+    });
     await screen.findByText('Exercise 0');
     await userEvent.click(screen.getByRole('button', { name: 'Show more' }));
     await userEvent.click(screen.getByRole('button', { name: 'Show more' }));
@@ -66,7 +74,9 @@ describe('lists in pages', () => {
   });
 
   it('finds a patient who is on no page that was read', async () => {
-    const { asked } = renderPage(<CaseloadPage />, { answers: { [CASELOAD]: new Paged([row('Ada')], NEXT), [NEXT]: [row('Zoe')], '/api/demonstration': null } });
+    const { asked } = renderPage(<CaseloadPage />, {
+      answers: { [CASELOAD]: new Paged([row('Ada')], NEXT), [NEXT]: [row('Zoe')], '/api/demonstration': null },
+    });
     await screen.findByText('Ada Lund');
     expect(asked.some((one) => one.path === NEXT)).toBe(false);
     expect(screen.getByText('All (1+)')).toBeTruthy();
@@ -76,7 +86,13 @@ describe('lists in pages', () => {
   });
 
   it('counts everybody who needs attention', async () => {
-    renderPage(<CaseloadPage />, { answers: { [CASELOAD]: new Paged([row('Ada', 'declining')], NEXT), [NEXT]: [row('Bea', 'bad_data'), row('Zoe')], '/api/demonstration': null } });
+    renderPage(<CaseloadPage />, {
+      answers: {
+        [CASELOAD]: new Paged([row('Ada', 'declining')], NEXT),
+        [NEXT]: [row('Bea', 'bad_data'), row('Zoe')],
+        '/api/demonstration': null,
+      },
+    });
     await screen.findByText('2 patients need attention');
     const table = screen.getByRole('table');
     await waitFor(() => expect(within(table).getAllByRole('row')).toHaveLength(4));

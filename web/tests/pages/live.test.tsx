@@ -9,7 +9,9 @@ import { renderPage } from './render';
 afterEach(() => vi.unstubAllGlobals());
 
 it('lets a recording be stopped while the link is lost', async () => {
-  const { asked } = renderPage(<LiveButtons sessionId="s" state="link_lost" isRecording />, { answers: { 'POST /api/sessions/s/stop': {} } });
+  const { asked } = renderPage(<LiveButtons sessionId="s" state="link_lost" isRecording />, {
+    answers: { 'POST /api/sessions/s/stop': {} },
+  });
   expect(screen.queryByRole('button', { name: 'Start recording' })).toBeNull();
   await userEvent.click(screen.getByRole('button', { name: 'Stop recording' }));
   expect(asked.map((one) => `${one.method} ${one.path}`)).toContain('POST /api/sessions/s/stop');
@@ -26,7 +28,8 @@ it('leaves starting and stopping to the card of a walking test', () => {
   expect(screen.getByRole('button', { name: 'End session' })).toBeTruthy();
 });
 
-const snapshot = (change: Partial<LiveSnapshot>) => ({ connection: 'open', problem: null, lostSinceS: null, silentSinceS: null, state: null, ...change }) as LiveSnapshot;
+const snapshot = (change: Partial<LiveSnapshot>) =>
+  ({ connection: 'open', problem: null, lostSinceS: null, silentSinceS: null, state: null, ...change }) as LiveSnapshot;
 
 /** The banner's words at the start and after some seconds. */
 function banner(change: Partial<LiveSnapshot>, laterS: number, isLinkLost = false): [string, string] {
@@ -68,6 +71,11 @@ it('claims no time for a silence that began before the page was opened', () => {
 it('notices silence before the service says so, but not while nothing is to come', () => {
   const state = (state: string) => ({ state }) as LiveSnapshot['state'];
   expect(banner({ silentSinceS: AT_S, state: state('recording') }, 0)[0]).toContain('No data');
-  renderPage(<div data-testid="quiet"><LiveBanners snapshot={snapshot({ silentSinceS: AT_S, state: state('calibrating') })} isLinkLost={false} /></div>, { answers: {} });
+  renderPage(
+    <div data-testid="quiet">
+      <LiveBanners snapshot={snapshot({ silentSinceS: AT_S, state: state('calibrating') })} isLinkLost={false} />
+    </div>,
+    { answers: {} },
+  );
   expect(screen.getByTestId('quiet').textContent).toBe('');
 });

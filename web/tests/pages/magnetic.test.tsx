@@ -30,12 +30,16 @@ const session = (may_treat: boolean) => ({ id: 's', may_treat, state: 'ready' })
 
 it('asks both questions before it lets a therapist confirm', async () => {
   const { asked } = renderPage(<SafetyCard session={session(true)} />, {
-    answers: { '/api/sessions/s/magnetic-safety': SAFETY, 'POST /api/sessions/s/magnetic-safety': { ...SAFETY, confirmed: true } },
+    answers: {
+      '/api/sessions/s/magnetic-safety': SAFETY,
+      'POST /api/sessions/s/magnetic-safety': { ...SAFETY, confirmed: true },
+    },
   });
   expect(await screen.findByText(/pacemaker, an implanted/)).toBeTruthy();
   expect(screen.getByText(/Closer than 16 cm/)).toBeTruthy();
   const button = screen.getByRole('button', { name: 'Confirm for this session' });
-  const answer = (question: RegExp, name: string) => userEvent.click(within(screen.getByRole('group', { name: question })).getByLabelText(name));
+  const answer = (question: RegExp, name: string) =>
+    userEvent.click(within(screen.getByRole('group', { name: question })).getByLabelText(name));
   expect(button).toHaveProperty('disabled', true);
   await answer(/Ask the patient/, 'No');
   expect(button).toHaveProperty('disabled', true);
@@ -44,7 +48,10 @@ it('asks both questions before it lets a therapist confirm', async () => {
   expect(screen.getByRole('alert').textContent).toMatch(/Do not use the source/);
   await answer(/everybody who will be near/, 'No');
   await userEvent.click(button);
-  expect(asked.find((one) => one.method === 'POST')?.body).toEqual({ patient_has_no_implant: true, people_nearby_have_none: true });
+  expect(asked.find((one) => one.method === 'POST')?.body).toEqual({
+    patient_has_no_implant: true,
+    people_nearby_have_none: true,
+  });
 });
 
 it('lets nobody else confirm', async () => {
@@ -55,13 +62,29 @@ it('lets nobody else confirm', async () => {
 
 it('says who confirmed', async () => {
   renderPage(<SafetyCard session={session(true)} />, {
-    answers: { '/api/sessions/s/magnetic-safety': { ...SAFETY, confirmed: true, confirmed_by: 'Ingrid Solberg', confirmed_at: '2026-11-21T10:00:00Z' } },
+    answers: {
+      '/api/sessions/s/magnetic-safety': {
+        ...SAFETY,
+        confirmed: true,
+        confirmed_by: 'Ingrid Solberg',
+        confirmed_at: '2026-11-21T10:00:00Z',
+      },
+    },
   });
   expect(await screen.findByText(/confirmed by Ingrid Solberg/)).toBeTruthy();
 });
 
 it('lets the therapist take the word back, and says until when it holds', async () => {
-  const confirmed = { ...SAFETY, confirmed: true, confirmed_by: 'Ingrid Solberg', confirmed_at: '2026-11-21T10:00:00Z', expires_at: '2026-11-21T22:00:00Z', source_name: 'Belt', source_serial: 'S-1', gain_sigma: 0.004 };
+  const confirmed = {
+    ...SAFETY,
+    confirmed: true,
+    confirmed_by: 'Ingrid Solberg',
+    confirmed_at: '2026-11-21T10:00:00Z',
+    expires_at: '2026-11-21T22:00:00Z',
+    source_name: 'Belt',
+    source_serial: 'S-1',
+    gain_sigma: 0.004,
+  };
   const { asked } = renderPage(<SafetyCard session={session(true)} />, {
     answers: { '/api/sessions/s/magnetic-safety': confirmed, 'DELETE /api/sessions/s/magnetic-safety': SAFETY },
   });
@@ -69,22 +92,39 @@ it('lets the therapist take the word back, and says until when it holds', async 
   expect(screen.getByText(/Source Belt, serial number S-1: field uncertainty 0.4 %/)).toBeTruthy();
   await userEvent.click(screen.getByRole('button', { name: 'Withdraw confirmation' }));
   await userEvent.click(await screen.findByRole('button', { name: 'Stop the source' }));
-  await waitFor(() => expect(asked.some((one) => one.method === 'DELETE' && one.path === '/api/sessions/s/magnetic-safety')).toBe(true));
+  await waitFor(() =>
+    expect(asked.some((one) => one.method === 'DELETE' && one.path === '/api/sessions/s/magnetic-safety')).toBe(true),
+  );
 });
 
 it('says why it asks again', async () => {
-  const taken = { ...SAFETY, confirmed_at: '2026-11-21T10:00:00Z', withdrawn_at: '2026-11-21T10:05:00Z', withdrawn_by: 'Ingrid Solberg' };
+  const taken = {
+    ...SAFETY,
+    confirmed_at: '2026-11-21T10:00:00Z',
+    withdrawn_at: '2026-11-21T10:05:00Z',
+    withdrawn_by: 'Ingrid Solberg',
+  };
   renderPage(<SafetyCard session={session(true)} />, { answers: { '/api/sessions/s/magnetic-safety': taken } });
   expect(await screen.findByText(/withdrawn by Ingrid Solberg/)).toBeTruthy();
   expect(screen.getByRole('button', { name: 'Confirm for this session' })).toBeTruthy();
 });
 
 it('sends the places of a bench in metres and says what was found', async () => {
-  const stop = (n: number) => ({ start_s: 5 * n, end_s: 5 * n + 4, pulses: [5, 5, 5], strength_t: [1e-6, 1e-6, 1e-6], position_m: [0.2, 0.01 * n, 0.06] as [number, number, number] });
+  const stop = (n: number) => ({
+    start_s: 5 * n,
+    end_s: 5 * n + 4,
+    pulses: [5, 5, 5],
+    strength_t: [1e-6, 1e-6, 1e-6],
+    position_m: [0.2, 0.01 * n, 0.06] as [number, number, number],
+  });
   const { asked } = renderPage(<BenchPanel sessionId="s" />, {
     answers: {
       '/api/sessions/s/source-stops': { source: 'pelvis', sensor: 'sternum', stops: [0, 1, 2, 3, 4, 5].map(stop) },
-      'POST /api/sessions/s/source-calibration': { name: 'Belt', gain_sigma: 0.0043, found: { place_residual_m: 0.0011 } },
+      'POST /api/sessions/s/source-calibration': {
+        name: 'Belt',
+        gain_sigma: 0.0043,
+        found: { place_residual_m: 0.0011 },
+      },
     },
   });
   await userEvent.click(screen.getByText('Find where the sensor lay still'));
@@ -92,7 +132,8 @@ it('sends the places of a bench in metres and says what was found', async () => 
   const keep = screen.getByRole('button', { name: 'Find the coils and save the source' });
   expect(keep).toHaveProperty('disabled', true);
   for (let row = 1; row <= 6; row += 1)
-    for (const axis of ['x', 'y', 'z']) await userEvent.type(screen.getByLabelText(`${axis}, stop ${row} (cm)`), `${10 + row}`);
+    for (const axis of ['x', 'y', 'z'])
+      await userEvent.type(screen.getByLabelText(`${axis}, stop ${row} (cm)`), `${10 + row}`);
   await userEvent.type(screen.getByLabelText('Name of the source'), 'Belt');
   await userEvent.type(screen.getByLabelText('Serial number'), 'S-1');
   await userEvent.click(keep);

@@ -7,15 +7,31 @@ import { MarkerLegend, MarkerMotion, tableOf } from '../../src/pages/session/Mar
 import type { Player } from '../../src/player/types';
 import { renderPage } from './render';
 
-vi.mock('../../src/charts/Plot', () => ({ Plot: ({ label }: { label: string }) => <div role="img" aria-label={label} />, axis: (more: object) => more, themeColour: () => '#000' }));
+vi.mock('../../src/charts/Plot', () => ({
+  Plot: ({ label }: { label: string }) => <div role="img" aria-label={label} />,
+  axis: (more: object) => more,
+  themeColour: () => '#000',
+}));
 afterEach(() => vi.unstubAllGlobals());
 
 const MOTION: Motion = {
   markers_id: 'm',
   time_s: [10, 10.01, 10.02, 10.03, 10.04],
-  place_m: [[1, 1.1, 1.2, 1.3, 1.4], [0, 0, 0, 0, 0], [2, 2, 2, 2, null]],
-  sigma_m: [[0.01, 0.01, 0.02, 0.02, 0.01], [0, 0, 0, 0, 0], [0, 0, 0, 0, null]],
-  measured_m: [[1, 1.1, null, null, 1.4], [0, 0, null, null, 0], [2, 2, null, null, 2]],
+  place_m: [
+    [1, 1.1, 1.2, 1.3, 1.4],
+    [0, 0, 0, 0, 0],
+    [2, 2, 2, 2, null],
+  ],
+  sigma_m: [
+    [0.01, 0.01, 0.02, 0.02, 0.01],
+    [0, 0, 0, 0, 0],
+    [0, 0, 0, 0, null],
+  ],
+  measured_m: [
+    [1, 1.1, null, null, 1.4],
+    [0, 0, null, null, 0],
+    [2, 2, null, null, 2],
+  ],
   speed_mps: [0, 0, 0, 0, 0],
   is_gap: [false, false, true, true, false],
 };
@@ -24,12 +40,27 @@ const FOUND = {
   id: 'm',
   session_id: 's',
   segment: 'hand_right',
-  report: { marker: 'HAND', gaps: [gap(12, 0.5), ...Array.from({ length: 9 }, (_, k) => gap(20 + k, 0.1)), gap(40, 2.5, true)] },
+  report: {
+    marker: 'HAND',
+    gaps: [gap(12, 0.5), ...Array.from({ length: 9 }, (_, k) => gap(20 + k, 0.1)), gap(40, 2.5, true)],
+  },
 } as unknown as Markers;
 
 function standing(): Player {
-  const snapshot = { connection: 'open', problem: null, capabilities: { isLive: false, canSeek: true, canChangeSpeed: true }, columns: null, isPlaying: false, speed: 1, epoch: 0 };
-  return { getSnapshot: () => snapshot, subscribe: () => () => undefined, clock: () => ({ timeS: 12, startS: 2, endS: 60, isPlaying: false, speed: 1 }) } as unknown as Player;
+  const snapshot = {
+    connection: 'open',
+    problem: null,
+    capabilities: { isLive: false, canSeek: true, canChangeSpeed: true },
+    columns: null,
+    isPlaying: false,
+    speed: 1,
+    epoch: 0,
+  };
+  return {
+    getSnapshot: () => snapshot,
+    subscribe: () => () => undefined,
+    clock: () => ({ timeS: 12, startS: 2, endS: 60, isPlaying: false, speed: 1 }),
+  } as unknown as Player;
 }
 
 describe('fused motion of a marker', () => {
@@ -55,14 +86,21 @@ describe('fused motion of a marker', () => {
       </>,
       { at: '/s', path: '/s', answers: { '/api/sessions/s/markers/motion/stretch': MOTION } },
     );
-    const rows = within(await screen.findByRole('table', { name: 'Longest gaps of the cameras' })).getAllByRole('row').slice(1);
+    const rows = within(await screen.findByRole('table', { name: 'Longest gaps of the cameras' }))
+      .getAllByRole('row')
+      .slice(1);
     expect(rows).toHaveLength(8);
     expect(rows[0]?.textContent).toBe('10.0 s0.50 s4.2 mm');
     expect(rows.at(-1)?.textContent).toBe('38.0 s2.50 s4.2 mm, do not rely on it');
     await userEvent.click(screen.getByRole('button', { name: 'Show the gap at 38.0 s' }));
     expect(onSeek).toHaveBeenCalledWith(38);
     expect(screen.getAllByRole('img', { name: /Position of the marker along/ })).toHaveLength(3);
-    const rules = { 'color-contrast': { enabled: false }, region: { enabled: false }, 'page-has-heading-one': { enabled: false }, 'heading-order': { enabled: false } };
+    const rules = {
+      'color-contrast': { enabled: false },
+      region: { enabled: false },
+      'page-has-heading-one': { enabled: false },
+      'heading-order': { enabled: false },
+    };
     expect((await axe.run(view.container, { rules })).violations.map((one) => one.id)).toEqual([]);
   });
 });

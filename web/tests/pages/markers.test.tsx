@@ -5,7 +5,11 @@ import type { MarkerReport, Markers, SessionDetail } from '../../src/api/types';
 import { MarkersPanel } from '../../src/pages/session/MarkersPanel';
 import { renderPage } from './render';
 
-vi.mock('../../src/charts/Plot', () => ({ Plot: ({ label }: { label: string }) => <div role="img" aria-label={label} />, axis: (more: object) => more, themeColour: () => '#000' }));
+vi.mock('../../src/charts/Plot', () => ({
+  Plot: ({ label }: { label: string }) => <div role="img" aria-label={label} />,
+  axis: (more: object) => more,
+  themeColour: () => '#000',
+}));
 afterEach(() => vi.unstubAllGlobals());
 
 const REPORT: MarkerReport = {
@@ -34,12 +38,42 @@ const REPORT: MarkerReport = {
   reasons: [],
 };
 const FOUND: Markers[] = [
-  { id: 'm', session_id: 's', segment: 'hand_right', format: 'csv', file_bytes: 5, uploaded_at: null, status: 'complete', message: '', report: REPORT },
-  { id: 'n', session_id: 's', segment: 'hand_right', format: 'c3d', file_bytes: 5, uploaded_at: null, status: 'failed', message: 'They do not fit this sensor.', report: null },
+  {
+    id: 'm',
+    session_id: 's',
+    segment: 'hand_right',
+    format: 'csv',
+    file_bytes: 5,
+    uploaded_at: null,
+    status: 'complete',
+    message: '',
+    report: REPORT,
+  },
+  {
+    id: 'n',
+    session_id: 's',
+    segment: 'hand_right',
+    format: 'c3d',
+    file_bytes: 5,
+    uploaded_at: null,
+    status: 'failed',
+    message: 'They do not fit this sensor.',
+    report: null,
+  },
 ];
-const session = (mayTreat: boolean) => ({ id: 's', placements: ['sternum', 'hand_right'], state: 'analysed', may_treat: mayTreat }) as unknown as SessionDetail;
+const session = (mayTreat: boolean) =>
+  ({
+    id: 's',
+    placements: ['sternum', 'hand_right'],
+    state: 'analysed',
+    may_treat: mayTreat,
+  }) as unknown as SessionDetail;
 const show = (mayTreat: boolean, found: Markers[]) =>
-  renderPage(<MarkersPanel session={session(mayTreat)} />, { at: '/s', path: '/s', answers: { '/api/sessions/s/markers': found } });
+  renderPage(<MarkersPanel session={session(mayTreat)} />, {
+    at: '/s',
+    path: '/s',
+    answers: { '/api/sessions/s/markers': found },
+  });
 
 describe('markers of a session', () => {
   it('shows clocks, gaps, residuals and what a spline would have made, and tells what failed', async () => {
@@ -49,11 +83,22 @@ describe('markers of a session', () => {
     expect(screen.getByText(/an uncertainty above 10 mm/)).toBeTruthy();
     expect(screen.getByRole('img', { name: /largest residual 0\.3 mm/ })).toBeTruthy();
     const row = screen.getByRole('row', { name: /^0\.5 s/ });
-    expect(within(row).getAllByRole('cell').map((cell) => cell.textContent)).toEqual(['12', '1.1 mm', '52.0 mm']);
+    expect(
+      within(row)
+        .getAllByRole('cell')
+        .map((cell) => cell.textContent),
+    ).toEqual(['12', '1.1 mm', '52.0 mm']);
     expect(screen.getByText(/They do not fit this sensor/)).toBeTruthy();
     expect(screen.getByRole('button', { name: 'Upload and fuse' })).toHaveProperty('disabled', true);
-    expect(screen.getByRole('link', { name: /Download the fused motion/ }).getAttribute('href')).toBe('/api/sessions/s/markers/motion?markers_id=m');
-    const rules = { 'color-contrast': { enabled: false }, region: { enabled: false }, 'page-has-heading-one': { enabled: false }, 'heading-order': { enabled: false } };
+    expect(screen.getByRole('link', { name: /Download the fused motion/ }).getAttribute('href')).toBe(
+      '/api/sessions/s/markers/motion?markers_id=m',
+    );
+    const rules = {
+      'color-contrast': { enabled: false },
+      region: { enabled: false },
+      'page-has-heading-one': { enabled: false },
+      'heading-order': { enabled: false },
+    };
     const checked = await axe.run(view.container, { rules });
     expect(checked.violations.map((one) => one.id)).toEqual([]);
   });

@@ -9,8 +9,20 @@ import { renderPage } from './render';
 afterEach(cleanup);
 
 const at = '/api/sessions/s/mass-centre?result_id=r&max_points=1000';
-const curve = (name: string, low: number | null, high: number | null) => ({ name, value_m: [low, high], sigma_m: [0.012, null, 0.014], least_m: low, most_m: high });
-const found: MassCentre = { result_id: 'r', time_s: [0, 1, 2], curves: [curve('ahead', -0.01, 0.05), curve('left', null, null), curve('height', 0.82, 0.96)], assumed: ['head', 'hand_left'], reason: '' };
+const curve = (name: string, low: number | null, high: number | null) => ({
+  name,
+  value_m: [low, high],
+  sigma_m: [0.012, null, 0.014],
+  least_m: low,
+  most_m: high,
+});
+const found: MassCentre = {
+  result_id: 'r',
+  time_s: [0, 1, 2],
+  curves: [curve('ahead', -0.01, 0.05), curve('left', null, null), curve('height', 0.82, 0.96)],
+  assumed: ['head', 'hand_left'],
+  reason: '',
+};
 
 describe('the centre of mass', () => {
   it('tells range, uncertainty and what is assumed', async () => {
@@ -24,14 +36,21 @@ describe('the centre of mass', () => {
 
   it('says why there is none', async () => {
     const reason = 'The centre of mass needs sensors on both thighs and on the chest or the pelvis.';
-    renderPage(<MassFacts sessionId="s" resultId="r" />, { answers: { [at]: { ...found, curves: [], assumed: [], reason } } });
+    renderPage(<MassFacts sessionId="s" resultId="r" />, {
+      answers: { [at]: { ...found, curves: [], assumed: [], reason } },
+    });
     expect(await screen.findByText(reason)).toBeTruthy();
   });
 
   it('shows places, not their uncertainties, as channels', () => {
-    expect(massChannels(['trunk_lean_forward_rad', 'centre_of_mass_ahead_m', 'centre_of_mass_ahead_sigma_m', 'centre_of_mass_height_m', 'centre_of_mass_sigma_m'])).toEqual([
-      'centre_of_mass_ahead_m',
-      'centre_of_mass_height_m',
-    ]);
+    expect(
+      massChannels([
+        'trunk_lean_forward_rad',
+        'centre_of_mass_ahead_m',
+        'centre_of_mass_ahead_sigma_m',
+        'centre_of_mass_height_m',
+        'centre_of_mass_sigma_m',
+      ]),
+    ).toEqual(['centre_of_mass_ahead_m', 'centre_of_mass_height_m']);
   });
 });

@@ -17,7 +17,11 @@ const HEALTH: HealthMessage = {
 };
 
 function show(health: HealthMessage | null) {
-  return render(<MantineProvider><NotStored health={health} /></MantineProvider>);
+  return render(
+    <MantineProvider>
+      <NotStored health={health} />
+    </MantineProvider>,
+  );
 }
 
 test('says that nothing is stored, in words that need no training', () => {

@@ -33,7 +33,20 @@ const row = (change: Partial<CaseloadRow>): CaseloadRow => ({
 describe('caseload', () => {
   it('says in one line a patient who, why, how it goes and what is due', async () => {
     renderPage(<CaseloadPage />, {
-      answers: { '/api/caseload': [row({ patient_id: 'q', given_name: 'Tomasz', family_name: 'Lind', affected_side: 'left', reason: 'declining', reason_text: 'The range fell.' }), row({}), row({ patient_id: 'r', given_name: 'Noor', live_session_id: 's', live_state: 'streaming' })] },
+      answers: {
+        '/api/caseload': [
+          row({
+            patient_id: 'q',
+            given_name: 'Tomasz',
+            family_name: 'Lind',
+            affected_side: 'left',
+            reason: 'declining',
+            reason_text: 'The range fell.',
+          }),
+          row({}),
+          row({ patient_id: 'r', given_name: 'Noor', live_session_id: 's', live_state: 'streaming' }),
+        ],
+      },
     });
     const lines = (await screen.findAllByRole('row')).slice(1);
     expect(lines).toHaveLength(3);
@@ -58,12 +71,20 @@ describe('caseload', () => {
         ],
       },
     });
-    const lines = (await screen.findAllByRole('row')).slice(1).map((line) => (line.children[1] as HTMLElement).textContent);
-    expect(lines).toEqual(['DecliningSignal lostOpen the session', 'DecliningLive nowWatch live', 'Signal lostOpen the session']);
+    const lines = (await screen.findAllByRole('row'))
+      .slice(1)
+      .map((line) => (line.children[1] as HTMLElement).textContent);
+    expect(lines).toEqual([
+      'DecliningSignal lostOpen the session',
+      'DecliningLive nowWatch live',
+      'Signal lostOpen the session',
+    ]);
   });
 
   it('tells in a demonstration how far its past sessions are, and elsewhere nothing', async () => {
-    const demonstration = renderPage(<CaseloadPage />, { answers: { '/api/caseload': [row({})], '/api/demonstration': { prepared: 4, total: 15 } } });
+    const demonstration = renderPage(<CaseloadPage />, {
+      answers: { '/api/caseload': [row({})], '/api/demonstration': { prepared: 4, total: 15 } },
+    });
     expect(await screen.findByText('Preparing past sessions: 4 of 15')).toBeTruthy();
     demonstration.unmount();
     renderPage(<CaseloadPage />, { answers: { '/api/caseload': [row({})] } });
@@ -78,7 +99,11 @@ describe('caseload', () => {
   });
 
   it('shows the service’s own words when it fails', async () => {
-    renderPage(<CaseloadPage />, { answers: { '/api/caseload': [503, { code: 'unavailable', message: 'The service is shutting down.', details: {} }] } });
+    renderPage(<CaseloadPage />, {
+      answers: {
+        '/api/caseload': [503, { code: 'unavailable', message: 'The service is shutting down.', details: {} }],
+      },
+    });
     expect((await screen.findByRole('alert')).textContent).toMatch(/shutting down.*works again/);
   });
 });
@@ -92,20 +117,35 @@ describe('signing in', () => {
   const nobody = [401, { code: 'sign_in_required', message: 'Sign in.', details: {} }];
 
   it('goes back to the page that was asked for', async () => {
-    const { router, asked } = renderPage(<SignInPage />, { path: '/sign-in', at: '/sign-in?next=%2Fpatients%2Fp', answers: { '/api/me': nobody, 'POST /api/sign-in': THERAPIST } });
+    const { router, asked } = renderPage(<SignInPage />, {
+      path: '/sign-in',
+      at: '/sign-in?next=%2Fpatients%2Fp',
+      answers: { '/api/me': nobody, 'POST /api/sign-in': THERAPIST },
+    });
     await fill();
     await waitFor(() => expect(router.state.location.pathname).toBe('/patients/p'));
     expect(asked.at(-1)?.body).toEqual({ email: 'i@example.org', password: 'secret words', code: null });
   });
 
   it('never follows an address of another site', async () => {
-    const { router } = renderPage(<SignInPage />, { path: '/sign-in', at: '/sign-in?next=%2F%2Fevil.example', answers: { '/api/me': nobody, 'POST /api/sign-in': THERAPIST } });
+    const { router } = renderPage(<SignInPage />, {
+      path: '/sign-in',
+      at: '/sign-in?next=%2F%2Fevil.example',
+      answers: { '/api/me': nobody, 'POST /api/sign-in': THERAPIST },
+    });
     await fill();
     await waitFor(() => expect(router.state.location.pathname).toBe('/'));
   });
 
   it('says why it did not work', async () => {
-    renderPage(<SignInPage />, { path: '/sign-in', at: '/sign-in', answers: { '/api/me': nobody, 'POST /api/sign-in': [401, { code: 'sign_in_required', message: 'E-mail or password is wrong.', details: {} }] } });
+    renderPage(<SignInPage />, {
+      path: '/sign-in',
+      at: '/sign-in',
+      answers: {
+        '/api/me': nobody,
+        'POST /api/sign-in': [401, { code: 'sign_in_required', message: 'E-mail or password is wrong.', details: {} }],
+      },
+    });
     await fill();
     expect((await screen.findByRole('alert')).textContent).toMatch(/E-mail or password is wrong/);
   });
@@ -124,7 +164,17 @@ describe('sensor health', () => {
     ...change,
   });
   const show = (sensors: SensorHealth[]) => {
-    const health = { type: 'health' as const, sensors, packets_stored: 1, packets_received: 1, packets_missing: 0, is_being_stored: true, latency_ms_median: 1, latency_ms_p99: 2, clock_skew_ppm: null };
+    const health = {
+      type: 'health' as const,
+      sensors,
+      packets_stored: 1,
+      packets_received: 1,
+      packets_missing: 0,
+      is_being_stored: true,
+      latency_ms_median: 1,
+      latency_ms_p99: 2,
+      clock_skew_ppm: null,
+    };
     renderPage(<HealthPanel health={health} placements={[]} />, { answers: {} });
     return screen.getByRole('region', { name: 'Sensors' });
   };
@@ -139,7 +189,10 @@ describe('sensor health', () => {
     expect(within(panel).getByRole('status').textContent).toBe('Signal lost: left forearm');
   });
   it('says once what all sensors have', () => {
-    const panel = show([sensor('sternum', { jitter_ms: 90 }), sensor('forearm_left', { jitter_ms: 90, magnetic_disturbance: true })]);
+    const panel = show([
+      sensor('sternum', { jitter_ms: 90 }),
+      sensor('forearm_left', { jitter_ms: 90, magnetic_disturbance: true }),
+    ]);
     expect(within(panel).getAllByText(/Uneven timing/)).toHaveLength(1);
     expect(within(panel).getByText('Metal or magnet nearby')).toBeTruthy();
   });

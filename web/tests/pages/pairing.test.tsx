@@ -9,7 +9,10 @@ afterEach(() => vi.unstubAllGlobals());
 
 it('shows a new gateway’s code to type and to scan', async () => {
   const { asked } = renderPage(<DevicePanel patient={{ id: 'p', may_manage: true, archived_at: null } as Patient} />, {
-    answers: { '/api/patients/p/device-tokens': [], 'POST /api/patients/p/pairing-codes': [201, { code: 'ABCD2345', expires_at: '2026-11-22T12:00:00Z' }] },
+    answers: {
+      '/api/patients/p/device-tokens': [],
+      'POST /api/patients/p/pairing-codes': [201, { code: 'ABCD2345', expires_at: '2026-11-22T12:00:00Z' }],
+    },
   });
   await userEvent.click(screen.getByRole('button', { name: 'Add' }));
   await userEvent.type(await screen.findByLabelText('Name'), 'Tablet at home');

@@ -45,20 +45,39 @@ function say(...messages: LiveMessage[]) {
   return socket;
 }
 
-function open(at: string, change: Partial<SessionDetail> = {}, ofExercise: Partial<Exercise> = {}, onCreate: (body: unknown) => void = () => undefined) {
+function open(
+  at: string,
+  change: Partial<SessionDetail> = {},
+  ofExercise: Partial<Exercise> = {},
+  onCreate: (body: unknown) => void = () => undefined,
+) {
   const given = answers(change, ofExercise);
   const asked: string[] = [];
   FakeSocket.all = [];
   vi.stubGlobal('WebSocket', FakeSocket);
   vi.stubGlobal('scrollTo', () => undefined);
-  vi.stubGlobal('ResizeObserver', class { observe() {} unobserve() {} disconnect() {} });
+  vi.stubGlobal(
+    'ResizeObserver',
+    class {
+      observe() {}
+      unobserve() {}
+      disconnect() {}
+    },
+  );
   vi.stubGlobal('fetch', (path: string, init: RequestInit = {}) => {
     const method = init.method ?? 'GET';
     asked.push(`${method} ${path}`);
     if (method === 'POST' && path === '/api/sessions') onCreate(JSON.parse(String(init.body)));
     const found = given[method === 'GET' ? path : `${method} ${path}`];
-    const [status, body] = Array.isArray(found) && typeof found[0] === 'number' ? (found as [number, unknown]) : [found === undefined ? 404 : 200, found];
-    return Promise.resolve(Response.json(body ?? { code: 'not_found', message: `The estimator knows nothing at ${path}.`, details: {} }, { status }));
+    const [status, body] =
+      Array.isArray(found) && typeof found[0] === 'number'
+        ? (found as [number, unknown])
+        : [found === undefined ? 404 : 200, found];
+    return Promise.resolve(
+      Response.json(body ?? { code: 'not_found', message: `The estimator knows nothing at ${path}.`, details: {} }, {
+        status,
+      }),
+    );
   });
   const router = createMemoryRouter(routes, { initialEntries: [at] });
   const client = new QueryClient({ defaultOptions: { queries: { retry: false } } });
@@ -81,11 +100,14 @@ async function read(): Promise<string[]> {
 
 function paths(of: readonly RouteObject[], base = ''): string[] {
   return of.flatMap((route) => {
-    const here = route.path?.startsWith('/') ? route.path : [base.replace(/\/$/, ''), route.path].filter((part) => part !== undefined).join('/');
+    const here = route.path?.startsWith('/')
+      ? route.path
+      : [base.replace(/\/$/, ''), route.path].filter((part) => part !== undefined).join('/');
     return [...(route.path !== undefined || route.index ? [here || '/'] : []), ...paths(route.children ?? [], here)];
   });
 }
-const filled = (path: string) => path.replace(':sessionId', 's').replace(':patientId', 'p').replace(':exerciseId', 'e').replace('*', 'nowhere');
+const filled = (path: string) =>
+  path.replace(':sessionId', 's').replace(':patientId', 'p').replace(':exerciseId', 'e').replace('*', 'nowhere');
 const ALL = [...new Set(paths(routes))].map(filled).filter((path) => path !== '/sign-in');
 
 describe('a patient', () => {
@@ -122,12 +144,19 @@ describe('a patient', () => {
     expect(await screen.findByRole('heading', { name: words })).toBeTruthy();
     expect(await read()).toEqual([]);
     // React says here when elements are nested as no browser reads them.
-    expect(complaints.mock.calls.map((said) => said.join(' ')).filter((said) => said.includes('cannot be a descendant'))).toEqual([]);
+    expect(
+      complaints.mock.calls.map((said) => said.join(' ')).filter((said) => said.includes('cannot be a descendant')),
+    ).toEqual([]);
   });
 
   it('reads what a walk asks for, and starts it with sensors on the feet', async () => {
     const sent: unknown[] = [];
-    open('/', {}, { movement: 'timed_up_and_go', description: 'Stand up, walk to the mark and back, sit down.' }, (body) => sent.push(body));
+    open(
+      '/',
+      {},
+      { movement: 'timed_up_and_go', description: 'Stand up, walk to the mark and back, sit down.' },
+      (body) => sent.push(body),
+    );
     await screen.findByText('Stand up, walk to the mark and back, sit down.');
     expect(screen.getByText('One walk')).toBeTruthy();
     expect(screen.queryByText(/10 times|rounds/)).toBeNull();
@@ -141,7 +170,9 @@ describe('a patient', () => {
     say(stateMessage('ready'));
     await userEvent.click(await screen.findByRole('button', { name: 'Go' }));
     expect(asked).toContain('POST /api/sessions/s/record');
-    expect((await screen.findByText('This exercise was not found. Go back to the first page.')).closest('[role=alert]')).toBeTruthy();
+    expect(
+      (await screen.findByText('This exercise was not found. Go back to the first page.')).closest('[role=alert]'),
+    ).toBeTruthy();
     expect(await read()).toEqual([]);
     say(stateMessage('recording', { recording_start_s: 3 }));
     await userEvent.click(await screen.findByRole('button', { name: 'I have finished' }));
@@ -171,16 +202,27 @@ describe('a patient', () => {
 
   it('sees results by the day, in sentences, and opens the own replay', async () => {
     open('/my/results');
-    expect((await screen.findAllByRole('heading', { level: 3 })).map((one) => one.textContent)).toEqual(['Friday 20 November', 'Wednesday 18 November']);
+    expect((await screen.findAllByRole('heading', { level: 3 })).map((one) => one.textContent)).toEqual([
+      'Friday 20 November',
+      'Wednesday 18 November',
+    ]);
     const links = await screen.findAllByRole('link', { name: /Reach|times|minute/ });
-    expect(links.map((one) => one.getAttribute('href'))).toEqual(['/my/sessions/o', '/my/sessions/s', '/my/sessions/n']);
+    expect(links.map((one) => one.getAttribute('href'))).toEqual([
+      '/my/sessions/o',
+      '/my/sessions/s',
+      '/my/sessions/n',
+    ]);
     await screen.findByText('10 times, 4 minutes');
     expect(screen.getByText('Your elbow now moves 8° more than in your first sessions.')).toBeTruthy();
   });
 
   it('reads one true sentence beside the replay', async () => {
     open('/my/sessions/s');
-    expect(await screen.findByText('You did it 10 times. Your elbow moved 59° on average. In your therapist’s example it moved 66°.')).toBeTruthy();
+    expect(
+      await screen.findByText(
+        'You did it 10 times. Your elbow moved 59° on average. In your therapist’s example it moved 66°.',
+      ),
+    ).toBeTruthy();
     expect(screen.getByRole('button', { name: 'Play' })).toBeTruthy();
   });
 });

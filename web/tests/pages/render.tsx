@@ -36,16 +36,49 @@ export function renderPage(element: ReactElement, options: { at?: string; path?:
   const asked: { method: string; path: string; body: unknown; headers: Headers }[] = [];
   vi.stubGlobal('fetch', (input: string, init: RequestInit = {}) => {
     const method = init.method ?? 'GET';
-    asked.push({ method, path: input, body: init.body ? JSON.parse(String(init.body)) : undefined, headers: new Headers(init.headers) });
+    asked.push({
+      method,
+      path: input,
+      body: init.body ? JSON.parse(String(init.body)) : undefined,
+      headers: new Headers(init.headers),
+    });
     const found = answers[method === 'GET' ? input : `${method} ${input}`];
-    if (found instanceof Paged) return Promise.resolve(Response.json(found.rows, { headers: { Link: `<${found.next}>; rel="next"` } }));
-    const [status, body] = Array.isArray(found) && typeof found[0] === 'number' ? (found as [number, unknown]) : [found === undefined ? 404 : 200, found];
-    return Promise.resolve(Response.json(body ?? { code: 'not_found', message: `nothing at ${input}`, details: {} }, { status }));
+    if (found instanceof Paged)
+      return Promise.resolve(Response.json(found.rows, { headers: { Link: `<${found.next}>; rel="next"` } }));
+    const [status, body] =
+      Array.isArray(found) && typeof found[0] === 'number'
+        ? (found as [number, unknown])
+        : [found === undefined ? 404 : 200, found];
+    return Promise.resolve(
+      Response.json(body ?? { code: 'not_found', message: `nothing at ${input}`, details: {} }, { status }),
+    );
   });
-  vi.stubGlobal('matchMedia', () => ({ matches: false, addEventListener: () => undefined, removeEventListener: () => undefined, addListener: () => undefined, removeListener: () => undefined }));
-  vi.stubGlobal('ResizeObserver', class { observe() {} unobserve() {} disconnect() {} });
+  vi.stubGlobal('matchMedia', () => ({
+    matches: false,
+    addEventListener: () => undefined,
+    removeEventListener: () => undefined,
+    addListener: () => undefined,
+    removeListener: () => undefined,
+  }));
+  vi.stubGlobal(
+    'ResizeObserver',
+    class {
+      observe() {}
+      unobserve() {}
+      disconnect() {}
+    },
+  );
   const router = createMemoryRouter(
-    [{ path: '/', element: <Outlet context={me} />, children: [{ path: path === '/' ? '' : path.slice(1), index: path === '/' ? true : undefined, element } as never, { path: '*', element: <p>elsewhere</p> }] }],
+    [
+      {
+        path: '/',
+        element: <Outlet context={me} />,
+        children: [
+          { path: path === '/' ? '' : path.slice(1), index: path === '/' ? true : undefined, element } as never,
+          { path: '*', element: <p>elsewhere</p> },
+        ],
+      },
+    ],
     { initialEntries: [at] },
   );
   const client = new QueryClient({ defaultOptions: { queries: { retry: false } } });

@@ -10,9 +10,9 @@ afterEach(() => vi.unstubAllGlobals());
 it('sets two-step sign-in up with a picture to scan and shows the recovery codes once', async () => {
   renderPage(<OwnAccountPage />, {
     answers: {
-    '/api/me/second-factor': { is_on: false, since: null, recovery_codes_left: 0 },
-    'POST /api/me/second-factor': { secret: SECRET, uri: `otpauth://totp/Telemotion:i@example.org?secret=${SECRET}` },
-    'POST /api/me/second-factor/confirm': { codes: ['aaaa-bbbb-cccc-dddd'] },
+      '/api/me/second-factor': { is_on: false, since: null, recovery_codes_left: 0 },
+      'POST /api/me/second-factor': { secret: SECRET, uri: `otpauth://totp/Telemotion:i@example.org?secret=${SECRET}` },
+      'POST /api/me/second-factor/confirm': { codes: ['aaaa-bbbb-cccc-dddd'] },
     },
   });
   fireEvent.click(await screen.findByRole('button', { name: 'Set up' }));

@@ -10,7 +10,16 @@ Element.prototype.scrollIntoView = () => undefined;
 
 afterEach(() => vi.unstubAllGlobals());
 
-const job = (change: Partial<Job>): Job => ({ id: 'j', session_id: 's', kind: 'upload', status: 'failed', progress: 0.4, message: '', is_implausible: false, ...change });
+const job = (change: Partial<Job>): Job => ({
+  id: 'j',
+  session_id: 's',
+  kind: 'upload',
+  status: 'failed',
+  progress: 0.4,
+  message: '',
+  is_implausible: false,
+  ...change,
+});
 
 /** Take what is sent instead of a service: `XMLHttpRequest` alone tells how much of a file has gone. */
 function takeUploads(answer: Job): UploadIn[] {
@@ -76,8 +85,14 @@ const preview = (change: Partial<TablePreview> = {}): TablePreview => ({
 async function choose(found: TablePreview | [number, unknown]) {
   const user = userEvent.setup();
   const declared = takeUploads(job({ status: 'queued' }));
-  const view = renderPage(<UploadPage />, { at: '/?patient=p', answers: { ...PAGE, 'POST /api/uploads/preview': found, '/api/jobs/j': job({ status: 'running' }) } });
-  await user.upload(view.container.querySelector('input[type="file"]') as HTMLInputElement, new File(['t,gyr_x'], 'box.csv'));
+  const view = renderPage(<UploadPage />, {
+    at: '/?patient=p',
+    answers: { ...PAGE, 'POST /api/uploads/preview': found, '/api/jobs/j': job({ status: 'running' }) },
+  });
+  await user.upload(
+    view.container.querySelector('input[type="file"]') as HTMLInputElement,
+    new File(['t,gyr_x'], 'box.csv'),
+  );
   return { user, declared };
 }
 
@@ -88,14 +103,34 @@ describe('a table', () => {
     expect(screen.getByRole('radio', { name: /Single sensors/ })).toHaveProperty('checked', true);
     expect(declared).toEqual([]);
     await user.click(screen.getByRole('button', { name: 'Upload' }));
-    expect(declared[0]).toMatchObject({ format: 'csv', pipeline: 'orientation', file_name: 'box.csv', csv: preview().mapping });
+    expect(declared[0]).toMatchObject({
+      format: 'csv',
+      pipeline: 'orientation',
+      file_name: 'box.csv',
+      csv: preview().mapping,
+    });
   });
 
   it('is shown with its columns and first rows', async () => {
-    await choose(preview({ rows: [['0.00', '1', '2', '3', '4', '5', '6'], ['0.01', '7', '8', '9', '10', '11', '12']] }));
+    await choose(
+      preview({
+        rows: [
+          ['0.00', '1', '2', '3', '4', '5', '6'],
+          ['0.01', '7', '8', '9', '10', '11', '12'],
+        ],
+      }),
+    );
     const table = within(await screen.findByRole('region', { name: 'First lines of the file' })).getByRole('table');
-    expect(within(table).getAllByRole('columnheader').map((one) => one.textContent)).toEqual(columns);
-    expect(within(table).getAllByRole('row').map((row) => row.textContent)).toEqual([columns.join(''), '0.00123456', '0.01789101112']);
+    expect(
+      within(table)
+        .getAllByRole('columnheader')
+        .map((one) => one.textContent),
+    ).toEqual(columns);
+    expect(
+      within(table)
+        .getAllByRole('row')
+        .map((row) => row.textContent),
+    ).toEqual([columns.join(''), '0.00123456', '0.01789101112']);
   });
 
   it('is sent as a person corrects the guess', async () => {
@@ -120,7 +155,10 @@ describe('a table', () => {
   });
 
   it('that is none is refused in words and cannot be sent', async () => {
-    const { declared } = await choose([422, { code: 'recording_format', message: 'The file is not text: it holds bytes that no table has.', details: {} }]);
+    const { declared } = await choose([
+      422,
+      { code: 'recording_format', message: 'The file is not text: it holds bytes that no table has.', details: {} },
+    ]);
     expect(await screen.findByText(/not text/)).toBeTruthy();
     expect(screen.queryByRole('region', { name: 'First lines of the file' })).toBeNull();
     expect(screen.getByRole('button', { name: 'Upload' })).toHaveProperty('disabled', true);
@@ -155,7 +193,9 @@ describe('a table', () => {
 
 describe('upload', () => {
   it('offers to estimate implausible readings only after the service has said what is wrong', async () => {
-    const { user, declared, alert } = await send(job({ is_implausible: true, message: 'forearm_right: the axes do not fit.' }));
+    const { user, declared, alert } = await send(
+      job({ is_implausible: true, message: 'forearm_right: the axes do not fit.' }),
+    );
     expect(within(alert).getByText(/axes do not fit/)).toBeTruthy();
     expect(declared[0]).toMatchObject({ accept_implausible: false, hemisphere: 'north' });
     await user.click(screen.getByRole('checkbox', { name: 'Analyse it as it is' }));

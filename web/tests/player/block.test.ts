@@ -4,7 +4,16 @@ import { packBlock } from './fixtures';
 
 describe('decodeBlock', () => {
   it('turns rows into columns and reads the header', () => {
-    const block = decodeBlock(packBlock({ ticks: 3, columns: 2, firstTick: 500, stepS: 0.01, publishedS: 1234.5, value: (tick, column) => tick * 10 + column }));
+    const block = decodeBlock(
+      packBlock({
+        ticks: 3,
+        columns: 2,
+        firstTick: 500,
+        stepS: 0.01,
+        publishedS: 1234.5,
+        value: (tick, column) => tick * 10 + column,
+      }),
+    );
     expect(block.ticks).toBe(3);
     expect(block.firstTick).toBe(500);
     expect(block.startS).toBeCloseTo(5);
@@ -25,9 +34,23 @@ describe('decodeBlock', () => {
 
   it.each([
     ['shorter than a header', new ArrayBuffer(12)],
-    ['another magic', (() => { const bytes = packBlock({ ticks: 1, columns: 1 }); new DataView(bytes).setUint8(0, 88); return bytes; })()],
+    [
+      'another magic',
+      (() => {
+        const bytes = packBlock({ ticks: 1, columns: 1 });
+        new DataView(bytes).setUint8(0, 88);
+        return bytes;
+      })(),
+    ],
     ['cut short', packBlock({ ticks: 2, columns: 2 }).slice(0, -4)],
-    ['too long', (() => { const bytes = new Uint8Array(48); bytes.set(new Uint8Array(packBlock({ ticks: 1, columns: 1 }))); return bytes.buffer; })()],
+    [
+      'too long',
+      (() => {
+        const bytes = new Uint8Array(48);
+        bytes.set(new Uint8Array(packBlock({ ticks: 1, columns: 1 })));
+        return bytes.buffer;
+      })(),
+    ],
   ])('refuses a block that is %s', (_, bytes) => {
     expect(() => decodeBlock(bytes)).toThrow(BlockError);
   });

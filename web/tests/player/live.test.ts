@@ -12,7 +12,12 @@ beforeEach(() => {
   vi.stubGlobal('WebSocket', { OPEN: 1 });
   FakeSocket.made.length = 0;
   nowS = 1000;
-  player = new LivePlayer({ url: 'ws://test/ws/live/s', decoder: new InlineDecoder(), create: FakeSocket.create, now: () => nowS });
+  player = new LivePlayer({
+    url: 'ws://test/ws/live/s',
+    decoder: new InlineDecoder(),
+    create: FakeSocket.create,
+    now: () => nowS,
+  });
 });
 afterEach(() => {
   player.close();
@@ -85,13 +90,27 @@ describe('LivePlayer', () => {
   it('keeps the reason of a refusal', () => {
     FakeSocket.last.accept();
     FakeSocket.last.drop(1008, 'Your right to this patient has ended.');
-    expect(player.getSnapshot()).toMatchObject({ connection: 'refused', problem: 'Your right to this patient has ended.' });
+    expect(player.getSnapshot()).toMatchObject({
+      connection: 'refused',
+      problem: 'Your right to this patient has ended.',
+    });
   });
 
   it('shows what the service says about state, health and events', () => {
     FakeSocket.last.accept();
-    FakeSocket.last.say({ type: 'state', state: 'ready', reason: '', session_time_s: 3, recording_start_s: null, calibration: null, calibration_progress: null });
-    FakeSocket.last.say({ type: 'event', event: { kind: 'mark', time_s: 2, duration_s: 0, placement: null, text: 'pain' } });
+    FakeSocket.last.say({
+      type: 'state',
+      state: 'ready',
+      reason: '',
+      session_time_s: 3,
+      recording_start_s: null,
+      calibration: null,
+      calibration_progress: null,
+    });
+    FakeSocket.last.say({
+      type: 'event',
+      event: { kind: 'mark', time_s: 2, duration_s: 0, placement: null, text: 'pain' },
+    });
     expect(player.getSnapshot().state?.state).toBe('ready');
     expect(player.getSnapshot().events.map((event) => event.text)).toEqual(['pain']);
   });
@@ -99,7 +118,15 @@ describe('LivePlayer', () => {
   it('tells the delay since publication, and never a negative one', async () => {
     FakeSocket.last.accept();
     FakeSocket.last.say(layoutMessage());
-    const health = { type: 'health', sensors: [], packets_stored: 1, packets_missing: 0, latency_ms_median: 5, latency_ms_p99: 9, clock_skew_ppm: null };
+    const health = {
+      type: 'health',
+      sensors: [],
+      packets_stored: 1,
+      packets_missing: 0,
+      latency_ms_median: 5,
+      latency_ms_p99: 9,
+      clock_skew_ppm: null,
+    };
     nowS = 1000.04;
     await send(0, 5, 1000);
     FakeSocket.last.say(health);
@@ -116,7 +143,15 @@ describe('LivePlayer', () => {
 });
 
 describe('what does not come', () => {
-  const health = { type: 'health', sensors: [], packets_stored: 1, packets_missing: 0, latency_ms_median: 5, latency_ms_p99: 9, clock_skew_ppm: null };
+  const health = {
+    type: 'health',
+    sensors: [],
+    packets_stored: 1,
+    packets_missing: 0,
+    latency_ms_median: 5,
+    latency_ms_p99: 9,
+    clock_skew_ppm: null,
+  };
   const wait = (seconds: number) => {
     for (let quarter = 0; quarter < 4 * seconds; quarter += 1) {
       nowS += 0.25;
@@ -169,7 +204,15 @@ describe('what does not come', () => {
 
   it('does not miss a service that has nothing more to say', async () => {
     await begin();
-    FakeSocket.last.say({ type: 'state', state: 'analysed', reason: '', session_time_s: 3, recording_start_s: null, calibration: null, calibration_progress: null });
+    FakeSocket.last.say({
+      type: 'state',
+      state: 'analysed',
+      reason: '',
+      session_time_s: 3,
+      recording_start_s: null,
+      calibration: null,
+      calibration_progress: null,
+    });
     wait(60);
     expect(player.getSnapshot().connection).toBe('open');
     expect(FakeSocket.made).toHaveLength(1);

@@ -19,11 +19,26 @@ function serve(input: string): Response {
   const stride = Math.max(1, Math.ceil(((endS - startS) * RATE_HZ) / most));
   const stepS = stride / RATE_HZ;
   const ticks = Math.floor((endS - startS) / stepS);
-  return new Response(packBlock({ ticks, columns: 3, startS, stepS, value: (tick, column) => (column === 0 ? startS + tick * stepS : 0) }));
+  return new Response(
+    packBlock({
+      ticks,
+      columns: 3,
+      startS,
+      stepS,
+      value: (tick, column) => (column === 0 ? startS + tick * stepS : 0),
+    }),
+  );
 }
 
 const open = async (endS = 35) => {
-  const player = new ReplayPlayer({ sessionId: 's', resultId: 'r', startS: 0, endS, decoder: new InlineDecoder(), now: () => nowMs });
+  const player = new ReplayPlayer({
+    sessionId: 's',
+    resultId: 'r',
+    startS: 0,
+    endS,
+    decoder: new InlineDecoder(),
+    now: () => nowMs,
+  });
   await vi.waitFor(() => expect(player.getSnapshot().connection).not.toBe('connecting'));
   return player;
 };
@@ -91,7 +106,9 @@ describe('ReplayPlayer', () => {
   });
 
   it('passes on why the service does not give the movement', async () => {
-    vi.stubGlobal('fetch', () => Promise.resolve(Response.json({ code: 'not_found', message: 'No such session.', details: {} }, { status: 404 })));
+    vi.stubGlobal('fetch', () =>
+      Promise.resolve(Response.json({ code: 'not_found', message: 'No such session.', details: {} }, { status: 404 })),
+    );
     const player = await open();
     expect(player.getSnapshot()).toMatchObject({ connection: 'refused', problem: 'No such session.' });
   });

@@ -5,7 +5,8 @@ import { columnsOf } from '../../src/player/types';
 import { layoutMessage, packBlock } from './fixtures';
 
 const ring = (seconds: number) => new FrameRing(columnsOf(layoutMessage()), seconds);
-const block = (firstTick: number, ticks: number) => decodeBlock(packBlock({ ticks, columns: 3, firstTick, value: (tick) => firstTick + tick }));
+const block = (firstTick: number, ticks: number) =>
+  decodeBlock(packBlock({ ticks, columns: 3, firstTick, value: (tick) => firstTick + tick }));
 
 describe('FrameRing', () => {
   it('gives back what came, for the half-open interval', () => {
@@ -43,7 +44,8 @@ describe('FrameRing', () => {
     frames.push(block(10, 20));
     const { timeS } = frames.read(0, 1, ['elbow']);
     expect(timeS).toHaveLength(30);
-    for (let index = 1; index < timeS.length; index += 1) expect(timeS[index]).toBeGreaterThan(timeS[index - 1] ?? Infinity);
+    for (let index = 1; index < timeS.length; index += 1)
+      expect(timeS[index]).toBeGreaterThan(timeS[index - 1] ?? Infinity);
   });
 
   it('answers an unknown column with nothing', () => {

@@ -5,10 +5,19 @@ import { ViewLink } from '../../src/player/view';
 import { FakeSocket } from './fixtures';
 
 const clock = { timeS: 0, startS: 0, endS: 10, isPlaying: false, speed: 1 };
-const store = new SnapshotStore<PlayerSnapshot>({ connection: 'open', problem: null, capabilities: { isLive: false, canSeek: true, canChangeSpeed: true }, columns: null, isPlaying: false, speed: 1, epoch: 0 });
+const store = new SnapshotStore<PlayerSnapshot>({
+  connection: 'open',
+  problem: null,
+  capabilities: { isLive: false, canSeek: true, canChangeSpeed: true },
+  columns: null,
+  isPlaying: false,
+  speed: 1,
+  epoch: 0,
+});
 const player = { subscribe: store.subscribe, getSnapshot: store.get, clock: () => clock } as unknown as Player;
 let link: ViewLink;
-const commands = () => FakeSocket.last.sent.map((text) => JSON.parse(text) as PlayerCommand).filter((command) => command.type === 'player');
+const commands = () =>
+  FakeSocket.last.sent.map((text) => JSON.parse(text) as PlayerCommand).filter((command) => command.type === 'player');
 
 beforeEach(() => {
   vi.useFakeTimers();

@@ -6,10 +6,12 @@ export const calibration = {
   'calibration.still': 'Stay still for three seconds.',
   'calibration.start': 'Calibrate',
   'calibration.rememberedTitle': 'Set the directions',
-  'calibration.rememberedText': 'The position of the sensors on the body is saved from last time. Only the directions must be set today; it takes three seconds.',
+  'calibration.rememberedText':
+    'The position of the sensors on the body is saved from last time. Only the directions must be set today; it takes three seconds.',
   'calibration.rememberedElse': 'Was a sensor put on differently? Then calibrate again.',
   'calibration.setDirections': 'Set the directions',
-  'calibration.directionsPose': 'Stand upright and look straight ahead. Let both arms hang, palms to the thighs, and hold still.',
+  'calibration.directionsPose':
+    'Stand upright and look straight ahead. Let both arms hang, palms to the thighs, and hold still.',
   'calibration.directionsSet': 'The directions are set',
   'calibration.directionsAgain': 'Set them again',
   'calibration.anew': 'Calibrate again from the start',
@@ -17,7 +19,8 @@ export const calibration = {
   'calibration.good': 'Good calibration ({score} of 100)',
   'calibration.fair': 'Usable calibration ({score} of 100)',
   'calibration.poor': 'Poor calibration ({score} of 100): repeat it',
-  'calibration.scoreMeans': 'The score says how still and how consistent the pose was. More than 90 needs a calibration by movement, which checks the pose.',
+  'calibration.scoreMeans':
+    'The score says how still and how consistent the pose was. More than 90 needs a calibration by movement, which checks the pose.',
   'calibration.inForce': 'If a sensor slipped, calibrate again before you record.',
   'calibration.method.n_pose': 'By the standing pose',
   'calibration.method.t_pose': 'By the T-pose',
@@ -63,7 +66,8 @@ export const calibration = {
   'field.withDip': '{norm}, dip {dip}°',
   'field.odd': 'not plausible',
   'field.before': '(last time {field})',
-  'field.expected': 'Expected: 25 to 65 µT, and the same at every sensor. The dip is how steeply the field points into the ground: about 60 to 70° in Central Europe, 0° at the equator, upward in the south.',
+  'field.expected':
+    'Expected: 25 to 65 µT, and the same at every sensor. The dip is how steeply the field points into the ground: about 60 to 70° in Central Europe, 0° at the equator, upward in the south.',
 
   'heading.title': 'Does a limb appear turned inward or outward?',
   'heading.help': 'Let the arms hang, face as at the calibration, then press.',

@@ -16,14 +16,16 @@ export const clinic = {
   'clinic.newPassword': 'New password',
   'clinic.passwordHelp': 'At least {least} characters; not a common one, not your name.',
   'clinic.resetNamed': 'New password for {name}',
-  'clinic.resetText': 'Give {name} this password through a secure channel. They are signed out everywhere and must change it when they sign in.',
+  'clinic.resetText':
+    'Give {name} this password through a secure channel. They are signed out everywhere and must change it when they sign in.',
   'clinic.active': 'May sign in',
   'clinic.inactive': 'Switched off',
   'clinic.mayS': '{name} may sign in',
   'clinic.removeSecond': 'Turn off two-step sign-in',
   'clinic.removeSecondNamed': 'Turn off two-step sign-in of {name}',
   'clinic.removeSecondTitle': 'Turn off two-step sign-in of {name}?',
-  'clinic.removeSecondText': 'For somebody who lost their device and the recovery codes. Make sure that it is really them who asks. They are signed out everywhere, sign in with the password alone, and are told that you did this.',
+  'clinic.removeSecondText':
+    'For somebody who lost their device and the recovery codes. Make sure that it is really them who asks. They are signed out everywhere, sign in with the password alone, and are told that you did this.',
   'clinic.hasSecond': 'Two-step sign-in',
   'clinic.settings': 'Time zone',
   'clinic.zone': 'Time zone of the clinic',
@@ -39,7 +41,8 @@ export const clinic = {
   'account.mustPassword': 'Your first password came from somebody else. Choose one of your own to go on.',
   'account.mustSecond': 'Your clinic asks for two-step sign-in. Set it up to go on.',
   'second.title': 'Two-step sign-in',
-  'second.what': 'Besides your password, a code from an app on your telephone is asked for. A stolen password alone then opens nothing. You need an authenticator app.',
+  'second.what':
+    'Besides your password, a code from an app on your telephone is asked for. A stolen password alone then opens nothing. You need an authenticator app.',
   'second.setUp': 'Set up',
   'second.scan': 'Open the authenticator app and scan this picture. Then type the six digits that the app shows.',
   'second.qr': 'QR code for the authenticator app',
@@ -48,9 +51,11 @@ export const clinic = {
   'second.codeHelp': 'Six digits. Lost the telephone? Type one of your recovery codes.',
   'second.turnOn': 'Turn on',
   'second.isOnNow': 'Two-step sign-in is on.',
-  'second.keep': 'Print or write down these recovery codes and keep them safe. Each opens your account once if the telephone is lost. They are not shown again.',
+  'second.keep':
+    'Print or write down these recovery codes and keep them safe. Each opens your account once if the telephone is lost. They are not shown again.',
   'second.isOn': 'On since {date}.',
-  'second.removed': 'An administrator of your clinic turned off two-step sign-in for your account on {date}. If you did not ask for this, tell the clinic and change your password.',
+  'second.removed':
+    'An administrator of your clinic turned off two-step sign-in for your account on {date}. If you did not ask for this, tell the clinic and change your password.',
   'second.setUpAgain': 'Set it up again',
   'second.understood': 'Understood',
   'second.left': { one: 'One recovery code is left.', other: '{count} recovery codes are left.' },
@@ -61,14 +66,17 @@ export const clinic = {
   'data.export': 'Download everything',
   'data.archive': 'Archive',
   'data.archiveTitle': 'Archive this patient?',
-  'data.archiveText': 'The patient leaves the caseload and nothing can be added. Everything can still be read, and this can be undone.',
+  'data.archiveText':
+    'The patient leaves the caseload and nothing can be added. Everything can still be read, and this can be undone.',
   'data.archivedOn': 'Archived on {date}: nothing can be added.',
   'data.unarchive': 'Restore from the archive',
   'data.erase': 'Erase permanently',
   'data.eraseFirst': 'To erase the patient permanently, archive first.',
   'data.eraseTitle': 'Erase {name} permanently?',
-  'data.eraseText': 'The record, every recording, result, comparison and account of this patient are erased. The access log records only that it happened. This cannot be undone.',
+  'data.eraseText':
+    'The record, every recording, result, comparison and account of this patient are erased. The access log records only that it happened. This cannot be undone.',
   'data.eraseType': 'Type the family name “{name}” to confirm',
   'mine.takeAlong': 'Download my data',
-  'mine.takeAlongText': 'One file with everything the clinic holds about you: your record, your movement, and who viewed it. Store it safely.',
+  'mine.takeAlongText':
+    'One file with everything the clinic holds about you: your record, your movement, and who viewed it. Store it safely.',
 } as const;

@@ -38,7 +38,8 @@ export const common = {
   'state.loading': 'Loading',
 
   'problem.unknown': 'Something went wrong here. Try again.',
-  'problem.not_found': 'It may have been removed, or it is not shared with you. Ask the colleague who treats this patient for access.',
+  'problem.not_found':
+    'It may have been removed, or it is not shared with you. Ask the colleague who treats this patient for access.',
   'problem.not_allowed': 'Ask an administrator of your clinic if you need this right.',
   'problem.sign_in_required': 'Sign in again to continue.',
   'problem.conflict': 'The data has changed in the meantime. Reload the page to see the current state.',
@@ -81,8 +82,10 @@ export const common = {
   'signIn.email': 'E-mail',
   'signIn.password': 'Password',
   'signIn.showPassword': 'Show password',
-  'signIn.endedIdle': 'You were signed out because nobody used this page for a while. Sessions that were streaming go on without it.',
-  'idle.warning': 'You will be signed out soon: nobody has used this page for nearly {minutes} minutes. Move the mouse, touch the screen or press a key to stay.',
+  'signIn.endedIdle':
+    'You were signed out because nobody used this page for a while. Sessions that were streaming go on without it.',
+  'idle.warning':
+    'You will be signed out soon: nobody has used this page for nearly {minutes} minutes. Move the mouse, touch the screen or press a key to stay.',
   'signIn.promise': 'Exercises at home, compared with the movement that the therapist showed.',
   'signIn.help': 'Forgotten your password? An administrator of your clinic can give you a new one.',
 
@@ -106,7 +109,8 @@ export const common = {
   'caseload.filter.live': 'Live now',
   'caseload.shown': { one: '{count} patient shown', other: '{count} patients shown' },
   'caseload.emptyTitle': 'No patients yet',
-  'caseload.emptyText': 'Add your first patient, prescribe an exercise, and connect the sensors. It takes about five minutes.',
+  'caseload.emptyText':
+    'Add your first patient, prescribe an exercise, and connect the sensors. It takes about five minutes.',
   'caseload.noMatchTitle': 'No patient matches',
   'caseload.noMatchText': 'Try another name, or show all patients.',
 

@@ -10,7 +10,8 @@ export const home = {
   'consent.staff.treatment': 'Treatment',
   'consent.staff.treatment.text': 'Therapists of this clinic may use the movement data to treat the patient.',
   'consent.staff.home_streaming': 'Exercising at home',
-  'consent.staff.home_streaming.text': 'Sensors may send movement from home. Without a yes, nothing recorded at home is accepted.',
+  'consent.staff.home_streaming.text':
+    'Sensors may send movement from home. Without a yes, nothing recorded at home is accepted.',
   'consent.staff.research': 'Research',
   'consent.staff.research.text': 'The data may be used for research, without the name.',
   'caseload.filter.archived': 'Archived',
@@ -25,19 +26,23 @@ export const home = {
   'home.moment.wait': 'One moment',
   'home.moment.wait.text': 'The sensors are getting ready.',
   'home.moment.still': 'Stand still',
-  'home.moment.still.text': 'Stand upright and look straight ahead. Let both arms hang, palms to the thighs. Then press the button and do not move for a few seconds.',
+  'home.moment.still.text':
+    'Stand upright and look straight ahead. Let both arms hang, palms to the thighs. Then press the button and do not move for a few seconds.',
   'home.moment.holding': 'Hold still',
   'home.moment.holding.text': 'Stay as you are until this page shows the next step.',
   'home.moment.again': 'Once more, please',
-  'home.moment.again.text': 'That did not work. Check that every sensor sits firmly in its place. Then stand still again.',
+  'home.moment.again.text':
+    'That did not work. Check that every sensor sits firmly in its place. Then stand still again.',
   'home.moment.ready': 'Ready',
   'home.moment.ready.text': 'Press Go, then do your exercise.',
   'home.moment.going': 'Go!',
   'home.moment.going.text': 'Do your exercise. When you have finished, press the button.',
   'home.moment.silent': 'No signal from the sensors',
-  'home.moment.silent.text': 'Nothing arrives here at the moment. Check that the sensors and the device that came with them are switched on and near you. This page continues by itself.',
+  'home.moment.silent.text':
+    'Nothing arrives here at the moment. Check that the sensors and the device that came with them are switched on and near you. This page continues by itself.',
   'home.moment.lost': 'No connection',
-  'home.moment.lost.text': 'This page cannot reach your clinic and does not know whether your exercise is being stored. It tries again by itself.',
+  'home.moment.lost.text':
+    'This page cannot reach your clinic and does not know whether your exercise is being stored. It tries again by itself.',
   'home.moment.refused': 'This exercise cannot be shown here',
   'home.moment.refused.text': 'Reload the page. If that does not help, ask your therapist.',
   'home.moment.preparing': 'Well done',
@@ -45,10 +50,12 @@ export const home = {
   'home.moment.done': 'Your result is ready',
   'home.moment.done.text': 'Look at how you moved.',
   'home.moment.failed': 'Something went wrong',
-  'home.moment.failed.text': 'This exercise could not be finished. You can start it again from the first page. Tell your therapist if it happens again.',
+  'home.moment.failed.text':
+    'This exercise could not be finished. You can start it again from the first page. Tell your therapist if it happens again.',
   'home.stored': 'Your movement is being stored.',
   'home.notStored': 'Not being stored',
-  'home.notStoredText': 'What you do now is not being stored. Pause your exercise and wait a minute. If this message stays, call your clinic.',
+  'home.notStoredText':
+    'What you do now is not being stored. Pause your exercise and wait a minute. If this message stays, call your clinic.',
   'home.wear': 'One sensor on each of these places:',
   'home.switchOn': 'Switch on the sensors.',
   'home.deviceOn': 'Switch on the device that came with them.',
@@ -88,7 +95,8 @@ export const home = {
   'home.beingPrepared': 'The result is being prepared.',
   'home.problem.offline': 'No connection to your clinic. Check the internet connection, then try again.',
   'home.problem.notNow': 'That is not possible right now. Wait a moment, then try again.',
-  'home.problem.notAllowed': 'You cannot do this at the moment. Look under My data whether you agree to exercising at home, or ask your therapist.',
+  'home.problem.notAllowed':
+    'You cannot do this at the moment. Look under My data whether you agree to exercising at home, or ask your therapist.',
   'home.problem.gone': 'This exercise was not found. Go back to the first page.',
   'home.problem.other': 'That did not work. Try again, or ask your therapist.',
 

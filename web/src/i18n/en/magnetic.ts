@@ -9,7 +9,8 @@ export const magnetic = {
   'magnetic.nearby': 'Ask everybody who will be near: does one of you have such an implant?',
   'magnetic.no': 'No',
   'magnetic.yes': 'Yes, or not sure',
-  'magnetic.forbidden': 'Do not use the source. Measure with sensors alone instead, or ask the doctor who looks after the implant first.',
+  'magnetic.forbidden':
+    'Do not use the source. Measure with sensors alone instead, or ask the doctor who looks after the implant first.',
   'magnetic.noted': 'Your name, the time and the session are recorded.',
   'magnetic.confirm': 'Confirm for this session',
   'magnetic.onlyTherapist': 'A therapist must confirm this before the session can start.',
@@ -19,7 +20,8 @@ export const magnetic = {
   'magnetic.help': 'Stand still for three seconds. Then the source fires each coil once, and the position is known.',
 
   'magnetic.kind': 'Distance by magnetic source',
-  'magnetic.kindText': 'A small magnetic source is worn; each sensor around it measures its distance and orientation. No calibration needed.',
+  'magnetic.kindText':
+    'A small magnetic source is worn; each sensor around it measures its distance and orientation. No calibration needed.',
   'magnetic.use': 'Body part',
   'magnetic.use.back': 'Back',
   'magnetic.use.arm': 'Arm',
@@ -74,7 +76,8 @@ export const magnetic = {
   'magnetic.legend.doubt': 'Uncertainty of the sensor position; not drawn below 4 mm',
 
   'magnetic.actuation': 'Pulses of the source',
-  'magnetic.pulseHelp': 'Each bar is one short magnetic pulse, in the colour of its coil in the 3D view. The source pulses only when the distance would become too uncertain.',
+  'magnetic.pulseHelp':
+    'Each bar is one short magnetic pulse, in the colour of its coil in the 3D view. The source pulses only when the distance would become too uncertain.',
   'magnetic.coil': 'Coil {number}',
   'magnetic.noPulses': 'No pulses in this time.',
   'magnetic.timeline': 'Pulses of the three coils over {seconds} s: {count} pulses',

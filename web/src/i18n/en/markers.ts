@@ -1,7 +1,8 @@
 // Words of markers of a camera system beside the sensors.
 export const markers = {
   'markers.title': 'Markers',
-  'markers.lead': 'Add the markers of a camera system that was recorded at the same time. Clocks are aligned by the movement.',
+  'markers.lead':
+    'Add the markers of a camera system that was recorded at the same time. Clocks are aligned by the movement.',
   'markers.choose': 'Choose a C3D or CSV file',
   'markers.other': 'Choose another file ({name})',
   'markers.segment': 'Sensor that moved with the marker',
@@ -48,8 +49,10 @@ export const markers = {
   'markers.legend.gap': 'Gap, filled by the sensor',
   'markers.axis': 'Along the floor, {axis}',
   'markers.axisUp': 'Height, z',
-  'markers.trace': 'Position of the marker along {axis} over ten seconds; gaps are hatched and drawn broken. The gaps are listed below.',
-  'markers.lab': 'The path is drawn in the axes of the cameras. The position of the body in these axes is not known, so it is not shown.',
+  'markers.trace':
+    'Position of the marker along {axis} over ten seconds; gaps are hatched and drawn broken. The gaps are listed below.',
+  'markers.lab':
+    'The path is drawn in the axes of the cameras. The position of the body in these axes is not known, so it is not shown.',
   'markers.gapList': 'Longest gaps of the cameras',
   'markers.gap.start': 'Starts',
   'markers.gap.length': 'Length',

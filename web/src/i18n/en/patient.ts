@@ -13,13 +13,15 @@ export const patient = {
   'patient.lengthRange': '{low} to {high} cm',
   'patient.notes': 'Notes',
   'patient.agrees': 'The patient agrees to treatment',
-  'patient.agreesHelp': 'Therapists of this clinic may use the movement data to treat the patient. Ask first: without it nothing can be recorded. You can also record the answer later.',
+  'patient.agreesHelp':
+    'Therapists of this clinic may use the movement data to treat the patient. Ask first: without it nothing can be recorded. You can also record the answer later.',
   'patient.born': 'Born',
   'patient.bornAge': '{date}, {age} years',
   'patient.sensors': 'Sensors',
   'patient.mountingKnown': 'Sensor positions saved',
   'patient.mountingUnknown': 'Not calibrated yet',
-  'patient.noDimensions': 'No lengths measured: an average body of 1.70 m is assumed. Measured lengths make the hand position more accurate.',
+  'patient.noDimensions':
+    'No lengths measured: an average body of 1.70 m is assumed. Measured lengths make the hand position more accurate.',
   'length.stature_m': 'Stature',
   'length.upper_arm_m': 'Upper arm',
   'length.forearm_m': 'Forearm',
@@ -153,13 +155,16 @@ export const patient = {
   'prescription.chooseExercise': 'Choose an exercise',
   'prescription.template': 'Template',
   'prescription.templateHelp': 'The movement that the patient is compared with.',
-  'prescription.noTemplateHelp': 'There is no template for this exercise yet. Without one, sessions are stored but not compared.',
+  'prescription.noTemplateHelp':
+    'There is no template for this exercise yet. Without one, sessions are stored but not compared.',
   'prescription.without': 'Without a template',
   'prescription.repetitionsLabel': 'Repetitions',
   'prescription.setsLabel': 'Sets',
   'prescription.perWeekLabel': 'Times per week',
-  'prescription.twice': 'This exercise is prescribed already. A session counts for one of the two only: end the first one if this one replaces it.',
-  'prescription.isTwice': 'Prescribed twice. A session counts once: for the one it was started from, else for the older one until its week is full.',
+  'prescription.twice':
+    'This exercise is prescribed already. A session counts for one of the two only: end the first one if this one replaces it.',
+  'prescription.isTwice':
+    'Prescribed twice. A session counts once: for the one it was started from, else for the older one until its week is full.',
   'prescription.until': 'Until',
   'prescription.untilHelp': 'Leave empty for no end date.',
   'prescription.repetitions': { one: '{count} repetition', other: '{count} repetitions' },
@@ -181,9 +186,12 @@ export const patient = {
   'progress.exercise': 'Exercise',
   'progress.newest': 'Practised last',
   'progress.lastSession': { one: 'last session, {count} repetition', other: 'last session, mean of {count}' },
-  'progress.tooFew': 'Not enough sessions to tell whether it changes: the first three show how much one session differs from another, the fourth is compared with them.',
-  'progress.changeReal': '{change} against the first three sessions: a real change, larger than the {limit} that sessions can differ by chance.',
-  'progress.changeNotReal': '{change} against the first three sessions: not more than the {limit} that sessions can differ by chance.',
+  'progress.tooFew':
+    'Not enough sessions to tell whether it changes: the first three show how much one session differs from another, the fourth is compared with them.',
+  'progress.changeReal':
+    '{change} against the first three sessions: a real change, larger than the {limit} that sessions can differ by chance.',
+  'progress.changeNotReal':
+    '{change} against the first three sessions: not more than the {limit} that sessions can differ by chance.',
   'progress.emptyTitle': 'No results yet',
   'progress.emptyText': 'Progress appears here after the first session that is compared with a template.',
   'progress.more': { one: 'Show {count} more measure', other: 'Show {count} more measures' },
@@ -235,10 +243,12 @@ export const patient = {
   'mine.joint.forearm_hand': 'wrist',
   'mine.joint.other': 'arm',
   'mine.tooFew': 'A few more times, and you will read here how it changes.',
-  'mine.walk.test_time.more': 'Your walk now takes {amount} more than in your first sessions. Your therapist sees this too.',
+  'mine.walk.test_time.more':
+    'Your walk now takes {amount} more than in your first sessions. Your therapist sees this too.',
   'mine.walk.test_time.less': 'Your walk now takes {amount} less than in your first sessions.',
   'mine.walk.test_distance.more': 'You now walk {amount} further than in your first sessions.',
-  'mine.walk.test_distance.less': 'You now walk {amount} less far than in your first sessions. Your therapist sees this too.',
+  'mine.walk.test_distance.less':
+    'You now walk {amount} less far than in your first sessions. Your therapist sees this too.',
   'mine.walk.speed.more': 'You now walk faster than in your first sessions.',
   'mine.walk.speed.less': 'You now walk more slowly than in your first sessions. Your therapist sees this too.',
   'mine.changed': 'Your results have changed since your first sessions. Your therapist sees this too.',

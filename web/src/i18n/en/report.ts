@@ -21,13 +21,18 @@ export const report = {
   'report.real': '{change}, a real change',
   'report.chance': '{change}, within chance variation',
   'report.unjudged': 'not enough sessions to tell',
-  'report.tableHelp': 'After ±: one standard deviation between repetitions. A change is called real when it is larger than the minimal detectable change (95 %) from the spread between the first three sessions.',
+  'report.tableHelp':
+    'After ±: one standard deviation between repetitions. A change is called real when it is larger than the minimal detectable change (95 %) from the spread between the first three sessions.',
   'report.isFirst': 'one of the first three',
   'report.isFirstText': 'One of the first three sessions: the later ones are compared with these.',
   'report.legendRepetitions': { one: 'Patient, {count} repetition', other: 'Patient, {count} repetitions' },
   'report.legendOutside': 'Outside the band: thick and red, with a bar below',
-  'report.outside': { one: '{count} of {of} repetitions leaves the band.', other: '{count} of {of} repetitions leave the band.' },
-  'report.curvesHelp': 'Each repetition is aligned in time with the template: 0 % is the start of the movement, 100 % the return. Beside each name: the segments and the rotation sequence of the angle.',
+  'report.outside': {
+    one: '{count} of {of} repetitions leaves the band.',
+    other: '{count} of {of} repetitions leave the band.',
+  },
+  'report.curvesHelp':
+    'Each repetition is aligned in time with the template: 0 % is the start of the movement, 100 % the return. Beside each name: the segments and the rotation sequence of the angle.',
   'report.phaseLabel': '{label} over the phases of the movement; the patient moves between {low} and {high}',
   'report.progressLabel': '{label} over {count} sessions, from {first} to {last}',
   'report.noCalibration': 'Not calibrated',
@@ -43,15 +48,20 @@ export const report = {
   'report.word.spread': 'Spread (±)',
   'report.word.spread.text': 'One standard deviation between the repetitions of the session.',
   'report.word.change': 'Real change',
-  'report.word.change.text': 'A difference from the mean of the first three sessions that is larger than the minimal detectable change (95 %), which comes from the spread between these three.',
+  'report.word.change.text':
+    'A difference from the mean of the first three sessions that is larger than the minimal detectable change (95 %), which comes from the spread between these three.',
   'report.word.band': 'Band',
-  'report.word.band.text': 'What still counts as the same movement: the spread of the template, widened by the factors that the therapist set.',
+  'report.word.band.text':
+    'What still counts as the same movement: the spread of the template, widened by the factors that the therapist set.',
   'report.word.phase': 'Phases',
-  'report.word.phase.text': 'Position and time are assessed separately: curves are compared after alignment in time; timing is a measure of its own.',
+  'report.word.phase.text':
+    'Position and time are assessed separately: curves are compared after alignment in time; timing is a measure of its own.',
   'report.word.sparc': 'Smoothness',
   'report.word.sparc.text': 'SPARC, the spectral arc length of the hand’s speed: nearer to zero is smoother.',
   'report.word.angles': 'Joint angles',
-  'report.word.angles.text': 'ISB recommendation (Wu et al. 2005): shoulder Y‑X‑Y, elbow and wrist Z‑X‑Y. Stretches near a singular position are excluded from scores.',
-  'report.limits': 'Body-worn inertial sensors measure orientation; positions follow from body dimensions. The report supports clinical judgement and does not replace it.',
+  'report.word.angles.text':
+    'ISB recommendation (Wu et al. 2005): shoulder Y‑X‑Y, elbow and wrist Z‑X‑Y. Stretches near a singular position are excluded from scores.',
+  'report.limits':
+    'Body-worn inertial sensors measure orientation; positions follow from body dimensions. The report supports clinical judgement and does not replace it.',
   'report.ids': 'Session {session}, result {result}. The recording is stored and can be analysed again.',
 } as const;

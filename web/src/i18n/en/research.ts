@@ -1,10 +1,12 @@
 // Words of the pages for researchers and integrators: accuracy, estimators side by side.
 export const research = {
   'accuracy.title': 'Accuracy',
-  'accuracy.lead': 'Published experiments, repeated with this version: the published figure, the requirement, and our result.',
+  'accuracy.lead':
+    'Published experiments, repeated with this version: the published figure, the requirement, and our result.',
   'accuracy.overview': '{met} of {all} experiments meet the requirement',
   'accuracy.notMet': '{open} are open: the limit lies within the confidence interval. {short} fall short.',
-  'accuracy.how': 'Each experiment runs with random seeds, {seeds} unless it says otherwise, or on the recordings named. Judged is what nine seeds in ten reach, the median or the mean, with its 95 % confidence interval: an experiment passes only when the whole interval meets the limit. Figures marked “only shown” have no limit.',
+  'accuracy.how':
+    'Each experiment runs with random seeds, {seeds} unless it says otherwise, or on the recordings named. Judged is what nine seeds in ten reach, the median or the mean, with its 95 % confidence interval: an experiment passes only when the whole interval meets the limit. Figures marked “only shown” have no limit.',
   'accuracy.made': 'Version {version}, measured on {date} in {seconds} s. {machine}.',
   'accuracy.command': 'Command that measures everything again',
   'accuracy.commandOf': 'Command that repeats “{title}”',
@@ -30,7 +32,8 @@ export const research = {
   'differences.title': 'Estimators side by side',
   'differences.table': 'How far apart (RMS)',
   'differences.reference': 'Compared with',
-  'differences.help': 'Root mean square of the difference in each joint angle, where both results stand: not in gaps, while starting, or near a singular position. The angle that differs most comes first.',
+  'differences.help':
+    'Root mean square of the difference in each joint angle, where both results stand: not in gaps, while starting, or near a singular position. The angle that differs most comes first.',
   'differences.overall': 'All angles',
   'differences.angle': 'Angle to show',
   'differences.time': 'time (s)',
@@ -40,5 +43,6 @@ export const research = {
   'differences.live': '{title}, live',
   'differences.changed': { one: '{name}, {count} parameter changed', other: '{name}, {count} parameters changed' },
   'differences.emptyTitle': 'Only one result so far',
-  'differences.emptyText': 'Open the details of the session and run every estimator; the results then appear here side by side.',
+  'differences.emptyText':
+    'Open the details of the session and run every estimator; the results then appear here side by side.',
 } as const;

@@ -24,7 +24,8 @@ export const session = {
   'newSession.constrain': 'Near iron, or sensors without a magnetometer',
   'newSession.constrainHelp': 'Elbows and wrists then help to stabilise the direction of the arm.',
   'newSession.mounting': 'Use the saved sensor positions',
-  'newSession.mountingHelp': 'Only if every sensor sits exactly as last time. The patient still stands still once, so that the directions can be set. If in doubt, leave it off.',
+  'newSession.mountingHelp':
+    'Only if every sensor sits exactly as last time. The patient still stands still once, so that the directions can be set. If in doubt, leave it off.',
   'newSession.mountingOf': 'Calibrated {day}: {places}.',
   'newSession.go': 'Continue to the sensors',
 
@@ -33,7 +34,8 @@ export const session = {
   'mass.unknown': 'not known',
   'mass.assumed': 'Without a sensor, assumed to move with the adjacent part: {places}.',
   'mass.nothingAssumed': 'Every part of the body has a sensor.',
-  'mass.how': 'Where the whole body weighs: the parts by their usual share of the weight, moved by the sensors. Ahead and left as the trunk faces, from the middle between the ankles; height above the floor under the lower foot. The uncertainty is one standard deviation, with what is not measured.',
+  'mass.how':
+    'Where the whole body weighs: the parts by their usual share of the weight, moved by the sensors. Ahead and left as the trunk faces, from the middle between the ankles; height above the floor under the lower foot. The uncertainty is one standard deviation, with what is not measured.',
   'placements.legend': 'Sensors',
   'placements.help': 'Choose what the patient wears. The chest sensor shows whether the trunk helps the arm.',
   'placements.trunk': 'Trunk and head',
@@ -74,7 +76,6 @@ export const session = {
   'connect.simulate': 'No sensors at hand? This streams a simulated patient in a session of its own:',
   'connect.command': 'Command',
 
-
   'health.title': 'Sensors',
   'health.good': 'Good',
   'health.waiting': 'Waiting',
@@ -109,7 +110,8 @@ export const session = {
   'live.markDefault': 'Mark',
   'live.close': 'End session',
   'live.closeTitle': 'End this session?',
-  'live.closeText': 'The sensors are disconnected, and everything recorded is analysed and compared. You cannot continue recording in this session.',
+  'live.closeText':
+    'The sensors are disconnected, and everything recorded is analysed and compared. You cannot continue recording in this session.',
   'live.events': 'Events',
   'live.noCurvesYet': 'Curves of the joints begin once the directions are set.',
   'live.noCurvesBefore': 'Curves of the joints begin after the calibration.',
@@ -122,9 +124,11 @@ export const session = {
   'live.noData': 'No data from the sensors',
   'live.silentHere': 'This page has waited for',
   'live.silentFor': 'Silent for',
-  'live.linkLostText': 'Check that the gateway is on and connected. This page continues automatically when data arrives.',
+  'live.linkLostText':
+    'Check that the gateway is on and connected. This page continues automatically when data arrives.',
   'live.notStored': 'Not being stored',
-  'live.notStoredText': 'What the sensors measure now is not being stored. The gateway keeps it and sends it again when storing works. If this lasts longer than a minute, stop the exercise and call whoever looks after this service.',
+  'live.notStoredText':
+    'What the sensors measure now is not being stored. The gateway keeps it and sends it again when storing works. If this lasts longer than a minute, stop the exercise and call whoever looks after this service.',
   'live.failed': 'This session failed',
   'live.toReplay': 'Replay and compare',
   'event.unnamed': 'Event',
@@ -182,7 +186,8 @@ export const session = {
   'camera.nearer': 'Nearer',
   'camera.further': 'Further away',
 
-  'player.otherVersion': 'This page speaks version {ours} of the live protocol, the service version {theirs}. Reload the page; if that does not help, the service needs a new browser client.',
+  'player.otherVersion':
+    'This page speaks version {ours} of the live protocol, the service version {theirs}. Reload the page; if that does not help, the service needs a new browser client.',
   'player.notUnderstood': 'The service sent something this page does not understand. Reload the page.',
 
   'replay.title': 'Replay',
@@ -219,12 +224,17 @@ export const session = {
   'repetition.leftOut': 'excluded',
   'repetition.table': 'By repetition',
   'repetition.mean': { one: '{count} repetition', other: 'Mean of {count}' },
-  'repetition.tableHelp': 'After ±: one standard deviation; of the estimate for a repetition, between repetitions for the mean.',
+  'repetition.tableHelp':
+    'After ±: one standard deviation; of the estimate for a repetition, between repetitions for the mean.',
 
   'compare.title': 'Comparison',
-  'compare.with': { one: '{count} repetition compared with “{name}”', other: '{count} repetitions compared with “{name}”' },
+  'compare.with': {
+    one: '{count} repetition compared with “{name}”',
+    other: '{count} repetitions compared with “{name}”',
+  },
   'compare.noTemplate': 'Nothing to compare with',
-  'compare.noTemplateText': 'There is no template for this exercise. Record one, and this session can be compared with it.',
+  'compare.noTemplateText':
+    'There is no template for this exercise. Record one, and this session can be compared with it.',
   'compare.notYet': 'This session has not been compared with a template yet.',
   'compare.now': 'Compare now',
   'compare.noRepetitions': 'No repetitions found',
@@ -248,7 +258,8 @@ export const session = {
   'group.smoothness': 'Smoothness',
   'group.path': 'Path of the hand',
   'group.compensation': 'Compensation',
-  'phase.summary': '{label} over the phases of the movement: the template runs from {low} to {high}; {count} repetitions drawn.',
+  'phase.summary':
+    '{label} over the phases of the movement: the template runs from {low} to {high}; {count} repetitions drawn.',
   'phase.summaryOutside': { one: '{count} repetition leaves the band.', other: '{count} repetitions leave the band.' },
   'phase.legendTemplate': 'Template and its band',
   'phase.legendPatient': 'Patient',
@@ -296,7 +307,8 @@ export const session = {
   'template.found': '{accepted} of {all} used',
   'template.droppedByYou': 'Excluded by you',
   'template.stepBand': '3. Set the tolerance',
-  'template.bandHelp': 'The grey band is what still counts as the same movement. Widen it where precision does not matter.',
+  'template.bandHelp':
+    'The grey band is what still counts as the same movement. Widen it where precision does not matter.',
   'template.bandWidth': 'Band width',
   'template.stepName': '4. Name and save',
   'template.newOrVersion': 'Save as',
@@ -318,7 +330,8 @@ export const session = {
   'template.versionOf': 'Version {number}, {date}',
   'template.made': 'Version {number} of {date}: {count} repetitions, {seconds} s each on average',
   'template.emptyClinicTitle': 'No template for the whole clinic yet',
-  'template.emptyClinicText': 'Templates that belong to one patient are found on the patient’s page, under what is prescribed.',
+  'template.emptyClinicText':
+    'Templates that belong to one patient are found on the patient’s page, under what is prescribed.',
   'template.emptyTitle': 'No template yet',
   'template.emptyText': 'Record the movement as it should be; sessions of this exercise are then compared with it.',
 
@@ -363,15 +376,18 @@ export const session = {
   'upload.hemisphere.north': 'North of the equator',
   'upload.hemisphere.south': 'South of the equator',
   'upload.hemisphere.unknown': 'Near the equator, or not known',
-  'upload.hemisphereHelp': 'The magnetic field points into the ground in the north and out of it in the south; this shows whether a sensor is upside down.',
+  'upload.hemisphereHelp':
+    'The magnetic field points into the ground in the north and out of it in the south; this shows whether a sensor is upside down.',
   'upload.accept': 'Analyse it as it is',
-  'upload.acceptHelp': 'Only if you know why the readings look implausible; the angles may be meaningless. Otherwise correct the settings above.',
+  'upload.acceptHelp':
+    'Only if you know why the readings look implausible; the angles may be meaningless. Otherwise correct the settings above.',
   'upload.again': 'Upload again',
   'upload.sending': 'Sending the file',
   'upload.send': 'Upload',
 
   'csv.title': 'Columns',
-  'csv.help': 'The file has {count} columns. Check the assignments guessed from their names and numbers. Nothing is uploaded yet.',
+  'csv.help':
+    'The file has {count} columns. Check the assignments guessed from their names and numbers. Nothing is uploaded yet.',
   'csv.skipped': 'The table begins in line {count}.',
   'csv.single': 'Worn nowhere ({sensor})',
   'csv.choosePlacement': 'Choose where it is worn',

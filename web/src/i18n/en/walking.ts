@@ -23,13 +23,15 @@ export const walking = {
   'walk.minute': 'Minute {number}',
   'walk.notTold': 'Limits of this measurement',
   'walk.none': 'No stride found',
-  'walk.noneText': 'No step was detected. Record again: stand still for three seconds, then walk at least four strides.',
+  'walk.noneText':
+    'No step was detected. Record again: stand still for three seconds, then walk at least four strides.',
   'walk.affected': 'affected side',
 
   'camera.feet': 'Feet',
 
   'map.title': 'Footprints',
-  'map.summary': 'Footprints seen from above: {left} of the left foot, {right} of the right, over {length} m. The walk goes to the right.',
+  'map.summary':
+    'Footprints seen from above: {left} of the left foot, {right} of the right, over {length} m. The walk goes to the right.',
   'map.mass': 'Centre of mass',
   'map.pressure': 'Centre of pressure',
   'map.support': 'Base of support',
@@ -44,7 +46,8 @@ export const walking = {
 
   'numbers.turning': 'Strides along turns',
   'numbers.title': 'Left and right compared',
-  'numbers.help': 'Steady strides: the mean of those that are straight and even, without the first, the last and turns. After ±: standard error of the mean. Counted: strides, left + right; for balance also steps, or seconds of standing.',
+  'numbers.help':
+    'Steady strides: the mean of those that are straight and even, without the first, the last and turns. After ±: standard error of the mean. Counted: strides, left + right; for balance also steps, or seconds of standing.',
   'numbers.measure': 'Measure',
   'numbers.left': 'Left',
   'numbers.right': 'Right',
@@ -96,7 +99,8 @@ export const walking = {
   'measure.clearance_asymmetry': 'Lift of the foot in swing',
 
   'cycle.title': 'Over the gait cycle',
-  'cycle.help': 'From one contact of the foot (0 %) to its next (100 %): mean line and one standard deviation as a band.',
+  'cycle.help':
+    'From one contact of the foot (0 %) to its next (100 %): mean line and one standard deviation as a band.',
   'cycle.few': 'Curves need at least three counted strides.',
   'cycle.left': 'Left',
   'cycle.right': 'Right',
@@ -147,7 +151,8 @@ export const walking = {
   'conditions.title': 'Compare conditions',
   'conditions.lead': 'For example eyes open and eyes closed, or before and after treatment.',
   'conditions.choose': 'Which walks',
-  'conditions.help': 'Assign each walk to condition A, condition B, or none. Equal numbers, at least two each, are compared as pairs in the order of time.',
+  'conditions.help':
+    'Assign each walk to condition A, condition B, or none. Equal numbers, at least two each, are compared as pairs in the order of time.',
   'conditions.nameA': 'Name of condition A',
   'conditions.nameB': 'Name of condition B',
   'conditions.defaultA': 'Eyes open',
@@ -159,9 +164,16 @@ export const walking = {
   'conditions.part.both': 'Both feet together',
   'conditions.part.asymmetry': 'Left compared with right, relative to their mean',
   'conditions.part.balance': 'Balance and forces',
-  'conditions.many': { one: '{count} comparison is made.', other: '{count} comparisons are made: without any true change, one in 20 appears clear by chance.' },
-  'conditions.pairs': { one: 'Repeated-measures model over {count} pair of walks.', other: 'Repeated-measures model over {count} pairs of walks.' },
-  'conditions.strides': 'Compared stride by stride (Welch). Two walks of each condition allow the stronger comparison in pairs.',
+  'conditions.many': {
+    one: '{count} comparison is made.',
+    other: '{count} comparisons are made: without any true change, one in 20 appears clear by chance.',
+  },
+  'conditions.pairs': {
+    one: 'Repeated-measures model over {count} pair of walks.',
+    other: 'Repeated-measures model over {count} pairs of walks.',
+  },
+  'conditions.strides':
+    'Compared stride by stride (Welch). Two walks of each condition allow the stronger comparison in pairs.',
   'conditions.need': 'Choose at least one walk for each condition.',
   'conditions.difference': 'Difference',
   'conditions.chance': 'Probability by chance',
@@ -202,7 +214,8 @@ export const walking = {
   'walkReport.value': 'This walk',
   'walkReport.none': 'no change',
   'walkReport.estimator': '{kind} with {title} (version {version}), walking pipeline version {pipeline}',
-  'walkReport.help': 'Steady strides: straight and even, without starts, stops and turns; the whole walk has them all. A change is called real when it is larger than the minimal detectable change (95 %) from the spread between the first three walks.',
+  'walkReport.help':
+    'Steady strides: straight and even, without starts, stops and turns; the whole walk has them all. A change is called real when it is larger than the minimal detectable change (95 %) from the spread between the first three walks.',
   'walkReport.doubts': 'Limits of this measurement',
   'walkReport.sensors': 'Sensors',
   'walkReport.apart': 'Feet at the start',
@@ -223,19 +236,25 @@ export const walking = {
   'walkReport.word.difference': 'Difference',
   'walkReport.word.difference.text': 'Left minus right, divided by their mean; 0 means symmetric.',
   'walkReport.word.cycle': 'Gait cycle',
-  'walkReport.word.cycle.text': 'From one contact of a foot with the ground to its next; the band is one standard deviation over the cycles.',
+  'walkReport.word.cycle.text':
+    'From one contact of a foot with the ground to its next; the band is one standard deviation over the cycles.',
   'walkReport.word.margin': 'Margin of stability',
-  'walkReport.word.margin.text': 'Distance from the extrapolated centre of mass to the edge of the support; in walking it is negative most of the time.',
+  'walkReport.word.margin.text':
+    'Distance from the extrapolated centre of mass to the edge of the support; in walking it is negative most of the time.',
   'live.walk': 'Feet',
-  'live.walkHelp': 'Feet are shown with a delay of about one second: a step is recognised only when the foot stands again.',
+  'live.walkHelp':
+    'Feet are shown with a delay of about one second: a step is recognised only when the foot stands again.',
   'guided.walk.first': 'Start the recording while both feet stand still, and stand still for three seconds.',
   'guided.walk.then': 'Walk to the end of the way at your own pace.',
   'guided.walk.last': 'Stand still again, then finish.',
-  'guided.timed_up_and_go.first': 'Put a mark on the floor 3 m in front of a chair. Sit down, back against the chair, both feet still on the floor.',
-  'guided.timed_up_and_go.then': 'Start, wait three seconds, then: stand up, walk to the mark at a safe pace, turn about, walk back.',
+  'guided.timed_up_and_go.first':
+    'Put a mark on the floor 3 m in front of a chair. Sit down, back against the chair, both feet still on the floor.',
+  'guided.timed_up_and_go.then':
+    'Start, wait three seconds, then: stand up, walk to the mark at a safe pace, turn about, walk back.',
   'guided.timed_up_and_go.last': 'Sit down again and hold the feet still, then finish.',
   'guided.six_minute_walk.first': 'Start the recording while both feet stand still; after three seconds begin to walk.',
-  'guided.six_minute_walk.then': 'Walk back and forth as far as you can, without running. Slow down or rest when needed: the clock continues.',
+  'guided.six_minute_walk.then':
+    'Walk back and forth as far as you can, without running. Slow down or rest when needed: the clock continues.',
   'guided.six_minute_walk.last': 'Say each minute aloud as it is shown. At 0:00 stop where you are, then finish.',
   'guided.before': 'Not started',
   'guided.time': 'Time since the start',
@@ -259,7 +278,8 @@ export const walking = {
   'newSession.feet': 'Walking',
   'newSession.feetText': 'A sensor on each foot; footprints and strides. No calibration needed.',
   'newSession.apart': 'Distance between the feet at the start (cm, optional)',
-  'newSession.apartHelp': 'Feet side by side: from the middle of one heel to the middle of the other. Step width needs this value.',
+  'newSession.apartHelp':
+    'Feet side by side: from the middle of one heel to the middle of the other. Step width needs this value.',
   'upload.format.pyshoe': 'Walk with one foot sensor (PyShoe, .mat)',
   'upload.format.pyshoe.text': 'One sensor on the right foot',
   'upload.format.gait_tracking': 'Walk with one foot sensor (x-io, CSV)',

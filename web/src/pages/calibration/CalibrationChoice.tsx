@@ -21,11 +21,24 @@ interface ChoiceProps {
   onClose?: () => void;
 }
 
-function Others({ guides, isBusy, onStart }: { guides: CalibrationGuide[]; isBusy: boolean; onStart: (kind: CalibrationKind) => void }) {
+function Others({
+  guides,
+  isBusy,
+  onStart,
+}: {
+  guides: CalibrationGuide[];
+  isBusy: boolean;
+  onStart: (kind: CalibrationKind) => void;
+}) {
   const [kind, setKind] = useState<CalibrationKind>(guides[0]?.kind ?? USUAL);
   return (
     <div className="stack">
-      <RadioCards legend={t('guide.others')} value={kind} onChange={setKind} options={guides.map((one) => ({ value: one.kind, title: one.title, text: one.summary }))} />
+      <RadioCards
+        legend={t('guide.others')}
+        value={kind}
+        onChange={setKind}
+        options={guides.map((one) => ({ value: one.kind, title: one.title, text: one.summary }))}
+      />
       <div>
         <Button loading={isBusy} onClick={() => onStart(kind)}>
           {t('guide.begin')}
@@ -35,16 +48,44 @@ function Others({ guides, isBusy, onStart }: { guides: CalibrationGuide[]; isBus
   );
 }
 
-function InTheHand({ guides, placements, isBusy, onStart }: { guides: CalibrationGuide[]; placements: readonly Placement[]; isBusy: boolean; onStart: (wanted: CalibrationIn) => void }) {
+function InTheHand({
+  guides,
+  placements,
+  isBusy,
+  onStart,
+}: {
+  guides: CalibrationGuide[];
+  placements: readonly Placement[];
+  isBusy: boolean;
+  onStart: (wanted: CalibrationIn) => void;
+}) {
   const [kind, setKind] = useState<CalibrationKind>(guides[0]?.kind ?? 'static_bias');
   const [place, setPlace] = useState<Placement | null>(placements[0] ?? null);
   const isOne = guides.find((one) => one.kind === kind)?.one_sensor ?? false;
   return (
     <div className="stack">
-      <RadioCards legend={t('guide.inHand')} help={t('guide.inHandHelp')} value={kind} onChange={setKind} options={guides.map((one) => ({ value: one.kind, title: one.title, text: one.summary }))} />
-      {isOne && <Select label={t('guide.whichSensor')} data={placements.map((one) => ({ value: one, label: placementLabel(one) }))} value={place} onChange={(value) => setPlace(value as Placement)} maw={320} />}
+      <RadioCards
+        legend={t('guide.inHand')}
+        help={t('guide.inHandHelp')}
+        value={kind}
+        onChange={setKind}
+        options={guides.map((one) => ({ value: one.kind, title: one.title, text: one.summary }))}
+      />
+      {isOne && (
+        <Select
+          label={t('guide.whichSensor')}
+          data={placements.map((one) => ({ value: one, label: placementLabel(one) }))}
+          value={place}
+          onChange={(value) => setPlace(value as Placement)}
+          maw={320}
+        />
+      )}
       <div>
-        <Button loading={isBusy} disabled={isOne && !place} onClick={() => onStart({ kind, placements: isOne && place ? [place] : [] })}>
+        <Button
+          loading={isBusy}
+          disabled={isOne && !place}
+          onClick={() => onStart({ kind, placements: isOne && place ? [place] : [] })}
+        >
           {t('guide.begin')}
         </Button>
       </div>
@@ -52,7 +93,15 @@ function InTheHand({ guides, placements, isBusy, onStart }: { guides: Calibratio
   );
 }
 
-export function CalibrationChoice({ placements, hint, mayAct, isBusy, isRemembered = false, onStart, onClose }: ChoiceProps) {
+export function CalibrationChoice({
+  placements,
+  hint,
+  mayAct,
+  isBusy,
+  isRemembered = false,
+  onStart,
+  onClose,
+}: ChoiceProps) {
   const guides = useCalibrations();
   return (
     <Answer of={guides} lines={5}>
@@ -80,7 +129,11 @@ export function CalibrationChoice({ placements, hint, mayAct, isBusy, isRemember
                 )}
                 {mayAct && (
                   <Group>
-                    <Button size="lg" loading={isBusy} onClick={() => onStart({ kind: isRemembered ? 'heading_reset' : USUAL })}>
+                    <Button
+                      size="lg"
+                      loading={isBusy}
+                      onClick={() => onStart({ kind: isRemembered ? 'heading_reset' : USUAL })}
+                    >
                       {t(isRemembered ? 'calibration.setDirections' : 'calibration.start')}
                     </Button>
                     {isRemembered && (

@@ -29,13 +29,25 @@ export interface CalibrationPanelProps {
 /** Begin, go on with and cancel a guided calibration of a session. */
 export function useCalibrating(sessionId: string) {
   const path = `/api/sessions/${sessionId}/calibration`;
-  const start = useMutation({ mutationFn: (wanted: CalibrationIn) => api.post<CalibrationMessage>(`${path}/start`, wanted) });
+  const start = useMutation({
+    mutationFn: (wanted: CalibrationIn) => api.post<CalibrationMessage>(`${path}/start`, wanted),
+  });
   const next = useMutation({ mutationFn: () => api.post<CalibrationMessage>(`${path}/next`) });
   const cancel = useMutation({ mutationFn: () => api.post<CalibrationMessage>(`${path}/cancel`) });
   return { start, next, cancel, error: start.error ?? next.error ?? cancel.error };
 }
 
-export function CalibrationPanel({ sessionId, placements, guide, hint, mayAct, isAsked, isNeeded, isRemembered, onClose }: CalibrationPanelProps) {
+export function CalibrationPanel({
+  sessionId,
+  placements,
+  guide,
+  hint,
+  mayAct,
+  isAsked,
+  isNeeded,
+  isRemembered,
+  onClose,
+}: CalibrationPanelProps) {
   const guides = useCalibrations(guide !== null);
   const { start, next, cancel, error } = useCalibrating(sessionId);
   const [last, setLast] = useState<CalibrationIn | null>(null);
@@ -55,7 +67,15 @@ export function CalibrationPanel({ sessionId, placements, guide, hint, mayAct, i
     <>
       {error && <Problem error={error} />}
       {guide && isRunning(guide) ? (
-        <RunningCalibration guide={guide} title={isFirstHeading ? t('calibration.setDirections') : title} instruction={isFirstHeading ? t('calibration.directionsPose') : undefined} mayAct={mayAct} isBusy={next.isPending} onNext={() => next.mutate()} onCancel={() => cancel.mutate()} />
+        <RunningCalibration
+          guide={guide}
+          title={isFirstHeading ? t('calibration.setDirections') : title}
+          instruction={isFirstHeading ? t('calibration.directionsPose') : undefined}
+          mayAct={mayAct}
+          isBusy={next.isPending}
+          onNext={() => next.mutate()}
+          onCancel={() => cancel.mutate()}
+        />
       ) : hasResult ? (
         <CalibrationResult
           guide={guide}
@@ -68,7 +88,17 @@ export function CalibrationPanel({ sessionId, placements, guide, hint, mayAct, i
           }}
         />
       ) : (
-        (isNeeded || isAsked) && <CalibrationChoice placements={placements} hint={hint} isRemembered={isRemembered} mayAct={mayAct} isBusy={start.isPending} onStart={begin} onClose={isNeeded ? undefined : onClose} />
+        (isNeeded || isAsked) && (
+          <CalibrationChoice
+            placements={placements}
+            hint={hint}
+            isRemembered={isRemembered}
+            mayAct={mayAct}
+            isBusy={start.isPending}
+            onStart={begin}
+            onClose={isNeeded ? undefined : onClose}
+          />
+        )
       )}
     </>
   );

@@ -37,7 +37,12 @@ function Fields({ fields }: { fields: NonNullable<CalibrationMessage['fields']> 
                   <IconAlertTriangle size={17} aria-hidden /> {t('field.odd')}
                 </span>
               )}
-              {typeof field.norm_before_ut === 'number' && <span className="muted small"> {t('field.before', { field: fieldText(field.norm_before_ut, field.dip_before_deg) })}</span>}
+              {typeof field.norm_before_ut === 'number' && (
+                <span className="muted small">
+                  {' '}
+                  {t('field.before', { field: fieldText(field.norm_before_ut, field.dip_before_deg) })}
+                </span>
+              )}
             </dd>
           </Fragment>
         ))}
@@ -47,7 +52,19 @@ function Fields({ fields }: { fields: NonNullable<CalibrationMessage['fields']> 
   );
 }
 
-export function CalibrationResult({ guide, mayAct, isBusy, onAgain, onClose }: { guide: CalibrationMessage; mayAct: boolean; isBusy: boolean; onAgain: () => void; onClose: () => void }) {
+export function CalibrationResult({
+  guide,
+  mayAct,
+  isBusy,
+  onAgain,
+  onClose,
+}: {
+  guide: CalibrationMessage;
+  mayAct: boolean;
+  isBusy: boolean;
+  onAgain: () => void;
+  onClose: () => void;
+}) {
   const isDone = guide.phase === 'done';
   const isHeading = guide.kind === 'heading_reset';
   const findings = guide.findings ?? [];
@@ -69,7 +86,9 @@ export function CalibrationResult({ guide, mayAct, isBusy, onAgain, onClose }: {
             {!isDone ? t('guide.redo') : isHeading ? t('calibration.directionsSet') : scoreText(guide.score ?? 0)}
           </h2>
         </div>
-        {isDone && (guide.kind === 'n_pose' || guide.kind === 't_pose') && <p className="muted small">{t('calibration.scoreMeans')}</p>}
+        {isDone && (guide.kind === 'n_pose' || guide.kind === 't_pose') && (
+          <p className="muted small">{t('calibration.scoreMeans')}</p>
+        )}
         {findings.map((finding) => (
           <p key={finding.text} className="alert-text">
             {finding.text}

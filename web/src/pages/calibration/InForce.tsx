@@ -7,7 +7,17 @@ import { wornLimbs } from '../../lib/calibration';
 import { scoreText } from '../session/Calibration';
 import { useCalibrating } from './CalibrationPanel';
 
-export function InForce({ sessionId, calibration, placements, onAgain }: { sessionId: string; calibration: Calibration; placements: readonly Placement[]; onAgain: () => void }) {
+export function InForce({
+  sessionId,
+  calibration,
+  placements,
+  onAgain,
+}: {
+  sessionId: string;
+  calibration: Calibration;
+  placements: readonly Placement[];
+  onAgain: () => void;
+}) {
   const { start, error } = useCalibrating(sessionId);
   return (
     <section className="card in-force" aria-labelledby="in-force">
@@ -20,7 +30,8 @@ export function InForce({ sessionId, calibration, placements, onAgain }: { sessi
         </div>
         <p>{scoreText(calibration.score)}</p>
         <p className="muted small">
-          {tOr(`calibration.method.${calibration.method}`, calibration.method.replaceAll('_', ' '))}. {t('calibration.inForce')}
+          {tOr(`calibration.method.${calibration.method}`, calibration.method.replaceAll('_', ' '))}.{' '}
+          {t('calibration.inForce')}
         </p>
       </div>
       <div>
@@ -28,7 +39,14 @@ export function InForce({ sessionId, calibration, placements, onAgain }: { sessi
         <p className="muted small">{t('heading.help')}</p>
         <Group gap="xs" mt={8}>
           {wornLimbs(placements).map((limb) => (
-            <Button key={limb} size="sm" variant="default" loading={start.isPending && start.variables.limbs?.[0] === limb} onClick={() => start.mutate({ kind: 'heading_reset', limbs: [limb] })} aria-label={t('heading.reset', { limb: t(`limb.${limb}`) })}>
+            <Button
+              key={limb}
+              size="sm"
+              variant="default"
+              loading={start.isPending && start.variables.limbs?.[0] === limb}
+              onClick={() => start.mutate({ kind: 'heading_reset', limbs: [limb] })}
+              aria-label={t('heading.reset', { limb: t(`limb.${limb}`) })}
+            >
               {t(`limb.${limb}`)}
             </Button>
           ))}

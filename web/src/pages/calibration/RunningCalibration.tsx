@@ -12,10 +12,18 @@ function Steps({ guide }: { guide: CalibrationMessage }) {
   return (
     <ol className="guide-steps">
       {guide.steps.map((step, index) => {
-        const isFound = guide.sensors?.length ? guide.sensors.every((sensor) => sensor.found?.includes(step.key)) : false;
+        const isFound = guide.sensors?.length
+          ? guide.sensors.every((sensor) => sensor.found?.includes(step.key))
+          : false;
         const isDone = index < guide.step || isFound;
         return (
-          <li key={step.key} className={isDone ? 'guide-step guide-step-done' : index === guide.step ? 'guide-step guide-step-now' : 'guide-step'} aria-current={index === guide.step ? 'step' : undefined}>
+          <li
+            key={step.key}
+            className={
+              isDone ? 'guide-step guide-step-done' : index === guide.step ? 'guide-step guide-step-now' : 'guide-step'
+            }
+            aria-current={index === guide.step ? 'step' : undefined}
+          >
             {isDone && <IconCheck size={17} stroke={2.6} aria-hidden />}
             {step.title}
             {isDone && <span className="visually-hidden"> ({t('steps.done')})</span>}
@@ -32,11 +40,19 @@ function Sensor({ sensor, isCompass }: { sensor: SensorProgress; isCompass: bool
       <div className="line-head">
         <span className="strong">{placementLabel(sensor.placement)}</span>
         <span className="muted number">
-          {isCompass && typeof sensor.coverage === 'number' ? t('compass.coverage', { percent: number(100 * sensor.coverage) }) : `${number(100 * sensor.progress)} %`}
-          {typeof sensor.residual_percent === 'number' && ` · ${t('compass.residual', { percent: number(sensor.residual_percent, 1) })}`}
+          {isCompass && typeof sensor.coverage === 'number'
+            ? t('compass.coverage', { percent: number(100 * sensor.coverage) })
+            : `${number(100 * sensor.progress)} %`}
+          {typeof sensor.residual_percent === 'number' &&
+            ` · ${t('compass.residual', { percent: number(sensor.residual_percent, 1) })}`}
         </span>
       </div>
-      <Progress value={100 * sensor.progress} transitionDuration={0} color={sensor.is_done ? 'accent' : undefined} aria-label={t('guide.sensorProgress', { place: placementLabel(sensor.placement) })} />
+      <Progress
+        value={100 * sensor.progress}
+        transitionDuration={0}
+        color={sensor.is_done ? 'accent' : undefined}
+        aria-label={t('guide.sensorProgress', { place: placementLabel(sensor.placement) })}
+      />
       {sensor.hint && <p className="small">{sensor.hint}</p>}
     </li>
   );
@@ -64,12 +80,31 @@ export function RunningCalibration({ guide, title, instruction, mayAct, isBusy, 
   const least = isCompass ? [...sensors].sort((a, b) => a.progress - b.progress)[0] : undefined;
   return (
     <section className="card guide" aria-labelledby="guide-step">
-      <div className="guide-picture">{isCompass && least?.visited?.length ? <CoverageSphere directions={guide.directions ?? []} visited={least.visited} coverage={least.coverage ?? null} /> : <StepPicture picture={step.picture} />}</div>
+      <div className="guide-picture">
+        {isCompass && least?.visited?.length ? (
+          <CoverageSphere
+            directions={guide.directions ?? []}
+            visited={least.visited}
+            coverage={least.coverage ?? null}
+          />
+        ) : (
+          <StepPicture picture={step.picture} />
+        )}
+      </div>
       <div className="guide-words">
-        <p className="muted">{guide.steps.length > 1 ? t('guide.stepOf', { title, step: Math.min(guide.step + 1, guide.steps.length), of: guide.steps.length }) : title}</p>
+        <p className="muted">
+          {guide.steps.length > 1
+            ? t('guide.stepOf', { title, step: Math.min(guide.step + 1, guide.steps.length), of: guide.steps.length })
+            : title}
+        </p>
         <h2 id="guide-step">{isEvaluating ? t('guide.evaluating') : step.title}</h2>
         {!isEvaluating && <p className="guide-instruction">{instruction ?? step.instruction}</p>}
-        <Progress value={100 * (isEvaluating ? 1 : guide.step_progress)} size="xl" transitionDuration={0} aria-label={t('guide.progress')} />
+        <Progress
+          value={100 * (isEvaluating ? 1 : guide.step_progress)}
+          size="xl"
+          transitionDuration={0}
+          aria-label={t('guide.progress')}
+        />
         <p className="strong" role="status">
           {!isEvaluating && guide.hint && guide.hint !== step.instruction ? guide.hint : ''}
         </p>
@@ -84,8 +119,17 @@ export function RunningCalibration({ guide, title, instruction, mayAct, isBusy, 
         {mayAct && !isEvaluating && (
           <Group>
             {isByPerson && (
-              <Button size="lg" onClick={onNext} loading={isBusy} disabled={step.ends === 'next' && guide.step_progress < 1}>
-                {isCompass ? t('guide.enough') : guide.step + 1 < guide.steps.length ? t('guide.next') : t('guide.finish')}
+              <Button
+                size="lg"
+                onClick={onNext}
+                loading={isBusy}
+                disabled={step.ends === 'next' && guide.step_progress < 1}
+              >
+                {isCompass
+                  ? t('guide.enough')
+                  : guide.step + 1 < guide.steps.length
+                    ? t('guide.next')
+                    : t('guide.finish')}
               </Button>
             )}
             <Button size="lg" variant="default" onClick={onCancel}>

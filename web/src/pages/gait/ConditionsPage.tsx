@@ -29,7 +29,13 @@ function Row({ change }: { change: MeasureChange }) {
       <td className="number">{measureText(change.b, change.unit)}</td>
       <td className="number strong">{measureText(change.difference, change.unit, change.sigma)}</td>
       <td className="number">{chance(change.p)}</td>
-      <td>{isClear ? <span className="tag tag-accent">{t('conditions.clear')}</span> : <span className="muted">{t('conditions.unclear')}</span>}</td>
+      <td>
+        {isClear ? (
+          <span className="tag tag-accent">{t('conditions.clear')}</span>
+        ) : (
+          <span className="muted">{t('conditions.unclear')}</span>
+        )}
+      </td>
     </tr>
   );
 }
@@ -68,7 +74,10 @@ function Result({ found, names }: { found: Conditions; names: readonly [string, 
           ))}
         </table>
       </div>
-      <p className="muted small">{found.method === 'pairs' ? t('conditions.pairs', { count }) : t('conditions.strides')} {t('conditions.many', { count: found.changes.length })}</p>
+      <p className="muted small">
+        {found.method === 'pairs' ? t('conditions.pairs', { count }) : t('conditions.strides')}{' '}
+        {t('conditions.many', { count: found.changes.length })}
+      </p>
     </>
   );
 }
@@ -77,7 +86,8 @@ function Choice({ patientId, walks }: { patientId: string; walks: readonly WalkR
   const [names, setNames] = useState<readonly [string, string]>([t('conditions.defaultA'), t('conditions.defaultB')]);
   const [chosen, setChosen] = useState<Record<string, Condition>>({});
   const inOrder = useMemo(() => [...walks].sort((one, two) => one.started_at.localeCompare(two.started_at)), [walks]);
-  const ids = (condition: Condition) => inOrder.filter((one) => chosen[one.session_id] === condition).map((one) => one.session_id);
+  const ids = (condition: Condition) =>
+    inOrder.filter((one) => chosen[one.session_id] === condition).map((one) => one.session_id);
   const [a, b] = [ids('a'), ids('b')];
   const found = useConditions(patientId, a, b);
   return (
@@ -86,8 +96,18 @@ function Choice({ patientId, walks }: { patientId: string; walks: readonly WalkR
         <h2 id="condition-choice">{t('conditions.choose')}</h2>
         <p className="muted">{t('conditions.help')}</p>
         <div className="condition-names">
-          <TextInput label={t('conditions.nameA')} value={names[0]} maxLength={40} onChange={(event) => setNames([event.currentTarget.value, names[1]])} />
-          <TextInput label={t('conditions.nameB')} value={names[1]} maxLength={40} onChange={(event) => setNames([names[0], event.currentTarget.value])} />
+          <TextInput
+            label={t('conditions.nameA')}
+            value={names[0]}
+            maxLength={40}
+            onChange={(event) => setNames([event.currentTarget.value, names[1]])}
+          />
+          <TextInput
+            label={t('conditions.nameB')}
+            value={names[1]}
+            maxLength={40}
+            onChange={(event) => setNames([names[0], event.currentTarget.value])}
+          />
         </div>
         <ul className="plain-list lines">
           {walks.map((walk) => (
@@ -136,7 +156,11 @@ export function ConditionsPage() {
   const walks = useWalks(patientId);
   const name = patient.data ? `${patient.data.given_name} ${patient.data.family_name}` : '';
   return (
-    <Page title={t('conditions.title')} lead={t('conditions.lead')} crumbs={[{ to: '/', text: t('nav.caseload') }, ...(name ? [{ to: `/patients/${patientId}`, text: name }] : [])]}>
+    <Page
+      title={t('conditions.title')}
+      lead={t('conditions.lead')}
+      crumbs={[{ to: '/', text: t('nav.caseload') }, ...(name ? [{ to: `/patients/${patientId}`, text: name }] : [])]}
+    >
       <Answer of={walks} lines={6}>
         {(list) =>
           list.length === 0 ? (

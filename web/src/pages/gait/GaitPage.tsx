@@ -18,7 +18,8 @@ import { WalkNumbers } from './WalkNumbers';
 
 function Curves({ gait, before }: { gait: Gait; before: Gait | null }) {
   const names = [...new Set(gait.feet.flatMap((foot) => foot.curves.map((curve) => curve.name)))];
-  const of = (walk: Gait | null, side: 'left' | 'right', name: CycleCurve['name']) => (walk ? footOf(walk, side)?.curves.find((one) => one.name === name) : undefined);
+  const of = (walk: Gait | null, side: 'left' | 'right', name: CycleCurve['name']) =>
+    walk ? footOf(walk, side)?.curves.find((one) => one.name === name) : undefined;
   return (
     <section className="card" aria-labelledby="curves">
       <div className="card-head">
@@ -30,7 +31,14 @@ function Curves({ gait, before }: { gait: Gait; before: Gait | null }) {
         <>
           <div className="cycle-grid">
             {names.map((name) => (
-              <CycleChart key={name} name={t(`cycle.${name}`)} left={of(gait, 'left', name)} right={of(gait, 'right', name)} beforeLeft={of(before, 'left', name)} beforeRight={of(before, 'right', name)} />
+              <CycleChart
+                key={name}
+                name={t(`cycle.${name}`)}
+                left={of(gait, 'left', name)}
+                right={of(gait, 'right', name)}
+                beforeLeft={of(before, 'left', name)}
+                beforeRight={of(before, 'right', name)}
+              />
             ))}
           </div>
           <CycleLegend hasBefore={before !== null} />
@@ -75,12 +83,22 @@ function Loaded({ gait, patient }: { gait: Gait; patient: Patient | undefined })
             clearable
             placeholder={t('before.none')}
             value={wanted}
-            onChange={(value) => setSearch((now) => (value ? now.set('before', value) : now.delete('before'), now), { replace: true })}
-            data={others.map((one) => ({ value: one.session_id, label: `${dateTime(one.started_at)} · ${one.exercise_name ?? t(`walk.kind.${one.kind}`)}${one.speed_mps === null ? '' : ` · ${number(one.speed_mps, 2)} m/s`}` }))}
+            onChange={(value) =>
+              setSearch((now) => (value ? now.set('before', value) : now.delete('before'), now), { replace: true })
+            }
+            data={others.map((one) => ({
+              value: one.session_id,
+              label: `${dateTime(one.started_at)} · ${one.exercise_name ?? t(`walk.kind.${one.kind}`)}${one.speed_mps === null ? '' : ` · ${number(one.speed_mps, 2)} m/s`}`,
+            }))}
             w={460}
             maw="100%"
           />
-          <Button component={Link} variant="default" to={`/patients/${patient.id}/walks`} leftSection={<IconArrowsDiff size={18} aria-hidden />}>
+          <Button
+            component={Link}
+            variant="default"
+            to={`/patients/${patient.id}/walks`}
+            leftSection={<IconArrowsDiff size={18} aria-hidden />}
+          >
             {t('before.conditions')}
           </Button>
         </div>
@@ -113,10 +131,20 @@ export function GaitPage() {
       ]}
       actions={
         <>
-          <Button component={Link} variant="default" to={`/sessions/${sessionId}`} leftSection={<IconCube size={18} aria-hidden />}>
+          <Button
+            component={Link}
+            variant="default"
+            to={`/sessions/${sessionId}`}
+            leftSection={<IconCube size={18} aria-hidden />}
+          >
             {t('walk.replay')}
           </Button>
-          <Button component={Link} variant="default" to={`/sessions/${sessionId}/report`} leftSection={<IconFileText size={18} aria-hidden />}>
+          <Button
+            component={Link}
+            variant="default"
+            to={`/sessions/${sessionId}/report`}
+            leftSection={<IconFileText size={18} aria-hidden />}
+          >
             {t('report.open')}
           </Button>
         </>

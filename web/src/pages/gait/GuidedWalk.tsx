@@ -9,7 +9,15 @@ import type { SessionDetail, SessionState, StateMessage } from '../../api/types'
 import { Problem } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { number, position } from '../../lib/format';
-import { countdown, minutePrompt, SessionClock, SIX_MINUTES_S, WalkTally, type WalkKind, type WalkSoFar } from '../../lib/guidedWalk';
+import {
+  countdown,
+  minutePrompt,
+  SessionClock,
+  SIX_MINUTES_S,
+  WalkTally,
+  type WalkKind,
+  type WalkSoFar,
+} from '../../lib/guidedWalk';
 import type { Player } from '../../player/types';
 
 const REFRESH_MS = 100;
@@ -101,15 +109,30 @@ export function GuidedWalk(props: GuidedWalkProps) {
     mutationFn: (what: 'record' | 'stop') => api.post<unknown>(`/api/sessions/${session.id}/${what}`),
     onSuccess: () => client.invalidateQueries({ queryKey: keys.session(session.id) }),
   });
-  const stored = session.recording_start_s !== null && session.recording_end_s !== null ? session.recording_end_s - session.recording_start_s : null;
+  const stored =
+    session.recording_start_s !== null && session.recording_end_s !== null
+      ? session.recording_end_s - session.recording_start_s
+      : null;
   const elapsedS = isRecording ? (now?.elapsedS ?? null) : (stored ?? now?.elapsedS ?? null);
   const isTest = kind !== null && kind !== 'walk';
   const isSix = kind === 'six_minute_walk';
   const isOver = isSix && isRecording && elapsedS !== null && elapsedS >= SIX_MINUTES_S;
   // A countdown stands at six minutes before; what was recorded counts up.
-  const face = isSix && (isRecording || elapsedS === null) ? countdown(elapsedS ?? 0) : position(elapsedS ?? 0, isSix ? 0 : 1);
-  const label = isRecording ? t(isSix ? 'guided.left' : 'guided.time') : elapsedS === null ? t('guided.before') : t('guided.recorded');
-  const prompt = !isRecording || elapsedS === null ? '' : isSix ? minutePrompt(elapsedS) : kind === 'timed_up_and_go' && now?.walked ? t(`guided.leg.${now.walked.leg}`) : '';
+  const face =
+    isSix && (isRecording || elapsedS === null) ? countdown(elapsedS ?? 0) : position(elapsedS ?? 0, isSix ? 0 : 1);
+  const label = isRecording
+    ? t(isSix ? 'guided.left' : 'guided.time')
+    : elapsedS === null
+      ? t('guided.before')
+      : t('guided.recorded');
+  const prompt =
+    !isRecording || elapsedS === null
+      ? ''
+      : isSix
+        ? minutePrompt(elapsedS)
+        : kind === 'timed_up_and_go' && now?.walked
+          ? t(`guided.leg.${now.walked.leg}`)
+          : '';
   return (
     <section className="card guided-walk" aria-labelledby="guided-walk" data-over={isOver || undefined}>
       <div>
@@ -133,11 +156,23 @@ export function GuidedWalk(props: GuidedWalkProps) {
         {now?.walked && <Walked kind={kind} walked={now.walked} lateS={now.lateS} />}
         {mayRecord &&
           (isRecording ? (
-            <Button size="lg" className={isOver ? undefined : 'stop-button'} leftSection={<IconPlayerStopFilled size={20} aria-hidden />} loading={deed.isPending} onClick={() => deed.mutate('stop')}>
+            <Button
+              size="lg"
+              className={isOver ? undefined : 'stop-button'}
+              leftSection={<IconPlayerStopFilled size={20} aria-hidden />}
+              loading={deed.isPending}
+              onClick={() => deed.mutate('stop')}
+            >
               {t(isTest ? 'guided.finish' : 'live.stop')}
             </Button>
           ) : (
-            <Button size="lg" leftSection={<IconPlayerRecordFilled size={20} aria-hidden />} disabled={state !== 'ready'} loading={deed.isPending} onClick={() => deed.mutate('record')}>
+            <Button
+              size="lg"
+              leftSection={<IconPlayerRecordFilled size={20} aria-hidden />}
+              disabled={state !== 'ready'}
+              loading={deed.isPending}
+              onClick={() => deed.mutate('record')}
+            >
               {t(!isTest ? 'live.record' : elapsedS === null ? 'guided.begin' : 'guided.again')}
             </Button>
           ))}

@@ -21,7 +21,11 @@ function State({ foot }: { foot: FootReading }) {
 /** What a foot carries, as a part of the body's weight; in newtons until that is known. */
 function Load({ foot, massKg }: { foot: FootReading; massKg: number }) {
   const share = foot.loadN / (massKg * GRAVITY);
-  const text = Number.isFinite(share) ? `${number(100 * Math.max(share, 0))} %` : Number.isFinite(foot.loadN) ? `${number(Math.max(foot.loadN, 0))} N` : '–';
+  const text = Number.isFinite(share)
+    ? `${number(100 * Math.max(share, 0))} %`
+    : Number.isFinite(foot.loadN)
+      ? `${number(Math.max(foot.loadN, 0))} N`
+      : '–';
   const full = Number.isFinite(share) ? Math.min(Math.max(share / 1.3, 0), 1) : 0;
   return (
     <>
@@ -56,7 +60,8 @@ export function LiveWalk({ player, scalars, delayS }: { player: Player; scalars:
       <ul className="plain-list lines">
         {worn.map((foot) => (
           <li key={foot.side}>
-            <span className="strong">{t(`forces.${foot.side}`)}</span> {withForces && <Load foot={foot} massKg={reading.massKg} />}
+            <span className="strong">{t(`forces.${foot.side}`)}</span>{' '}
+            {withForces && <Load foot={foot} massKg={reading.massKg} />}
             <span className="small" style={{ display: 'block' }}>
               {t('forces.step', { stride: quantity(foot.strideM, 'm'), angle: quantity(foot.toeOutRad, 'rad') })}
             </span>
@@ -76,7 +81,9 @@ export function LiveWalk({ player, scalars, delayS }: { player: Player; scalars:
           <dd className="number">{quantity(reading.marginM, 'm')}</dd>
         </dl>
       )}
-      {withForces && !isBalanced && <p className="muted small">{t(worn.every((foot) => isUsable(foot.state)) ? 'forces.soon' : 'forces.notNow')}</p>}
+      {withForces && !isBalanced && (
+        <p className="muted small">{t(worn.every((foot) => isUsable(foot.state)) ? 'forces.soon' : 'forces.notNow')}</p>
+      )}
     </section>
   );
 }

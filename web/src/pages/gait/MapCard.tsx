@@ -25,7 +25,12 @@ export function MapCard({ gait, selected }: { gait: Gait; selected: ChosenStride
         {balance && (
           <Group className="end" gap="md" role="group" aria-label={t('map.show')}>
             {PARTS.map((part) => (
-              <Checkbox key={part} label={t(`map.${part}`)} checked={parts[part]} onChange={(event) => setParts({ ...parts, [part]: event.currentTarget.checked })} />
+              <Checkbox
+                key={part}
+                label={t(`map.${part}`)}
+                checked={parts[part]}
+                onChange={(event) => setParts({ ...parts, [part]: event.currentTarget.checked })}
+              />
             ))}
           </Group>
         )}
@@ -36,12 +41,27 @@ export function MapCard({ gait, selected }: { gait: Gait; selected: ChosenStride
         <>
           <p className="strong">{t('balance.where')}</p>
           <ul>
-            {leans.map(({ when, lean }) => lean && <li key={when}>{lean.side === 'middle' ? t(`balance.${when}.middle`) : t(`balance.${when}.${lean.side}`, { distance: lean.distance })}</li>)}
+            {leans.map(
+              ({ when, lean }) =>
+                lean && (
+                  <li key={when}>
+                    {lean.side === 'middle'
+                      ? t(`balance.${when}.middle`)
+                      : t(`balance.${when}.${lean.side}`, { distance: lean.distance })}
+                  </li>
+                ),
+            )}
           </ul>
           <p className="muted small">{t('balance.mass', { mass: number(balance.mass_kg, 1) })}</p>
         </>
       )}
-      {balance ? <p className="muted small">{t(`map.apart.${balance.apart_source}`, { width: quantity(balance.apart_m, 'm') })}</p> : !gait.has_step_width && gait.feet.length > 1 && <p className="muted small">{t('map.drawnApart')}</p>}
+      {balance ? (
+        <p className="muted small">
+          {t(`map.apart.${balance.apart_source}`, { width: quantity(balance.apart_m, 'm') })}
+        </p>
+      ) : (
+        !gait.has_step_width && gait.feet.length > 1 && <p className="muted small">{t('map.drawnApart')}</p>
+      )}
     </section>
   );
 }

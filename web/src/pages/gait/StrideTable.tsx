@@ -19,9 +19,20 @@ function counts(stride: Stride): string {
   return Math.abs(stride.turn_rad ?? 0) > TURNING_RAD ? t('strides.turning') : '–';
 }
 
-export function StrideTable({ gait, selected, onSelect }: { gait: Gait; selected: ChosenStride | null; onSelect: (stride: ChosenStride | null) => void }) {
+export function StrideTable({
+  gait,
+  selected,
+  onSelect,
+}: {
+  gait: Gait;
+  selected: ChosenStride | null;
+  onSelect: (stride: ChosenStride | null) => void;
+}) {
   const rows = useMemo(
-    () => gait.feet.flatMap((foot) => foot.strides.map((stride) => ({ side: foot.side, stride }))).sort((a, b) => (a.stride.contact_s ?? 0) - (b.stride.contact_s ?? 0)),
+    () =>
+      gait.feet
+        .flatMap((foot) => foot.strides.map((stride) => ({ side: foot.side, stride })))
+        .sort((a, b) => (a.stride.contact_s ?? 0) - (b.stride.contact_s ?? 0)),
     [gait],
   );
   return (
@@ -51,7 +62,10 @@ export function StrideTable({ gait, selected, onSelect }: { gait: Gait; selected
             {rows.map(({ side, stride }) => {
               const isSelected = selected?.side === side && selected.number === stride.number;
               return (
-                <tr key={`${side}${stride.number}`} className={isSelected ? 'row-selected' : stride.is_counted ? '' : 'row-left-out'}>
+                <tr
+                  key={`${side}${stride.number}`}
+                  className={isSelected ? 'row-selected' : stride.is_counted ? '' : 'row-left-out'}
+                >
                   <td>{t(`numbers.${side}`)}</td>
                   <th scope="row">
                     <Button

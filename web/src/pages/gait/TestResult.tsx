@@ -26,7 +26,11 @@ export function TestResult({ gait }: { gait: Gait }) {
       {test && (
         <dl className="figures-large">
           <Figure name={t('walk.time')} value={`${number(test.time_s, 1)} s`} />
-          <Figure name={t('walk.distance')} value={`${number(test.distance_m, test.distance_m < 100 ? 2 : 0)} m`} more={`± ${number(test.distance_sigma_m, 2)}`} />
+          <Figure
+            name={t('walk.distance')}
+            value={`${number(test.distance_m, test.distance_m < 100 ? 2 : 0)} m`}
+            more={`± ${number(test.distance_sigma_m, 2)}`}
+          />
           <Figure name={t('walk.speed')} value={`${number(test.speed_mps, 2)} m/s`} />
           <Figure name={t('walk.steps')} value={number(test.step_count)} />
           <Figure name={t('walk.turns')} value={number(test.turn_count)} />
@@ -41,7 +45,11 @@ export function TestResult({ gait }: { gait: Gait }) {
             {test.minutes_m.map((metres, index) => (
               <li key={index}>
                 <span className="small">{t('walk.minute', { number: index + 1 })}</span>
-                <span className="minute-bar" style={{ width: `${(100 * metres) / Math.max(1, ...test.minutes_m)}%` }} aria-hidden />
+                <span
+                  className="minute-bar"
+                  style={{ width: `${(100 * metres) / Math.max(1, ...test.minutes_m)}%` }}
+                  aria-hidden
+                />
                 <span className="number">{number(metres)} m</span>
               </li>
             ))}

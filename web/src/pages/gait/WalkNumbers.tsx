@@ -13,7 +13,8 @@ export function WalkNumbers({ gait, before, affected }: { gait: Gait; before: Ga
   const [all, setAll] = useState(false);
   const both = [...gait.both, ...(gait.balance?.measures ?? [])];
   const turning = [...new Set(gait.feet.flatMap((foot) => (foot.turning ?? []).map((one) => one.measure)))];
-  const sideName = (side: (typeof SIDES)[number]) => t(`numbers.${side}`) + (affected === side || affected === 'both' ? ` (${t('walk.affected')})` : '');
+  const sideName = (side: (typeof SIDES)[number]) =>
+    t(`numbers.${side}`) + (affected === side || affected === 'both' ? ` (${t('walk.affected')})` : '');
   const counted = gait.feet.reduce((sum, foot) => sum + (findMeasure(foot.measures, 'stride_length')?.count ?? 0), 0);
   return (
     <section className="card" aria-labelledby="numbers">
@@ -61,7 +62,9 @@ export function WalkNumbers({ gait, before, affected }: { gait: Gait; before: Ga
                   </td>,
                 ])}
                 <td className="number">{shown(findMeasure(gait.asymmetry, name))}</td>
-                <td className="number muted">{SIDES.map((side) => findMeasure(footOf(gait, side)?.measures, name)?.count ?? 0).join(' + ')}</td>
+                <td className="number muted">
+                  {SIDES.map((side) => findMeasure(footOf(gait, side)?.measures, name)?.count ?? 0).join(' + ')}
+                </td>
               </tr>
             ))}
           </tbody>
@@ -89,7 +92,9 @@ export function WalkNumbers({ gait, before, affected }: { gait: Gait; before: Ga
                       {shown(findMeasure(footOf(gait, side)?.turning, name))}
                     </td>
                   ))}
-                  <td className="number muted">{SIDES.map((side) => findMeasure(footOf(gait, side)?.turning, name)?.count ?? 0).join(' + ')}</td>
+                  <td className="number muted">
+                    {SIDES.map((side) => findMeasure(footOf(gait, side)?.turning, name)?.count ?? 0).join(' + ')}
+                  </td>
                 </tr>
               ))}
             </tbody>
@@ -109,7 +114,11 @@ export function WalkNumbers({ gait, before, affected }: { gait: Gait; before: Ga
               {both.map((one) => (
                 <tr key={one.measure}>
                   <th scope="row">{measureLabel(one.measure)}</th>
-                  {before && <td className="number muted">{shown(findMeasure([...before.both, ...(before.balance?.measures ?? [])], one.measure))}</td>}
+                  {before && (
+                    <td className="number muted">
+                      {shown(findMeasure([...before.both, ...(before.balance?.measures ?? [])], one.measure))}
+                    </td>
+                  )}
                   <td className="number strong">{shown(one)}</td>
                   <td className="number muted">{one.count}</td>
                 </tr>

@@ -19,7 +19,8 @@ function Form({ sessionId, found }: { sessionId: string; found: SourceStops }) {
   const typed = placesOf(places);
   const submit = (event: FormEvent) => {
     event.preventDefault();
-    if (typed) calibrate.mutate({ name: name.trim(), serial: serial.trim(), positions_m: typed, place_sigma_m: rulerMm / 1000 });
+    if (typed)
+      calibrate.mutate({ name: name.trim(), serial: serial.trim(), positions_m: typed, place_sigma_m: rulerMm / 1000 });
   };
   if (found.stops.length === 0) return <p>{t('sources.noStops')}</p>;
   return (
@@ -27,8 +28,13 @@ function Form({ sessionId, found }: { sessionId: string; found: SourceStops }) {
       <ol className="plain-list lines">
         {found.stops.map((stop, row) => (
           <li key={stop.start_s}>
-            <span className="strong">{t('sources.stop', { number: row + 1, from: number(stop.start_s, 0), to: number(stop.end_s, 0) })}</span>{' '}
-            <span className="muted small">{stop.position_m && t('sources.about', { place: stop.position_m.map((value) => number(100 * value, 0)).join(' / ') })}</span>
+            <span className="strong">
+              {t('sources.stop', { number: row + 1, from: number(stop.start_s, 0), to: number(stop.end_s, 0) })}
+            </span>{' '}
+            <span className="muted small">
+              {stop.position_m &&
+                t('sources.about', { place: stop.position_m.map((value) => number(100 * value, 0)).join(' / ') })}
+            </span>
             <div className="parameter-grid">
               {AXES.map((axis, column) => (
                 <NumberInput
@@ -37,7 +43,15 @@ function Form({ sessionId, found }: { sessionId: string; found: SourceStops }) {
                   placeholder={axis}
                   value={places[row]?.[column] ?? ''}
                   onChange={(value) =>
-                    setPlaces((all) => all.map((one, index) => (index === row ? (one.map((old, at) => (at === column ? (typeof value === 'number' ? value : null) : old)) as Place) : one)))
+                    setPlaces((all) =>
+                      all.map((one, index) =>
+                        index === row
+                          ? (one.map((old, at) =>
+                              at === column ? (typeof value === 'number' ? value : null) : old,
+                            ) as Place)
+                          : one,
+                      ),
+                    )
                   }
                   decimalScale={2}
                   hideControls
@@ -48,9 +62,31 @@ function Form({ sessionId, found }: { sessionId: string; found: SourceStops }) {
         ))}
       </ol>
       <div className="parameter-grid">
-        <TextInput label={t('sources.name')} required withAsterisk={false} maxLength={100} value={name} onChange={(event) => setName(event.currentTarget.value)} />
-        <TextInput label={t('sources.serial')} required withAsterisk={false} maxLength={100} value={serial} onChange={(event) => setSerial(event.currentTarget.value)} />
-        <NumberInput label={t('sources.ruler')} value={rulerMm} onChange={(value) => setRuler(typeof value === 'number' && value > 0 ? value : 1)} min={0.1} max={20} decimalScale={1} hideControls />
+        <TextInput
+          label={t('sources.name')}
+          required
+          withAsterisk={false}
+          maxLength={100}
+          value={name}
+          onChange={(event) => setName(event.currentTarget.value)}
+        />
+        <TextInput
+          label={t('sources.serial')}
+          required
+          withAsterisk={false}
+          maxLength={100}
+          value={serial}
+          onChange={(event) => setSerial(event.currentTarget.value)}
+        />
+        <NumberInput
+          label={t('sources.ruler')}
+          value={rulerMm}
+          onChange={(value) => setRuler(typeof value === 'number' && value > 0 ? value : 1)}
+          min={0.1}
+          max={20}
+          decimalScale={1}
+          hideControls
+        />
       </div>
       {calibrate.error && <Problem error={calibrate.error} />}
       {calibrate.data && (

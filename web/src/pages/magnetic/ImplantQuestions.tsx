@@ -25,11 +25,25 @@ export function ImplantQuestions({ value, onChange, keepAwayM, limitT }: Props) 
         <div>
           <p className="strong">{t('magnetic.warning')}</p>
           <p>{t('magnetic.which')}</p>
-          {typeof keepAwayM === 'number' && limitT !== undefined && <p>{t('magnetic.keepAway', { distance: bodyLength(keepAwayM), limit: number(1000 * limitT, 1) })}</p>}
+          {typeof keepAwayM === 'number' && limitT !== undefined && (
+            <p>{t('magnetic.keepAway', { distance: bodyLength(keepAwayM), limit: number(1000 * limitT, 1) })}</p>
+          )}
         </div>
       </div>
-      <RadioCards<Word> legend={t('magnetic.patient')} options={options} value={value.patient} onChange={(patient) => onChange({ ...value, patient })} columns={2} />
-      <RadioCards<Word> legend={t('magnetic.nearby')} options={options} value={value.nearby} onChange={(nearby) => onChange({ ...value, nearby })} columns={2} />
+      <RadioCards<Word>
+        legend={t('magnetic.patient')}
+        options={options}
+        value={value.patient}
+        onChange={(patient) => onChange({ ...value, patient })}
+        columns={2}
+      />
+      <RadioCards<Word>
+        legend={t('magnetic.nearby')}
+        options={options}
+        value={value.nearby}
+        onChange={(nearby) => onChange({ ...value, nearby })}
+        columns={2}
+      />
       {isForbidden(value) && (
         <p className="alert-text" role="alert">
           {t('magnetic.forbidden')}

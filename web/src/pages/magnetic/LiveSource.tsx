@@ -26,7 +26,12 @@ interface Reading {
 export function readSource(player: Player, sensors: readonly string[]): Reading | null {
   const { timeS } = player.clock();
   const own = sensors.flatMap((name) => [`${name}_distance_m`, `${name}_distance_sigma_m`, `${name}_state`]);
-  const read = player.read(timeS - WINDOW_S, timeS + 1e-6, ['source_coil', 'source_current_a', 'source_on_time_s', 'source_charge_as', ...own], 8000);
+  const read = player.read(
+    timeS - WINDOW_S,
+    timeS + 1e-6,
+    ['source_coil', 'source_current_a', 'source_on_time_s', 'source_charge_as', ...own],
+    8000,
+  );
   const last = read.timeS.length - 1;
   // In silence the clock goes on: what came a while ago is not of now.
   if (timeS - (read.timeS[last] ?? -Infinity) > OF_NOW_S) return null;
@@ -37,7 +42,12 @@ export function readSource(player: Player, sensors: readonly string[]): Reading 
     untilS: timeS,
     onTimeS: at(2),
     chargeAs: at(3),
-    sensors: sensors.map((name, index) => ({ name, distanceM: at(4 + 3 * index), sigmaM: at(5 + 3 * index), bits: at(6 + 3 * index) || 0 })),
+    sensors: sensors.map((name, index) => ({
+      name,
+      distanceM: at(4 + 3 * index),
+      sigmaM: at(5 + 3 * index),
+      bits: at(6 + 3 * index) || 0,
+    })),
   };
 }
 
@@ -59,7 +69,15 @@ export function SourceStart({ player, sensors }: { player: Player; sensors: read
   return <Notice>{t('magnetic.help')}</Notice>;
 }
 
-export function LiveSource({ player, sensors, source }: { player: Player; sensors: readonly string[]; source: string }) {
+export function LiveSource({
+  player,
+  sensors,
+  source,
+}: {
+  player: Player;
+  sensors: readonly string[];
+  source: string;
+}) {
   const reading = useReading(player, sensors);
   if (!reading) return null;
   const timeS = Math.max(reading.untilS, 1e-6);
@@ -74,15 +92,22 @@ export function LiveSource({ player, sensors, source }: { player: Player; sensor
           const Icon = isBad ? IconAlertTriangle : IconCheck;
           return (
             <li key={one.name}>
-              <span className="strong">{t('magnetic.fromTo', { source: placementLabel(source), sensor: placementLabel(one.name) })}</span>
+              <span className="strong">
+                {t('magnetic.fromTo', { source: placementLabel(source), sensor: placementLabel(one.name) })}
+              </span>
               <p className="distance-now">
                 <span className="number strong value" data-testid={`distance-${one.name}`}>
                   {quantity(one.distanceM, 'm')}
                 </span>
-                <span className="number muted">{t('magnetic.spread', { value: quantity(SIGMAS * one.sigmaM, 'm') })}</span>
+                <span className="number muted">
+                  {t('magnetic.spread', { value: quantity(SIGMAS * one.sigmaM, 'm') })}
+                </span>
               </p>
               <span className={isBad ? 'alert-text small' : 'muted small'} style={{ display: 'block' }}>
-                <Icon size={16} aria-hidden /> {stateKeys(one.bits).map((key) => t(key as 'magnetic.sound')).join('. ')}
+                <Icon size={16} aria-hidden />{' '}
+                {stateKeys(one.bits)
+                  .map((key) => t(key as 'magnetic.sound'))
+                  .join('. ')}
               </span>
             </li>
           );
@@ -94,7 +119,8 @@ export function LiveSource({ player, sensors, source }: { player: Player; sensor
       <dl className="facts">
         <dt>{t('magnetic.onTime')}</dt>
         <dd className="number">
-          {quantity(reading.onTimeS, 's')} · {t('magnetic.share', { percent: number((100 * reading.onTimeS) / timeS, 1) })}
+          {quantity(reading.onTimeS, 's')} ·{' '}
+          {t('magnetic.share', { percent: number((100 * reading.onTimeS) / timeS, 1) })}
         </dd>
         <dt>{t('magnetic.charge')}</dt>
         <dd className="number" data-testid="charge">{`${number(milliampereHours(reading.chargeAs), 2)} mAh`}</dd>

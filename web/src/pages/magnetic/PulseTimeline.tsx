@@ -26,7 +26,11 @@ export function PulseTimeline({ pulses, fromS, untilS, nowS, isLive = false }: P
   const isInside = nowS !== undefined && nowS >= fromS && nowS <= untilS;
   return (
     <div data-testid="pulses">
-      <div className="pulses" role="img" aria-label={t('magnetic.timeline', { seconds: number(spanS, 0), count: shown.length })}>
+      <div
+        className="pulses"
+        role="img"
+        aria-label={t('magnetic.timeline', { seconds: number(spanS, 0), count: shown.length })}
+      >
         {LANES.map((coil) => (
           <div className="pulse-lane" key={coil}>
             <span className="muted small">{t('magnetic.coil', { number: coil })}</span>
@@ -44,11 +48,27 @@ export function PulseTimeline({ pulses, fromS, untilS, nowS, isLive = false }: P
                       height={10}
                       fill={`var(${COIL_COLOURS[one.coil - 1] ?? '--tm-alert'})`}
                     >
-                      <title>{t('magnetic.pulse', { number: one.coil, current: number(one.currentA, 2), at: number(one.startS, 2) })}</title>
+                      <title>
+                        {t('magnetic.pulse', {
+                          number: one.coil,
+                          current: number(one.currentA, 2),
+                          at: number(one.startS, 2),
+                        })}
+                      </title>
                     </rect>
                   );
                 })}
-              {isInside && <line x1={x(nowS)} x2={x(nowS)} y1={0} y2={10} stroke="var(--tm-ink)" strokeWidth="2" vectorEffect="non-scaling-stroke" />}
+              {isInside && (
+                <line
+                  x1={x(nowS)}
+                  x2={x(nowS)}
+                  y1={0}
+                  y2={10}
+                  stroke="var(--tm-ink)"
+                  strokeWidth="2"
+                  vectorEffect="non-scaling-stroke"
+                />
+              )}
             </svg>
           </div>
         ))}

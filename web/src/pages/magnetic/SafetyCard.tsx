@@ -17,7 +17,9 @@ const ENDED: readonly string[] = ['closing', 'analysed', 'failed'];
 function whyAgain(safety: MagneticSafety): string | null {
   if (safety.withdrawn_at) {
     const at = dateTime(safety.withdrawn_at);
-    return safety.withdrawn_by ? t('safety.withdrawn', { name: safety.withdrawn_by, at }) : t('safety.withdrawnNoName', { at });
+    return safety.withdrawn_by
+      ? t('safety.withdrawn', { name: safety.withdrawn_by, at })
+      : t('safety.withdrawnNoName', { at });
   }
   return safety.confirmed_at ? t('safety.expired', { at: dateTime(safety.confirmed_at) }) : null;
 }
@@ -25,7 +27,9 @@ function whyAgain(safety: MagneticSafety): string | null {
 function sourceText(safety: MagneticSafety): string {
   if (typeof safety.gain_sigma !== 'number') return '';
   const gain = number(100 * safety.gain_sigma, 1);
-  return safety.source_serial ? t('safety.source', { name: safety.source_name, serial: safety.source_serial, gain }) : t('safety.sourceDescribed', { gain });
+  return safety.source_serial
+    ? t('safety.source', { name: safety.source_name, serial: safety.source_serial, gain })
+    : t('safety.sourceDescribed', { gain });
 }
 
 export function SafetyCard({ session }: { session: SessionDetail }) {
@@ -66,10 +70,19 @@ export function SafetyCard({ session }: { session: SessionDetail }) {
             )}
             {session.may_treat ? (
               <>
-                <ImplantQuestions value={said} onChange={setSaid} keepAwayM={safety.keep_away_m} limitT={safety.limit_t} />
+                <ImplantQuestions
+                  value={said}
+                  onChange={setSaid}
+                  keepAwayM={safety.keep_away_m}
+                  limitT={safety.limit_t}
+                />
                 {confirm.error && <Problem error={confirm.error} />}
                 <div>
-                  <Button disabled={!isSafe(said)} loading={confirm.isPending} onClick={() => confirm.mutate(undefined)}>
+                  <Button
+                    disabled={!isSafe(said)}
+                    loading={confirm.isPending}
+                    onClick={() => confirm.mutate(undefined)}
+                  >
                     {t('magnetic.confirm')}
                   </Button>
                 </div>

@@ -9,7 +9,10 @@ import { USES, wornFor, type Coils, type Use, type Worn } from '../../lib/magnet
 
 const TRUNK: Placement[] = ['head', 'sternum', 'pelvis'];
 const LIMBS = ['upper_arm', 'forearm', 'hand', 'thigh', 'shank', 'foot'] as const;
-const GROUPS: { legend: 'placements.leftSide' | 'placements.rightSide' | 'placements.trunk'; placements: Placement[] }[] = [
+const GROUPS: {
+  legend: 'placements.leftSide' | 'placements.rightSide' | 'placements.trunk';
+  placements: Placement[];
+}[] = [
   { legend: 'placements.leftSide', placements: LIMBS.map((limb): Placement => `${limb}_left`) },
   { legend: 'placements.rightSide', placements: LIMBS.map((limb): Placement => `${limb}_right`) },
   { legend: 'placements.trunk', placements: TRUNK },
@@ -31,9 +34,26 @@ interface Props {
 
 export function SourceChoice({ use, worn, coils, side, sources, sourceId, onSource, onUse, onCoils }: Props) {
   const toggle = (placement: Placement) =>
-    onUse(use, { ...worn, sensors: worn.sensors.includes(placement) ? worn.sensors.filter((one) => one !== placement) : [...worn.sensors, placement] });
-  const places = (found: Worn) => t('magnetic.useText', { source: placementList([found.source]), sensors: placementList(found.sensors) });
-  const amount = (key: keyof Coils, label: 'magnetic.radius' | 'magnetic.turns' | 'magnetic.offset' | 'magnetic.current' | 'sources.length' | 'sources.depth', usual: string, decimals: number) => (
+    onUse(use, {
+      ...worn,
+      sensors: worn.sensors.includes(placement)
+        ? worn.sensors.filter((one) => one !== placement)
+        : [...worn.sensors, placement],
+    });
+  const places = (found: Worn) =>
+    t('magnetic.useText', { source: placementList([found.source]), sensors: placementList(found.sensors) });
+  const amount = (
+    key: keyof Coils,
+    label:
+      | 'magnetic.radius'
+      | 'magnetic.turns'
+      | 'magnetic.offset'
+      | 'magnetic.current'
+      | 'sources.length'
+      | 'sources.depth',
+    usual: string,
+    decimals: number,
+  ) => (
     <NumberInput
       label={t(label)}
       placeholder={usual}
@@ -50,7 +70,16 @@ export function SourceChoice({ use, worn, coils, side, sources, sourceId, onSour
         legend={t('magnetic.use')}
         value={use}
         onChange={(next) => onUse(next, next === 'other' ? worn : wornFor(next, side))}
-        options={USES.map((one) => ({ value: one, title: one === 'bench' ? t('sources.useBench') : t(`magnetic.use.${one}`), text: one === 'bench' ? t('sources.useBenchText') : one === 'other' ? t('magnetic.useOther') : places(wornFor(one, side)) }))}
+        options={USES.map((one) => ({
+          value: one,
+          title: one === 'bench' ? t('sources.useBench') : t(`magnetic.use.${one}`),
+          text:
+            one === 'bench'
+              ? t('sources.useBenchText')
+              : one === 'other'
+                ? t('magnetic.useOther')
+                : places(wornFor(one, side)),
+        }))}
       />
       {use === 'other' && (
         <>
@@ -58,7 +87,9 @@ export function SourceChoice({ use, worn, coils, side, sources, sourceId, onSour
             label={t('magnetic.sourceAt')}
             data={ALL.map((one) => ({ value: one, label: placementLabel(one) }))}
             value={worn.source}
-            onChange={(value) => value && onUse(use, { source: value as Placement, sensors: worn.sensors.filter((one) => one !== value) })}
+            onChange={(value) =>
+              value && onUse(use, { source: value as Placement, sensors: worn.sensors.filter((one) => one !== value) })
+            }
             allowDeselect={false}
             maw={480}
           />
@@ -71,7 +102,12 @@ export function SourceChoice({ use, worn, coils, side, sources, sourceId, onSour
                   {group.placements
                     .filter((placement) => placement !== worn.source)
                     .map((placement) => (
-                      <Checkbox key={placement} label={placementLabel(placement)} checked={worn.sensors.includes(placement)} onChange={() => toggle(placement)} />
+                      <Checkbox
+                        key={placement}
+                        label={placementLabel(placement)}
+                        checked={worn.sensors.includes(placement)}
+                        onChange={() => toggle(placement)}
+                      />
                     ))}
                 </fieldset>
               ))}
@@ -101,18 +137,20 @@ export function SourceChoice({ use, worn, coils, side, sources, sourceId, onSour
           maw={640}
         />
       )}
-      {sourceId === null && <details className="as-table">
-        <summary>{t('magnetic.coils')}</summary>
-        <p className="muted small">{t('magnetic.coilsText')}</p>
-        <div className="parameter-grid">
-          {amount('radiusCm', 'magnetic.radius', worn.source.startsWith('foot') ? '7.5' : '5.5', 2)}
-          {amount('turns', 'magnetic.turns', '50', 0)}
-          {amount('offsetCm', 'magnetic.offset', '6', 2)}
-          {amount('currentA', 'magnetic.current', worn.source.startsWith('foot') ? '1.36' : '1.3', 2)}
-          {amount('lengthCm', 'sources.length', '0', 2)}
-          {amount('depthCm', 'sources.depth', '0', 2)}
-        </div>
-      </details>}
+      {sourceId === null && (
+        <details className="as-table">
+          <summary>{t('magnetic.coils')}</summary>
+          <p className="muted small">{t('magnetic.coilsText')}</p>
+          <div className="parameter-grid">
+            {amount('radiusCm', 'magnetic.radius', worn.source.startsWith('foot') ? '7.5' : '5.5', 2)}
+            {amount('turns', 'magnetic.turns', '50', 0)}
+            {amount('offsetCm', 'magnetic.offset', '6', 2)}
+            {amount('currentA', 'magnetic.current', worn.source.startsWith('foot') ? '1.36' : '1.3', 2)}
+            {amount('lengthCm', 'sources.length', '0', 2)}
+            {amount('depthCm', 'sources.depth', '0', 2)}
+          </div>
+        </details>
+      )}
     </>
   );
 }

@@ -8,14 +8,31 @@ export function SourceLegend() {
       <li>
         <svg width="34" height="16" aria-hidden>
           {COIL_COLOURS.map((colour, index) => (
-            <circle key={colour} cx={7 + 10 * index} cy="8" r="5.5" fill="none" strokeWidth="2.5" stroke={`var(${colour})`} />
+            <circle
+              key={colour}
+              cx={7 + 10 * index}
+              cy="8"
+              r="5.5"
+              fill="none"
+              strokeWidth="2.5"
+              stroke={`var(${colour})`}
+            />
           ))}
         </svg>
         {t('magnetic.legend.source')}
       </li>
       <li>
         <svg width="34" height="16" aria-hidden>
-          <rect x="7" y="3" width="20" height="10" rx="2" fill="var(--tm-surface)" stroke="var(--tm-muted)" strokeWidth="1.5" />
+          <rect
+            x="7"
+            y="3"
+            width="20"
+            height="10"
+            rx="2"
+            fill="var(--tm-surface)"
+            stroke="var(--tm-muted)"
+            strokeWidth="1.5"
+          />
         </svg>
         {t('magnetic.legend.sensor')}
       </li>

@@ -53,7 +53,12 @@ function Exactness({ use, zeroS }: { use: SourceUse; zeroS: number }) {
               {spread && (
                 <>
                   <dt>{t('magnetic.sigma', { place: placementLabel(name) })}</dt>
-                  <dd className="number">{t('magnetic.sigmaText', { median: quantity(SIGMAS * spread.median, 'm'), worst: quantity(SIGMAS * spread.worst, 'm') })}</dd>
+                  <dd className="number">
+                    {t('magnetic.sigmaText', {
+                      median: quantity(SIGMAS * spread.median, 'm'),
+                      worst: quantity(SIGMAS * spread.worst, 'm'),
+                    })}
+                  </dd>
                 </>
               )}
               {aloneS > 0 && (
@@ -66,14 +71,26 @@ function Exactness({ use, zeroS }: { use: SourceUse; zeroS: number }) {
           );
         })}
       </dl>
-      <LineChart lines={sigma} xTitle={t('magnetic.timeAxis')} yTitle={t('magnetic.sigmaAxis')} label={t('magnetic.sigmaChart')} height={190} />
+      <LineChart
+        lines={sigma}
+        xTitle={t('magnetic.timeAxis')}
+        yTitle={t('magnetic.sigmaAxis')}
+        label={t('magnetic.sigmaChart')}
+        height={190}
+      />
     </section>
   );
 }
 
 function Energy({ use, zeroS }: { use: SourceUse; zeroS: number }) {
   const charge = useMemo(
-    () => [{ name: t('magnetic.charge'), x: use.time_s.map((at) => at - zeroS), y: use.charge_curve_as.map(milliampereHours) }],
+    () => [
+      {
+        name: t('magnetic.charge'),
+        x: use.time_s.map((at) => at - zeroS),
+        y: use.charge_curve_as.map(milliampereHours),
+      },
+    ],
     [use, zeroS],
   );
   return (
@@ -84,14 +101,21 @@ function Energy({ use, zeroS }: { use: SourceUse; zeroS: number }) {
         <dd className="number">{number(use.pulse_count)}</dd>
         <dt>{t('magnetic.onTime')}</dt>
         <dd className="number">
-          {quantity(use.on_time_s, 's')} · {t('magnetic.share', { percent: number((100 * use.on_time_s) / Math.max(use.duration_s, 1e-6), 1) })}
+          {quantity(use.on_time_s, 's')} ·{' '}
+          {t('magnetic.share', { percent: number((100 * use.on_time_s) / Math.max(use.duration_s, 1e-6), 1) })}
         </dd>
         <dt>{t('magnetic.charge')}</dt>
         <dd className="number">{`${number(milliampereHours(use.charge_as), 2)} mAh`}</dd>
         <dt>{t('magnetic.heat')}</dt>
         <dd className="number">{`${number(use.current_squared_a2s, 2)} A² s`}</dd>
       </dl>
-      <LineChart lines={charge} xTitle={t('magnetic.timeAxis')} yTitle={t('magnetic.chargeAxis')} label={t('magnetic.chargeChart')} height={170} />
+      <LineChart
+        lines={charge}
+        xTitle={t('magnetic.timeAxis')}
+        yTitle={t('magnetic.chargeAxis')}
+        label={t('magnetic.chargeChart')}
+        height={170}
+      />
     </section>
   );
 }

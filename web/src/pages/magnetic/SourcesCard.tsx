@@ -17,7 +17,12 @@ function Line({ source }: { source: MagneticSource }) {
         <div>
           <span className="strong">{source.name}</span>
           <div className="muted small">
-            {t('sources.line', { serial: source.serial, gain: number(100 * source.gain_sigma, 1), method: t(`sources.method.${source.method}`), day: day(source.calibrated_at) })}
+            {t('sources.line', {
+              serial: source.serial,
+              gain: number(100 * source.gain_sigma, 1),
+              method: t(`sources.method.${source.method}`),
+              day: day(source.calibrated_at),
+            })}
           </div>
         </div>
         <Confirm
@@ -63,7 +68,14 @@ export function SourcesCard() {
         <h2 id="magnetic-sources">{t('sources.title')}</h2>
         <FileButton onChange={(file) => void take(file)} accept="application/json,.json">
           {(props) => (
-            <Button {...props} className="end" variant="default" size="sm" leftSection={<IconFileImport size={17} aria-hidden />} loading={keep.isPending}>
+            <Button
+              {...props}
+              className="end"
+              variant="default"
+              size="sm"
+              leftSection={<IconFileImport size={17} aria-hidden />}
+              loading={keep.isPending}
+            >
               {t('sources.import')}
             </Button>
           )}

@@ -1,6 +1,13 @@
 // The patient's own live page: one large sentence, one large button, and the picture.
 import { Button, Progress } from '@mantine/core';
-import { IconAntennaBarsOff, IconCheck, IconHandStop, IconPlayerPlayFilled, IconPlayerStopFilled, IconRun } from '@tabler/icons-react';
+import {
+  IconAntennaBarsOff,
+  IconCheck,
+  IconHandStop,
+  IconPlayerPlayFilled,
+  IconPlayerStopFilled,
+  IconRun,
+} from '@tabler/icons-react';
 import { useMutation, useQueryClient } from '@tanstack/react-query';
 import { useState } from 'react';
 import { Link, useParams } from 'react-router';
@@ -25,7 +32,16 @@ const EMPTY_PERCENT = 15;
 /** How often to ask whether the result is ready. */
 const ASK_MS = 2000;
 
-const ICONS: Partial<Record<Moment, typeof IconRun>> = { lost: IconAntennaBarsOff, silent: IconAntennaBarsOff, holding: IconHandStop, still: IconHandStop, again: IconHandStop, going: IconRun, preparing: IconCheck, done: IconCheck };
+const ICONS: Partial<Record<Moment, typeof IconRun>> = {
+  lost: IconAntennaBarsOff,
+  silent: IconAntennaBarsOff,
+  holding: IconHandStop,
+  still: IconHandStop,
+  again: IconHandStop,
+  going: IconRun,
+  preparing: IconCheck,
+  done: IconCheck,
+};
 const BAD: readonly Moment[] = ['lost', 'silent', 'refused', 'failed'];
 const MOVING: readonly Moment[] = ['still', 'holding', 'again', 'wait', 'ready', 'going', 'silent', 'lost'];
 const OPEN: readonly Moment[] = ['putOn', 'still', 'again', 'wait', 'ready', 'silent'];
@@ -63,7 +79,9 @@ function Sensors({ health }: { health: HealthMessage | null }) {
   const places = (wanted: (one: HealthMessage['sensors'][number]) => boolean) =>
     placementList((health?.sensors ?? []).filter(wanted).map((one) => one.placement));
   const lost = places((one) => one.status === 'lost');
-  const empty = places((one) => one.status !== 'lost' && typeof one.battery_percent === 'number' && one.battery_percent <= EMPTY_PERCENT);
+  const empty = places(
+    (one) => one.status !== 'lost' && typeof one.battery_percent === 'number' && one.battery_percent <= EMPTY_PERCENT,
+  );
   if (!lost && !empty) return null;
   return (
     <div className="banner banner-alert" role="alert">
@@ -107,7 +125,9 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
           </div>
         </div>
       )}
-      <section className={`card home-moment ${BAD.includes(moment) ? 'home-moment-bad' : ''} ${moment === 'going' ? 'home-moment-go' : ''}`}>
+      <section
+        className={`card home-moment ${BAD.includes(moment) ? 'home-moment-bad' : ''} ${moment === 'going' ? 'home-moment-go' : ''}`}
+      >
         <div role="status">
           <h2>
             {Icon && <Icon size={38} aria-hidden />}
@@ -115,13 +135,25 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
           </h2>
           <p>{t(`home.moment.${moment}.text`)}</p>
         </div>
-        {moment === 'holding' && guide && <Progress value={100 * (guide.phase === 'evaluating' ? 1 : guide.step_progress)} size="xl" transitionDuration={0} aria-label={t('home.holdingProgress')} />}
+        {moment === 'holding' && guide && (
+          <Progress
+            value={100 * (guide.phase === 'evaluating' ? 1 : guide.step_progress)}
+            size="xl"
+            transitionDuration={0}
+            aria-label={t('home.holdingProgress')}
+          />
+        )}
         {isStill && (
           <>
             <div className="home-figure">
               <StepPicture picture="n_pose" />
             </div>
-            <Button size="xl" fullWidth loading={start.isPending} onClick={() => start.mutate({ kind: known ? 'heading_reset' : 'n_pose' })}>
+            <Button
+              size="xl"
+              fullWidth
+              loading={start.isPending}
+              onClick={() => start.mutate({ kind: known ? 'heading_reset' : 'n_pose' })}
+            >
               {t('home.standing')}
             </Button>
             <p className="muted">{t('home.cannotStand')}</p>
@@ -133,12 +165,25 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
           </Button>
         )}
         {moment === 'ready' && (
-          <Button size="xl" fullWidth loading={deed.isPending} leftSection={<IconPlayerPlayFilled size={30} aria-hidden />} onClick={() => deed.mutate('record')}>
+          <Button
+            size="xl"
+            fullWidth
+            loading={deed.isPending}
+            leftSection={<IconPlayerPlayFilled size={30} aria-hidden />}
+            onClick={() => deed.mutate('record')}
+          >
             {t('home.go')}
           </Button>
         )}
         {records && (moment === 'going' || moment === 'silent') && (
-          <Button size="xl" fullWidth className="stop-button" loading={deed.isPending} leftSection={<IconPlayerStopFilled size={30} aria-hidden />} onClick={() => deed.mutate('end')}>
+          <Button
+            size="xl"
+            fullWidth
+            className="stop-button"
+            loading={deed.isPending}
+            leftSection={<IconPlayerStopFilled size={30} aria-hidden />}
+            onClick={() => deed.mutate('end')}
+          >
             {t('home.finished')}
           </Button>
         )}
@@ -159,13 +204,25 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
       {moment !== 'putOn' && MOVING.includes(moment) && (
         <>
           {moment !== 'lost' && moment !== 'silent' && <Sensors health={snapshot.health} />}
-          <Viewer3D sessionId={session.id} request={LIVE} title={t('home.picture')} near={session.pipeline === 'gait' ? 'feet' : session.pipeline === 'relative_pose' ? 'modules' : 'arm'} onShown={setShown} />
+          <Viewer3D
+            sessionId={session.id}
+            request={LIVE}
+            title={t('home.picture')}
+            near={session.pipeline === 'gait' ? 'feet' : session.pipeline === 'relative_pose' ? 'modules' : 'arm'}
+            onShown={setShown}
+          />
           {shown?.has_ghost && <p className="muted">{t('home.example')}</p>}
         </>
       )}
       {!records && OPEN.includes(moment) && (
         <div>
-          <Confirm label={t('home.end')} title={t('home.endTitle')} text={t('home.endText')} confirm={t('home.end')} onConfirm={() => deed.mutate('end')} />
+          <Confirm
+            label={t('home.end')}
+            title={t('home.endTitle')}
+            text={t('home.endText')}
+            confirm={t('home.end')}
+            onConfirm={() => deed.mutate('end')}
+          />
         </div>
       )}
     </div>
@@ -182,7 +239,13 @@ export function MyLivePage() {
   const session = useSession(sessionId);
   return (
     <Page narrow compact title={session.data?.exercise_name ?? t('home.title')}>
-      {session.data ? <Loaded key={session.data.id} session={session.data} /> : session.error ? <PlainProblem error={session.error} onRetry={() => void session.refetch()} /> : <Waiting lines={6} height={50} />}
+      {session.data ? (
+        <Loaded key={session.data.id} session={session.data} />
+      ) : session.error ? (
+        <PlainProblem error={session.error} onRetry={() => void session.refetch()} />
+      ) : (
+        <Waiting lines={6} height={50} />
+      )}
     </Page>
   );
 }

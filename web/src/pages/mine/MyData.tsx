@@ -24,7 +24,8 @@ function MyData({ patientId }: { patientId: string }) {
                 <ul className="plain-list lines">
                   {list.map((one) => (
                     <li key={one.id}>
-                      <span className="strong">{one.display_name}</span> <span className="muted">{one.level === 'treat' ? t('mine.treats') : t('mine.reads')}</span>
+                      <span className="strong">{one.display_name}</span>{' '}
+                      <span className="muted">{one.level === 'treat' ? t('mine.treats') : t('mine.reads')}</span>
                     </li>
                   ))}
                 </ul>

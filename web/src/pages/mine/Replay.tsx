@@ -41,10 +41,21 @@ function Transport({ player }: { player: ReplayPlayer }) {
         onChange={(event) => player.seek(Number(event.currentTarget.value))}
       />
       <div className="home-buttons">
-        <Button size="xl" leftSection={isPlaying ? <IconPlayerPauseFilled size={28} aria-hidden /> : <IconPlayerPlayFilled size={28} aria-hidden />} onClick={() => (isPlaying ? player.pause() : play())}>
+        <Button
+          size="xl"
+          leftSection={
+            isPlaying ? <IconPlayerPauseFilled size={28} aria-hidden /> : <IconPlayerPlayFilled size={28} aria-hidden />
+          }
+          onClick={() => (isPlaying ? player.pause() : play())}
+        >
           {isPlaying ? t('home.pause') : t('home.play')}
         </Button>
-        <Button size="xl" variant="default" leftSection={<IconPlayerSkipBackFilled size={24} aria-hidden />} onClick={() => player.seek(startS)}>
+        <Button
+          size="xl"
+          variant="default"
+          leftSection={<IconPlayerSkipBackFilled size={24} aria-hidden />}
+          onClick={() => player.seek(startS)}
+        >
           {t('home.fromStart')}
         </Button>
       </div>
@@ -65,7 +76,9 @@ function Watch({ session }: { session: SessionDetail }) {
   if (!player || comparisons.isPending || exercises.isPending) return <Waiting lines={6} height={50} />;
   const comparison = comparisons.data?.find((one) => one.result_id === resultId) ?? null;
   const primary = exercises.data?.find((one) => one.id === session.exercise_id)?.primary_angle;
-  const said = comparison ? plainFeedback(comparison.summary, comparison.repetition_count, primary) : [t('home.recorded')];
+  const said = comparison
+    ? plainFeedback(comparison.summary, comparison.repetition_count, primary)
+    : [t('home.recorded')];
   return (
     <div className="stack">
       <section className="card">
@@ -73,7 +86,12 @@ function Watch({ session }: { session: SessionDetail }) {
       </section>
       <Viewer3D
         sessionId={session.id}
-        request={{ mode: 'replay', result_id: resultId, template_version_id: comparison?.template_version_id ?? null, markers_id: null }}
+        request={{
+          mode: 'replay',
+          result_id: resultId,
+          template_version_id: comparison?.template_version_id ?? null,
+          markers_id: null,
+        }}
         title={t(comparison ? 'home.pictureExample' : 'home.picture')}
         near={session.pipeline === 'gait' ? 'feet' : session.pipeline === 'relative_pose' ? 'modules' : 'arm'}
         player={player}
@@ -90,11 +108,24 @@ export function MyReplayPage() {
   const { sessionId = '' } = useParams();
   const session = useSession(sessionId);
   const { data } = session;
-  if (data && (isLive(data.state) || data.state === 'closing')) return <Navigate to={`/my/sessions/${sessionId}/live`} replace />;
+  if (data && (isLive(data.state) || data.state === 'closing'))
+    return <Navigate to={`/my/sessions/${sessionId}/live`} replace />;
   const started = data?.started_at ?? data?.created_at;
   return (
-    <Page narrow compact title={data?.exercise_name ?? t('home.replayTitle')} lead={started ? weekday(started) : undefined} crumbs={[{ to: '/my/results', text: t('nav.myResults') }]}>
-      {data ? <Watch key={data.id} session={data} /> : session.error ? <PlainProblem error={session.error} onRetry={() => void session.refetch()} /> : <Waiting lines={6} height={50} />}
+    <Page
+      narrow
+      compact
+      title={data?.exercise_name ?? t('home.replayTitle')}
+      lead={started ? weekday(started) : undefined}
+      crumbs={[{ to: '/my/results', text: t('nav.myResults') }]}
+    >
+      {data ? (
+        <Watch key={data.id} session={data} />
+      ) : session.error ? (
+        <PlainProblem error={session.error} onRetry={() => void session.refetch()} />
+      ) : (
+        <Waiting lines={6} height={50} />
+      )}
     </Page>
   );
 }

@@ -26,7 +26,10 @@ function Exercise({ patientId, exerciseId, name }: { patientId: string; exercise
 function Done({ session, repetitions }: { session: Session; repetitions: number | null }) {
   const name = session.exercise_name ?? t('session.free');
   const minutes = Math.round(session.duration_s / 60);
-  const said = [...(repetitions ? [t('home.times', { count: repetitions })] : []), minutes > 0 ? t('home.minutes', { count: minutes }) : t('home.underMinute')].join(', ');
+  const said = [
+    ...(repetitions ? [t('home.times', { count: repetitions })] : []),
+    minutes > 0 ? t('home.minutes', { count: minutes }) : t('home.underMinute'),
+  ].join(', ');
   const words = (
     <span>
       <span className="strong">{name}</span>
@@ -90,7 +93,13 @@ function Results({ patientId }: { patientId: string }) {
                 <section key={day} className="home-day">
                   <h3>{day}</h3>
                   <ul className="plain-list lines">
-                    {ofDay.map((one) => (one.exercise_id ? <DoneExercise key={one.id} session={one} exerciseId={one.exercise_id} /> : <Done key={one.id} session={one} repetitions={null} />))}
+                    {ofDay.map((one) =>
+                      one.exercise_id ? (
+                        <DoneExercise key={one.id} session={one} exerciseId={one.exercise_id} />
+                      ) : (
+                        <Done key={one.id} session={one} repetitions={null} />
+                      ),
+                    )}
                   </ul>
                 </section>
               ));

@@ -2,7 +2,14 @@
 import { Button } from '@mantine/core';
 import { IconCircleCheckFilled, IconMoodHappy, IconPlayerPlayFilled } from '@tabler/icons-react';
 import { Link, useNavigate } from 'react-router';
-import { useExercises, useNewSession, usePatient, usePatientSessions, usePrescriptions, useProgress } from '../../api/queries';
+import {
+  useExercises,
+  useNewSession,
+  usePatient,
+  usePatientSessions,
+  usePrescriptions,
+  useProgress,
+} from '../../api/queries';
 import type { Me, Prescription } from '../../api/types';
 import { Answer, Empty } from '../../components/Feedback';
 import { Page } from '../../components/Page';
@@ -34,7 +41,9 @@ function ExerciseCard({ prescription, patientId }: { prescription: Prescription;
         patient_id: patientId,
         exercise_id: prescription.exercise_id,
         prescription_id: prescription.id,
-        ...(isWalked ? { pipeline: 'gait' as const, placements: FEET } : { placements: suggestedPlacements(patient.data?.affected_side) }),
+        ...(isWalked
+          ? { pipeline: 'gait' as const, placements: FEET }
+          : { placements: suggestedPlacements(patient.data?.affected_side) }),
       },
       { onSuccess: (session) => void navigate(`/my/sessions/${session.id}/live`) },
     );
@@ -45,12 +54,18 @@ function ExerciseCard({ prescription, patientId }: { prescription: Prescription;
         {exercise?.description && <p>{exercise.description}</p>}
         {exercises.data && <p>{doseWords(prescription, isWalked)}</p>}
         <p className="small">{weekText(prescription)}</p>
-        <p className="muted">{isDone ? t('mine.doneForWeek') : t('mine.left', { count: prescription.times_per_week - prescription.done_this_week })}</p>
+        <p className="muted">
+          {isDone
+            ? t('mine.doneForWeek')
+            : t('mine.left', { count: prescription.times_per_week - prescription.done_this_week })}
+        </p>
       </div>
       <Button
         size="xl"
         variant={isDone ? 'default' : 'filled'}
-        leftSection={isDone ? <IconCircleCheckFilled size={26} aria-hidden /> : <IconPlayerPlayFilled size={26} aria-hidden />}
+        leftSection={
+          isDone ? <IconCircleCheckFilled size={26} aria-hidden /> : <IconPlayerPlayFilled size={26} aria-hidden />
+        }
         loading={create.isPending}
         disabled={!patient.data || !exercises.data}
         onClick={start}
@@ -71,7 +86,17 @@ function Today({ me, patientId }: { me: Me; patientId: string }) {
   const due = (prescriptions.data ?? []).filter((one) => one.done_this_week < one.times_per_week);
   const done = (prescriptions.data ?? []).filter((one) => one.done_this_week >= one.times_per_week);
   return (
-    <Page narrow title={t('mine.hello', { name: me.display_name.split(' ')[0] ?? me.display_name })} lead={prescriptions.data && prescriptions.data.length > 0 ? (due.length > 0 ? t('mine.today', { count: due.length }) : t('mine.allDone')) : undefined}>
+    <Page
+      narrow
+      title={t('mine.hello', { name: me.display_name.split(' ')[0] ?? me.display_name })}
+      lead={
+        prescriptions.data && prescriptions.data.length > 0
+          ? due.length > 0
+            ? t('mine.today', { count: due.length })
+            : t('mine.allDone')
+          : undefined
+      }
+    >
       <div className="stack">
         {running && (
           <section className="card mine-card">

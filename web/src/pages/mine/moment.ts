@@ -29,12 +29,17 @@ export function stateOf(snapshot: Pick<LiveSnapshot, 'state'>, session: Pick<Sto
 /** Whether a recording runs, with or without a signal at this moment. */
 export function isRecording(snapshot: Pick<LiveSnapshot, 'state'>, session: Stored): boolean {
   const state = stateOf(snapshot, session);
-  const begun = snapshot.state ? snapshot.state.recording_start_s !== null : session.recording_start_s !== null && session.recording_end_s === null;
+  const begun = snapshot.state
+    ? snapshot.state.recording_start_s !== null
+    : session.recording_start_s !== null && session.recording_end_s === null;
   return state === 'recording' || (state === 'link_lost' && begun);
 }
 
 /** The one thing to say. */
-export function momentOf(snapshot: Pick<LiveSnapshot, 'state' | 'connection' | 'silentSinceS' | 'calibration'>, session: Stored): Moment {
+export function momentOf(
+  snapshot: Pick<LiveSnapshot, 'state' | 'connection' | 'silentSinceS' | 'calibration'>,
+  session: Stored,
+): Moment {
   const state = stateOf(snapshot, session);
   if (state === 'analysed') return 'done';
   if (state === 'closing') return 'preparing';

@@ -33,7 +33,9 @@ function GiveAccess({ patient, onDone }: { patient: Patient; onDone: () => void 
       <Select
         label={t('access.colleague')}
         searchable
-        data={(accounts.data ?? []).filter((one) => one.role === 'therapist' && one.is_active).map((one) => ({ value: one.id, label: one.display_name }))}
+        data={(accounts.data ?? [])
+          .filter((one) => one.role === 'therapist' && one.is_active)
+          .map((one) => ({ value: one.id, label: one.display_name }))}
         value={accountId}
         onChange={setAccountId}
         data-autofocus
@@ -96,7 +98,13 @@ export function AccessPanel({ patient }: { patient: Patient }) {
       <div className="card-head">
         <h2 id="access">{t('access.title')}</h2>
         {patient.may_treat && (
-          <Button className="end" size="sm" variant="default" leftSection={<IconPlus size={17} aria-hidden />} onClick={giving.open}>
+          <Button
+            className="end"
+            size="sm"
+            variant="default"
+            leftSection={<IconPlus size={17} aria-hidden />}
+            onClick={giving.open}
+          >
             {t('access.add')}
           </Button>
         )}
@@ -110,13 +118,32 @@ export function AccessPanel({ patient }: { patient: Patient }) {
           </ul>
         )}
       </Answer>
-      <Button mt={14} variant="subtle" size="sm" px={8} ml={-8} leftSection={<IconEye size={18} aria-hidden />} onClick={reading.open}>
+      <Button
+        mt={14}
+        variant="subtle"
+        size="sm"
+        px={8}
+        ml={-8}
+        leftSection={<IconEye size={18} aria-hidden />}
+        onClick={reading.open}
+      >
         {t('audit.open')}
       </Button>
-      <Modal opened={isGiving} onClose={giving.close} title={t('access.dialogTitle')} closeButtonProps={{ 'aria-label': t('action.close') }}>
+      <Modal
+        opened={isGiving}
+        onClose={giving.close}
+        title={t('access.dialogTitle')}
+        closeButtonProps={{ 'aria-label': t('action.close') }}
+      >
         {isGiving && <GiveAccess patient={patient} onDone={giving.close} />}
       </Modal>
-      <Modal opened={isReading} onClose={reading.close} size="xl" title={t('audit.open')} closeButtonProps={{ 'aria-label': t('action.close') }}>
+      <Modal
+        opened={isReading}
+        onClose={reading.close}
+        size="xl"
+        title={t('audit.open')}
+        closeButtonProps={{ 'aria-label': t('action.close') }}
+      >
         <Answer of={audit}>{(entries) => <AuditList entries={entries} />}</Answer>
         <ShowMore of={audit} />
       </Modal>

@@ -21,7 +21,10 @@ export function ArchivedPatients({ search = '' }: { search?: string }) {
         {(list) => {
           const shown = list.filter((one) => holdsWords(`${one.given_name} ${one.family_name}`, search));
           return shown.length === 0 ? (
-            <Empty icon={<IconArchive size={44} aria-hidden />} title={list.length === 0 ? t('caseload.archivedNone') : t('caseload.noMatchTitle')} />
+            <Empty
+              icon={<IconArchive size={44} aria-hidden />}
+              title={list.length === 0 ? t('caseload.archivedNone') : t('caseload.noMatchTitle')}
+            />
           ) : (
             <ul className="plain-list lines">
               {shown.map((one) => (

@@ -15,7 +15,14 @@ import { date } from '../../lib/format';
 /** The archive of everything, as the browser downloads it. */
 export function ExportButton({ patientId, size }: { patientId: string; size?: 'sm' | 'lg' }) {
   return (
-    <Button component="a" href={`/api/patients/${patientId}/export`} download size={size} variant="default" leftSection={<IconDownload size={18} aria-hidden />}>
+    <Button
+      component="a"
+      href={`/api/patients/${patientId}/export`}
+      download
+      size={size}
+      variant="default"
+      leftSection={<IconDownload size={18} aria-hidden />}
+    >
       {t('data.export')}
     </Button>
   );
@@ -29,12 +36,24 @@ function Erase({ patient, onDone }: { patient: Patient; onDone: () => void }) {
     <div className="stack">
       {erase.error && <Problem error={erase.error} />}
       <p>{t('data.eraseText')}</p>
-      <TextInput label={t('data.eraseType', { name: patient.family_name })} value={typed} onChange={(event) => setTyped(event.currentTarget.value)} autoComplete="off" data-autofocus />
+      <TextInput
+        label={t('data.eraseType', { name: patient.family_name })}
+        value={typed}
+        onChange={(event) => setTyped(event.currentTarget.value)}
+        autoComplete="off"
+        data-autofocus
+      />
       <div className="details-foot">
         <Button variant="default" onClick={onDone}>
           {t('action.cancel')}
         </Button>
-        <Button color="red.8" disabled={typed.trim() !== patient.family_name} loading={erase.isPending} leftSection={<IconTrash size={18} aria-hidden />} onClick={() => erase.mutate(patient.id, { onSuccess: () => void navigate('/', { replace: true }) })}>
+        <Button
+          color="red.8"
+          disabled={typed.trim() !== patient.family_name}
+          loading={erase.isPending}
+          leftSection={<IconTrash size={18} aria-hidden />}
+          onClick={() => erase.mutate(patient.id, { onSuccess: () => void navigate('/', { replace: true }) })}
+        >
           {t('data.erase')}
         </Button>
       </div>
@@ -59,21 +78,44 @@ export function DataPanel({ patient }: { patient: Patient }) {
         <ExportButton patientId={patient.id} size="sm" />
         {patient.may_manage &&
           (isArchived ? (
-            <Button size="sm" variant="default" leftSection={<IconArchiveOff size={18} aria-hidden />} loading={edit.isPending} onClick={() => edit.mutate({ is_archived: false })}>
+            <Button
+              size="sm"
+              variant="default"
+              leftSection={<IconArchiveOff size={18} aria-hidden />}
+              loading={edit.isPending}
+              onClick={() => edit.mutate({ is_archived: false })}
+            >
               {t('data.unarchive')}
             </Button>
           ) : (
-            <Confirm label={t('data.archive')} title={t('data.archiveTitle')} text={t('data.archiveText')} confirm={t('data.archive')} onConfirm={() => edit.mutate({ is_archived: true })} />
+            <Confirm
+              label={t('data.archive')}
+              title={t('data.archiveTitle')}
+              text={t('data.archiveText')}
+              confirm={t('data.archive')}
+              onConfirm={() => edit.mutate({ is_archived: true })}
+            />
           ))}
         {me.role === 'administrator' && isArchived && (
-          <Button size="sm" variant="subtle" color="red.8" leftSection={<IconTrash size={18} aria-hidden />} onClick={erasing.open}>
+          <Button
+            size="sm"
+            variant="subtle"
+            color="red.8"
+            leftSection={<IconTrash size={18} aria-hidden />}
+            onClick={erasing.open}
+          >
             {t('data.erase')}
           </Button>
         )}
       </div>
       {me.role === 'administrator' && !isArchived && <p className="muted small">{t('data.eraseFirst')}</p>}
       {edit.error && <Problem error={edit.error} />}
-      <Modal opened={isErasing} onClose={erasing.close} title={t('data.eraseTitle', { name: `${patient.given_name} ${patient.family_name}` })} closeButtonProps={{ 'aria-label': t('action.close') }}>
+      <Modal
+        opened={isErasing}
+        onClose={erasing.close}
+        title={t('data.eraseTitle', { name: `${patient.given_name} ${patient.family_name}` })}
+        closeButtonProps={{ 'aria-label': t('action.close') }}
+      >
         {isErasing && <Erase patient={patient} onDone={erasing.close} />}
       </Modal>
     </section>

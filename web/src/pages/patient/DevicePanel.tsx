@@ -20,7 +20,10 @@ function Pairing({ made, onDone }: { made: PairingCode; onDone: () => void }) {
       <p className="pairing-code number" aria-label={t('device.pairCode')}>
         {readable}
       </p>
-      <QrCode text={`telemotion:pair?server=${encodeURIComponent(window.location.origin)}&code=${made.code}`} label={t('device.pairQr')} />
+      <QrCode
+        text={`telemotion:pair?server=${encodeURIComponent(window.location.origin)}&code=${made.code}`}
+        label={t('device.pairQr')}
+      />
       <Group justify="flex-end">
         <Button onClick={onDone}>{t('action.close')}</Button>
       </Group>
@@ -55,13 +58,34 @@ function NewToken({ patient, onDone }: { patient: Patient; onDone: () => void })
   return (
     <form className="stack" onSubmit={submit}>
       {error && <Problem error={error} />}
-      <TextInput label={t('device.label')} description={t('device.labelHelp')} required withAsterisk={false} maxLength={100} value={label} onChange={(event) => setLabel(event.currentTarget.value)} data-autofocus />
-      <NumberInput label={t('device.days')} min={1} max={366} value={days} onChange={(value) => setDays(Number(value) || 1)} maw={220} />
+      <TextInput
+        label={t('device.label')}
+        description={t('device.labelHelp')}
+        required
+        withAsterisk={false}
+        maxLength={100}
+        value={label}
+        onChange={(event) => setLabel(event.currentTarget.value)}
+        data-autofocus
+      />
+      <NumberInput
+        label={t('device.days')}
+        min={1}
+        max={366}
+        value={days}
+        onChange={(value) => setDays(Number(value) || 1)}
+        maw={220}
+      />
       <Group justify="flex-end">
         <Button variant="default" onClick={onDone}>
           {t('action.cancel')}
         </Button>
-        <Button variant="subtle" loading={add.isPending} disabled={!label.trim()} onClick={() => add.mutate({ label: label.trim(), days })}>
+        <Button
+          variant="subtle"
+          loading={add.isPending}
+          disabled={!label.trim()}
+          onClick={() => add.mutate({ label: label.trim(), days })}
+        >
           {t('device.makeToken')}
         </Button>
         <Button type="submit" loading={pairing.isPending}>
@@ -107,7 +131,13 @@ export function DevicePanel({ patient }: { patient: Patient }) {
     <section className="card" aria-labelledby="devices">
       <div className="card-head">
         <h2 id="devices">{t('device.title')}</h2>
-        <Button className="end" size="sm" variant="default" leftSection={<IconPlus size={17} aria-hidden />} onClick={dialog.open}>
+        <Button
+          className="end"
+          size="sm"
+          variant="default"
+          leftSection={<IconPlus size={17} aria-hidden />}
+          onClick={dialog.open}
+        >
           {t('device.add')}
         </Button>
       </div>
@@ -125,7 +155,12 @@ export function DevicePanel({ patient }: { patient: Patient }) {
           );
         }}
       </Answer>
-      <Modal opened={isOpen} onClose={done} title={t('device.dialogTitle')} closeButtonProps={{ 'aria-label': t('action.close') }}>
+      <Modal
+        opened={isOpen}
+        onClose={done}
+        title={t('device.dialogTitle')}
+        closeButtonProps={{ 'aria-label': t('action.close') }}
+      >
         {isOpen && <NewToken patient={patient} onDone={done} />}
       </Modal>
     </section>

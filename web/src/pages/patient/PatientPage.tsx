@@ -31,7 +31,13 @@ function Facts({ patient, onEdit }: { patient: Patient; onEdit: () => void }) {
       <div className="card-head">
         <h2 id="facts">{t('patient.about')}</h2>
         {patient.may_treat && (
-          <Button className="end" variant="subtle" size="sm" leftSection={<IconPencil size={17} aria-hidden />} onClick={onEdit}>
+          <Button
+            className="end"
+            variant="subtle"
+            size="sm"
+            leftSection={<IconPencil size={17} aria-hidden />}
+            onClick={onEdit}
+          >
             {t('action.edit')}
           </Button>
         )}
@@ -51,7 +57,9 @@ function Facts({ patient, onEdit }: { patient: Patient; onEdit: () => void }) {
               <span className="muted small reason-line">
                 {scoreText(patient.mounting.score)}, {day(patient.mounting.updated_at)}
               </span>
-              <span className="muted small reason-line">{patient.mounting.placements.map(placementLabel).join(', ')}</span>
+              <span className="muted small reason-line">
+                {patient.mounting.placements.map(placementLabel).join(', ')}
+              </span>
             </>
           ) : (
             t('patient.mountingUnknown')
@@ -89,7 +97,12 @@ function Loaded({ patient }: { patient: Patient }) {
           <SessionPanel patient={patient} />
         </div>
       </div>
-      <Modal opened={isEditing} onClose={editing.close} title={t('patient.editTitle')} closeButtonProps={{ 'aria-label': t('action.close') }}>
+      <Modal
+        opened={isEditing}
+        onClose={editing.close}
+        title={t('patient.editTitle')}
+        closeButtonProps={{ 'aria-label': t('action.close') }}
+      >
         <PatientForm
           patient={patient}
           isSaving={edit.isPending}
@@ -114,10 +127,19 @@ export function PatientPage() {
       actions={
         patient.data?.may_treat && (
           <>
-            <Button component={Link} to={`/upload?patient=${patientId}`} variant="default" leftSection={<IconUpload size={18} aria-hidden />}>
+            <Button
+              component={Link}
+              to={`/upload?patient=${patientId}`}
+              variant="default"
+              leftSection={<IconUpload size={18} aria-hidden />}
+            >
               {t('upload.title')}
             </Button>
-            <Button component={Link} to={`/patients/${patientId}/sessions/new`} leftSection={<IconPlayerRecord size={18} aria-hidden />}>
+            <Button
+              component={Link}
+              to={`/patients/${patientId}/sessions/new`}
+              leftSection={<IconPlayerRecord size={18} aria-hidden />}
+            >
               {t('session.start')}
             </Button>
           </>

@@ -14,9 +14,16 @@ import { date } from '../../lib/format';
 import { weekText } from '../../lib/practice';
 
 /** The dose in words: sets, repetitions, times a week. A walk is walked once in a session. */
-export function doseText(prescription: Pick<Prescription, 'sets' | 'repetitions' | 'times_per_week'>, isWalked: boolean): string {
+export function doseText(
+  prescription: Pick<Prescription, 'sets' | 'repetitions' | 'times_per_week'>,
+  isWalked: boolean,
+): string {
   const { sets, repetitions, times_per_week: perWeek } = prescription;
-  const dose = isWalked ? t('prescription.walk') : sets > 1 ? t('prescription.setsOf', { sets, repetitions }) : t('prescription.repetitions', { count: repetitions });
+  const dose = isWalked
+    ? t('prescription.walk')
+    : sets > 1
+      ? t('prescription.setsOf', { sets, repetitions })
+      : t('prescription.repetitions', { count: repetitions });
   return t('prescription.dose', { dose, perWeek });
 }
 
@@ -74,7 +81,10 @@ function PrescribeForm({ patient, onDone }: { patient: Patient; onDone: () => vo
         <Select
           label={t('prescription.template')}
           description={choices.length ? t('prescription.templateHelp') : t('prescription.noTemplateHelp')}
-          data={[...choices.map((one) => ({ value: one.id, label: one.name })), { value: NO_TEMPLATE, label: t('prescription.without') }]}
+          data={[
+            ...choices.map((one) => ({ value: one.id, label: one.name })),
+            { value: NO_TEMPLATE, label: t('prescription.without') },
+          ]}
           value={chosen}
           onChange={setTemplateId}
         />
@@ -82,13 +92,37 @@ function PrescribeForm({ patient, onDone }: { patient: Patient; onDone: () => vo
       <SimpleGrid cols={isWalked ? 1 : 3}>
         {!isWalked && (
           <>
-            <NumberInput label={t('prescription.repetitionsLabel')} min={1} max={200} value={repetitions} onChange={(value) => setRepetitions(Number(value) || 1)} />
-            <NumberInput label={t('prescription.setsLabel')} min={1} max={20} value={sets} onChange={(value) => setSets(Number(value) || 1)} />
+            <NumberInput
+              label={t('prescription.repetitionsLabel')}
+              min={1}
+              max={200}
+              value={repetitions}
+              onChange={(value) => setRepetitions(Number(value) || 1)}
+            />
+            <NumberInput
+              label={t('prescription.setsLabel')}
+              min={1}
+              max={20}
+              value={sets}
+              onChange={(value) => setSets(Number(value) || 1)}
+            />
           </>
         )}
-        <NumberInput maw={200} label={t('prescription.perWeekLabel')} min={1} max={28} value={perWeek} onChange={(value) => setPerWeek(Number(value) || 1)} />
+        <NumberInput
+          maw={200}
+          label={t('prescription.perWeekLabel')}
+          min={1}
+          max={28}
+          value={perWeek}
+          onChange={(value) => setPerWeek(Number(value) || 1)}
+        />
       </SimpleGrid>
-      <DateField label={t('prescription.until')} description={t('prescription.untilHelp')} value={endsAt} onChange={setEndsAt} />
+      <DateField
+        label={t('prescription.until')}
+        description={t('prescription.untilHelp')}
+        value={endsAt}
+        onChange={setEndsAt}
+      />
       <Group justify="flex-end">
         <Button variant="default" onClick={onDone}>
           {t('action.cancel')}
@@ -111,7 +145,13 @@ function Line({ prescription, patient }: { prescription: Prescription; patient: 
       <div className="line-head">
         <span className="strong">{prescription.exercise_name}</span>
         {patient.may_treat && (
-          <Confirm label={t('prescription.end')} title={t('prescription.endTitle', { name: prescription.exercise_name })} text={t('prescription.endText')} confirm={t('prescription.end')} onConfirm={() => end.mutate(prescription.id)} />
+          <Confirm
+            label={t('prescription.end')}
+            title={t('prescription.endTitle', { name: prescription.exercise_name })}
+            text={t('prescription.endText')}
+            confirm={t('prescription.end')}
+            onConfirm={() => end.mutate(prescription.id)}
+          />
         )}
       </div>
       {exercises.data && <div>{doseText(prescription, isTest)}</div>}
@@ -126,15 +166,23 @@ function Line({ prescription, patient }: { prescription: Prescription; patient: 
       {prescription.is_twice && <div className="small missing">{t('prescription.isTwice')}</div>}
       {prescription.template_name ? (
         <div className="small">
-          <Link to={`/exercises/${prescription.exercise_id}?patient=${patient.id}`}>{t('prescription.withTemplate', { name: prescription.template_name })}</Link>
+          <Link to={`/exercises/${prescription.exercise_id}?patient=${patient.id}`}>
+            {t('prescription.withTemplate', { name: prescription.template_name })}
+          </Link>
         </div>
       ) : isTest ? null : (
         <div className="small missing">
           <IconRouteOff size={16} aria-hidden /> {t('prescription.noTemplate')}{' '}
-          {patient.may_treat && <Link to={`/templates/record?patient=${patient.id}&exercise=${prescription.exercise_id}`}>{t('template.record')}</Link>}
+          {patient.may_treat && (
+            <Link to={`/templates/record?patient=${patient.id}&exercise=${prescription.exercise_id}`}>
+              {t('template.record')}
+            </Link>
+          )}
         </div>
       )}
-      {prescription.ends_at && <div className="muted small">{t('prescription.endsOn', { date: date(prescription.ends_at) })}</div>}
+      {prescription.ends_at && (
+        <div className="muted small">{t('prescription.endsOn', { date: date(prescription.ends_at) })}</div>
+      )}
       {end.error && <Problem error={end.error} />}
     </li>
   );
@@ -148,7 +196,13 @@ export function PrescriptionPanel({ patient }: { patient: Patient }) {
       <div className="card-head">
         <h2 id="prescriptions">{t('prescription.title')}</h2>
         {patient.may_treat && (
-          <Button className="end" size="sm" variant="default" leftSection={<IconPlus size={17} aria-hidden />} onClick={dialog.open}>
+          <Button
+            className="end"
+            size="sm"
+            variant="default"
+            leftSection={<IconPlus size={17} aria-hidden />}
+            onClick={dialog.open}
+          >
             {t('prescription.prescribe')}
           </Button>
         )}
@@ -166,7 +220,12 @@ export function PrescriptionPanel({ patient }: { patient: Patient }) {
           )
         }
       </Answer>
-      <Modal opened={isOpen} onClose={dialog.close} title={t('prescription.dialogTitle')} closeButtonProps={{ 'aria-label': t('action.close') }}>
+      <Modal
+        opened={isOpen}
+        onClose={dialog.close}
+        title={t('prescription.dialogTitle')}
+        closeButtonProps={{ 'aria-label': t('action.close') }}
+      >
         <PrescribeForm patient={patient} onDone={dialog.close} />
       </Modal>
     </section>

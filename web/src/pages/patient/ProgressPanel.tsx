@@ -23,7 +23,9 @@ function Measure({ measure, events }: { measure: ProgressMeasure; events: Progre
             <span className="muted small"> {t('progress.lastSession', { count: last.count })}</span>
           </span>
         )}
-        <p className={measure.is_real_change ? 'strong' : 'muted'}>{changeText({ ...measure, limit: measure.minimal_detectable_change })}</p>
+        <p className={measure.is_real_change ? 'strong' : 'muted'}>
+          {changeText({ ...measure, limit: measure.minimal_detectable_change })}
+        </p>
       </div>
       {measure.points.length > 1 && <ProgressChart measure={measure} events={events} />}
     </div>
@@ -70,13 +72,22 @@ export function ProgressPanel({ patientId, mayTreat }: { patientId: string; mayT
   const [exerciseId, setExerciseId] = useState<string | null>(null);
   const prescriptions = usePrescriptions(patientId);
   const progress = useProgress(patientId, exerciseId);
-  const exercises = [...new Map((prescriptions.data ?? []).map((one) => [one.exercise_id, one.exercise_name])).entries()];
+  const exercises = [
+    ...new Map((prescriptions.data ?? []).map((one) => [one.exercise_id, one.exercise_name])).entries(),
+  ];
   const newest = progress.data?.exercise_id ?? null;
   // What was practised last may be prescribed to nobody; the way back to what is must stay open.
-  const isOther = exerciseId === null && progress.data !== undefined && progress.data.measures.length > 0 && !exercises.some(([id]) => id === newest);
+  const isOther =
+    exerciseId === null &&
+    progress.data !== undefined &&
+    progress.data.measures.length > 0 &&
+    !exercises.some(([id]) => id === newest);
   const [wasOther, setWasOther] = useState(false);
   if (isOther && !wasOther) setWasOther(true);
-  const choices = [...(wasOther ? [{ value: '', label: t('progress.newest') }] : []), ...exercises.map(([value, label]) => ({ value, label }))];
+  const choices = [
+    ...(wasOther ? [{ value: '', label: t('progress.newest') }] : []),
+    ...exercises.map(([value, label]) => ({ value, label })),
+  ];
   const chosen = exerciseId ?? (wasOther ? '' : (newest ?? exercises[0]?.[0] ?? null));
   return (
     <section className="card" aria-labelledby="progress">

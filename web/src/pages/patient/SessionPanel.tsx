@@ -57,8 +57,18 @@ export function SessionPanel({ patient }: { patient: Patient }) {
               </ul>
               {showsAll && <ShowMore of={sessions} />}
               {list.length > SHOWN_FIRST && (
-                <Button mt={14} variant="default" size="sm" aria-expanded={showsAll} onClick={() => setShowsAll(!showsAll)}>
-                  {showsAll ? t('session.fewer') : sessions.hasNextPage ? t('action.showMore') : t('session.all', { count: list.length })}
+                <Button
+                  mt={14}
+                  variant="default"
+                  size="sm"
+                  aria-expanded={showsAll}
+                  onClick={() => setShowsAll(!showsAll)}
+                >
+                  {showsAll
+                    ? t('session.fewer')
+                    : sessions.hasNextPage
+                      ? t('action.showMore')
+                      : t('session.all', { count: list.length })}
                 </Button>
               )}
             </>

@@ -10,7 +10,8 @@ const MOST_CURVES = 6;
 
 /** Sheet 2: the curves that matter, the main one first. */
 export function CurvesSheet({ session, patient, comparison }: ReportProps & { comparison: ComparisonDetail }) {
-  const length = (channel: string) => outsideOf(comparison, channel).reduce((sum, one) => sum + one.until - one.from, 0);
+  const length = (channel: string) =>
+    outsideOf(comparison, channel).reduce((sum, one) => sum + one.until - one.from, 0);
   const left = new Set(comparison.repetitions.flatMap((one, index) => (one.repetition.is_kept ? [] : [index])));
   const curves = pickCurves(comparison.curves, true, primaryChannel(comparison.summary), length).slice(0, MOST_CURVES);
   return (
@@ -49,7 +50,11 @@ export function CurvesSheet({ session, patient, comparison }: ReportProps & { co
                 {convention && <span className="paper-convention">{convention}</span>}
               </figcaption>
               <PaperPhases curve={curve} left={left} outside={stretches} />
-              <p className="paper-note">{outside === 0 ? t('compare.inside') : t('report.outside', { count: outside, of: comparison.repetition_count })}</p>
+              <p className="paper-note">
+                {outside === 0
+                  ? t('compare.inside')
+                  : t('report.outside', { count: outside, of: comparison.repetition_count })}
+              </p>
             </figure>
           );
         })}

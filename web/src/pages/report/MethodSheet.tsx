@@ -20,18 +20,64 @@ export function MethodSheet({ session, patient, comparison, template, estimators
   const dropped = (comparison?.repetitions ?? []).filter((one) => !one.repetition.is_kept);
   const gaps = session.events.filter((event) => event.kind === 'gap');
   const lost = session.events.filter((event) => event.kind === 'sensor_lost');
-  const { text, convention } = exercise?.primary_angle ? channelLabel(exercise.primary_angle) : { text: '', convention: '' };
+  const { text, convention } = exercise?.primary_angle
+    ? channelLabel(exercise.primary_angle)
+    : { text: '', convention: '' };
   const lines: [string, string][] = [
     [t('details.sensors'), `${session.placements.map(placementLabel).join(', ')}; ${number(session.rate_hz)} Hz`],
-    [t('details.calibration'), session.calibration ? [scoreText(session.calibration.score), ...session.calibration.reasons].join(' · ') : t('report.noCalibration')],
-    [t('report.estimator'), result ? t('report.estimatorText', { title: estimator?.title ?? result.orientation, version: result.orientation_version, pipeline: result.pipeline_version, kind: result.kind === 'live' ? t('result.live') : t('result.offline') }) : '–'],
-    [t('report.dataLoss'), all > 0 ? t('report.dataLossText', { percent: number((100 * session.packets_missing) / all, 1), gaps: gaps.length, lost: lost.length }) : t('details.uploaded')],
-    [t('compare.template'), comparison ? t('report.templateText', { name: comparison.template_name, number: template ? number(template.number) : '–', date: template ? date(template.created_at, new Date(0)) : '–', count: template ? number(template.repetition_count) : '–' }) : t('report.notCompared')],
-    [t('progress.count'), comparison ? t('report.evaluated', { accepted: comparison.repetition_count, all: comparison.repetitions.length }) : '–'],
+    [
+      t('details.calibration'),
+      session.calibration
+        ? [scoreText(session.calibration.score), ...session.calibration.reasons].join(' · ')
+        : t('report.noCalibration'),
+    ],
+    [
+      t('report.estimator'),
+      result
+        ? t('report.estimatorText', {
+            title: estimator?.title ?? result.orientation,
+            version: result.orientation_version,
+            pipeline: result.pipeline_version,
+            kind: result.kind === 'live' ? t('result.live') : t('result.offline'),
+          })
+        : '–',
+    ],
+    [
+      t('report.dataLoss'),
+      all > 0
+        ? t('report.dataLossText', {
+            percent: number((100 * session.packets_missing) / all, 1),
+            gaps: gaps.length,
+            lost: lost.length,
+          })
+        : t('details.uploaded'),
+    ],
+    [
+      t('compare.template'),
+      comparison
+        ? t('report.templateText', {
+            name: comparison.template_name,
+            number: template ? number(template.number) : '–',
+            date: template ? date(template.created_at, new Date(0)) : '–',
+            count: template ? number(template.repetition_count) : '–',
+          })
+        : t('report.notCompared'),
+    ],
+    [
+      t('progress.count'),
+      comparison
+        ? t('report.evaluated', { accepted: comparison.repetition_count, all: comparison.repetitions.length })
+        : '–',
+    ],
     ...(text ? [[t('report.mainAngle'), `${text}: ${convention}`] as [string, string]] : []),
   ];
   return (
-    <Sheet title={t('report.method')} number={comparison && comparison.repetitions.length > 0 ? 3 : 2} session={session} patient={patient}>
+    <Sheet
+      title={t('report.method')}
+      number={comparison && comparison.repetitions.length > 0 ? 3 : 2}
+      session={session}
+      patient={patient}
+    >
       <dl className="paper-method">
         {lines.map(([name, value]) => (
           <div key={name}>

@@ -2,7 +2,16 @@
 import { Button } from '@mantine/core';
 import { IconPrinter } from '@tabler/icons-react';
 import { useParams } from 'react-router';
-import { useComparison, useComparisons, useEstimators, useExercises, usePatient, useProgress, useSession, useTemplateVersion } from '../../api/queries';
+import {
+  useComparison,
+  useComparisons,
+  useEstimators,
+  useExercises,
+  usePatient,
+  useProgress,
+  useSession,
+  useTemplateVersion,
+} from '../../api/queries';
 import type { ComparisonDetail, Patient, Progress, SessionDetail } from '../../api/types';
 import { Answer } from '../../components/Feedback';
 import { Page } from '../../components/Page';
@@ -22,20 +31,44 @@ export interface ReportProps {
 
 function Sheets({ session, patient }: { session: SessionDetail; patient: Patient }) {
   const comparisons = useComparisons(session.id);
-  const of = (comparisons.data ?? []).find((one) => one.result_id === session.main_result_id) ?? comparisons.data?.[0] ?? null;
+  const of =
+    (comparisons.data ?? []).find((one) => one.result_id === session.main_result_id) ?? comparisons.data?.[0] ?? null;
   const comparison = useComparison(of?.id ?? null);
   const progress = useProgress(patient.id, session.exercise_id ?? null);
   const template = useTemplateVersion(of?.template_version_id ?? null);
   const estimators = useEstimators();
   const exercises = useExercises();
   const isWaiting = comparisons.isPending || progress.isPending || (of !== null && comparison.isPending);
-  if (isWaiting) return <Answer of={{ data: undefined, error: comparisons.error ?? progress.error ?? comparison.error, refetch: () => void comparisons.refetch() }}>{() => null}</Answer>;
-  const report: ReportProps = { session, patient, comparison: comparison.data ?? null, progress: progress.data ?? null };
+  if (isWaiting)
+    return (
+      <Answer
+        of={{
+          data: undefined,
+          error: comparisons.error ?? progress.error ?? comparison.error,
+          refetch: () => void comparisons.refetch(),
+        }}
+      >
+        {() => null}
+      </Answer>
+    );
+  const report: ReportProps = {
+    session,
+    patient,
+    comparison: comparison.data ?? null,
+    progress: progress.data ?? null,
+  };
   return (
     <div className="papers">
       <SummarySheet {...report} />
-      {report.comparison && report.comparison.repetitions.length > 0 && <CurvesSheet {...report} comparison={report.comparison} />}
-      <MethodSheet {...report} template={template.data ?? null} estimators={estimators.data ?? []} exercise={exercises.data?.find((one) => one.id === session.exercise_id) ?? null} />
+      {report.comparison && report.comparison.repetitions.length > 0 && (
+        <CurvesSheet {...report} comparison={report.comparison} />
+      )}
+      <MethodSheet
+        {...report}
+        template={template.data ?? null}
+        estimators={estimators.data ?? []}
+        exercise={exercises.data?.find((one) => one.id === session.exercise_id) ?? null}
+      />
     </div>
   );
 }
@@ -53,7 +86,9 @@ export function ReportPage() {
       crumbs={[
         { to: '/', text: t('nav.caseload') },
         ...(session.data && name ? [{ to: `/patients/${session.data.patient_id}`, text: name }] : []),
-        ...(session.data ? [{ to: `/sessions/${session.data.id}`, text: session.data.exercise_name ?? t('session.free') }] : []),
+        ...(session.data
+          ? [{ to: `/sessions/${session.data.id}`, text: session.data.exercise_name ?? t('session.free') }]
+          : []),
       ]}
       actions={
         <Button leftSection={<IconPrinter size={19} aria-hidden />} onClick={() => window.print()}>
@@ -64,7 +99,13 @@ export function ReportPage() {
       <Answer of={session} lines={8} height={40}>
         {(one) => (
           <Answer of={patient} lines={8} height={40}>
-            {(who) => (one.pipeline === 'gait' ? <WalkSheets session={one} patient={who} /> : <Sheets session={one} patient={who} />)}
+            {(who) =>
+              one.pipeline === 'gait' ? (
+                <WalkSheets session={one} patient={who} />
+              ) : (
+                <Sheets session={one} patient={who} />
+              )
+            }
           </Answer>
         )}
       </Answer>

@@ -5,7 +5,13 @@ import { date } from '../../lib/format';
 import type { ReportProps } from './ReportPage';
 
 /** One sheet of paper with its head and foot; printed, it starts a page. */
-export function Sheet({ title, number, session, patient, children }: { title: string; number: number; children: ReactNode } & Pick<ReportProps, 'session' | 'patient'>) {
+export function Sheet({
+  title,
+  number,
+  session,
+  patient,
+  children,
+}: { title: string; number: number; children: ReactNode } & Pick<ReportProps, 'session' | 'patient'>) {
   const id = useId();
   const me = useSignedIn();
   return (

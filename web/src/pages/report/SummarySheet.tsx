@@ -12,7 +12,8 @@ import { Sheet } from './Sheet';
 /** Sessions that the others are compared with. */
 const BASELINE = 3;
 
-const pointOf = (measure: ProgressMeasure | null, sessionId: string) => measure?.points.find((one) => one.session_id === sessionId) ?? null;
+const pointOf = (measure: ProgressMeasure | null, sessionId: string) =>
+  measure?.points.find((one) => one.session_id === sessionId) ?? null;
 
 /** What this session changed against the first ones: for sure, within chance, or not to be judged. */
 export function verdict(measure: ProgressMeasure | null, sessionId: string): string {
@@ -27,10 +28,20 @@ export function verdict(measure: ProgressMeasure | null, sessionId: string): str
 /** The same as a sentence. */
 export function verdictText(measure: ProgressMeasure, sessionId: string): string {
   const point = pointOf(measure, sessionId);
-  return point && measure.points.indexOf(point) < BASELINE && measure.points.length > BASELINE ? t('report.isFirstText') : changeText({ ...point, unit: measure.unit, limit: measure.minimal_detectable_change });
+  return point && measure.points.indexOf(point) < BASELINE && measure.points.length > BASELINE
+    ? t('report.isFirstText')
+    : changeText({ ...point, unit: measure.unit, limit: measure.minimal_detectable_change });
 }
 
-function Headline({ value, measure, sessionId }: { value: MeasureValue | null; measure: ProgressMeasure | null; sessionId: string }) {
+function Headline({
+  value,
+  measure,
+  sessionId,
+}: {
+  value: MeasureValue | null;
+  measure: ProgressMeasure | null;
+  sessionId: string;
+}) {
   const here = pointOf(measure, sessionId);
   const label = value?.label ?? measure?.label;
   if (!label) return null;
@@ -39,7 +50,9 @@ function Headline({ value, measure, sessionId }: { value: MeasureValue | null; m
       <p className="paper-big number">{quantity(value?.value ?? here?.value, value?.unit ?? measure?.unit)}</p>
       <div>
         <p className="strong">{label}</p>
-        {typeof value?.template_value === 'number' && <p>{t('report.template', { value: quantity(value.template_value, value.unit) })}</p>}
+        {typeof value?.template_value === 'number' && (
+          <p>{t('report.template', { value: quantity(value.template_value, value.unit) })}</p>
+        )}
         {measure && <p>{verdictText(measure, sessionId)}</p>}
       </div>
     </div>
@@ -114,8 +127,12 @@ export function SummarySheet(props: ReportProps) {
             {rows.map(({ value, progress: over }) => (
               <tr key={value.measure}>
                 <th scope="row">{value.label}</th>
-                <td className="number" data-label={t('report.thisSession')}>{uncertain(value.value ?? null, value.uncertainty ?? null, value.unit)}</td>
-                <td className="number" data-label={t('compare.template')}>{quantity(value.template_value, value.unit)}</td>
+                <td className="number" data-label={t('report.thisSession')}>
+                  {uncertain(value.value ?? null, value.uncertainty ?? null, value.unit)}
+                </td>
+                <td className="number" data-label={t('compare.template')}>
+                  {quantity(value.template_value, value.unit)}
+                </td>
                 <td data-label={t('report.change')}>{verdict(over, session.id)}</td>
               </tr>
             ))}

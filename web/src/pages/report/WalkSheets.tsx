@@ -26,7 +26,8 @@ function moved(measure: ProgressMeasure | null, sessionId: string): string {
   return isNothing ? t('walkReport.none') : verdict(measure, sessionId);
 }
 
-const overTime = (measures: readonly ProgressMeasure[], name: string) => measures.find((one) => one.measure === `walk:${name}`) ?? null;
+const overTime = (measures: readonly ProgressMeasure[], name: string) =>
+  measures.find((one) => one.measure === `walk:${name}`) ?? null;
 
 /** The measure that tells most of this walk: the test's result, else speed. */
 export function mainOf(measures: readonly ProgressMeasure[]): ProgressMeasure | null {
@@ -63,7 +64,8 @@ function Summary({ session, patient, gait, measures }: Walked & { measures: read
           <div>
             <dt>{t('walkReport.wholeWalk', { name: t(`walk.kind.${test.kind}`) })}</dt>
             <dd className="number">
-              {number(test.distance_m, test.distance_m < 100 ? 2 : 0)} m · {number(test.time_s, 1)} s · {number(test.speed_mps, 2)} m/s
+              {number(test.distance_m, test.distance_m < 100 ? 2 : 0)} m · {number(test.time_s, 1)} s ·{' '}
+              {number(test.speed_mps, 2)} m/s
             </dd>
           </div>
         )}
@@ -110,7 +112,9 @@ function Summary({ session, patient, gait, measures }: Walked & { measures: read
                   {shown(findMeasure(footOf(gait, side)?.measures, name))}
                 </td>
               ))}
-              <td className="number" data-label={t('numbers.difference')}>{shown(findMeasure(gait.asymmetry, name))}</td>
+              <td className="number" data-label={t('numbers.difference')}>
+                {shown(findMeasure(gait.asymmetry, name))}
+              </td>
               <td data-label={t('walkReport.change')}>
                 {SIDES.flatMap((side) => {
                   const over = overTime(measures, `${name}:${side}`);
@@ -135,7 +139,9 @@ function Summary({ session, patient, gait, measures }: Walked & { measures: read
             {both.map((one) => (
               <tr key={one.measure}>
                 <th scope="row">{measureLabel(one.measure)}</th>
-                <td className="number" data-label={t('walkReport.value')}>{shown(one)}</td>
+                <td className="number" data-label={t('walkReport.value')}>
+                  {shown(one)}
+                </td>
                 <td data-label={t('walkReport.change')}>{moved(overTime(measures, one.measure), session.id)}</td>
               </tr>
             ))}
@@ -158,7 +164,8 @@ function Summary({ session, patient, gait, measures }: Walked & { measures: read
 }
 
 function Curves({ session, patient, gait, names }: Walked & { names: readonly CycleCurve['name'][] }) {
-  const of = (side: 'left' | 'right', name: CycleCurve['name']) => footOf(gait, side)?.curves.find((one) => one.name === name);
+  const of = (side: 'left' | 'right', name: CycleCurve['name']) =>
+    footOf(gait, side)?.curves.find((one) => one.name === name);
   return (
     <Sheet title={t('walkReport.curves')} number={2} session={session} patient={patient}>
       <ul className="paper-legend plain-list">
@@ -195,14 +202,39 @@ function Method({ session, patient, gait, page }: Walked & { page: number }) {
   const strides = gait.feet.flatMap((foot) => foot.strides);
   const count = (kind: string) => session.events.filter((event) => event.kind === kind).length;
   const title = estimators.data?.find((one) => one.name === result.orientation)?.title ?? result.orientation;
-  const apart = balance ? t(`walkReport.apart.${balance.apart_source}`, { apart: quantity(balance.apart_m, 'm') }) : t(gait.has_step_width ? 'walkReport.apart.known' : 'walkReport.apart.unknown');
+  const apart = balance
+    ? t(`walkReport.apart.${balance.apart_source}`, { apart: quantity(balance.apart_m, 'm') })
+    : t(gait.has_step_width ? 'walkReport.apart.known' : 'walkReport.apart.unknown');
   const lines: [string, string][] = [
     [t('walkReport.sensors'), `${session.placements.map(placementLabel).join(', ')}; ${number(session.rate_hz)} Hz`],
-    [t('walkReport.forces'), balance ? t('walkReport.forcesYes', { mass: number(balance.mass_kg, 1) }) : t('walkReport.forcesNo')],
+    [
+      t('walkReport.forces'),
+      balance ? t('walkReport.forcesYes', { mass: number(balance.mass_kg, 1) }) : t('walkReport.forcesNo'),
+    ],
     [t('walkReport.apart'), apart],
-    [t('report.estimator'), t('walkReport.estimator', { title, version: result.orientation_version, pipeline: result.pipeline_version, kind: result.kind === 'live' ? t('result.live') : t('result.offline') })],
-    [t('walkReport.lost'), all > 0 ? t('walkReport.lostText', { percent: number((100 * session.packets_missing) / all, 1), gaps: count('gap'), forces: count('forces_lost') }) : t('details.uploaded')],
-    [t('walkReport.counted'), t('walkReport.countedText', { counted: strides.filter((one) => one.is_counted).length, all: strides.length })],
+    [
+      t('report.estimator'),
+      t('walkReport.estimator', {
+        title,
+        version: result.orientation_version,
+        pipeline: result.pipeline_version,
+        kind: result.kind === 'live' ? t('result.live') : t('result.offline'),
+      }),
+    ],
+    [
+      t('walkReport.lost'),
+      all > 0
+        ? t('walkReport.lostText', {
+            percent: number((100 * session.packets_missing) / all, 1),
+            gaps: count('gap'),
+            forces: count('forces_lost'),
+          })
+        : t('details.uploaded'),
+    ],
+    [
+      t('walkReport.counted'),
+      t('walkReport.countedText', { counted: strides.filter((one) => one.is_counted).length, all: strides.length }),
+    ],
   ];
   return (
     <Sheet title={t('report.method')} number={page} session={session} patient={patient}>
@@ -238,7 +270,12 @@ export function WalkSheets({ session, patient }: { session: SessionDetail; patie
         const names = [...new Set(walk.feet.flatMap((foot) => foot.curves.map((curve) => curve.name)))];
         return (
           <div className="papers">
-            <Summary session={session} patient={patient} gait={walk} measures={(progress.data?.measures ?? []).filter((one) => one.measure.startsWith('walk:'))} />
+            <Summary
+              session={session}
+              patient={patient}
+              gait={walk}
+              measures={(progress.data?.measures ?? []).filter((one) => one.measure.startsWith('walk:'))}
+            />
             {names.length > 0 && <Curves session={session} patient={patient} gait={walk} names={names} />}
             <Method session={session} patient={patient} gait={walk} page={names.length > 0 ? 3 : 2} />
           </div>

@@ -9,12 +9,15 @@ import { number } from '../../lib/format';
 
 /** One long task: what it does and how far it is. */
 export function JobProgress({ job }: { job: Job }) {
-  if (job.status === 'failed') return <Problem error={new Error(job.message || t('job.failed'))} title={t(`job.${job.kind}`)} />;
+  if (job.status === 'failed')
+    return <Problem error={new Error(job.message || t('job.failed'))} title={t(`job.${job.kind}`)} />;
   return (
     <div>
       <div className="line-head">
         <span className="strong">{t(`job.${job.kind}`)}</span>
-        <span className="muted number">{job.status === 'queued' ? t('job.queued') : `${number(100 * job.progress)} %`}</span>
+        <span className="muted number">
+          {job.status === 'queued' ? t('job.queued') : `${number(100 * job.progress)} %`}
+        </span>
       </div>
       <Progress value={100 * job.progress} size="lg" transitionDuration={0} aria-label={t(`job.${job.kind}`)} />
       {job.message && <p className="muted small">{job.message}</p>}
@@ -38,11 +41,21 @@ export function AnalysisWait({ session, state }: { session: SessionDetail; state
       {!ready && <p className="muted">{t('analysis.text')}</p>}
       {ready && (
         <Group>
-          <Button size="lg" component={Link} to={`/sessions/${session.id}`} rightSection={<IconArrowRight size={19} aria-hidden />}>
+          <Button
+            size="lg"
+            component={Link}
+            to={`/sessions/${session.id}`}
+            rightSection={<IconArrowRight size={19} aria-hidden />}
+          >
             {t('live.toReplay')}
           </Button>
           {session.purpose === 'template' && (
-            <Button size="lg" variant="default" component={Link} to={`/templates/record?session=${session.id}&patient=${session.patient_id}${session.exercise_id ? `&exercise=${session.exercise_id}` : ''}`}>
+            <Button
+              size="lg"
+              variant="default"
+              component={Link}
+              to={`/templates/record?session=${session.id}&patient=${session.patient_id}${session.exercise_id ? `&exercise=${session.exercise_id}` : ''}`}
+            >
               {t('template.makeFromThis')}
             </Button>
           )}

@@ -32,7 +32,9 @@ function Start({ session, resultId }: { session: SessionDetail; resultId: string
   const [picked, setPicked] = useState<string | null>(null);
   const versions = (templates.data ?? []).flatMap((template) => {
     const newest = template.versions[0];
-    return newest ? [{ value: newest.id, label: t('template.version', { name: template.name, number: newest.number }) }] : [];
+    return newest
+      ? [{ value: newest.id, label: t('template.version', { name: template.name, number: newest.number }) }]
+      : [];
   });
   if (versions.length === 0) {
     return (
@@ -42,7 +44,10 @@ function Start({ session, resultId }: { session: SessionDetail; resultId: string
         title={t('compare.noTemplate')}
         action={
           session.may_treat && (
-            <Button component={Link} to={`/templates/record?patient=${session.patient_id}${session.exercise_id ? `&exercise=${session.exercise_id}` : ''}`}>
+            <Button
+              component={Link}
+              to={`/templates/record?patient=${session.patient_id}${session.exercise_id ? `&exercise=${session.exercise_id}` : ''}`}
+            >
               {t('template.record')}
             </Button>
           )
@@ -59,7 +64,10 @@ function Start({ session, resultId }: { session: SessionDetail; resultId: string
       <Select label={t('replay.template')} data={versions} value={versionId} onChange={setPicked} />
       {compare.error && <Problem error={compare.error} />}
       <div>
-        <Button loading={compare.isPending} onClick={() => versionId && compare.mutate({ template_version_id: versionId, result_id: resultId })}>
+        <Button
+          loading={compare.isPending}
+          onClick={() => versionId && compare.mutate({ template_version_id: versionId, result_id: resultId })}
+        >
           {t('compare.now')}
         </Button>
       </div>
@@ -93,7 +101,8 @@ function Measures({ measures }: { measures: readonly MeasureValue[] }) {
               <tr key={one.measure}>
                 <th scope="row">{one.label}</th>
                 <td className="number">
-                  {uncertain(one.value ?? null, one.uncertainty ?? null, one.unit)} <span className="muted small">{t('compare.count', { count: one.count })}</span>
+                  {uncertain(one.value ?? null, one.uncertainty ?? null, one.unit)}{' '}
+                  <span className="muted small">{t('compare.count', { count: one.count })}</span>
                 </td>
                 <td className="number muted">{quantity(one.template_value, one.unit)}</td>
               </tr>
@@ -106,10 +115,21 @@ function Measures({ measures }: { measures: readonly MeasureValue[] }) {
 }
 
 /** A curve with, beneath it, a button for every stretch that leaves the band: what the pointer does, the keyboard can. */
-function Curve({ curve, comparison, selected, onPhase, phaseNow }: { curve: PhaseCurve; comparison: ComparisonDetail } & Pick<ComparisonPanelProps, 'selected' | 'onPhase' | 'phaseNow'>) {
+function Curve({
+  curve,
+  comparison,
+  selected,
+  onPhase,
+  phaseNow,
+}: { curve: PhaseCurve; comparison: ComparisonDetail } & Pick<
+  ComparisonPanelProps,
+  'selected' | 'onPhase' | 'phaseNow'
+>) {
   const outside = comparison.repetitions.map((one) => one.outside_band[curve.channel] ?? []);
   const left = new Set(comparison.repetitions.flatMap((one, index) => (one.repetition.is_kept ? [] : [index])));
-  const stretches = outsideOf(comparison, curve.channel).filter((one) => selected === null || one.repetition === selected);
+  const stretches = outsideOf(comparison, curve.channel).filter(
+    (one) => selected === null || one.repetition === selected,
+  );
   return (
     <section className="curve">
       <h3>{curve.label}</h3>
@@ -133,7 +153,11 @@ function Curve({ curve, comparison, selected, onPhase, phaseNow }: { curve: Phas
           <ul className="plain-list stretches">
             {stretches.map((one) => (
               <li key={`${one.repetition}/${one.from}`}>
-                <Button size="compact-md" variant="default" onClick={() => onPhase(one.repetition, (one.from + one.until - 1) / 2)}>
+                <Button
+                  size="compact-md"
+                  variant="default"
+                  onClick={() => onPhase(one.repetition, (one.from + one.until - 1) / 2)}
+                >
                   {t('compare.stretch', { number: one.number, from: one.from, until: one.until - 1 })}
                 </Button>
               </li>
@@ -145,7 +169,16 @@ function Curve({ curve, comparison, selected, onPhase, phaseNow }: { curve: Phas
   );
 }
 
-export function ComparisonPanel({ session, resultId, comparison, hasComparison, selected, onSelect, onPhase, phaseNow }: ComparisonPanelProps) {
+export function ComparisonPanel({
+  session,
+  resultId,
+  comparison,
+  hasComparison,
+  selected,
+  onSelect,
+  onPhase,
+  phaseNow,
+}: ComparisonPanelProps) {
   const [showsAll, setShowsAll] = useState(false);
   if (!hasComparison) return <Start session={session} resultId={resultId} />;
   if (!comparison) return null;
@@ -156,13 +189,16 @@ export function ComparisonPanel({ session, resultId, comparison, hasComparison, 
       </Empty>
     );
   }
-  const length = (channel: string) => outsideOf(comparison, channel).reduce((sum, one) => sum + one.until - one.from, 0);
+  const length = (channel: string) =>
+    outsideOf(comparison, channel).reduce((sum, one) => sum + one.until - one.from, 0);
   const ordered = pickCurves(comparison.curves, true, primaryChannel(comparison.summary), length);
   const curves = showsAll ? ordered : ordered.slice(0, SHOWN_FIRST);
   return (
     <div className="stack">
       <div>
-        <p className="muted small">{t('compare.with', { name: comparison.template_name, count: comparison.repetition_count })}</p>
+        <p className="muted small">
+          {t('compare.with', { name: comparison.template_name, count: comparison.repetition_count })}
+        </p>
         <ul className="findings">
           {comparison.findings.map((finding) => (
             <li key={finding}>{finding}</li>
@@ -178,14 +214,24 @@ export function ComparisonPanel({ session, resultId, comparison, hasComparison, 
           onChange={(value) => onSelect(value === 'all' || value === null ? null : Number(value))}
           data={[
             { value: 'all', label: t('compare.allRepetitions') },
-            ...comparison.repetitions.map((one, index) => ({ value: String(index), label: t('repetition.numbered', { number: one.repetition.number }) })),
+            ...comparison.repetitions.map((one, index) => ({
+              value: String(index),
+              label: t('repetition.numbered', { number: one.repetition.number }),
+            })),
           ]}
         />
         <p className="muted small">{t('compare.clickHelp')}</p>
       </div>
       <PhaseLegend withOutside patient />
       {curves.map((curve) => (
-        <Curve key={curve.channel} curve={curve} comparison={comparison} selected={selected} onPhase={onPhase} phaseNow={phaseNow} />
+        <Curve
+          key={curve.channel}
+          curve={curve}
+          comparison={comparison}
+          selected={selected}
+          onPhase={onPhase}
+          phaseNow={phaseNow}
+        />
       ))}
       {ordered.length > SHOWN_FIRST && (
         <div>

@@ -13,7 +13,9 @@ import { Reprocess } from './Reprocess';
 
 /** What made a result, so that two of them are never mixed up. */
 export function resultLabel(result: Result, isMain: boolean, estimators: readonly Estimator[]): string {
-  const title = estimators.find((one) => one.name === result.orientation)?.title ?? tOr(`estimator.${result.orientation}`, result.orientation);
+  const title =
+    estimators.find((one) => one.name === result.orientation)?.title ??
+    tOr(`estimator.${result.orientation}`, result.orientation);
   const kind = result.kind === 'live' ? t('result.live') : t('result.offline');
   const name = t('result.label', { kind, estimator: title, version: result.orientation_version });
   return isMain ? `${name}, ${t('result.main')}` : name;
@@ -39,7 +41,14 @@ export function DetailsPanel({ session, resultId }: { session: SessionDetail; re
           {session.placements.map(placementLabel).join(', ')} · {number(session.rate_hz)} Hz
         </dd>
         <dt>{t('details.packets')}</dt>
-        <dd>{all > 0 ? t('details.packetsText', { stored: number(session.packets_stored), missing: number(session.packets_missing) }) : t('details.uploaded')}</dd>
+        <dd>
+          {all > 0
+            ? t('details.packetsText', {
+                stored: number(session.packets_stored),
+                missing: number(session.packets_missing),
+              })
+            : t('details.uploaded')}
+        </dd>
         {session.calibration && (
           <>
             <dt>{t('details.calibration')}</dt>
@@ -58,16 +67,25 @@ export function DetailsPanel({ session, resultId }: { session: SessionDetail; re
           <ul className="plain-list">
             {session.results.map((one) => (
               <li key={one.id}>
-                {resultLabel(one, one.id === session.main_result_id, choices)} <span className="muted small">{dateTime(one.created_at)}</span>
+                {resultLabel(one, one.id === session.main_result_id, choices)}{' '}
+                <span className="muted small">{dateTime(one.created_at)}</span>
                 {one.status === 'failed' && <span className="alert-text small"> {one.message || t('job.failed')}</span>}
               </li>
             ))}
           </ul>
         </dd>
       </dl>
-      {session.may_treat && session.pipeline !== 'relative_pose' && <Reprocess session={session} result={result} estimators={choices} />}
+      {session.may_treat && session.pipeline !== 'relative_pose' && (
+        <Reprocess session={session} result={result} estimators={choices} />
+      )}
       <div className="details-foot">
-        <Button component="a" href={`/api/sessions/${session.id}/raw`} download variant="default" leftSection={<IconDownload size={18} aria-hidden />}>
+        <Button
+          component="a"
+          href={`/api/sessions/${session.id}/raw`}
+          download
+          variant="default"
+          leftSection={<IconDownload size={18} aria-hidden />}
+        >
           {t('details.raw')}
         </Button>
         {session.may_treat && (
@@ -76,7 +94,9 @@ export function DetailsPanel({ session, resultId }: { session: SessionDetail; re
             title={t('details.deleteTitle')}
             text={t('details.deleteText')}
             confirm={t('details.delete')}
-            onConfirm={() => remove.mutate(session, { onSuccess: () => void navigate(`/patients/${session.patient_id}`) })}
+            onConfirm={() =>
+              remove.mutate(session, { onSuccess: () => void navigate(`/patients/${session.patient_id}`) })
+            }
           />
         )}
       </div>

@@ -23,14 +23,32 @@ function shortLabel(result: Result, estimators: readonly Estimator[]): string {
 
 const degrees = (value: number | null) => (value === null ? '–' : `${number(value, value < 10 ? 1 : 0)}°`);
 
-function Compared({ session, results, estimators }: { session: SessionDetail; results: Result[]; estimators: readonly Estimator[] }) {
-  const [referenceId, setReference] = useState(() => (results.find((one) => one.id === session.main_result_id) ?? results[0])?.id ?? '');
+function Compared({
+  session,
+  results,
+  estimators,
+}: {
+  session: SessionDetail;
+  results: Result[];
+  estimators: readonly Estimator[];
+}) {
+  const [referenceId, setReference] = useState(
+    () => (results.find((one) => one.id === session.main_result_id) ?? results[0])?.id ?? '',
+  );
   const reference = results.find((one) => one.id === referenceId);
   const others = results.filter((one) => one.id !== referenceId);
   const asked = useQueries({
     queries: others.map((one) => ({
       queryKey: keys.differences(session.id, one.id, referenceId),
-      queryFn: ({ signal }: { signal: AbortSignal }) => api.get<Differences>(withQuery(`/api/sessions/${session.id}/results/differences`, { result_a: one.id, result_b: referenceId, max_points: 800 }), signal),
+      queryFn: ({ signal }: { signal: AbortSignal }) =>
+        api.get<Differences>(
+          withQuery(`/api/sessions/${session.id}/results/differences`, {
+            result_a: one.id,
+            result_b: referenceId,
+            max_points: 800,
+          }),
+          signal,
+        ),
       staleTime: Infinity,
     })),
   });
@@ -43,7 +61,8 @@ function Compared({ session, results, estimators }: { session: SessionDetail; re
     if (!angle) return [];
     const first = data.find((one) => one !== undefined);
     const own = first?.curves.find((curve) => curve.name === angle);
-    const base = first && own && reference ? [{ name: shortLabel(reference, estimators), x: first.time_s, y: own.b_deg }] : [];
+    const base =
+      first && own && reference ? [{ name: shortLabel(reference, estimators), x: first.time_s, y: own.b_deg }] : [];
     const more = data.flatMap((one) => {
       const curve = one?.curves.find((candidate) => candidate.name === angle);
       return one && curve ? [{ name: shortLabel(one.result_a, estimators), x: one.time_s, y: curve.a_deg }] : [];
@@ -53,21 +72,54 @@ function Compared({ session, results, estimators }: { session: SessionDetail; re
     // eslint-disable-next-line react-hooks/exhaustive-deps
   }, [known, angle, reference, estimators]);
   const error = asked.find((one) => one.error)?.error;
-  const worst = data.flatMap((one) => one?.angles.filter((candidate) => candidate.name === angle) ?? []).sort((a, b) => (b.maximum_deg ?? 0) - (a.maximum_deg ?? 0))[0];
+  const worst = data
+    .flatMap((one) => one?.angles.filter((candidate) => candidate.name === angle) ?? [])
+    .sort((a, b) => (b.maximum_deg ?? 0) - (a.maximum_deg ?? 0))[0];
   return (
     <div className="stack">
       {error && <Problem error={error} />}
       <div className="result-choice">
-        <Select label={t('differences.reference')} size="sm" w={380} maw="100%" data={results.map((one) => ({ value: one.id, label: shortLabel(one, estimators) }))} value={referenceId} onChange={(value) => value && setReference(value)} />
-        {angle && <Select label={t('differences.angle')} size="sm" w={380} maw="100%" data={rows.map((row) => ({ value: row.name, label: channelLabel(row.name).text }))} value={angle} onChange={(value) => value && setPicked(value)} />}
+        <Select
+          label={t('differences.reference')}
+          size="sm"
+          w={380}
+          maw="100%"
+          data={results.map((one) => ({ value: one.id, label: shortLabel(one, estimators) }))}
+          value={referenceId}
+          onChange={(value) => value && setReference(value)}
+        />
+        {angle && (
+          <Select
+            label={t('differences.angle')}
+            size="sm"
+            w={380}
+            maw="100%"
+            data={rows.map((row) => ({ value: row.name, label: channelLabel(row.name).text }))}
+            value={angle}
+            onChange={(value) => value && setPicked(value)}
+          />
+        )}
       </div>
       {angle && lines.length > 0 && (
         <section className="card stack" aria-labelledby="curves">
           <h2 id="curves" className="protocol-title">
             {channelLabel(angle).text}
           </h2>
-          <LineChart lines={lines} height={360} xTitle={t('differences.time')} yTitle={t('differences.degrees')} label={t('differences.curves', { angle: channelLabel(angle).text, lines: lines.map((line) => line.name).join(', ') })} />
-          {worst && typeof worst.maximum_at_s === 'number' && <p className="muted small">{t('differences.largest', { degrees: degrees(worst.maximum_deg), at: position(worst.maximum_at_s) })}</p>}
+          <LineChart
+            lines={lines}
+            height={360}
+            xTitle={t('differences.time')}
+            yTitle={t('differences.degrees')}
+            label={t('differences.curves', {
+              angle: channelLabel(angle).text,
+              lines: lines.map((line) => line.name).join(', '),
+            })}
+          />
+          {worst && typeof worst.maximum_at_s === 'number' && (
+            <p className="muted small">
+              {t('differences.largest', { degrees: degrees(worst.maximum_deg), at: position(worst.maximum_at_s) })}
+            </p>
+          )}
         </section>
       )}
       <section className="card stack" aria-labelledby="table">
@@ -126,7 +178,9 @@ function Loaded({ session }: { session: SessionDetail }) {
   const estimators = useEstimators();
   const results = distinctResults(session.results, session.main_result_id ?? null);
   if (results.length < 2) return <Empty title={t('differences.emptyTitle')}>{t('differences.emptyText')}</Empty>;
-  return <Answer of={estimators}>{(list) => <Compared session={session} results={results} estimators={list} />}</Answer>;
+  return (
+    <Answer of={estimators}>{(list) => <Compared session={session} results={results} estimators={list} />}</Answer>
+  );
 }
 
 export function EstimatorsPage() {
@@ -142,7 +196,9 @@ export function EstimatorsPage() {
       crumbs={[
         { to: '/', text: t('nav.caseload') },
         ...(session.data && name ? [{ to: `/patients/${session.data.patient_id}`, text: name }] : []),
-        ...(session.data ? [{ to: `/sessions/${session.data.id}?show=details`, text: session.data.exercise_name ?? t('session.free') }] : []),
+        ...(session.data
+          ? [{ to: `/sessions/${session.data.id}?show=details`, text: session.data.exercise_name ?? t('session.free') }]
+          : []),
       ]}
     >
       <Answer of={session} lines={8} height={40}>

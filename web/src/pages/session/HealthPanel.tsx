@@ -23,12 +23,26 @@ export function troubles(sensor: SensorHealth): Trouble[] {
   if (sensor.status === 'noisy') found.push({ text: t('health.noisy'), isUrgent: false, Icon: IconAlertTriangle });
   if (sensor.saturated) found.push({ text: t('health.saturated'), isUrgent: false, Icon: IconAlertTriangle });
   if (sensor.status !== 'lost' && sensor.loss_percent >= NOTABLE_LOSS_PERCENT)
-    found.push({ text: t('health.loss', { percent: number(sensor.loss_percent, 1) }), isUrgent: false, Icon: IconAlertTriangle });
-  if (sensor.jitter_ms >= NOTABLE_JITTER_MS) found.push({ text: t('health.jitter', { ms: number(sensor.jitter_ms) }), isUrgent: false, Icon: IconAlertTriangle });
+    found.push({
+      text: t('health.loss', { percent: number(sensor.loss_percent, 1) }),
+      isUrgent: false,
+      Icon: IconAlertTriangle,
+    });
+  if (sensor.jitter_ms >= NOTABLE_JITTER_MS)
+    found.push({
+      text: t('health.jitter', { ms: number(sensor.jitter_ms) }),
+      isUrgent: false,
+      Icon: IconAlertTriangle,
+    });
   if (sensor.magnetic_disturbance) found.push({ text: t('health.magnet'), isUrgent: false, Icon: IconMagnet });
-  else if (!sensor.heading_trusted && sensor.status !== 'lost') found.push({ text: t('health.heading'), isUrgent: false, Icon: IconAlertTriangle });
+  else if (!sensor.heading_trusted && sensor.status !== 'lost')
+    found.push({ text: t('health.heading'), isUrgent: false, Icon: IconAlertTriangle });
   if (typeof sensor.battery_percent === 'number' && sensor.battery_percent < LOW_BATTERY_PERCENT)
-    found.push({ text: t('health.battery', { percent: number(sensor.battery_percent) }), isUrgent: false, Icon: IconAlertTriangle });
+    found.push({
+      text: t('health.battery', { percent: number(sensor.battery_percent) }),
+      isUrgent: false,
+      Icon: IconAlertTriangle,
+    });
   return found;
 }
 
@@ -67,7 +81,15 @@ function Sensor({ sensor, shared }: { sensor: SensorHealth; shared: readonly Tro
   );
 }
 
-export function HealthPanel({ health: reported, placements, isOutOfReach = false }: { health: HealthMessage | null; placements: readonly Placement[]; isOutOfReach?: boolean }) {
+export function HealthPanel({
+  health: reported,
+  placements,
+  isOutOfReach = false,
+}: {
+  health: HealthMessage | null;
+  placements: readonly Placement[];
+  isOutOfReach?: boolean;
+}) {
   // What was good a while ago may not be now.
   const health = isOutOfReach ? null : reported;
   const lost = health?.sensors.filter((sensor) => sensor.status === 'lost') ?? [];

@@ -42,7 +42,8 @@ function Lasting({ sinceS, nowS }: { sinceS: number; nowS: number }) {
 export function LiveBanners({ snapshot, isLinkLost }: { snapshot: LiveSnapshot; isLinkLost: boolean }) {
   const { connection, lostSinceS, silentSinceS, state } = snapshot;
   const isLost = connection === 'lost' && lostSinceS !== null;
-  const isSilent = !isLost && (isLinkLost || (silentSinceS !== null && (state?.state === 'ready' || state?.state === 'recording')));
+  const isSilent =
+    !isLost && (isLinkLost || (silentSinceS !== null && (state?.state === 'ready' || state?.state === 'recording')));
   // Where no frame was ever seen here, nobody knows since when: only how long this page has waited.
   const [learntS, setLearntS] = useState<number | null>(null);
   useEffect(() => setLearntS(isSilent ? Date.now() / 1000 : null), [isSilent]);

@@ -41,22 +41,53 @@ export function LiveButtons({ sessionId, state, isRecording, isGuided = false }:
     <section className="live-buttons card" aria-label={t('live.controls')}>
       <Group gap="sm">
         {isGuided ? null : isRecording ? (
-          <Button size="lg" className="stop-button" leftSection={<IconPlayerStopFilled size={20} aria-hidden />} loading={deed.isPending && deed.variables === 'stop'} onClick={() => deed.mutate('stop')}>
+          <Button
+            size="lg"
+            className="stop-button"
+            leftSection={<IconPlayerStopFilled size={20} aria-hidden />}
+            loading={deed.isPending && deed.variables === 'stop'}
+            onClick={() => deed.mutate('stop')}
+          >
             {t('live.stop')}
           </Button>
         ) : (
-          <Button size="lg" leftSection={<IconPlayerRecordFilled size={20} aria-hidden />} disabled={state !== 'ready'} loading={deed.isPending && deed.variables === 'record'} onClick={() => deed.mutate('record')}>
+          <Button
+            size="lg"
+            leftSection={<IconPlayerRecordFilled size={20} aria-hidden />}
+            disabled={state !== 'ready'}
+            loading={deed.isPending && deed.variables === 'record'}
+            onClick={() => deed.mutate('record')}
+          >
             {t('live.record')}
           </Button>
         )}
         <form onSubmit={submitMark} className="mark-form">
-          <TextInput aria-label={t('live.note')} placeholder={t('live.note')} maxLength={200} value={note} onChange={(event) => setNote(event.currentTarget.value)} disabled={!canMark} />
-          <Button type="submit" variant="default" leftSection={<IconFlag size={18} aria-hidden />} disabled={!canMark} loading={mark.isPending}>
+          <TextInput
+            aria-label={t('live.note')}
+            placeholder={t('live.note')}
+            maxLength={200}
+            value={note}
+            onChange={(event) => setNote(event.currentTarget.value)}
+            disabled={!canMark}
+          />
+          <Button
+            type="submit"
+            variant="default"
+            leftSection={<IconFlag size={18} aria-hidden />}
+            disabled={!canMark}
+            loading={mark.isPending}
+          >
             {t('live.mark')}
           </Button>
         </form>
         <span className="push">
-          <Confirm label={t('live.close')} title={t('live.closeTitle')} text={t('live.closeText')} confirm={t('live.close')} onConfirm={() => deed.mutate('close')} />
+          <Confirm
+            label={t('live.close')}
+            title={t('live.closeTitle')}
+            text={t('live.closeText')}
+            confirm={t('live.close')}
+            onConfirm={() => deed.mutate('close')}
+          />
         </span>
       </Group>
       {deed.error && <Problem error={deed.error} />}

@@ -40,9 +40,13 @@ const LIVE = { mode: 'live' } as const;
 function Delay({ snapshot }: { snapshot: LiveSnapshot }) {
   const service = snapshot.health?.latency_ms_median ?? null;
   const network = snapshot.networkMs;
-  const isKnown = service !== null && network !== null && snapshot.silentSinceS === null && snapshot.connection === 'open';
+  const isKnown =
+    service !== null && network !== null && snapshot.silentSinceS === null && snapshot.connection === 'open';
   return (
-    <span className="delay" title={isKnown ? t('live.delayParts', { service: number(service), network: number(network) }) : undefined}>
+    <span
+      className="delay"
+      title={isKnown ? t('live.delayParts', { service: number(service), network: number(network) }) : undefined}
+    >
       <span className="muted">{t('live.delay')}</span>{' '}
       <span className="number strong" data-testid="delay">
         {isKnown ? `${number(service + network)} ms` : '–'}
@@ -84,17 +88,29 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
   const state: SessionState = message?.state ?? session.state;
   const step = useRef(0);
   // The socket's word counts once there is one: its start is null again when the recording was stopped.
-  const isRecording = state === 'recording' || (state === 'link_lost' && (message ? message.recording_start_s !== null : session.recording_start_s !== null && session.recording_end_s === null));
+  const isRecording =
+    state === 'recording' ||
+    (state === 'link_lost' &&
+      (message
+        ? message.recording_start_s !== null
+        : session.recording_start_s !== null && session.recording_end_s === null));
   const inForce = message?.calibration ?? session.calibration;
-  step.current = stepOf(state, step.current, { isCalibrated: inForce !== null && !inForce.needs_headings, isRecording });
+  step.current = stepOf(state, step.current, {
+    isCalibrated: inForce !== null && !inForce.needs_headings,
+    isRecording,
+  });
   const angles = snapshot.columns?.layout.angles ?? session.layout.angles;
   const [chosen, setChosen] = useState<string[] | null>(null);
   const channels = useMemo(
-    () => (chosen ?? preferredAngles(angles, exercise?.primary_angle, exercise?.side ?? null)).filter((name) => angles.includes(name)),
+    () =>
+      (chosen ?? preferredAngles(angles, exercise?.primary_angle, exercise?.side ?? null)).filter((name) =>
+        angles.includes(name),
+      ),
     [chosen, angles, exercise],
   );
   useEffect(() => {
-    if (state === 'closing' || state === 'analysed') void client.invalidateQueries({ queryKey: keys.session(session.id) });
+    if (state === 'closing' || state === 'analysed')
+      void client.invalidateQueries({ queryKey: keys.session(session.id) });
   }, [state, client, session.id]);
 
   const isOver = state === 'closing' || state === 'analysed' || state === 'failed';
@@ -106,7 +122,10 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
   const modules = session.layout.segments.slice(1);
   const isSelfCalibrated = isWalk || isMagnetic;
   const feet = session.layout.scalars.filter((name) => name.endsWith('_speed_mps') || name.endsWith('_force_z_n'));
-  const distances = useMemo(() => session.layout.scalars.filter((name) => name.endsWith('_distance_m')), [session.layout.scalars]);
+  const distances = useMemo(
+    () => session.layout.scalars.filter((name) => name.endsWith('_distance_m')),
+    [session.layout.scalars],
+  );
   const mass = useMemo(() => massChannels(session.layout.scalars), [session.layout.scalars]);
   const moduleChannels = useMemo(() => [...distances, ...channels], [distances, channels]);
   // Before it is known how sensors sit or which way they face, numbers would be wrong, not merely uncertain.
@@ -125,7 +144,9 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
           <p>{message.reason}</p>
         </div>
       )}
-      {state === 'failed' && <Problem error={new Error(message?.reason || session.state_reason)} title={t('live.failed')} />}
+      {state === 'failed' && (
+        <Problem error={new Error(message?.reason || session.state_reason)} title={t('live.failed')} />
+      )}
       {snapshot.error && !snapshot.error.closing && <Problem error={new Error(snapshot.error.message)} />}
       {isOver && state !== 'failed' && (
         <div className="spaced">
@@ -135,82 +156,118 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
       {isOver ? (
         <Happened events={snapshot.events.length ? snapshot.events : session.events} />
       ) : (
-      <div className="live-grid">
-        <div className="stack">
-          {isMagnetic && <SafetyCard session={session} />}
-          {state === 'created' && <ConnectHelp session={session} />}
-          {mayCalibrate && (
-            <CalibrationPanel
-              sessionId={session.id}
+        <div className="live-grid">
+          <div className="stack">
+            {isMagnetic && <SafetyCard session={session} />}
+            {state === 'created' && <ConnectHelp session={session} />}
+            {mayCalibrate && (
+              <CalibrationPanel
+                sessionId={session.id}
+                placements={wornPlacements(session)}
+                guide={snapshot.calibration}
+                hint={message?.calibration_hint ?? ''}
+                mayAct={mayRecord}
+                isAsked={isAsked}
+                isNeeded={state === 'calibrating'}
+                isRemembered={calibration?.needs_headings ?? false}
+                onClose={() => setAsked(false)}
+              />
+            )}
+            {isWalk && state !== 'created' && (
+              <GuidedWalk
+                session={session}
+                player={player}
+                message={message}
+                kind={session.exercise_id && exercises.isPending ? null : walkKind(exercise?.movement)}
+                state={state}
+                isRecording={isRecording}
+                mayRecord={mayRecord}
+                delayS={snapshot.columns?.delayS ?? 0}
+              />
+            )}
+            {state !== 'created' && mayRecord && (
+              <LiveButtons sessionId={session.id} state={state} isRecording={isRecording} isGuided={isWalk} />
+            )}
+            {isMagnetic && state !== 'created' && <SourceStart player={player} sensors={modules} />}
+            {state !== 'created' && (
+              <Viewer3D
+                sessionId={session.id}
+                request={LIVE}
+                title={t('viewer.liveTitle')}
+                near={isWalk ? 'feet' : isMagnetic ? 'modules' : 'arm'}
+              />
+            )}
+            {isWalk && <Notice>{t('live.walkHelp')}</Notice>}
+            {isMagnetic && state !== 'created' && <SourceLegend />}
+            {isMagnetic && snapshot.columns && state !== 'created' && (
+              <section className="card" aria-labelledby="distances">
+                <div className="card-head">
+                  <h2 id="distances">{t('magnetic.motion')}</h2>
+                </div>
+                <Traces
+                  player={player}
+                  channels={moduleChannels}
+                  tools={<ChannelPicker available={angles} value={channels} onChange={setChosen} />}
+                />
+              </section>
+            )}
+            {isWalk && snapshot.columns && state !== 'created' && (
+              <section className="card" aria-labelledby="feet">
+                <h2 id="feet">{t('live.walk')}</h2>
+                <Traces player={player} channels={feet} />
+              </section>
+            )}
+            {isUnset && (
+              <section className="card">
+                <p className="muted">{t(inForce?.needs_headings ? 'live.noCurvesYet' : 'live.noCurvesBefore')}</p>
+              </section>
+            )}
+            {!isWalk && !isMagnetic && !isUnset && snapshot.columns && state !== 'created' && (
+              <section className="card" aria-labelledby="angles">
+                <h2 id="angles" className="visually-hidden">
+                  {t('traces.title')}
+                </h2>
+                {channels.length > 0 ? (
+                  <Traces
+                    player={player}
+                    channels={channels}
+                    tools={<ChannelPicker available={angles} value={channels} onChange={setChosen} />}
+                  />
+                ) : (
+                  <p className="muted">{t('traces.none')}</p>
+                )}
+              </section>
+            )}
+          </div>
+          <div className="stack">
+            {mass.length > 0 && !isUnset && snapshot.columns && state !== 'created' && (
+              <section className="card" aria-labelledby="mass">
+                <h2 id="mass">{t('mass.title')}</h2>
+                <Traces player={player} channels={mass} />
+              </section>
+            )}
+            {isWalk && state !== 'created' && snapshot.columns && (
+              <LiveWalk player={player} scalars={session.layout.scalars} delayS={snapshot.columns.delayS} />
+            )}
+            {isMagnetic && state !== 'created' && (
+              <LiveSource player={player} sensors={modules} source={session.layout.segments[0] ?? ''} />
+            )}
+            <HealthPanel
+              health={snapshot.health}
               placements={wornPlacements(session)}
-              guide={snapshot.calibration}
-              hint={message?.calibration_hint ?? ''}
-              mayAct={mayRecord}
-              isAsked={isAsked}
-              isNeeded={state === 'calibrating'}
-              isRemembered={calibration?.needs_headings ?? false}
-              onClose={() => setAsked(false)}
+              isOutOfReach={snapshot.connection === 'lost'}
             />
-          )}
-          {isWalk && state !== 'created' && (
-            <GuidedWalk
-              session={session}
-              player={player}
-              message={message}
-              kind={session.exercise_id && exercises.isPending ? null : walkKind(exercise?.movement)}
-              state={state}
-              isRecording={isRecording}
-              mayRecord={mayRecord}
-              delayS={snapshot.columns?.delayS ?? 0}
-            />
-          )}
-          {state !== 'created' && mayRecord && <LiveButtons sessionId={session.id} state={state} isRecording={isRecording} isGuided={isWalk} />}
-          {isMagnetic && state !== 'created' && <SourceStart player={player} sensors={modules} />}
-          {state !== 'created' && <Viewer3D sessionId={session.id} request={LIVE} title={t('viewer.liveTitle')} near={isWalk ? 'feet' : isMagnetic ? 'modules' : 'arm'} />}
-          {isWalk && <Notice>{t('live.walkHelp')}</Notice>}
-          {isMagnetic && state !== 'created' && <SourceLegend />}
-          {isMagnetic && snapshot.columns && state !== 'created' && (
-            <section className="card" aria-labelledby="distances">
-              <div className="card-head">
-                <h2 id="distances">{t('magnetic.motion')}</h2>
-              </div>
-              <Traces player={player} channels={moduleChannels} tools={<ChannelPicker available={angles} value={channels} onChange={setChosen} />} />
-            </section>
-          )}
-          {isWalk && snapshot.columns && state !== 'created' && (
-            <section className="card" aria-labelledby="feet">
-              <h2 id="feet">{t('live.walk')}</h2>
-              <Traces player={player} channels={feet} />
-            </section>
-          )}
-          {isUnset && (
-            <section className="card">
-              <p className="muted">{t(inForce?.needs_headings ? 'live.noCurvesYet' : 'live.noCurvesBefore')}</p>
-            </section>
-          )}
-          {!isWalk && !isMagnetic && !isUnset && snapshot.columns && state !== 'created' && (
-            <section className="card" aria-labelledby="angles">
-              <h2 id="angles" className="visually-hidden">
-                {t('traces.title')}
-              </h2>
-              {channels.length > 0 ? <Traces player={player} channels={channels} tools={<ChannelPicker available={angles} value={channels} onChange={setChosen} />} /> : <p className="muted">{t('traces.none')}</p>}
-            </section>
-          )}
+            {state === 'ready' && !isSelfCalibrated && calibration && mayRecord && (
+              <InForce
+                sessionId={session.id}
+                calibration={calibration}
+                placements={wornPlacements(session)}
+                onAgain={() => setAsked(true)}
+              />
+            )}
+            <Happened events={snapshot.events.length ? snapshot.events : session.events} />
+          </div>
         </div>
-        <div className="stack">
-          {mass.length > 0 && !isUnset && snapshot.columns && state !== 'created' && (
-            <section className="card" aria-labelledby="mass">
-              <h2 id="mass">{t('mass.title')}</h2>
-              <Traces player={player} channels={mass} />
-            </section>
-          )}
-          {isWalk && state !== 'created' && snapshot.columns && <LiveWalk player={player} scalars={session.layout.scalars} delayS={snapshot.columns.delayS} />}
-          {isMagnetic && state !== 'created' && <LiveSource player={player} sensors={modules} source={session.layout.segments[0] ?? ''} />}
-          <HealthPanel health={snapshot.health} placements={wornPlacements(session)} isOutOfReach={snapshot.connection === 'lost'} />
-          {state === 'ready' && !isSelfCalibrated && calibration && mayRecord && <InForce sessionId={session.id} calibration={calibration} placements={wornPlacements(session)} onAgain={() => setAsked(true)} />}
-          <Happened events={snapshot.events.length ? snapshot.events : session.events} />
-        </div>
-      </div>
       )}
     </>
   );

@@ -44,14 +44,26 @@ export function tableOf(blocks: readonly Motion[], index: number, zeroS: number)
       const hasDot = frame !== null && timeS - dotS > DOT_EVERY_S - 1e-6;
       if (hasDot) dotS = timeS;
       const known = place !== null && Number.isFinite(spread);
-      const row6 = [timeS - zeroS, known ? place - spread : null, known ? place + spread : null, isGap && !atEdge ? null : place, isGap || atEdge ? place : null, hasDot ? frame : null];
+      const row6 = [
+        timeS - zeroS,
+        known ? place - spread : null,
+        known ? place + spread : null,
+        isGap && !atEdge ? null : place,
+        isGap || atEdge ? place : null,
+        hasDot ? frame : null,
+      ];
       row6.forEach((value, column) => table[column]?.push(value));
     });
   }
   return table;
 }
 
-function optionsOf(range: { current: [number, number] }, gaps: { current: readonly Gap[] }, zeroS: number, onSeek: (sinceStartS: number) => void): PlotOptions {
+function optionsOf(
+  range: { current: [number, number] },
+  gaps: { current: readonly Gap[] },
+  zeroS: number,
+  onSeek: (sinceStartS: number) => void,
+): PlotOptions {
   const hidden = { show: true, stroke: 'transparent', points: { show: false } } as const;
   return {
     cursor: { show: false },
@@ -59,7 +71,12 @@ function optionsOf(range: { current: [number, number] }, gaps: { current: readon
     padding: [10, 22, 0, 0],
     scales: { x: { time: false, range: (_, low, high) => [low, high] }, y: { range: () => range.current } },
     axes: [
-      axis({ size: 22, space: 70, incrs: [1, 2, 5, 10], values: (_, ticks) => ticks.map((tick) => `${number(tick)} s`) }),
+      axis({
+        size: 22,
+        space: 70,
+        incrs: [1, 2, 5, 10],
+        values: (_, ticks) => ticks.map((tick) => `${number(tick)} s`),
+      }),
       axis({ size: 62, space: 34, values: (_, ticks) => ticks.map((tick) => `${number(tick, 2)} m`) }),
     ],
     series: [
@@ -68,7 +85,16 @@ function optionsOf(range: { current: [number, number] }, gaps: { current: readon
       hidden,
       { stroke: () => themeColour('--tm-series-2'), width: 3, points: { show: false } },
       { stroke: () => themeColour('--tm-series-6'), width: 3, dash: [9, 5], points: { show: false } },
-      { stroke: () => themeColour('--tm-series-3'), paths: () => null, points: { show: true, size: 6, stroke: () => themeColour('--tm-series-3'), fill: () => themeColour('--tm-series-3') } },
+      {
+        stroke: () => themeColour('--tm-series-3'),
+        paths: () => null,
+        points: {
+          show: true,
+          size: 6,
+          stroke: () => themeColour('--tm-series-3'),
+          fill: () => themeColour('--tm-series-3'),
+        },
+      },
     ],
     bands: [{ series: [2, 1], fill: () => themeColour('--tm-neutral-band') }],
     hooks: {
@@ -76,11 +102,14 @@ function optionsOf(range: { current: [number, number] }, gaps: { current: readon
         (plot) => {
           for (const gap of gaps.current) {
             const from = gap.start_s - zeroS;
-            if (from + gap.length_s > (plot.scales['x']?.min ?? 0) && from < (plot.scales['x']?.max ?? 0)) hatch(plot, from, from + gap.length_s);
+            if (from + gap.length_s > (plot.scales['x']?.min ?? 0) && from < (plot.scales['x']?.max ?? 0))
+              hatch(plot, from, from + gap.length_s);
           }
         },
       ],
-      ready: [(plot) => void plot.over.addEventListener('pointerdown', (event) => onSeek(plot.posToVal(event.offsetX, 'x')))],
+      ready: [
+        (plot) => void plot.over.addEventListener('pointerdown', (event) => onSeek(plot.posToVal(event.offsetX, 'x'))),
+      ],
     },
   };
 }
@@ -138,7 +167,13 @@ function AxisTrace({ index, blocks, gaps, player, onSeek }: AxisProps) {
         <span className="trace-value number" ref={reading} />
       </div>
       <div className="trace-plot">
-        <Plot options={options} data={table as uPlot.AlignedData} height={HEIGHT} label={t('markers.trace', { axis: name })} onReady={(made) => void (plot.current = made)} />
+        <Plot
+          options={options}
+          data={table as uPlot.AlignedData}
+          height={HEIGHT}
+          label={t('markers.trace', { axis: name })}
+          onReady={(made) => void (plot.current = made)}
+        />
         <span className="trace-cursor" aria-hidden ref={cursor} />
       </div>
     </div>
@@ -202,7 +237,10 @@ export function MarkerMotion({ fused, shown, onChoose, player, onSeek }: MarkerM
           label={t('markers.which')}
           value={shown.id}
           onChange={(value) => value && onChoose(value)}
-          data={fused.map((one) => ({ value: one.id, label: t('markers.of', { marker: one.report?.marker ?? '', segment: placementLabel(one.segment) }) }))}
+          data={fused.map((one) => ({
+            value: one.id,
+            label: t('markers.of', { marker: one.report?.marker ?? '', segment: placementLabel(one.segment) }),
+          }))}
           allowDeselect={false}
         />
       )}
@@ -228,7 +266,12 @@ export function MarkerMotion({ fused, shown, onChoose, player, onSeek }: MarkerM
             {longest.map((gap) => (
               <tr key={gap.start_s}>
                 <th scope="row">
-                  <Button variant="subtle" size="compact-md" aria-label={t('markers.gap.go', { time: `${number(gap.start_s - startS, 1)} s` })} onClick={() => onSeek(Math.max(0, gap.start_s - startS))}>
+                  <Button
+                    variant="subtle"
+                    size="compact-md"
+                    aria-label={t('markers.gap.go', { time: `${number(gap.start_s - startS, 1)} s` })}
+                    onClick={() => onSeek(Math.max(0, gap.start_s - startS))}
+                  >
                     {number(gap.start_s - startS, 1)} s
                   </Button>
                 </th>

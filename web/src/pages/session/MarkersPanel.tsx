@@ -15,7 +15,8 @@ import { dateTime, number } from '../../lib/format';
 
 const UNITS = ['mm', 'cm', 'm', 'inch'] as const;
 const UPS = ['z', 'y', 'x', '-z', '-y', '-x'] as const;
-const mm = (metres: number | null | undefined, digits = 1) => number(metres === null || metres === undefined ? null : metres * 1000, digits);
+const mm = (metres: number | null | undefined, digits = 1) =>
+  number(metres === null || metres === undefined ? null : metres * 1000, digits);
 
 function Form({ session }: { session: SessionDetail }) {
   const client = useQueryClient();
@@ -60,13 +61,44 @@ function Form({ session }: { session: SessionDetail }) {
           </Button>
         )}
       </FileButton>
-      <Select label={t('markers.segment')} data={session.placements.map((one) => ({ value: one, label: placementLabel(one) }))} value={segment} onChange={setSegment} allowDeselect={false} />
-      <TextInput label={t('markers.marker')} description={t('markers.markerHelp')} value={marker} onChange={(event) => setMarker(event.currentTarget.value)} maxLength={100} />
-      <Select label={t('markers.up')} data={[...UPS]} value={up} onChange={(value) => setUp((value ?? 'z') as (typeof UPS)[number])} allowDeselect={false} />
+      <Select
+        label={t('markers.segment')}
+        data={session.placements.map((one) => ({ value: one, label: placementLabel(one) }))}
+        value={segment}
+        onChange={setSegment}
+        allowDeselect={false}
+      />
+      <TextInput
+        label={t('markers.marker')}
+        description={t('markers.markerHelp')}
+        value={marker}
+        onChange={(event) => setMarker(event.currentTarget.value)}
+        maxLength={100}
+      />
+      <Select
+        label={t('markers.up')}
+        data={[...UPS]}
+        value={up}
+        onChange={(value) => setUp((value ?? 'z') as (typeof UPS)[number])}
+        allowDeselect={false}
+      />
       {isCsv && (
         <>
-          <Select label={t('markers.unit')} data={[...UNITS]} value={unit} onChange={(value) => setUnit((value ?? 'mm') as (typeof UNITS)[number])} allowDeselect={false} />
-          <NumberInput label={t('markers.rate')} description={t('markers.rateHelp')} value={rate ?? ''} min={1} max={10000} onChange={(value) => setRate(typeof value === 'number' ? value : null)} />
+          <Select
+            label={t('markers.unit')}
+            data={[...UNITS]}
+            value={unit}
+            onChange={(value) => setUnit((value ?? 'mm') as (typeof UNITS)[number])}
+            allowDeselect={false}
+          />
+          <NumberInput
+            label={t('markers.rate')}
+            description={t('markers.rateHelp')}
+            value={rate ?? ''}
+            min={1}
+            max={10000}
+            onChange={(value) => setRate(typeof value === 'number' ? value : null)}
+          />
         </>
       )}
       <Button type="submit" disabled={!file || !segment} loading={isBusy}>
@@ -79,7 +111,10 @@ function Form({ session }: { session: SessionDetail }) {
 
 function Report({ report }: { report: MarkerReport }) {
   const { curves } = report;
-  const longest = report.gaps.reduce((most, gap) => (gap.length_s > most.length_s ? gap : most), report.gaps[0] ?? { length_s: 0, sigma_m: 0, start_s: 0, withheld: false });
+  const longest = report.gaps.reduce(
+    (most, gap) => (gap.length_s > most.length_s ? gap : most),
+    report.gaps[0] ?? { length_s: 0, sigma_m: 0, start_s: 0, withheld: false },
+  );
   const withheld = report.gaps.filter((gap) => gap.withheld).length;
   const largest = Math.max(0, ...curves.residual_m.map((value) => value ?? 0));
   const inMm = (values: readonly (number | null)[]) => values.map((value) => (value === null ? null : value * 1000));
@@ -87,17 +122,44 @@ function Report({ report }: { report: MarkerReport }) {
     <>
       <dl className="facts">
         <dt>{t('markers.offset')}</dt>
-        <dd>{t('markers.offsetText', { offset: mm(report.offset_s), sigma: mm(report.offset_sigma_s, 2), drift: number(report.drift_ppm), driftSigma: number(report.drift_sigma_ppm) })}</dd>
+        <dd>
+          {t('markers.offsetText', {
+            offset: mm(report.offset_s),
+            sigma: mm(report.offset_sigma_s, 2),
+            drift: number(report.drift_ppm),
+            driftSigma: number(report.drift_sigma_ppm),
+          })}
+        </dd>
         <dt>{t('markers.correlation')}</dt>
-        <dd>{t('markers.correlationText', { correlation: number(report.correlation, 3), overlap: number(report.overlap_s), rival: number(report.rival, 2) })}</dd>
+        <dd>
+          {t('markers.correlationText', {
+            correlation: number(report.correlation, 3),
+            overlap: number(report.overlap_s),
+            rival: number(report.rival, 2),
+          })}
+        </dd>
         <dt>{t('markers.lever')}</dt>
         <dd>{report.lever_arm_m.map((one) => mm(one)).join(', ')} mm</dd>
         <dt>{t('markers.residual')}</dt>
         <dd>{report.residual_rms_m.map((one) => mm(one, 2)).join(', ')} mm</dd>
         <dt>{t('markers.frames')}</dt>
-        <dd>{t('markers.framesText', { used: number(report.used_count), count: number(report.frame_count), rejected: number(report.rejected_count) })}</dd>
+        <dd>
+          {t('markers.framesText', {
+            used: number(report.used_count),
+            count: number(report.frame_count),
+            rejected: number(report.rejected_count),
+          })}
+        </dd>
         <dt>{t('markers.gaps')}</dt>
-        <dd>{report.gap_count === 0 ? t('markers.gapsNone') : t('markers.gapsText', { count: number(report.gap_count), length: number(longest.length_s, 2), sigma: mm(longest.sigma_m) })}</dd>
+        <dd>
+          {report.gap_count === 0
+            ? t('markers.gapsNone')
+            : t('markers.gapsText', {
+                count: number(report.gap_count),
+                length: number(longest.length_s, 2),
+                sigma: mm(longest.sigma_m),
+              })}
+        </dd>
       </dl>
       {withheld > 0 && <p className="alert-text">{t('markers.withheld', { count: number(withheld) })}</p>}
       <LineChart
@@ -143,7 +205,10 @@ function Report({ report }: { report: MarkerReport }) {
 }
 
 function Entry({ found }: { found: Markers }) {
-  const name = t('markers.of', { marker: found.report?.marker ?? found.format.toUpperCase(), segment: placementLabel(found.segment) });
+  const name = t('markers.of', {
+    marker: found.report?.marker ?? found.format.toUpperCase(),
+    segment: placementLabel(found.segment),
+  });
   return (
     <section className="stack">
       <h4>
@@ -157,12 +222,22 @@ function Entry({ found }: { found: Markers }) {
       {(found.status === 'queued' || found.status === 'running') && <p className="muted">{t('markers.waiting')}</p>}
       {found.report && <Report report={found.report} />}
       {found.report && (
-        <Button component={Link} to={`/sessions/${found.session_id}?show=markers&markers=${found.id}`} leftSection={<IconRoute size={18} aria-hidden />}>
+        <Button
+          component={Link}
+          to={`/sessions/${found.session_id}?show=markers&markers=${found.id}`}
+          leftSection={<IconRoute size={18} aria-hidden />}
+        >
           {t('markers.show')}
         </Button>
       )}
       {found.report && (
-        <Button component="a" href={`/api/sessions/${found.session_id}/markers/motion?markers_id=${found.id}`} download variant="default" leftSection={<IconDownload size={18} aria-hidden />}>
+        <Button
+          component="a"
+          href={`/api/sessions/${found.session_id}/markers/motion?markers_id=${found.id}`}
+          download
+          variant="default"
+          leftSection={<IconDownload size={18} aria-hidden />}
+        >
           {t('markers.download')}
         </Button>
       )}
@@ -179,7 +254,9 @@ export function MarkersPanel({ session }: { session: SessionDetail }) {
       {session.may_treat && session.state === 'analysed' && <Form session={session} />}
       {markers.error && <Problem error={markers.error} />}
       {markers.data?.length === 0 && <p className="muted">{t('markers.none')}</p>}
-      {markers.data?.map((found) => <Entry key={found.id} found={found} />)}
+      {markers.data?.map((found) => (
+        <Entry key={found.id} found={found} />
+      ))}
     </section>
   );
 }

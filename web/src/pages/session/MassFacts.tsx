@@ -20,14 +20,20 @@ function Found({ found }: { found: MassCentre }) {
               <dd className="number">
                 {curve.least_m === null || curve.most_m === null
                   ? t('mass.unknown')
-                  : t('mass.range', { low: quantity(curve.least_m, 'm'), high: quantity(curve.most_m, 'm'), sigma: spread ? quantity(spread.median, 'm') : t('mass.unknown') })}
+                  : t('mass.range', {
+                      low: quantity(curve.least_m, 'm'),
+                      high: quantity(curve.most_m, 'm'),
+                      sigma: spread ? quantity(spread.median, 'm') : t('mass.unknown'),
+                    })}
               </dd>
             </Fragment>
           );
         })}
       </dl>
       <p className="muted small">
-        {found.assumed.length > 0 ? t('mass.assumed', { places: placementList(found.assumed) }) : t('mass.nothingAssumed')}
+        {found.assumed.length > 0
+          ? t('mass.assumed', { places: placementList(found.assumed) })
+          : t('mass.nothingAssumed')}
       </p>
       <p className="muted small">{t('mass.how')}</p>
     </>

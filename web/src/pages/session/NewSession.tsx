@@ -1,7 +1,15 @@
 import { Button, Group, NumberInput, Select, Switch } from '@mantine/core';
 import { useState, type FormEvent } from 'react';
 import { useNavigate, useParams, useSearchParams } from 'react-router';
-import { useEstimators, useExercises, useMagneticSources, useNewSession, useNewSourceSession, usePatient, usePrescriptions } from '../../api/queries';
+import {
+  useEstimators,
+  useExercises,
+  useMagneticSources,
+  useNewSession,
+  useNewSourceSession,
+  usePatient,
+  usePrescriptions,
+} from '../../api/queries';
 import type { Estimator, Patient, Placement, SessionIn } from '../../api/types';
 import { RadioCards } from '../../components/Choice';
 import { Answer, Problem } from '../../components/Feedback';
@@ -57,8 +65,16 @@ function Form({ patient }: { patient: Patient }) {
   const names = new Map((exercises.data ?? []).map((one) => [one.id, one.name]));
   const prescribedIds = new Set(prescribed.map((one) => one.exercise_id));
   const groups = [
-    { group: t('newSession.prescribed'), items: [...prescribedIds].map((id) => ({ value: id, label: names.get(id) ?? id })) },
-    { group: t('newSession.others'), items: (exercises.data ?? []).filter((one) => !prescribedIds.has(one.id)).map((one) => ({ value: one.id, label: one.name })) },
+    {
+      group: t('newSession.prescribed'),
+      items: [...prescribedIds].map((id) => ({ value: id, label: names.get(id) ?? id })),
+    },
+    {
+      group: t('newSession.others'),
+      items: (exercises.data ?? [])
+        .filter((one) => !prescribedIds.has(one.id))
+        .map((one) => ({ value: one.id, label: one.name })),
+    },
   ].filter((group) => group.items.length > 0);
 
   // What is to be measured cannot be known already.
@@ -69,7 +85,14 @@ function Form({ patient }: { patient: Patient }) {
     const goOn = { onSuccess: (session: { id: string }) => void navigate(`/sessions/${session.id}/live`) };
     if (isMagnetic) {
       createWithSource.mutate(
-        { patient_id: patient.id, pipeline, placements: [worn.source, ...worn.sensors], orientation_parameters: sourceParameters(worn, wornId ? USUAL : coils, use), ...(wornId ? { magnetic_source_id: wornId } : {}), use_mounting: false },
+        {
+          patient_id: patient.id,
+          pipeline,
+          placements: [worn.source, ...worn.sensors],
+          orientation_parameters: sourceParameters(worn, wornId ? USUAL : coils, use),
+          ...(wornId ? { magnetic_source_id: wornId } : {}),
+          use_mounting: false,
+        },
         goOn,
       );
       return;
@@ -78,7 +101,8 @@ function Form({ patient }: { patient: Patient }) {
       {
         patient_id: patient.id,
         exercise_id: exerciseId,
-        prescription_id: purpose === 'exercise' ? (prescribed.find((one) => one.exercise_id === exerciseId)?.id ?? null) : null,
+        prescription_id:
+          purpose === 'exercise' ? (prescribed.find((one) => one.exercise_id === exerciseId)?.id ?? null) : null,
         purpose,
         pipeline,
         placements: isWalk ? (hasShoes ? SHOES : FEET) : placements,
@@ -93,16 +117,18 @@ function Form({ patient }: { patient: Patient }) {
   return (
     <form className="card stack form-card" onSubmit={submit}>
       {create.error && <Problem error={create.error} />}
-      {!isMagnetic && <Select
-        label={t('newSession.exercise')}
-        searchable
-        data={groups}
-        value={exerciseId}
-        onChange={setPicked}
-        placeholder={t('prescription.chooseExercise')}
-        nothingFoundMessage={t('newSession.noExercise')}
-        maw={480}
-      />}
+      {!isMagnetic && (
+        <Select
+          label={t('newSession.exercise')}
+          searchable
+          data={groups}
+          value={exerciseId}
+          onChange={setPicked}
+          placeholder={t('prescription.chooseExercise')}
+          nothingFoundMessage={t('newSession.noExercise')}
+          maw={480}
+        />
+      )}
       <RadioCards<Kind>
         legend={t('newSession.kind')}
         value={pipeline}
@@ -110,10 +136,19 @@ function Form({ patient }: { patient: Patient }) {
         options={[
           { value: 'arm', title: t('newSession.arms'), text: t('newSession.armsText') },
           { value: 'gait', title: t('newSession.feet'), text: t('newSession.feetText') },
-          ...(purpose === 'template' ? [] : [{ value: 'relative_pose' as const, title: t('magnetic.kind'), text: t('magnetic.kindText') }]),
+          ...(purpose === 'template'
+            ? []
+            : [{ value: 'relative_pose' as const, title: t('magnetic.kind'), text: t('magnetic.kindText') }]),
         ]}
       />
-      {isWalk && <Switch label={t('newSession.shoes')} description={t('newSession.shoesHelp')} checked={hasShoes} onChange={(event) => setShoes(event.currentTarget.checked)} />}
+      {isWalk && (
+        <Switch
+          label={t('newSession.shoes')}
+          description={t('newSession.shoesHelp')}
+          checked={hasShoes}
+          onChange={(event) => setShoes(event.currentTarget.checked)}
+        />
+      )}
       {isWalk && (
         <NumberInput
           label={t('newSession.apart')}
@@ -155,29 +190,54 @@ function Form({ patient }: { patient: Patient }) {
           {t(problem)}
         </p>
       )}
-      {isArm && <Answer of={estimators} lines={2}>
-        {(list) => {
-          const live = list.filter((one) => !one.is_offline);
-          const card = (one: Estimator) => ({ value: one.name, title: one.title, text: one.description });
-          const value = orientation ?? live[0]?.name ?? '';
-          return (
-            <div>
-              <RadioCards legend={t('newSession.estimator')} help={t('newSession.estimatorHelp')} value={value} onChange={setOrientation} options={live.slice(0, SHOWN_FIRST).map(card)} />
-              {live.length > SHOWN_FIRST && (
-                <details className="as-table">
-                  <summary>{t('newSession.otherEstimators')}</summary>
-                  <RadioCards legend={t('newSession.otherEstimators')} value={value} onChange={setOrientation} options={live.slice(SHOWN_FIRST).map(card)} />
-                </details>
-              )}
-            </div>
-          );
-        }}
-      </Answer>}
-      {isArm && <Switch label={t('newSession.constrain')} description={t('newSession.constrainHelp')} checked={constrain} onChange={(event) => setConstrain(event.currentTarget.checked)} />}
+      {isArm && (
+        <Answer of={estimators} lines={2}>
+          {(list) => {
+            const live = list.filter((one) => !one.is_offline);
+            const card = (one: Estimator) => ({ value: one.name, title: one.title, text: one.description });
+            const value = orientation ?? live[0]?.name ?? '';
+            return (
+              <div>
+                <RadioCards
+                  legend={t('newSession.estimator')}
+                  help={t('newSession.estimatorHelp')}
+                  value={value}
+                  onChange={setOrientation}
+                  options={live.slice(0, SHOWN_FIRST).map(card)}
+                />
+                {live.length > SHOWN_FIRST && (
+                  <details className="as-table">
+                    <summary>{t('newSession.otherEstimators')}</summary>
+                    <RadioCards
+                      legend={t('newSession.otherEstimators')}
+                      value={value}
+                      onChange={setOrientation}
+                      options={live.slice(SHOWN_FIRST).map(card)}
+                    />
+                  </details>
+                )}
+              </div>
+            );
+          }}
+        </Answer>
+      )}
+      {isArm && (
+        <Switch
+          label={t('newSession.constrain')}
+          description={t('newSession.constrainHelp')}
+          checked={constrain}
+          onChange={(event) => setConstrain(event.currentTarget.checked)}
+        />
+      )}
       {isArm && patient.has_mounting && (
         <Switch
           label={t('newSession.mounting')}
-          description={t('newSession.mountingHelp') + (patient.mounting ? ` ${t('newSession.mountingOf', { day: day(patient.mounting.updated_at), places: placementList(patient.mounting.placements) })}` : '')}
+          description={
+            t('newSession.mountingHelp') +
+            (patient.mounting
+              ? ` ${t('newSession.mountingOf', { day: day(patient.mounting.updated_at), places: placementList(patient.mounting.placements) })}`
+              : '')
+          }
           checked={useMounting}
           onChange={(event) => setUseMounting(event.currentTarget.checked)}
         />

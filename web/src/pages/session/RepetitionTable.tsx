@@ -5,19 +5,39 @@ import { primaryChannel } from '../../lib/comparison';
 import { quantity, uncertain } from '../../lib/format';
 
 /** The measures of most use in a table by repetition, by the beginning of their names; each group gives at most two. */
-const WANTED = ['range:', 'duration', 'timing_deviation', 'shape_deviation', 'inside_band', 'spectral_arc_length', 'hand_path_ratio', 'compensation:'];
+const WANTED = [
+  'range:',
+  'duration',
+  'timing_deviation',
+  'shape_deviation',
+  'inside_band',
+  'spectral_arc_length',
+  'hand_path_ratio',
+  'compensation:',
+];
 
 function columnsOf(summary: readonly MeasureValue[]): MeasureValue[] {
   const primary = primaryChannel(summary);
   return WANTED.flatMap((start) => {
-    const found = summary.filter((one) => (start.endsWith(':') ? one.measure.startsWith(start) : one.measure === start));
-    if (start === 'range:') return found.filter((one) => primary === null || one.measure === `range:${primary}`).slice(0, 1);
+    const found = summary.filter((one) =>
+      start.endsWith(':') ? one.measure.startsWith(start) : one.measure === start,
+    );
+    if (start === 'range:')
+      return found.filter((one) => primary === null || one.measure === `range:${primary}`).slice(0, 1);
     return found.slice(0, start === 'compensation:' ? 2 : 1);
   });
 }
 
 /** One line a repetition: each number with its unit and uncertainty, and last the summary with its count. */
-export function RepetitionTable({ comparison, selected, onSelect }: { comparison: ComparisonDetail; selected: number | null; onSelect: (repetition: number) => void }) {
+export function RepetitionTable({
+  comparison,
+  selected,
+  onSelect,
+}: {
+  comparison: ComparisonDetail;
+  selected: number | null;
+  onSelect: (repetition: number) => void;
+}) {
   const columns = columnsOf(comparison.summary);
   return (
     <section className="card" aria-labelledby="by-repetition">
@@ -39,12 +59,22 @@ export function RepetitionTable({ comparison, selected, onSelect }: { comparison
           </thead>
           <tbody>
             {comparison.repetitions.map((one, index) => (
-              <tr key={one.repetition.number} className={`${one.repetition.is_kept ? '' : 'row-left-out'} ${selected === index ? 'row-selected' : ''}`}>
+              <tr
+                key={one.repetition.number}
+                className={`${one.repetition.is_kept ? '' : 'row-left-out'} ${selected === index ? 'row-selected' : ''}`}
+              >
                 <th scope="row">
-                  <Button size="compact-md" variant={selected === index ? 'filled' : 'default'} onClick={() => onSelect(index)} aria-label={t('repetition.show', { number: one.repetition.number })}>
+                  <Button
+                    size="compact-md"
+                    variant={selected === index ? 'filled' : 'default'}
+                    onClick={() => onSelect(index)}
+                    aria-label={t('repetition.show', { number: one.repetition.number })}
+                  >
                     {one.repetition.number}
                   </Button>
-                  {!one.repetition.is_kept && <span className="muted small"> {one.repetition.reason || t('repetition.leftOut')}</span>}
+                  {!one.repetition.is_kept && (
+                    <span className="muted small"> {one.repetition.reason || t('repetition.leftOut')}</span>
+                  )}
                 </th>
                 {columns.map((column) => {
                   const value = one.measures.find((measure) => measure.measure === column.measure);

@@ -13,7 +13,15 @@ import { JobProgress } from './AnalysisWait';
 type Values = Record<string, boolean | number | string>;
 
 /** Every parameter with its unit; only what differs from its default is sent. */
-function Parameters({ estimator, values, onChange }: { estimator: Estimator; values: Values; onChange: (values: Values) => void }) {
+function Parameters({
+  estimator,
+  values,
+  onChange,
+}: {
+  estimator: Estimator;
+  values: Values;
+  onChange: (values: Values) => void;
+}) {
   const set = (name: string, value: boolean | number | string, initial: unknown) => {
     const next = { ...values };
     if (value === initial || value === '') delete next[name];
@@ -27,9 +35,35 @@ function Parameters({ estimator, values, onChange }: { estimator: Estimator; val
         {estimator.parameter_list.map(({ name, label, unit, default: initial }) => {
           const text = unit ? `${label} (${unit})` : label;
           const value = values[name] ?? initial;
-          if (typeof initial === 'boolean') return <Switch key={name} label={text} checked={Boolean(value)} onChange={(event) => set(name, event.currentTarget.checked, initial)} />;
-          if (typeof initial === 'number') return <NumberInput key={name} size="sm" label={text} hideControls value={Number(value)} onChange={(changed) => set(name, changed === '' ? '' : Number(changed), initial)} />;
-          return <TextInput key={name} size="sm" label={text} value={String(value)} onChange={(event) => set(name, event.currentTarget.value, initial)} />;
+          if (typeof initial === 'boolean')
+            return (
+              <Switch
+                key={name}
+                label={text}
+                checked={Boolean(value)}
+                onChange={(event) => set(name, event.currentTarget.checked, initial)}
+              />
+            );
+          if (typeof initial === 'number')
+            return (
+              <NumberInput
+                key={name}
+                size="sm"
+                label={text}
+                hideControls
+                value={Number(value)}
+                onChange={(changed) => set(name, changed === '' ? '' : Number(changed), initial)}
+              />
+            );
+          return (
+            <TextInput
+              key={name}
+              size="sm"
+              label={text}
+              value={String(value)}
+              onChange={(event) => set(name, event.currentTarget.value, initial)}
+            />
+          );
         })}
       </div>
     </details>
@@ -52,7 +86,11 @@ function RunAll({ session }: { session: SessionDetail }) {
     <div className="stack">
       <p className="muted small">{t('reprocess.allText')}</p>
       {all.error && <Problem error={all.error} />}
-      {own.filter((job) => job.status === 'failed').map((job) => <JobProgress key={job.id} job={job} />)}
+      {own
+        .filter((job) => job.status === 'failed')
+        .map((job) => (
+          <JobProgress key={job.id} job={job} />
+        ))}
       {running && (
         <>
           <p className="strong" role="status">
@@ -63,7 +101,12 @@ function RunAll({ session }: { session: SessionDetail }) {
       )}
       {isOver && <p role="status">{ids.size === 0 ? t('reprocess.allPresent') : t('reprocess.allDone')}</p>}
       <Group>
-        <Button variant="default" loading={all.isPending} disabled={all.data !== undefined && !isOver} onClick={() => all.mutate()}>
+        <Button
+          variant="default"
+          loading={all.isPending}
+          disabled={all.data !== undefined && !isOver}
+          onClick={() => all.mutate()}
+        >
           {t('reprocess.all')}
         </Button>
         {session.results.filter((one) => one.status === 'complete').length > 1 && (
@@ -76,12 +119,21 @@ function RunAll({ session }: { session: SessionDetail }) {
   );
 }
 
-export function Reprocess({ session, result, estimators }: { session: SessionDetail; result: Result | undefined; estimators: readonly Estimator[] }) {
+export function Reprocess({
+  session,
+  result,
+  estimators,
+}: {
+  session: SessionDetail;
+  result: Result | undefined;
+  estimators: readonly Estimator[];
+}) {
   const reprocess = useReprocess(session.id);
   const job = useJob(reprocess.data?.id ?? null);
   const [picked, setPicked] = useState<string | null>(null);
   const [values, setValues] = useState<Values>({});
-  const chosen = estimators.find((one) => one.name === picked) ?? estimators.find((one) => one.name !== result?.orientation);
+  const chosen =
+    estimators.find((one) => one.name === picked) ?? estimators.find((one) => one.name !== result?.orientation);
   const isBusy = job.data?.status === 'queued' || job.data?.status === 'running';
   return (
     <section className="stack" aria-labelledby="again">
@@ -103,7 +155,11 @@ export function Reprocess({ session, result, estimators }: { session: SessionDet
       {job.data && <JobProgress job={job.data} />}
       {job.data?.status === 'complete' && <p role="status">{t('reprocess.done')}</p>}
       <div>
-        <Button disabled={!chosen || isBusy} loading={reprocess.isPending} onClick={() => chosen && reprocess.mutate({ orientation: chosen.name, orientation_parameters: values })}>
+        <Button
+          disabled={!chosen || isBusy}
+          loading={reprocess.isPending}
+          onClick={() => chosen && reprocess.mutate({ orientation: chosen.name, orientation_parameters: values })}
+        >
           {t('reprocess.start')}
         </Button>
       </div>

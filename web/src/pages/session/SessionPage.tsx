@@ -3,7 +3,16 @@ import { Button, Select, Switch, Tabs } from '@mantine/core';
 import { IconArrowRight, IconFileText, IconShoe } from '@tabler/icons-react';
 import { useCallback, useEffect, useMemo, useRef, useState } from 'react';
 import { Link, Navigate, useParams, useSearchParams } from 'react-router';
-import { useComparison, useComparisons, useEstimators, useExercises, useMarkers, usePatient, useSession, useTemplateVersion } from '../../api/queries';
+import {
+  useComparison,
+  useComparisons,
+  useEstimators,
+  useExercises,
+  useMarkers,
+  usePatient,
+  useSession,
+  useTemplateVersion,
+} from '../../api/queries';
 import type { ComparisonDetail, Repetition, SessionDetail } from '../../api/types';
 import { Traces } from '../../charts/Traces';
 import { ChannelPicker } from '../../components/ChannelPicker';
@@ -34,7 +43,8 @@ import { RepetitionTable } from './RepetitionTable';
 
 /** A magnetic source on one shoe and a sensor on the other: analysed as a walk as well. */
 const hasShoeSource = (session: SessionDetail) =>
-  session.pipeline === 'relative_pose' && (['foot_left', 'foot_right'] as const).every((one) => session.placements.includes(one));
+  session.pipeline === 'relative_pose' &&
+  (['foot_left', 'foot_right'] as const).every((one) => session.placements.includes(one));
 
 interface ReplayProps {
   session: SessionDetail;
@@ -57,14 +67,26 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
   const stage = useRef<HTMLDivElement>(null);
   const angles = snapshot.columns?.layout.angles ?? session.layout.angles;
   const channels = useMemo(
-    () => (chosen ?? preferredAngles(angles, exercise?.primary_angle, exercise?.side ?? null)).filter((name) => angles.includes(name)),
+    () =>
+      (chosen ?? preferredAngles(angles, exercise?.primary_angle, exercise?.side ?? null)).filter((name) =>
+        angles.includes(name),
+      ),
     [chosen, angles, exercise],
   );
-  const distances = useMemo(() => session.layout.scalars.filter((name) => name.endsWith('_distance_m')), [session.layout.scalars]);
-  const mass = useMemo(() => massChannels(snapshot.columns?.layout.scalars ?? session.layout.scalars), [snapshot.columns, session.layout.scalars]);
+  const distances = useMemo(
+    () => session.layout.scalars.filter((name) => name.endsWith('_distance_m')),
+    [session.layout.scalars],
+  );
+  const mass = useMemo(
+    () => massChannels(snapshot.columns?.layout.scalars ?? session.layout.scalars),
+    [snapshot.columns, session.layout.scalars],
+  );
   const repetitions = useMemo(() => comparison?.repetitions.map((one) => one.repetition) ?? [], [comparison]);
   const templateAt = useMemo(
-    () => (comparison && ghost.ghost ? templateOver(comparison, template.data?.content.duration_s ?? null, ghost.warp) : undefined),
+    () =>
+      comparison && ghost.ghost
+        ? templateOver(comparison, template.data?.content.duration_s ?? null, ghost.warp)
+        : undefined,
     [comparison, template.data, ghost],
   );
   const seek = useCallback((sinceStartS: number) => player.seek(player.clock().startS + sinceStartS), [player]);
@@ -91,7 +113,10 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
     w: () => setGhost((now) => ({ ...now, warp: !now.warp })),
     g: () => setGhost((now) => ({ ...now, ghost: !now.ghost })),
   });
-  const phaseNow = useCallback(() => (comparison ? templatePhaseAt(comparison.repetitions, player.clock().timeS) : null), [comparison, player]);
+  const phaseNow = useCallback(
+    () => (comparison ? templatePhaseAt(comparison.repetitions, player.clock().timeS) : null),
+    [comparison, player],
+  );
   const isWalk = session.pipeline === 'gait';
   const isMagnetic = session.pipeline === 'relative_pose';
   const markers = useMarkers(session.id);
@@ -109,7 +134,12 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
         <div className="stage" ref={stage}>
           <Viewer3D
             sessionId={session.id}
-            request={{ mode: 'replay', result_id: resultId, template_version_id: comparison?.template_version_id ?? null, markers_id: marked?.id ?? null }}
+            request={{
+              mode: 'replay',
+              result_id: resultId,
+              template_version_id: comparison?.template_version_id ?? null,
+              markers_id: marked?.id ?? null,
+            }}
             title={t(marked ? 'markers.viewer' : 'viewer.replayTitle')}
             near={marked ? 'marker' : isWalk ? 'feet' : isMagnetic ? 'modules' : 'arm'}
             isReady={!isWaiting}
@@ -122,7 +152,12 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
           {marked ? <MarkerLegend /> : isMagnetic && <SourceLegend />}
           {comparison && !marked && (
             <div className="ghost-tools">
-              <Switch label={t('replay.ghost')} checked={ghost.ghost} disabled={shown?.has_ghost === false} onChange={(event) => setGhost({ ...ghost, ghost: event.currentTarget.checked })} />
+              <Switch
+                label={t('replay.ghost')}
+                checked={ghost.ghost}
+                disabled={shown?.has_ghost === false}
+                onChange={(event) => setGhost({ ...ghost, ghost: event.currentTarget.checked })}
+              />
               <Switch
                 label={t('replay.warp')}
                 checked={ghost.warp}
@@ -152,11 +187,26 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
             <WalkPanel sessionId={session.id} patientId={session.patient_id} />
           </Tabs.Panel>
           <Tabs.Panel value="source">
-            <SourcePanel sessionId={session.id} resultId={resultId} player={player} distances={distances} onSeek={seek} />
+            <SourcePanel
+              sessionId={session.id}
+              resultId={resultId}
+              player={player}
+              distances={distances}
+              onSeek={seek}
+            />
           </Tabs.Panel>
           <Tabs.Panel value="compare">
             <h2 className="visually-hidden">{t('compare.title')}</h2>
-            <ComparisonPanel session={session} resultId={resultId} comparison={comparison} hasComparison={hasComparison} selected={selected} onSelect={setSelected} onPhase={jumpTo} phaseNow={phaseNow} />
+            <ComparisonPanel
+              session={session}
+              resultId={resultId}
+              comparison={comparison}
+              hasComparison={hasComparison}
+              selected={selected}
+              onSelect={setSelected}
+              onPhase={jumpTo}
+              phaseNow={phaseNow}
+            />
           </Tabs.Panel>
           <Tabs.Panel value="angles">
             <h2 className="visually-hidden">{t('traces.title')}</h2>
@@ -189,7 +239,9 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
           </Tabs.Panel>
         </Tabs>
       </div>
-      {comparison && comparison.repetitions.length > 0 && <RepetitionTable comparison={comparison} selected={selected} onSelect={(index) => jumpTo(index, 0)} />}
+      {comparison && comparison.repetitions.length > 0 && (
+        <RepetitionTable comparison={comparison} selected={selected} onSelect={(index) => jumpTo(index, 0)} />
+      )}
     </>
   );
 }
@@ -200,7 +252,8 @@ function Loaded({ session }: { session: SessionDetail }) {
   const estimators = useEstimators();
   const complete = session.results.filter((one) => one.status === 'complete');
   const asked = search.get('result');
-  const resultId = complete.find((one) => one.id === asked)?.id ?? session.main_result_id ?? complete.at(-1)?.id ?? null;
+  const resultId =
+    complete.find((one) => one.id === asked)?.id ?? session.main_result_id ?? complete.at(-1)?.id ?? null;
   const ofResult = (comparisons.data ?? []).filter((one) => one.result_id === resultId);
   const summary = ofResult.find((one) => one.id === search.get('comparison')) ?? ofResult[0] ?? null;
   const comparison = useComparison(summary?.id ?? null);
@@ -220,8 +273,16 @@ function Loaded({ session }: { session: SessionDetail }) {
             w={700}
             maw="100%"
             value={resultId}
-            onChange={(value) => setSearch((now) => (value ? now.set('result', value) : now.delete('result'), now.delete('comparison'), now), { replace: true })}
-            data={complete.map((one) => ({ value: one.id, label: resultLabel(one, one.id === session.main_result_id, estimators.data ?? []) }))}
+            onChange={(value) =>
+              setSearch(
+                (now) => (value ? now.set('result', value) : now.delete('result'), now.delete('comparison'), now),
+                { replace: true },
+              )
+            }
+            data={complete.map((one) => ({
+              value: one.id,
+              label: resultLabel(one, one.id === session.main_result_id, estimators.data ?? []),
+            }))}
           />
           {ofResult.length > 1 && (
             <Select
@@ -230,13 +291,24 @@ function Loaded({ session }: { session: SessionDetail }) {
               w={300}
               value={summary?.id ?? null}
               onChange={(value) => setSearch((now) => (value && now.set('comparison', value), now), { replace: true })}
-              data={ofResult.map((one) => ({ value: one.id, label: `${one.template_name}, ${dateTime(one.created_at)}` }))}
+              data={ofResult.map((one) => ({
+                value: one.id,
+                label: `${one.template_name}, ${dateTime(one.created_at)}`,
+              }))}
             />
           )}
         </div>
       )}
       {comparison.error && <Problem error={comparison.error} />}
-      {player && !isWaiting && <Replay session={session} player={player} resultId={resultId} comparison={comparison.data ?? null} hasComparison={summary !== null} />}
+      {player && !isWaiting && (
+        <Replay
+          session={session}
+          player={player}
+          resultId={resultId}
+          comparison={comparison.data ?? null}
+          hasComparison={summary !== null}
+        />
+      )}
     </>
   );
 }
@@ -246,13 +318,16 @@ export function SessionPage() {
   const session = useSession(sessionId);
   const patient = usePatient(session.data?.patient_id ?? '');
   const name = patient.data ? `${patient.data.given_name} ${patient.data.family_name}` : '';
-  if (session.data && (isLive(session.data.state) || session.data.state === 'closing')) return <Navigate to={`/sessions/${sessionId}/live`} replace />;
+  if (session.data && (isLive(session.data.state) || session.data.state === 'closing'))
+    return <Navigate to={`/sessions/${sessionId}/live`} replace />;
   const started = session.data?.started_at ?? session.data?.created_at;
   return (
     <Page
       compact
       title={session.data ? sessionTitle(session.data) : t('replay.title')}
-      lead={session.data && started ? `${name} · ${dateTime(started)} · ${duration(session.data.duration_s)}` : undefined}
+      lead={
+        session.data && started ? `${name} · ${dateTime(started)} · ${duration(session.data.duration_s)}` : undefined
+      }
       crumbs={[
         { to: '/', text: t('nav.caseload') },
         ...(session.data && name ? [{ to: `/patients/${session.data.patient_id}`, text: name }] : []),
@@ -274,7 +349,12 @@ export function SessionPage() {
                 {t('template.makeFromThis')}
               </Button>
             )}
-            <Button component={Link} variant="default" to={`/sessions/${sessionId}/report`} leftSection={<IconFileText size={18} aria-hidden />}>
+            <Button
+              component={Link}
+              variant="default"
+              to={`/sessions/${sessionId}/report`}
+              leftSection={<IconFileText size={18} aria-hidden />}
+            >
               {t('report.open')}
             </Button>
           </>

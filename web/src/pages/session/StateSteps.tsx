@@ -14,7 +14,11 @@ const STEP_OF: Record<Exclude<SessionState, 'link_lost' | 'failed'>, number> = {
 };
 
 /** The step a state belongs to; a lost link stays at the step that was reached. */
-export function stepOf(state: SessionState, before: number, reached: { isCalibrated: boolean; isRecording: boolean }): number {
+export function stepOf(
+  state: SessionState,
+  before: number,
+  reached: { isCalibrated: boolean; isRecording: boolean },
+): number {
   if (state !== 'link_lost' && state !== 'failed') return STEP_OF[state];
   return Math.max(before, reached.isRecording ? 3 : reached.isCalibrated ? 2 : 1);
 }

@@ -19,7 +19,9 @@ export function WalkPanel({ sessionId, patientId }: { sessionId: string; patient
         {(data) => (
           <div className="stack">
             <TestResult gait={data} />
-            {hasStrides(data) && <WalkNumbers gait={data} before={null} affected={patient.data?.affected_side ?? null} />}
+            {hasStrides(data) && (
+              <WalkNumbers gait={data} before={null} affected={patient.data?.affected_side ?? null} />
+            )}
           </div>
         )}
       </Answer>

@@ -6,7 +6,15 @@ import { useMutation, useQuery } from '@tanstack/react-query';
 import { useMemo, useState } from 'react';
 import { Link, useNavigate, useSearchParams } from 'react-router';
 import { api } from '../../api/client';
-import { useExercises, usePatient, usePatients, usePatientSessions, useSaveTemplate, useSession, useTemplates } from '../../api/queries';
+import {
+  useExercises,
+  usePatient,
+  usePatients,
+  usePatientSessions,
+  useSaveTemplate,
+  useSession,
+  useTemplates,
+} from '../../api/queries';
 import type { SessionDetail, TemplateContent, TemplatePreviewIn, TemplateVersionDetail } from '../../api/types';
 import { PhaseChart, PhaseLegend } from '../../charts/PhaseChart';
 import { RadioCards } from '../../components/Choice';
@@ -22,12 +30,26 @@ const NARROWEST = 0.5;
 const WIDEST = 3;
 
 /** Step one: a stored recording of this patient, or a new one. */
-function Source({ patientId, exerciseId, onPatient, onSession }: { patientId: string; exerciseId: string | null; onPatient: (id: string) => void; onSession: (id: string) => void }) {
+function Source({
+  patientId,
+  exerciseId,
+  onPatient,
+  onSession,
+}: {
+  patientId: string;
+  exerciseId: string | null;
+  onPatient: (id: string) => void;
+  onSession: (id: string) => void;
+}) {
   const patients = usePatients();
   const sessions = usePatientSessions(patientId);
   const analysed = (sessions.data ?? [])
     .filter((one) => one.state === 'analysed')
-    .sort((a, b) => (exerciseId ? Number(b.exercise_id === exerciseId) - Number(a.exercise_id === exerciseId) : 0) || Number(b.purpose === 'template') - Number(a.purpose === 'template'));
+    .sort(
+      (a, b) =>
+        (exerciseId ? Number(b.exercise_id === exerciseId) - Number(a.exercise_id === exerciseId) : 0) ||
+        Number(b.purpose === 'template') - Number(a.purpose === 'template'),
+    );
   const [picked, setPicked] = useState('');
   const [shown, setShown] = useState(SHOWN_FIRST);
   const chosen = picked || (analysed[0]?.id ?? '');
@@ -39,7 +61,9 @@ function Source({ patientId, exerciseId, onPatient, onSession }: { patientId: st
         description={t('template.ofPatientHelp')}
         searchable
         maw={420}
-        data={(patients.data ?? []).filter((one) => one.may_treat).map((one) => ({ value: one.id, label: `${one.given_name} ${one.family_name}` }))}
+        data={(patients.data ?? [])
+          .filter((one) => one.may_treat)
+          .map((one) => ({ value: one.id, label: `${one.given_name} ${one.family_name}` }))}
         value={patientId || null}
         onChange={(value) => value && onPatient(value)}
       />
@@ -101,7 +125,21 @@ function Source({ patientId, exerciseId, onPatient, onSession }: { patientId: st
 }
 
 /** Step two and three: which repetitions, how wide, whose, and its name. */
-function Shape({ session, exerciseId: wantedExercise, content, request, onRequest, isFresh }: { session: SessionDetail; exerciseId: string | null; content: TemplateContent; request: TemplatePreviewIn; onRequest: (request: TemplatePreviewIn) => void; isFresh: boolean }) {
+function Shape({
+  session,
+  exerciseId: wantedExercise,
+  content,
+  request,
+  onRequest,
+  isFresh,
+}: {
+  session: SessionDetail;
+  exerciseId: string | null;
+  content: TemplateContent;
+  request: TemplatePreviewIn;
+  onRequest: (request: TemplatePreviewIn) => void;
+  isFresh: boolean;
+}) {
   const navigate = useNavigate();
   const exercises = useExercises();
   const patient = usePatient(session.patient_id);
@@ -115,7 +153,12 @@ function Shape({ session, exerciseId: wantedExercise, content, request, onReques
   // The person's own choice shows at once; the curves follow when the service has averaged anew.
   const chosen = request.dropped;
   const dropped = useMemo(
-    () => new Set(content.repetitions.flatMap((one, index) => ((chosen ? chosen.includes(one.number) : !one.is_kept) ? [index] : []))),
+    () =>
+      new Set(
+        content.repetitions.flatMap((one, index) =>
+          (chosen ? chosen.includes(one.number) : !one.is_kept) ? [index] : [],
+        ),
+      ),
     [content, chosen],
   );
   const exercise = exercises.data?.find((one) => one.id === exerciseId);
@@ -132,7 +175,8 @@ function Shape({ session, exerciseId: wantedExercise, content, request, onReques
     onRequest({ ...request, dropped: [...next].map((index) => content.repetitions[index]?.number ?? 0) });
   };
   const scaleOf = (channel: string) => request.tolerance_scale?.[channel] ?? 1;
-  const setScale = (channel: string, value: number) => onRequest({ ...request, tolerance_scale: { ...request.tolerance_scale, [channel]: value } });
+  const setScale = (channel: string, value: number) =>
+    onRequest({ ...request, tolerance_scale: { ...request.tolerance_scale, [channel]: value } });
   const submit = () => {
     if (!exerciseId) return;
     save.mutate(
@@ -141,9 +185,17 @@ function Shape({ session, exerciseId: wantedExercise, content, request, onReques
         exercise_id: exerciseId,
         patient_id: forWhom === 'patient' ? session.patient_id : null,
         template_id: templateId === 'new' ? null : templateId,
-        name: templateId === 'new' ? name.trim() || suggested : (existing.find((one) => one.id === templateId)?.name ?? suggested),
+        name:
+          templateId === 'new'
+            ? name.trim() || suggested
+            : (existing.find((one) => one.id === templateId)?.name ?? suggested),
       },
-      { onSuccess: (version: TemplateVersionDetail) => void navigate(`/exercises/${exerciseId}?version=${version.id}${forWhom === 'patient' ? `&patient=${session.patient_id}` : ''}`) },
+      {
+        onSuccess: (version: TemplateVersionDetail) =>
+          void navigate(
+            `/exercises/${exerciseId}?version=${version.id}${forWhom === 'patient' ? `&patient=${session.patient_id}` : ''}`,
+          ),
+      },
     );
   };
   return (
@@ -224,7 +276,10 @@ function Shape({ session, exerciseId: wantedExercise, content, request, onReques
           <Select
             label={t('template.newOrVersion')}
             maw={480}
-            data={[{ value: 'new', label: t('template.new') }, ...existing.map((one) => ({ value: one.id, label: t('template.nextVersion', { name: one.name }) }))]}
+            data={[
+              { value: 'new', label: t('template.new') },
+              ...existing.map((one) => ({ value: one.id, label: t('template.nextVersion', { name: one.name }) })),
+            ]}
             value={templateId}
             onChange={(value) => setTemplateId(value ?? 'new')}
           />
@@ -236,11 +291,22 @@ function Shape({ session, exerciseId: wantedExercise, content, request, onReques
               value={forWhom}
               onChange={setForWhom}
               options={[
-                { value: 'patient', title: t('template.forPatient', { name: patientName }), text: t('template.forPatientText') },
+                {
+                  value: 'patient',
+                  title: t('template.forPatient', { name: patientName }),
+                  text: t('template.forPatientText'),
+                },
                 { value: 'clinic', title: t('template.forClinic'), text: t('template.forClinicText') },
               ]}
             />
-            <TextInput label={t('template.name')} placeholder={suggested} maxLength={200} maw={480} value={name} onChange={(event) => setName(event.currentTarget.value)} />
+            <TextInput
+              label={t('template.name')}
+              placeholder={suggested}
+              maxLength={200}
+              maw={480}
+              value={name}
+              onChange={(event) => setName(event.currentTarget.value)}
+            />
           </>
         )}
         {save.error && <Problem error={save.error} />}
@@ -260,7 +326,11 @@ function Shape({ session, exerciseId: wantedExercise, content, request, onReques
 }
 
 function Preview({ session, exerciseId }: { session: SessionDetail; exerciseId: string | null }) {
-  const [request, setRequest] = useState<TemplatePreviewIn>({ session_id: session.id, dropped: null, tolerance_scale: {} });
+  const [request, setRequest] = useState<TemplatePreviewIn>({
+    session_id: session.id,
+    dropped: null,
+    tolerance_scale: {},
+  });
   const [settled] = useDebouncedValue(request, 350);
   const preview = useQuery({
     queryKey: ['template-preview', settled],
@@ -270,7 +340,9 @@ function Preview({ session, exerciseId }: { session: SessionDetail; exerciseId: 
     retry: false,
   });
   const isFresh = settled === request && !preview.isPlaceholderData;
-  const back = useMutation({ mutationFn: async () => setRequest({ session_id: session.id, dropped: null, tolerance_scale: {} }) });
+  const back = useMutation({
+    mutationFn: async () => setRequest({ session_id: session.id, dropped: null, tolerance_scale: {} }),
+  });
   return (
     <>
       {preview.error && (
@@ -286,7 +358,14 @@ function Preview({ session, exerciseId }: { session: SessionDetail; exerciseId: 
         </>
       )}
       {preview.data ? (
-        <Shape session={session} exerciseId={exerciseId} content={preview.data} request={request} onRequest={setRequest} isFresh={isFresh} />
+        <Shape
+          session={session}
+          exerciseId={exerciseId}
+          content={preview.data}
+          request={request}
+          onRequest={setRequest}
+          isFresh={isFresh}
+        />
       ) : (
         !preview.error && (
           <div className="card">
@@ -305,17 +384,33 @@ export function RecordTemplatePage() {
   const session = useSession(sessionId);
   const set = (name: string, value: string) => setSearch((now) => (now.set(name, value), now));
   return (
-    <Page title={t('template.record')} lead={t('template.lead')} crumbs={[{ to: '/exercises', text: t('nav.exercises') }]}>
+    <Page
+      title={t('template.record')}
+      lead={t('template.lead')}
+      crumbs={[{ to: '/exercises', text: t('nav.exercises') }]}
+    >
       <div className="stack">
         {sessionId === '' ? (
-          <Source patientId={search.get('patient') ?? ''} exerciseId={exerciseId} onPatient={(id) => set('patient', id)} onSession={(id) => set('session', id)} />
+          <Source
+            patientId={search.get('patient') ?? ''}
+            exerciseId={exerciseId}
+            onPatient={(id) => set('patient', id)}
+            onSession={(id) => set('session', id)}
+          />
         ) : (
           <Answer of={session} lines={5}>
             {(data) => (
               <>
                 <p className="muted">
-                  {t('template.from', { what: data.exercise_name ?? t('session.free'), when: day(data.started_at ?? data.created_at) })}{' '}
-                  <Link to={`/templates/record?patient=${data.patient_id}${exerciseId ? `&exercise=${exerciseId}` : ''}`}>{t('template.other')}</Link>
+                  {t('template.from', {
+                    what: data.exercise_name ?? t('session.free'),
+                    when: day(data.started_at ?? data.created_at),
+                  })}{' '}
+                  <Link
+                    to={`/templates/record?patient=${data.patient_id}${exerciseId ? `&exercise=${exerciseId}` : ''}`}
+                  >
+                    {t('template.other')}
+                  </Link>
                 </p>
                 <Preview key={data.id} session={data} exerciseId={exerciseId} />
               </>

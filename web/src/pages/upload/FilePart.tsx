@@ -8,7 +8,16 @@ import { t } from '../../i18n';
 import { bytes } from '../../lib/format';
 
 export type Format = UploadIn['format'];
-const FORMATS = ['packet_log', 'csv', 'qmt_mat', 'broad', 'gaitmap', 'instrumented_shoe', 'pyshoe', 'gait_tracking'] as const;
+const FORMATS = [
+  'packet_log',
+  'csv',
+  'qmt_mat',
+  'broad',
+  'gaitmap',
+  'instrumented_shoe',
+  'pyshoe',
+  'gait_tracking',
+] as const;
 
 /** Where the file is dropped or chosen. */
 export function FileDrop({ file, onFile }: { file: File | null; onFile: (file: File) => void }) {
@@ -39,7 +48,10 @@ export function FileDrop({ file, onFile }: { file: File | null; onFile: (file: F
       ) : (
         <p>{t('upload.drop')}</p>
       )}
-      <FileButton onChange={(picked) => picked && onFile(picked)} accept=".csv,.tsv,.txt,.dat,.asc,.mat,.hdf5,.tmlog,application/octet-stream,text/csv">
+      <FileButton
+        onChange={(picked) => picked && onFile(picked)}
+        accept=".csv,.tsv,.txt,.dat,.asc,.mat,.hdf5,.tmlog,application/octet-stream,text/csv"
+      >
         {(props) => (
           <Button variant={file ? 'default' : 'filled'} {...props}>
             {file ? t('upload.other') : t('upload.choose')}
@@ -51,14 +63,23 @@ export function FileDrop({ file, onFile }: { file: File | null; onFile: (file: F
 }
 
 /** What the file holds: one line once it was recognised, all choices while it was not or when that is wrong. */
-export function FormatChoice({ value, isRecognised, onChange }: { value: Format; isRecognised: boolean; onChange: (format: Format) => void }) {
+export function FormatChoice({
+  value,
+  isRecognised,
+  onChange,
+}: {
+  value: Format;
+  isRecognised: boolean;
+  onChange: (format: Format) => void;
+}) {
   const [isOpen, setOpen] = useState(false);
   if (isRecognised && !isOpen) {
     return (
       <div className="recognised">
         <IconCircleCheck size={22} aria-hidden />
         <p>
-          <span className="muted">{t('upload.recognised')}</span> <span className="strong">{t(`upload.format.${value}`)}</span>
+          <span className="muted">{t('upload.recognised')}</span>{' '}
+          <span className="strong">{t(`upload.format.${value}`)}</span>
         </p>
         <Button variant="subtle" size="compact-md" onClick={() => setOpen(true)}>
           {t('upload.otherFormat')}
@@ -71,7 +92,11 @@ export function FormatChoice({ value, isRecognised, onChange }: { value: Format;
       legend={t('upload.format')}
       value={value}
       onChange={onChange}
-      options={FORMATS.map((one) => ({ value: one, title: t(`upload.format.${one}`), text: t(`upload.format.${one}.text`) }))}
+      options={FORMATS.map((one) => ({
+        value: one,
+        title: t(`upload.format.${one}`),
+        text: t(`upload.format.${one}.text`),
+      }))}
     />
   );
 }
