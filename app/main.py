@@ -46,6 +46,10 @@ from app.ingest.upload import MULTIPART_SLACK_BYTES, remove_orphans
 from app.ingest.upload import router as upload_router
 from app.ingest.upload_task import upload
 from app.ingest.websocket import router as ingest_router
+from app.kinds.arm.mass_centre_endpoints import router as mass_centre_router
+from app.kinds.magnetic.endpoints import router as magnetic_router
+from app.kinds.magnetic.source_endpoints import router as sources_router
+from app.kinds.walk.endpoints import router as walks_router
 from app.live.bus import MemoryBus
 from app.live.endpoints import router as live_router
 from app.live.manager import LiveManager
@@ -57,13 +61,9 @@ from app.recordings.disk import DiskUse
 from app.recordings.endpoints import router as sessions_router
 from app.recordings.group_commit import GroupCommitWriter
 from app.recordings.jobs import Handler, JobRunner
-from app.recordings.magnetic_endpoints import router as magnetic_router
-from app.recordings.mass_centre_endpoints import router as mass_centre_router
 from app.recordings.point_endpoints import router as points_router
 from app.recordings.reprocess import reprocess
 from app.recordings.service import queue_closing
-from app.recordings.source_endpoints import router as sources_router
-from app.recordings.walk_endpoints import router as walks_router
 from app.services import Services
 from app.settings import Settings
 from app.viewer import open_viewer

@@ -18,13 +18,13 @@ from app.assessment.export_movement import reading, write_movement
 from app.assessment.models import Comparison
 from app.assessment.practice import list_prescriptions
 from app.exercises.models import Template, TemplateVersion
+from app.kinds.magnetic.safety import EVENT, WITHDRAWN
 from app.pages import Page
 from app.patients.access import require_patient
 from app.patients.models import Patient
 from app.patients.repository import list_grants
 from app.patients.service import patient_out
 from app.recordings import service as recordings
-from app.recordings.magnetic import EVENT, WITHDRAWN
 from app.recordings.markers import file_pieces, markers_of
 from app.recordings.models import MotionSession, SessionEvent
 from app.recordings.packet_log import write_log

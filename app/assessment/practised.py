@@ -8,11 +8,11 @@ from sqlalchemy.orm import Session
 from app.assessment.templates import load_source
 from app.errors import InvalidInput, NotFound
 from app.exercises.models import Exercise
+from app.kinds.walk.history import any_walk
+from app.kinds.walk.schemas import WalkContent
 from app.recordings import repository as recordings
 from app.recordings.models import MotionSession
 from app.recordings.store import read_frames
-from app.recordings.walk_history import any_walk
-from app.recordings.walk_schemas import WalkContent
 from estimators.comparison import Repetition, find_repetitions, judge_repetitions, moving_time
 from estimators.errors import EstimationError
 from estimators.gait import GUIDED_KINDS

@@ -6,10 +6,10 @@ from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from app.assessment.measures import SessionValue
+from app.kinds.walk.history import walk_content
+from app.kinds.walk.schemas import WalkContent, WalkMeasure
+from app.kinds.walk.stored import PIPELINE
 from app.recordings.models import MotionSession, Result
-from app.recordings.walk_history import walk_content
-from app.recordings.walk_schemas import WalkContent, WalkMeasure
-from app.recordings.walks import PIPELINE
 
 _LABELS: Final = {
     "test_time": "Time of the test, whole walk",

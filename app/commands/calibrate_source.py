@@ -12,8 +12,8 @@ from app.database.base import utc_now
 from app.errors import InvalidInput
 from app.ingest.alignment import align_chunks
 from app.ingest.readers import LogReader
-from app.recordings.source_bench import Bench, coils_out, findings
-from app.recordings.source_schemas import MagneticSourceIn
+from app.kinds.magnetic.bench import Bench, coils_out, findings
+from app.kinds.magnetic.source_schemas import MagneticSourceIn
 from estimators.errors import SetupError
 from estimators.pipelines import SessionSetup
 

@@ -10,8 +10,8 @@ import typer
 from app.commands.process_walk import analyse, write_walk
 from app.errors import InvalidInput
 from app.ingest import readers
-from app.ingest.declaration import SINGLE_SENSORS, WALKING, estimated
-from app.recordings.shoe_arrays import as_stored as shoes_as_stored
+from app.ingest.declaration import WALKING
+from app.kinds.walk.shoe_arrays import as_stored as shoes_as_stored
 from app.sentences import say
 from estimators import orientation as orientations
 from estimators import pipelines, signals
@@ -57,18 +57,19 @@ def estimate(measured: Recording, file: Path, out: Path, asked: Asked) -> None:
     known = orientations.available(with_offline=True)
     if orientation not in known:
         raise InvalidInput(f"no estimator {orientation!r}; choose one of {', '.join(known)}")
+    kind = pipelines.kind(asked.pipeline)
     shoes = shoes_as_stored(measured) if pipelines.has_shoes(measured) else None
     if asked.format != "packet_log":
         # As an upload stores it: both are estimated from the same numbers.
         feet = measured if shoes is None else readers.as_feet(measured)
-        prepared = readers.packets_of(feet, any_name=asked.pipeline == SINGLE_SENSORS)
+        prepared = readers.packets_of(feet, any_name=not kind.is_worn)
         measured = prepared.as_stored()
         if prepared.left_out:
             typer.echo(f"note: {say('file.left_out', names=list(prepared.left_out))}", err=True)
     setup = SessionSetup(
         pipeline=asked.pipeline,
         # The arm pipeline leaves the legs out: they need not be still in the pose.
-        placements=estimated(cast(tuple[Placement, ...], measured.placements), asked.pipeline),
+        placements=kind.used(cast(tuple[Placement, ...], measured.placements)),
         rate_hz=asked.rate_hz or measured.nominal_rate_hz,
         orientation=orientation,
         orientation_parameters=asked.parameters,
@@ -82,16 +83,14 @@ def estimate(measured: Recording, file: Path, out: Path, asked: Asked) -> None:
         out.mkdir(parents=True, exist_ok=True)
         write_walk(walk, out, forces, note)
     else:
-        frames, used = pipelines.run(
-            measured, setup, asked.pose_s, elbows_from_movement=asked.pipeline == "arm"
-        )
+        frames, used = pipelines.run(measured, setup, asked.pose_s, elbows_from_movement=kind.needs_pose)
         out.mkdir(parents=True, exist_ok=True)
     # What writes results loads the service: not before the estimate is there.
     from app.recordings.columns import frames_table
     from app.recordings.result_files import origin_of, setup_record, write_results
 
     origin = origin_of(file, asked.format)
-    body = used.body if asked.pipeline == "arm" else None
+    body = used.body if kind.needs_pose else None
     table = frames_table(frames, body, pipeline=asked.pipeline, about={**origin, "setup": setup_record(used)})
     write_results(table, used, origin, out)
     _say(frames, used, out)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import typer
 
-from app.recordings.walk_balance import balance_of
+from app.kinds.walk.balance import balance_of
 from estimators import pipelines
 from estimators.conventions import SIDES
 from estimators.errors import EstimationError

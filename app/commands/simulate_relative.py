@@ -16,7 +16,7 @@ from app.gateway import GatewayClient, GatewayReport, ServiceClient
 from app.gateway.relative_patient import RelativeFaults, RelativePatient
 from app.gateway.source import FixedBursts
 from app.ingest.messages import ActuationPlanMessage
-from app.recordings.magnetic_schemas import MagneticSafetyIn
+from app.kinds.magnetic.schemas import MagneticSafetyIn
 from app.recordings.packet_log import log_entry, log_head
 from app.recordings.schemas import SessionIn
 

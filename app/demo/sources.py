@@ -13,8 +13,8 @@ from app.ingest.clock import PacketClock
 from app.ingest.declaration import check_hello
 from app.ingest.messages import ActuateMessage
 from app.ingest.packet import decode_packet
+from app.kinds.magnetic.schemas import MagneticSafetyIn
 from app.live.actuation import Actuation
-from app.recordings.magnetic_schemas import MagneticSafetyIn
 from app.recordings.schemas import SessionIn
 from estimators.pipelines import Frames, RelativePosePipeline, SessionSetup
 

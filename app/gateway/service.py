@@ -17,8 +17,8 @@ from app.errors import (
     TelemotionError,
     Unavailable,
 )
+from app.kinds.magnetic.schemas import MagneticSafetyIn, MagneticSafetyOut, SourceUseOut
 from app.live.messages import CalibrationMessage, StateMessage
-from app.recordings.magnetic_schemas import MagneticSafetyIn, MagneticSafetyOut, SourceUseOut
 from app.recordings.schemas import JobOut, SessionDetail, SessionIn
 
 _BY_STATUS: dict[int, type[TelemotionError]] = {

@@ -1,7 +1,7 @@
 """What a gateway declares in its hello, checked once and stored with the session."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from typing import Any, Final, get_args
@@ -185,21 +185,6 @@ def check_placements(names: list[str]) -> tuple[Placement, ...]:
     if len(set(names)) != len(names):
         raise PacketError(say("hello.placement_twice"), reason="placements")
     return tuple(name for placement in names for name in get_args(Placement) if name == placement)
-
-
-def estimated(
-    placements: Iterable[Placement], pipeline: str = "arm", *, with_legs: bool = False
-) -> tuple[Placement, ...]:
-    """Return the sensors that a pipeline uses; the others stay in the raw data.
-
-    Of a walk the feet; single sensors are all used; otherwise all but the legs, which need not be still in the pose,
-    unless they are asked for.
-    """
-    if pipeline == SINGLE_SENSORS:
-        return tuple(placements)
-    if pipeline == WALKING:
-        return tuple(name for name in placements if name in ("foot_left", "foot_right"))
-    return tuple(name for name in placements if with_legs or not name.startswith(_LEGS))
 
 
 def check_serials(serials: list[str], count: int) -> tuple[str, ...]:

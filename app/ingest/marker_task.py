@@ -15,7 +15,7 @@ from app.recordings import markers
 from app.recordings.jobs import JobContext
 from app.recordings.marker_schemas import MarkerUploadIn
 from app.recordings.models import MotionSession
-from app.recordings.reprocess import aligned
+from app.recordings.offline import aligned
 from app.sentences import CATALOGUE, say
 from estimators.recording import Float, SampleQuality
 

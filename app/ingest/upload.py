@@ -19,8 +19,9 @@ from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput
 from app.ingest import readers
 from app.ingest._multipart import UploadReceiver, described, too_large
-from app.ingest.declaration import SINGLE_SENSORS, WALKING, estimated
+from app.ingest.declaration import SINGLE_SENSORS, WALKING
 from app.recordings import repository, service
+from app.recordings.kinds import kinds
 from app.recordings.models import Job, MotionSession
 from app.recordings.schemas import JobOut, UploadIn
 from app.sentences import say
@@ -159,7 +160,7 @@ def register(
         setup = service.checked(
             SessionSetup(
                 pipeline=kind,
-                placements=estimated(placements, kind, with_legs=declaration.with_legs),
+                placements=kinds()[kind].pipeline.used(placements, with_legs=declaration.with_legs),
                 rate_hz=rate_hz,
                 orientation=declaration.orientation,
                 body=service.body_of(patient),

@@ -12,26 +12,20 @@ from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import ImplausibleReadings, RecordingFormatError
 from app.ingest import readers
-from app.ingest.declaration import Declaration, estimated
+from app.ingest.declaration import Declaration
 from app.ingest.upload import pipeline_of, upload_folder
 from app.recordings._rows import insert_chunk
 from app.recordings.chunks import RAW_STREAM, EncodedChunk, encode_packets
 from app.recordings.jobs import JobContext
+from app.recordings.kinds import Wanted, kind_of, kinds
 from app.recordings.models import MotionSession, SessionEvent, SignalChunk
+from app.recordings.offline import Analysis, stretches
 from app.recordings.raw_packet import RawPacket
-from app.recordings.reprocess import (
-    SINGLE_SENSORS,
-    Analysis,
-    analyse,
-    count_session,
-    enqueue_comparison,
-    stretches,
-)
+from app.recordings.reprocess import count_session, enqueue_comparison
 from app.recordings.schemas import UploadIn
-from app.recordings.walk_shoes import store_shoes
 from app.sentences import CATALOGUE, say
 from estimators.calibration import STRETCH_S, RecordingCheck, in_words, same_signals
-from estimators.pipelines import SessionSetup, has_shoes
+from estimators.pipelines import SessionSetup
 
 _CHUNK_TICKS: Final = 100
 _CHUNKS_A_COMMIT: Final = 16
@@ -86,11 +80,11 @@ def _store(context: JobContext, declaration: UploadIn, path: Path) -> list[str]:
     else:
         recording = readers.read(path, declaration.format, declaration.csv, declaration.file_name)
         notes += recording.notes
-        if has_shoes(recording):
-            with unit_of_work(context.engine) as session:
-                store_shoes(session, context.session_id, recording)
-            recording = readers.as_feet(recording)
-        prepared = readers.packets_of(recording, any_name=pipeline_of(declaration) == SINGLE_SENSORS)
+        with unit_of_work(context.engine) as session:
+            recording = kinds()[pipeline_of(declaration)].put_aside(session, context.session_id, recording)
+        prepared = readers.packets_of(
+            recording, any_name=not kinds()[pipeline_of(declaration)].pipeline.is_worn
+        )
         network = prepared.declaration
         total = prepared.tick_count
         stored_ticks = _write_packets(
@@ -154,7 +148,7 @@ def _declare(context: JobContext, network: Declaration, *, with_legs: bool) -> N
         found.hello = network.to_dict()
         found.setup = replace(
             SessionSetup.from_dict(found.setup),
-            placements=estimated(network.placements, str(found.setup["pipeline"]), with_legs=with_legs),
+            placements=kind_of(found.setup).pipeline.used(network.placements, with_legs=with_legs),
             rate_hz=network.rate_hz,
         ).to_dict()
         found.started_at = found.started_at or utc_now()
@@ -191,7 +185,10 @@ def _check(context: JobContext, declaration: UploadIn) -> list[str]:
 def _analyse(context: JobContext, declaration: UploadIn) -> Analysis:
     with unit_of_work(context.engine) as session:
         setup = SessionSetup.from_dict(session.get_one(MotionSession, context.session_id).setup)
-    return analyse(context, setup, declaration.calibration_pose_s, search_pose=True, progress_from=_STORED_AT)
+    wanted = Wanted(
+        context, setup, declaration.calibration_pose_s, search_pose=True, progress_from=_STORED_AT
+    )
+    return kind_of(setup).analyse(wanted)
 
 
 def _finish(context: JobContext, analysis: Analysis) -> None:

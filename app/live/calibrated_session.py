@@ -14,8 +14,7 @@ from app.live.collectors import Outcome
 from app.live.device_rows import save_device_calibrations
 from app.live.estimation import EstimationLine
 from app.live.messages import LayoutMessage
-from app.recordings.magnetic import PIPELINE as MAGNETIC
-from app.recordings.walks import PIPELINE as WALKING
+from app.recordings.kinds import kind_of
 from app.sentences import CATALOGUE, say
 from estimators.calibration import Hemisphere
 from estimators.pipelines import Pipeline
@@ -55,9 +54,9 @@ class CalibratedSession(SessionBook):
     def is_calibrated(self) -> bool:
         """Whether joint angles mean anything; not when only biases or a remembered mounting are known.
 
-        Walks need no calibration.
+        Some kinds of session need no calibration.
         """
-        if self.pipeline.setup.pipeline in (WALKING, MAGNETIC):
+        if not self.pipeline.needs_pose:
             return True
         found = self.pipeline.setup.calibration
         return found is not None and bool(found.q_sensor_segment) and not found.unknown_headings
@@ -80,10 +79,8 @@ class CalibratedSession(SessionBook):
                 say("live.cannot_calibrate"),
                 state=self.machine.state,
             )
-        if self.pipeline.setup.pipeline == WALKING:
-            raise Conflict(say("live.walk_uncalibrated"))
-        if self.pipeline.setup.pipeline == MAGNETIC:
-            raise Conflict(say("live.magnetic_uncalibrated"))
+        if refused := kind_of(self.pipeline.setup).calibration_refused:
+            raise Conflict(refused)
         message = self._calibration.start(wanted)
         self._change("calibrating", message.steps[0].said("title"))
         return message

@@ -8,13 +8,13 @@ from fastapi import APIRouter, Request
 from app.accounts.dependencies import CurrentSubject
 from app.accounts.schemas import TicketIn, TicketOut
 from app.accounts.subject import Subject
+from app.kinds.magnetic.schemas import MagneticSafetyOut
 from app.live import repository
 from app.live.calibration_endpoints import router as calibration_router
 from app.live.calibration_messages import CalibrationIn
 from app.live.manager import LiveManager
 from app.live.messages import StateMessage
 from app.live.next_session import router as device_router
-from app.recordings.magnetic_schemas import MagneticSafetyOut
 from app.recordings.schemas import MarkIn
 from app.sentences import say
 from app.services import services_of

@@ -13,6 +13,7 @@ from sqlalchemy import Engine
 from app.errors import Conflict, TelemotionError, Unavailable
 from app.ingest.declaration import Declaration
 from app.ingest.messages import HelloMessage
+from app.kinds.magnetic.safety import CONFIRMATION_HOURS
 from app.limits import Hold, Limits
 from app.live import repository
 from app.live.bus import Bus, topic
@@ -27,7 +28,6 @@ from app.live.states import OPEN
 from app.live.stored import stored_state
 from app.live.warmup import Readiness, prepare_process
 from app.recordings.group_commit import GroupCommitWriter
-from app.recordings.magnetic import CONFIRMATION_HOURS
 from app.sentences import say
 from estimators.calibration import Hemisphere
 from estimators.pipelines import SessionSetup

@@ -13,7 +13,7 @@ from app.database.unit_of_work import unit_of_work
 from app.errors import NoOpenSession
 from app.live.states import OPEN
 from app.patients.access import require_patient
-from app.recordings.magnetic import require_confirmed
+from app.recordings.kinds import kind_of
 from app.recordings.models import MotionSession
 from app.schemas import Schema, SessionState
 from app.sentences import say
@@ -87,7 +87,7 @@ def next_session(engine: Engine, device: Subject, confirmation_hours: float) -> 
         ).first()
         if row is None:
             raise NoOpenSession(say("device.no_open_session"))
-        require_confirmed(session, row, confirmation_hours)
+        kind_of(row.setup).require_safe(session, row, confirmation_hours)
         record(session, device, "session.ticket", patient_id, row.id, {"purpose": "ingest"})
         token, ticket = issue_ticket(session, device, "ingest", row.id)
         return NextSessionOut.model_validate(

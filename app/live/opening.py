@@ -16,11 +16,12 @@ from app.live.rebuild import rebuild
 from app.live.runner import LiveSession
 from app.live.states import OPEN
 from app.recordings.group_commit import GroupCommitWriter
+from app.recordings.kinds import kind_of
 from app.sentences import say
 from estimators import pipelines
 from estimators.calibration import Hemisphere
 from estimators.errors import SetupError
-from estimators.pipelines import RelativePosePipeline, SessionSetup
+from estimators.pipelines import SessionSetup
 
 
 @dataclass(frozen=True)
@@ -147,15 +148,11 @@ def setup_for(setup: SessionSetup, declaration: Declaration) -> SessionSetup:
             say("live.other_placements", places=list(setup.placements)),
             reason="placements",
         )
-    parameters = dict(setup.orientation_parameters)
-    if setup.pipeline == RelativePosePipeline.name and declaration.clip_magnetometer_t is not None:
-        # What somebody set by hand stays: it is how a researcher tries another level.
-        parameters.setdefault("full_scale_t", declaration.clip_magnetometer_t)
     return replace(
         setup,
         placements=declaration.placements,
         rate_hz=declaration.rate_hz,
-        orientation_parameters=parameters,
+        orientation_parameters=kind_of(setup).declared(setup.orientation_parameters, declaration),
     )
 
 

@@ -13,8 +13,7 @@ from app.ingest.alignment import Aligner
 from app.ingest.clock import Admitted
 from app.ingest.packet import Channel, Packet
 from app.live.runner import LiveSession
-from app.recordings.magnetic import PIPELINE as MAGNETIC
-from app.recordings.reprocess import decoded
+from app.recordings.offline import decoded
 from app.recordings.store import read_packets_in_order
 
 TAIL_S = 60.0
@@ -35,8 +34,7 @@ def rebuild(session: LiveSession, engine: Engine) -> Exception | None:
         Why the estimation cannot go on, for `EstimationLine.stop` on the event loop; storing can.
     """
     tail: deque[tuple[Packet, Admitted]] = deque()
-    # The filter of a magnetic session begins with its standstill and cannot begin in the middle.
-    is_whole = session.pipeline.setup.pipeline == MAGNETIC
+    is_whole = not session.pipeline.begins_anywhere
     try:
         for raw in read_packets_in_order(engine, session.id):
             packet = decoded(raw)

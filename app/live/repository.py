@@ -18,18 +18,17 @@ from app.accounts.tickets import Redeemed, issue_ticket, redeem_ticket
 from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import NotFound, SafetyUnconfirmed, SignInRequired
+from app.kinds.magnetic.safety import CONFIRMATION_HOURS, withdraw
+from app.kinds.magnetic.schemas import MagneticSafetyOut
 from app.live.states import OPEN
 from app.patients.access import Level, require_patient
 from app.patients.models import Mounting
 from app.recordings.chunks import frames_stream
-from app.recordings.magnetic import CONFIRMATION_HOURS, require_confirmed, withdraw
-from app.recordings.magnetic_schemas import MagneticSafetyOut
+from app.recordings.kinds import kind_of
 from app.recordings.models import MotionSession, Result, SignalChunk
-from app.recordings.result_rows import layout_dict
-from app.recordings.walks import estimator_of
+from app.recordings.result_rows import filter_of, layout_dict
 from app.schemas import SessionState
 from app.sentences import say
-from estimators import orientation
 from estimators.pipelines import Calibration, Pipeline, SessionSetup
 
 NO_SUCH_SESSION = say("session.not_found")
@@ -99,7 +98,7 @@ def open_by_ticket(
     """
     with unit_of_work(engine) as session:
         redeemed: Redeemed = redeem_ticket(session, ticket, "ingest")
-        require_confirmed(session, _row(session, redeemed.session_id), confirmation_hours)
+        _require_safe(session, _row(session, redeemed.session_id), confirmation_hours)
     return redeemed.subject, authorise(
         engine, redeemed.subject, redeemed.session_id, "record", "session.stream"
     )
@@ -126,7 +125,7 @@ def give_ticket(
         except NotFound as error:
             raise NotFound(NO_SUCH_SESSION) from error
         if purpose == "ingest":
-            require_confirmed(session, row, confirmation_hours)
+            _require_safe(session, row, confirmation_hours)
         record(session, subject, "session.ticket", row.patient_id, session_id, {"purpose": purpose})
         token, ticket = issue_ticket(
             session, subject, "ingest" if purpose == "ingest" else "live", session_id
@@ -153,11 +152,15 @@ def still_allowed(engine: Engine, subject: Subject, session_id: str, level: Leve
         require_patient(session, subject, _row(session, session_id).patient_id, level)
 
 
+def _require_safe(session: Session, row: MotionSession, hours: float) -> None:
+    kind_of(row.setup).require_safe(session, row, hours)
+
+
 def source_refusal(engine: Engine, session_id: str, confirmation_hours: float) -> str | None:
     """Return why the source of a session may not fire any more; None while it may."""
     with read_only(engine) as session:
         try:
-            require_confirmed(session, _row(session, session_id), confirmation_hours)
+            _require_safe(session, _row(session, session_id), confirmation_hours)
         except SafetyUnconfirmed as error:
             return error.message
     return None
@@ -166,7 +169,7 @@ def source_refusal(engine: Engine, session_id: str, confirmation_hours: float) -
 def withdraw_safety(
     engine: Engine, subject: Subject, session_id: str, confirmation_hours: float
 ) -> MagneticSafetyOut:
-    """Note that a therapist takes the word back that a source is safe; see `app.recordings.magnetic.withdraw`."""
+    """Note that a therapist takes the word back that a source is safe; see `app.kinds.magnetic.safety.withdraw`."""
     with unit_of_work(engine) as session:
         return withdraw(session, subject, session_id, confirmation_hours)
 
@@ -198,8 +201,7 @@ def begin_stream(
             select(Result).where(Result.session_id == session_id, Result.kind == "live")
         ).first()
         if result is None:
-            version = orientation.available()[pipeline.setup.orientation].version
-            estimator, version = estimator_of(pipeline.setup, pipeline, version)
+            estimator, version = filter_of(pipeline)
             result = Result(
                 session_id=session_id,
                 kind="live",

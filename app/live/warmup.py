@@ -11,23 +11,17 @@ import logging
 import os
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
-from dataclasses import replace
+from collections.abc import Callable
 from typing import Final, cast
-
-import numpy as np
 
 from app.errors import Unavailable
 from app.ingest._unpack_kernel import unpack
-from app.recordings import frame_codec
+from app.recordings.kinds import kinds
 from app.sentences import say
 from estimators import pipelines
 from estimators.compiling import Kernel, NotCompiled, only_cached
-from estimators.conventions import PLACEMENTS, SHOE_PLACEMENTS, Placement
-from estimators.magnetic import coil_state
 from estimators.orientation import DEFAULT
-from estimators.pipelines import ArmPipeline, GaitPipeline, Pipeline, RelativePosePipeline, SessionSetup
-from estimators.recording import ImuChunk
+from estimators.pipelines import ArmPipeline, SessionSetup
 
 logger = logging.getLogger(__name__)
 
@@ -39,19 +33,18 @@ NICENESS: Final = 5
 Kind = tuple[str, str]
 """Pipeline and orientation estimator: what decides which code runs."""
 FIRST: Final[Kind] = (ArmPipeline.name, DEFAULT)
-USUAL: Final[tuple[Kind, ...]] = (
-    FIRST,
-    (GaitPipeline.name, DEFAULT),
-    (RelativePosePipeline.name, DEFAULT),
-)
+
+
+def usual() -> list[Kind]:
+    """Return what is made ready at the start: arms, then the kinds that have a filter of their own."""
+    own = [name for name, kind in pipelines.available().items() if not kind.takes_estimator]
+    return [FIRST, *((name, DEFAULT) for name in own)]
 
 
 def kind_of(setup: SessionSetup) -> Kind:
     """Return the kind of session that a setup asks for."""
-    if setup.pipeline in (GaitPipeline.name, RelativePosePipeline.name):
-        # They have filters of their own and do not ask for an estimator.
-        return setup.pipeline, DEFAULT
-    return setup.pipeline, setup.orientation
+    asks = pipelines.available()[setup.pipeline].takes_estimator
+    return setup.pipeline, setup.orientation if asks else DEFAULT
 
 
 def warm_up(kind: Kind) -> None:
@@ -61,71 +54,7 @@ def warm_up(kind: Kind) -> None:
     """
     pipeline, orientation = kind
     cast(Kernel, unpack).prepare()
-    if pipeline == RelativePosePipeline.name:
-        _fire_once()
-    elif pipeline == GaitPipeline.name:
-        for feet in (("foot_left", "foot_right"), SHOE_PLACEMENTS):
-            _stand(pipelines.create(SessionSetup(pipeline, feet, 100.0)), len(feet))
-    else:
-        setup = SessionSetup(pipeline, _worn(pipeline), 100.0, orientation=orientation)
-        _calibrate(pipelines.create(setup), len(setup.placements))
-
-
-def _worn(pipeline: str) -> tuple[Placement, ...]:
-    return PLACEMENTS if pipeline == ArmPipeline.name else PLACEMENTS[:2]
-
-
-def _calibrate(pipeline: Pipeline, sensors: int) -> None:
-    chunks = list(_still(sensors, 400))
-    for chunk in chunks:
-        pipeline.step(chunk)
-    pose = ImuChunk(
-        100,
-        0.01,
-        *(
-            np.concatenate([getattr(chunk, name) for chunk in chunks[20:]], axis=1)
-            for name in ("gyroscope_radps", "accelerometer_mps2", "magnetometer_t", "quality")
-        ),
-    )
-    pipeline.calibrate(pose, "n_pose")
-    frames = [
-        pipeline.step(replace(chunk, first_tick=chunk.first_tick + 400)) for chunk in _still(sensors, 20)
-    ]
-    # As it is stored and replayed.
-    data, scale = frame_codec.pack(frames)
-    frame_codec.unpack(frame_codec.FRAMES_CODEC, data, scale, 20, pipeline.layout)
-
-
-def _stand(pipeline: Pipeline, sensors: int) -> None:
-    forces = np.zeros((sensors, 5, 3))
-    for chunk in _still(sensors, 400):
-        pipeline.step(replace(chunk, force_n=forces, moment_nm=forces))
-
-
-def _fire_once() -> None:
-    source = pipelines.create(SessionSetup(RelativePosePipeline.name, ("pelvis", "sternum"), 100.0))
-    coil = 0
-    for chunk in _still(2, 300):
-        state = np.zeros((2, chunk.tick_count))
-        state[0] = coil_state(coil, 1.3)
-        frames = source.step(replace(chunk, coil_state=state))
-        # What was asked for is fired in the next packet.
-        coil = int(frames.scalar[:, frames.layout.scalars.index("source_ask_coil")].max())
-
-
-def _still(sensors: int, ticks: int) -> Iterator[ImuChunk]:
-    generator = np.random.default_rng(0)
-    for start in range(0, ticks, 5):
-        noise = 1e-3 * generator.standard_normal((3, sensors, 5, 3))
-        yield ImuChunk(
-            start,
-            0.01,
-            noise[0],
-            # Upright sensors: the z axis away from a body says where it faces.
-            noise[1] + np.array([0.0, 9.81, 0.0]),
-            1e-3 * noise[2] + np.array([2e-5, -4e-5, 0.0]),
-            np.zeros((sensors, 5), dtype=np.uint8),
-        )
+    kinds()[pipeline].warm_up(orientation)
 
 
 def load_or_compile(kind: Kind) -> None:
@@ -187,7 +116,7 @@ class Readiness:
         return task is not None and task.done()
 
     async def _one_by_one(self) -> None:
-        for kind in USUAL:
+        for kind in usual():
             await asyncio.wait([self._of(kind)])
 
     def _of(self, kind: Kind) -> asyncio.Task[None]:

@@ -4,16 +4,8 @@ import re
 from typing import Final
 
 from estimators.orientation import OrientationFlag
-from estimators.pipelines import OrientationPipeline
 from estimators.pipelines._gait_layout import FORCE_STATES
 
-FRAMES: Final = {
-    "arm": "room: z up, x where the patient faced in the calibration pose, y to the patient's left",
-    "gait": "room: z up, x along the course of the walk; live, each foot's own world: z up, heading of its first"
-    " sample",
-    OrientationPipeline.name: "earth: x east, y north, z up; without a magnetometer the heading is arbitrary",
-}
-"""Axes of points, orientations and their sigmas, by pipeline."""
 FLAGS: Final = {
     OrientationFlag.INVALID: "nothing is known: no data, or lost",
     OrientationFlag.BRIDGED: "interpolated across a gap of at most 0.2 s",
@@ -80,4 +72,4 @@ def scalar_words(scalar: str) -> str:
     return _SCALARS.get(name, name.replace("_", " "))
 
 
-__all__ = ["FLAGS", "FRAMES", "angle_words", "flags_words", "scalar_words", "sequence_of", "unit_of"]
+__all__ = ["FLAGS", "angle_words", "flags_words", "scalar_words", "sequence_of", "unit_of"]

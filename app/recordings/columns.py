@@ -7,7 +7,6 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from app.recordings.column_words import (
-    FRAMES,
     angle_words,
     flags_words,
     scalar_words,
@@ -15,6 +14,7 @@ from app.recordings.column_words import (
     unit_of,
 )
 from app.recordings.points import described
+from estimators import pipelines
 from estimators.body import BodyDimensions
 from estimators.pipelines import Frames
 
@@ -25,7 +25,7 @@ class _Columns:
     def __init__(self, pipeline: str) -> None:
         self.arrays: list[pa.Array] = []
         self.fields: list[pa.Field] = []
-        self._frame = FRAMES.get(pipeline, "")
+        self._frame = pipelines.available()[pipeline].axes if pipeline else ""
 
     def add(
         self, name: str, values: NDArray[Any], meaning: str, *, sequence: str = "", has_frame: bool = False

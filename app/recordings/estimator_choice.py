@@ -2,11 +2,8 @@
 
 from typing import Any, Final
 
-from app.errors import Conflict
 from app.recordings.schemas import EstimatorOut, ParameterOut
-from app.sentences import say
 from estimators import orientation
-from estimators.pipelines import SessionSetup
 
 _UNITS: Final[tuple[tuple[str, str], ...]] = (
     ("_degps_per_sqrt_s", "deg/s/√s"),
@@ -30,20 +27,6 @@ _UNITS: Final[tuple[tuple[str, str], ...]] = (
     ("_s", "s"),
 )
 """Suffix of a parameter's name and the unit it stands for; the longest that fits counts."""
-
-
-def refuse_walk(setup: SessionSetup) -> None:
-    """Refuse other estimators for a walk.
-
-    Raises
-    ------
-    Conflict
-        The setup is that of a walk or of a magnetic source.
-    """
-    if setup.pipeline == "gait":
-        raise Conflict(say("walk.one_estimator"))
-    if setup.pipeline == "relative_pose":
-        raise Conflict(say("magnetic.one_estimator"))
 
 
 def estimators_out() -> list[EstimatorOut]:

@@ -9,22 +9,31 @@ from app.database.unit_of_work import unit_of_work
 from app.recordings._rows import insert_chunk
 from app.recordings.chunks import EncodedChunk, frames_stream
 from app.recordings.jobs import JobContext
-from app.recordings.magnetic import PIPELINE as MAGNETIC
 from app.recordings.models import Result, SignalChunk
-from app.recordings.walks import estimator_of, forget_walk
 from estimators import orientation, pipelines
 from estimators.pipelines import FrameLayout, SessionSetup
 
 CHUNKS_A_COMMIT: Final = 8
 
 
-def new_result(context: JobContext, setup: SessionSetup, pipeline: pipelines.Pipeline) -> str:
-    """Make the row of a new result; what an interrupted attempt left is removed."""
+def filter_of(pipeline: pipelines.Pipeline) -> tuple[str, str]:
+    """Return name and version of the filter that estimates a session."""
+    if not pipeline.takes_estimator:
+        return pipeline.filter, pipeline.version
+    name = pipeline.setup.orientation
+    return name, orientation.available(with_offline=True)[name].version
+
+
+def new_result(
+    context: JobContext, setup: SessionSetup, pipeline: pipelines.Pipeline, *, smoothed: bool = False
+) -> str:
+    """Make the row of a new result; what an interrupted attempt left is removed.
+
+    `smoothed` says so of a filter of the pipeline's own, so that the live result keeps the filter's name.
+    """
     layout = pipeline.layout
-    version = orientation.available(with_offline=True)[setup.orientation].version
-    estimator, version = estimator_of(setup, pipeline, version)
-    if setup.pipeline == MAGNETIC:
-        # Off line it is smoothed; the live result keeps the filter's name.
+    estimator, version = filter_of(pipeline)
+    if smoothed:
         estimator = f"{estimator}_smoothed"
     with unit_of_work(context.engine) as session:
         earlier = context.arguments.get("result_id")
@@ -58,13 +67,12 @@ def layout_dict(layout: FrameLayout) -> dict[str, list[str]]:
 
 
 def forget(session: Session, session_id: str, result_id: str) -> None:
-    """Remove a result with everything that was found."""
+    """Remove a result with everything that was found: its frames, and whatever else is named after it."""
     session.execute(
         delete(SignalChunk).where(
-            SignalChunk.session_id == session_id, SignalChunk.stream == frames_stream(result_id)
+            SignalChunk.session_id == session_id, SignalChunk.stream.endswith(f"/{result_id}")
         )
     )
-    forget_walk(session, session_id, result_id)
     session.execute(delete(Result).where(Result.id == result_id))
 
 
@@ -79,4 +87,4 @@ def write_frames(context: JobContext, result_id: str, chunks: list[EncodedChunk]
             )
 
 
-__all__ = ["CHUNKS_A_COMMIT", "forget", "layout_dict", "new_result", "write_frames"]
+__all__ = ["CHUNKS_A_COMMIT", "filter_of", "forget", "layout_dict", "new_result", "write_frames"]

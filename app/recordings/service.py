@@ -16,8 +16,7 @@ from app.patients.access import levels
 from app.patients.models import Patient
 from app.recordings import repository
 from app.recordings.chunks import layout_from_dict
-from app.recordings.estimator_choice import refuse_walk
-from app.recordings.known_sources import parameters_of
+from app.recordings.kinds import kind_of, kinds
 from app.recordings.models import Job, MotionSession, Result
 from app.recordings.packet_log import write_log
 from app.recordings.schemas import (
@@ -90,7 +89,8 @@ def create(session: Session, subject: Subject, wanted: SessionIn) -> SessionDeta
             say("session.offline_estimator", wanted=wanted.orientation, live=live),
             field="orientation",
         )
-    remembers = wanted.use_mounting and wanted.pipeline == "arm"
+    kind = kinds()[wanted.pipeline]
+    remembers = wanted.use_mounting and kind.pipeline.needs_pose
     calibration = _remembered(session, patient.id, tuple(wanted.placements)) if remembers else None
     setup = checked(
         SessionSetup(
@@ -98,7 +98,7 @@ def create(session: Session, subject: Subject, wanted: SessionIn) -> SessionDeta
             placements=tuple(wanted.placements),
             rate_hz=wanted.rate_hz,
             orientation=wanted.orientation,
-            orientation_parameters=_told_parameters(session, subject, wanted),
+            orientation_parameters=kind.parameters(session, subject, wanted),
             constrain_joint_headings=wanted.constrain_joint_headings,
             body=body_of(patient),
             calibration=calibration,
@@ -119,18 +119,6 @@ def create(session: Session, subject: Subject, wanted: SessionIn) -> SessionDeta
         ),
     )
     return describe(session, subject, found)
-
-
-def _told_parameters(session: Session, subject: Subject, wanted: SessionIn) -> dict[str, Any]:
-    """Return the estimator's parameters, with the measured coils of the source that is worn."""
-    if wanted.magnetic_source_id is None:
-        return wanted.orientation_parameters
-    if wanted.pipeline != "relative_pose":
-        raise InvalidInput(say("magnetic.only_magnetic"), field="magnetic_source_id")
-    return {
-        **wanted.orientation_parameters,
-        **parameters_of(session, subject, wanted.magnetic_source_id),
-    }
 
 
 def _remembered(session: Session, patient_id: str, placements: tuple[str, ...]) -> Calibration | None:
@@ -335,7 +323,7 @@ def queue_reprocess(session: Session, subject: Subject, session_id: str, wanted:
     if found.state not in {"analysed", "failed"}:
         raise Conflict(say("session.not_finished"), state=found.state)
     setup = SessionSetup.from_dict(found.setup)
-    refuse_walk(setup)
+    _require_choice(setup)
     checked(
         replace(
             setup, orientation=wanted.orientation, orientation_parameters=dict(wanted.orientation_parameters)
@@ -374,6 +362,12 @@ def job_out(job: Job) -> JobOut:
     )
 
 
+def _require_choice(setup: SessionSetup) -> None:
+    """Refuse other orientation estimators for a kind of session that has its own filter."""
+    if refused := kind_of(setup).estimator_refused:
+        raise Conflict(refused)
+
+
 def queue_reprocess_all(
     session: Session, subject: Subject, session_id: str, wanted: ReprocessAllIn
 ) -> list[JobOut]:
@@ -384,7 +378,7 @@ def queue_reprocess_all(
             say("session.no_estimator", unknown=unknown, known=list(known)), field="orientations"
         )
     found = repository.get_session(session, subject, session_id, "treat", action="")
-    refuse_walk(SessionSetup.from_dict(found.setup))
+    _require_choice(SessionSetup.from_dict(found.setup))
     present = {
         (result.orientation, result.orientation_version)
         for result in repository.results_of(session, found.id)

@@ -65,29 +65,6 @@ class SmoothedSession:
         return orientation.with_orientation(piece, found, self.constants)
 
 
-class SmoothedModules:
-    """A whole session with a magnetic source, with the pose of every sensor from all of it.
-
-    Parameters
-    ----------
-    pieces : iterable of ImuChunk
-        Consecutive ticks as measured from tick 0, sensors in the order of the setup.
-    setup : SessionSetup
-        Of the pipeline `relative_pose`.
-    """
-
-    def __init__(self, pieces: Iterable[ImuChunk], setup: SessionSetup) -> None:
-        self._pieces = list(pieces)
-        self._modules = pipelines.smooth_modules(self._pieces, setup) if self._pieces else ()
-
-    def __iter__(self) -> Iterator[ImuChunk]:
-        """Yield the pieces as they came, with the poses."""
-        start = 0
-        for piece in self._pieces:
-            yield pipelines.with_modules(piece, self._modules, start)
-            start += piece.tick_count
-
-
 def remember(session: Session, found: MotionSession, learnt: Mapping[Placement, DeviceConstants]) -> None:
     """Keep what a closed session, smoothed, taught about its sensors; better than what was known while it ran.
 
@@ -113,4 +90,4 @@ def smoother_for(filter_name: str) -> str | None:
     return next((name for name, kind in orientation.smoothers().items() if kind.follows == filter_name), None)
 
 
-__all__ = ["SmoothedModules", "SmoothedSession", "remember", "smoother_for"]
+__all__ = ["SmoothedSession", "remember", "smoother_for"]

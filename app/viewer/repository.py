@@ -15,6 +15,7 @@ from app.patients.access import require_patient
 from app.patients.models import Patient
 from app.recordings import marker_motion
 from app.recordings import repository as recordings
+from app.recordings.kinds import View, kind_of
 from app.recordings.models import MotionSession, Result
 from app.recordings.schemas import ViewIn
 from app.recordings.store import read_frames
@@ -73,10 +74,8 @@ class Contents:
     ghost_clock: GhostClock | None
     track: PoseTrack | None
     is_calibrating: bool = False
-    has_source: bool = False
-    """A magnetic session: modules are shown, which want a nearer camera."""
-    has_feet: bool = False
-    """A walk: feet are shown, which want a lower camera."""
+    view: View = "body"
+    """Modules want a nearer camera, feet a lower one."""
 
 
 def find_target(engine: Engine, subject: Subject, session_id: str, wanted: ViewIn) -> ViewTarget:
@@ -175,8 +174,7 @@ def load_contents(engine: Engine, target: ViewTarget) -> Contents:
             ghost_clock=clock,
             track=track,
             is_calibrating=found.state in {"created", "calibrating"},
-            has_source=setup.pipeline == "relative_pose",
-            has_feet=setup.pipeline == "gait",
+            view=kind_of(setup).view,
         )
 
 

@@ -62,7 +62,7 @@ class Stage:
     def __init__(self, target: ViewTarget, contents: Contents, bus: Bus) -> None:
         self.target = target
         self.body = contents.body
-        self._is_walk = contents.has_feet
+        self._is_walk = contents.view == "feet"
         self._markers = contents.track.markers if contents.track is not None else None
         self._around = _modules_extent(contents)
         self.side = contents.side
@@ -81,7 +81,7 @@ class Stage:
             self._server.stop()
             raise
         # Whether it is a desk or a phone is not known yet; words beside the modules must fit on a phone as well.
-        camera = self.look("start", aspect=0.8 if contents.has_source else 1.4)
+        camera = self.look("start", aspect=0.8 if contents.view == "modules" else 1.4)
         self._server.initial_camera.position = camera.position_m
         self._server.initial_camera.look_at = camera.look_at_m
         self._server.initial_camera.fov = FIELD_OF_VIEW_RAD
@@ -151,7 +151,7 @@ class Stage:
 
 def _modules_extent(contents: Contents) -> tuple[float, float] | None:
     """Return height of the middle and size of what a magnetic session shows; None for other sessions."""
-    if not contents.has_source:
+    if contents.view != "modules":
         return None
     modules = contents.track.modules if contents.track is not None else None
     if modules is not None:

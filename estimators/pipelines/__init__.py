@@ -19,7 +19,7 @@ from estimators.pipelines._orientation import OrientationPipeline
 from estimators.pipelines._relative_pose import ModulesChunk, RelativePosePipeline
 from estimators.pipelines._relative_smoothing import smooth_modules, with_modules
 from estimators.pipelines._relative_source import NOMINAL_GAIN_SIGMA, SourceSettings, relative_source
-from estimators.pipelines._run import available, concatenate, create, find_pose, run, step_through
+from estimators.pipelines._run import available, concatenate, create, find_pose, kind, run, step_through
 from estimators.pipelines._shoes import ShoeWalk, analyse_shoes, has_shoes, with_shoes
 from estimators.pipelines._tracker_bursts import (
     BURST_ORIENTATION,
@@ -66,6 +66,7 @@ __all__ = [
     "find_pose",
     "has_shoes",
     "is_offline",
+    "kind",
     "refine_elbows",
     "relative_feet",
     "relative_source",

@@ -48,6 +48,11 @@ class ArmPipeline(Pipeline):
     name: ClassVar[str] = "arm"
     version: ClassVar[str] = "1"
     title: ClassVar[str] = "Arms and trunk"
+    axes: ClassVar[str] = (
+        "room: z up, x where the patient faced in the calibration pose, y to the patient's left"
+    )
+    needs_pose: ClassVar[bool] = True
+    takes_estimator: ClassVar[bool] = True
 
     def __init__(self, setup: SessionSetup) -> None:
         unknown = [name for name in setup.placements if name not in PLACEMENTS]

@@ -7,7 +7,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,8 @@ from estimators.orientation import DEFAULT
 from estimators.orientation import DeviceConstants as DeviceConstants
 from estimators.recording import Float, ImuChunk
 from estimators.sentences import CATALOGUE, for_json, say
+
+_LEGS: Final = ("thigh_", "shank_", "foot_")
 
 
 @dataclass(frozen=True)
@@ -205,6 +207,25 @@ class Pipeline(ABC):
 
     name: ClassVar[str]
     version: ClassVar[str]
+    axes: ClassVar[str]
+    """Axes of points, orientations and their sigmas, in words."""
+    needs_pose: ClassVar[bool] = False
+    """Whether angles mean nothing before a pose or movements were evaluated."""
+    takes_estimator: ClassVar[bool] = False
+    """Whether `SessionSetup.orientation` chooses the filter; otherwise it has its own, named `filter`."""
+    filter: ClassVar[str] = ""
+    begins_anywhere: ClassVar[bool] = True
+    """Whether it finds its way when its samples begin in mid-session."""
+    is_worn: ClassVar[bool] = True
+    """Whether its sensors sit where a `Placement` names; otherwise they may have any name."""
+
+    @classmethod
+    def used(cls, placements: Sequence[Placement], *, with_legs: bool = False) -> tuple[Placement, ...]:
+        """Return the sensors that this pipeline uses of those worn; the others stay in the raw data.
+
+        Legs need not be still in a pose: they are left out unless `with_legs`.
+        """
+        return tuple(name for name in placements if with_legs or not name.startswith(_LEGS))
 
     @abstractmethod
     def __init__(self, setup: SessionSetup) -> None:

@@ -1,6 +1,6 @@
 """The gait pipeline: sensors on the feet to the movement of both feet, their events and strides."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, ClassVar
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators import calibration, rotation
-from estimators.conventions import Side
+from estimators.conventions import Placement, Side
 from estimators.errors import CalibrationError
 from estimators.gait import (
     USUAL_APART_M,
@@ -47,6 +47,15 @@ class GaitPipeline(Pipeline):
     name: ClassVar[str] = "gait"
     version: ClassVar[str] = "2"
     title: ClassVar[str] = "Walking"
+    axes: ClassVar[str] = (
+        "room: z up, x along the course of the walk; live, each foot's own world: z up, heading of its first sample"
+    )
+    filter: ClassVar[str] = "foot"
+
+    @classmethod
+    def used(cls, placements: Sequence[Placement], *, with_legs: bool = False) -> tuple[Placement, ...]:
+        """Return the feet among the sensors worn."""
+        return tuple(name for name in placements if name in ("foot_left", "foot_right"))
 
     def __init__(self, setup: SessionSetup) -> None:
         self._setup = setup

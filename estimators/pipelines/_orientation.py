@@ -1,6 +1,6 @@
 """The orientation pipeline: each sensor for itself, no body."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -25,6 +25,14 @@ class OrientationPipeline(Pipeline):
     name: ClassVar[str] = "orientation"
     version: ClassVar[str] = "1"
     title: ClassVar[str] = "Single sensors"
+    axes: ClassVar[str] = "earth: x east, y north, z up; without a magnetometer the heading is arbitrary"
+    takes_estimator: ClassVar[bool] = True
+    is_worn: ClassVar[bool] = False
+
+    @classmethod
+    def used(cls, placements: Sequence[Placement], *, with_legs: bool = False) -> tuple[Placement, ...]:
+        """Return all sensors."""
+        return tuple(placements)
 
     def __init__(self, setup: SessionSetup) -> None:
         self._network = BodyNetwork(setup)

@@ -57,6 +57,9 @@ class RelativePosePipeline(Pipeline):
     name: ClassVar[str] = "relative_pose"
     version: ClassVar[str] = "2"
     title: ClassVar[str] = "Relative pose by magnetic source"
+    axes: ClassVar[str] = ""
+    filter: ClassVar[str] = "relative_pose"
+    begins_anywhere: ClassVar[bool] = False
 
     def __init__(self, setup: SessionSetup) -> None:
         self._setup = setup

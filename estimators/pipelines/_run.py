@@ -32,6 +32,19 @@ def available() -> dict[str, type[Pipeline]]:
     return dict(_REGISTRY)
 
 
+def kind(name: str) -> type[Pipeline]:
+    """Return a pipeline by its name, not yet built: what it needs and uses.
+
+    Raises
+    ------
+    SetupError
+        There is none of that name.
+    """
+    if name not in _REGISTRY:
+        raise SetupError(say("setup.unknown_pipeline", name=name, known=list(_REGISTRY)))
+    return _REGISTRY[name]
+
+
 def create(setup: SessionSetup) -> Pipeline:
     """Build the pipeline that a setup asks for, having seen no samples.
 
@@ -48,9 +61,7 @@ def create(setup: SessionSetup) -> Pipeline:
     SetupError
         For an unknown pipeline, estimator or parameter, or placements that cannot work together.
     """
-    if setup.pipeline not in _REGISTRY:
-        raise SetupError(say("setup.unknown_pipeline", name=setup.pipeline, known=list(_REGISTRY)))
-    return _REGISTRY[setup.pipeline](setup)
+    return kind(setup.pipeline)(setup)
 
 
 def concatenate(parts: Sequence[Frames]) -> Frames:

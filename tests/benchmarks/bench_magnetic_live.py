@@ -26,7 +26,7 @@ from app.gateway import ServiceClient
 from app.gateway.encoding import EPOCH_US
 from app.ingest.messages import PROTOCOL_VERSION, HelloMessage
 from app.ingest.packet import Channel, encode_packet
-from app.recordings.magnetic_schemas import MagneticSafetyIn
+from app.kinds.magnetic.schemas import MagneticSafetyIn
 from app.recordings.schemas import SessionIn
 from estimators.recording import ImuChunk
 from tests.benchmarks import bench_live as live

@@ -21,7 +21,7 @@ from app.database.base import new_id
 from app.database.engine import create_from_url
 from app.database.unit_of_work import unit_of_work
 from app.gateway import DeviceStream, ServiceClient
-from app.live.warmup import USUAL
+from app.live.warmup import usual
 from app.patients.models import Grant, Mounting, Patient
 from app.recordings.schemas import SessionIn
 
@@ -91,7 +91,7 @@ def start_server(
         "OPENBLAS_NUM_THREADS": "1",
         **settings,
     }
-    for kind in USUAL:
+    for kind in usual():
         subprocess.run(
             [sys.executable, "-m", "app.live.warmup", *kind], env=environment, cwd=ROOT, check=True
         )

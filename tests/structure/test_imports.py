@@ -44,10 +44,25 @@ ALLOWED = {
     "exercises": FOUNDATION | {"accounts", "patients"},
     "recordings": FOUNDATION | {"accounts", "patients", "exercises", "ingest", "version"},
     "ingest": FOUNDATION | {"accounts", "recordings"},
-    "live": FOUNDATION | {"accounts", "patients", "exercises", "recordings", "ingest"},
-    "assessment": FOUNDATION | {"time_zones", "accounts", "patients", "exercises", "recordings", "ingest"},
+    "kinds/arm": FOUNDATION | {"accounts", "patients", "exercises", "recordings", "ingest"},
+    "kinds/orientation": FOUNDATION | {"recordings"},
+    "kinds/walk": FOUNDATION | {"accounts", "patients", "exercises", "recordings", "ingest"},
+    "kinds/magnetic": FOUNDATION
+    | {"accounts", "patients", "exercises", "recordings", "ingest", "kinds/walk"},
+    "live": FOUNDATION | {"accounts", "patients", "exercises", "recordings", "ingest", "kinds/magnetic"},
+    "assessment": FOUNDATION
+    | {
+        "time_zones",
+        "accounts",
+        "patients",
+        "exercises",
+        "recordings",
+        "ingest",
+        "kinds/walk",
+        "kinds/magnetic",
+    },
     "viewer": FOUNDATION | {"accounts", "patients", "exercises", "recordings", "live", "assessment"},
-    "gateway": FOUNDATION | {"accounts", "recordings", "ingest", "live"},
+    "gateway": FOUNDATION | {"accounts", "recordings", "ingest", "live", "kinds/magnetic"},
 }
 KNOWN_CIRCLES = {
     # `ingest.packet` and `ingest.alignment` know the wire format and the ticks, and nothing of the database: stored
@@ -93,29 +108,36 @@ def test_the_library_knows_nothing_of_the_service(path: Path) -> None:
 
 @pytest.mark.parametrize("path", modules("app"), ids=lambda p: str(p.relative_to(ROOT)))
 def test_rooms_of_the_service_import_only_what_they_may(path: Path) -> None:
-    parts = path.relative_to(ROOT / "app").with_suffix("").parts
-    room = parts[0]
-    if room in TOP or room == "__init__":
+    room = room_of(dotted(path))
+    if room in TOP or room in {"", "kinds"}:
         return
     wrong = set()
     for name in imported(path):
-        pieces = name.split(".")
-        if pieces[0] != "app" or len(pieces) < 2:
+        other = room_of(name)
+        if not other:
             continue
-        other = pieces[1]
         if other != room and other not in ALLOWED[room]:
             wrong.add(name)
     assert not wrong
+
+
+def room_of(name: str) -> str:
+    """Return the room of a dotted name, `live` or `kinds/walk`; empty for what is in none."""
+    pieces = name.split(".")
+    if pieces[0] != "app" or len(pieces) < 2:
+        return ""
+    if pieces[1] == "kinds" and len(pieces) > 2:
+        return f"kinds/{pieces[2]}"
+    return pieces[1]
 
 
 def rooms() -> dict[str, set[str]]:
     """Which rooms of `app` each room imports."""
     graph: dict[str, set[str]] = {}
     for path in modules("app"):
-        room = path.relative_to(ROOT / "app").with_suffix("").parts[0]
-        names = [name.split(".") for name in imported(path)]
-        others = {name[1] for name in names if name[0] == "app" and len(name) > 1}
-        graph.setdefault(room, set()).update(others - {room})
+        room = room_of(dotted(path))
+        others = {room_of(name) for name in imported(path)} - {"", room}
+        graph.setdefault(room, set()).update(others)
     return {room: others & set(graph) for room, others in graph.items()}
 
 

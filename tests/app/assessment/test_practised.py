@@ -11,10 +11,10 @@ from app.assessment.practised import NOTHING, practised, walked_s
 from app.database.base import new_id
 from app.database.unit_of_work import read_only, unit_of_work
 from app.exercises.models import Exercise, Prescription, TemplateVersion
+from app.kinds.walk.schemas import FootOut, StrideOut, WalkContent, WalkTestOut
+from app.kinds.walk.stored import store_walk
 from app.recordings.jobs import run_job
 from app.recordings.models import Job, MotionSession, Result
-from app.recordings.walk_schemas import FootOut, StrideOut, WalkContent, WalkTestOut
-from app.recordings.walks import store_walk
 from estimators.arm import ArmModel
 from estimators.body import BodyDimensions
 from estimators.comparison import moving_time

@@ -13,8 +13,8 @@ from app.ingest.declaration import Declaration
 from app.ingest.messages import JsonPacket
 from app.ingest.packet import Channel, Packet, decode_packet, encode_packet, packet_from_json
 from app.recordings.chunks import decode_packets, encode_packets
+from app.recordings.offline import decoded
 from app.recordings.raw_packet import RawPacket
-from app.recordings.reprocess import decoded
 from estimators.magnetic import coil_state, read_coil_state
 from estimators.recording import SampleQuality
 

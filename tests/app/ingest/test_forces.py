@@ -10,10 +10,10 @@ from app.ingest.clock import PacketClock
 from app.ingest.declaration import Declaration, check_hello
 from app.ingest.messages import JsonPacket
 from app.ingest.packet import INT16, Channel, Packet, decode_packet, encode_packet, packet_from_json
+from app.kinds.walk.shoes import shoes_of
 from app.recordings.chunks import decode_packets, encode_packets
+from app.recordings.offline import decoded
 from app.recordings.raw_packet import RawPacket
-from app.recordings.reprocess import decoded
-from app.recordings.walk_shoes import shoes_of
 from estimators.conventions import SHOE_PLACEMENTS
 from estimators.pipelines import SessionSetup
 from estimators.recording import ImuChunk, Recording, SensorSignals

@@ -11,7 +11,7 @@ import pytest
 
 from app.errors import Unavailable
 from app.live import warmup
-from app.live.warmup import FIRST, USUAL, Kind, Readiness, kind_of
+from app.live.warmup import FIRST, Kind, Readiness, kind_of, usual
 from estimators.pipelines import SessionSetup
 
 ARM = SessionSetup("arm", ("sternum", "upper_arm_right", "forearm_right"), 100.0)
@@ -58,7 +58,7 @@ def test_a_session_waits_for_its_own_kind_only(monkeypatch: pytest.MonkeyPatch) 
         await ready_for(ready, ARM)
         with pytest.raises(Unavailable):
             await ready.require(GAIT)
-        for kind in USUAL:
+        for kind in usual():
             held.gate(kind).set()
         await ready_for(ready, GAIT)
         ready.end()

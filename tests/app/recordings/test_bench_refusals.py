@@ -5,7 +5,7 @@ from datetime import datetime
 import pytest
 from pydantic import ValidationError
 
-from app.recordings.source_schemas import (
+from app.kinds.magnetic.source_schemas import (
     WORST_GAIN_SIGMA,
     MagneticSourceIn,
     SourceCalibrationIn,

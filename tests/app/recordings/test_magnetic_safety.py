@@ -13,8 +13,8 @@ from app.accounts.tickets import issue_ticket
 from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import SafetyUnconfirmed
+from app.kinds.magnetic.safety import CONFIRMATION_HOURS, EVENT
 from app.live.repository import open_by_ticket, source_refusal
-from app.recordings.magnetic import CONFIRMATION_HOURS, EVENT
 from app.recordings.models import SessionEvent
 from estimators.pipelines import SessionSetup
 

@@ -13,17 +13,16 @@ from app.commands import mass_centre as command
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput, NotFound
 from app.ingest import readers
-from app.ingest.declaration import estimated
+from app.kinds.arm.mass_centre import mass_centre_of
 from app.recordings._rows import insert_chunk
 from app.recordings.chunks import encode_frames, frames_stream, slice_frames
-from app.recordings.mass_centre import mass_centre_of
 from app.recordings.models import Result
 from app.recordings.packet_log import write_log
 from app.viewer.pose import track_from_frames
 from app.viewer.proportions import hip_height_m
 from estimators import pipelines
 from estimators.balance import MASS_SCALARS
-from estimators.pipelines import Frames, SessionSetup
+from estimators.pipelines import ArmPipeline, Frames, SessionSetup
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
 
 pytestmark = pytest.mark.slow
@@ -126,8 +125,8 @@ def test_without_leg_sensors_the_reason_is_told(engine: Engine, new_session: Any
 
 
 def test_uploads_keep_the_legs_when_asked() -> None:
-    assert estimated(WORN) == WORN[:4]
-    assert estimated(WORN, with_legs=True) == WORN
+    assert ArmPipeline.used(WORN) == WORN[:4]
+    assert ArmPipeline.used(WORN, with_legs=True) == WORN
 
 
 def test_the_ball_is_drawn_within_the_figure(run: tuple[SessionSetup, Frames]) -> None:

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.recordings.elbows import with_elbows
+from app.kinds.arm.elbows import with_elbows
 from estimators import pipelines, signals
 from estimators.pipelines import SessionSetup
 from estimators.recording import ImuChunk

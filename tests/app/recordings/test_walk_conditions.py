@@ -5,8 +5,8 @@ import math
 import pytest
 from scipy import stats
 
-from app.recordings.walk_history import changes_between
-from app.recordings.walk_schemas import BalanceOut, FootOut, WalkContent, WalkMeasure
+from app.kinds.walk.history import changes_between
+from app.kinds.walk.schemas import BalanceOut, FootOut, WalkContent, WalkMeasure
 
 
 def measure(

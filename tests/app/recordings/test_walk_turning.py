@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from app.commands.process_walk import write_walk
-from app.recordings.walks import content_of
+from app.kinds.walk.stored import content_of
 from estimators import pipelines
 from estimators.pipelines import SessionSetup
 from estimators.simulation import gait_preset, simulate_gait

@@ -4,9 +4,9 @@ from fastapi import APIRouter, Request
 
 from app.accounts.dependencies import CurrentSubject
 from app.database.dependencies import ReadSession, WriteSession
-from app.recordings import magnetic
-from app.recordings.magnetic_schemas import MagneticSafetyIn, MagneticSafetyOut, SourceUseOut
-from app.recordings.magnetic_use import source_use
+from app.kinds.magnetic import safety as magnetic
+from app.kinds.magnetic.schemas import MagneticSafetyIn, MagneticSafetyOut, SourceUseOut
+from app.kinds.magnetic.use import source_use
 from app.services import services_of
 
 router = APIRouter(prefix="/api", tags=["sessions"])

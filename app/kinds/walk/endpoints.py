@@ -4,10 +4,10 @@ from fastapi import APIRouter
 
 from app.accounts.dependencies import CurrentSubject
 from app.database.dependencies import ReadSession
+from app.kinds.walk.history import compare, walks_of
+from app.kinds.walk.schemas import ConditionsIn, ConditionsOut, GaitOut, WalkRow
+from app.kinds.walk.stored import gait
 from app.pages import WantedPage
-from app.recordings.walk_history import compare, walks_of
-from app.recordings.walk_schemas import ConditionsIn, ConditionsOut, GaitOut, WalkRow
-from app.recordings.walks import gait
 
 router = APIRouter(prefix="/api", tags=["walks"])
 

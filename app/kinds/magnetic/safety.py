@@ -19,8 +19,8 @@ from app.accounts.models import Account
 from app.accounts.subject import Subject
 from app.database.base import utc_now
 from app.errors import Conflict, SafetyUnconfirmed
+from app.kinds.magnetic.schemas import MagneticSafetyIn, MagneticSafetyOut
 from app.recordings import repository
-from app.recordings.magnetic_schemas import MagneticSafetyIn, MagneticSafetyOut
 from app.recordings.models import MotionSession, SessionEvent
 from app.sentences import say
 from estimators.errors import SetupError

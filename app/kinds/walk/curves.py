@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from app.recordings.walk_schemas import CurveName, CycleCurve
+from app.kinds.walk.schemas import CurveName, CycleCurve
 from estimators import rotation
 from estimators.conventions import GRAVITY_MPS2, Side
 from estimators.errors import ShapeError

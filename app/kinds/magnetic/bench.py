@@ -10,7 +10,7 @@ import numpy as np
 
 from app.errors import InvalidInput
 from app.ingest.alignment import joined_chunks
-from app.recordings.source_schemas import WORST_GAIN_SIGMA, CoilIn, SourceFindings, SourceStopOut
+from app.kinds.magnetic.source_schemas import WORST_GAIN_SIGMA, CoilIn, SourceFindings, SourceStopOut
 from app.sentences import say
 from estimators.conventions import Placement
 from estimators.errors import EstimationError

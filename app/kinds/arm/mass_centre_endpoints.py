@@ -6,8 +6,8 @@ from fastapi import APIRouter, Query
 
 from app.accounts.dependencies import CurrentSubject
 from app.database.dependencies import ReadSession
-from app.recordings.mass_centre import mass_centre_of
-from app.recordings.mass_centre_schemas import MassCentreOut
+from app.kinds.arm.mass_centre import mass_centre_of
+from app.kinds.arm.mass_centre_schemas import MassCentreOut
 from app.recordings.points import MAX_POINTS
 from app.schemas import SessionTime
 

@@ -15,18 +15,18 @@ from app.accounts.subject import Subject
 from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import Conflict, InvalidInput, NotAllowed
-from app.recordings import repository
-from app.recordings.known_sources import find_source
-from app.recordings.magnetic import PIPELINE
-from app.recordings.models import MagneticSource, MotionSession
-from app.recordings.reprocess import aligned
-from app.recordings.source_bench import Bench, coils_out, findings
-from app.recordings.source_schemas import (
+from app.kinds.magnetic.bench import Bench, coils_out, findings
+from app.kinds.magnetic.known_sources import find_source
+from app.kinds.magnetic.safety import PIPELINE
+from app.kinds.magnetic.source_schemas import (
     MagneticSourceIn,
     MagneticSourceOut,
     SourceCalibrationIn,
     SourceStopsOut,
 )
+from app.recordings import repository
+from app.recordings.models import MagneticSource, MotionSession
+from app.recordings.offline import aligned
 from app.sentences import say
 from estimators.conventions import Placement
 from estimators.errors import SetupError

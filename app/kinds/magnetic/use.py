@@ -7,9 +7,9 @@ from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
 from app.errors import Conflict
+from app.kinds.magnetic.safety import PIPELINE
+from app.kinds.magnetic.schemas import SourceUseOut
 from app.recordings import repository
-from app.recordings.magnetic import PIPELINE
-from app.recordings.magnetic_schemas import SourceUseOut
 from app.recordings.store import read_frames
 from app.sentences import say
 from estimators.magnetic import RelativeFlag

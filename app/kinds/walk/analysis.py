@@ -1,19 +1,20 @@
 """Following the feet of a stored session: its frames and its walk become a new result."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Final
+from typing import Final
 
 from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput
+from app.kinds.walk.shoes import load_shoes, shoes_of
+from app.kinds.walk.stored import content_of, kind_of, reasons_of, recording_of, store_walk
 from app.recordings.chunks import encode_frames, slice_frames
 from app.recordings.jobs import JobContext
 from app.recordings.models import MotionSession, Result
+from app.recordings.offline import Analysis, whole
 from app.recordings.result_rows import CHUNKS_A_COMMIT, layout_dict, new_result, write_frames
 from app.recordings.stamped import stored_recording
-from app.recordings.walk_shoes import load_shoes, shoes_of
-from app.recordings.walks import content_of, kind_of, reasons_of, recording_of, store_walk
 from app.sentences import CATALOGUE, say
 from estimators import pipelines
 from estimators.errors import EstimationError
@@ -28,11 +29,9 @@ _STILL_AT_START_S: Final = 1.0
 def follow_feet(
     context: JobContext,
     setup: SessionSetup,
-    pieces: Iterable[ImuChunk],
-    hello: dict[str, Any] | None,
     progress_from: float,
     relative: RelativeFeet | None = None,
-) -> tuple[str, int]:
+) -> Analysis:
     """Analyse a walk off-line and keep it; that of a file on the file's own stamps.
 
     Parameters
@@ -40,10 +39,6 @@ def follow_feet(
     context : JobContext
     setup : SessionSetup
         Of the pipeline `gait`.
-    pieces : iterable of ImuChunk
-        The whole session.
-    hello : dict or None
-        Of the gateway; may tell where the gyroscopes clip.
     progress_from : float
         Where on the task's scale of 0 to 1 this work begins.
     relative : RelativeFeet, optional
@@ -51,16 +46,17 @@ def follow_feet(
 
     Returns
     -------
-    result_id : str
-    ticks : int
-        Length of the session.
+    Analysis
 
     Raises
     ------
     InvalidInput
         The samples cannot be a walk; the message says why.
     """
-    parts = list(pieces)
+    with read_only(context.engine) as session:
+        hello = session.get_one(MotionSession, context.session_id).hello
+    given = setup
+    parts = list(whole(context, setup))
     measured = stored_recording(context.engine, context.session_id, hello, setup.placements)
     if measured is None:
         measured = recording_of(parts, setup, hello)
@@ -101,7 +97,7 @@ def follow_feet(
         result.layout = layout_dict(frames.layout)
         result.message = CATALOGUE.together([*reasons_of(walk, shoes), *notes])
         result.completed_at = utc_now()
-    return result_id, frames.first_tick + frames.tick_count
+    return Analysis(result_id, frames.first_tick + frames.tick_count, given, None, "")
 
 
 def _with_forces(

@@ -6,8 +6,8 @@ import numpy as np
 from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
+from app.kinds.arm.mass_centre_schemas import MassCentreCurve, MassCentreOut
 from app.recordings import repository
-from app.recordings.mass_centre_schemas import MassCentreCurve, MassCentreOut
 from app.recordings.points import ticks_between
 from app.recordings.store import read_frames
 from app.sentences import say

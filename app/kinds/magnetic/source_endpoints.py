@@ -4,8 +4,8 @@ from fastapi import APIRouter, Request
 
 from app.accounts.dependencies import CurrentAccount, CurrentSubject
 from app.database.dependencies import ReadSession, WriteSession
-from app.recordings import magnetic_sources
-from app.recordings.source_schemas import (
+from app.kinds.magnetic import sources as magnetic_sources
+from app.kinds.magnetic.source_schemas import (
     MagneticSourceIn,
     MagneticSourceOut,
     SourceCalibrationIn,

@@ -10,10 +10,7 @@ from sqlalchemy.orm import Session
 from app.accounts import audit
 from app.accounts.subject import Subject
 from app.errors import InvalidInput
-from app.pages import Page
-from app.recordings import repository
-from app.recordings.models import MotionSession, SignalChunk
-from app.recordings.walk_schemas import (
+from app.kinds.walk.schemas import (
     ConditionsIn,
     ConditionsOut,
     MeasureChange,
@@ -21,7 +18,10 @@ from app.recordings.walk_schemas import (
     WalkMeasure,
     WalkRow,
 )
-from app.recordings.walks import PIPELINE, walk_stream
+from app.kinds.walk.stored import PIPELINE, walk_stream
+from app.pages import Page
+from app.recordings import repository
+from app.recordings.models import MotionSession, SignalChunk
 from app.sentences import say
 from estimators.balance import Sample, compare_conditions
 from estimators.errors import ShapeError

@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from app.recordings.walk_schemas import BalanceOut, SupportOut, WalkMeasure
+from app.kinds.walk.schemas import BalanceOut, SupportOut, WalkMeasure
 from estimators.balance import sole_middle, stride_balance
 from estimators.conventions import SIDES
 from estimators.gait import measure

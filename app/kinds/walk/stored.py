@@ -10,20 +10,15 @@ from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import delete, select
+from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
 from app.errors import Conflict
 from app.exercises.models import Exercise
-from app.recordings import repository, service
-from app.recordings._rows import insert_chunk
-from app.recordings.chunks import EncodedChunk
-from app.recordings.codecs import DamagedChunkError, checksum
-from app.recordings.models import WALK_STREAM, SignalChunk
-from app.recordings.walk_balance import balance_of
-from app.recordings.walk_curves import cycle_curves, force_curves, peak_measures
-from app.recordings.walk_schemas import (
+from app.kinds.walk.balance import balance_of
+from app.kinds.walk.curves import cycle_curves, force_curves, peak_measures
+from app.kinds.walk.schemas import (
     FootholdOut,
     FootOut,
     GaitOut,
@@ -32,23 +27,19 @@ from app.recordings.walk_schemas import (
     WalkMeasure,
     WalkTestOut,
 )
+from app.recordings import repository, service
+from app.recordings._rows import insert_chunk
+from app.recordings.chunks import EncodedChunk
+from app.recordings.codecs import DamagedChunkError, checksum
+from app.recordings.models import WALK_STREAM, SignalChunk
 from app.sentences import say
 from estimators.gait import GUIDED_KINDS, GuidedKind, Measure, Strides, guided_test, steady
-from estimators.pipelines import Pipeline, RelativePosePipeline, SessionSetup, ShoeWalk, Walk
+from estimators.pipelines import GaitPipeline, RelativePosePipeline, SessionSetup, ShoeWalk, Walk
 from estimators.recording import Float, ImuChunk, Recording, SampleQuality, SensorSignals
 
-PIPELINE: Final = "gait"
-ESTIMATOR: Final = "foot"
-"""Stands where other results name their orientation estimator: feet are followed by a filter of their own."""
+PIPELINE: Final = GaitPipeline.name
 _CODEC: Final = "json.zlib"
 _PATH_HZ: Final = 20.0
-
-
-def estimator_of(setup: SessionSetup, pipeline: Pipeline, version: str) -> tuple[str, str]:
-    """Return name and version of what estimated a session, given the version of its orientation estimator."""
-    if setup.pipeline == RelativePosePipeline.name:
-        return pipeline.name, pipeline.version
-    return (ESTIMATOR, pipeline.version) if setup.pipeline == PIPELINE else (setup.orientation, version)
 
 
 def recording_of(
@@ -167,15 +158,6 @@ def store_walk(session: Session, session_id: str, result_id: str, content: WalkC
     data = zlib.compress(content.model_dump_json().encode(), 6)
     chunk = EncodedChunk(0, len(content.feet), _CODEC, {"version": 1}, checksum(data), data)
     insert_chunk(session, session_id, walk_stream(result_id), 0, chunk)
-
-
-def forget_walk(session: Session, session_id: str, result_id: str) -> None:
-    """Remove the walk of a result."""
-    session.execute(
-        delete(SignalChunk).where(
-            SignalChunk.session_id == session_id, SignalChunk.stream == walk_stream(result_id)
-        )
-    )
 
 
 def gait(session: Session, subject: Subject, session_id: str, result_id: str | None) -> GaitOut:
@@ -299,11 +281,8 @@ def _plain(value: Any) -> float | None:
 
 
 __all__ = [
-    "ESTIMATOR",
     "PIPELINE",
     "content_of",
-    "estimator_of",
-    "forget_walk",
     "gait",
     "kind_of",
     "recording_of",

@@ -1,0 +1,60 @@
+"""What a session of the arms supplies; see `app.recordings.kinds`."""
+
+from dataclasses import replace
+from typing import Final
+
+from app.kinds.arm.elbows import with_elbows
+from app.recordings.heading_line import HeadingLine, with_first_headings
+from app.recordings.kinds import SessionKind, Wanted
+from app.recordings.offline import Analysis, calibrated, estimated, pieces_of, smoothed
+from app.recordings.still import calibrate_still
+from app.sentences import say
+from estimators import pipelines
+from estimators.conventions import PLACEMENTS
+from estimators.errors import CalibrationError
+from estimators.orientation import DEFAULT
+from estimators.pipelines import ArmPipeline, SessionSetup
+
+
+class ArmKind(SessionKind):
+    """Arms and trunk."""
+
+    pipeline = ArmPipeline
+
+    def analyse(self, wanted: Wanted) -> Analysis:
+        """Find the pose where the setup has no calibration, then estimate; elbows and headings from all of it."""
+        context, setup, pose_s, resets = wanted.context, wanted.setup, wanted.pose_s, wanted.resets
+        known = smoothed(context, setup)
+        message = ""
+        if setup.calibration is None and (pose_s is not None or wanted.search_pose):
+            try:
+                setup, pose_s = calibrated(context, setup, pose_s, known)
+            except CalibrationError as error:
+                message = say("session.not_calibrated_because", reason=error.message)
+        elif setup.calibration is None:
+            message = say("session.no_pose")
+        if setup.calibration is not None and pose_s is not None:
+            setup = with_elbows(setup, pose_s, pieces_of(context, setup, known))
+        if setup.calibration is not None and setup.calibration.unknown_headings:
+            setup, resets = with_first_headings(setup, resets, pieces_of(context, setup, known))
+        line = HeadingLine(pipelines.create(setup), resets if setup.calibration is not None else ())
+        found = estimated(
+            context,
+            line,
+            pieces_of(context, setup, known),
+            message=message,
+            progress_from=wanted.progress_from,
+        )
+        return replace(
+            found,
+            pose_s=pose_s if setup.calibration is not None else None,
+            learnt=known.learnt if known is not None else {},
+        )
+
+    def warm_up(self, orientation: str = DEFAULT) -> None:
+        """Stand in the pose, be calibrated, and go on."""
+        setup = SessionSetup(self.pipeline.name, PLACEMENTS, 100.0, orientation=orientation)
+        calibrate_still(pipelines.create(setup), len(PLACEMENTS))
+
+
+KIND: Final = ArmKind()

@@ -1,0 +1,1 @@
+"""Single sensors that nobody wears: each for itself."""

@@ -1,0 +1,39 @@
+"""What a session of single sensors supplies; see `app.recordings.kinds`."""
+
+from dataclasses import replace
+from typing import Final
+
+from app.recordings.heading_line import HeadingLine
+from app.recordings.kinds import SessionKind, Wanted
+from app.recordings.offline import Analysis, estimated, pieces_of, smoothed
+from app.recordings.still import still
+from estimators import pipelines
+from estimators.conventions import PLACEMENTS
+from estimators.orientation import DEFAULT
+from estimators.pipelines import OrientationPipeline, SessionSetup
+
+
+class OrientationKind(SessionKind):
+    """Single sensors. Nothing is worn: there is no pose, and the filters find what they need."""
+
+    pipeline = OrientationPipeline
+
+    def analyse(self, wanted: Wanted) -> Analysis:
+        """Estimate, smoothed where the setup names a smoother."""
+        context, setup = wanted.context, wanted.setup
+        known = smoothed(context, setup)
+        line = HeadingLine(pipelines.create(setup), ())
+        found = estimated(context, line, pieces_of(context, setup, known), progress_from=wanted.progress_from)
+        return replace(found, learnt=known.learnt if known is not None else {})
+
+    def warm_up(self, orientation: str = DEFAULT) -> None:
+        """Lie still."""
+        placements = PLACEMENTS[:2]
+        sensors = pipelines.create(
+            SessionSetup(self.pipeline.name, placements, 100.0, orientation=orientation)
+        )
+        for chunk in still(len(placements), 400):
+            sensors.step(chunk)
+
+
+KIND: Final = OrientationKind()

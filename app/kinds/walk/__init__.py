@@ -1,0 +1,1 @@
+"""Walks: feet followed by a filter of their own, with forces where the shoes measure them."""

@@ -1,0 +1,52 @@
+"""What a walk supplies; see `app.recordings.kinds`."""
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from sqlalchemy.orm import Session
+
+from app.ingest.readers import as_feet
+from app.kinds.walk.analysis import follow_feet
+from app.kinds.walk.shoes import store_shoes
+from app.recordings.kinds import SessionKind, Wanted
+from app.recordings.offline import Analysis
+from app.recordings.still import still
+from app.sentences import say
+from estimators import pipelines
+from estimators.conventions import SHOE_PLACEMENTS
+from estimators.orientation import DEFAULT
+from estimators.pipelines import FEET, GaitPipeline, SessionSetup
+from estimators.recording import Recording
+
+
+class WalkKind(SessionKind):
+    """Walks."""
+
+    pipeline = GaitPipeline
+    view = "feet"
+    calibration_refused = say("live.walk_uncalibrated")
+    estimator_refused = say("walk.one_estimator")
+
+    def analyse(self, wanted: Wanted) -> Analysis:
+        """Follow the feet over the whole walk, with forces and centre of mass where they were measured."""
+        wanted.context.progress(wanted.progress_from, say("progress.reading_walk"))
+        return follow_feet(wanted.context, wanted.setup, wanted.progress_from)
+
+    def put_aside(self, session: Session, session_id: str, recording: Recording) -> Recording:
+        """Store the load cells of instrumented shoes; the feet remain."""
+        if not pipelines.has_shoes(recording):
+            return recording
+        store_shoes(session, session_id, recording)
+        return as_feet(recording)
+
+    def warm_up(self, orientation: str = DEFAULT) -> None:
+        """Stand, without and with load cells."""
+        for feet in (FEET, SHOE_PLACEMENTS):
+            walk = pipelines.create(SessionSetup(self.pipeline.name, feet, 100.0))
+            forces = np.zeros((len(feet), 5, 3))
+            for chunk in still(len(feet), 400):
+                walk.step(replace(chunk, force_n=forces, moment_nm=forces))
+
+
+KIND: Final = WalkKind()
