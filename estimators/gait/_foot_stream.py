@@ -43,8 +43,8 @@ _NO_STANCE, _INVALID = int(FootFlag.NO_STANCE), int(FootFlag.INVALID)
 _BRIDGED, _SATURATED = int(FootFlag.BRIDGED), int(FootFlag.SATURATED)
 _UPRIGHT = np.array([0.0, 0.0, GRAVITY_MPS2])
 _TILT_KNOWN_RAD = 0.1
-"""Begun in mid-stride, no stance counts before the vertical is as certain as this: then a swing of half a second goes
-wrong by a tenth of a metre."""
+"""Begun in mid-stride or anew after a long gap, no stance counts before the vertical is as certain as this: then a
+swing of half a second goes wrong by a tenth of a metre."""
 
 
 class FootStream:
@@ -340,17 +340,15 @@ class FootStream:
             state = np.empty((given, at.STATE))
             base, end = self._base, self._base + boundary - origin
             self._records.backward(base, base + given, end, np.zeros(at.ERRORS), state)
-            stands = self._stands(boundary - origin)
             place = slice(count - given, count)
             values[place, : at.STATE] = state
             values[place, at.STATE : at.STATE + 6] = root(self._records.spread[base : base + given])
             values[place, at.STATE + 6] = self._inputs[1, :given]
-            values[place, at.STATE + 7] = stands[:given]
             kind = self._kind[known - self.origin : upto - self.origin]
-            if self._last_stance < 0:
-                is_level = (values[place, at.STATE + 3 : at.STATE + 5] < _TILT_KNOWN_RAD).all(axis=1)
-                stands = stands[:given] & np.logical_or.accumulate(stands[:given] & is_level)
-            flags[place] = self._flags(known, upto, stands, kind)
+            is_level = (values[place, at.STATE + 3 : at.STATE + 5] < _TILT_KNOWN_RAD).all(axis=1)
+            stands, last = self._believed(known, self._stands(given), is_level)
+            values[place, at.STATE + 7] = stands
+            flags[place] = self._flags(known, last, kind)
             flags[place] |= self._lost.widen(
                 state[:, at.P : at.P + 3],
                 values[place, at.STATE : at.STATE + 6],
@@ -374,14 +372,32 @@ class FootStream:
         """Return for the first ticks not yet released whether a stance was measured and believed."""
         return np.asarray(((self._bits[:count] & at.STANCE) != 0) & (self._inputs[1, :count] < UNREST))
 
-    def _flags(
-        self, first: int, stop: int, stands: NDArray[np.bool_], kind: NDArray[np.uint8]
-    ) -> NDArray[np.uint8]:
-        ticks = np.arange(first, first + len(stands))
-        last = np.maximum.accumulate(np.where(stands, ticks, self._last_stance))[: stop - first]
-        lost = (last < 0) | (ticks[: stop - first] - last > COAST_S * self.rate_hz)
-        self._last_stance = int(last[-1])
-        flags = lost * np.uint8(_NO_STANCE)
+    def _believed(
+        self, first: int, stands: NDArray[np.bool_], is_level: NDArray[np.bool_]
+    ) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:
+        """Return which stances count, and the tick of the last one up to each sample, -1 where there is none.
+
+        At the start of the record, and of a new stretch after a long gap, none does before one has shown the
+        vertical: what was integrated till then went astray by metres.
+        """
+        last = np.empty(len(stands), dtype=np.int64)
+        begins = {tick - first for tick in self._with_field if first <= tick < first + len(stands)}
+        starts = sorted({0} | begins)
+        for start, stop in zip(starts, [*starts[1:], len(stands)], strict=True):
+            piece = slice(start, stop)
+            if start in begins:
+                self._last_stance = -1
+            if self._last_stance < 0:
+                stands[piece] &= np.logical_or.accumulate(stands[piece] & is_level[piece])
+            ticks = np.arange(first + start, first + stop)
+            last[piece] = np.maximum.accumulate(np.where(stands[piece], ticks, self._last_stance))
+            self._last_stance = int(last[stop - 1])
+        return stands, last
+
+    def _flags(self, first: int, last: NDArray[np.int64], kind: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """Return the flags of the ticks from `first` on, given the last stance up to each."""
+        ticks = np.arange(first, first + len(last))
+        flags = ((last < 0) | (ticks - last > COAST_S * self.rate_hz)) * np.uint8(_NO_STANCE)
         if kind.any():
             flags = flags + ((kind & MISSING) != 0) * np.uint8(_INVALID)
             flags = flags + ((kind & BRIDGED) != 0) * np.uint8(_BRIDGED)

@@ -45,7 +45,7 @@ class GaitPipeline(Pipeline):
     """
 
     name: ClassVar[str] = "gait"
-    version: ClassVar[str] = "2"
+    version: ClassVar[str] = "3"
     title: ClassVar[str] = "Walking"
     axes: ClassVar[str] = (
         "room: z up, x along the course of the walk; live, each foot's own world: z up, heading of its first sample"

@@ -7,7 +7,7 @@ from foot_walk import foot_walk
 
 from estimators import rotation
 from estimators.errors import SetupError, ShapeError
-from estimators.gait import FootFlag, FootTracker, smooth
+from estimators.gait import FootFlag, FootTracker, LiveStepTracker, smooth
 from estimators.recording import ImuChunk, SampleQuality
 
 STEP_S = 0.01
@@ -115,6 +115,21 @@ def test_flags_follow_the_samples(batch):
     assert (flags[1, 300:312] & FootFlag.BRIDGED).all()
     assert flags[0, 333] & FootFlag.SATURATED
     assert np.isfinite(batch["position_m"]).all()
+
+
+@pytest.mark.parametrize("begin", [155, 165, 170, 300])
+def test_steps_come_from_no_stance_that_the_flags_disown(begin):
+    """A record begun at heel rise, in mid-swing or before contact of a stride of 0.8 m."""
+    whole, steps = chunk(trouble=False), LiveStepTracker(("left", "right"), STEP_S)
+    tracker = FootTracker(2, STEP_S)
+    parts = [tracker.update(whole.ticks(begin, whole.tick_count)), tracker.finish()]
+    lengths = np.concatenate([steps.update(part).stride_length_m for part in parts])
+    live = gather(parts)
+    assert not (live["is_stance"] & ((live["flags"] & FootFlag.NO_STANCE) != 0)).any()
+    for foot, true_m in enumerate((1.2, 0.8)):
+        found = np.unique(lengths[np.isfinite(lengths[:, foot]), foot])
+        assert len(found) >= 2
+        assert found == pytest.approx(true_m, abs=0.03)
 
 
 def test_live_is_nearly_as_good_as_off_line():

@@ -69,6 +69,18 @@ def test_the_place_stays_lost_and_strides_are_sound(gap_s):
         assert stride[2] == pytest.approx(truth[2], abs=0.01)
 
 
+@pytest.mark.parametrize("gap_s", [(5.0, 6.2), (5.0, 6.55), (5.0, 6.8), (5.0, 7.0)])
+def test_no_stance_counts_after_a_long_gap_before_the_vertical_is_known(gap_s):
+    _, _, found = followed(gap_s)
+    stop = round(gap_s[1] / STEP_S)
+    first = stop + int(np.argmax(found["is_stance"][stop:]))
+    assert (found["attitude_sigma_rad"][first, :2] < 0.1).all()
+    # Till then the flags disown what there is; the last stance before the gap says nothing of it.
+    is_known = (found["flags"] & FootFlag.NO_STANCE) == 0
+    assert not is_known[stop:first].any()
+    assert is_known[first:].all()
+
+
 def test_a_short_gap_loses_no_place():
     _, true, found = followed((6.05, 6.35))
     assert not (found["flags"] & (FootFlag.PLACE_LOST | FootFlag.BEGINS_ANEW)).any()
