@@ -11,7 +11,7 @@ from estimators.errors import SetupError
 from estimators.orientation._parameters import read_parameters
 from estimators.recording import SensorSignals
 
-_LEAST_RANGE: Final = {"gyroscope_clip_radps": 4.3, "accelerometer_clip_mps2": 19.0}
+LEAST_RANGE: Final = {"gyroscope_clip_radps": 4.3, "accelerometer_clip_mps2": 19.0}
 """Devices of 250 deg/s and 2 g are the least that are made."""
 
 
@@ -157,11 +157,11 @@ def with_clips(signals: SensorSignals, parameters: FootParameters) -> FootParame
         ("accelerometer_clip_mps2", signals.accelerometer_mps2, False),
     ):
         given = getattr(parameters, name)
-        watch = ClipWatch(_LEAST_RANGE[name], is_rate=is_rate)
+        watch = ClipWatch(LEAST_RANGE[name], is_rate=is_rate)
         watch.add(values, step_s)
         if watch.level is not None and watch.level < given:
             found[name] = watch.level
     return replace(parameters, **found) if found else parameters
 
 
-__all__ = ["FootParameters", "foot_parameters", "with_clips"]
+__all__ = ["LEAST_RANGE", "FootParameters", "foot_parameters", "with_clips"]

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from estimators.conventions import GRAVITY_MPS2
 from estimators.gait import _foot_layout as at
 from estimators.gait._bridge_kernel import BESIDE_S, add_bridge_noise
+from estimators.gait._cut_off import CutOffAxes
 from estimators.gait._foot_filter import (
     START_S,
     Records,
@@ -21,6 +22,7 @@ from estimators.gait._foot_parameters import FootParameters
 from estimators.gait._foot_trajectory import COAST_S, LOST_SIGMA_MPS, FootFlag
 from estimators.gait._lost_places import LostPlace, begin_anew, gap_lengths, long_gap_ticks
 from estimators.gait._stance import (
+    NOT_CUT_OFF,
     UNREST,
     Windows,
     decide,
@@ -32,7 +34,8 @@ from estimators.gait._stance_kernel import noise_densities
 from estimators.recording import Float
 
 BRIDGED, MISSING, CLIPPED, FIELD = 1, 2, 4, 8
-"""What there is to say of a sample: how it came about, and whether a magnetic field came with it."""
+"""What there is to say of a sample: how it came about, and whether a magnetic field came with it; the bits above are
+those of the axes that were cut off (`CutOffAxes`)."""
 
 COLUMNS = at.STATE + 6 + 2
 """What is released of a sample: state, sigma of position and attitude, T, and whether it is stance."""
@@ -76,6 +79,7 @@ class FootStream:
         self._kind = np.empty(0, dtype=np.uint8)
         self._statistic = np.empty(0)
         self._last_good = _UPRIGHT.copy()
+        self._cut_off = CutOffAxes()
         # Judged and not yet released: standard deviation, T, noise of force; bits; noise of turning.
         self._inputs = np.empty((3, 0))
         self._bits = np.empty(0, dtype=np.uint8)
@@ -116,6 +120,8 @@ class FootStream:
                 gyroscope[k], accelerometer[k] = 0.0, _at_rest(self._last_good)
         if count and not is_missing[-1]:
             self._last_good = accelerometer[-1].copy()
+        is_marked = (kind & (CLIPPED | MISSING)) == CLIPPED
+        kind = np.asarray(kind | self._cut_off.find(gyroscope, accelerometer, is_marked))
         skipped = 0
         if self.first < 0:
             measured = np.flatnonzero(~is_missing)
@@ -201,6 +207,7 @@ class FootStream:
             self._gyroscope,
             self._force,
             self._gap_root(first, end),
+            self._kind if ((self._kind & CLIPPED) != 0).any() else NOT_CUT_OFF,
             place.start,
             place.stop,
             self._noise,
@@ -444,6 +451,7 @@ class FootStream:
             "bits": self._bits.copy(),
             "rate_variance": self._rate_variance.copy(),
             "last_good": self._last_good.copy(),
+            "largest": self._cut_off.largest.copy(),
             "x": mark[1].copy(),
             "p": mark[2].copy(),
             "memory": mark[3].copy(),
@@ -463,6 +471,7 @@ class FootStream:
         self._inputs, self._bits = np.array(state["inputs"]), np.array(state["bits"])
         self._rate_variance = np.array(state["rate_variance"])
         self._last_good = np.array(state["last_good"])
+        self._cut_off.largest = np.array(state["largest"])
         self._x, self._p, self._memory = (np.array(state[name]) for name in ("x", "p", "memory"))
         self._lost.memory = np.array(state["lost"])
         self._marks, self._base, self._with_field = [], 0, {}

@@ -18,6 +18,7 @@ _GRID_S = 0.02
 _REFERENCE_RATE_HZ = 200.0
 UNREST = 1000.0
 """T of samples that were not measured."""
+NOT_CUT_OFF = np.empty(0, dtype=np.uint8)
 _HEIGHT_ALONE_S = 0.35
 _CALIBRATION_SHARE, _CALIBRATION_WINDOW_S, _CALIBRATION_TOLERANCE = 0.05, 0.3, 0.03
 _CALIBRATION_SCALES = (0.5, 0.3)
@@ -281,6 +282,7 @@ def noise(
         np.ascontiguousarray(gyroscope_radps),
         np.ascontiguousarray(accelerometer_mps2),
         np.sqrt(gap_s / parameters.gap_scale_s),
+        NOT_CUT_OFF,
         0,
         samples,
         noise_settings(parameters),
@@ -325,6 +327,7 @@ def _windowed(values: Float, width: int) -> Float:
 
 
 __all__ = [
+    "NOT_CUT_OFF",
     "UNREST",
     "Stance",
     "Windows",

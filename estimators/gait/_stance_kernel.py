@@ -21,6 +21,8 @@ RATIO, FLOOR, LIMIT, STILL, SIGMA_FLOOR, SIGMA_SLOPE, SIGMA_EXPONENT, SHARE, RES
 )
 SHOCK, SHOCK_DENSITY, FORCE_DENSITY, FORCE_JERK, CLIP, CLIP_DENSITY, RATE_DENSITY, RATE_JERK = range(8)
 GAP_FORCE, GAP_RATE, NOISE = 8, 9, 10
+CUT_RATE, CUT_FORCE = 16, 128
+"""Bits of a sample that is marked as cut off: `CUT_RATE` of the first axis, shifted by one for each further axis."""
 _G = GRAVITY_MPS2
 _GRID_MOST = 512
 
@@ -241,13 +243,14 @@ def decide(
 
 
 @kernel(
-    "void(float64[:, ::1], float64[:, ::1], float64[::1], int64, int64, float64[::1], float64[::1],"
+    "void(float64[:, ::1], float64[:, ::1], float64[::1], uint8[::1], int64, int64, float64[::1], float64[::1],"
     " float64[:, ::1])"
 )
 def noise_densities(
     gyroscope_radps: Float,
     accelerometer_mps2: Float,
     gap_root: Float,
+    cut_off: NDArray[np.uint8],
     first: int,
     stop: int,
     settings: Float,
@@ -262,6 +265,8 @@ def noise_densities(
         The outermost samples are their own neighbours.
     gap_root : ndarray, shape (N,) or (0,)
         Root of the length of the gap that a sample was filled into over the scale; none: all were measured.
+    cut_off : ndarray of uint8, shape (N,) or (0,)
+        Bits `CUT_RATE` and `CUT_FORCE` of samples that are marked, in addition to what is beyond the declared levels.
     first, stop : int
     settings : ndarray, shape (NOISE,)
     force_variance : ndarray, shape (stop - first,)
@@ -274,7 +279,11 @@ def noise_densities(
         k = first + i
         before, after = max(k - 1, 0), min(k + 1, last)
         filled = gap_root[k] if gap_root.shape[0] else 0.0
-        is_shock = False
+        cut = 0
+        if cut_off.shape[0]:
+            for j in range(before, after + 1):
+                cut |= cut_off[j]
+        is_shock = cut & CUT_FORCE != 0
         jerk2 = 0.0
         for axis in range(3):
             level, turning = 0.0, 0.0
@@ -284,7 +293,8 @@ def noise_densities(
             is_shock = is_shock or level > settings[SHOCK]
             change = 0.5 * (accelerometer_mps2[after, axis] - accelerometer_mps2[before, axis])
             jerk2 += change * change
-            density = settings[CLIP_DENSITY] if turning > settings[CLIP] else settings[RATE_DENSITY]
+            is_cut = turning > settings[CLIP] or cut & (CUT_RATE << axis) != 0
+            density = settings[CLIP_DENSITY] if is_cut else settings[RATE_DENSITY]
             density = max(density, settings[GAP_RATE] * filled)
             change = 0.5 * (gyroscope_radps[after, axis] - gyroscope_radps[before, axis])
             rate_variance[i, axis] = density * density + (settings[RATE_JERK] * change) ** 2

@@ -132,6 +132,46 @@ def test_steps_come_from_no_stance_that_the_flags_disown(begin):
         assert found == pytest.approx(true_m, abs=0.03)
 
 
+def cut_off_at(triad, level=np.inf, *, is_declared=False, is_marked=False):
+    """Return what is released of a quick foot whose gyroscope (0) or accelerometer (1) ends at `level`."""
+    walk = foot_walk(strides=6, noise=1.0, period_s=0.7, roll_rad=1.5)
+    triads = [walk.signals.gyroscope_radps[None], walk.signals.accelerometer_mps2[None]]
+    triads[triad] = np.clip(triads[triad], -level, level)
+    # What counts as at a declared level.
+    is_cut = (np.abs(triads[triad]) > (0.99, 0.97)[triad] * level).any(axis=2)
+    quality = np.where(is_cut & is_marked, SampleQuality.SATURATED, 0).astype(np.uint8)
+    name = ("gyroscope_clip_radps", "accelerometer_clip_mps2")[triad]
+    tracker = FootTracker(1, STEP_S, {name: level} if is_declared else None)
+    return gather([tracker.update(ImuChunk(0, STEP_S, *triads, None, quality)), tracker.finish()])
+
+
+@pytest.mark.parametrize(
+    ("triad", "level", "sigma"), [(0, 5.0, "attitude_sigma_rad"), (1, 25.0, "position_sigma_m")]
+)
+def test_a_clip_that_is_marked_widens_sigma_as_one_that_is_declared(triad, level, sigma):
+    declared = cut_off_at(triad, level, is_declared=True)
+    marked = cut_off_at(triad, level, is_marked=True)
+    sound = cut_off_at(triad)
+    # The gyroscope turns its fastest when this accelerometer is cut off: it may be cut off as well.
+    np.testing.assert_allclose(marked[sigma], declared[sigma], rtol=(1e-9, 0.1)[triad])
+    assert marked[sigma].max() > 2.0 * sound[sigma].max()
+
+
+def test_a_mark_where_no_axis_is_at_its_end_widens_nothing():
+    whole = chunk(trouble=False)
+    marked = ImuChunk(
+        whole.first_tick,
+        STEP_S,
+        whole.gyroscope_radps,
+        whole.accelerometer_mps2,
+        whole.magnetometer_t,
+        np.where(np.arange(whole.tick_count) % 2, SampleQuality.SATURATED, 0).astype(np.uint8)
+        * np.ones((2, 1), dtype=np.uint8),
+    )
+    one, two = run(whole, [10**6]), run(marked, [7] * 200)
+    assert one["position_sigma_m"][1].tobytes() == two["position_sigma_m"][1].tobytes()
+
+
 def test_live_is_nearly_as_good_as_off_line():
     live = run(chunk(trouble=False), [100] * 20)
     for s, walk in enumerate(walks()):
