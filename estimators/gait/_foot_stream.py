@@ -352,7 +352,7 @@ class FootStream:
             values[place, at.STATE : at.STATE + 6] = root(self._records.spread[base : base + given])
             values[place, at.STATE + 6] = self._inputs[1, :given]
             kind = self._kind[known - self.origin : upto - self.origin]
-            is_level = (values[place, at.STATE + 3 : at.STATE + 5] < _TILT_KNOWN_RAD).all(axis=1)
+            is_level = np.asarray((values[place, at.STATE + 3 : at.STATE + 5] < _TILT_KNOWN_RAD).all(axis=1))
             stands, last = self._believed(known, self._stands(given), is_level)
             values[place, at.STATE + 7] = stands
             flags[place] = self._flags(known, last, kind)
