@@ -64,11 +64,11 @@ export const routes: RouteObject[] = [
           },
           {
             path: 'sessions/:sessionId/gait',
-            lazy: async () => ({ Component: (await import('./pages/gait/GaitPage')).GaitPage }),
+            lazy: async () => ({ Component: (await import('./kinds/walk/GaitPage')).GaitPage }),
           },
           {
             path: 'patients/:patientId/walks',
-            lazy: async () => ({ Component: (await import('./pages/gait/ConditionsPage')).ConditionsPage }),
+            lazy: async () => ({ Component: (await import('./kinds/walk/ConditionsPage')).ConditionsPage }),
           },
           {
             path: 'sessions/:sessionId/estimators',

@@ -3,7 +3,7 @@ import { useEffect, useId, useMemo, useRef, useState } from 'react';
 import type { Gait } from '../api/types';
 import { t } from '../i18n';
 import { number } from '../lib/format';
-import { floorPath, mapFrame } from '../lib/gait';
+import { floorPath, mapFrame } from '../kinds/walk/gait';
 
 /** Outline of a left shoe in metres, seen from above: sensor at the heel, x to the toes, y to the left. */
 const SHOE =

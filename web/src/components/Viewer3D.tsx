@@ -25,7 +25,7 @@ export interface Viewer3DProps {
   onShown?: (shown: ViewSnapshot['shown']) => void;
 }
 
-type Near = 'arm' | 'feet' | 'marker' | 'modules';
+export type Near = 'arm' | 'feet' | 'marker' | 'modules';
 type Preset = NonNullable<CameraCommand['preset']>;
 const PRESETS: readonly Preset[] = ['start', 'front', 'side', 'top', 'arm'];
 const TURN_DEG = 20;

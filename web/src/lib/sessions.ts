@@ -1,4 +1,5 @@
 import type { Session, SessionDetail, SessionState } from '../api/types';
+import { kindOf } from '../kinds';
 import { t } from '../i18n';
 import { number } from './format';
 
@@ -11,14 +12,7 @@ export function isLive(state: SessionState): boolean {
 
 /** What was done: the exercise, or what is measured when there is none. */
 export function sessionTitle(session: Pick<SessionDetail, 'exercise_name' | 'pipeline'>): string {
-  if (session.exercise_name) return session.exercise_name;
-  return t(
-    session.pipeline === 'relative_pose'
-      ? 'magnetic.kind'
-      : session.pipeline === 'gait'
-        ? 'session.freeWalk'
-        : 'session.free',
-  );
+  return session.exercise_name ?? kindOf(session).free();
 }
 
 /** The page that fits the state of a session. */

@@ -13,7 +13,7 @@ import { Page } from '../components/Page';
 import { useSignedIn } from '../components/useSignedIn';
 import { t } from '../i18n';
 import { ClinicCard } from './ClinicCard';
-import { SourcesCard } from './magnetic/SourcesCard';
+import { SourcesCard } from '../kinds/magnetic/SourcesCard';
 
 const ROLES: readonly Role[] = ['therapist', 'patient', 'administrator', 'integrator'];
 const LEAST_PASSWORD = 10;

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { FORCE_STATES, hasForces, isUsable, readWalk } from '../../src/lib/forces';
+import { FORCE_STATES, hasForces, isUsable, readWalk } from '../../src/kinds/walk/forces';
 import type { Player } from '../../src/player/types';
 
 const player = (values: Record<string, number>, timeS: number[] = [4.98, 4.99]): Player =>

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { countdown, minutePrompt, SessionClock, WalkTally, walkKind } from '../../src/lib/guidedWalk';
+import { countdown, minutePrompt, SessionClock, WalkTally, walkKind } from '../../src/kinds/walk/guidedWalk';
 import type { Player } from '../../src/player/types';
 
 describe('the clock of a walking test', () => {

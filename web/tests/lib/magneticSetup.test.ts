@@ -8,7 +8,7 @@ import {
   USES,
   USUAL,
   wornFor,
-} from '../../src/lib/magneticSetup';
+} from '../../src/kinds/magnetic/magneticSetup';
 
 it('wears the source on the pelvis and the sensors on the treated side, or one on each shoe', () => {
   expect(wornFor('leg', 'left')).toEqual({ source: 'pelvis', sensors: ['thigh_left'] });

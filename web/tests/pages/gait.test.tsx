@@ -3,9 +3,9 @@ import userEvent from '@testing-library/user-event';
 import axe from 'axe-core';
 import { afterEach, describe, expect, it, vi } from 'vitest';
 import type { Conditions, Gait, GaitFoot, Stride, WalkMeasure, WalkRow } from '../../src/api/types';
-import { floorPath, leaning, mapFrame, measureLabel, measureText, partsOf } from '../../src/lib/gait';
-import { ConditionsPage } from '../../src/pages/gait/ConditionsPage';
-import { GaitPage } from '../../src/pages/gait/GaitPage';
+import { floorPath, leaning, mapFrame, measureLabel, measureText, partsOf } from '../../src/kinds/walk/gait';
+import { ConditionsPage } from '../../src/kinds/walk/ConditionsPage';
+import { GaitPage } from '../../src/kinds/walk/GaitPage';
 import { renderPage } from './render';
 
 vi.mock('../../src/charts/Plot', () => ({

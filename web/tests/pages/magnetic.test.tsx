@@ -2,9 +2,9 @@ import { screen, waitFor, within } from '@testing-library/react';
 import userEvent from '@testing-library/user-event';
 import { afterEach, expect, it, vi } from 'vitest';
 import type { MagneticSafety, SessionDetail } from '../../src/api/types';
-import { BenchPanel } from '../../src/pages/magnetic/BenchPanel';
-import { PulseTimeline } from '../../src/pages/magnetic/PulseTimeline';
-import { SafetyCard } from '../../src/pages/magnetic/SafetyCard';
+import { BenchPanel } from '../../src/kinds/magnetic/BenchPanel';
+import { PulseTimeline } from '../../src/kinds/magnetic/PulseTimeline';
+import { SafetyCard } from '../../src/kinds/magnetic/SafetyCard';
 import { renderPage } from './render';
 
 afterEach(() => vi.unstubAllGlobals());

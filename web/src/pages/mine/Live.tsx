@@ -18,6 +18,7 @@ import { Confirm } from '../../components/Confirm';
 import { Waiting } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { Viewer3D } from '../../components/Viewer3D';
+import { kindOf } from '../../kinds';
 import { t } from '../../i18n';
 import { placementLabel, placementList } from '../../lib/channels';
 import { useLivePlayer, useSnapshot } from '../../player/hooks';
@@ -208,7 +209,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
             sessionId={session.id}
             request={LIVE}
             title={t('home.picture')}
-            near={session.pipeline === 'gait' ? 'feet' : session.pipeline === 'relative_pose' ? 'modules' : 'arm'}
+            near={kindOf(session).near}
             onShown={setShown}
           />
           {shown?.has_ghost && <p className="muted">{t('home.example')}</p>}

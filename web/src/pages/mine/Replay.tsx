@@ -8,6 +8,7 @@ import type { PlayerState, SessionDetail } from '../../api/types';
 import { Waiting } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { Viewer3D } from '../../components/Viewer3D';
+import { kindOf } from '../../kinds';
 import { t } from '../../i18n';
 import { position, weekday } from '../../lib/format';
 import { plainFeedback } from '../../lib/plain';
@@ -93,7 +94,7 @@ function Watch({ session }: { session: SessionDetail }) {
           markers_id: null,
         }}
         title={t(comparison ? 'home.pictureExample' : 'home.picture')}
-        near={session.pipeline === 'gait' ? 'feet' : session.pipeline === 'relative_pose' ? 'modules' : 'arm'}
+        near={kindOf(session).near}
         player={player}
         ghost={GHOST}
         onShown={setShown}

@@ -20,7 +20,7 @@ import { dateTime } from '../../lib/format';
 import { CurvesSheet } from './CurvesSheet';
 import { MethodSheet } from './MethodSheet';
 import { SummarySheet } from './SummarySheet';
-import { WalkSheets } from './WalkSheets';
+import { partsOf } from '../../kinds/parts';
 
 export interface ReportProps {
   session: SessionDetail;
@@ -99,13 +99,10 @@ export function ReportPage() {
       <Answer of={session} lines={8} height={40}>
         {(one) => (
           <Answer of={patient} lines={8} height={40}>
-            {(who) =>
-              one.pipeline === 'gait' ? (
-                <WalkSheets session={one} patient={who} />
-              ) : (
-                <Sheets session={one} patient={who} />
-              )
-            }
+            {(who) => {
+              const Report = partsOf(one).Report ?? Sheets;
+              return <Report session={one} patient={who} />;
+            }}
           </Answer>
         )}
       </Answer>

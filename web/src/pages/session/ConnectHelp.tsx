@@ -8,9 +8,8 @@ import { CopyBox } from '../../components/CopyBox';
 import { Problem } from '../../components/Feedback';
 import { useSignedIn } from '../../components/useSignedIn';
 import { t } from '../../i18n';
-import { wornPlacements } from '../../lib/placements';
+import { kindOf } from '../../kinds';
 import { placementList } from '../../lib/channels';
-import { simulatedMovement } from '../../lib/magneticSetup';
 
 /** What to do until packets come: put the sensors on, start the gateway, or try the simulated one. */
 export function ConnectHelp({ session }: { session: SessionDetail }) {
@@ -19,10 +18,7 @@ export function ConnectHelp({ session }: { session: SessionDetail }) {
     mutationFn: () => api.post<Ticket>(`/api/sessions/${session.id}/ticket`, { purpose: 'ingest' }),
   });
   const account = `--server ${window.location.origin} --email ${me.email} --patient ${session.patient_id}`;
-  const simulate =
-    session.pipeline === 'relative_pose'
-      ? `telemotion simulate --relative ${simulatedMovement(wornPlacements(session))} --no-implants ${account}`
-      : `telemotion simulate ${account}${session.exercise_id ? ` --exercise ${session.exercise_id}` : ''}`;
+  const simulate = `telemotion simulate ${account}${kindOf(session).simulated(session)}`;
   return (
     <section className="card" aria-labelledby="connect">
       <div className="card-head">

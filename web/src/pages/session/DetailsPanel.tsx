@@ -5,6 +5,7 @@ import { useDeleteSession, useEstimators } from '../../api/queries';
 import type { Estimator, Result, SessionDetail } from '../../api/types';
 import { Confirm } from '../../components/Confirm';
 import { Problem } from '../../components/Feedback';
+import { kindOf } from '../../kinds';
 import { t, tOr } from '../../i18n';
 import { placementLabel } from '../../lib/channels';
 import { dateTime, duration, number } from '../../lib/format';
@@ -75,7 +76,7 @@ export function DetailsPanel({ session, resultId }: { session: SessionDetail; re
           </ul>
         </dd>
       </dl>
-      {session.may_treat && session.pipeline !== 'relative_pose' && (
+      {session.may_treat && kindOf(session).hasEstimators && (
         <Reprocess session={session} result={result} estimators={choices} />
       )}
       <div className="details-foot">

@@ -4,29 +4,24 @@ import { useEffect, useMemo, useRef, useState } from 'react';
 import { useParams } from 'react-router';
 import { keys, useExercises, usePatient, useSession } from '../../api/queries';
 import type { SessionDetail, SessionEvent, SessionState } from '../../api/types';
-import { ChannelPicker } from '../../components/ChannelPicker';
-import { Answer, Notice, Problem } from '../../components/Feedback';
+import { Answer, Problem } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { Viewer3D } from '../../components/Viewer3D';
 import { useSignedIn } from '../../components/useSignedIn';
 import { Traces } from '../../charts/Traces';
 import { t } from '../../i18n';
+import { kindOf } from '../../kinds';
+import { partsOf } from '../../kinds/parts';
+import type { LiveProps } from '../../kinds/kind';
 import { wornPlacements } from '../../lib/placements';
-import { preferredAngles } from '../../lib/channels';
 import { eventText } from '../../lib/events';
 import { number, position } from '../../lib/format';
-import { walkKind } from '../../lib/guidedWalk';
 import { massChannels } from '../../lib/massCentre';
 import { sessionTitle } from '../../lib/sessions';
 import { useLivePlayer, useSnapshot } from '../../player/hooks';
 import type { LivePlayer, LiveSnapshot } from '../../player/live';
 import { CalibrationPanel } from '../calibration/CalibrationPanel';
 import { InForce } from '../calibration/InForce';
-import { GuidedWalk } from '../gait/GuidedWalk';
-import { LiveWalk } from '../gait/LiveWalk';
-import { LiveSource, SourceStart } from '../magnetic/LiveSource';
-import { SafetyCard } from '../magnetic/SafetyCard';
-import { SourceLegend } from '../magnetic/SourceLegend';
 import { AnalysisWait } from './AnalysisWait';
 import { ConnectHelp } from './ConnectHelp';
 import { HealthPanel } from './HealthPanel';
@@ -99,15 +94,6 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
     isCalibrated: inForce !== null && !inForce.needs_headings,
     isRecording,
   });
-  const angles = snapshot.columns?.layout.angles ?? session.layout.angles;
-  const [chosen, setChosen] = useState<string[] | null>(null);
-  const channels = useMemo(
-    () =>
-      (chosen ?? preferredAngles(angles, exercise?.primary_angle, exercise?.side ?? null)).filter((name) =>
-        angles.includes(name),
-      ),
-    [chosen, angles, exercise],
-  );
   useEffect(() => {
     if (state === 'closing' || state === 'analysed')
       void client.invalidateQueries({ queryKey: keys.session(session.id) });
@@ -117,20 +103,22 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
   // Without a calibration the way to one is the first thing; later it comes when asked for, or when one runs.
   const [isAsked, setAsked] = useState(false);
   const calibration = message ? message.calibration : session.calibration;
-  const isWalk = session.pipeline === 'gait';
-  const isMagnetic = session.pipeline === 'relative_pose';
-  const modules = session.layout.segments.slice(1);
-  const isSelfCalibrated = isWalk || isMagnetic;
-  const feet = session.layout.scalars.filter((name) => name.endsWith('_speed_mps') || name.endsWith('_force_z_n'));
-  const distances = useMemo(
-    () => session.layout.scalars.filter((name) => name.endsWith('_distance_m')),
-    [session.layout.scalars],
-  );
+  const kind = kindOf(session);
+  const { First, Guide, Start, Curves, Side } = partsOf(session).live;
   const mass = useMemo(() => massChannels(session.layout.scalars), [session.layout.scalars]);
-  const moduleChannels = useMemo(() => [...distances, ...channels], [distances, channels]);
-  // Before it is known how sensors sit or which way they face, numbers would be wrong, not merely uncertain.
-  const isUnset = state === 'calibrating' && !isSelfCalibrated;
-  const mayCalibrate = !isSelfCalibrated && (state === 'calibrating' || state === 'ready');
+  const isUnset = state === 'calibrating' && kind.needsPose;
+  const mayCalibrate = kind.needsPose && (state === 'calibrating' || state === 'ready');
+  const shown: LiveProps = {
+    session,
+    player,
+    message,
+    state,
+    columns: snapshot.columns,
+    exercise: session.exercise_id && exercises.isPending ? null : exercise,
+    isRecording,
+    mayRecord,
+  };
+  const isStarted = state !== 'created';
   return (
     <>
       <div className="live-head">
@@ -158,7 +146,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
       ) : (
         <div className="live-grid">
           <div className="stack">
-            {isMagnetic && <SafetyCard session={session} />}
+            {First && <First {...shown} />}
             {state === 'created' && <ConnectHelp session={session} />}
             {mayCalibrate && (
               <CalibrationPanel
@@ -173,91 +161,35 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
                 onClose={() => setAsked(false)}
               />
             )}
-            {isWalk && state !== 'created' && (
-              <GuidedWalk
-                session={session}
-                player={player}
-                message={message}
-                kind={session.exercise_id && exercises.isPending ? null : walkKind(exercise?.movement)}
-                state={state}
-                isRecording={isRecording}
-                mayRecord={mayRecord}
-                delayS={snapshot.columns?.delayS ?? 0}
-              />
+            {Guide && isStarted && <Guide {...shown} />}
+            {isStarted && mayRecord && (
+              <LiveButtons sessionId={session.id} state={state} isRecording={isRecording} isGuided={kind.isGuided} />
             )}
-            {state !== 'created' && mayRecord && (
-              <LiveButtons sessionId={session.id} state={state} isRecording={isRecording} isGuided={isWalk} />
+            {Start && isStarted && <Start {...shown} />}
+            {isStarted && (
+              <Viewer3D sessionId={session.id} request={LIVE} title={t('viewer.liveTitle')} near={kind.near} />
             )}
-            {isMagnetic && state !== 'created' && <SourceStart player={player} sensors={modules} />}
-            {state !== 'created' && (
-              <Viewer3D
-                sessionId={session.id}
-                request={LIVE}
-                title={t('viewer.liveTitle')}
-                near={isWalk ? 'feet' : isMagnetic ? 'modules' : 'arm'}
-              />
-            )}
-            {isWalk && <Notice>{t('live.walkHelp')}</Notice>}
-            {isMagnetic && state !== 'created' && <SourceLegend />}
-            {isMagnetic && snapshot.columns && state !== 'created' && (
-              <section className="card" aria-labelledby="distances">
-                <div className="card-head">
-                  <h2 id="distances">{t('magnetic.motion')}</h2>
-                </div>
-                <Traces
-                  player={player}
-                  channels={moduleChannels}
-                  tools={<ChannelPicker available={angles} value={channels} onChange={setChosen} />}
-                />
-              </section>
-            )}
-            {isWalk && snapshot.columns && state !== 'created' && (
-              <section className="card" aria-labelledby="feet">
-                <h2 id="feet">{t('live.walk')}</h2>
-                <Traces player={player} channels={feet} />
-              </section>
-            )}
+            {Curves && isStarted && <Curves {...shown} />}
             {isUnset && (
               <section className="card">
                 <p className="muted">{t(inForce?.needs_headings ? 'live.noCurvesYet' : 'live.noCurvesBefore')}</p>
               </section>
             )}
-            {!isWalk && !isMagnetic && !isUnset && snapshot.columns && state !== 'created' && (
-              <section className="card" aria-labelledby="angles">
-                <h2 id="angles" className="visually-hidden">
-                  {t('traces.title')}
-                </h2>
-                {channels.length > 0 ? (
-                  <Traces
-                    player={player}
-                    channels={channels}
-                    tools={<ChannelPicker available={angles} value={channels} onChange={setChosen} />}
-                  />
-                ) : (
-                  <p className="muted">{t('traces.none')}</p>
-                )}
-              </section>
-            )}
           </div>
           <div className="stack">
-            {mass.length > 0 && !isUnset && snapshot.columns && state !== 'created' && (
+            {mass.length > 0 && !isUnset && snapshot.columns && isStarted && (
               <section className="card" aria-labelledby="mass">
                 <h2 id="mass">{t('mass.title')}</h2>
                 <Traces player={player} channels={mass} />
               </section>
             )}
-            {isWalk && state !== 'created' && snapshot.columns && (
-              <LiveWalk player={player} scalars={session.layout.scalars} delayS={snapshot.columns.delayS} />
-            )}
-            {isMagnetic && state !== 'created' && (
-              <LiveSource player={player} sensors={modules} source={session.layout.segments[0] ?? ''} />
-            )}
+            {Side && isStarted && <Side {...shown} />}
             <HealthPanel
               health={snapshot.health}
               placements={wornPlacements(session)}
               isOutOfReach={snapshot.connection === 'lost'}
             />
-            {state === 'ready' && !isSelfCalibrated && calibration && mayRecord && (
+            {state === 'ready' && kind.needsPose && calibration && mayRecord && (
               <InForce
                 sessionId={session.id}
                 calibration={calibration}

@@ -19,10 +19,18 @@ import { t } from '../../i18n';
 import { placementList } from '../../lib/channels';
 import { isWalk as isWalking } from '../../lib/exercises';
 import { day } from '../../lib/format';
-import { isForbidden, isSafe, sourceParameters, UNASKED, USUAL, wornFor, type Use } from '../../lib/magneticSetup';
+import {
+  isForbidden,
+  isSafe,
+  sourceParameters,
+  UNASKED,
+  USUAL,
+  wornFor,
+  type Use,
+} from '../../kinds/magnetic/magneticSetup';
 import { FEET, placementProblem, suggestedPlacements } from '../../lib/placements';
-import { ImplantQuestions } from '../magnetic/ImplantQuestions';
-import { SourceChoice } from '../magnetic/SourceChoice';
+import { ImplantQuestions } from '../../kinds/magnetic/ImplantQuestions';
+import { SourceChoice } from '../../kinds/magnetic/SourceChoice';
 
 /** Those a therapist chooses between; the others are for comparison. */
 const SHOWN_FIRST = 2;

@@ -1,8 +1,7 @@
 // Replay and compare on one page: the 3D and the time line stay, the words and curves beside them say what differs.
-import { Button, Select, Switch, Tabs } from '@mantine/core';
-import { IconArrowRight, IconFileText, IconShoe } from '@tabler/icons-react';
+import { Select, Switch, Tabs } from '@mantine/core';
 import { useCallback, useEffect, useMemo, useRef, useState } from 'react';
-import { Link, Navigate, useParams, useSearchParams } from 'react-router';
+import { Navigate, useParams, useSearchParams } from 'react-router';
 import {
   useComparison,
   useComparisons,
@@ -21,6 +20,8 @@ import { Page } from '../../components/Page';
 import { Timeline } from '../../components/Timeline';
 import { Viewer3D } from '../../components/Viewer3D';
 import { t } from '../../i18n';
+import { kindOf } from '../../kinds';
+import { partsOf } from '../../kinds/parts';
 import { preferredAngles } from '../../lib/channels';
 import { dateTime, duration } from '../../lib/format';
 import { massChannels } from '../../lib/massCentre';
@@ -31,20 +32,12 @@ import { templatePhaseAt, timeAtTemplatePhase } from '../../lib/warp';
 import { useReplayPlayer, useSnapshot } from '../../player/hooks';
 import type { ReplayPlayer } from '../../player/replay';
 import type { PlayerState } from '../../api/types';
-import { SourceLegend } from '../magnetic/SourceLegend';
-import { SourcePanel } from '../magnetic/SourcePanel';
 import { ComparisonPanel } from './ComparisonPanel';
 import { DetailsPanel, resultLabel } from './DetailsPanel';
 import { MarkerLegend, MarkerMotion } from './MarkerMotion';
 import { MarkersPanel } from './MarkersPanel';
 import { MassPanel } from './MassPanel';
-import { WalkMap, WalkPanel } from './WalkPanel';
 import { RepetitionTable } from './RepetitionTable';
-
-/** A magnetic source on one shoe and a sensor on the other: analysed as a walk as well. */
-const hasShoeSource = (session: SessionDetail) =>
-  session.pipeline === 'relative_pose' &&
-  (['foot_left', 'foot_right'] as const).every((one) => session.placements.includes(one));
 
 interface ReplayProps {
   session: SessionDetail;
@@ -72,10 +65,6 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
         angles.includes(name),
       ),
     [chosen, angles, exercise],
-  );
-  const distances = useMemo(
-    () => session.layout.scalars.filter((name) => name.endsWith('_distance_m')),
-    [session.layout.scalars],
   );
   const mass = useMemo(
     () => massChannels(snapshot.columns?.layout.scalars ?? session.layout.scalars),
@@ -117,12 +106,13 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
     () => (comparison ? templatePhaseAt(comparison.repetitions, player.clock().timeS) : null),
     [comparison, player],
   );
-  const isWalk = session.pipeline === 'gait';
-  const isMagnetic = session.pipeline === 'relative_pose';
+  const kind = kindOf(session);
+  const { UnderPicture, tab: own, angles: angleTitle } = partsOf(session).replay;
+  const hasCompare = kind.isCompared;
   const markers = useMarkers(session.id);
   const fused = useMemo(() => (markers.data ?? []).filter((one) => one.report !== null), [markers.data]);
   const marker = fused.find((one) => one.id === search.get('markers')) ?? fused[0] ?? null;
-  const asked = search.get('show') ?? (isWalk ? 'walk' : isMagnetic ? 'source' : hasComparison ? 'compare' : 'angles');
+  const asked = search.get('show') ?? own?.value ?? (hasComparison ? 'compare' : 'angles');
   // A link to markers waits for them; when there are none it shows where they are added.
   const tab = asked === 'markers' && markers.data && !marker ? 'details' : asked;
   const marked = tab === 'markers' ? marker : null;
@@ -141,15 +131,14 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
               markers_id: marked?.id ?? null,
             }}
             title={t(marked ? 'markers.viewer' : 'viewer.replayTitle')}
-            near={marked ? 'marker' : isWalk ? 'feet' : isMagnetic ? 'modules' : 'arm'}
+            near={marked ? 'marker' : kind.near}
             isReady={!isWaiting}
             player={player}
             ghost={ghost}
             onShown={setShown}
           />
           <Timeline player={player} repetitions={repetitions} events={session.events} onRepetition={choose} />
-          {isWalk && <WalkMap sessionId={session.id} />}
-          {marked ? <MarkerLegend /> : isMagnetic && <SourceLegend />}
+          {marked ? <MarkerLegend /> : UnderPicture && <UnderPicture session={session} />}
           {comparison && !marked && (
             <div className="ghost-tools">
               <Switch
@@ -175,26 +164,18 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
           keepMounted={false}
         >
           <Tabs.List aria-label={t('replay.tabs')}>
-            {isMagnetic && <Tabs.Tab value="source">{t('magnetic.title')}</Tabs.Tab>}
-            {isWalk && <Tabs.Tab value="walk">{t('walk.result')}</Tabs.Tab>}
-            {!isWalk && !isMagnetic && <Tabs.Tab value="compare">{t('compare.title')}</Tabs.Tab>}
-            {!isWalk && <Tabs.Tab value="angles">{t(isMagnetic ? 'magnetic.angles' : 'traces.title')}</Tabs.Tab>}
+            {own && <Tabs.Tab value={own.value}>{own.title()}</Tabs.Tab>}
+            {hasCompare && <Tabs.Tab value="compare">{t('compare.title')}</Tabs.Tab>}
+            {angleTitle && <Tabs.Tab value="angles">{angleTitle()}</Tabs.Tab>}
             {mass.length > 0 && <Tabs.Tab value="mass">{t('mass.title')}</Tabs.Tab>}
             {marker && <Tabs.Tab value="markers">{t('markers.title')}</Tabs.Tab>}
             <Tabs.Tab value="details">{t('details.title')}</Tabs.Tab>
           </Tabs.List>
-          <Tabs.Panel value="walk">
-            <WalkPanel sessionId={session.id} patientId={session.patient_id} />
-          </Tabs.Panel>
-          <Tabs.Panel value="source">
-            <SourcePanel
-              sessionId={session.id}
-              resultId={resultId}
-              player={player}
-              distances={distances}
-              onSeek={seek}
-            />
-          </Tabs.Panel>
+          {own && (
+            <Tabs.Panel value={own.value}>
+              <own.Panel session={session} resultId={resultId} player={player} onSeek={seek} />
+            </Tabs.Panel>
+          )}
           <Tabs.Panel value="compare">
             <h2 className="visually-hidden">{t('compare.title')}</h2>
             <ComparisonPanel
@@ -320,6 +301,7 @@ export function SessionPage() {
   const name = patient.data ? `${patient.data.given_name} ${patient.data.family_name}` : '';
   if (session.data && (isLive(session.data.state) || session.data.state === 'closing'))
     return <Navigate to={`/sessions/${sessionId}/live`} replace />;
+  const Actions = session.data && partsOf(session.data).replay.Actions;
   const started = session.data?.started_at ?? session.data?.created_at;
   return (
     <Page
@@ -332,34 +314,7 @@ export function SessionPage() {
         { to: '/', text: t('nav.caseload') },
         ...(session.data && name ? [{ to: `/patients/${session.data.patient_id}`, text: name }] : []),
       ]}
-      actions={
-        session.data?.state === 'analysed' && (session.data.pipeline === 'gait' || hasShoeSource(session.data)) ? (
-          <Button component={Link} to={`/sessions/${sessionId}/gait`} leftSection={<IconShoe size={18} aria-hidden />}>
-            {t('walk.open')}
-          </Button>
-        ) : session.data?.state === 'analysed' && session.data.pipeline !== 'relative_pose' ? (
-          <>
-            {session.data.may_treat && (
-              <Button
-                component={Link}
-                variant="default"
-                to={`/templates/record?session=${sessionId}&patient=${session.data.patient_id}${session.data.exercise_id ? `&exercise=${session.data.exercise_id}` : ''}`}
-                rightSection={<IconArrowRight size={18} aria-hidden />}
-              >
-                {t('template.makeFromThis')}
-              </Button>
-            )}
-            <Button
-              component={Link}
-              variant="default"
-              to={`/sessions/${sessionId}/report`}
-              leftSection={<IconFileText size={18} aria-hidden />}
-            >
-              {t('report.open')}
-            </Button>
-          </>
-        ) : undefined
-      }
+      actions={session.data?.state === 'analysed' && Actions ? <Actions session={session.data} /> : undefined}
     >
       <Answer of={session} lines={8} height={50}>
         {(data) => <Loaded key={data.id} session={data} />}

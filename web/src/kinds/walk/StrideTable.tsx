@@ -3,7 +3,7 @@ import { Button } from '@mantine/core';
 import { useMemo } from 'react';
 import type { Gait, Stride } from '../../api/types';
 import { t } from '../../i18n';
-import { measureText } from '../../lib/gait';
+import { measureText } from './gait';
 
 export interface ChosenStride {
   side: 'left' | 'right';

@@ -1,5 +1,5 @@
 // What a session with a magnetic source declares: where the source is worn, which sensors are around it, its coils.
-import type { Placement, SessionIn, Side } from '../api/types';
+import type { Placement, SessionIn, Side } from '../../api/types';
 
 export const USES = ['back', 'arm', 'leg', 'feet', 'bench', 'other'] as const;
 export type Use = (typeof USES)[number];

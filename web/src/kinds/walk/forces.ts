@@ -1,5 +1,5 @@
 // What the live frames of two instrumented shoes say: loads, their state, balance and the foot angle.
-import type { Player } from '../player/types';
+import type { Player } from '../../player/types';
 
 /** As `FORCE_STATES` of the service. */
 export const FORCE_STATES = ['measured', 'not_tared', 'missing', 'implausible'] as const;

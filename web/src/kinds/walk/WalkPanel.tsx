@@ -3,9 +3,9 @@ import { useGait, usePatient } from '../../api/queries';
 import type { Gait } from '../../api/types';
 import { Answer } from '../../components/Feedback';
 import { t } from '../../i18n';
-import { MapCard } from '../gait/MapCard';
-import { TestResult } from '../gait/TestResult';
-import { WalkNumbers } from '../gait/WalkNumbers';
+import { MapCard } from './MapCard';
+import { TestResult } from './TestResult';
+import { WalkNumbers } from './WalkNumbers';
 
 const hasStrides = (gait: Gait) => gait.feet.some((foot) => foot.strides.length > 0);
 

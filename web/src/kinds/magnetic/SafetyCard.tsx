@@ -8,7 +8,7 @@ import { Confirm } from '../../components/Confirm';
 import { Answer, Notice, Problem } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { dateTime, number } from '../../lib/format';
-import { isSafe, UNASKED } from '../../lib/magneticSetup';
+import { isSafe, UNASKED } from './magneticSetup';
 import { ImplantQuestions } from './ImplantQuestions';
 
 const ENDED: readonly string[] = ['closing', 'analysed', 'failed'];

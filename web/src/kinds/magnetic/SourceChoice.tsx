@@ -5,7 +5,7 @@ import { RadioCards } from '../../components/Choice';
 import { t } from '../../i18n';
 import { placementLabel, placementList } from '../../lib/channels';
 import { day, number } from '../../lib/format';
-import { USES, wornFor, type Coils, type Use, type Worn } from '../../lib/magneticSetup';
+import { USES, wornFor, type Coils, type Use, type Worn } from './magneticSetup';
 
 const TRUNK: Placement[] = ['head', 'sternum', 'pelvis'];
 const LIMBS = ['upper_arm', 'forearm', 'hand', 'thigh', 'shank', 'foot'] as const;

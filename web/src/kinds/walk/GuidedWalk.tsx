@@ -17,7 +17,7 @@ import {
   WalkTally,
   type WalkKind,
   type WalkSoFar,
-} from '../../lib/guidedWalk';
+} from './guidedWalk';
 import type { Player } from '../../player/types';
 
 const REFRESH_MS = 100;

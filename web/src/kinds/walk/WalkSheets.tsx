@@ -7,9 +7,9 @@ import { SideMark } from '../../components/Marks';
 import { t } from '../../i18n';
 import { placementLabel } from '../../lib/channels';
 import { dateTime, number, quantity } from '../../lib/format';
-import { findMeasure, footOf, measureLabel, measureNames, measureText } from '../../lib/gait';
-import { Sheet } from './Sheet';
-import { verdict, verdictText } from './SummarySheet';
+import { findMeasure, footOf, measureLabel, measureNames, measureText } from './gait';
+import { Sheet } from '../../pages/report/Sheet';
+import { verdict, verdictText } from '../../pages/report/SummarySheet';
 
 interface Walked {
   session: SessionDetail;

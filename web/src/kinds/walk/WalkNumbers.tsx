@@ -3,7 +3,7 @@ import { Button } from '@mantine/core';
 import { useState } from 'react';
 import type { Gait, WalkMeasure } from '../../api/types';
 import { t } from '../../i18n';
-import { findMeasure, footOf, measureLabel, measureNames, measureText } from '../../lib/gait';
+import { findMeasure, footOf, measureLabel, measureNames, measureText } from './gait';
 
 const SIDES = ['left', 'right'] as const;
 

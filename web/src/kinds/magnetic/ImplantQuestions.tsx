@@ -3,7 +3,7 @@ import { IconHeartOff } from '@tabler/icons-react';
 import { RadioCards } from '../../components/Choice';
 import { t } from '../../i18n';
 import { bodyLength, number } from '../../lib/format';
-import { isForbidden, type Implants, type Word } from '../../lib/magneticSetup';
+import { isForbidden, type Implants, type Word } from './magneticSetup';
 
 interface Props {
   value: Implants;

@@ -5,7 +5,7 @@ import type { Gait } from '../../api/types';
 import { FootprintMap, MapLegend, type MapParts } from '../../charts/FootprintMap';
 import { t } from '../../i18n';
 import { number, quantity } from '../../lib/format';
-import { leaning } from '../../lib/gait';
+import { leaning } from './gait';
 import type { ChosenStride } from './StrideTable';
 
 const LEANS = [

@@ -1,7 +1,7 @@
 // A walk as its page shows it: measures in words and units, rows of the tables, the frame of the map.
-import type { Gait, GaitFoot, MeasureChange, WalkMeasure } from '../api/types';
-import { tOr } from '../i18n';
-import { number, quantity, uncertain } from './format';
+import type { Gait, GaitFoot, MeasureChange, WalkMeasure } from '../../api/types';
+import { tOr } from '../../i18n';
+import { number, quantity, uncertain } from '../../lib/format';
 
 /** Seen first; all others when asked for. */
 export const MAIN_MEASURES = [

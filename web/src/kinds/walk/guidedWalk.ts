@@ -1,6 +1,6 @@
 // A walking test while it happens: which kind, the clock of the recording, and what the feet have done so far.
-import { t } from '../i18n';
-import type { Player } from '../player/types';
+import { t } from '../../i18n';
+import type { Player } from '../../player/types';
 
 export const WALK_KINDS = ['walk', 'timed_up_and_go', 'six_minute_walk'] as const;
 export type WalkKind = (typeof WALK_KINDS)[number];

@@ -2,7 +2,7 @@
 import { IconAlertTriangle, IconCheck, IconClock } from '@tabler/icons-react';
 import { useEffect, useState } from 'react';
 import { t } from '../../i18n';
-import { GRAVITY, hasForces, isUsable, readWalk, type FootReading, type WalkReading } from '../../lib/forces';
+import { GRAVITY, hasForces, isUsable, readWalk, type FootReading, type WalkReading } from './forces';
 import { number, quantity } from '../../lib/format';
 import type { Player } from '../../player/types';
 

@@ -10,7 +10,7 @@ import { Answer, Empty, Problem } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { t } from '../../i18n';
 import { dateTime, number } from '../../lib/format';
-import { footOf } from '../../lib/gait';
+import { footOf } from './gait';
 import { MapCard } from './MapCard';
 import { StrideTable, type ChosenStride } from './StrideTable';
 import { TestResult } from './TestResult';

@@ -6,7 +6,7 @@ import type { SourceStops } from '../../api/types';
 import { Answer, Notice, Problem } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { number } from '../../lib/format';
-import { placesOf, type Place } from '../../lib/magneticSetup';
+import { placesOf, type Place } from './magneticSetup';
 
 const AXES = ['x', 'y', 'z'] as const;
 

@@ -9,7 +9,7 @@ import { Answer, Empty } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { t } from '../../i18n';
 import { dateTime, number } from '../../lib/format';
-import { measureLabel, measureText, partsOf } from '../../lib/gait';
+import { measureLabel, measureText, partsOf } from './gait';
 
 type Condition = 'a' | 'b' | '';
 const CLEAR = 0.05;

@@ -1,0 +1,16 @@
+// A worn magnetic source and the sensors around it.
+import { t } from '../../i18n';
+import { wornPlacements } from '../../lib/placements';
+import { simulatedMovement } from './magneticSetup';
+import type { SessionKind } from '../kind';
+
+export const magnetic: SessionKind = {
+  pipeline: 'relative_pose',
+  free: () => t('magnetic.kind'),
+  near: 'modules',
+  needsPose: false,
+  isGuided: false,
+  hasEstimators: false,
+  isCompared: false,
+  simulated: (session) => ` --relative ${simulatedMovement(wornPlacements(session))} --no-implants`,
+};
