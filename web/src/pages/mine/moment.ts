@@ -1,4 +1,5 @@
 // What the patient has to know of a live session at this moment: one thing, and only what is known here.
+import { kindOf } from '../../kinds';
 import type { SessionDetail, SessionState } from '../../api/types';
 import { isRunning } from '../../lib/calibration';
 import type { LiveSnapshot } from '../../player/live';
@@ -53,6 +54,6 @@ export function momentOf(
   if (guide && isRunning(guide)) return 'holding';
   if (state === 'ready') return 'ready';
   // A walk finds out by itself how its sensors sit.
-  if (session.pipeline === 'gait' || session.pipeline === 'relative_pose') return 'wait';
+  if (!kindOf(session).needsPose) return 'wait';
   return guide?.phase === 'redo' ? 'again' : 'still';
 }
