@@ -45,13 +45,13 @@ from app.ingest.preview import router as preview_router
 from app.ingest.upload import MULTIPART_SLACK_BYTES, remove_orphans
 from app.ingest.upload import router as upload_router
 from app.ingest.upload_task import upload
-from app.ingest.websocket import router as ingest_router
 from app.kinds.arm.mass_centre_endpoints import router as mass_centre_router
 from app.kinds.magnetic.endpoints import router as magnetic_router
 from app.kinds.magnetic.source_endpoints import router as sources_router
 from app.kinds.walk.endpoints import router as walks_router
 from app.live.bus import MemoryBus
 from app.live.endpoints import router as live_router
+from app.live.ingest_socket import router as ingest_router
 from app.live.manager import LiveManager
 from app.live.replay import router as replay_router
 from app.live.watch_socket import router as watch_router
@@ -155,25 +155,25 @@ async def open_services(
     stack.callback(engine.dispose)
     await to_thread.run_sync(require_newest, engine)
     services = Services(settings=settings, engine=engine)
-    services.passwords = passwords or await to_thread.run_sync(Passwords)
-    services.sign_in_limits = SignInLimits()
-    services.pairing = PairingBook()
-    services.refused_sign_ins = RefusedSignIns(engine, settings)
-    stack.push_async_callback(partial(to_thread.run_sync, services.refused_sign_ins.close))
+    services.add(await to_thread.run_sync(Passwords) if passwords is None else passwords)
+    services.add(SignInLimits())
+    services.add(PairingBook())
+    refused = services.add(RefusedSignIns(engine, settings))
+    stack.push_async_callback(partial(to_thread.run_sync, refused.close))
 
-    services.bus = MemoryBus()
+    bus = services.add(MemoryBus())
     writer = GroupCommitWriter(engine)
     writer.start()
     stack.push_async_callback(partial(to_thread.run_sync, writer.close))
-    services.recorder = writer
-    services.disk = DiskUse(engine, settings.clinic_disk_bytes)
+    services.add(writer)
+    services.add(DiskUse(engine, settings.clinic_disk_bytes))
 
     await to_thread.run_sync(remove_orphans, engine, settings)
     processes.prepare(["app.assessment.export", *(handler.__module__ for handler in job_handlers().values())])
     jobs = JobRunner(engine, settings, job_handlers())
     await to_thread.run_sync(jobs.start)
     stack.push_async_callback(partial(to_thread.run_sync, jobs.stop))
-    services.jobs = jobs
+    services.add(jobs)
 
     def analyse(session_id: str) -> None:
         with unit_of_work(engine) as session:
@@ -183,7 +183,7 @@ async def open_services(
     live = LiveManager(
         engine,
         writer,
-        services.bus,
+        bus,
         on_closed=analyse,
         limits=services.limits,
         longest_s=settings.session_limit_hours * 3600.0,
@@ -192,14 +192,14 @@ async def open_services(
     )
     await live.start()
     stack.push_async_callback(live.stop)
-    services.live = live
+    services.add(live)
     jobs.subscribe(lambda done: live.task_done(done.session_id))
 
     await open_viewer(services, stack)
-    services.readiness = Readiness(storing_checks(settings, engine, lock, writer))
-    await services.readiness.start()
-    stack.push_async_callback(services.readiness.stop)
-    services.metrics = await observe(services, stack)
+    readiness = services.add(Readiness(storing_checks(settings, engine, lock, writer)))
+    await readiness.start()
+    stack.push_async_callback(readiness.stop)
+    services.add(await observe(services, stack))
     return services
 
 

@@ -11,14 +11,20 @@ from typing import Any, Final
 
 from sqlalchemy import func, select
 
+from app.accounts.refusals import RefusedSignIns
 from app.database.unit_of_work import read_only
 from app.edge.access_log import served
+from app.edge.readiness import Readiness
 from app.ingest.websocket import metrics as ingest
+from app.live.bus import MemoryBus
+from app.live.manager import LiveManager
 from app.live.states import STREAMING
 from app.metrics import Histogram, Registry
-from app.recordings.jobs import JobDone
+from app.recordings.group_commit import GroupCommitWriter
+from app.recordings.jobs import JobDone, JobRunner
 from app.recordings.models import Job
 from app.services import Services
+from app.viewer.service import Viewer
 
 LATENCY_BOUNDS_S: Final = (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
 LAG_BOUNDS_S: Final = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
@@ -61,9 +67,9 @@ async def observe(services: Services, stack: AsyncExitStack) -> Registry:
     """
     registry = Registry()
     _counters(registry, "ingest", _INGEST, ingest)
-    _counters(registry, "store", _WRITER, services.recorder.metrics)
-    _counters(registry, "bus", _BUS, services.bus.metrics)
-    store = services.recorder.metrics
+    _counters(registry, "store", _WRITER, services.get(GroupCommitWriter).metrics)
+    _counters(registry, "bus", _BUS, services.get(MemoryBus).metrics)
+    store = services.get(GroupCommitWriter).metrics
     registry.gauge("store_queued_bytes", "Bytes that wait for their commit.", lambda: store.queued_bytes)
     registry.gauge(
         "store_last_commit_seconds", "How long the last group commit took.", lambda: store.last_commit_s
@@ -72,26 +78,29 @@ async def observe(services: Services, stack: AsyncExitStack) -> Registry:
         "live_sessions",
         "Sessions live here, by whether their gateway streams.",
         lambda: _by(
-            "streaming", Counter(str(one.state in STREAMING).lower() for one in services.live.sessions)
+            "streaming",
+            Counter(str(one.state in STREAMING).lower() for one in services.get(LiveManager).sessions),
         ),
     )
-    registry.gauge("views", "3D scenes that stand.", lambda: services.viewer.stage_count)
-    registry.counter("sign_ins_refused_total", "Sign-ins refused.", lambda: services.refused_sign_ins.refused)
+    registry.gauge("views", "3D scenes that stand.", lambda: services.get(Viewer).stage_count)
+    registry.counter(
+        "sign_ins_refused_total", "Sign-ins refused.", lambda: services.get(RefusedSignIns).refused
+    )
     registry.gauge("tasks", "Long tasks waiting and running.", lambda: _tasks(services))
     ended: Counter[str] = Counter()
-    services.jobs.subscribe(lambda done: _count(ended, done))
+    services.get(JobRunner).subscribe(lambda done: _count(ended, done))
     registry.counter("tasks_ended_total", "Long tasks ended, by outcome.", lambda: _by("status", ended))
     registry.counter(
         "http_requests_total", "Requests answered, by status.", lambda: _by("status", served.by_status)
     )
     registry.histogram("http_request_seconds", "Time to the end of an answer.", served.seconds)
     registry.gauge(
-        "ready", "1 when what is sent now can be stored.", lambda: float(not services.readiness.reasons)
+        "ready", "1 when what is sent now can be stored.", lambda: float(not services.get(Readiness).reasons)
     )
     latency, lag = Histogram(LATENCY_BOUNDS_S), Histogram(LAG_BOUNDS_S)
     registry.histogram("live_latency_seconds", "Packet arrival to published frame.", latency)
     registry.histogram("event_loop_lag_seconds", "By how much the event loop wakes too late.", lag)
-    task = asyncio.create_task(_watch(services.live, latency, lag), name="observation")
+    task = asyncio.create_task(_watch(services.get(LiveManager), latency, lag), name="observation")
     stack.push_async_callback(_end, task)
     return registry
 

@@ -1,10 +1,9 @@
 """What the running service is made of; opened in the lifespan of `app.main`, found by requests here.
 
-Rooms take what they need from `services_of(request)`; only `app.main` fills it.
+Rooms take what they need from `services_of(request)`, by its type; only what opens the service adds to it.
 """
 
-from dataclasses import dataclass, field
-from typing import Any
+from typing import TypeVar, cast
 
 from sqlalchemy import Engine
 from starlette.requests import HTTPConnection
@@ -12,58 +11,26 @@ from starlette.requests import HTTPConnection
 from app.limits import Limits
 from app.settings import Settings
 
+One = TypeVar("One")
 
-@dataclass
+
 class Services:
-    """Open resources of one running service.
+    """Open resources of one running service, one of each type.
 
-    Attributes
+    Parameters
     ----------
     settings : Settings
     engine : Engine
+
+    Attributes
+    ----------
     limits : Limits
         What accounts and clinics hold at this moment.
-    bus : app.live bus
-        Publishes frames, states, health and events to views.
-    recorder : app.recordings store
-        Group commit of raw packets and frames.
-    live : app.live runner
-        Live sessions of this process.
-    disk : app.recordings.disk.DiskUse
-        Signals stored by clinic.
-    jobs : app.recordings jobs
-        Long uploads, reprocessing and comparisons.
-    viewer : app.viewer
-        3D views.
-    sign_in_limits : app.accounts.rate_limit.SignInLimits
-    refused_sign_ins : app.accounts.refusals.RefusedSignIns
-    passwords : app.accounts.passwords.Passwords
-    metrics : app.metrics.Registry
-    readiness : app.edge.readiness.Readiness
-        Whether what is sent now can be stored.
-    pairing : app.accounts.pairing.PairingBook
-        Codes that wait for their gateways.
     """
 
-    settings: Settings
-    engine: Engine
-    bus: Any = None
-    recorder: Any = None
-    live: Any = None
-    disk: Any = None
-    jobs: Any = None
-    viewer: Any = None
-    sign_in_limits: Any = None
-    refused_sign_ins: Any = None
-    passwords: Any = None
-    metrics: Any = None
-    readiness: Any = None
-    pairing: Any = None
-    limits: Limits = field(init=False)
-    extras: dict[str, Any] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        settings = self.settings
+    def __init__(self, settings: Settings, engine: Engine) -> None:
+        self.settings = settings
+        self.engine = engine
         self.limits = Limits(
             {
                 "views": settings.limit_views,
@@ -73,6 +40,24 @@ class Services:
                 "exports": settings.limit_exports,
             }
         )
+        self._open: dict[type, object] = {}
+
+    def add(self, one: One) -> One:
+        """Make a resource known by its type, and return it."""
+        self._open[type(one)] = one
+        return one
+
+    def get(self, kind: type[One]) -> One:
+        """Return the resource of a type.
+
+        Raises
+        ------
+        LookupError
+            It is not open: a mistake in the order in which the service is opened.
+        """
+        if kind not in self._open:
+            raise LookupError(f"the service has no {kind.__name__} yet")
+        return cast(One, self._open[kind])
 
 
 def services_of(connection: HTTPConnection) -> Services:

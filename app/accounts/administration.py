@@ -8,6 +8,7 @@ from app.accounts import audit, second_factor
 from app.accounts.models import PATIENT, Account
 from app.accounts.password_change import replace_password
 from app.accounts.password_rules import check_password
+from app.accounts.passwords import Passwords
 from app.accounts.schemas import AccountIn, AccountOut, AccountPatch
 from app.accounts.sign_in import end_all_sign_ins, normalise_email
 from app.accounts.subject import Subject
@@ -70,7 +71,7 @@ async def create_account(services: Services, subject: Subject, body: AccountIn) 
     if email.count("@") != 1 or email.startswith("@") or email.endswith("@"):
         raise InvalidInput(say("account.email_form"), field="email")
     check_password(body.password, email, body.display_name)
-    password_hash = await services.passwords.hash_in_turn(body.password)
+    password_hash = await services.get(Passwords).hash_in_turn(body.password)
     return await to_thread.run_sync(_store_account, services, subject, body, email, password_hash)
 
 
@@ -107,7 +108,7 @@ async def update_account(
     password_hash = None
     if body.password is not None:
         check_password(body.password)
-        password_hash = await services.passwords.hash_in_turn(body.password)
+        password_hash = await services.get(Passwords).hash_in_turn(body.password)
     return await to_thread.run_sync(_change_account, services, subject, account_id, body, password_hash)
 
 

@@ -7,6 +7,9 @@ from app.accounts.browsers import known_browser, remember_browser
 from app.accounts.models import Account
 from app.accounts.password_change import replace_password
 from app.accounts.password_rules import check_password as check_password_rules
+from app.accounts.passwords import Passwords
+from app.accounts.rate_limit import SignInLimits
+from app.accounts.refusals import RefusedSignIns
 from app.accounts.schemas import Me, PasswordIn, SignInRequest
 from app.accounts.sign_in import (
     FoundSignIn,
@@ -51,22 +54,22 @@ async def check_password(services: Services, wanted: SignInRequest, address: str
     """
     email = normalise_email(wanted.email)
     known = await to_thread.run_sync(_known_browser, services, email, browser)
-    services.sign_in_limits.attempt(email, address, known)
+    services.get(SignInLimits).attempt(email, address, known)
     account_id, password_hash = await to_thread.run_sync(_look_up, services, email)
-    fits = await services.passwords.verify_in_turn(password_hash, wanted.password)
+    fits = await services.get(Passwords).verify_in_turn(password_hash, wanted.password)
     if not fits or account_id is None:
-        services.refused_sign_ins.note(email)
+        services.get(RefusedSignIns).note(email)
         raise SignInRequired(WRONG)
     # A wrong code is a failed attempt like a wrong password: nothing is given back.
     has_second = await to_thread.run_sync(_check_code, services, account_id, wanted.code)
     if has_second is False:
-        services.refused_sign_ins.note(email)
+        services.get(RefusedSignIns).note(email)
         raise SignInRequired(say("sign_in.code_wrong"), field="code")
-    services.sign_in_limits.succeeded(email, address, known)
+    services.get(SignInLimits).succeeded(email, address, known)
     if has_second is None:
         raise CodeRequired(say("sign_in.code_needed"), field="code")
-    if password_hash is not None and services.passwords.needs_rehash(password_hash):
-        renewed = await services.passwords.hash_in_turn(wanted.password)
+    if password_hash is not None and services.get(Passwords).needs_rehash(password_hash):
+        renewed = await services.get(Passwords).hash_in_turn(wanted.password)
         await to_thread.run_sync(_store_hash, services, account_id, renewed)
     return account_id
 
@@ -150,11 +153,11 @@ async def _require_password(
     email, password_hash = await to_thread.run_sync(_own_hash, services, current.subject.id)
     # Who is signed in has a budget apart from strangers.
     own = f"signed in {current.subject.id}"
-    services.sign_in_limits.attempt(email, address, own)
-    if not await services.passwords.verify_in_turn(password_hash, password):
-        services.refused_sign_ins.note(email)
+    services.get(SignInLimits).attempt(email, address, own)
+    if not await services.get(Passwords).verify_in_turn(password_hash, password):
+        services.get(RefusedSignIns).note(email)
         raise InvalidInput(say("account.password_wrong"), field=field)
-    services.sign_in_limits.succeeded(email, address, own)
+    services.get(SignInLimits).succeeded(email, address, own)
     return password_hash
 
 
@@ -188,7 +191,7 @@ async def change_password(
         raise InvalidInput(say("account.password_same"), field="new_password")
     own = await to_thread.run_sync(_names_of, services, current.subject.id)
     check_password_rules(body.new_password, *own, field="new_password")
-    renewed = await services.passwords.hash_in_turn(body.new_password)
+    renewed = await services.get(Passwords).hash_in_turn(body.new_password)
     await to_thread.run_sync(_replace_hash, services, current, password_hash, renewed, browser)
 
 

@@ -7,7 +7,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import PlainTextResponse
 
 from app.errors import NotAllowed
-from app.metrics import CONTENT_TYPE
+from app.metrics import CONTENT_TYPE, Registry
 from app.sentences import say
 from app.services import services_of
 
@@ -18,7 +18,9 @@ router = APIRouter(include_in_schema=False)
 def metrics(request: Request) -> PlainTextResponse:
     """Return every metric; see `_require_watcher` for who may read them."""
     _require_watcher(request)
-    return PlainTextResponse(services_of(request).metrics.text(), headers={"Content-Type": CONTENT_TYPE})
+    return PlainTextResponse(
+        services_of(request).get(Registry).text(), headers={"Content-Type": CONTENT_TYPE}
+    )
 
 
 def _require_watcher(request: Request) -> None:

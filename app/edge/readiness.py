@@ -166,7 +166,7 @@ router = APIRouter(prefix="/api", tags=["service"])
 @router.get("/ready", responses={503: {"model": ReadyOut, "description": "Nothing can be stored now."}})
 async def ready(request: Request) -> ReadyOut:
     """Return whether what is sent now can be stored; 503 with the reasons when not. No sign-in needed."""
-    reasons = services_of(request).readiness.reasons
+    reasons = services_of(request).get(Readiness).reasons
     if not reasons:
         return ReadyOut(status="ready", reasons={})
     body = ReadyOut(status="not_ready", reasons=reasons).model_dump()

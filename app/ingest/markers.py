@@ -20,6 +20,7 @@ from app.ingest.readers import read_markers
 from app.ingest.upload import upload_folder
 from app.pages import WantedPage
 from app.recordings import marker_motion, markers, service
+from app.recordings.jobs import JobRunner
 from app.recordings.marker_schemas import MarkerMotionOut, MarkersOut, MarkerUploadIn
 from app.recordings.schemas import JobOut
 from app.sentences import say
@@ -55,8 +56,7 @@ async def upload_markers(session_id: str, request: Request, subject: CurrentSubj
     finally:
         # The database has it now, whole, or nobody has.
         path.unlink(missing_ok=True)
-    if services.jobs is not None:
-        services.jobs.wake()
+    services.get(JobRunner).wake()
     return job
 
 

@@ -21,6 +21,8 @@ from app.ingest import readers
 from app.ingest._multipart import UploadReceiver, described, too_large
 from app.ingest.declaration import SINGLE_SENSORS, WALKING
 from app.recordings import repository, service
+from app.recordings.disk import DiskUse
+from app.recordings.jobs import JobRunner
 from app.recordings.kinds import kinds
 from app.recordings.models import Job, MotionSession
 from app.recordings.schemas import JobOut, UploadIn
@@ -51,7 +53,7 @@ async def upload_recording(request: Request, subject: CurrentSubject) -> JobOut:
     async def check(text: bytes) -> None:
         declaration = parse_declaration(text)
         await to_thread.run_sync(_check_right, services.engine, subject, declaration)
-        await to_thread.run_sync(services.disk.check, subject.clinic_id)
+        await to_thread.run_sync(services.get(DiskUse).check, subject.clinic_id)
         declared.append(declaration)
 
     folder = upload_folder(settings)
@@ -70,8 +72,7 @@ async def upload_recording(request: Request, subject: CurrentSubject) -> JobOut:
         partial.unlink(missing_ok=True)
         whole.unlink(missing_ok=True)
         raise
-    if services.jobs is not None:
-        services.jobs.wake()
+    services.get(JobRunner).wake()
     return job
 
 

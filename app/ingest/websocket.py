@@ -14,7 +14,7 @@ import time
 from dataclasses import dataclass
 from typing import Annotated, Protocol
 
-from fastapi import APIRouter, WebSocket
+from fastapi import WebSocket
 from pydantic import Field, TypeAdapter, ValidationError
 from starlette.websockets import WebSocketDisconnect, WebSocketDisconnected, WebSocketState
 
@@ -34,7 +34,6 @@ from app.ingest.pace import Pace
 from app.ingest.packet import MAX_PACKET_BYTES, Packet, decode_packet, packet_from_json
 from app.schemas import Schema
 from app.sentences import say
-from app.services import services_of
 
 HELLO_TIMEOUT_S = 10.0
 ACKNOWLEDGE_EVERY_S = 0.2
@@ -46,8 +45,6 @@ WRONG_IN_A_ROW = 1000
 """A connection that sends so many wrong messages and no right one between is ended."""
 TURN_S = 0.005
 """A connection that has messages waiting lets the others have their turn after so long."""
-
-router = APIRouter()
 
 
 class Intake(Protocol):
@@ -114,16 +111,6 @@ metrics = IngestMetrics()
 _message: TypeAdapter[JsonPacket | GoodbyeMessage] = TypeAdapter(
     Annotated[JsonPacket | GoodbyeMessage, Field(discriminator="type")]
 )
-
-
-@router.websocket("/ws/ingest")
-async def ingest(websocket: WebSocket) -> None:
-    """Serve one gateway."""
-    await websocket.accept()
-    services = services_of(websocket)
-    connection = IngestConnection(websocket, services.live, services.settings.stream_speed)
-    with contextlib.suppress(WebSocketDisconnect, WebSocketDisconnected):
-        await connection.serve()
 
 
 class IngestConnection:

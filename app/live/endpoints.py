@@ -90,7 +90,7 @@ async def withdraw_safety(session_id: str, request: Request, subject: CurrentSub
     """
     services = services_of(request)
     hours = services.settings.implant_confirmation_hours
-    live: LiveManager = services.live
+    live: LiveManager = services.get(LiveManager)
     try:
         return await asyncio.to_thread(
             repository.withdraw_safety, services.engine, subject, session_id, hours
@@ -105,7 +105,7 @@ async def state(session_id: str, request: Request, subject: CurrentSubject) -> S
     """Get the state of a session, live or not."""
     services = services_of(request)
     await asyncio.to_thread(repository.authorise, services.engine, subject, session_id, "status")
-    live: LiveManager = services.live
+    live: LiveManager = services.get(LiveManager)
     return await live.state(session_id)
 
 
@@ -118,7 +118,7 @@ async def _live(request: Request, subject: Subject, session_id: str, action: Act
     await asyncio.to_thread(
         repository.authorise, services.engine, subject, session_id, "record", f"session.{action}"
     )
-    live: LiveManager = services.live
+    live: LiveManager = services.get(LiveManager)
     return live
 
 

@@ -56,7 +56,7 @@ async def watch(websocket: WebSocket, session_id: str) -> None:
             subject, check = await _who(websocket, services, session_id)
             with services.limits.take("sockets", subject):
                 stored = await asyncio.to_thread(check)
-                await _serve(websocket, services.live, stored, check)
+                await _serve(websocket, services.get(LiveManager), stored, check)
         except TelemotionError as error:
             await _end(websocket, error)
 

@@ -7,7 +7,7 @@ does not cover the request, `invalid_input` with the fields.
 from fastapi import APIRouter, Request
 
 from app.accounts.dependencies import CurrentAccount
-from app.accounts.pairing import Offer
+from app.accounts.pairing import Offer, PairingBook
 from app.accounts.schemas import (
     AuditOut,
     ConsentIn,
@@ -104,7 +104,9 @@ def create_pairing_code(
     patient_id: str, body: DeviceTokenIn, subject: CurrentAccount, request: Request, session: WriteSession
 ) -> PairingCodeOut:
     """Make a code of eight characters that a gateway exchanges, once and within ten minutes, for a device token."""
-    return devices.offer_pairing(session, services_of(request).pairing, Offer(subject, patient_id, body))
+    return devices.offer_pairing(
+        session, services_of(request).get(PairingBook), Offer(subject, patient_id, body)
+    )
 
 
 @router.post("/devices/pair", responses={401: {}})
@@ -115,7 +117,7 @@ def pair_device(body: PairingIn, request: Request, session: WriteSession) -> Dev
     """
     services = services_of(request)
     address = request.client.host if request.client else "unknown"
-    return devices.pair(session, services.settings, services.pairing.take(body.code, address))
+    return devices.pair(session, services.settings, services.get(PairingBook).take(body.code, address))
 
 
 @router.delete("/device-tokens/{token_id}", status_code=204)

@@ -10,7 +10,9 @@ from app.database.dependencies import ReadSession, WriteSession
 from app.pages import WantedPage
 from app.recordings import repository, service
 from app.recordings.differences import MAX_CURVE_POINTS, differences
+from app.recordings.disk import DiskUse
 from app.recordings.estimator_choice import estimators_out
+from app.recordings.jobs import JobRunner
 from app.recordings.schemas import (
     DifferencesOut,
     EstimatorOut,
@@ -39,7 +41,7 @@ def create_session(
 
     Errors: `quota_reached` when the clinic has stored as much as it may.
     """
-    services_of(request).disk.check(subject.clinic_id)
+    services_of(request).get(DiskUse).check(subject.clinic_id)
     return service.create(session, subject, wanted)
 
 
@@ -84,8 +86,7 @@ def reprocess(
 ) -> JobOut:
     """Estimate a stored session again with another estimator; earlier results stay."""
     job = service.queue_reprocess(session, subject, session_id, wanted)
-    if services_of(request).jobs is not None:
-        services_of(request).jobs.wake()
+    services_of(request).get(JobRunner).wake()
     return job
 
 
@@ -95,8 +96,7 @@ def reprocess_all(
 ) -> list[JobOut]:
     """Estimate a stored session with every estimator (or those named), a task each; earlier results stay."""
     jobs = service.queue_reprocess_all(session, subject, session_id, wanted)
-    if services_of(request).jobs is not None:
-        services_of(request).jobs.wake()
+    services_of(request).get(JobRunner).wake()
     return jobs
 
 

@@ -2,6 +2,7 @@
 
 from contextlib import AsyncExitStack
 
+from app.live.bus import MemoryBus
 from app.services import Services
 from app.viewer.endpoints import router
 from app.viewer.service import Viewer
@@ -16,10 +17,10 @@ async def open_viewer(services: Services, stack: AsyncExitStack) -> None:
         With engine and bus.
     stack : AsyncExitStack
     """
-    viewer = Viewer(services.engine, services.bus, services.limits)
+    viewer = Viewer(services.engine, services.get(MemoryBus), services.limits)
     await viewer.start()
     stack.push_async_callback(viewer.close)
-    services.viewer = viewer
+    services.add(viewer)
 
 
 __all__ = ["Viewer", "open_viewer", "router"]

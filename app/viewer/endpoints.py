@@ -32,7 +32,7 @@ _COMMAND: TypeAdapter[PlayerCommand | CameraCommand] = TypeAdapter(
 @router.post("/api/sessions/{session_id}/views", status_code=201)
 async def open_view(session_id: str, wanted: ViewIn, request: Request, subject: CurrentAccount) -> ViewOut:
     """Open a 3D view of a session, live or as a replay, with the template's ghost when there is one."""
-    viewer: Viewer = services_of(request).viewer
+    viewer: Viewer = services_of(request).get(Viewer)
     return await viewer.open(subject, session_id, wanted)
 
 
@@ -40,7 +40,7 @@ async def open_view(session_id: str, wanted: ViewIn, request: Request, subject: 
 async def page(view_id: str, request: Request, subject: CurrentAccount) -> Response:
     """Return the page of a view, for a frame of the client."""
     services = services_of(request)
-    viewer: Viewer = services.viewer
+    viewer: Viewer = services.get(Viewer)
     await viewer.check(subject, view_id)
     built = await asyncio.to_thread(build_page)
     headers = {
@@ -58,7 +58,7 @@ async def page(view_id: str, request: Request, subject: CurrentAccount) -> Respo
 @router.websocket("/viewer/{view_id}")
 async def page_socket(websocket: WebSocket, view_id: str) -> None:
     """Relay between the page of a view and its scene."""
-    viewer: Viewer = services_of(websocket).viewer
+    viewer: Viewer = services_of(websocket).get(Viewer)
     subject = await websocket_subject(websocket)
     with services_of(websocket).limits.take("sockets", subject), contextlib.suppress(WebSocketDisconnect):
         await relay(websocket, viewer, subject, view_id)
@@ -67,7 +67,7 @@ async def page_socket(websocket: WebSocket, view_id: str) -> None:
 @router.websocket("/ws/views/{view_id}")
 async def control(websocket: WebSocket, view_id: str) -> None:
     """Steer a view: `player` and `camera` commands in, `player_state` out."""
-    viewer: Viewer = services_of(websocket).viewer
+    viewer: Viewer = services_of(websocket).get(Viewer)
     subject = await websocket_subject(websocket)
     view = await viewer.check(subject, view_id)
     hold = services_of(websocket).limits.take("sockets", subject)

@@ -20,6 +20,7 @@ from app.database.engine import create_from_url
 from app.database.unit_of_work import unit_of_work
 from app.live import warmup
 from app.main import create_app
+from app.recordings.jobs import JobRunner
 from app.settings import Settings
 from app.tables import metadata
 
@@ -157,6 +158,6 @@ def running(
         patch.setattr(warmup, "PATIENCE_S", 600.0)
         app = create_app(settings, passwords=passwords)
         with ServiceClient(app, base_url=BASE_URL, raise_server_exceptions=False) as nobody:
-            app.state.services.jobs.stop()
+            app.state.services.get(JobRunner).stop()
             yield AccessService(seed, settings, engine, nobody, log)
     engine.dispose()

@@ -8,7 +8,7 @@ from sqlalchemy import select
 from starlette.websockets import WebSocketDisconnect
 
 from app.accounts.models import Account, AuditEvent, SignIn
-from app.accounts.refusals import MAXIMUM_WAITING
+from app.accounts.refusals import MAXIMUM_WAITING, RefusedSignIns
 from app.database.unit_of_work import read_only, unit_of_work
 
 from .conftest import PASSWORD
@@ -186,7 +186,7 @@ def test_refused_sign_ins_are_in_the_trail_without_the_address(
         session.get_one(Account, world.accounts["former"]).is_active = False
     for name, password in [("therapist", "wrong"), ("former", PASSWORD), ("patient", "wrong")]:
         assert enter(name, password) == 401
-    services.refused_sign_ins.settle()
+    services.get(RefusedSignIns).settle()
     wrong, switched_off = {"reason": "wrong password"}, {"reason": "switched off"}
     assert events() == [
         ("account.sign_in_refused", world.accounts["therapist"], wrong),
@@ -204,7 +204,7 @@ def test_an_unknown_address_is_in_the_log_as_a_fingerprint(nobody, services, eve
     caplog.set_level(logging.WARNING, "telemotion.sign_in")
     for address in ("ghost@example.org", " Ghost@Example.org", "other@example.org"):
         nobody.post("/api/sign-in", json={"email": address, "password": "wrong"})
-    services.refused_sign_ins.settle()
+    services.get(RefusedSignIns).settle()
     said = [record.getMessage() for record in caplog.records if record.name == "telemotion.sign_in"]
     assert len(said) == 3
     assert said[0] == said[1] != said[2], "the same address can be recognised"
@@ -213,7 +213,7 @@ def test_an_unknown_address_is_in_the_log_as_a_fingerprint(nobody, services, eve
 
 
 def test_a_flood_of_refusals_is_counted_and_not_kept(services, caplog):
-    refused = services.refused_sign_ins
+    refused = services.get(RefusedSignIns)
     caplog.set_level(logging.WARNING, "telemotion.sign_in")
     held = refused._lock
     with held:
@@ -230,7 +230,7 @@ def test_a_flood_of_refusals_is_counted_and_not_kept(services, caplog):
 def test_a_refused_password_change_is_noted_too(sign_in, services, events, world):
     here = sign_in("therapist")
     here.post("/api/me/password", json={"old_password": "wrong", "new_password": NEW})
-    services.refused_sign_ins.settle()
+    services.get(RefusedSignIns).settle()
     assert ("account.sign_in_refused", world.accounts["therapist"], {"reason": "wrong password"}) in events()
 
 

@@ -4,7 +4,7 @@ import pytest
 
 from app.accounts import browsers
 from app.accounts.models import Account, KnownBrowser
-from app.accounts.rate_limit import PER_ACCOUNT
+from app.accounts.rate_limit import PER_ACCOUNT, SignInLimits
 from app.database.unit_of_work import read_only, unit_of_work
 
 PASSWORD = "a long enough password"
@@ -26,7 +26,7 @@ def test_eight_wrong_passwords_from_strangers_do_not_lock_a_known_browser_out(
     own, fresh = new_client(), new_client()
     assert enter(own, email, PASSWORD) == 200
     for number in range(PER_ACCOUNT.capacity):
-        services.sign_in_limits.attempt(email, f"10.0.{number}.1")
+        services.get(SignInLimits).attempt(email, f"10.0.{number}.1")
     assert enter(fresh, email, PASSWORD) == 429, "a stranger's browser waits, whatever it types"
     own.cookies.delete("telemotion_session")
     assert enter(own, email, PASSWORD) == 200
@@ -72,6 +72,6 @@ def test_a_new_password_forgets_other_browsers_and_an_administrators_all(engine,
 
 def test_strangers_do_not_lock_the_own_password_change(sign_in, email, services) -> None:
     for number in range(PER_ACCOUNT.capacity):
-        services.sign_in_limits.attempt(email, f"10.0.{number}.1")
+        services.get(SignInLimits).attempt(email, f"10.0.{number}.1")
     body = {"old_password": PASSWORD, "new_password": "four plain green words"}
     assert sign_in("therapist").post("/api/me/password", json=body).status_code == 204

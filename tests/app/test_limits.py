@@ -9,6 +9,7 @@ from app.database.unit_of_work import unit_of_work
 from app.errors import LimitReached, Unavailable
 from app.ingest.pace import Pace
 from app.limits import Limits
+from app.recordings.disk import DiskUse
 from app.recordings.models import MotionSession, SignalChunk
 from app.settings import Allowance, Settings
 from estimators.pipelines import SessionSetup
@@ -89,7 +90,7 @@ def test_a_clinic_that_has_used_up_its_disk_starts_nothing_and_the_other_does(
     engine: Engine, services, world, therapist, foreign_therapist
 ) -> None:
     setup = SessionSetup("arm", ("sternum", "upper_arm_right", "forearm_right"), 100.0).to_dict()
-    services.disk._most_bytes = 1000
+    services.get(DiskUse)._most_bytes = 1000
     wanted = {"patient_id": world.patient_id, "placements": list(setup["placements"])}
     stored = therapist.post("/api/sessions", json=wanted)
     assert stored.status_code == 201
@@ -106,7 +107,7 @@ def test_a_clinic_that_has_used_up_its_disk_starts_nothing_and_the_other_does(
     chunk.data = bytes(1000)
     with unit_of_work(engine) as session:
         session.add(chunk)
-    services.disk._counted.clear()
+    services.get(DiskUse)._counted.clear()
     answer = therapist.post("/api/sessions", json=wanted)
     assert (answer.status_code, answer.json()["code"]) == (413, "quota_reached")
     assert "Delete sessions" in answer.json()["message"]

@@ -91,6 +91,6 @@ def test_what_happens_is_counted_and_documented(nobody, world, token):
         assert value(name, after) == value(name, before) + 1, name
     assert value('telemotion_tasks{status="queued"}', after) == 0
     page = PAGE.read_text()
-    for name in nobody.app.state.services.metrics.names:
+    for name in nobody.app.state.services.get(Registry).names:
         assert f"`{name}`" in page, name
     assert "stranger" not in after

@@ -22,6 +22,7 @@ from app.exercises.models import Exercise
 from app.main import create_app
 from app.patients.models import Grant, Patient
 from app.settings import Settings
+from app.viewer.service import Viewer
 from tests.app.viewer.stored_reaches import Recorded, compared_reaches, store
 
 pytestmark = [pytest.mark.e2e, pytest.mark.slow]
@@ -203,7 +204,7 @@ def test_visers_own_panels_are_out_of_sight_on_a_desk_and_on_a_phone(page: Page,
 
 def test_losing_the_right_ends_the_picture(page: Page, running: Running) -> None:
     """The relay closes, and the page cannot come back."""
-    running.services.viewer.check_right_every_s = 0.3
+    running.services.get(Viewer).check_right_every_s = 0.3
     view = open_view(page, running)
     closed: list[str] = []
     page.on("websocket", lambda ws: ws.on("close", lambda: closed.append(ws.url)))

@@ -12,6 +12,7 @@ from app.database.unit_of_work import read_only, unit_of_work
 from app.exercises.models import Prescription, Template, TemplateVersion
 from app.ingest.upload import upload_folder
 from app.patients.models import Grant, Mounting, Patient
+from app.recordings.jobs import JobRunner
 from app.recordings.models import Job, MotionSession, Result, SessionEvent, SignalChunk
 
 from .history import History
@@ -24,7 +25,7 @@ ERASE = {"confirmation": "ERASE"}
 
 @pytest.fixture(autouse=True)
 def quiet_queue(services):
-    services.jobs.stop()
+    services.get(JobRunner).stop()
 
 
 @pytest.fixture

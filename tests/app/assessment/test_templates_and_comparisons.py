@@ -18,7 +18,7 @@ from app.exercises.models import Exercise, TemplateVersion
 from app.ingest import readers
 from app.ingest.upload import register, upload_folder
 from app.ingest.upload_task import upload
-from app.recordings.jobs import run_job
+from app.recordings.jobs import JobRunner, run_job
 from app.recordings.models import Job, MotionSession
 from app.recordings.packet_log import write_log
 from app.recordings.reprocess import reprocess
@@ -125,7 +125,7 @@ def template_version(therapist: Any, store: Any, world: Any, therapists: Simulat
 @pytest.fixture(autouse=True)
 def quiet_queue(services: Any) -> None:
     """The tests do the tasks themselves."""
-    services.jobs.stop()
+    services.get(JobRunner).stop()
 
 
 def test_a_preview_shows_repetitions_on_top_of_each_other(

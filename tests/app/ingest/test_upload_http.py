@@ -14,6 +14,7 @@ from app.accounts.models import AuditEvent
 from app.database.unit_of_work import read_only
 from app.ingest import readers
 from app.ingest.upload import upload_folder
+from app.recordings.jobs import JobRunner
 from app.recordings.models import MotionSession
 from app.recordings.table_schemas import CsvMapping
 from app.settings import Settings
@@ -37,7 +38,7 @@ def post(client: Any, declaration: dict[str, Any] | None, content: bytes | None,
 def test_an_upload_over_http_is_queued_and_audited(
     therapist: Any, world: Any, log: Path, engine: Engine, services: Any
 ) -> None:
-    services.jobs.stop()
+    services.get(JobRunner).stop()
     answer = post(therapist, declare(world).model_dump(mode="json"), log.read_bytes())
     assert answer.status_code == 202, answer.text
     job = answer.json()

@@ -13,6 +13,7 @@ from app.gateway import DeviceStream, stream_of
 from app.ingest.packet import PacketFlag, with_flags
 from app.live import manager as live_manager
 from app.live import repository
+from app.live.manager import LiveManager
 from app.recordings.store import read_packets
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
 
@@ -191,7 +192,7 @@ def test_a_session_beyond_the_longest_is_closed_with_the_reason(
         receive_until(socket, lambda message: message.get("acknowledged") == 29)
         receive_until(other, lambda message: message.get("acknowledged") == 0)
         # Between the length of the two.
-        monkeypatch.setattr(services.live._housekeeping, "_longest_s", 1.0)
+        monkeypatch.setattr(services.get(LiveManager)._housekeeping, "_longest_s", 1.0)
         receive_until(socket, lambda message: message.get("state") == "closing")
         found = therapist.get(f"/api/sessions/{long}/state").json()
         assert found["state"] in ENDED
@@ -201,4 +202,4 @@ def test_a_session_beyond_the_longest_is_closed_with_the_reason(
 
 def test_the_longest_time_is_the_setting(services: Any) -> None:
     limit_s = 3600.0 * services.settings.session_limit_hours
-    assert services.live._housekeeping._longest_s == limit_s
+    assert services.get(LiveManager)._housekeeping._longest_s == limit_s

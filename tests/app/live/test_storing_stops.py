@@ -20,6 +20,7 @@ from app.edge.readiness import Readiness
 from app.errors import NotAllowed
 from app.gateway import DeviceStream, stream_of
 from app.live.ledger import NOT_STORED_AFTER_S, SequenceLedger
+from app.live.manager import LiveManager
 from app.live.patience import Patience
 from app.recordings.store import read_packets
 from app.services import Services
@@ -95,7 +96,7 @@ def tell_and_recover(client: Any, services: Services, world: Any, stream: Device
         ingest.send_text(hello(client, session_id, stream))
         receive_until(ingest, lambda message: message["type"] == "acknowledge")
         gateway = Gateway(ingest, stream)
-        live = services.live.find(session_id)
+        live = services.get(LiveManager).find(session_id)
         gateway.until(lambda: len(live.ledger.durable) > 3, 20.0)
         assert client.get("/api/ready").json() == {"status": "ready", "reasons": {}}
         with cause(services):

@@ -13,7 +13,7 @@ from app.database.unit_of_work import read_only, unit_of_work
 from app.ingest import readers
 from app.ingest.marker_task import fuse
 from app.ingest.upload_task import _write_packets
-from app.recordings.jobs import JobContext, run_job
+from app.recordings.jobs import JobContext, JobRunner, run_job
 from app.recordings.models import MotionSession, SignalChunk
 from app.services import Services
 from app.settings import Settings
@@ -28,7 +28,7 @@ OFFSET_S = 2.5
 def worn(engine: Engine, settings: Settings, services: Services, new_session: Any) -> tuple[str, Any]:
     """Return an analysed session of one sensor on the hand, and what it truly did."""
     # The tests run the queued tasks themselves; the service's own runner would take them first on a busy machine.
-    services.jobs.stop()
+    services.get(JobRunner).stop()
     scene = free_motion(5, 15.0)
     signals = SensorSignals(scene.time_s, scene.chunk.gyroscope_radps, scene.chunk.accelerometer_mps2)
     prepared = readers.packets_of(Recording({"hand_right": signals}, 100.0))

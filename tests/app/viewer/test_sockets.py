@@ -16,9 +16,10 @@ from starlette.websockets import WebSocketDisconnect
 from app.accounts.models import SignIn
 from app.database.unit_of_work import unit_of_work
 from app.live.blocks import PublishedFrames
-from app.live.bus import topic
+from app.live.bus import MemoryBus, topic
 from app.patients.models import Grant
 from app.viewer import wire
+from app.viewer.service import Viewer
 from estimators.pipelines import Frames
 
 CAMERA = msgspec.msgpack.encode(
@@ -139,7 +140,7 @@ def test_another_version_of_the_page_is_refused(therapist, open_view) -> None:
 def test_only_camera_poses_reach_viser(therapist, open_view, services, monkeypatch) -> None:
     """A share request, an upload, a scene change and noise are sent with a camera pose; only the pose arrives."""
     view = open_view(therapist)
-    stage = next(iter(services.viewer._stages.values()))
+    stage = next(iter(services.get(Viewer)._stages.values()))
     arrived: list[str] = []
     handlers = stage._server._websock_server._handle_incoming_message
 
@@ -180,7 +181,7 @@ def test_a_narrow_picture_makes_the_camera_step_back(therapist, open_view) -> No
 def test_a_lost_right_closes_an_open_socket(
     path: str, loss: str, therapist, open_view, services, engine, world
 ) -> None:
-    services.viewer.check_right_every_s = 0.1
+    services.get(Viewer).check_right_every_s = 0.1
     view = open_view(therapist)
     with therapist.websocket_connect(path.format(**view), subprotocols=[wire.PROTOCOL]) as socket:
         socket.receive()
@@ -282,7 +283,7 @@ def test_a_live_view_shows_the_newest_frames(therapist, open_view, services, nob
         fields = {**vars(recorded.frames), "first_tick": tick}
         fields |= {name: getattr(recorded.frames, name)[part] for name in arrays}
         frames = PublishedFrames(Frames(**fields), time.time())
-        nobody.portal.call(services.bus.publish, topic(recorded.live_session_id, "frames"), frames)
+        nobody.portal.call(services.get(MemoryBus).publish, topic(recorded.live_session_id, "frames"), frames)
         until(page, raised_arm)
         # When nothing more comes, what was measured turns grey and one label says so.
         said = until(
@@ -295,12 +296,12 @@ def test_an_unwatched_scene_is_taken_down_and_comes_back(therapist, open_view, s
     view = open_view(therapist)
     with page_socket(therapist, view) as page:
         until(page, of_type("ReplayDoneMessage"))
-        nobody.portal.call(services.viewer._sweep, 0.0)
-        assert services.viewer.stage_count == 1
+        nobody.portal.call(services.get(Viewer)._sweep, 0.0)
+        assert services.get(Viewer).stage_count == 1
     deadline = time.monotonic() + 5.0
-    while services.viewer.stage_count and time.monotonic() < deadline:
-        nobody.portal.call(services.viewer._sweep, 0.0)
-    assert services.viewer.stage_count == 0
+    while services.get(Viewer).stage_count and time.monotonic() < deadline:
+        nobody.portal.call(services.get(Viewer)._sweep, 0.0)
+    assert services.get(Viewer).stage_count == 0
     with page_socket(therapist, view) as page:
         until(page, of_type("ReplayDoneMessage"))
-    assert services.viewer.stage_count == 1
+    assert services.get(Viewer).stage_count == 1

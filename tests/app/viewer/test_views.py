@@ -10,6 +10,7 @@ from app.database.unit_of_work import unit_of_work
 from app.patients.models import Grant
 from app.settings import Allowance
 from app.viewer.page import build_page
+from app.viewer.service import Viewer
 
 
 def test_a_therapist_opens_a_replay(therapist, open_view) -> None:
@@ -114,7 +115,7 @@ def test_too_many_scenes_are_refused_and_say_when_to_come_back(
 ) -> None:
     services.limits._allowances["views"] = Allowance(1, 2, 3)
     opened = open_view(therapist)
-    stage = next(iter(services.viewer._stages.values()))
+    stage = next(iter(services.get(Viewer)._stages.values()))
     stage._watchers = 1  # somebody looks at it, so it cannot be taken down for the next one
     answer = therapist.post(f"/api/sessions/{recorded.session_id}/views", json={"mode": "replay"})
     assert (answer.status_code, answer.json()["code"]) == (429, "limit_reached")
@@ -125,7 +126,7 @@ def test_too_many_scenes_are_refused_and_say_when_to_come_back(
         therapist.post(f"/api/sessions/{recorded.session_id}/views", json={"mode": "replay"}).status_code
         == 201
     )
-    assert services.viewer.stage_count == 1
+    assert services.get(Viewer).stage_count == 1
     assert services.limits.held("views", "service") == 1
     assert (
         therapist.get(opened["page_path"]).status_code == 200
@@ -139,21 +140,21 @@ def test_many_who_make_room_at_once_do_not_trip_over_each_other(
         open_view(therapist)
 
     async def sweep_together() -> None:
-        await asyncio.gather(*(services.viewer._sweep(0.0) for _ in range(4)))
+        await asyncio.gather(*(services.get(Viewer)._sweep(0.0) for _ in range(4)))
 
     nobody.portal.call(sweep_together)
-    assert services.viewer.stage_count == 0
+    assert services.get(Viewer).stage_count == 0
     assert services.limits.held("views", "service") == 0
 
 
 def test_live_views_share_a_scene_and_replays_do_not(therapist, sign_in, open_view, services) -> None:
     open_view(therapist, "live")
     open_view(sign_in("reader"), "live")
-    assert services.viewer.stage_count == 1
+    assert services.get(Viewer).stage_count == 1
     assert services.limits.held("views", "service") == 1
     open_view(therapist)
     open_view(therapist)
-    assert services.viewer.stage_count == 3
+    assert services.get(Viewer).stage_count == 3
 
 
 def test_the_policy_allows_the_pages_own_scripts_and_nothing_else(therapist, open_view) -> None:

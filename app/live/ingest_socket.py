@@ -1,0 +1,25 @@
+"""`/ws/ingest`: where gateways come in; the conversation is `app.ingest.websocket`."""
+
+import contextlib
+
+from fastapi import APIRouter, WebSocket
+from starlette.websockets import WebSocketDisconnect, WebSocketDisconnected
+
+from app.ingest.websocket import IngestConnection
+from app.live.manager import LiveManager
+from app.services import services_of
+
+router = APIRouter()
+
+
+@router.websocket("/ws/ingest")
+async def ingest(websocket: WebSocket) -> None:
+    """Serve one gateway."""
+    await websocket.accept()
+    services = services_of(websocket)
+    connection = IngestConnection(websocket, services.get(LiveManager), services.settings.stream_speed)
+    with contextlib.suppress(WebSocketDisconnect, WebSocketDisconnected):
+        await connection.serve()
+
+
+__all__ = ["router"]
