@@ -61,6 +61,7 @@ from app.recordings.disk import DiskUse
 from app.recordings.endpoints import router as sessions_router
 from app.recordings.group_commit import GroupCommitWriter
 from app.recordings.jobs import Handler, JobRunner
+from app.recordings.kinds import kinds
 from app.recordings.point_endpoints import router as points_router
 from app.recordings.reprocess import reprocess
 from app.recordings.service import queue_closing
@@ -169,7 +170,9 @@ async def open_services(
     services.add(DiskUse(engine, settings.clinic_disk_bytes))
 
     await to_thread.run_sync(remove_orphans, engine, settings)
-    processes.prepare(["app.assessment.export", *(handler.__module__ for handler in job_handlers().values())])
+    tasks = [handler.__module__ for handler in job_handlers().values()]
+    own = [type(kind).__module__ for kind in kinds().values()]
+    processes.prepare(["app.assessment.export", *tasks, *own])
     jobs = JobRunner(engine, settings, job_handlers())
     await to_thread.run_sync(jobs.start)
     stack.push_async_callback(partial(to_thread.run_sync, jobs.stop))

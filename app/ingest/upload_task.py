@@ -80,11 +80,10 @@ def _store(context: JobContext, declaration: UploadIn, path: Path) -> list[str]:
     else:
         recording = readers.read(path, declaration.format, declaration.csv, declaration.file_name)
         notes += recording.notes
+        kind = kinds()[pipeline_of(declaration)]
         with unit_of_work(context.engine) as session:
-            recording = kinds()[pipeline_of(declaration)].put_aside(session, context.session_id, recording)
-        prepared = readers.packets_of(
-            recording, any_name=not kinds()[pipeline_of(declaration)].pipeline.is_worn
-        )
+            recording = kind.put_aside(session, context.session_id, recording)
+        prepared = readers.packets_of(recording, any_name=not kind.pipeline.is_worn)
         network = prepared.declaration
         total = prepared.tick_count
         stored_ticks = _write_packets(

@@ -13,7 +13,7 @@ from app.recordings.store import read_frames
 from app.sentences import say
 from estimators.balance import MASS_SCALARS
 from estimators.conventions import PLACEMENTS
-from estimators.pipelines import SessionSetup
+from estimators.pipelines import ArmPipeline, SessionSetup
 from estimators.recording import Float
 
 NAMES: Final = ("ahead", "left", "height")
@@ -55,7 +55,11 @@ def mass_centre_of(
     assumed = [name for name in PLACEMENTS if name not in setup.placements]
     scalars = list(result.layout["scalars"])
     if MASS_SCALARS[0] not in scalars:
-        reason = say("mass_centre.sensors") if setup.pipeline == "arm" else say("mass_centre.other_kind")
+        reason = (
+            say("mass_centre.sensors")
+            if setup.pipeline == ArmPipeline.name
+            else say("mass_centre.other_kind")
+        )
         return MassCentreOut(result_id=result.id, time_s=[], curves=[], assumed=[], reason=reason)
     columns = [scalars.index(name) for name in MASS_SCALARS]
     step_s = 1.0 / setup.rate_hz

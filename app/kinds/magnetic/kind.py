@@ -60,7 +60,7 @@ class MagneticKind(SessionKind):
         try:
             relative = relative_feet(joined_chunks(pieces), setup)
             walking = replace(setup, pipeline=GaitPipeline.name, orientation_parameters={})
-            follow_feet(context, walking, _WALK_FROM, relative)
+            follow_feet(context, walking, pieces, _WALK_FROM, relative)
         except (EstimationError, InvalidInput):
             # Not a walk: nobody asked for one.
             logger.info("session %s holds no walk", context.session_id)

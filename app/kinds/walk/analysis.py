@@ -1,6 +1,6 @@
 """Following the feet of a stored session: its frames and its walk become a new result."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -12,7 +12,7 @@ from app.kinds.walk.stored import content_of, kind_of, reasons_of, recording_of,
 from app.recordings.chunks import encode_frames, slice_frames
 from app.recordings.jobs import JobContext
 from app.recordings.models import MotionSession, Result
-from app.recordings.offline import Analysis, whole
+from app.recordings.offline import Analysis
 from app.recordings.result_rows import CHUNKS_A_COMMIT, layout_dict, new_result, write_frames
 from app.recordings.stamped import stored_recording
 from app.sentences import CATALOGUE, say
@@ -29,6 +29,7 @@ _STILL_AT_START_S: Final = 1.0
 def follow_feet(
     context: JobContext,
     setup: SessionSetup,
+    pieces: Iterable[ImuChunk],
     progress_from: float,
     relative: RelativeFeet | None = None,
 ) -> Analysis:
@@ -39,6 +40,8 @@ def follow_feet(
     context : JobContext
     setup : SessionSetup
         Of the pipeline `gait`.
+    pieces : iterable of ImuChunk
+        The whole session.
     progress_from : float
         Where on the task's scale of 0 to 1 this work begins.
     relative : RelativeFeet, optional
@@ -56,7 +59,7 @@ def follow_feet(
     with read_only(context.engine) as session:
         hello = session.get_one(MotionSession, context.session_id).hello
     given = setup
-    parts = list(whole(context, setup))
+    parts = list(pieces)
     measured = stored_recording(context.engine, context.session_id, hello, setup.placements)
     if measured is None:
         measured = recording_of(parts, setup, hello)

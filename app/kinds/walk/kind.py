@@ -10,7 +10,7 @@ from app.ingest.readers import as_feet
 from app.kinds.walk.analysis import follow_feet
 from app.kinds.walk.shoes import store_shoes
 from app.recordings.kinds import SessionKind, Wanted
-from app.recordings.offline import Analysis
+from app.recordings.offline import Analysis, whole
 from app.recordings.still import still
 from app.sentences import say
 from estimators import pipelines
@@ -30,8 +30,9 @@ class WalkKind(SessionKind):
 
     def analyse(self, wanted: Wanted) -> Analysis:
         """Follow the feet over the whole walk, with forces and centre of mass where they were measured."""
-        wanted.context.progress(wanted.progress_from, say("progress.reading_walk"))
-        return follow_feet(wanted.context, wanted.setup, wanted.progress_from)
+        context, setup = wanted.context, wanted.setup
+        context.progress(wanted.progress_from, say("progress.reading_walk"))
+        return follow_feet(context, setup, whole(context, setup), wanted.progress_from)
 
     def put_aside(self, session: Session, session_id: str, recording: Recording) -> Recording:
         """Store the load cells of instrumented shoes; the feet remain."""

@@ -44,8 +44,8 @@ export interface SessionKind {
   hasEstimators: boolean;
   /** Repetitions are compared with a template. */
   isCompared: boolean;
-  /** What follows `telemotion simulate` to try such a session. */
-  simulated: (session: SessionDetail) => string;
+  /** What `telemotion simulate` needs besides, to try such a session. */
+  simulated?: (session: SessionDetail) => string;
 }
 
 /** Its components; apart, so that a page that asks for a word does not load them. */

@@ -1,14 +1,21 @@
 // What the pages of a session show of its kind.
 import type { SessionDetail } from '../api/types';
 import { kindOf } from '.';
-import { parts as arm } from './arm/parts';
-import type { KindParts } from './kind';
-import { parts as magnetic } from './magnetic/parts';
-import { parts as walk } from './walk/parts';
+import { arm } from './arm/facts';
+import { parts as armParts } from './arm/parts';
+import type { KindParts, SessionKind } from './kind';
+import { magnetic } from './magnetic/facts';
+import { parts as magneticParts } from './magnetic/parts';
+import { walk } from './walk/facts';
+import { parts as walkParts } from './walk/parts';
 
-const PARTS: Record<string, KindParts> = { arm, gait: walk, relative_pose: magnetic };
+const PARTS = new Map<SessionKind, KindParts>([
+  [arm, armParts],
+  [walk, walkParts],
+  [magnetic, magneticParts],
+]);
 
 /** The components of a session's kind. */
 export function partsOf(session: Pick<SessionDetail, 'pipeline'>): KindParts {
-  return PARTS[kindOf(session).pipeline] ?? arm;
+  return PARTS.get(kindOf(session)) ?? armParts;
 }

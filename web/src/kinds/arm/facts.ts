@@ -10,5 +10,4 @@ export const arm: SessionKind = {
   isGuided: false,
   hasEstimators: true,
   isCompared: true,
-  simulated: (session) => (session.exercise_id ? ` --exercise ${session.exercise_id}` : ''),
 };

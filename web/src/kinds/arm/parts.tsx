@@ -5,10 +5,7 @@ import type { KindParts, LiveProps } from '../kind';
 import { SessionActions } from './SessionActions';
 
 const Curves = (props: LiveProps) =>
-  // Before it is known how sensors sit or which way they face, numbers would be wrong, not merely uncertain.
-  props.state === 'calibrating' || !props.columns ? null : (
-    <JointCurves {...props} id="angles" title={t('traces.title')} isTitleHidden />
-  );
+  props.columns && <JointCurves {...props} id="angles" title={t('traces.title')} isTitleHidden />;
 
 export const parts: KindParts = {
   live: { Curves },

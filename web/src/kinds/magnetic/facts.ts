@@ -12,5 +12,5 @@ export const magnetic: SessionKind = {
   isGuided: false,
   hasEstimators: false,
   isCompared: false,
-  simulated: (session) => ` --relative ${simulatedMovement(wornPlacements(session))} --no-implants`,
+  simulated: (session) => `--relative ${simulatedMovement(wornPlacements(session))} --no-implants`,
 };

@@ -10,5 +10,4 @@ export const walk: SessionKind = {
   isGuided: true,
   hasEstimators: true,
   isCompared: false,
-  simulated: (session) => (session.exercise_id ? ` --exercise ${session.exercise_id}` : ''),
 };

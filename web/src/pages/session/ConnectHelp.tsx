@@ -18,7 +18,14 @@ export function ConnectHelp({ session }: { session: SessionDetail }) {
     mutationFn: () => api.post<Ticket>(`/api/sessions/${session.id}/ticket`, { purpose: 'ingest' }),
   });
   const account = `--server ${window.location.origin} --email ${me.email} --patient ${session.patient_id}`;
-  const simulate = `telemotion simulate ${account}${kindOf(session).simulated(session)}`;
+  const simulate = [
+    'telemotion simulate',
+    kindOf(session).simulated?.(session),
+    account,
+    session.exercise_id && `--exercise ${session.exercise_id}`,
+  ]
+    .filter(Boolean)
+    .join(' ');
   return (
     <section className="card" aria-labelledby="connect">
       <div className="card-head">

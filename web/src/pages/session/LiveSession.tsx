@@ -169,7 +169,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
             {isStarted && (
               <Viewer3D sessionId={session.id} request={LIVE} title={t('viewer.liveTitle')} near={kind.near} />
             )}
-            {Curves && isStarted && <Curves {...shown} />}
+            {Curves && isStarted && !isUnset && <Curves {...shown} />}
             {isUnset && (
               <section className="card">
                 <p className="muted">{t(inForce?.needs_headings ? 'live.noCurvesYet' : 'live.noCurvesBefore')}</p>
