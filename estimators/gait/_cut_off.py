@@ -38,6 +38,11 @@ class CutOffAxes:
         found = np.zeros(len(is_marked), dtype=np.uint8)
         if not len(found):
             return found
+        if not is_marked.any():
+            # Nearly every chunk of a live foot: only what is remembered of it.
+            for triad, values in enumerate((gyroscope_radps, accelerometer_mps2)):
+                self.largest[triad] = max(self.largest[triad], values.max(), -values.min())
+            return found
         for triad, values in enumerate((np.abs(gyroscope_radps), np.abs(accelerometer_mps2))):
             highest = np.concatenate([self.largest[triad : triad + 1], values.max(axis=1)])
             largest = np.maximum.accumulate(highest)[1:]
