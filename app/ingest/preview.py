@@ -5,7 +5,7 @@ from fastapi import APIRouter
 from app.accounts.dependencies import CurrentSubject
 from app.ingest import readers
 from app.recordings.schemas import PreviewIn, TablePreview
-from app.recordings.table_schemas import CsvMapping
+from app.recordings.table_schemas import GuessedMapping
 
 router = APIRouter(prefix="/api", tags=["sessions"])
 _SHOWN_COLUMNS = 300
@@ -23,7 +23,7 @@ def preview_upload(wanted: PreviewIn, _: CurrentSubject) -> TablePreview:
             "columns": list(head.columns[:_SHOWN_COLUMNS]) if head else [],
             "rows": [list(row[:_SHOWN_COLUMNS]) for row in head.rows] if head else [],
             "skipped_lines": head.skipped_lines if head else 0,
-            "mapping": CsvMapping.model_validate(guess.mapping) if guess else None,
+            "mapping": GuessedMapping.model_validate(guess.mapping) if guess else None,
             "notes": list(guess.notes) if guess else [],
             "missing": list(guess.missing) if guess else [],
         }

@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 from pydantic import Base64Bytes, Field
 
-from app.recordings.table_schemas import CsvMapping
+from app.recordings.table_schemas import CsvMapping, GuessedMapping
 from app.schemas import Flag, Schema, SessionState, Spoken
 from estimators.calibration import Calibration
 from estimators.conventions import Placement
@@ -181,7 +181,7 @@ class TablePreview(Spoken):
     rows: list[list[str]]
     """The first rows of data."""
     skipped_lines: int
-    mapping: CsvMapping | None
+    mapping: GuessedMapping | None
     """How to read a table of the format `csv`, as far as names and numbers say it."""
     notes: list[str]
     """What was assumed or left out."""

@@ -1,38 +1,59 @@
 """Wire types of tables: which columns hold what; see docs/mapping.md."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from app.schemas import Schema
 from estimators.conventions import Placement
 
+Unit = Literal["rad/s", "deg/s", "mdps", "m/s^2", "g", "mg", "T", "uT", "mT", "G", "mG"]
 
-class CsvColumn(Schema):
-    """Where one axis triple stands in a CSV file."""
 
+class _Column(Schema):
     placement: Placement | None = None
     """Where the sensor is worn; None for a single sensor that is worn nowhere in particular."""
     sensor: str = Field(default="", max_length=60)
     """What a sensor is called in the table: tells those without placement apart."""
     quantity: Literal["gyroscope", "accelerometer", "magnetometer"]
     columns: list[str] = Field(min_length=3, max_length=3)
-    unit: Literal["rad/s", "deg/s", "mdps", "m/s^2", "g", "mg", "T", "uT", "mT", "G", "mG"]
 
 
-class CsvMapping(Schema):
-    """How to read a table: time column with its unit, or a fixed rate, and the columns of each sensor.
+class CsvColumn(_Column):
+    """Where one axis triple stands in a CSV file."""
 
-    Names of columns are those of docs/mapping.md: header lines joined, repeated names numbered.
-    """
+    unit: Unit
 
+
+class GuessedColumn(_Column):
+    """Where one axis triple seems to stand."""
+
+    unit: Annotated[Unit | None, BeforeValidator(lambda said: said or None)]
+    """None where neither a heading nor the size of the numbers says it."""
+
+
+class _Mapping(Schema):
     time_column: str | None = None
     time_unit: Literal["s", "ms", "us", "ns", "clock"] = "s"
     """`clock`: text with a time of day, with or without a date and a zone."""
     rate_hz: float | None = Field(default=None, gt=0)
     delimiter: Literal[",", ";", "\t", "|", " "] | None = None
     """What stands between the columns; a blank for any number of blanks; None to have it found."""
+
+
+class CsvMapping(_Mapping):
+    """How to read a table: time column with its unit, or a fixed rate, and the columns of each sensor.
+
+    Names of columns are those of docs/mapping.md: header lines joined, repeated names numbered.
+    """
+
     signals: list[CsvColumn]
 
 
-__all__ = ["CsvColumn", "CsvMapping"]
+class GuessedMapping(_Mapping):
+    """How a table seems to be read, until a person has completed it to a `CsvMapping`."""
+
+    signals: list[GuessedColumn]
+
+
+__all__ = ["CsvColumn", "CsvMapping", "GuessedColumn", "GuessedMapping"]

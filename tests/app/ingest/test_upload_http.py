@@ -151,3 +151,16 @@ def test_a_preview_says_how_a_table_would_be_read_and_stores_nothing(
     with read_only(engine) as session:
         assert session.scalars(select(MotionSession)).all() == []
     assert not (settings.data_dir / "uploads").exists() or not list((settings.data_dir / "uploads").iterdir())
+
+
+def test_a_preview_leaves_open_a_unit_that_nothing_says(therapist: Any) -> None:
+    """Raw counts of a converter: the person who knows the sensor names the unit or converts."""
+    counts = "acc_x,acc_y,acc_z,gyr_x,gyr_y,gyr_z\n" + "-2052,-28,-73,1,0,-5\n" * 40
+    answer = therapist.post(
+        "/api/uploads/preview",
+        json={"file_name": "a.csv", "beginning": b64encode(counts.encode()).decode()},
+    )
+    assert answer.status_code == 200, answer.text
+    units = {one["quantity"]: one["unit"] for one in answer.json()["mapping"]["signals"]}
+    assert units["accelerometer"] is None
+    assert "guess.no_unit" in [one["code"] for one in answer.json()["sentences"]["missing"]]

@@ -2488,7 +2488,10 @@ export interface components {
         CsvColumn: {
             /** Columns */
             columns: string[];
-            /** Placement */
+            /**
+             * Placement
+             * @default null
+             */
             placement?: ("head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right" | "heel_left" | "forefoot_left" | "heel_right" | "forefoot_right") | null;
             /**
              * Quantity
@@ -2513,13 +2516,22 @@ export interface components {
          *     Names of columns are those of docs/mapping.md: header lines joined, repeated names numbered.
          */
         CsvMapping: {
-            /** Delimiter */
+            /**
+             * Delimiter
+             * @default null
+             */
             delimiter?: ("," | ";" | "\t" | "|" | " ") | null;
-            /** Rate Hz */
+            /**
+             * Rate Hz
+             * @default null
+             */
             rate_hz?: number | null;
             /** Signals */
             signals: components["schemas"]["CsvColumn"][];
-            /** Time Column */
+            /**
+             * Time Column
+             * @default null
+             */
             time_column?: string | null;
             /**
              * Time Unit
@@ -2932,6 +2944,48 @@ export interface components {
              * @enum {string}
              */
             level: "read" | "treat";
+        };
+        /**
+         * GuessedColumn
+         * @description Where one axis triple seems to stand.
+         */
+        GuessedColumn: {
+            /** Columns */
+            columns: string[];
+            /** Placement */
+            placement?: ("head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right" | "heel_left" | "forefoot_left" | "heel_right" | "forefoot_right") | null;
+            /**
+             * Quantity
+             * @enum {string}
+             */
+            quantity: "gyroscope" | "accelerometer" | "magnetometer";
+            /**
+             * Sensor
+             * @default
+             */
+            sensor?: string;
+            /** Unit */
+            unit: ("rad/s" | "deg/s" | "mdps" | "m/s^2" | "g" | "mg" | "T" | "uT" | "mT" | "G" | "mG") | null;
+        };
+        /**
+         * GuessedMapping
+         * @description How a table seems to be read, until a person has completed it to a `CsvMapping`.
+         */
+        GuessedMapping: {
+            /** Delimiter */
+            delimiter?: ("," | ";" | "\t" | "|" | " ") | null;
+            /** Rate Hz */
+            rate_hz?: number | null;
+            /** Signals */
+            signals: components["schemas"]["GuessedColumn"][];
+            /** Time Column */
+            time_column?: string | null;
+            /**
+             * Time Unit
+             * @default s
+             * @enum {string}
+             */
+            time_unit?: "s" | "ms" | "us" | "ns" | "clock";
         };
         /**
          * HealthMessage
@@ -4681,7 +4735,7 @@ export interface components {
             columns: string[];
             /** Format */
             format: string;
-            mapping: components["schemas"]["CsvMapping"] | null;
+            mapping: components["schemas"]["GuessedMapping"] | null;
             /** Missing */
             missing: string[];
             /** Notes */

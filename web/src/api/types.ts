@@ -64,7 +64,8 @@ export type UploadIn = Schemas['UploadIn'];
 export type TablePreview = Schemas['TablePreview'];
 export type PreviewIn = Schemas['PreviewIn'];
 export type CsvMapping = Schemas['CsvMapping'];
-export type CsvColumn = Schemas['CsvColumn'];
+export type GuessedMapping = Schemas['GuessedMapping'];
+export type GuessedColumn = Schemas['GuessedColumn'];
 export type ViewIn = Schemas['ViewIn'];
 export type View = Schemas['ViewOut'];
 

@@ -1,11 +1,11 @@
 import { ActionIcon, Button, NumberInput, Select } from '@mantine/core';
 import { IconPlus, IconTrash } from '@tabler/icons-react';
-import type { CsvColumn, CsvMapping, Placement, TablePreview } from '../api/types';
+import type { GuessedColumn, GuessedMapping, Placement, TablePreview } from '../api/types';
 import { t } from '../i18n';
 import { placementLabel } from '../lib/channels';
-import { mappingProblems, placed, type Pipeline } from '../lib/csv';
+import { mappingProblems, placed, type Pipeline, type Quantity, type Unit } from '../lib/csv';
 
-const UNITS: Record<CsvColumn['quantity'], CsvColumn['unit'][]> = {
+const UNITS: Record<Quantity, Unit[]> = {
   gyroscope: ['rad/s', 'deg/s', 'mdps'],
   accelerometer: ['m/s^2', 'g', 'mg'],
   magnetometer: ['uT', 'T', 'mT', 'G', 'mG'],
@@ -18,13 +18,13 @@ interface Props {
   head: Pick<TablePreview, 'columns' | 'rows' | 'skipped_lines' | 'notes'>;
   pipeline: Pipeline;
   placements: readonly Placement[];
-  value: CsvMapping;
-  onChange: (mapping: CsvMapping) => void;
+  value: GuessedMapping;
+  onChange: (mapping: GuessedMapping) => void;
 }
 
 /** Which column is what: a line a sensor and quantity, guessed by the service, corrected by hand. */
 export function CsvMappingForm({ head, pipeline, placements, value, onChange }: Props) {
-  const set = (index: number, change: Partial<CsvColumn>) =>
+  const set = (index: number, change: Partial<GuessedColumn>) =>
     onChange({
       ...value,
       signals: value.signals.map((one, position) => (position === index ? { ...one, ...change } : one)),
@@ -90,7 +90,7 @@ export function CsvMappingForm({ head, pipeline, placements, value, onChange }: 
               label: t(`csv.unit.${unit}`),
             }))}
             value={value.time_unit ?? 's'}
-            onChange={(unit) => onChange({ ...value, time_unit: unit as CsvMapping['time_unit'] })}
+            onChange={(unit) => onChange({ ...value, time_unit: unit as GuessedMapping['time_unit'] })}
           />
         ) : (
           <NumberInput
@@ -129,8 +129,8 @@ export function CsvMappingForm({ head, pipeline, placements, value, onChange }: 
                 value={signal.quantity}
                 onChange={(quantity) =>
                   set(index, {
-                    quantity: quantity as CsvColumn['quantity'],
-                    unit: UNITS[quantity as CsvColumn['quantity']][0] ?? 'rad/s',
+                    quantity: quantity as Quantity,
+                    unit: UNITS[quantity as Quantity][0] ?? 'rad/s',
                   })
                 }
               />
@@ -138,7 +138,9 @@ export function CsvMappingForm({ head, pipeline, placements, value, onChange }: 
                 aria-label={`${name}: ${t('csv.unitLabel')}`}
                 data={UNITS[signal.quantity].map((unit) => ({ value: unit, label: UNIT_TEXT[unit] ?? unit }))}
                 value={signal.unit}
-                onChange={(unit) => set(index, { unit: unit as CsvColumn['unit'] })}
+                placeholder={t('csv.unitLabel')}
+                error={!signal.unit}
+                onChange={(unit) => set(index, { unit: unit as Unit })}
               />
               <ActionIcon
                 size={42}
@@ -161,7 +163,7 @@ export function CsvMappingForm({ head, pipeline, placements, value, onChange }: 
                     set(index, {
                       columns: signal.columns.map((one, other) =>
                         other === position ? (column ?? '') : one,
-                      ) as CsvColumn['columns'],
+                      ) as GuessedColumn['columns'],
                     })
                   }
                 />

@@ -1,8 +1,8 @@
 // The mapping of a table as the service guessed it (`/api/uploads/preview`), until a person has corrected and completed it.
-import type { CsvColumn, CsvMapping, Placement, UploadIn } from '../api/types';
+import type { CsvMapping, GuessedColumn, GuessedMapping, Placement, UploadIn } from '../api/types';
 
-export type Quantity = CsvColumn['quantity'];
-export type Unit = CsvColumn['unit'];
+export type Quantity = GuessedColumn['quantity'];
+export type Unit = NonNullable<GuessedColumn['unit']>;
 export type Pipeline = NonNullable<UploadIn['pipeline']>;
 
 /** How much of a file the service is shown. */
@@ -20,20 +20,20 @@ export function beginningOf(file: Blob): Promise<string> {
 }
 
 /** What tells the signals of one sensor from those of another. */
-export function sensorOf(signal: CsvColumn): string {
+export function sensorOf(signal: GuessedColumn): string {
   return signal.placement ?? signal.sensor ?? '';
 }
 
 /** A placement is chosen once for all signals of a sensor. */
-export function placed(mapping: CsvMapping, chosen: CsvColumn, placement: Placement | null): CsvMapping {
-  const isSame = (one: CsvColumn) =>
+export function placed(mapping: GuessedMapping, chosen: GuessedColumn, placement: Placement | null): GuessedMapping {
+  const isSame = (one: GuessedColumn) =>
     one === chosen || (one.placement === chosen.placement && (one.sensor ?? '') === (chosen.sensor ?? ''));
   return { ...mapping, signals: mapping.signals.map((one) => (isSame(one) ? { ...one, placement } : one)) };
 }
 
 /** What keeps a mapping from being sent, as keys of the catalogue. Single sensors need no placement. */
 export function mappingProblems(
-  mapping: CsvMapping,
+  mapping: GuessedMapping,
   pipeline: Pipeline,
 ): (
   | 'csv.needSignals'
@@ -43,6 +43,7 @@ export function mappingProblems(
   | 'csv.twice'
   | 'csv.needTime'
   | 'csv.needColumns'
+  | 'csv.needUnit'
 )[] {
   const problems = new Set<ReturnType<typeof mappingProblems>[number]>();
   if (mapping.signals.length === 0) problems.add('csv.needSignals');
@@ -57,6 +58,7 @@ export function mappingProblems(
     if (seen.has(key)) problems.add('csv.twice');
     seen.add(key);
     if (signal.columns.some((column) => !column)) problems.add('csv.needColumns');
+    if (!signal.unit) problems.add('csv.needUnit');
   }
   for (const sensor of new Set([...seen].map((key) => key.slice(0, key.lastIndexOf('/'))))) {
     if (!seen.has(`${sensor}/gyroscope`)) problems.add('csv.needGyroscope');
@@ -66,6 +68,6 @@ export function mappingProblems(
 }
 
 /** The mapping to send; null while something is missing. */
-export function complete(mapping: CsvMapping, pipeline: Pipeline): CsvMapping | null {
-  return mappingProblems(mapping, pipeline).length === 0 ? mapping : null;
+export function complete(mapping: GuessedMapping, pipeline: Pipeline): CsvMapping | null {
+  return mappingProblems(mapping, pipeline).length === 0 ? (mapping as CsvMapping) : null;
 }

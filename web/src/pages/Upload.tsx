@@ -6,7 +6,7 @@ import { useRef, useState, type FormEvent } from 'react';
 import { Link, useSearchParams } from 'react-router';
 import { api, upload } from '../api/client';
 import { useEstimators, useExercises, useJob, usePatients } from '../api/queries';
-import type { CsvMapping, Job, Placement, PreviewIn, TablePreview, UploadIn } from '../api/types';
+import type { GuessedMapping, Job, Placement, PreviewIn, TablePreview, UploadIn } from '../api/types';
 import { RadioCards } from '../components/Choice';
 import { CsvMappingForm } from '../components/CsvMappingForm';
 import { Problem } from '../components/Feedback';
@@ -54,7 +54,7 @@ export function UploadPage() {
   const [patientId, setPatientId] = useState<string | null>(search.get('patient'));
   const [exerciseId, setExerciseId] = useState<string | null>(null);
   const [wantedEstimator, setWantedEstimator] = useState<string | null>(null);
-  const [mapping, setMapping] = useState<CsvMapping | null>(null);
+  const [mapping, setMapping] = useState<GuessedMapping | null>(null);
   const [pipeline, setPipeline] = useState<Pipeline>('arm');
   const [apartCm, setApartCm] = useState<number | null>(null);
   const hasPipeline = format === 'csv' || format === 'packet_log';

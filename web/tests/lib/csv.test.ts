@@ -1,12 +1,16 @@
 import { describe, expect, it } from 'vitest';
-import type { CsvColumn, CsvMapping } from '../../src/api/types';
+import type { GuessedColumn, GuessedMapping } from '../../src/api/types';
 import { BEGINNING_BYTES, beginningOf, complete, mappingProblems, placed } from '../../src/lib/csv';
 
-function signal(sensor: string, quantity: CsvColumn['quantity'], placement: CsvColumn['placement'] = null): CsvColumn {
+function signal(
+  sensor: string,
+  quantity: GuessedColumn['quantity'],
+  placement: GuessedColumn['placement'] = null,
+): GuessedColumn {
   return { sensor, quantity, placement, columns: ['x', 'y', 'z'], unit: quantity === 'gyroscope' ? 'rad/s' : 'm/s^2' };
 }
 
-function mapping(signals: CsvColumn[], more: Partial<CsvMapping> = {}): CsvMapping {
+function mapping(signals: GuessedColumn[], more: Partial<GuessedMapping> = {}): GuessedMapping {
   return { signals, time_column: 't', time_unit: 's', ...more };
 }
 
@@ -32,6 +36,10 @@ describe('what keeps a mapping from being sent', () => {
       ),
     ).toEqual(['csv.needColumns']);
   });
+  it('is a unit that neither heading nor numbers say', () => {
+    const counts = mapping([signal('a', 'gyroscope'), { ...signal('a', 'accelerometer'), unit: null }]);
+    expect(mappingProblems(counts, 'orientation')).toEqual(['csv.needUnit']);
+  });
   it('is not that two sensors have the same quantities', () => {
     expect(
       mappingProblems(mapping([...WHOLE, signal('b', 'gyroscope'), signal('b', 'accelerometer')]), 'orientation'),
@@ -42,7 +50,7 @@ describe('what keeps a mapping from being sent', () => {
 describe('choosing a placement', () => {
   it('holds for all signals of the sensor and no other', () => {
     const two = mapping([...WHOLE, signal('b', 'gyroscope')]);
-    expect(placed(two, two.signals[0] as CsvColumn, 'head').signals.map((one) => one.placement)).toEqual([
+    expect(placed(two, two.signals[0] as GuessedColumn, 'head').signals.map((one) => one.placement)).toEqual([
       'head',
       'head',
       null,

@@ -416,6 +416,7 @@ export const session = {
   'csv.needGyroscope': 'Each sensor needs its angular rate.',
   'csv.needAccelerometer': 'Each sensor needs its acceleration.',
   'csv.twice': 'A sensor has the same quantity twice.',
+  'csv.needUnit': 'Choose the unit of each sensor; convert the numbers first when none fits.',
   'csv.needTime': 'Choose the time column or enter the rate.',
   'csv.needColumns': 'Choose a column for each axis.',
 } as const;
