@@ -2,12 +2,12 @@
 
 import csv
 import json
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import typer
 
+from app.commands.options_recordings import CalibrateOptions
 from app.database.base import utc_now
 from app.errors import InvalidInput
 from app.ingest.alignment import align_chunks
@@ -16,24 +16,6 @@ from app.kinds.magnetic.bench import Bench, coils_out, findings
 from app.kinds.magnetic.source_schemas import MagneticSourceIn
 from estimators.errors import SetupError
 from estimators.pipelines import SessionSetup
-
-
-@dataclass(frozen=True)
-class CalibrateOptions:
-    """Options of the command; see `telemotion calibrate-source --help`."""
-
-    recording: Path
-    places: Path | None
-    serial: str = ""
-    name: str = ""
-    out: Path | None = None
-    source: str = ""
-    sensor: str = ""
-    ruler_mm: float = 1.0
-    turns: float = 50.0
-    radius_cm: float = 5.5
-    offset_cm: float = 6.0
-    current_limit_a: float = 1.5
 
 
 def calibrate_source(options: CalibrateOptions) -> None:

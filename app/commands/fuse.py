@@ -2,7 +2,7 @@
 
 import csv
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +10,7 @@ import numpy as np
 import typer
 from numpy.typing import NDArray
 
+from app.commands.options_recordings import FuseOptions
 from app.errors import InvalidInput
 from app.ingest import readers
 from app.ingest.marker_fusion import fuse_tracks, motion_of, report_of
@@ -19,28 +20,6 @@ from app.recordings.table_schemas import CsvMapping
 from estimators import signals
 from estimators.optical import WITHHELD_M, OpticalFusion, OpticalResult, Provenance
 from estimators.recording import Float, Recording, SampleQuality
-
-
-@dataclass(frozen=True)
-class FuseOptions:
-    """Options of the command; see `telemotion fuse --help`."""
-
-    recording: Path
-    markers: Path
-    out: Path
-    sensor: str = ""
-    format: str = "auto"
-    mapping: Path | None = None
-    rate_hz: float | None = None
-    marker: str = ""
-    cluster: tuple[str, ...] = ()
-    up: str = "z"
-    unit: str = "mm"
-    marker_rate_hz: float | None = None
-    delimiter: str = ","
-    lever_arm_m: tuple[float, float, float] | None = None
-    largest_offset_s: float | None = None
-    lag_s: float | None = None
 
 
 def fuse(options: FuseOptions) -> None:
@@ -55,7 +34,7 @@ def fuse(options: FuseOptions) -> None:
         {
             "format": "c3d" if options.markers.suffix.lower() == ".c3d" else "csv",
             "marker": options.marker or None,
-            "cluster": options.cluster,
+            "cluster": tuple(options.cluster or ()),
             "up": options.up,
             "unit": options.unit,
             "rate_hz": options.marker_rate_hz,

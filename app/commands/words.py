@@ -35,22 +35,10 @@ Guess = Annotated[
         " the guess to correct it.",
     ),
 ]
-Bursts = Annotated[
-    bool,
-    typer.Option(
-        "--bursts", help="The source of --relative fires three-coil bursts by itself, deaf to the service."
-    ),
-]
-LogFile = Annotated[
-    Path | None,
-    typer.Option("--to", help="With --bursts: write a packet log for `process`, without any service."),
-]
 
 __all__ = [
-    "Bursts",
     "Email",
     "Guess",
-    "LogFile",
     "Mapping",
     "OutFolder",
     "Password",
