@@ -45,7 +45,7 @@ def step(*, inlined: bool = False) -> Callable[[F], F]:
     return compiled(forceinline=inlined)
 
 
-def filled(kind: np.dtype[Any], values: Mapping[str, float]) -> NDArray[Any]:
+def filled(kind: np.dtype[Any], values: Mapping[str, Any]) -> NDArray[Any]:
     """Return one record, shape (1,), with every field set.
 
     Raises

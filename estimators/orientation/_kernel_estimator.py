@@ -32,8 +32,6 @@ class KernelEstimator(OrientationEstimator):
     _bias_first: ClassVar[int]
     _memory_columns: ClassVar[int]
     _counter_columns: ClassVar[int]
-    _q_start: ClassVar[tuple[float, float, float, float]] = (1.0, 0.0, 0.0, 0.0)
-    """Identity in the product's earth frame, seen from the frame that the kernel works in."""
 
     def __init__(
         self, sensor_count: int, time_step_s: float, parameters: Mapping[str, Any] | None = None
@@ -48,7 +46,7 @@ class KernelEstimator(OrientationEstimator):
                 raise SetupError(f"{name} must be above zero")
         self._settings = self._make_settings()
         size = self._covariance_size
-        self._q = np.tile(np.array(self._q_start), (sensor_count, 1))
+        self._q = np.tile(np.array([1.0, 0.0, 0.0, 0.0]), (sensor_count, 1))
         self._bias = np.zeros((sensor_count, 3))
         self._covariance = np.zeros((sensor_count, size, size))
         self._memory = np.zeros((sensor_count, self._memory_columns))

@@ -1,4 +1,4 @@
-"""What every estimator keeps whose compiled filter works on records: its arrays, their storage and the checks."""
+"""What estimators share whose compiled filter works on records: the call, its arrays, their storage and the checks."""
 
 from abc import abstractmethod
 from collections.abc import Mapping
@@ -11,8 +11,11 @@ from numpy.typing import NDArray
 from estimators.kernels import filled, restored
 from estimators.orientation._contract import OrientationEstimator
 from estimators.orientation._parameters import read_parameters
+from estimators.orientation._strapdown_steps import Estimates, Ticks
 from estimators.orientation._streaming import ChunkGuard, bias_array
-from estimators.recording import Float
+from estimators.recording import Float, ImuChunk
+
+_NO_FIELD, _NO_DETAILS = np.empty((0, 0, 3)), np.empty((0, 0, 0))
 
 
 class RecordEstimator(OrientationEstimator):
@@ -40,13 +43,39 @@ class RecordEstimator(OrientationEstimator):
         self._covariance = np.zeros((sensor_count, self._covariance_size, self._covariance_size))
 
     @abstractmethod
-    def _make_settings(self) -> dict[str, float]:
+    def _make_settings(self) -> dict[str, Any]:
         """Return the derived constants by the names of the settings' record."""
 
     def _set_bias_covariance(self, sigma_radps: float) -> None:
         bias = slice(self._bias_first, self._bias_first + 3)
         self._covariance[:, bias, :] = self._covariance[:, :, bias] = 0.0
         self._covariance[:, bias, bias] = sigma_radps**2 * np.eye(3)
+
+    @abstractmethod
+    def _run(self, *arguments: Any) -> None:
+        """Call the kernel: ticks, settings, state, covariance, estimates."""
+
+    def _filter(self, chunk: ImuChunk, field: Float | None, details: Float = _NO_DETAILS) -> Estimates:
+        """Run the kernel over a chunk that was accepted; `details` is what else it is to write."""
+        shape = chunk.gyroscope_radps.shape[:2]
+        # One piece of memory: the system gives a large one in large pages, which cost less than many small ones.
+        ticks_in_all = shape[0] * shape[1]
+        whole = np.empty(10 * ticks_in_all)
+        out = Estimates(
+            whole[: 4 * ticks_in_all].reshape(*shape, 4),
+            whole[4 * ticks_in_all : 7 * ticks_in_all].reshape(*shape, 3),
+            whole[7 * ticks_in_all :].reshape(*shape, 3),
+            np.empty(shape, dtype=np.uint8),
+            details,
+        )
+        ticks = Ticks(
+            np.ascontiguousarray(chunk.gyroscope_radps, dtype=np.float64),
+            np.ascontiguousarray(chunk.accelerometer_mps2, dtype=np.float64),
+            np.ascontiguousarray(_NO_FIELD if field is None else field, dtype=np.float64),
+            np.ascontiguousarray(chunk.quality, dtype=np.uint8),
+        )
+        self._run(ticks, self._settings, self._state, self._covariance, out)
+        return out
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return the records and covariances of all sensors, copied."""

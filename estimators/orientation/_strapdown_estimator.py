@@ -3,7 +3,7 @@
 import math
 from abc import abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
@@ -12,13 +12,10 @@ from estimators.conventions import GRAVITY_MPS2
 from estimators.orientation._contract import OrientationResult
 from estimators.orientation._parameters import parameter
 from estimators.orientation._record_estimator import RecordEstimator
-from estimators.orientation._strapdown_steps import Estimates, Ticks
 from estimators.recording import Float, ImuChunk
 
 REFERENCE_RATE_HZ = 100.0
 """Rate at which the papers' noise figures are those of single samples."""
-
-_NO_FIELD, _NO_DETAILS = np.empty((0, 0, 3)), np.empty((0, 0, 0))
 
 
 @dataclass(frozen=True)
@@ -76,8 +73,8 @@ class StrapdownEstimator(RecordEstimator):
     """Noise settings and details; subclasses name the kernel and their own settings.
 
     A MISSING tick is coasted at the last rate with growing covariance, flagged BRIDGED, for at most
-    `coast_s`; then the estimate holds, INVALID, and the filter starts again with the next samples, keeping
-    the gyroscope bias. The kernels work in the earth frame of the product; nothing is converted.
+    `coast_s`; then the estimate holds, INVALID, and the filter starts again with the next samples,
+    with the gyroscope bias. The kernels work in the earth frame of the product; nothing is converted.
     """
 
     _parameter_kind: ClassVar[type[StrapdownParameters]]
@@ -104,7 +101,7 @@ class StrapdownEstimator(RecordEstimator):
 
     @property
     def _change_variance(self) -> float:
-        """sigma_w^2 of this rate: the stationary acceleration sigma_w / sqrt(1 - c_a^2) is kept."""
+        """sigma_w^2 of this rate: the stationary acceleration sigma_w / sqrt(1 - c_a^2) stays."""
         p = self._parameters
         stationary = p.acceleration_change_sigma_mps2**2 / (1.0 - p.acceleration_correlation**2)
         return stationary * (1.0 - self._acceleration_gain**2)
@@ -136,10 +133,6 @@ class StrapdownEstimator(RecordEstimator):
     def _own_settings(self) -> dict[str, float]:
         """Return the settings that are the subclass's own."""
 
-    @abstractmethod
-    def _run(self, *arguments: Any) -> None:
-        """Call the kernel: ticks, settings, state, covariance, estimates."""
-
     def _field(self, chunk: ImuChunk) -> Float | None:
         """Return what the kernel is to see of the magnetometer."""
         return chunk.magnetometer_t
@@ -147,32 +140,13 @@ class StrapdownEstimator(RecordEstimator):
     def update(self, chunk: ImuChunk) -> StrapdownResult:
         """Take the next ticks; see the contract."""
         chunk = self._guard.accept(chunk)
-        details = _NO_DETAILS
-        if self._parameters.report_details:
-            details = np.full((chunk.sensor_count, chunk.tick_count, self._details), np.nan)
-        shape = chunk.gyroscope_radps.shape[:2]
-        # One piece of memory: the system gives a large one in large pages, which cost less than many small ones.
-        ticks_in_all = shape[0] * shape[1]
-        whole = np.empty(10 * ticks_in_all)
-        out = Estimates(
-            whole[: 4 * ticks_in_all].reshape(*shape, 4),
-            whole[4 * ticks_in_all : 7 * ticks_in_all].reshape(*shape, 3),
-            whole[7 * ticks_in_all :].reshape(*shape, 3),
-            np.empty(shape, dtype=np.uint8),
-            details,
-        )
-        field = self._field(chunk)
-        ticks = Ticks(
-            np.ascontiguousarray(chunk.gyroscope_radps, dtype=np.float64),
-            np.ascontiguousarray(chunk.accelerometer_mps2, dtype=np.float64),
-            np.ascontiguousarray(_NO_FIELD if field is None else field, dtype=np.float64),
-            np.ascontiguousarray(chunk.quality, dtype=np.uint8),
-        )
-        self._run(ticks, self._settings, self._state, self._covariance, out)
-        found = StrapdownResult(out.q, out.bias, out.sigma_rad, out.flags)
         if not self._parameters.report_details:
-            return found
-        return self._detailed(replace(found, acceleration_earth_mps2=details[..., :3]), details)
+            out = self._filter(chunk, self._field(chunk))
+            return StrapdownResult(out.q, out.bias, out.sigma_rad, out.flags)
+        details = np.full((chunk.sensor_count, chunk.tick_count, self._details), np.nan)
+        out = self._filter(chunk, self._field(chunk), details)
+        found = StrapdownResult(out.q, out.bias, out.sigma_rad, out.flags, details[..., :3])
+        return self._detailed(found, details)
 
     @abstractmethod
     def _detailed(self, result: StrapdownResult, details: Float) -> StrapdownResult:

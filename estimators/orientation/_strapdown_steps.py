@@ -1,8 +1,9 @@
 """What the filters of Luinge and of Roetenberg do to a sample before and after their own equations.
 
-Both work in the product's earth frame (x east, y north, z up) with specific force in m/s^2: the papers'
-global frame, Roetenberg's turned by a quarter so that y and not x points north. Both carry the error in that
-frame, estimate = Exp(xi) truth, where its transition is the identity and gravity leaves the heading alone.
+What they read and write, and how a gap is crossed, is also that of other filters. Both work in the product's earth
+frame (x east, y north, z up) with specific force in m/s^2: the papers' global frame, Roetenberg's turned by a quarter
+so that y and not x points north. Both carry the error in that frame, estimate = Exp(xi) truth, where its transition is
+the identity and gravity leaves the heading alone.
 """
 
 import math
@@ -146,7 +147,7 @@ def cross_gap(x: Record, c: Record, sample: Record, growth: float) -> int:
     if x.is_running or x.collected:
         x.is_running = x.collected = x.field_collected = 0
         for axis in range(3):
-            x.sum_rate[axis] = x.sum_force[axis] = x.sum_field[axis] = x.acceleration[axis] = 0.0
+            x.sum_rate[axis] = x.sum_force[axis] = x.sum_field[axis] = 0.0
     return HOLD
 
 
@@ -180,7 +181,10 @@ def prepare_unusual(x: Record, c: Record, sample: Record, quality: int) -> int:
         usable &= math.isfinite(sample.rate[axis]) and math.isfinite(sample.force[axis])
     growth = (c.gap_rate_sigma * c.step_s) ** 2
     if not usable:
-        return cross_gap(x, c, sample, growth)
+        action = cross_gap(x, c, sample, growth)
+        if action == HOLD:
+            x.acceleration[0] = x.acceleration[1] = x.acceleration[2] = 0.0
+        return action
     x.gap = 0
     if x.is_running:
         x.since_start += 1

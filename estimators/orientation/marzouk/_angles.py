@@ -7,10 +7,14 @@ those of the predicted angles from what the sample added.
 import math
 
 from estimators._kernels import Scalars3, Scalars4, kernel, wrapped
-from estimators.orientation.marzouk._covariance import ERRORS, UPPER, Errors, Upper
+from estimators.kernels import step
 from estimators.recording import Float
 
+Circle = tuple[float, float, float, float, float, float]
+"""Sine and cosine of roll, of pitch and of yaw."""
+
 _QUATERNION, _VECTOR, _PAIR = "UniTuple(float64, 4)", "UniTuple(float64, 3)", "UniTuple(float64, 2)"
+_CIRCLE = "UniTuple(float64, 6)"
 
 
 @kernel(f"{_PAIR}(float64)", inlined=True)
@@ -39,8 +43,8 @@ def half_circle(angle: float) -> tuple[float, float]:
     return 2.0 * sine * (1.0 - rest), 1.0 - 2.0 * sine * sine
 
 
-@kernel(f"{ERRORS}(float64, float64, float64)", inlined=True)
-def halves(roll: float, pitch: float, yaw: float) -> Errors:
+@kernel(f"{_CIRCLE}(float64, float64, float64)", inlined=True)
+def halves(roll: float, pitch: float, yaw: float) -> Circle:
     """Return sine and cosine of half of each angle, all within half a turn."""
     sr, cr = half_circle(roll)
     sp, cp = half_circle(pitch)
@@ -48,8 +52,8 @@ def halves(roll: float, pitch: float, yaw: float) -> Errors:
     return sr, cr, sp, cp, sy, cy
 
 
-@kernel(f"{ERRORS}({ERRORS})", inlined=True)
-def doubled(half: Errors) -> Errors:
+@kernel(f"{_CIRCLE}({_CIRCLE})", inlined=True)
+def doubled(half: Circle) -> Circle:
     """Return sine and cosine of the angles from `halves` of them."""
     return (
         2.0 * half[0] * half[1],
@@ -61,8 +65,8 @@ def doubled(half: Errors) -> Errors:
     )
 
 
-@kernel(f"{_QUATERNION}({ERRORS})", inlined=True)
-def attitude(half: Errors) -> Scalars4:
+@kernel(f"{_QUATERNION}({_CIRCLE})", inlined=True)
+def attitude(half: Circle) -> Scalars4:
     """Return q_U_sensor of Rz(yaw) Ry(pitch) Rx(roll) from `halves` (A7.1)."""
     sr, cr, sp, cp, sy, cy = half
     cc, ss, cs, sc = cp * cy, sp * sy, cp * sy, sp * cy
@@ -98,7 +102,7 @@ def moved(sine: float, cosine: float, by: float) -> tuple[float, float]:
     return sine * b + cosine * a, cosine * b - sine * a
 
 
-@kernel("void(float64[::1])")
+@step()
 def wrap(e: Float) -> None:
     """Bring the angles to their intervals; beyond the pole roll and yaw are half a turn further."""
     e[1] = wrapped(e[1])
@@ -109,18 +113,18 @@ def wrap(e: Float) -> None:
     e[0], e[2] = wrapped(e[0]), wrapped(e[2])
 
 
-@kernel(f"{_VECTOR}({ERRORS}, {UPPER})", inlined=True)
-def variances(half: Errors, p: Upper) -> Scalars3:
+@kernel(f"{_VECTOR}({_CIRCLE}, float64[:, ::1])", inlined=True)
+def variances(half: Circle, p: Float) -> Scalars3:
     """Return the variance of the rotation error about north, east and down, given `halves` of the angles.
 
     A small change of the angles turns by d_roll Rz Ry e_x + d_pitch Rz e_y + d_yaw e_z.
     """
     _, _, sp, cp, sy, cy = doubled(half)
     n0, n1, d0 = cy * cp, sy * cp, -sp
-    north = n0 * n0 * p[0] - 2.0 * n0 * sy * p[1] + sy * sy * p[3]
-    east = n1 * n1 * p[0] + 2.0 * n1 * cy * p[1] + cy * cy * p[3]
-    down = d0 * d0 * p[0] + 2.0 * d0 * p[2] + p[5]
+    north = n0 * n0 * p[0, 0] - 2.0 * n0 * sy * p[0, 1] + sy * sy * p[1, 1]
+    east = n1 * n1 * p[0, 0] + 2.0 * n1 * cy * p[0, 1] + cy * cy * p[1, 1]
+    down = d0 * d0 * p[0, 0] + 2.0 * d0 * p[0, 2] + p[2, 2]
     return north, east, down
 
 
-__all__ = ["attitude", "doubled", "euler", "halves", "moved", "quaternion", "variances", "wrap"]
+__all__ = ["Circle", "attitude", "doubled", "euler", "halves", "moved", "quaternion", "variances", "wrap"]

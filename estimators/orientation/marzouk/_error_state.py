@@ -4,28 +4,28 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from estimators.orientation._parameters import parameter
 from estimators.orientation.marzouk import _error_state_kernel as kernel
 from estimators.orientation.marzouk._estimator import MarzoukEstimator, SharedParameters
-from estimators.recording import Float
 
 
 @dataclass(frozen=True)
 class ErrorStateParameters(SharedParameters):
-    """The tuning of A9m.
+    """The tuning of A9m."""
 
-    `gravity_sigma`: noise of the measured direction of gravity, as a ratio; `push_weight`: how strongly
-    a norm of specific force other than gravity lowers its weight. `magnetic_penalty`: factor on the
-    heading variance where the norm of the field is off by more than `magnetic_norm_tolerance`.
-    """
-
-    gyroscope_sigma_degps: float = 0.54
-    bias_drift_degps_per_sqrt_s: float = 1e-3
-    gravity_sigma: float = 0.034
-    push_weight: float = 3.0
-    heading_sigma_deg: float = 2.56
-    magnetic_penalty: float = 25.0
+    gyroscope_sigma_degps: float = parameter(0.54, "deg/s", "noise of a sample")
+    bias_drift_degps_per_sqrt_s: float = parameter(1e-3, "deg/s/sqrt(s)", "random walk of the bias")
+    gravity_sigma: float = parameter(0.034, "", "noise of the measured direction of gravity, as a ratio")
+    push_weight: float = parameter(
+        3.0, "", "how strongly a norm of specific force other than gravity lowers its weight"
+    )
+    heading_sigma_deg: float = parameter(2.56, "deg", "noise of the measured heading")
+    magnetic_penalty: float = parameter(
+        25.0,
+        "",
+        "factor on the heading variance where the norm of the field is off by more than the tolerance",
+    )
 
 
 class MarzoukErrorStateEstimator(MarzoukEstimator):
@@ -39,26 +39,25 @@ class MarzoukErrorStateEstimator(MarzoukEstimator):
         "reports its uncertainty."
     )
     _parameter_kind = ErrorStateParameters
+    _settings_kind = kernel.SETTINGS
+    _state_kind = kernel.STATE
     _covariance_size = 6
     _bias_first = 3
     _parameters: ErrorStateParameters
 
-    def _own_settings(self) -> Float:
+    def _own_settings(self) -> dict[str, Any]:
         p, scale = self._parameters, self._noise_scale
-        settings = np.zeros(kernel.SETTINGS - kernel.RATE_VARIANCE)
-        for position, value in (
-            (kernel.RATE_VARIANCE, np.deg2rad(p.gyroscope_sigma_degps) ** 2 * scale),
-            (kernel.BIAS_DRIFT, np.deg2rad(p.bias_drift_degps_per_sqrt_s) ** 2),
-            (kernel.GRAVITY_VARIANCE, p.gravity_sigma**2 * scale),
-            (kernel.PUSH_WEIGHT, p.push_weight * scale),
-            (kernel.HEADING_VARIANCE, np.deg2rad(p.heading_sigma_deg) ** 2 * scale),
-            (kernel.FIELD_PENALTY, p.magnetic_penalty),
-        ):
-            settings[position - kernel.RATE_VARIANCE] = value
-        return settings
+        return {
+            "rate_variance": np.deg2rad(p.gyroscope_sigma_degps) ** 2 * scale,
+            "bias_drift": np.deg2rad(p.bias_drift_degps_per_sqrt_s) ** 2,
+            "gravity_variance": p.gravity_sigma**2 * scale,
+            "push_weight": p.push_weight * scale,
+            "heading_variance": np.deg2rad(p.heading_sigma_deg) ** 2 * scale,
+            "field_penalty": p.magnetic_penalty,
+        }
 
-    def _run(self, *arrays: NDArray[Any]) -> None:
-        kernel.run(*arrays)
+    def _run(self, *arguments: Any) -> None:
+        kernel.run(*arguments)
 
 
 __all__ = ["ErrorStateParameters", "MarzoukErrorStateEstimator"]

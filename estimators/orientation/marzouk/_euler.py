@@ -12,40 +12,20 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from estimators.conventions import GRAVITY_MPS2
+from estimators.orientation._parameters import parameter
 from estimators.orientation.marzouk import _euler_kernel as kernel
-from estimators.orientation.marzouk._estimator import MarzoukEstimator, SharedParameters
-from estimators.recording import Float
-
-_ROLL_DEG, _PITCH_DEG, _YAW_DEG = math.sqrt(0.5737), math.sqrt(0.9096), math.sqrt(6.5572)
-_X_DEGPS, _Y_DEGPS, _Z_DEGPS = math.sqrt(0.2460), math.sqrt(0.3601), math.sqrt(0.2684)
+from estimators.orientation.marzouk._estimator import AngleParameters, MarzoukEstimator
 
 
 @dataclass(frozen=True)
-class EulerParameters(SharedParameters):
-    """The recommended tuning; `PUBLISHED_TUNING` is the thesis' own.
+class EulerParameters(AngleParameters):
+    """The recommended tuning; `PUBLISHED_TUNING` is the thesis' own. Gyroscope noise is that of roll, pitch and yaw."""
 
-    `gyroscope_*_sigma_degps`: noise of a gyroscope sample (T2.1), taken as noise of roll, pitch and yaw.
-    `*_drift_deg_per_sqrt_s`: further random walk of the angles. `bias_drift_*`: random walk of the bias.
-    `roll_`, `pitch_`, `yaw_sigma_deg`: noise of the measured angles (T2.3, T2.5). `motion_scale_mps2`: if
-    above zero, angle variances grow by `1 + ((|f| - g) / scale)^2` (A10).
-    """
-
-    gyroscope_x_sigma_degps: float = _X_DEGPS
-    gyroscope_y_sigma_degps: float = _Y_DEGPS
-    gyroscope_z_sigma_degps: float = _Z_DEGPS
-    roll_drift_deg_per_sqrt_s: float = 0.0
-    pitch_drift_deg_per_sqrt_s: float = 0.0
-    yaw_drift_deg_per_sqrt_s: float = 0.0
-    bias_drift_x_degps_per_sqrt_s: float = 1e-3
-    bias_drift_y_degps_per_sqrt_s: float = 1e-3
-    bias_drift_z_degps_per_sqrt_s: float = 1e-3
-    roll_sigma_deg: float = _ROLL_DEG
-    pitch_sigma_deg: float = _PITCH_DEG
-    yaw_sigma_deg: float = _YAW_DEG
-    motion_scale_mps2: float = 0.0
+    roll_drift_deg_per_sqrt_s: float = parameter(0.0, "deg/sqrt(s)", "further random walk of the roll")
+    pitch_drift_deg_per_sqrt_s: float = parameter(0.0, "deg/sqrt(s)", "further random walk of the pitch")
+    yaw_drift_deg_per_sqrt_s: float = parameter(0.0, "deg/sqrt(s)", "further random walk of the yaw")
 
 
 PUBLISHED_TUNING: Final[dict[str, Any]] = {
@@ -53,12 +33,12 @@ PUBLISHED_TUNING: Final[dict[str, Any]] = {
     "gyroscope_x_sigma_degps": 0.0,
     "gyroscope_y_sigma_degps": 0.0,
     "gyroscope_z_sigma_degps": 0.0,
-    "roll_drift_deg_per_sqrt_s": _ROLL_DEG,
-    "pitch_drift_deg_per_sqrt_s": _PITCH_DEG,
-    "yaw_drift_deg_per_sqrt_s": _YAW_DEG,
-    "bias_drift_x_degps_per_sqrt_s": _X_DEGPS,
-    "bias_drift_y_degps_per_sqrt_s": _Y_DEGPS,
-    "bias_drift_z_degps_per_sqrt_s": _Z_DEGPS,
+    "roll_drift_deg_per_sqrt_s": math.sqrt(0.5737),
+    "pitch_drift_deg_per_sqrt_s": math.sqrt(0.9096),
+    "yaw_drift_deg_per_sqrt_s": math.sqrt(6.5572),
+    "bias_drift_x_degps_per_sqrt_s": math.sqrt(0.2460),
+    "bias_drift_y_degps_per_sqrt_s": math.sqrt(0.3601),
+    "bias_drift_z_degps_per_sqrt_s": math.sqrt(0.2684),
 }
 """Qc = blkdiag(Sigma_E, Sigma_b), R = Sigma_E, the rate of this sample alone (A8.1, A8.7)."""
 
@@ -78,12 +58,13 @@ class MarzoukEulerEstimator(MarzoukEstimator):
         "up or down; for comparison with earlier work."
     )
     _parameter_kind = EulerParameters
+    _settings_kind = kernel.SETTINGS
+    _state_kind = kernel.STATE
     _covariance_size = 6
     _bias_first = 3
-    _memory_columns = kernel.MEMORY
     _parameters: EulerParameters
 
-    def _own_settings(self) -> Float:
+    def _own_settings(self) -> dict[str, Any]:
         p, scale, step_s = self._parameters, self._noise_scale, self._guard.time_step_s
         noise = np.array([p.gyroscope_x_sigma_degps, p.gyroscope_y_sigma_degps, p.gyroscope_z_sigma_degps])
         drift = np.array(
@@ -97,14 +78,15 @@ class MarzoukEulerEstimator(MarzoukEstimator):
             ]
         )
         angles = np.array([p.roll_sigma_deg, p.pitch_sigma_deg, p.yaw_sigma_deg])
-        variances = (step_s * noise**2 * scale + drift**2, bias**2, angles**2 * scale)
-        settings = np.zeros(kernel.SETTINGS - kernel.ANGLE_DRIFT)
-        settings[:9] = np.concatenate(variances) * math.radians(1.0) ** 2
-        settings[kernel.MOTION_SCALE_G - kernel.ANGLE_DRIFT] = p.motion_scale_mps2 / GRAVITY_MPS2
-        return settings
+        return {
+            "angle_drift": (step_s * noise**2 * scale + drift**2) * math.radians(1.0) ** 2,
+            "bias_drift": bias**2 * math.radians(1.0) ** 2,
+            "angle_variance": angles**2 * scale * math.radians(1.0) ** 2,
+            "motion_scale_g": p.motion_scale_mps2 / GRAVITY_MPS2,
+        }
 
-    def _run(self, *arrays: NDArray[Any]) -> None:
-        kernel.run(*arrays)
+    def _run(self, *arguments: Any) -> None:
+        kernel.run(*arguments)
 
 
 __all__ = ["PUBLISHED_TUNING", "EulerParameters", "MarzoukEulerEstimator"]

@@ -5,108 +5,114 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators._kernels import Scalars3, Scalars4, kernel, multiply
-from estimators.kernels import far_direction, mirror, turn
+from estimators._kernels import Scalars4, kernel, multiply
+from estimators.kernels import Record, far_direction, mirror, record, step, turn
 from estimators.orientation._contract import OrientationFlag
+from estimators.orientation._strapdown_steps import BEGIN, FILTER, HOLD, Estimates, Ticks, run_signature
 from estimators.orientation.marzouk import _steps as steps
-from estimators.orientation.marzouk._quaternion_covariance import (
-    QUATERNION,
-    UPPER,
-    VECTOR,
-    Upper,
-    keep,
-    lessened,
-    loaded,
-    predicted,
-    quadratic,
-    seen,
+from estimators.orientation.marzouk._covariance import dot, downdate, predict_cross, twice_cross
+from estimators.orientation.marzouk._steps import (
+    SAMPLE,
+    begin,
+    direction,
+    horizontal_field,
+    motion_weight,
+    prepare,
+    set_heading,
+    store,
 )
-from estimators.orientation.marzouk._steps import direction, prepare, set_heading, start_variance, store
 from estimators.recording import Float
 
-# Positions in the settings, after the shared ones; triples start at the number given.
-_FIRST = steps.SHARED_SETTINGS
-RATE_VARIANCE, BIAS_DRIFT, ANGLE_VARIANCE = _FIRST, _FIRST + 3, _FIRST + 6
-MOTION_SCALE_G, SINGULAR_WEIGHTING = _FIRST + 9, _FIRST + 10
-SETTINGS = _FIRST + 11
+SETTINGS = record(
+    steps.SETTINGS, steps.ANGLE_SETTINGS, [("rate_variance", "f8", 3), ("is_weighted_when_steep", "i8")]
+)
+STATE = record(steps.STATE)
+STATES = 7
+"""Quaternion, then offset."""
 
-# Numba freezes globals, not attributes of modules.
-_HOLD, _BEGIN, _FILTER = steps.HOLD, steps.BEGIN, steps.FILTER
-_RATE, _GRAVITY, _FIELD, _SAMPLE = steps.RATE, steps.GRAVITY, steps.FIELD, steps.SAMPLE
-_GRAVITY_NORM, _HAS_FIELD, _GAP_VARIANCE = steps.GRAVITY_NORM, steps.HAS_FIELD, steps.GAP_VARIANCE
-_STEP_S, _HEADING_KNOWN = steps.STEP_S, steps.HEADING_KNOWN
 _SINGULAR = int(OrientationFlag.SINGULAR)
 _GUARD = 1e-6
 _SINGULAR_SINE = math.sin(math.radians(85.0))
 _STEEP = 0.25
 """Squared cosine of the pitch (60 degrees) from which roll and yaw measurements lose weight."""
 
-
-_ROW, _STATE = "UniTuple(float64, 7)", f"Tuple(({UPPER}, {QUATERNION}, {VECTOR}))"
-_SETTINGS = "float64[::1]"
+_ROW = "UniTuple(float64, 7)"
 Row = tuple[float, float, float, float, float, float, float]
 """Sine and cosine of an angle, times any positive number; a length D; D times the angle's derivative by w, x, y, z."""
-State = tuple[Upper, Scalars4, Scalars3]
 
 
-@kernel(f"{_STATE}({_STATE}, {VECTOR}, float64, {_SETTINGS})", inlined=True)
-def predict(state: State, rate: Scalars3, gap_variance: float, settings: Float) -> State:
-    """Turn by the rate and carry the covariance, Phi P Phi' + Ts Qc (A9.1 to A9.3)."""
-    step = settings[_STEP_S]
-    p, (w, x, y, z), (bx, by, bz) = state
-    rx = (rate[0] - bx) * step
-    ry = (rate[1] - by) * step
-    rz = (rate[2] - bz) * step
-    # Upper left block of Phi: a + (r x) structure; Omega^2 = -|u|^2 I.
+@step(inlined=True)
+def transition(x: Record, rx: float, ry: float, rz: float, step_s: float, f: Float, w: Float) -> None:
+    """Write Phi of A9.2: for a turn (rx, ry, rz) the blocks of the quaternion and of the offset."""
+    # a + (r x) structure; Omega^2 = -|u|^2 I.
     a = 1.0 - (rx * rx + ry * ry + rz * rz) / 8.0
     hx, hy, hz = 0.5 * rx, 0.5 * ry, 0.5 * rz
-    # Upper right block -Ts/2 (I + Ts/4 Omega) Xi: columns q (0, e) (1, r/4) of e = e_x, e_y, e_z.
-    half = -0.5 * step
-    hw, hx2, hy2, hz2 = half * w, half * x, half * y, half * z
+    f[0, 0], f[0, 1], f[0, 2], f[0, 3] = a, -hx, -hy, -hz
+    f[1, 0], f[1, 1], f[1, 2], f[1, 3] = hx, a, hz, -hy
+    f[2, 0], f[2, 1], f[2, 2], f[2, 3] = hy, -hz, a, hx
+    f[3, 0], f[3, 1], f[3, 2], f[3, 3] = hz, hy, -hx, a
+    # -Ts/2 (I + Ts/4 Omega) Xi: columns q (0, e) (1, r/4) of e = e_x, e_y, e_z.
+    half = -0.5 * step_s
+    hw, hx2, hy2, hz2 = half * x.q[0], half * x.q[1], half * x.q[2], half * x.q[3]
     kx, ky, kz = 0.5 * hx, 0.5 * hy, 0.5 * hz
-    right = (
-        -hx2 - kx * hw + kz * hy2 - ky * hz2,
-        -hy2 - ky * hw + kx * hz2 - kz * hx2,
-        -hz2 - kz * hw + ky * hx2 - kx * hy2,
-        hw - kx * hx2 + kz * hz2 + ky * hy2,
-        -hz2 - ky * hx2 - kx * hy2 + kz * hw,
-        hy2 - kz * hx2 - kx * hz2 - ky * hw,
-        hz2 - kx * hy2 - ky * hx2 - kz * hw,
-        hw - ky * hy2 + kz * hz2 + kx * hx2,
-        -hx2 - kz * hy2 - ky * hz2 + kx * hw,
-        -hy2 - kx * hz2 - kz * hx2 + ky * hw,
-        hx2 - ky * hz2 - kz * hy2 - kx * hw,
-        hw - kz * hz2 + ky * hy2 + kx * hx2,
-    )
-    gap = 0.25 * gap_variance
-    quarter = 0.25 * step * step
-    nx = quarter * settings[RATE_VARIANCE] + gap
-    ny = quarter * settings[RATE_VARIANCE + 1] + gap
-    nz = quarter * settings[RATE_VARIANCE + 2] + gap
-    # Xi diag(n) Xi' by rows, Xi = columns q (0, e).
-    ww, xx, yy, zz = w * w, x * x, y * y, z * z
-    nxx, nyy, nzz = nx * x, ny * y, nz * z
+    w[0, 0] = -hx2 - kx * hw + kz * hy2 - ky * hz2
+    w[0, 1] = -hy2 - ky * hw + kx * hz2 - kz * hx2
+    w[0, 2] = -hz2 - kz * hw + ky * hx2 - kx * hy2
+    w[1, 0] = hw - kx * hx2 + kz * hz2 + ky * hy2
+    w[1, 1] = -hz2 - ky * hx2 - kx * hy2 + kz * hw
+    w[1, 2] = hy2 - kz * hx2 - kx * hz2 - ky * hw
+    w[2, 0] = hz2 - kx * hy2 - ky * hx2 - kz * hw
+    w[2, 1] = hw - ky * hy2 + kz * hz2 + kx * hx2
+    w[2, 2] = -hx2 - kz * hy2 - ky * hz2 + kx * hw
+    w[3, 0] = -hy2 - kx * hz2 - kz * hx2 + ky * hw
+    w[3, 1] = hx2 - ky * hz2 - kz * hy2 - kx * hw
+    w[3, 2] = hw - kz * hz2 + ky * hy2 + kx * hx2
+
+
+@step(inlined=True)
+def add_noise(x: Record, p: Float, nx: float, ny: float, nz: float) -> None:
+    """Add Xi diag(n) Xi' to the quaternion's block, with Xi = columns q (0, e)."""
+    w, qx, y, z = x.q[0], x.q[1], x.q[2], x.q[3]
+    ww, xx, yy, zz = w * w, qx * qx, y * y, z * z
+    nxx, nyy, nzz = nx * qx, ny * y, nz * z
     nxw, nyw, nzw = nx * w, ny * w, nz * w
-    noise = (
-        nxx * x + nyy * y + nzz * z,
-        -nxx * w + nyy * z - nzz * y,
-        -nxx * z - nyy * w + nzz * x,
-        nxx * y - nyy * x - nzz * w,
-        nx * ww + ny * zz + nz * yy,
-        nxw * z - nyw * z - nz * x * y,
-        -nxw * y - ny * x * z + nzw * y,
-        nx * zz + ny * ww + nz * xx,
-        -nx * y * z + nyw * x - nzw * x,
-        nx * yy + ny * xx + nz * ww,
-    )
-    drift = (
-        step * settings[BIAS_DRIFT],
-        step * settings[BIAS_DRIFT + 1],
-        step * settings[BIAS_DRIFT + 2],
+    p[0, 0] += nxx * qx + nyy * y + nzz * z
+    p[0, 1] += -nxx * w + nyy * z - nzz * y
+    p[0, 2] += -nxx * z - nyy * w + nzz * qx
+    p[0, 3] += nxx * y - nyy * qx - nzz * w
+    p[1, 1] += nx * ww + ny * zz + nz * yy
+    p[1, 2] += nxw * z - nyw * z - nz * qx * y
+    p[1, 3] += -nxw * y - ny * qx * z + nzw * y
+    p[2, 2] += nx * zz + ny * ww + nz * xx
+    p[2, 3] += -nx * y * z + nyw * qx - nzw * qx
+    p[3, 3] += nx * yy + ny * xx + nz * ww
+
+
+@step(inlined=True)
+def predict(x: Record, p: Float, sample: Record, c: Record, work: Float, offset: Float) -> None:
+    """Turn by the rate and carry the covariance, Phi P Phi' + Ts Qc (A9.1 to A9.3)."""
+    f, k, w, g = work[0], work[1], offset[0], offset[1]
+    step_s = c.step_s
+    rx = (sample.rate[0] - x.bias[0]) * step_s
+    ry = (sample.rate[1] - x.bias[1]) * step_s
+    rz = (sample.rate[2] - x.bias[2]) * step_s
+    transition(x, rx, ry, rz, step_s, f, w)
+    drift = step_s * c.bias_drift[0], step_s * c.bias_drift[1], step_s * c.bias_drift[2]
+    predict_cross(p, f, w, g, k, drift)
+    for i in range(4):
+        p[i, i] = dot(f[i], k[i]) + twice_cross(p, w, g, i)
+        for j in range(i + 1, 4):
+            p[i, j] = dot(f[j], k[i]) + (dot(p[i, 4:], w[j]) + dot(w[i], g[j]))
+    gap, quarter = 0.25 * sample.gap_variance, 0.25 * step_s * step_s
+    add_noise(
+        x,
+        p,
+        quarter * c.rate_variance[0] + gap,
+        quarter * c.rate_variance[1] + gap,
+        quarter * c.rate_variance[2] + gap,
     )
     tw, tx, ty, tz = turn(rx, ry, rz)
-    turned = multiply(w, x, y, z, tw, tx, ty, tz)
-    return predicted(p, (a, hx, hy, hz), right, noise, drift), turned, (bx, by, bz)
+    x.q[0], x.q[1], x.q[2], x.q[3] = multiply(x.q[0], x.q[1], x.q[2], x.q[3], tw, tx, ty, tz)
 
 
 @kernel("float64(float64, float64, float64, float64)", inlined=True)
@@ -141,7 +147,7 @@ def yaw_row(w: float, x: float, y: float, z: float) -> Row:
     return c12, c11, length, z * c11 - w * c12, y * c11 - x * c12, x * c11 + y * c12, w * c11 + z * c12
 
 
-@kernel(f"{QUATERNION}(float64, float64, float64, float64)", inlined=True)
+@kernel("UniTuple(float64, 4)(float64, float64, float64, float64)", inlined=True)
 def renormalized(w: float, x: float, y: float, z: float) -> Scalars4:
     """Return a quaternion at unit norm; one that nearly is by a series exact to 1e-16."""
     off = (w * w + x * x) + (y * y + z * z) - 1.0
@@ -151,147 +157,99 @@ def renormalized(w: float, x: float, y: float, z: float) -> Scalars4:
     return w * scale, x * scale, y * scale, z * scale
 
 
-@kernel(f"{_STATE}({_STATE}, {_ROW}, float64, float64, float64)", inlined=True)
-def absorb(state: State, row: Row, sine: float, cosine: float, variance: float) -> State:
+@step(inlined=True)
+def quaternion_seen(p: Float, row: Scalars4, h: Float) -> None:
+    """Write h = P H' of a measurement of the quaternion alone."""
+    a, b, c, d = row
+    h[0] = a * p[0, 0] + b * p[0, 1] + c * p[0, 2] + d * p[0, 3]
+    h[1] = a * p[0, 1] + b * p[1, 1] + c * p[1, 2] + d * p[1, 3]
+    h[2] = a * p[0, 2] + b * p[1, 2] + c * p[2, 2] + d * p[2, 3]
+    for k in range(3, len(h)):
+        h[k] = a * p[0, k] + b * p[1, k] + c * p[2, k] + d * p[3, k]
+
+
+@step(inlined=True)
+def absorb(x: Record, p: Float, row: Row, sine: float, cosine: float, variance: float, h: Float) -> None:
     """Correct by an angle measured as sine and cosine (times any positive number).
 
     The rows of A9.4 are right along the unit sphere only. Their part along q says that the norm were measured, which
     it is not; left in, it makes a heading without magnetometer look known. Those here lack it.
     """
-    p, (w, x, y, z), (bx, by, bz) = state
     now_sine, now_cosine, length, h0, h1, h2, h3 = row
-    g = seen(p, (h0, h1, h2, h3))
+    quaternion_seen(p, (h0, h1, h2, h3), h)
     # Row and gain over the length save its division: 1 / S = inverse length^2.
-    inverse = 1.0 / ((h0 * g[0] + h1 * g[1]) + (h2 * g[2] + h3 * g[3]) + variance * length * length)
+    inverse = 1.0 / ((h0 * h[0] + h1 * h[1]) + (h2 * h[2] + h3 * h[3]) + variance * length * length)
     # The difference of two angles is that of their complex numbers; it comes within half a turn.
     across, along = sine * now_cosine - cosine * now_sine, cosine * now_cosine + sine * now_sine
     found = direction(across, along) if abs(across) < 0.125 * along else far_direction(across, along)
-    step = inverse * (length * found)
-    turned = renormalized(w + g[0] * step, x + g[1] * step, y + g[2] * step, z + g[3] * step)
-    return lessened(p, inverse, g), turned, (bx + g[4] * step, by + g[5] * step, bz + g[6] * step)
+    size = inverse * (length * found)
+    x.q[0], x.q[1], x.q[2], x.q[3] = renormalized(
+        x.q[0] + h[0] * size, x.q[1] + h[1] * size, x.q[2] + h[2] * size, x.q[3] + h[3] * size
+    )
+    for axis in range(3):
+        x.bias[axis] += h[4 + axis] * size
+    downdate(p, h, inverse)
 
 
-@kernel(f"{_STATE}({_STATE}, float64[::1], {_SETTINGS})", inlined=True)
-def correct(state: State, sample: Float, settings: Float) -> State:
+@step(inlined=True)
+def correct(x: Record, p: Float, sample: Record, c: Record, h: Float) -> None:
     """Correct by roll, pitch and tilt-compensated magnetic yaw, one after the other (A4, A5, A9.4)."""
-    sx, sy, sz = sample[_GRAVITY], sample[_GRAVITY + 1], sample[_GRAVITY + 2]
-    norm = sample[_GRAVITY_NORM]
+    sx, sy, sz = sample.gravity[0], sample.gravity[1], sample.gravity[2]
     across = math.sqrt(sy * sy + sz * sz)
-    weight = 1.0
-    if settings[MOTION_SCALE_G] > 0.0:
-        push = (norm - 1.0) / settings[MOTION_SCALE_G]
-        weight += push * push
-    roll_variance = weight * settings[ANGLE_VARIANCE]
-    pitch_variance = weight * settings[ANGLE_VARIANCE + 1]
-    yaw_variance = weight * settings[ANGLE_VARIANCE + 2]
-    weighted = settings[SINGULAR_WEIGHTING] > 0.0
-    w, x, y, z = state[1]
-    if weighted:
-        roll_variance *= steepness(w, x, y, z)
-    state = absorb(state, roll_row(w, x, y, z), sy, sz, roll_variance)
-    w, x, y, z = state[1]
-    state = absorb(state, pitch_row(w, x, y, z), -sx, across, pitch_variance)
-    if sample[_HAS_FIELD] > 0.0:
-        mx, my, mz = sample[_FIELD], sample[_FIELD + 1], sample[_FIELD + 2]
-        px, py, pz = my * sz - mz * sy, mz * sx - mx * sz, mx * sy - my * sx
-        w, x, y, z = state[1]
-        if weighted:
-            yaw_variance *= steepness(w, x, y, z)
-        # The page's A5 lacks the norm of s; without it the yaw is wrong whenever the arm is pushed.
-        state = absorb(state, yaw_row(w, x, y, z), -px * norm, sy * pz - sz * py, yaw_variance)
-    return state
+    weight = motion_weight(sample, c)
+    q = x.q[0], x.q[1], x.q[2], x.q[3]
+    variance = weight * c.angle_variance[0]
+    if c.is_weighted_when_steep:
+        variance *= steepness(*q)
+    absorb(x, p, roll_row(*q), sy, sz, variance, h)
+    absorb(x, p, pitch_row(x.q[0], x.q[1], x.q[2], x.q[3]), -sx, across, weight * c.angle_variance[1], h)
+    if sample.has_field:
+        q = x.q[0], x.q[1], x.q[2], x.q[3]
+        variance = weight * c.angle_variance[2]
+        if c.is_weighted_when_steep:
+            variance *= steepness(*q)
+        east, north = horizontal_field(sample)
+        absorb(x, p, yaw_row(*q), east, north, variance, h)
 
 
-@kernel("void(int64, float64[:, :, ::1], float64[:, ::1], int64[:, ::1], float64[::1])")
-def begin(s: int, covariance: Float, memory: Float, counters: NDArray[np.int64], settings: Float) -> None:
-    """Set the start covariance, apart from that of the offset; a turn by d moves the quaternion by d/2."""
-    p = covariance[s]
-    p[:4, :] = 0.0
-    p[:, :4] = 0.0
-    variance = 0.25 * start_variance(s, memory, counters, settings)
-    for i in range(4):
-        p[i, i] = variance
+@step(inlined=True)
+def quadratic(p: Float, g0: float, g1: float, g2: float, g3: float) -> float:
+    """Return 4 g' P g over the quaternion block: the variance about an axis of U."""
+    first = g0 * (g0 * p[0, 0] + 2.0 * (g1 * p[0, 1] + g2 * p[0, 2] + g3 * p[0, 3]))
+    second = g1 * (g1 * p[1, 1] + 2.0 * (g2 * p[1, 2] + g3 * p[1, 3]))
+    third = g2 * (g2 * p[2, 2] + 2.0 * g3 * p[2, 3])
+    return float(4.0 * (first + second + third + g3 * g3 * p[3, 3]))
 
 
-@kernel(
-    "void(float64[:, :, ::1], float64[:, :, ::1], float64[:, :, ::1], uint8[:, ::1], float64[::1],"
-    "float64[:, ::1], float64[:, ::1], float64[:, :, ::1], float64[:, ::1], int64[:, ::1],"
-    "float64[:, :, ::1], float64[:, :, ::1], float64[:, :, ::1], uint8[:, ::1])"
-)
+@kernel(run_signature(SETTINGS, STATE))
 def run(
-    gyroscope_radps: Float,
-    accelerometer_mps2: Float,
-    magnetometer_t: Float,
-    quality: NDArray[np.uint8],
-    settings: Float,
-    q: Float,
-    bias: Float,
-    covariance: Float,
-    memory: Float,
-    counters: NDArray[np.int64],
-    q_earth_sensor: Float,
-    bias_out: Float,
-    sigma_rad: Float,
-    flags: NDArray[np.uint8],
+    ticks: Ticks, settings: NDArray[np.void], state: NDArray[np.void], covariance: Float, out: Estimates
 ) -> None:
-    """Filter K ticks of S sensors; states `q`, `bias`, `covariance` (S, 7, 7) and counts are carried on."""
-    sample = np.zeros(_SAMPLE)
+    """Filter K ticks of S sensors; `state` and `covariance` (S, 7, 7, quaternion and bias) are carried on."""
+    samples, h, work, offset = np.zeros(1, SAMPLE), np.zeros(STATES), np.zeros((2, 4, 4)), np.zeros((2, 4, 3))
+    sample, c, quality = samples[0], settings[0], ticks.quality
+    p = np.zeros((STATES, STATES))
     for s in range(quality.shape[0]):
-        p = loaded(covariance[s])
+        x = state[s]
+        p[:] = covariance[s]
         for k in range(quality.shape[1]):
-            action = prepare(
-                s,
-                k,
-                gyroscope_radps,
-                accelerometer_mps2,
-                magnetometer_t,
-                quality,
-                settings,
-                q,
-                memory,
-                counters,
-                sample,
-            )
-            if action == _BEGIN:
-                keep(covariance[s], p)
-                begin(s, covariance, memory, counters, settings)
-                p = loaded(covariance[s])
-            elif action != _HOLD:
-                state = p, (q[s, 0], q[s, 1], q[s, 2], q[s, 3]), (bias[s, 0], bias[s, 1], bias[s, 2])
-                rate = sample[_RATE], sample[_RATE + 1], sample[_RATE + 2]
-                state = predict(state, rate, sample[_GAP_VARIANCE], settings)
-                if action == _FILTER:
-                    if sample[_HAS_FIELD] > 0.0 and counters[s, _HEADING_KNOWN] == 0:
-                        q[s, 0], q[s, 1], q[s, 2], q[s, 3] = state[1]
-                        set_heading(s, q, sample, counters)
-                        state = state[0], (q[s, 0], q[s, 1], q[s, 2], q[s, 3]), state[2]
-                    state = correct(state, sample, settings)
-                p = state[0]
-                q[s, 0], q[s, 1], q[s, 2], q[s, 3] = state[1]
-                bias[s, 0], bias[s, 1], bias[s, 2] = state[2]
-            w, x, y, z = q[s, 0], q[s, 1], q[s, 2], q[s, 3]
-            store(
-                s,
-                k,
-                action,
-                _SINGULAR if abs(2.0 * (x * z - w * y)) > _SINGULAR_SINE else 0,
-                # Rotation error in U: twice the vector part of dq * conj(q).
-                4.0 * quadratic(p, -x, w, -z, y),
-                4.0 * quadratic(p, -y, z, w, -x),
-                4.0 * quadratic(p, -z, -y, x, w),
-                quality,
-                settings,
-                q,
-                bias,
-                counters,
-                sample,
-                q_earth_sensor,
-                bias_out,
-                sigma_rad,
-                flags,
-            )
-        keep(covariance[s], p)
-        mirror(covariance[s])
+            action = prepare(ticks, s, k, x, c, sample)
+            if action == BEGIN:
+                # A turn by d moves the quaternion by d/2.
+                begin(x, p, c, 4, 0.25)
+            elif action != HOLD:
+                predict(x, p, sample, c, work, offset)
+                if action == FILTER:
+                    if sample.has_field and x.is_heading_known == 0:
+                        set_heading(x, sample)
+                    correct(x, p, sample, c, h)
+            w, qx, y, z = x.q[0], x.q[1], x.q[2], x.q[3]
+            # Rotation error in U: twice the vector part of dq * conj(q).
+            variances = quadratic(p, -qx, w, -z, y), quadratic(p, -y, z, w, -qx), quadratic(p, -z, -y, qx, w)
+            own = _SINGULAR if abs(2.0 * (qx * z - w * y)) > _SINGULAR_SINE else 0
+            store(out, s, k, x, variances, quality[s, k], action, own, sample, c)
+        mirror(p)
+        covariance[s] = p
 
 
-__all__ = ["SETTINGS", "pitch_row", "roll_row", "run", "yaw_row"]
+__all__ = ["SETTINGS", "STATE", "STATES", "pitch_row", "roll_row", "run", "yaw_row"]

@@ -5,10 +5,16 @@ import pytest
 from estimators.errors import SetupError
 from estimators.orientation._parameters import meaning_of, read_parameters
 from estimators.orientation.luinge import LuingeParameters
+from estimators.orientation.marzouk._error_state import ErrorStateParameters
+from estimators.orientation.marzouk._euler import EulerParameters
+from estimators.orientation.marzouk._quaternion import QuaternionParameters
 from estimators.orientation.roetenberg import RoetenbergParameters
 
 
-@pytest.mark.parametrize("kind", [LuingeParameters, RoetenbergParameters])
+@pytest.mark.parametrize(
+    "kind",
+    [LuingeParameters, RoetenbergParameters, ErrorStateParameters, EulerParameters, QuaternionParameters],
+)
 def test_every_number_says_its_unit_and_meaning(kind):
     meanings = meaning_of(kind)
     assert set(meanings) == set(vars(kind()))
