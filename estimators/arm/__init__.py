@@ -4,47 +4,11 @@
 numpy parts, for tests, simulation and work on whole recordings; `evaluate_reference` is its twin.
 """
 
-from estimators.arm._denavit_hartenberg import (
-    ARM_CHAIN_ENDS,
-    WRIST_JOINT_RAD,
-    FiveJointPose,
-    LinkChain,
-    arm_chain,
-    chain_transforms,
-    check_chain,
-    check_joints,
-    five_joint_chain,
-    five_joint_pose,
-    link_transform,
-)
-from estimators.arm._dual_quaternion import (
-    KINEMATIC_METHODS,
-    KinematicMethod,
-    OperationCount,
-    arm_dual_quaternions,
-    chain_dual_quaternions,
-    chain_screw_axes,
-    dual_inverse,
-    dual_multiply,
-    dual_normalize,
-    dual_position,
-    dual_quaternion,
-    dual_transform_point,
-    operation_count,
-    screw,
-)
 from estimators.arm._heading_constraint import (
     HeadingConstraintParameters,
     HeadingConstraintResult,
     HingeJoint,
     JointHeadingConstraint,
-)
-from estimators.arm._homogeneous import (
-    inverse_transform,
-    joint_centres,
-    segment_transforms,
-    transform,
-    transform_point,
 )
 from estimators.arm._joint_angles import (
     SIGN_TABLE,
@@ -106,6 +70,42 @@ from estimators.arm._two_link import (
     two_link_velocity,
 )
 from estimators.arm._uncertainty import joint_angle_sigma
+from estimators.arm.chains.denavit_hartenberg import (
+    ARM_CHAIN_ENDS,
+    WRIST_JOINT_RAD,
+    FiveJointPose,
+    LinkChain,
+    arm_chain,
+    chain_transforms,
+    check_chain,
+    check_joints,
+    five_joint_chain,
+    five_joint_pose,
+    link_transform,
+)
+from estimators.arm.chains.dual_quaternion import (
+    KINEMATIC_METHODS,
+    KinematicMethod,
+    OperationCount,
+    arm_dual_quaternions,
+    chain_dual_quaternions,
+    chain_screw_axes,
+    dual_inverse,
+    dual_multiply,
+    dual_normalize,
+    dual_position,
+    dual_quaternion,
+    dual_transform_point,
+    operation_count,
+    screw,
+)
+from estimators.arm.chains.homogeneous import (
+    inverse_transform,
+    joint_centres,
+    segment_transforms,
+    transform,
+    transform_point,
+)
 from estimators.body import BodyDimensions, body_from_stature
 
 __all__ = [

@@ -1,7 +1,7 @@
 """The compiled live path: segment orientations of a few ticks to points, angles, flags.
 
 One call serves one session. Every formula stands a second time, in numpy, in `_joint_angles`,
-`_homogeneous` and `_uncertainty`; the tests hold the two against each other. The shared constants
+`chains.homogeneous` and `_uncertainty`; the tests hold the two against each other. The shared constants
 live here because numba's cache does not see a change of a constant in another file.
 """
 

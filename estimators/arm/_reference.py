@@ -4,7 +4,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators import rotation
-from estimators.arm._homogeneous import joint_centres
 from estimators.arm._joint_angles import (
     continuous_hinge_angles,
     continuous_shoulder_angles,
@@ -17,6 +16,7 @@ from estimators.arm._kernel import SINGULAR_MARGIN_RAD
 from estimators.arm._model import ArmModel, ArmResult
 from estimators.arm._names import MODEL_ANGLES, MODEL_SCALARS, Joint, angle_name
 from estimators.arm._uncertainty import joint_angle_sigma
+from estimators.arm.chains.homogeneous import joint_centres
 from estimators.conventions import SIDES, Side
 
 Float = NDArray[np.float64]

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from estimators import rotation
-from estimators.arm._chain_kernel import walk_two_links
 from estimators.arm._kernel import SINGULAR_MARGIN_RAD
+from estimators.arm.chains.chain_kernel import walk_two_links
 
 Float = NDArray[np.float64]
 

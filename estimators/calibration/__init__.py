@@ -3,25 +3,25 @@
 from estimators.calibration._contract import Calibration
 from estimators.calibration._device import DeviceCalibration, TriadCalibration, correct
 from estimators.calibration._ferraris import FerrarisResult, Rest, ferraris, find_positions
-from estimators.calibration._field import EARTH_NORM_T, LocalField, local_field, odd_fields
-from estimators.calibration._finding import Finding, Hemisphere, in_words
-from estimators.calibration._full_turns import FullTurn, doubted_turns
-from estimators.calibration._functional import KINDS, FunctionalResult, functional
-from estimators.calibration._joint_axes import AxisEstimate
-from estimators.calibration._magnetometer import (
+from estimators.calibration._mounting import OUTWARD_HEADING_RAD
+from estimators.calibration._n_pose import n_pose
+from estimators.calibration._placement import MisplacedError, PlacementFinding, check_mounting
+from estimators.calibration._static import UNUSUAL_BIAS_SCORE, StaticBias, static_bias, unusual_bias
+from estimators.calibration.field.full_turns import FullTurn, doubted_turns
+from estimators.calibration.field.local_field import EARTH_NORM_T, LocalField, local_field, odd_fields
+from estimators.calibration.field.magnetometer import (
     MagnetometerCollector,
     MagnetometerProgress,
     MagnetometerResult,
 )
-from estimators.calibration._mounting import OUTWARD_HEADING_RAD
-from estimators.calibration._n_pose import n_pose
-from estimators.calibration._online_iron import OnlineHardIron
-from estimators.calibration._ordinary_elbow import OrdinaryElbow, elbow_from_movement
-from estimators.calibration._placement import MisplacedError, PlacementFinding, check_mounting
-from estimators.calibration._recording_check import STRETCH_S, RecordingCheck, check_recording
-from estimators.calibration._same_signals import check_distinct, same_signals
-from estimators.calibration._static import UNUSUAL_BIAS_SCORE, StaticBias, static_bias, unusual_bias
-from estimators.calibration._turns import circle_fit
+from estimators.calibration.field.online_iron import OnlineHardIron
+from estimators.calibration.field.turns import circle_fit
+from estimators.calibration.movement.functional import KINDS, FunctionalResult, functional
+from estimators.calibration.movement.joint_axes import AxisEstimate
+from estimators.calibration.movement.ordinary_elbow import OrdinaryElbow, elbow_from_movement
+from estimators.calibration.plausibility.finding import Finding, Hemisphere, in_words
+from estimators.calibration.plausibility.recording_check import STRETCH_S, RecordingCheck, check_recording
+from estimators.calibration.plausibility.same_signals import check_distinct, same_signals
 
 __all__ = [
     "EARTH_NORM_T",

@@ -6,7 +6,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from estimators.calibration._field import LocalField
+from estimators.calibration.field.local_field import LocalField
 from estimators.errors import ShapeError
 from estimators.recording import Float, ImuChunk
 

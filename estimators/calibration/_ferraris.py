@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from estimators import signals
 from estimators.calibration._contract import UNUSABLE_SCORE
 from estimators.calibration._device import DeviceCalibration, TriadCalibration, matrix, vector
-from estimators.calibration._full_turns import FullTurn, best_turns, judge_turns, refuse_doubted
+from estimators.calibration.field.full_turns import FullTurn, best_turns, judge_turns, refuse_doubted
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import CalibrationError, SetupError, ShapeError
 from estimators.recording import Float

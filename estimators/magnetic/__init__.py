@@ -28,34 +28,7 @@ from estimators.magnetic._measurement import (
 )
 from estimators.magnetic._place_calibration import calibrate_at_places
 from estimators.magnetic._pulses import Pulse, bursts, extract_pulses, find_pulses, integrate_gyroscope
-from estimators.magnetic._relative_parameters import SPARING_PARAMETERS, RelativePoseParameters
-from estimators.magnetic._relative_pose import (
-    EnergyAccount,
-    RelativeChunk,
-    RelativeFlag,
-    RelativePoseFilter,
-    RelativeResult,
-)
-from estimators.magnetic._relative_smoother import SmoothedPose, smooth_relative_pose
 from estimators.magnetic._shoes import SHOE_PARAMETERS, shoe_source
-from estimators.magnetic._tracker import Fix, TrackerFlag, TrackerLimits, locate
-from estimators.magnetic._tracker_burst import (
-    BurstNoise,
-    BurstPath,
-    CarriedFix,
-    ModuleSignals,
-    burst_path,
-    locate_moving,
-    pulse_covariance,
-)
-from estimators.magnetic._tracker_follow import FollowedBurst, follow_bursts, middle_tick
-from estimators.magnetic._tracker_fusion import (
-    TrackerFusion,
-    TrackerFusionChunk,
-    TrackerFusionParameters,
-    TrackerFusionResult,
-)
-from estimators.magnetic._tracker_fusion_smoother import smooth_tracker_fusion
 from estimators.magnetic._validity import (
     PACEMAKER_LIMIT_T,
     axial_dipole_error,
@@ -66,6 +39,33 @@ from estimators.magnetic._validity import (
     range_m,
     required_moment_am2,
 )
+from estimators.magnetic.relative.parameters import SPARING_PARAMETERS, RelativePoseParameters
+from estimators.magnetic.relative.pose import (
+    EnergyAccount,
+    RelativeChunk,
+    RelativeFlag,
+    RelativePoseFilter,
+    RelativeResult,
+)
+from estimators.magnetic.relative.smoother import SmoothedPose, smooth_relative_pose
+from estimators.magnetic.tracker.burst import (
+    BurstNoise,
+    BurstPath,
+    CarriedFix,
+    ModuleSignals,
+    burst_path,
+    locate_moving,
+    pulse_covariance,
+)
+from estimators.magnetic.tracker.follow import FollowedBurst, follow_bursts, middle_tick
+from estimators.magnetic.tracker.fusion import (
+    TrackerFusion,
+    TrackerFusionChunk,
+    TrackerFusionParameters,
+    TrackerFusionResult,
+)
+from estimators.magnetic.tracker.fusion_smoother import smooth_tracker_fusion
+from estimators.magnetic.tracker.segment_tracker import Fix, TrackerFlag, TrackerLimits, locate
 
 __all__ = [
     "CURRENT_SPAN_A",

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from estimators.magnetic import RelativeResult
-from estimators.magnetic import _relative_layout as at
+from estimators.magnetic.relative import layout as at
 from estimators.pipelines._contract import FrameLayout
 from estimators.recording import Float
 

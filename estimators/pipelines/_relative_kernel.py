@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from estimators._kernels import kernel, multiply, rotate
 from estimators.magnetic import CURRENT_SPAN_A, RelativeFlag
-from estimators.magnetic import _relative_layout as at
 from estimators.magnetic._coil_state import HIGHEST_COIL
+from estimators.magnetic.relative import layout as at
 from estimators.orientation import OrientationFlag
 from estimators.recording import Float, SampleQuality
 

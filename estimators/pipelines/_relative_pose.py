@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from estimators import orientation
 from estimators.errors import CalibrationError, ShapeError
 from estimators.magnetic import RelativePoseFilter, RelativePoseParameters, RelativeResult
-from estimators.magnetic import _relative_layout as at
+from estimators.magnetic.relative import layout as at
 from estimators.pipelines import _relative_kernel as kernel
 from estimators.pipelines._contract import Calibration, FrameLayout, Frames, Pipeline, SessionSetup
 from estimators.pipelines._relative_columns import layout_of, table_of

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from estimators import rotation
 from estimators.errors import SetupError
 from estimators.magnetic import RelativeFlag, RelativePoseFilter, RelativeResult
-from estimators.magnetic import _relative_layout as at
-from estimators.magnetic._relative_smoother import backward
+from estimators.magnetic.relative import layout as at
+from estimators.magnetic.relative.smoother import backward
 from estimators.pipelines._contract import SessionSetup
 from estimators.pipelines._relative_pose import ModulesChunk, RelativePosePipeline
 from estimators.recording import Float, ImuChunk

@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from estimators.magnetic import RelativePoseFilter
-from estimators.magnetic import _relative_layout as at
+from estimators.magnetic.relative import layout as at
 from estimators.recording import Float
 
 _MOVES_MPS: Final = 0.25

@@ -2,34 +2,25 @@
 
 from estimators.kinetics import ShoeGeometry
 from estimators.simulation import faults
-from estimators.simulation._calibration_movements import (
+from estimators.simulation._errors import SENSOR_PRESETS, SensorErrors, TriadErrors, sensor_errors
+from estimators.simulation._handling import HandlingName, simulate_handling
+from estimators.simulation._sensors import EarthField, Magnet, Mounting, dipole_field, outward_mounting
+from estimators.simulation.arm.calibration_movements import (
     CALIBRATION_STYLE,
     calibration_exercise,
     calibration_ranges_s,
     t_pose_exercise,
 )
-from estimators.simulation._errors import SENSOR_PRESETS, SensorErrors, TriadErrors, sensor_errors
-from estimators.simulation._exercises import EXERCISES, Exercise, ExerciseName
-from estimators.simulation._gait_course import Bout, FootStyle, Leg, WalkStyle
-from estimators.simulation._gait_presets import GAIT_PRESETS, eyes_closed, gait_preset, stroke_feet
-from estimators.simulation._gait_scenario import (
-    GAIT_PLACEMENTS,
-    GaitScenario,
-    SimulatedWalk,
-    simulate_gait,
-)
-from estimators.simulation._gait_truth import FootTruth, GaitTruth
-from estimators.simulation._gait_upper import BodyStyle
-from estimators.simulation._handling import HandlingName, simulate_handling
-from estimators.simulation._movements import (
+from estimators.simulation.arm.exercises import EXERCISES, Exercise, ExerciseName
+from estimators.simulation.arm.movements import (
     MovementStyle,
     Schedule,
     style_of_impairment,
 )
-from estimators.simulation._patients import IMPAIRMENT, PatientName, demonstration_scenario
-from estimators.simulation._repeated_movement import RepeatedMovement, simulate_repetitions
-from estimators.simulation._repeated_shapes import SHAPES
-from estimators.simulation._scenario import (
+from estimators.simulation.arm.patients import IMPAIRMENT, PatientName, demonstration_scenario
+from estimators.simulation.arm.repeated_movement import RepeatedMovement, simulate_repetitions
+from estimators.simulation.arm.repeated_shapes import SHAPES
+from estimators.simulation.arm.scenario import (
     ARM_PLACEMENTS,
     ArmScenario,
     ArmTruth,
@@ -37,8 +28,17 @@ from estimators.simulation._scenario import (
     SimulatedSession,
     simulate_arm,
 )
-from estimators.simulation._sensors import EarthField, Magnet, Mounting, dipole_field, outward_mounting
-from estimators.simulation._shoe import LoadCellErrors, ShoeErrors, shoe_errors
+from estimators.simulation.gait.course import Bout, FootStyle, Leg, WalkStyle
+from estimators.simulation.gait.presets import GAIT_PRESETS, eyes_closed, gait_preset, stroke_feet
+from estimators.simulation.gait.scenario import (
+    GAIT_PLACEMENTS,
+    GaitScenario,
+    SimulatedWalk,
+    simulate_gait,
+)
+from estimators.simulation.gait.shoe import LoadCellErrors, ShoeErrors, shoe_errors
+from estimators.simulation.gait.truth import FootTruth, GaitTruth
+from estimators.simulation.gait.upper import BodyStyle
 
 REPEATED_FAMILIES = tuple(SHAPES)
 """Families of movements that `simulate_repetitions` makes."""

@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from estimators import rotation
 from estimators.body import BodyDimensions
 from estimators.conventions import GRAVITY_MPS2, PLACEMENTS, Placement
-from estimators.simulation._body import SegmentMotion
-from estimators.simulation._kinematics import Path, carried, rotate
-from estimators.simulation._timeline import minimum_jerk
+from estimators.simulation.arm.body import SegmentMotion
+from estimators.simulation.arm.kinematics import Path, carried, rotate
+from estimators.simulation.arm.timeline import minimum_jerk
 
 Float = NDArray[np.float64]
 

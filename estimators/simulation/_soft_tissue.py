@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.conventions import PLACEMENTS, Placement, Side
-from estimators.simulation._kinematics import Scalar, Turn, compose, turn_about
+from estimators.simulation.arm.kinematics import Scalar, Turn, compose, turn_about
 
 Float = NDArray[np.float64]
 

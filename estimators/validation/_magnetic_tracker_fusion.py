@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from estimators import rotation
-from estimators.magnetic._relative_smoother import SmoothedPose, smooth_table
+from estimators.magnetic.relative.smoother import SmoothedPose, smooth_table
 from estimators.recording import Float
 from estimators.simulation.coils import RelativeScene, burst_motion, fire_bursts, relative_scene
 from estimators.validation._magnetic_tracker import ERRORS, EXACT, track

@@ -18,8 +18,8 @@ from estimators.magnetic import (
     integrate_gyroscope,
     smooth_tracker_fusion,
 )
-from estimators.magnetic import _tracker_fusion_layout as at
-from estimators.magnetic._tracker_fusion_fix import correct
+from estimators.magnetic.tracker import fusion_layout as at
+from estimators.magnetic.tracker.fusion_fix import correct
 from estimators.recording import Float
 from estimators.simulation.coils import RelativeScene, burst_motion, fire_bursts, relative_scene
 from estimators.validation._magnetic_tracker import ERRORS, EXACT, burst_errors

@@ -6,7 +6,7 @@ import numpy as np
 
 from estimators import rotation
 from estimators.magnetic import SPARING_PARAMETERS, TrackerFlag, locate, perpendicular_source, predict
-from estimators.magnetic._relative_smoother import smooth_table
+from estimators.magnetic.relative.smoother import smooth_table
 from estimators.recording import Float
 from estimators.validation._protocol import Data, Figure, Protocol, Values
 from estimators.validation._relative_pose_runs import (

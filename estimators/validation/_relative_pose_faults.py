@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.magnetic import SPARING_PARAMETERS, IronSphere, RelativeFlag
-from estimators.magnetic import _relative_layout as at
+from estimators.magnetic.relative import layout as at
 from estimators.recording import Float
 from estimators.simulation.coils import Iron, ModuleErrors, RelativeScene, SourceFaults
 from estimators.validation._protocol import Data, Figure, Protocol, Values

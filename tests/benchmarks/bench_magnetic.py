@@ -22,7 +22,7 @@ from estimators import pipelines
 from estimators.conventions import Placement
 from estimators.magnetic import RelativeFlag, coil_state, perpendicular_source, predict
 from estimators.magnetic import _loop_kernel as kernel
-from estimators.magnetic import _relative_layout as at
+from estimators.magnetic.relative import layout as at
 from estimators.pipelines import RelativePosePipeline, SessionSetup
 from estimators.recording import ImuChunk
 from estimators.simulation.coils import relative_motion, relative_scene, run_closed_loop

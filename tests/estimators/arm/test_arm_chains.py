@@ -42,7 +42,7 @@ from estimators.arm import (
     two_link_joint_angles,
     two_link_pose,
 )
-from estimators.arm import _chain_kernel as kernels
+from estimators.arm.chains import chain_kernel as kernels
 from estimators.errors import SetupError, ShapeError
 
 L_U, L_F = 0.30, 0.25

@@ -21,9 +21,9 @@ from estimators.arm import (
 from estimators.conventions import PLACEMENTS
 from estimators.errors import SetupError, ShapeError
 from estimators.simulation import ArmScenario, MovementStyle, Schedule, simulate_arm
-from estimators.simulation._body import MovingBody
-from estimators.simulation._exercises import EXERCISES
-from estimators.simulation._movements import perform
+from estimators.simulation.arm.body import MovingBody
+from estimators.simulation.arm.exercises import EXERCISES
+from estimators.simulation.arm.movements import perform
 
 SEVEN = (
     "sternum",

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from estimators.calibration import n_pose
-from estimators.calibration._joint_axes import frame_from, sigma_about_axes
+from estimators.calibration.movement.joint_axes import frame_from, sigma_about_axes
 from tests.estimators.calibration.test_n_pose import NO_HEADING, SAMPLES, Pose
 from tests.said import codes
 

@@ -5,7 +5,7 @@ import functools
 import numpy as np
 
 from estimators.magnetic import RelativeChunk, RelativePoseFilter, perpendicular_source
-from estimators.magnetic import _relative_layout as at
+from estimators.magnetic.relative import layout as at
 from estimators.simulation.coils import SourceFaults, relative_motion, relative_scene, run_closed_loop
 
 SOURCE = perpendicular_source(0.06)

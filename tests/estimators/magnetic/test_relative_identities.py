@@ -8,11 +8,11 @@ import pytest
 from estimators import rotation
 from estimators.conventions import GRAVITY_MPS2
 from estimators.magnetic import RelativePoseFilter
-from estimators.magnetic import _relative_layout as at
-from estimators.magnetic import _relative_motion as motion
-from estimators.magnetic import _relative_pulse as pulses
-from estimators.magnetic._relative_parameters import read, to_settings
-from estimators.magnetic._relative_update import update_inclination, update_pulse
+from estimators.magnetic.relative import layout as at
+from estimators.magnetic.relative import motion
+from estimators.magnetic.relative import pulse as pulses
+from estimators.magnetic.relative.parameters import read, to_settings
+from estimators.magnetic.relative.update import update_inclination, update_pulse
 from estimators.optical import OpticalInertialFilter
 from estimators.optical import _kernel as optical
 from estimators.optical import _layout as marked

@@ -16,10 +16,10 @@ from estimators.magnetic import (
     Source,
     perpendicular_source,
 )
-from estimators.magnetic import _relative_layout as at
-from estimators.magnetic import _relative_motion as motion
-from estimators.magnetic import _relative_pulse as pulses
-from estimators.magnetic._relative_smoother import difference, smooth_relative_pose, smooth_table
+from estimators.magnetic.relative import layout as at
+from estimators.magnetic.relative import motion
+from estimators.magnetic.relative import pulse as pulses
+from estimators.magnetic.relative.smoother import difference, smooth_relative_pose, smooth_table
 from estimators.simulation.coils import SourceFaults, relative_motion, relative_scene, run_closed_loop
 from tests.estimators.magnetic.relative_scenes import SOURCE, as_chunk, closed_loop
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from estimators.magnetic import _relative_layout as at
-from estimators.magnetic import _relative_pulse as pulses
-from estimators.magnetic._relative_parameters import read, to_settings
+from estimators.magnetic.relative import layout as at
+from estimators.magnetic.relative import pulse as pulses
+from estimators.magnetic.relative.parameters import read, to_settings
 
 STEP_S, LENGTH, QUIET = 1.0 / 120.0, 7, 24
 AMBIENT = np.array([1.9e-5, 1.0e-5, -4.3e-5])

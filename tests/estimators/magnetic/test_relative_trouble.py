@@ -7,9 +7,9 @@ import pytest
 
 from estimators import rotation
 from estimators.magnetic import RelativeFlag, RelativePoseFilter
-from estimators.magnetic import _relative_layout as at
-from estimators.magnetic._relative_parameters import RelativePoseParameters, to_settings
-from estimators.magnetic._relative_watch import account, affordable, retreat
+from estimators.magnetic.relative import layout as at
+from estimators.magnetic.relative.parameters import RelativePoseParameters, to_settings
+from estimators.magnetic.relative.watch import account, affordable, retreat
 from estimators.simulation.coils import (
     burst_motion,
     fire_bursts,

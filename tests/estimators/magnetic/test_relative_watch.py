@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from estimators.magnetic import RelativePoseParameters
-from estimators.magnetic import _relative_layout as at
-from estimators.magnetic._relative_parameters import to_settings
-from estimators.magnetic._relative_watch import GAP, calibrate, tell
+from estimators.magnetic.relative import layout as at
+from estimators.magnetic.relative.parameters import to_settings
+from estimators.magnetic.relative.watch import GAP, calibrate, tell
 
 FIELD = np.array([1.5e-5, 0.0, -4.5e-5])
 

@@ -9,10 +9,10 @@ import pytest
 from estimators import rotation
 from estimators.errors import SetupError, ShapeError
 from estimators.magnetic import TrackerFusion, TrackerFusionChunk, perpendicular_source, smooth_tracker_fusion
-from estimators.magnetic import _tracker_fusion_fix as fix_kernel
-from estimators.magnetic import _tracker_fusion_kernel as kernel
-from estimators.magnetic import _tracker_fusion_layout as at
-from estimators.magnetic._tracker_fusion_run import difference
+from estimators.magnetic.tracker import fusion_fix as fix_kernel
+from estimators.magnetic.tracker import fusion_kernel as kernel
+from estimators.magnetic.tracker import fusion_layout as at
+from estimators.magnetic.tracker.fusion_run import difference
 from estimators.simulation.coils import ModuleErrors, burst_motion, relative_scene
 
 SIGMAS = np.array([0.006] * 3 + [0.03] * 3)

@@ -7,8 +7,8 @@ import pytest
 
 from estimators import pipelines, rotation
 from estimators.errors import SetupError, ShapeError
-from estimators.magnetic import _relative_layout as at
 from estimators.magnetic import coil_state
+from estimators.magnetic.relative import layout as at
 from estimators.pipelines import (
     SessionSetup,
     apart_at_start,

@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from estimators import rotation
 from estimators.magnetic import RelativeFlag, RelativeResult, read_coil_state
-from estimators.magnetic import _relative_layout as at
+from estimators.magnetic.relative import layout as at
 from estimators.orientation import OrientationFlag
 from estimators.pipelines import _relative_kernel as kernel
 from estimators.pipelines._relative_columns import SENSOR_SCALARS, SOURCE_SCALARS, table_of

@@ -14,8 +14,8 @@ from estimators.magnetic import (
     perpendicular_source,
     read_coil_state,
 )
-from estimators.magnetic import _relative_layout as at
-from estimators.magnetic._relative_smoother import smooth_table
+from estimators.magnetic.relative import layout as at
+from estimators.magnetic.relative.smoother import smooth_table
 from estimators.orientation import OrientationFlag
 from estimators.pipelines import SessionSetup, _relative_smoothing
 from estimators.recording import ImuChunk, SampleQuality

@@ -15,9 +15,9 @@ from estimators.simulation import (
     TriadErrors,
     simulate_arm,
 )
-from estimators.simulation._exercises import EXERCISES
-from estimators.simulation._movements import perform
-from estimators.simulation._timeline import minimum_jerk, submovements
+from estimators.simulation.arm.exercises import EXERCISES
+from estimators.simulation.arm.movements import perform
+from estimators.simulation.arm.timeline import minimum_jerk, submovements
 
 LIVELY = MovementStyle(
     speed=1.4,

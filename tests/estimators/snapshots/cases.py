@@ -21,9 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators import orientation, pipelines, signals
-from estimators.magnetic import _relative_layout as at
 from estimators.magnetic import coil_state, perpendicular_source
-from estimators.magnetic._relative_pose import RelativePoseFilter
+from estimators.magnetic.relative import layout as at
+from estimators.magnetic.relative.pose import RelativePoseFilter
 from estimators.pipelines import Frames, SessionSetup
 from estimators.recording import ImuChunk, Recording, SensorSignals
 from estimators.simulation import gait_preset, simulate_gait

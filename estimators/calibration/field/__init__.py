@@ -1,0 +1,1 @@
+"""The magnetometer and the field around it: ellipsoid, turns, dip, iron."""

@@ -1,0 +1,80 @@
+"""Does the field point down where gravity says it should? Also with iron on the sensor."""
+
+from typing import Final
+
+import numpy as np
+
+from estimators import rotation
+from estimators.calibration.plausibility.contradiction import (
+    WINDOW_S,
+    resting_rate,
+    slowed,
+    turning,
+)
+from estimators.gravity import calm_size
+from estimators.recording import Float
+
+_LEAST_TURNED: Final = 0.03
+"""Share of a turn about the axis that was turned about least: less says nothing about iron along it."""
+_LEAST_WINDOWS: Final = 3
+_AGREE: Final = 0.8
+
+
+class Dip:
+    """How steeply the field points down, from movements of one sensor; feed it stretch by stretch.
+
+    Notes
+    -----
+    In a window of four seconds the gyroscope turns the field m back by R; m = h + R'c with the field c of the room
+    and one hard iron h for all windows: `sum(1 - A'A) h = sum(mean(m) - A' mean(R m))`, A being the mean of R. A magnet
+    on the sensor bends h alone.
+    """
+
+    def __init__(self) -> None:
+        self._normal, self._right = np.zeros((3, 3)), np.zeros(3)
+        self._windows: list[tuple[Float, Float, Float]] = []
+
+    def add(self, rate: Float, force: Float, field: Float, time_step_s: float) -> None:
+        """Take a stretch of a gyroscope in rad/s, specific force and field, each shape (N, 3)."""
+        rate, step_s = slowed(rate, time_step_s)
+        force, field = slowed(force, time_step_s)[0], slowed(field, time_step_s)[0]
+        size, length = calm_size(force, step_s), round(WINDOW_S / step_s)
+        if not (size > 0.0 and np.isfinite(field).any()):
+            return
+        strength = float(np.nanmedian(np.linalg.norm(field, axis=1)))
+        rate = np.nan_to_num(rate - resting_rate(rate, force, size, step_s))
+        for start in turning(field, strength, length, step_s):
+            span = slice(int(start), int(start) + length)
+            if not np.isfinite(force[span]).all():
+                continue
+            attitude = rotation.to_matrix(rotation.running_product(rotation.exp(step_s * rate[None, span])))[
+                0
+            ]
+            middle = attitude.mean(axis=0)
+            turned = np.einsum("nij,nj->i", attitude, field[span]) / length
+            self._normal += np.eye(3) - middle.T @ middle
+            self._right += field[span].mean(axis=0) - middle.T @ turned
+            self._windows.append((middle, turned, np.einsum("nij,nj->i", attitude, force[span]) / length))
+
+    def sine(self) -> float:
+        """Return the sine of the angle by which the field points down; NaN while movement does not say it.
+
+        Notes
+        -----
+        Said only when the sensor turned about every axis, and most windows agree on up or down.
+        """
+        if len(self._windows) < _LEAST_WINDOWS:
+            return float("nan")
+        if np.linalg.eigvalsh(self._normal)[0] < _LEAST_TURNED * len(self._windows):
+            return float("nan")
+        iron = np.linalg.solve(self._normal, self._right)
+        sines = []
+        for middle, turned, force in self._windows:
+            field = turned - middle @ iron
+            sines.append(-float(force @ field) / float(np.linalg.norm(force) * np.linalg.norm(field)))
+        found = float(np.median(sines))
+        agree = float(np.mean(np.sign(sines) == np.sign(found)))
+        return found if agree >= _AGREE else float("nan")
+
+
+__all__ = ["Dip"]

@@ -1,0 +1,1 @@
+"""Calibration of an arm by movement instead of a pose."""

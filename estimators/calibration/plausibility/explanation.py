@@ -1,0 +1,114 @@
+"""Which triad of a sensor is mistaken, and how: the explanation that gravity and field like best."""
+
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+
+from estimators.calibration.plausibility.contradiction import IS_PROPER, SCALES, SIGNED_PERMUTATIONS, Evidence
+from estimators.recording import Float
+
+Triad = Literal["gyroscope", "accelerometer", "magnetometer"]
+
+DOUBT: Final = 3.0
+"""Logarithm of the likelihood that another reading must gain before it is named. Sound recordings, also cut to pieces
+of ten seconds, stay below two and a half."""
+CERTAIN: Final = 8.0
+"""The same before a recording is refused."""
+_NEAR: Final = 1.5
+"""Explanations this close to the best cannot be told from it."""
+_COMPLEX: Final = 1.5
+"""What an unlikely mistake must gain more before it is believed: axes and unit at once, or the unit of a gyroscope that
+reads what limbs do."""
+_ORDINARY_RADPS: Final = (0.5, 35.0)
+_POSSIBLE_RADPS: Final = (0.05, 100.0)
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """A mistake that would bring gravity, field and gyroscope together.
+
+    Attributes
+    ----------
+    triads : frozenset of str
+        Those of which each alone would explain it; more than one when the movement does not decide.
+    scale : float
+        What the gyroscope must be multiplied with; 1 when its unit is right.
+    mapping : ndarray, shape (3, 3)
+        Signed permutation that takes the axes of the first of `triads` to the right ones; the identity when only the
+        unit is wrong. Of an accelerometer or magnetometer only up to the sign of all three axes.
+    gain : float
+        Logarithm of the likelihood against the readings as they are.
+    gain_over_silence : float
+        The same against a gyroscope that says nothing.
+    """
+
+    triads: frozenset[Triad]
+    scale: float
+    mapping: Float
+    gain: float
+    gain_over_silence: float
+
+    @property
+    def is_certain(self) -> bool:
+        """Whether it may refuse a recording: both the readings as they are and none at all do far worse."""
+        return self.gain >= CERTAIN and self.gain_over_silence >= DOUBT
+
+
+def explain(evidence: Evidence, fastest_radps: float) -> Explanation | None:
+    """Return what is wrong with a sensor, or None when the readings as they are do about as well.
+
+    Parameters
+    ----------
+    evidence : Evidence
+    fastest_radps : float
+        What the gyroscope reads in the fastest moments: a limb turns neither at a thousandth of a radian a second nor
+        at a hundred, and where the readings are ordinary a wrong unit is unlikely.
+
+    Notes
+    -----
+    A mapping Q of the gyroscope shows as its inverse in force and field alike. A mapping P of the accelerometer shows
+    as det(P) P in the force alone, which is a rotation whatever P is: a reflected gyroscope can be told from it, a
+    rotated one only by the field. So with the magnetometer.
+    """
+    force, field = evidence.force, evidence.field
+    plain = float(force[0, 0] + field[0, 0])
+    turned = fastest_radps * np.array(SCALES)
+    is_ordinary = _ORDINARY_RADPS[0] < fastest_radps < _ORDINARY_RADPS[1]
+    unit = np.where(
+        (turned > _POSSIBLE_RADPS[0]) & (turned < _POSSIBLE_RADPS[1]), _COMPLEX * is_ordinary, np.inf
+    )
+    unit[0] = 0.0
+    prior = np.tile(unit[:, None], (1, len(SIGNED_PERMUTATIONS)))
+    prior[1:, 1:] += _COMPLEX
+    proper = np.where(IS_PROPER, 0.0, np.inf)
+    costs: dict[Triad, Float] = {
+        "gyroscope": force + field + prior,
+        "accelerometer": force + field[:, :1] + prior + proper,
+        "magnetometer": force[:, :1] + field + prior + proper,
+    }
+    best = min(float(cost.min()) for cost in costs.values())
+    if plain - best < DOUBT:
+        return None
+    near: dict[Triad, tuple[int, int]] = {}
+    for triad, cost in costs.items():
+        # Only a unit is wrong: that is a matter of the gyroscope, however it was found.
+        if float(cost.min()) <= best + _NEAR:
+            scale, mapping = divmod(int(np.argmin(cost)), cost.shape[1])
+            if mapping != 0 or triad == "gyroscope":
+                near[triad] = (scale, mapping)
+    units = costs["gyroscope"][:, 0]
+    if float(units.min()) <= best + (0.0 if is_ordinary else _NEAR):
+        near = {"gyroscope": (int(np.argmin(units)), 0)}
+    triads: list[Triad] = sorted(near, key=lambda triad: float(costs[triad].min()))
+    scale, mapping = near[triads[0]]
+    return Explanation(
+        frozenset(triads),
+        SCALES[scale],
+        SIGNED_PERMUTATIONS[mapping] if triads[0] == "gyroscope" else SIGNED_PERMUTATIONS[mapping].T,
+        plain - best,
+        float(evidence.unturned.sum()) - best,
+    )
+
+
+__all__ = ["CERTAIN", "DOUBT", "Explanation", "Triad", "explain"]

@@ -1,0 +1,129 @@
+"""What is gathered of one sensor's readings, stretch by stretch, to judge whether they can be right."""
+
+import math
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators._clipping import LEAST_FORCE_RANGE_MPS2, LEAST_RATE_RANGE_RADPS, ClipWatch
+from estimators.calibration.field.dip import Dip
+from estimators.calibration.plausibility.contradiction import HOP, WINDOW_S, Evidence, gather
+from estimators.conventions import GRAVITY_MPS2
+from estimators.gravity import calm_size
+from estimators.recording import Float
+
+_ENOUGH_WINDOWS: Final = 48
+"""With so many windows of movement the axes and the unit of a sensor are known."""
+_RESTING_S, _RESTING_SPREAD = 0.5, 0.02
+
+
+class Readings:
+    """What is known of the readings of one sensor; feed it stretch by stretch.
+
+    Parameters
+    ----------
+    name : str
+        What to call it.
+    """
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.ticks = self.sound_ticks = 0
+        self.is_marked_clipped = False
+        self.frozen_field_s = 0.0
+        self.time_s = 0.0
+        self.evidence = Evidence.nothing()
+        self.tail: Float | None = None
+        self.dip = Dip()
+        self.calm: list[float] = []
+        self.shaken: list[float] = []
+        self.fastest: list[float] = []
+        self.resting_radps: list[tuple[float, float]] = []
+        self.field_t: list[float] = []
+        self.field_spread: list[float] = []
+        self.still_products: list[Float] = []
+        self.rate_clips = ClipWatch(LEAST_RATE_RANGE_RADPS, is_rate=True)
+        self.force_clips = ClipWatch(LEAST_FORCE_RANGE_MPS2, is_rate=False)
+        self.first: dict[str, Float] = {}
+        self.changing: dict[str, NDArray[np.bool_]] = {}
+
+    def add(self, rate: Float, force: Float, field: Float | None, step_s: float) -> None:
+        """Take a stretch, each shape (N, 3)."""
+        sound = np.array(np.isfinite(rate).all(axis=1) & np.isfinite(force).all(axis=1))
+        self.ticks += len(rate)
+        self.sound_ticks += int(sound.sum())
+        self.time_s += len(rate) * step_s
+        if field is not None and not np.isfinite(field).any():
+            field = None
+        for triad, values in (("gyroscope", rate), ("accelerometer", force), ("magnetometer", field)):
+            if values is not None:
+                self._watch(triad, values)
+        self.rate_clips.add(rate, step_s)
+        self.force_clips.add(force, step_s)
+        if not sound.any():
+            return
+        if (self.evidence.windows[0 if field is None else 1]) < _ENOUGH_WINDOWS:
+            self._gather(rate, force, field, step_s)
+        size = np.linalg.norm(force[sound], axis=1)
+        turning = np.abs(rate[sound]).max(axis=1)
+        calm = calm_size(force, step_s)
+        if not math.isfinite(calm):
+            return
+        self.calm.append(calm)
+        # Over gravity as the device reads it: its unit may be wrong.
+        shaken = float(np.percentile(np.abs(size - np.median(size)), 99.0)) / max(calm, 1e-300)
+        self.shaken.append(shaken * GRAVITY_MPS2)
+        self.fastest.append(float(np.percentile(turning, 99.0)))
+        self._rest(rate, force, field, step_s)
+        if field is not None:
+            strength = np.linalg.norm(field[np.isfinite(field).all(axis=1)], axis=1)
+            self.field_t.append(float(np.median(strength)))
+            self.field_spread.append(float(np.std(strength)) / max(float(np.median(strength)), 1e-300))
+
+    def _gather(self, rate: Float, force: Float, field: Float | None, step_s: float) -> None:
+        """Weigh the movement, with windows that began in the stretch before."""
+        nothing = np.full_like(rate, np.nan)
+        stretch = np.stack((rate, force, nothing if field is None else field))
+        if self.tail is not None:
+            stretch = np.concatenate((self.tail, stretch), axis=1)
+        length = round((1.0 - HOP) * WINDOW_S / step_s)
+        self.tail = stretch[:, -length:] if stretch.shape[1] >= length else stretch
+        rate, force, joined = stretch
+        self.evidence += gather(rate, force, None if field is None else joined, step_s)
+        if field is not None:
+            self.dip.add(rate, force, joined, step_s)
+
+    def _watch(self, triad: str, values: Float) -> None:
+        finite = values[np.asarray(np.isfinite(values)).all(axis=1)]
+        if len(finite):
+            first = self.first.setdefault(triad, finite[0])
+            changing = self.changing.setdefault(triad, np.zeros(3, dtype=np.bool_))
+            changing |= (finite != first).any(axis=0)
+
+    def _rest(self, rate: Float, force: Float, field: Float | None, step_s: float) -> None:
+        """Note what is read where the force stands still."""
+        width = max(2, round(_RESTING_S / step_s))
+        parts = len(force) // width
+        if not parts:
+            return
+        pieces = force[: parts * width].reshape(parts, width, 3)
+        size = np.linalg.norm(pieces.mean(axis=1), axis=1)
+        still = np.linalg.norm(pieces.std(axis=1), axis=1) < _RESTING_SPREAD * size
+        turning = rate[: parts * width].reshape(parts, width, 3)[still]
+        turning = turning[np.isfinite(turning).all(axis=(1, 2))]
+        if len(turning):
+            rest = np.linalg.norm(np.median(turning.mean(axis=1), axis=0))
+            spread = np.median(np.linalg.norm(turning.std(axis=1), axis=1))
+            self.resting_radps.append((float(rest), float(spread)))
+        if field is None:
+            return
+        means = field[: parts * width].reshape(parts, width, 3).mean(axis=1)[still]
+        sound = np.isfinite(means).all(axis=1) & (np.linalg.norm(means, axis=1) > 0.0)
+        if sound.any():
+            up = pieces.mean(axis=1)[still][sound]
+            up, means = (v / np.linalg.norm(v, axis=1, keepdims=True) for v in (up, means[sound]))
+            self.still_products.append(np.einsum("ni,nj->ij", up, means) / len(up))
+
+
+__all__ = ["Readings"]

@@ -1,0 +1,376 @@
+"""Readings that cannot be right: units, axes, signs and dead channels, found by what does not depend on itself."""
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.calibration.plausibility.explanation import Explanation, explain
+from estimators.calibration.plausibility.finding import Finding, FindingCode, Hemisphere, Severity
+from estimators.calibration.plausibility.readings import Readings
+from estimators.conventions import GRAVITY_MPS2
+from estimators.errors import ShapeError
+from estimators.orientation._screen import SampleScreen
+from estimators.recording import Float, ImuChunk, SampleQuality
+from estimators.sentences import Sentence, say
+
+STRETCH_S: Final = 60.0
+"""What is looked at together; memory and time stay bounded however long a recording is."""
+_GRAVITY_NEAR, _GRAVITY_SURE = 1.15, 2.5
+"""How far calm specific force may be from gravity before it is a doubt, and from when on it is no gravity."""
+_FORCE_UNITS: Final = (
+    (0.0, 0.6, say("readings.force_without_gravity")),
+    (0.9, 1.1, say("readings.force_in_g")),
+    (29.0, 35.0, say("readings.force_in_feet")),
+    (900.0, 1100.0, say("readings.force_in_milli_g")),
+    (1850.0, 40000.0, say("readings.force_in_counts")),
+)
+_REST_RATE_RADPS: Final = math.radians(15.0)
+_FASTEST_RADPS: Final = 70.0
+_SHAKEN_MPS2: Final = 3.0
+_LEAST_TURNING: Final = 0.04
+"""A limb that is shaken turns: on sound recordings the fastest hundredth of turning over that of what is added to
+gravity is 0.12 to 2.5 rad/s for each m/s^2."""
+_SILENT_RADPS: Final = 0.05
+_FIELD_RANGE_T: Final = (20e-6, 75e-6)
+_FIELD_SURE_T: Final = (2e-6, 1e-3)
+_FIELD_UNITS: Final = (
+    (20.0, 75.0, say("readings.field_in_microtesla")),
+    (0.2, 0.75, say("readings.field_in_gauss")),
+    (0.85, 1.15, say("readings.field_normalised")),
+    (200.0, 750.0, say("readings.field_in_milligauss")),
+    (20_000.0, 75_000.0, say("readings.field_in_nanotesla")),
+)
+_FIELD_DOUBT_T: Final = (10e-6, 150e-6)
+_DISTURBED: Final = 0.15
+_LEAST_DIP_SINE: Final = 0.3
+_FROZEN_S: Final = 1.0
+"""A compass that repeats itself for so long in movement is worth a word; shorter ones are flagged where they are."""
+
+
+class RecordingCheck:
+    """Looks at a recording stretch by stretch and says what cannot be right so far.
+
+    Parameters
+    ----------
+    names : sequence of str, length S
+        What to call the sensors.
+    hemisphere : {"north", "south", "unknown"}
+        Of the place: the field points down in the north and up in the south.
+
+    Notes
+    -----
+    Nothing is judged by itself: a gyroscope by how gravity and field turn in the sensor, also where it reads nothing;
+    axes of accelerometer and magnetometer by the gyroscope and each other; force by gravity where it is calm.
+    """
+
+    def __init__(self, names: Sequence[str], hemisphere: Hemisphere = "north") -> None:
+        self._hemisphere = hemisphere
+        self._sensors = [Readings(name) for name in names]
+        self._next_tick = 0
+        self._screen: SampleScreen | None = None
+
+    def add(self, chunk: ImuChunk) -> None:
+        """Take the next stretch.
+
+        Parameters
+        ----------
+        chunk : ImuChunk
+            As declared (rad/s, m/s^2, T), at least some seconds.
+
+        Raises
+        ------
+        ShapeError
+            If it has not as many sensors as there are names.
+        """
+        if len(self._sensors) != chunk.sensor_count:
+            raise ShapeError(f"{len(self._sensors)} names for {chunk.sensor_count} sensors")
+        is_next = chunk.first_tick == self._next_tick
+        self._next_tick = chunk.first_tick + chunk.tick_count
+        if self._screen is None or not is_next:
+            self._screen = SampleScreen(chunk.sensor_count, chunk.time_step_s)
+        self._screen.screened(chunk)
+        lost = self._screen.lost_field
+        for s, sensor in enumerate(self._sensors):
+            if not is_next:
+                sensor.tail = None
+            if lost is not None:
+                sensor.frozen_field_s += float(lost[s].sum()) * chunk.time_step_s
+            field = None if chunk.magnetometer_t is None else chunk.magnetometer_t[s]
+            sensor.add(chunk.gyroscope_radps[s], chunk.accelerometer_mps2[s], field, chunk.time_step_s)
+            sensor.is_marked_clipped |= bool((chunk.quality[s] & SampleQuality.SATURATED).any())
+
+    def forget(self, name: str) -> None:
+        """Begin anew with one sensor: another device may have come in its place."""
+        self._sensors = [Readings(name) if sensor.name == name else sensor for sensor in self._sensors]
+        self._screen = None
+
+    @property
+    def clip_levels(self) -> Float:
+        """From which on samples are cut off, as far as values piled up, infinite where none did.
+
+        Shape (S, 2, 2, 3): gyroscope (rad/s) and accelerometer (m/s^2), positive and negative side, axis. A larger
+        value later shows that a level was none.
+        """
+        return np.array([(known.rate_clips.levels, known.force_clips.levels) for known in self._sensors])
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """What was found; what the movement does not say is not claimed."""
+        return tuple(
+            found for sensor in self._sensors for found in _Verdict(sensor).findings(self._hemisphere)
+        )
+
+
+def check_recording(
+    chunk: ImuChunk, names: Sequence[str], *, hemisphere: Hemisphere = "north"
+) -> tuple[Finding, ...]:
+    """Look for wrong units, axes, signs, and dead channels in a whole recording.
+
+    Parameters
+    ----------
+    chunk : ImuChunk
+        As declared (rad/s, m/s^2, T).
+    names : sequence of str, length S
+    hemisphere : {"north", "south", "unknown"}
+
+    Returns
+    -------
+    tuple of Finding
+
+    Raises
+    ------
+    ShapeError
+        If there are not as many names as sensors.
+    """
+    check = RecordingCheck(names, hemisphere)
+    parts = max(1, round(chunk.tick_count * chunk.time_step_s / STRETCH_S))
+    bounds = [round(chunk.tick_count * part / parts) for part in range(parts + 1)]
+    for first, stop in pairwise(bounds):
+        check.add(chunk.ticks(first, stop))
+    return check.findings
+
+
+class _Verdict:
+    """What is said of the readings of one sensor."""
+
+    def __init__(self, readings: Readings) -> None:
+        self.readings, self.name = readings, readings.name
+        self.found: list[Finding] = []
+
+    def findings(self, hemisphere: Hemisphere) -> list[Finding]:
+        """Return what is wrong so far."""
+        share = self.readings.sound_ticks / max(self.readings.ticks, 1)
+        if share < 0.2 or share * self.readings.time_s < 0.3:
+            self._tell("no_data", say("readings.no_data", where=[self.name]), share)
+            return self.found
+        is_force_alive = self._force()
+        is_rate_alive = self._rate_channels()
+        is_field_alive = self._field()
+        self._clips()
+        explanation = explain(self.readings.evidence, max(self.readings.fastest, default=0.0))
+        if is_rate_alive:
+            self._unit_of_rate(explanation)
+            if is_force_alive and explanation is not None and explanation.scale == 1.0:
+                self._axes(explanation, hemisphere if is_field_alive else "unknown")
+        if is_force_alive and is_field_alive and hemisphere != "unknown":
+            self._sign(hemisphere)
+        return self.found
+
+    def _tell(
+        self, code: FindingCode, message: Sentence, value: float, severity: Severity = "refuse"
+    ) -> None:
+        self.found.append(Finding(self.name, code, severity, message, float(value)))
+
+    def _is_constant(self, triad: str) -> NDArray[np.bool_]:
+        """Return which axes have never changed; none while hardly anything came."""
+        if self.readings.sound_ticks < 20 or triad not in self.readings.changing:
+            return np.zeros(3, dtype=np.bool_)
+        return ~self.readings.changing[triad]
+
+    def _force(self) -> bool:
+        where = [self.name]
+        if self._is_constant("accelerometer").all():
+            self._tell("accelerometer_dead", say("readings.accelerometer_dead", where=where), 0.0)
+            return False
+        size = float(np.median(self.readings.calm)) if self.readings.calm else GRAVITY_MPS2
+        factor = max(size, 1e-300) / GRAVITY_MPS2
+        factor = max(factor, 1.0 / factor)
+        if factor <= _GRAVITY_NEAR or (factor <= _GRAVITY_SURE and not self.readings.resting_radps):
+            return True
+        remedies = [remedy for low, high, remedy in _FORCE_UNITS if low <= size <= high]
+        remedy = remedies[0] if remedies else say("readings.force_unknown")
+        self._tell(
+            "accelerometer_unit",
+            say("readings.accelerometer_unit", where=where, value=size, remedy=remedy),
+            size,
+            "refuse" if factor > _GRAVITY_SURE else "warning",
+        )
+        return not (size < 0.6 and remedies)
+
+    def _rate_channels(self) -> bool:
+        dead = [
+            axis for axis, constant in zip("xyz", self._is_constant("gyroscope"), strict=True) if constant
+        ]
+        if dead:
+            message = say("readings.gyroscope_dead", where=[self.name], axes=dead, count=len(dead))
+            self._tell("gyroscope_dead", message, float(len(dead)))
+        return not dead
+
+    def _clips(self) -> None:
+        """Warn of what is cut off: it costs precision, which the estimate's uncertainty says."""
+        where = [self.name]
+        if (level := self.readings.force_clips.level) is not None:
+            message = say("readings.accelerometer_clipped", where=where, level_mps2=level)
+            self._tell("accelerometer_clipped", message, level, "warning")
+        level = self.readings.rate_clips.level
+        # A mark does not say of which triad it is: with a level of the other it may be that one's.
+        if level is None and self.readings.force_clips.level is None and self.readings.is_marked_clipped:
+            level = self.readings.rate_clips.largest
+        if level is not None:
+            message = say("readings.gyroscope_clipped", where=where, level_radps=level)
+            self._tell("gyroscope_clipped", message, level, "warning")
+
+    def _unit_of_rate(self, explanation: Explanation | None) -> None:
+        where, fastest = [self.name], max(self.readings.fastest, default=0.0)
+        shaken = max(self.readings.shaken, default=0.0)
+        scale = 1.0 if explanation is None else explanation.scale
+        is_certain = explanation is not None and explanation.is_certain
+        if scale != 1.0 and (is_certain or fastest >= _SILENT_RADPS):
+            self._tell(
+                "gyroscope_unit",
+                _unit_message(where, 1.0 / scale),
+                fastest,
+                "refuse" if is_certain else "warning",
+            )
+        elif fastest < _SILENT_RADPS and self.readings.evidence.windows.any():
+            self._tell("gyroscope_dead", say("readings.gyroscope_silent", where=where), fastest)
+        elif fastest > _FASTEST_RADPS:
+            self._tell("gyroscope_unit", say("readings.gyroscope_in_degrees", where=where), fastest)
+        elif shaken > _SHAKEN_MPS2 and fastest < _LEAST_TURNING * shaken:
+            message = say("readings.gyroscope_too_calm", where=where, rate_radps=fastest, force_mps2=shaken)
+            self._tell("gyroscope_unit", message, fastest, "warning")
+        elif self.readings.resting_radps and not self.readings.evidence.windows.any():
+            rest, spread = np.median(self.readings.resting_radps, axis=0)
+            if (rate := float(max(rest, spread))) > _REST_RATE_RADPS:
+                # It may be turning about the vertical, or tremble.
+                message = say("readings.gyroscope_restless", where=where, rate_radps=rate)
+                self._tell("gyroscope_unit", message, rate, "warning")
+
+    def _axes(self, explanation: Explanation, hemisphere: Hemisphere) -> None:
+        triads, mapping, where = explanation.triads, explanation.mapping, [self.name]
+        seen_force, seen_field = (self.readings.evidence.windows > 0).tolist()
+        severity: Severity = "refuse" if explanation.is_certain else "warning"
+        if triads in ({"accelerometer"}, {"magnetometer"}):
+            mapping = self._signed(mapping, next(iter(triads)), hemisphere)
+        axes = _mapping(mapping)
+        code: FindingCode = "gyroscope_axes"
+        if triads == {"gyroscope"} and seen_force and seen_field:
+            message = say("readings.gyroscope_against_others", where=where, mapping=axes)
+        elif triads == {"gyroscope"} and seen_force:
+            message = say("readings.gyroscope_against_accelerometer", where=where, mapping=axes)
+        elif triads == {"gyroscope"}:
+            message = say("readings.gyroscope_against_magnetometer", where=where, mapping=axes)
+        elif triads == {"accelerometer"}:
+            code = "accelerometer_axes"
+            message = say("readings.accelerometer_against_others", where=where, mapping=axes)
+        elif triads == {"magnetometer"}:
+            code = "magnetometer_axes"
+            message = say("readings.magnetometer_against_gyroscope", where=where, mapping=axes)
+        elif "magnetometer" in triads:
+            code = "gyroscope_or_magnetometer_axes"
+            message = say("readings.field_axes_apart", where=where, mapping=axes)
+        else:
+            code = "gyroscope_or_accelerometer_axes"
+            message = say("readings.axes_apart", where=where, mapping=axes)
+        self._tell(code, message, explanation.gain, severity)
+
+    def _signed(self, mapping: Float, triad: str, hemisphere: Hemisphere) -> Float:
+        """Return the mapping or its negative: that with which the field points down, else that of fewer changes."""
+        if self.readings.still_products and hemisphere != "unknown":
+            product = np.mean(self.readings.still_products, axis=0)
+            product = mapping @ product if triad == "accelerometer" else product @ mapping.T
+            down = -float(np.trace(product)) * (1.0 if hemisphere == "north" else -1.0)
+            if abs(down) > _LEAST_DIP_SINE:
+                return mapping if down > 0.0 else -mapping
+        return mapping if np.trace(mapping) >= 0.0 else -mapping
+
+    def _field(self) -> bool:
+        if not self.readings.field_t:
+            return False
+        where, middle = [self.name], float(np.median(self.readings.field_t))
+        if (lasts_s := self.readings.frozen_field_s) > _FROZEN_S:
+            message = say("readings.magnetometer_frozen", where=where, lasts_s=lasts_s)
+            self._tell("magnetometer_frozen", message, lasts_s, "warning")
+        if middle == 0.0 or self._is_constant("magnetometer").all():
+            message = (
+                say("readings.magnetometer_constant", where=where)
+                if middle
+                else say("readings.magnetometer_zero", where=where)
+            )
+            self._tell("magnetometer_dead", message, middle)
+            return False
+        if _FIELD_RANGE_T[0] <= middle <= _FIELD_RANGE_T[1]:
+            if (share := float(np.median(self.readings.field_spread))) > _DISTURBED:
+                message = say("readings.field_varies", where=where, share=share)
+                self._tell("magnetic_disturbance", message, share, "warning")
+            return True
+        for low, high, remedy in _FIELD_UNITS:
+            if low <= middle <= high:
+                message = say("readings.magnetometer_unit", where=where, value=middle, remedy=remedy)
+                self._tell("magnetometer_unit", message, middle)
+                return True
+        is_sure = not _FIELD_SURE_T[0] < middle < _FIELD_SURE_T[1]
+        is_doubt = not _FIELD_DOUBT_T[0] < middle < _FIELD_DOUBT_T[1]
+        self._tell(
+            "magnetometer_unit" if is_doubt else "magnetic_disturbance",
+            say("readings.field_off", where=where, field_t=middle),
+            middle,
+            "refuse" if is_sure else "warning",
+        )
+        return True
+
+    def _sign(self, hemisphere: Hemisphere) -> None:
+        if any(f.code.endswith("_axes") or f.code == "gyroscope_unit" for f in self.found):
+            return
+        down, severity = self.readings.dip.sine(), "refuse"
+        if math.isnan(down) and self.readings.still_products:
+            # At rest nothing separates the field of the room from that of iron on the sensor.
+            down, severity = (
+                -float(np.mean([np.trace(product) for product in self.readings.still_products])),
+                "warning",
+            )
+        if hemisphere == "south":
+            down = -down
+        if down < -_LEAST_DIP_SINE:
+            angle_rad = -math.asin(max(down, -1.0))
+            message = (
+                say("readings.field_up", where=[self.name], angle_rad=angle_rad)
+                if hemisphere == "north"
+                else say("readings.field_down", where=[self.name], angle_rad=angle_rad)
+            )
+            self._tell("gravity_reversed", message, down, "refuse" if severity == "refuse" else "warning")
+
+
+def _unit_message(where: list[str], factor: float) -> Sentence:
+    """Return the sentence about a gyroscope that reads `factor` times what the sensor turns."""
+    if math.isclose(factor, 180.0 / math.pi, rel_tol=0.01):
+        return say("readings.gyroscope_in_degrees", where=where)
+    if math.isclose(factor, math.pi / 180.0, rel_tol=0.01):
+        return say("readings.gyroscope_twice", where=where)
+    return say("readings.gyroscope_scale", where=where, factor=factor)
+
+
+def _mapping(mapping: Float) -> list[str]:
+    """Return for each axis that is wrong what it should be: `x → -y`."""
+    return [
+        f"{axis} → {'-' if mapping[k].sum() < 0 else ''}{'xyz'[int(np.argmax(np.abs(mapping[k])))]}"
+        for k, axis in enumerate("xyz")
+        if mapping[k, k] != 1.0
+    ]
+
+
+__all__ = ["STRETCH_S", "RecordingCheck", "check_recording"]

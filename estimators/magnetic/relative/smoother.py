@@ -1,0 +1,232 @@
+"""Relative pose off line: the filter run again over a recording, smoothed backward (method page 3.12)."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators import rotation
+from estimators._kernels import kernel, multiply
+from estimators.magnetic._coil import Source
+from estimators.magnetic._small_algebra import cholesky, multiply_turned, solve_rows, symmetrise
+from estimators.magnetic._small_algebra import multiply as matrix_multiply
+from estimators.magnetic.relative import layout as at
+from estimators.magnetic.relative.motion import corrected, dynamics, inject, mechanise, predict, relax
+from estimators.magnetic.relative.pose import RelativeChunk, RelativePoseFilter, RelativeResult
+from estimators.recording import Float
+
+_T, _DECAY, _PUBLISHED, _FORCE, _RATE = (
+    at.TIME_STEP,
+    at.BIAS_DECAY,
+    at.PUBLISHED,
+    at.FORCE_SIGMA,
+    at.RATE_SIGMA,
+)
+_P, _U, _Q, _BA, _NOMINAL = at.POSITION, at.VELOCITY, at.ATTITUDE, at.FORCE_BIAS, at.NOMINAL
+_ET, _EA, _ERRORS = at.E_ATTITUDE, at.E_FORCE, at.ERRORS
+
+
+@dataclass(frozen=True)
+class SmoothedPose:
+    """Pose over the K ticks of a recording, from all of it.
+
+    Attributes
+    ----------
+    position_m : ndarray, shape (K, 3)
+    q_source_sensor : ndarray, shape (K, 4)
+    velocity_mps : ndarray, shape (K, 3)
+    covariance : ndarray, shape (K, 6, 6)
+        As in `RelativeResult`.
+    valid : ndarray of bool, shape (K,)
+        From the first burst on.
+    redistributed_position_m : ndarray, shape (K, 3)
+        The filter's position with each correction spread over the interval before it (F-17), for comparison.
+    filtered : RelativeResult
+        What the filter said.
+    """
+
+    position_m: Float
+    q_source_sensor: Float
+    velocity_mps: Float
+    covariance: Float
+    valid: NDArray[np.bool_]
+    redistributed_position_m: Float
+    filtered: RelativeResult
+
+
+@kernel("void(float64[::1], float64[::1], float64[::1])")
+def difference(a: Float, b: Float, out: Float) -> None:
+    """Write the error that, taken out of b, gives a: estimate minus truth with b as the estimate."""
+    for i in range(3):
+        out[i] = b[_P + i] - a[_P + i]
+        out[3 + i] = b[_U + i] - a[_U + i]
+    q = multiply(a[_Q], -a[_Q + 1], -a[_Q + 2], -a[_Q + 3], b[_Q], b[_Q + 1], b[_Q + 2], b[_Q + 3])
+    sign = 1.0 if q[0] >= 0.0 else -1.0
+    sine = np.sqrt(q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+    scale = 2.0 if sine < 1e-9 else 2.0 * np.arctan2(sine, sign * q[0]) / sine
+    for i in range(3):
+        out[_ET + i] = sign * scale * q[1 + i]
+    for i in range(12):
+        out[_EA + i] = a[_BA + i] - b[_BA + i]
+
+
+@kernel(
+    "void(float64[:, ::1], boolean[::1], boolean[::1], float64[:, ::1], float64[:, :, ::1], float64[::1],"
+    "float64[:, ::1], float64[:, :, ::1], float64[:, ::1])"
+)
+def backward(
+    samples: Float,
+    restarted: NDArray[np.bool_],
+    valid: NDArray[np.bool_],
+    nominal: Float,
+    covariance: Float,
+    settings: Float,
+    smoothed: Float,
+    smoothed_covariance: Float,
+    before: Float,
+) -> None:
+    """Run backward over the filter's states; `before` takes the states ahead of the corrections of their tick.
+
+    Rauch-Tung-Striebel with the a priori covariance and differences on the manifold (method page, C4 2.4).
+    """
+    count, n = len(samples), covariance.shape[1]
+    work = np.empty((3, n, n))
+    f, phi, gain, prior, change = (
+        np.empty((n, n)),
+        np.empty((n, n)),
+        np.empty((n, n)),
+        np.empty((n, n)),
+        np.empty((n, n)),
+    )
+    signals, error, moved = np.empty(12), np.empty(n), np.empty(n)
+    t, published = settings[_T], settings[_PUBLISHED] > 0.0
+    for k in range(count - 1, -1, -1):
+        for i in range(nominal.shape[1]):
+            smoothed[k, i] = nominal[k, i]
+        smoothed_covariance[k, :, :] = covariance[k]
+        if k == count - 1 or restarted[k + 1] or not valid[k]:
+            continue
+        state = before[k + 1]
+        for i in range(nominal.shape[1]):
+            state[i] = nominal[k, i]
+        corrected(state, samples[k], samples[k + 1], signals)
+        dynamics(state, signals, settings[_DECAY], published, f)
+        matrix_multiply(f, f, phi)
+        for i in range(n):
+            for j in range(n):
+                phi[i, j] = f[i, j] * t + 0.5 * t * t * phi[i, j]
+                prior[i, j] = covariance[k, i, j]
+            phi[i, i] += 1.0
+        predict(state, signals, settings, settings[_FORCE], settings[_RATE], prior, work)
+        mechanise(state, signals, t, published)
+        relax(state, settings)
+        # gain = P Phi^T (P-)^-1
+        multiply_turned(covariance[k], phi, gain)
+        for i in range(n):
+            for j in range(n):
+                work[0, i, j] = prior[i, j]
+                change[i, j] = smoothed_covariance[k + 1, i, j] - prior[i, j]
+            work[0, i, i] += 1e-16
+        if not cholesky(work[0]):
+            continue
+        solve_rows(work[0], gain)
+        difference(smoothed[k + 1], state, error)
+        for i in range(n):
+            moved[i] = 0.0
+            for j in range(n):
+                moved[i] += gain[i, j] * error[j]
+        inject(smoothed[k], moved)
+        matrix_multiply(gain, change, f)
+        multiply_turned(f, gain, phi)
+        for i in range(n):
+            for j in range(n):
+                smoothed_covariance[k, i, j] += phi[i, j]
+        symmetrise(smoothed_covariance[k])
+
+
+def smooth_relative_pose(
+    source: Source, chunk: RelativeChunk, parameters: Mapping[str, Any] | None = None
+) -> SmoothedPose:
+    """Estimate the pose from a whole recording, with its pulses where they were.
+
+    Parameters
+    ----------
+    source : Source
+    chunk : RelativeChunk
+        The recording, from tick 0, coil states included.
+    parameters : mapping, optional
+        As for `RelativePoseFilter`.
+    """
+    return smooth_table(source, chunk.time_step_s, chunk.table(), parameters)
+
+
+def smooth_table(
+    source: Source,
+    time_step_s: float,
+    samples: Float,
+    parameters: Mapping[str, Any] | None = None,
+    start: tuple[Float, Float, Float] | None = None,
+) -> SmoothedPose:
+    """Do the same with samples as a table, shape (K, 17); `start` is a known pose as in `set_pose`."""
+    samples = np.ascontiguousarray(samples, dtype=np.float64)
+    relative = RelativePoseFilter(source, time_step_s, parameters)
+    if start is not None:
+        relative.set_pose(*start)
+    count = len(samples)
+    out = np.empty((count, at.OUTPUT))
+    nominal, covariance = np.empty((count, _NOMINAL)), np.empty((count, _ERRORS, _ERRORS))
+    restarted, valid = np.zeros(count, dtype=np.bool_), np.zeros(count, dtype=np.bool_)
+    _, settings, state, spread, _, counters, _ = relative.arrays()
+    for k in range(count):
+        before_tick = int(counters[at.RESTARTED])
+        out[k] = relative.run(samples[k : k + 1])[0]
+        nominal[k], covariance[k], valid[k] = state, spread, counters[at.STARTED] > 0
+        restarted[k] = counters[at.RESTARTED] > before_tick
+    held = samples.copy()
+    _hold(held)
+    smoothed, before = np.empty_like(nominal), nominal.copy()
+    smoothed_covariance = np.empty_like(covariance)
+    backward(held, restarted, valid, nominal, covariance, settings, smoothed, smoothed_covariance, before)
+    pose = np.r_[0:3, 6:9]
+    filtered = RelativeResult.of_table(out)
+    updates = np.isfinite(filtered.nis) | restarted
+    return SmoothedPose(
+        smoothed[:, _P : _P + 3],
+        rotation.positive(smoothed[:, _Q : _Q + 4]),
+        smoothed[:, _U : _U + 3],
+        smoothed_covariance[:, pose[:, None], pose[None, :]],
+        valid,
+        _redistribute(nominal[:, _P : _P + 3], before[:, _P : _P + 3], updates & ~restarted, restarted),
+        filtered,
+    )
+
+
+def _hold(samples: Float) -> None:
+    """Put the last whole sample where one is missing, as the filter does."""
+    inertial = np.r_[0:6, 9:15]
+    bad = ~np.isfinite(samples[:, inertial]).all(axis=1)
+    for k in np.flatnonzero(bad):
+        if k:
+            samples[k, inertial] = samples[k - 1, inertial]
+        else:
+            samples[k, inertial] = 0.0
+
+
+def _redistribute(
+    position: Float, before: Float, updates: NDArray[np.bool_], restarted: NDArray[np.bool_]
+) -> Float:
+    """Spread each correction over the interval before it with the square of time (3.12a)."""
+    spread = position.copy()
+    last = 0
+    for k in np.flatnonzero(updates | restarted):
+        if updates[k] and k > last:
+            correction = position[k] - before[k]
+            share = (np.arange(last + 1, k) - last) / (k - last)
+            spread[last + 1 : k] += share[:, None] ** 2 * correction
+        last = int(k)
+    return spread
+
+
+__all__ = ["SmoothedPose", "smooth_relative_pose", "smooth_table"]

@@ -1,0 +1,272 @@
+"""How a person performs an exercise: amplitude, speed, tremor, fatigue, compensation, spread."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.errors import SetupError
+from estimators.simulation.arm.exercises import (
+    ACTING,
+    ARM_COORDINATES,
+    COORDINATES,
+    OTHER,
+    TRUNK,
+    TRUNK_COORDINATES,
+    Exercise,
+    hanging,
+)
+from estimators.simulation.arm.timeline import Sinusoids, Timeline, sway
+
+Float = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class MovementStyle:
+    """How a person performs an exercise; the defaults are a healthy adult.
+
+    Attributes
+    ----------
+    amplitude : float
+        Fraction of the way from rest to each stop that the arm makes.
+    speed : float
+        1 is the exercise's own timing.
+    tremor_rad, tremor_hz : float
+        Amplitude at elbow, forearm and shoulder, and frequency, once the arm has left the N-pose.
+    fatigue_amplitude, fatigue_speed : float
+        Fraction of amplitude and of speed that is lost between the first and the last repetition.
+    trunk_lean_rad, trunk_lateral_rad, trunk_rotation_rad : float
+        Compensation at the far end: forward lean, lean away from the acting arm, turn that brings its
+        shoulder forward.
+    shoulder_hike_rad : float
+        Compensation: elevation of the clavicle of the acting arm.
+    submovements : int
+        Pieces of each transition; 1 is one smooth bell of speed.
+    amplitude_sd, duration_sd, posture_sd_rad : float
+        Spread between repetitions: relative, relative, absolute per coordinate.
+    """
+
+    amplitude: float = 1.0
+    speed: float = 1.0
+    tremor_rad: float = 0.0
+    tremor_hz: float = 5.0
+    fatigue_amplitude: float = 0.0
+    fatigue_speed: float = 0.0
+    trunk_lean_rad: float = 0.0
+    trunk_lateral_rad: float = 0.0
+    trunk_rotation_rad: float = 0.0
+    shoulder_hike_rad: float = 0.0
+    submovements: int = 1
+    amplitude_sd: float = 0.02
+    duration_sd: float = 0.04
+    posture_sd_rad: float = np.radians(1.2)
+
+    def __post_init__(self) -> None:
+        if not (0.0 < self.amplitude <= 1.5 and 0.1 <= self.speed <= 5.0 and 1 <= self.submovements <= 8):
+            raise SetupError(f"{self}: amplitude is 0 to 1.5, speed 0.1 to 5, submovements 1 to 8")
+        if not (0.0 <= self.fatigue_amplitude < 1.0 and 0.0 <= self.fatigue_speed < 1.0):
+            raise SetupError(f"{self}: fatigue is the fraction lost, 0 to below 1")
+
+
+def style_of_impairment(level: float) -> MovementStyle:
+    """Return a typical performance of a person after stroke.
+
+    Parameters
+    ----------
+    level : float
+        0 is healthy, 0.35 mild, 0.7 moderate, 1 severe.
+
+    Returns
+    -------
+    MovementStyle
+        Less range, slower and in more pieces, tremor, fatigue, more trunk and shoulder: the directions are
+        those of Cirstea and Levin (2000), Brain 123:940; the sizes are the house's.
+    """
+    if not 0.0 <= level <= 1.0:
+        raise SetupError(f"impairment level {level} is outside 0 to 1")
+    healthy = MovementStyle()
+    return replace(
+        healthy,
+        amplitude=1.0 - 0.55 * level,
+        speed=1.0 - 0.6 * level,
+        tremor_rad=np.radians(1.5) * level,
+        fatigue_amplitude=0.2 * level,
+        fatigue_speed=0.25 * level,
+        trunk_lean_rad=np.radians(22) * level,
+        trunk_lateral_rad=np.radians(10) * level,
+        trunk_rotation_rad=np.radians(12) * level,
+        shoulder_hike_rad=np.radians(14) * level,
+        submovements=1 + round(4 * level),
+        amplitude_sd=0.02 + 0.06 * level,
+        duration_sd=0.04 + 0.12 * level,
+        posture_sd_rad=np.radians(1.2 + 2.5 * level),
+    )
+
+
+@dataclass(frozen=True)
+class Performance:
+    """A whole performed exercise.
+
+    Attributes
+    ----------
+    timeline : Timeline
+        Columns are `COORDINATES`.
+    repetitions_s : ndarray, shape (R, 2)
+        From leaving the rest posture to being back in it.
+    end_s : float
+    """
+
+    timeline: Timeline
+    repetitions_s: Float
+    end_s: float
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """When things happen: N-pose, a short transition to the rest posture, repetitions with pauses.
+
+    Either `repetitions` is given, or `duration_s`, into which as many as fit are put.
+    """
+
+    n_pose_s: float = 10.0
+    transition_s: float = 1.5
+    pause_s: float = 1.5
+    repetitions: int | None = 5
+    duration_s: float | None = None
+    settle_s: float = 1.0
+    """Rest before the first and after the last repetition, beside the pause."""
+
+
+def perform(
+    exercise: Exercise,
+    style: MovementStyle,
+    schedule: Schedule,
+    *,
+    both_arms: bool,
+    sway_rad: float,
+    n_pose_error_rad: float,
+    seed: int,
+) -> Performance:
+    """Lay an exercise out in time.
+
+    Parameters
+    ----------
+    exercise : Exercise
+    style : MovementStyle
+    schedule : Schedule
+    both_arms : bool
+        The other arm mirrors the acting one instead of hanging.
+    sway_rad : float
+        RMS of the slow wander of every coordinate, also during the N-pose.
+    n_pose_error_rad : float
+        Standard deviation of how far each coordinate is off the exact N-pose.
+    seed : int
+
+    Returns
+    -------
+    Performance
+
+    Raises
+    ------
+    SetupError
+        If neither or both of repetitions and duration are given, or nothing fits the duration.
+    """
+    if (schedule.repetitions is None) == (schedule.duration_s is None):
+        raise SetupError("give either repetitions or duration_s, not both and not neither")
+    rng = np.random.default_rng([seed, 1])
+    rest = _posture(exercise.rest_deg, both_arms)
+    n_pose = _n_pose(exercise, both_arms)
+    n_pose = n_pose + np.random.default_rng([seed, 2]).normal(0.0, 1.0, n_pose.size) * n_pose_error_rad
+    knots, postures, counts = [0.0, schedule.n_pose_s], [n_pose, n_pose], [1]
+
+    def go(posture: Float, seconds: float, pieces: int = 1) -> None:
+        knots.append(knots[-1] + max(seconds, 1e-3))
+        postures.append(posture)
+        counts.append(pieces)
+
+    go(rest, schedule.transition_s)
+    go(rest, schedule.settle_s + schedule.pause_s)
+    expected = sum(stop.move_s / style.speed + stop.hold_s for stop in exercise.stops)
+    expected += exercise.return_s / style.speed + schedule.pause_s
+    if schedule.duration_s is None:
+        planned = int(schedule.repetitions or 0)
+    else:
+        planned = int((schedule.duration_s - knots[-1] - schedule.settle_s) / expected)
+    if planned < 1:
+        raise SetupError(f"no repetition fits: {schedule}")
+    intervals, stop_at = [], np.inf if schedule.duration_s is None else schedule.duration_s - 0.5
+    for number in range(planned):
+        worn_out = number / max(planned - 1, 1)
+        amplitude = style.amplitude * (1.0 - style.fatigue_amplitude * worn_out)
+        amplitude *= 1.0 + style.amplitude_sd * rng.normal()
+        pace = style.speed * (1.0 - style.fatigue_speed * worn_out) * np.exp(style.duration_sd * rng.normal())
+        draws = rng.normal(size=(len(exercise.stops) + 1, 13)) * style.posture_sd_rad
+        needed = sum(stop.move_s / pace + stop.hold_s for stop in exercise.stops) + exercise.return_s / pace
+        if knots[-1] + needed > stop_at:
+            break
+        start = knots[-1]
+        for stop, draw in zip(exercise.stops, draws[:-1], strict=True):
+            target = _posture(stop.posture_deg, both_arms)
+            reached = rest + amplitude * (target - rest)
+            reached[ACTING] += draw[3:]
+            reached[TRUNK] += 0.3 * draw[:3]
+            _compensate(reached, style)
+            reached[OTHER] = reached[ACTING] if both_arms else reached[OTHER]
+            go(reached, stop.move_s / pace, style.submovements)
+            go(reached, stop.hold_s)
+        back = rest.copy()
+        back[ACTING] += 0.3 * draws[-1, 3:]
+        back[OTHER] = back[ACTING] if both_arms else back[OTHER]
+        go(back, exercise.return_s / pace, style.submovements)
+        intervals.append((start, knots[-1]))
+        go(back, schedule.pause_s)
+    go(postures[-1], schedule.settle_s)
+    end_s = knots[-1] if schedule.duration_s is None else schedule.duration_s
+    every = tuple(range(len(COORDINATES)))
+    wander = [sway(every, sway_rad, np.random.default_rng([seed, 3]))]
+    if style.tremor_rad > 0.0:
+        wander.append(_tremor(style, schedule.n_pose_s, both_arms, np.random.default_rng([seed, 4])))
+    timeline = Timeline(np.array(knots), np.array(postures), np.array(counts, dtype=np.int64), tuple(wander))
+    return Performance(timeline, np.array(intervals).reshape(-1, 2), end_s)
+
+
+def _posture(named_deg: Mapping[str, float], both_arms: bool) -> Float:
+    trunk = [named_deg.get(name, 0.0) for name in TRUNK_COORDINATES]
+    acting = [named_deg.get(name, 0.0) for name in ARM_COORDINATES]
+    relaxed = hanging(30.0) | {"elevation": 9}
+    other = acting if both_arms else [relaxed.get(name, 0.0) for name in ARM_COORDINATES]
+    return np.radians(np.array([*trunk, *acting, *other], dtype=np.float64))
+
+
+def _n_pose(exercise: Exercise, both_arms: bool) -> Float:
+    """Upper arms exactly vertical, with the plane of elevation of the coming rest posture."""
+    posture = np.zeros(len(COORDINATES))
+    rest = _posture(exercise.rest_deg, both_arms)
+    plane, axial = ARM_COORDINATES.index("plane"), ARM_COORDINATES.index("axial")
+    for arm in (ACTING, OTHER):
+        posture[arm][plane] = rest[arm][plane]
+        posture[arm][axial] = -rest[arm][plane]
+        posture[arm][ARM_COORDINATES.index("pronation")] = 0.5 * np.pi
+    return posture
+
+
+def _compensate(posture: Float, style: MovementStyle) -> None:
+    posture[0] += style.trunk_lean_rad
+    posture[1] -= style.trunk_lateral_rad
+    posture[2] += style.trunk_rotation_rad
+    posture[ACTING][ARM_COORDINATES.index("hike")] += style.shoulder_hike_rad
+
+
+def _tremor(style: MovementStyle, start_s: float, both_arms: bool, rng: np.random.Generator) -> Sinusoids:
+    names = ("elevation", "axial", "flexion", "pronation")
+    share = np.array([0.4, 0.6, 0.7, 1.0])
+    columns = [COORDINATES.index(f"acting_{name}") for name in names]
+    phase = rng.uniform(0.0, 2.0 * np.pi, (len(names), 2))
+    amplitude = style.tremor_rad * share[:, None] * np.array([0.7, 0.3])
+    # Two close frequencies beat, as real tremor waxes and wanes.
+    frequency = np.broadcast_to(style.tremor_hz * np.array([1.0, 1.13]), phase.shape)
+    if both_arms:
+        columns += [COORDINATES.index(f"other_{name}") for name in names]
+        amplitude, phase, frequency = (np.concatenate((x, x)) for x in (amplitude, phase, frequency))
+    return Sinusoids(tuple(columns), amplitude, frequency, phase, fade_start_s=start_s)

@@ -1,0 +1,1 @@
+"""A magnetic source and the sensors around it, with exact truth."""

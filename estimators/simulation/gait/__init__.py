@@ -1,0 +1,1 @@
+"""A person who walks: course, feet, trunk, forces under the shoes, with exact truth."""
