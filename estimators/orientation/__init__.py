@@ -19,7 +19,6 @@ from estimators.orientation._smoothers import (
     with_orientation,
 )
 from estimators.orientation._telemotion import TelemotionEstimator
-from estimators.orientation._vqf import VqfEstimator
 from estimators.orientation.luinge import LuingeEstimator
 from estimators.orientation.marzouk import (
     MarzoukErrorStateEstimator,
@@ -27,6 +26,7 @@ from estimators.orientation.marzouk import (
     MarzoukQuaternionEstimator,
 )
 from estimators.orientation.roetenberg import RoetenbergEstimator
+from estimators.orientation.vqf import VqfEstimator
 
 DEFAULT: Final = TelemotionEstimator.name
 """The estimator of whoever names none."""

@@ -32,7 +32,7 @@ def parameter(
         Empty for a plain number or a switch.
     meaning : str
     above, below : float, optional
-        Bounds that the value may not reach. No number may be negative.
+        Bounds that the value may not reach. Without `above` no number may be negative.
     """
     return field(default=default, metadata={"parameter": Meaning(unit, meaning, above, below)})
 
@@ -78,7 +78,7 @@ def read_parameters(kind: type[P], values: Mapping[str, Any] | None) -> P:
 
 
 def _check_bounds(name: str, value: float, meaning: Meaning) -> None:
-    if value < 0.0:
+    if meaning.above is None and value < 0.0:
         raise SetupError(f"{name} must not be negative, not {value}")
     if meaning.above is not None and value <= meaning.above:
         raise SetupError(f"{name} must be above {meaning.above or 'zero'}")

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.kernels import filled, restored
-from estimators.orientation._contract import OrientationEstimator
+from estimators.orientation._contract import OrientationEstimator, OrientationResult
 from estimators.orientation._parameters import read_parameters
 from estimators.orientation._strapdown_steps import Estimates, Ticks
 from estimators.orientation._streaming import ChunkGuard, bias_array
@@ -76,6 +76,12 @@ class RecordEstimator(OrientationEstimator):
         )
         self._run(ticks, self._settings, self._state, self._covariance, out)
         return out
+
+    def update(self, chunk: ImuChunk) -> OrientationResult:
+        """Take the next ticks; see the contract."""
+        chunk = self._guard.accept(chunk)
+        out = self._filter(chunk, chunk.magnetometer_t)
+        return OrientationResult(out.q, out.bias, out.sigma_rad, out.flags)
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return the records and covariances of all sensors, copied."""

@@ -7,10 +7,8 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from estimators.conventions import GRAVITY_MPS2
-from estimators.orientation._contract import OrientationResult
 from estimators.orientation._parameters import parameter
 from estimators.orientation._record_estimator import RecordEstimator
-from estimators.recording import ImuChunk
 
 HEADING_LOST_RAD = math.radians(15.0)
 _EARTH_IN_U = (0.0, -math.sqrt(0.5), -math.sqrt(0.5), 0.0)
@@ -104,12 +102,6 @@ class MarzoukEstimator(RecordEstimator):
     @abstractmethod
     def _own_settings(self) -> dict[str, Any]:
         """Return the settings that are the subclass's own."""
-
-    def update(self, chunk: ImuChunk) -> OrientationResult:
-        """Take the next ticks; see the contract."""
-        chunk = self._guard.accept(chunk)
-        out = self._filter(chunk, chunk.magnetometer_t)
-        return OrientationResult(out.q, out.bias, out.sigma_rad, out.flags)
 
 
 __all__ = ["AngleParameters", "MarzoukEstimator", "SharedParameters"]

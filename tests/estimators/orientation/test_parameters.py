@@ -9,11 +9,19 @@ from estimators.orientation.marzouk._error_state import ErrorStateParameters
 from estimators.orientation.marzouk._euler import EulerParameters
 from estimators.orientation.marzouk._quaternion import QuaternionParameters
 from estimators.orientation.roetenberg import RoetenbergParameters
+from estimators.orientation.vqf import VqfParameters
 
 
 @pytest.mark.parametrize(
     "kind",
-    [LuingeParameters, RoetenbergParameters, ErrorStateParameters, EulerParameters, QuaternionParameters],
+    [
+        LuingeParameters,
+        RoetenbergParameters,
+        ErrorStateParameters,
+        EulerParameters,
+        QuaternionParameters,
+        VqfParameters,
+    ],
 )
 def test_every_number_says_its_unit_and_meaning(kind):
     meanings = meaning_of(kind)

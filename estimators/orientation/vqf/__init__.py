@@ -1,0 +1,5 @@
+"""VQF of Laidig and Seel (2023), in our own formulation."""
+
+from estimators.orientation.vqf._estimator import VqfEstimator, VqfParameters
+
+__all__ = ["VqfEstimator", "VqfParameters"]
