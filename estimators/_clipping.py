@@ -44,11 +44,14 @@ class ClipWatch:
         No device of this kind has a smaller range: peaks below it are peaks.
     is_rate : bool
         A gyroscope, rad/s; otherwise an accelerometer.
+    known : ndarray, shape (2, 3), optional
+        `levels` found in what came before; each holds until a larger value shows that it was none.
     """
 
-    def __init__(self, least: float, *, is_rate: bool) -> None:
+    def __init__(self, least: float, *, is_rate: bool, known: Float | None = None) -> None:
         self._least, self._is_rate = least, is_rate
-        self._tops = np.zeros(6)
+        self._known = np.full(6, np.inf) if known is None else np.array(known, dtype=np.float64).reshape(6)
+        self._tops = np.where(np.isfinite(self._known), self._known / _MARKED, 0.0)
         self._values: list[Float] = [np.empty(0) for _ in range(6)]
 
     def add(self, values: Float, time_step_s: float) -> None:
@@ -92,7 +95,10 @@ class ClipWatch:
     @property
     def levels(self) -> Float:
         """Levels from which an axis is cut off, shape (2, 3), for its positive and negative side; infinite if not."""
-        levels = np.full(6, np.inf)
+        tops = self._tops
+        holds = (_TOP * tops <= self._known / _MARKED) & (tops >= _SAME_RANGE * tops.max())
+        levels = np.where(holds, self._known, np.inf)
+        known = np.where(holds & np.isfinite(self._known), self._known, 0.0)
         for channel, values in enumerate(self._values):
             top = float(values.max(initial=0.0))
             if top < max(self._least, _SAME_RANGE * float(self._tops.max())):
@@ -100,7 +106,7 @@ class ClipWatch:
             piled = int(np.count_nonzero(values >= _TOP * top))
             below = (len(values) - piled) / _BANDS
             if piled >= max(_FEWEST, _TIMES * (below + 1.0)):
-                levels[channel] = _MARKED * top
+                levels[channel] = max(_MARKED * top, known[channel])
         return levels.reshape(2, 3)
 
 

@@ -82,6 +82,11 @@ class Aligner:
         return self._next_tick
 
     @property
+    def next_sequence(self) -> int:
+        """First packet not yet unpacked; -1 before the first."""
+        return self._next_sequence
+
+    @property
     def waiting(self) -> int:
         """Packets held back for an earlier one."""
         return len(self._waiting)

@@ -2,14 +2,17 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from typing import Any, Final, get_args
+
+import numpy as np
 
 from app.errors import PacketError
 from app.ingest.messages import PROTOCOL_VERSION, HelloMessage
 from app.sentences import say
 from estimators.conventions import Placement
+from estimators.recording import Float
 
 SINGLE_SENSORS: Final = "orientation"
 WALKING: Final = "gait"
@@ -36,6 +39,30 @@ class ClockEpoch:
 
 
 @dataclass(frozen=True)
+class FoundClips:
+    """Levels at which one sensor was found to be cut off, in force from one packet on.
+
+    Attributes
+    ----------
+    first_sequence : int
+        Unwrapped sequence of the first packet looked at with them.
+    sensor : int
+        In the order of the placements.
+    levels : tuple of 12 (float or None)
+        `RecordingCheck.clip_levels` of the sensor, row by row; None for infinite: JSON has no other word.
+    """
+
+    first_sequence: int
+    sensor: int
+    levels: tuple[float | None, ...]
+
+    def write(self, clip_levels: Float) -> None:
+        """Put them in force in the levels of all sensors, shape (S, 2, 2, 3)."""
+        found = [np.inf if level is None else level for level in self.levels]
+        clip_levels[self.sensor] = np.reshape(found, clip_levels.shape[1:])
+
+
+@dataclass(frozen=True)
 class Declaration:
     """A checked hello without its ticket; `to_dict` is what the session stores.
 
@@ -55,6 +82,9 @@ class Declaration:
         The packets hold a file: ticks have its own stamps, not a device's count. No gateway says so.
     clock_epochs : tuple of ClockEpoch
         Found by the live session; empty until its first packet.
+    found_clips : tuple of FoundClips
+        Found by the check of the running session, oldest first. A restart goes on with them; the analysis afterwards
+        finds its own in all of the session.
     """
 
     placements: tuple[Placement, ...]
@@ -72,6 +102,7 @@ class Declaration:
     serials: tuple[str, ...] = ()
     is_stamped: bool = False
     clock_epochs: tuple[ClockEpoch, ...] = field(default=())
+    found_clips: tuple[FoundClips, ...] = field(default=())
 
     @property
     def serial_of(self) -> dict[Placement, str]:
@@ -105,6 +136,7 @@ class Declaration:
         stored = asdict(self)
         stored["placements"], stored["serials"] = list(self.placements), list(self.serials)
         stored["clock_epochs"] = [asdict(epoch) for epoch in self.clock_epochs]
+        stored["found_clips"] = [asdict(clips) | {"levels": list(clips.levels)} for clips in self.found_clips]
         return stored
 
     @classmethod
@@ -114,7 +146,32 @@ class Declaration:
         values["placements"] = tuple(values["placements"])
         values["serials"] = tuple(values.get("serials") or ())
         values["clock_epochs"] = tuple(ClockEpoch(**epoch) for epoch in values.get("clock_epochs") or ())
+        values["found_clips"] = tuple(
+            FoundClips(**clips | {"levels": tuple(clips["levels"])})
+            for clips in values.get("found_clips") or ()
+        )
         return cls(**values)
+
+    @property
+    def clip_levels(self) -> Float:
+        """The newest found levels of every sensor, shape (S, 2, 2, 3); infinite where none was found."""
+        levels = np.full((self.sensor_count, 2, 2, 3), np.inf)
+        for clips in self.found_clips:
+            clips.write(levels)
+        return levels
+
+    def with_clips(self, levels: Float, first_sequence: int) -> "Declaration":
+        """Return it with these levels in force from a packet on; the same one where none is new."""
+        found = tuple(
+            FoundClips(
+                first_sequence,
+                sensor,
+                tuple(float(level) if np.isfinite(level) else None for level in new.ravel()),
+            )
+            for sensor, (new, known) in enumerate(zip(levels, self.clip_levels, strict=True))
+            if (new != known).any()
+        )
+        return replace(self, found_clips=(*self.found_clips, *found)) if found else self
 
     def same_network(self, other: "Declaration") -> bool:
         """Whether packets under the two declarations mean the same."""

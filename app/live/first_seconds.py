@@ -79,6 +79,8 @@ class FirstSeconds:
     clipped : callable(levels), optional
         Called on the loop's thread after each check with the clip levels found, see `RecordingCheck.clip_levels`;
         those of a sensor that was away meanwhile are infinite.
+    clip_levels : ndarray, optional
+        Those that the session was watched with before the service was restarted.
     """
 
     def __init__(
@@ -89,12 +91,13 @@ class FirstSeconds:
         turns: CheckTurns | None = None,
         work: Check = check,
         clipped: Callable[[Float], None] | None = None,
+        clip_levels: Float | None = None,
     ) -> None:
         self._clipped = clipped
         self._turns, self._work = turns, work
         self._names, self._tell = tuple(names), tell
         self._held: deque[ImuChunk] = deque()
-        self._state = RecordingCheck(self._names, hemisphere)
+        self._state = RecordingCheck(self._names, hemisphere, clip_levels)
         self._gone: set[str] = set()
         self._known: dict[tuple[str, str], Finding] = {}
         self._current: list[Finding] = []

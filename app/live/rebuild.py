@@ -1,7 +1,8 @@
 """Taking a session up again after the service was restarted: the stored packets through the same live chain.
 
 With magnetometers the last minute is enough: orientation converges within it. Without them heading is what
-was integrated since calibration, so the whole session runs again.
+was integrated since calibration, so the whole session runs again. Clip levels that the check of the session
+found are in force again from the packets on from which they were.
 """
 
 from collections import deque
@@ -11,10 +12,12 @@ from sqlalchemy import Engine
 from app.errors import PacketError
 from app.ingest.alignment import Aligner
 from app.ingest.clock import Admitted
+from app.ingest.declaration import FoundClips
 from app.ingest.packet import Channel, Packet
 from app.live.runner import LiveSession
 from app.recordings.offline import decoded
 from app.recordings.store import read_packets_in_order
+from estimators.recording import ImuChunk
 
 TAIL_S = 60.0
 
@@ -35,6 +38,7 @@ def rebuild(session: LiveSession, engine: Engine) -> Exception | None:
     """
     tail: deque[tuple[Packet, Admitted]] = deque()
     is_whole = not session.pipeline.begins_anywhere
+    clips = deque(session.declaration.found_clips)
     try:
         for raw in read_packets_in_order(engine, session.id):
             packet = decoded(raw)
@@ -45,7 +49,7 @@ def rebuild(session: LiveSession, engine: Engine) -> Exception | None:
             is_whole = is_whole or not packet.channels & Channel.MAGNETOMETER
             if is_whole:
                 while tail:
-                    _feed(session, *tail.popleft())
+                    _feed(session, clips, *tail.popleft())
             elif tail[-1][1].time_us - tail[0][1].time_us > 1e6 * TAIL_S:
                 tail.popleft()
         if tail:
@@ -53,7 +57,9 @@ def rebuild(session: LiveSession, engine: Engine) -> Exception | None:
             first_tick = max(0, round(tail[0][1].time_us * 1e-6 * session.declaration.rate_hz))
             session.aligner = Aligner(session.declaration, first_tick=first_tick)
         while tail:
-            _feed(session, *tail.popleft())
+            _feed(session, clips, *tail.popleft())
+        # Found after the last packet that was stored.
+        _put_in_force(session, clips, None)
     except StoppedError as failure:
         return failure.error
     session.aligner.gaps.clear()
@@ -75,11 +81,25 @@ def _admitted(session: LiveSession, packet: Packet) -> Admitted | None:
         return None
 
 
-def _feed(session: LiveSession, packet: Packet, place: Admitted) -> None:
+def _put_in_force(session: LiveSession, clips: deque[FoundClips], sequence: int | None) -> None:
+    """Put the clip levels in force that were when this packet was unpacked; all with None."""
+    if clips and (sequence is None or clips[0].first_sequence <= sequence):
+        # What came before them was unpacked without them.
+        _step(session, session.aligner.drain())
+    while clips and (sequence is None or clips[0].first_sequence <= sequence):
+        clips.popleft().write(session.aligner.clip_levels)
+
+
+def _feed(session: LiveSession, clips: deque[FoundClips], packet: Packet, place: Admitted) -> None:
+    _put_in_force(session, clips, place.sequence)
     try:
         chunk = session.aligner.push(packet, place.sequence, place.time_us)
     except PacketError:
         return
+    _step(session, chunk)
+
+
+def _step(session: LiveSession, chunk: ImuChunk | None) -> None:
     if chunk is None:
         return
     try:

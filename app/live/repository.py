@@ -226,7 +226,7 @@ def begin_stream(
 
 
 def save_hello(engine: Engine, session_id: str, hello: dict[str, Any]) -> None:
-    """Store the hello again: its clock epochs have grown."""
+    """Store the hello again: its clock epochs or the clip levels found have grown."""
     with unit_of_work(engine) as session:
         _row(session, session_id).hello = hello
 

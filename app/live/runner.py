@@ -113,7 +113,13 @@ class LiveSession(CalibratedSession):
         self.prepare_calibration(hemisphere)
         self._forces = ForceWatch.of(pipeline)
         self._first_seconds = FirstSeconds(
-            declaration.placements, self._implausible, hemisphere, ALL_SESSIONS, check, self._cut_off
+            declaration.placements,
+            self._implausible,
+            hemisphere,
+            ALL_SESSIONS,
+            check,
+            self._cut_off,
+            declaration.clip_levels,
         )
         self._loop = asyncio.get_running_loop()
 
@@ -162,9 +168,8 @@ class LiveSession(CalibratedSession):
         declaration = self.clock.declaration
         if declaration is not self._saved_declaration:
             # A new clock epoch.
-            self._saved_declaration = declaration
             self.skew.reset()
-            self._saver.save(partial(repository.save_hello, self._engine, self.id, declaration.to_dict()))
+            self._save_declaration()
         is_live = not packet.flags & _BACKFILLED
         if is_live:
             end_s = (place.time_us + packet.tick_count * packet.tick_interval_us) * 1e-6
@@ -203,8 +208,17 @@ class LiveSession(CalibratedSession):
         self._first_seconds.add(chunk)
 
     def _cut_off(self, levels: Float) -> None:
-        """Flag from now on what lies at a clip level that nobody declared."""
+        """Flag from now on what lies at a clip level that nobody declared, also after a restart."""
         self.aligner.clip_levels[:] = levels
+        known = self.clock.declaration
+        self.clock.declaration = known.with_clips(levels, self.aligner.next_sequence)
+        if self.clock.declaration is not known:
+            self._save_declaration()
+
+    def _save_declaration(self) -> None:
+        self._saved_declaration = self.clock.declaration
+        stored = self._saved_declaration.to_dict()
+        self._saver.save(partial(repository.save_hello, self._engine, self.id, stored))
 
     def _implausible(self, findings: list[Finding], time_s: float) -> None:
         """Tell readings that cannot be right, before anybody trusts the estimate."""
@@ -232,7 +246,9 @@ class LiveSession(CalibratedSession):
                 kind = "sensor_lost" if change.is_lost else "sensor_back"
                 if not change.is_lost:
                     self._first_seconds.restart(change.placement)
-                    self.aligner.clip_levels[self.declaration.placements.index(change.placement)] = np.inf
+                    levels = self.aligner.clip_levels.copy()
+                    levels[self.declaration.placements.index(change.placement)] = np.inf
+                    self._cut_off(levels)
                 self.add_event(kind, change.tick * step_s, placement=change.placement)
         for gap in self.aligner.gaps:
             if not gap.is_bridged:

@@ -57,3 +57,17 @@ def test_a_steady_turn_and_a_sensor_at_rest_are_no_levels():
     assert watched(np.array([0.0, 0.0, 3.5]) + noise).level is None
     assert watched(np.array([0.0, 0.0, 9.81]) + noise, is_rate=False).level is None
     assert watched(np.full((6000, 3), 5.0)).level is None
+
+
+def test_a_level_known_from_before_holds_until_a_larger_value_shows_that_it_was_none():
+    cut = np.clip(swinging(), -5.0, 5.0)
+    known = watched(cut).levels
+    assert np.isfinite(known[:, 0]).all()
+    later = ClipWatch(LEAST, is_rate=True, known=known)
+    np.testing.assert_array_equal(later.levels, known)
+    later.add(0.3 * cut[:500], STEP_S)
+    np.testing.assert_array_equal(later.levels, known)
+    later.add(0.999 * cut, STEP_S)
+    np.testing.assert_array_equal(later.levels, known)
+    later.add(swinging(), STEP_S)
+    assert np.isinf(later.levels).all()

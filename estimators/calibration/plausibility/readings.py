@@ -25,13 +25,16 @@ class Readings:
     ----------
     name : str
         What to call it.
+    clip_levels : ndarray, shape (2, 2, 3), optional
+        Of gyroscope and accelerometer, as found before: positive and negative side, axis.
     """
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, clip_levels: Float | None = None) -> None:
         self.name = name
         self.ticks = self.sound_ticks = 0
         self.is_marked_clipped = False
-        self.frozen_field_s = 0.0
+        self.freeze_s = self.longest_freeze_s = 0.0
+        """How long the magnetometer has stood still in movement, and the longest that it did without a break."""
         self.time_s = 0.0
         self.evidence = Evidence.nothing()
         self.tail: Float | None = None
@@ -43,8 +46,9 @@ class Readings:
         self.field_t: list[float] = []
         self.field_spread: list[float] = []
         self.still_products: list[Float] = []
-        self.rate_clips = ClipWatch(LEAST_RATE_RANGE_RADPS, is_rate=True)
-        self.force_clips = ClipWatch(LEAST_FORCE_RANGE_MPS2, is_rate=False)
+        rate, force = (None, None) if clip_levels is None else clip_levels
+        self.rate_clips = ClipWatch(LEAST_RATE_RANGE_RADPS, is_rate=True, known=rate)
+        self.force_clips = ClipWatch(LEAST_FORCE_RANGE_MPS2, is_rate=False, known=force)
         self.first: dict[str, Float] = {}
         self.changing: dict[str, NDArray[np.bool_]] = {}
 
@@ -80,6 +84,17 @@ class Readings:
             strength = np.linalg.norm(field[np.isfinite(field).all(axis=1)], axis=1)
             self.field_t.append(float(np.median(strength)))
             self.field_spread.append(float(np.std(strength)) / max(float(np.median(strength)), 1e-300))
+
+    def add_freezes(self, lost: NDArray[np.bool_] | None, step_s: float) -> None:
+        """Take which samples of a stretch lost their field alone, None for none; one freeze may go on from the last."""
+        if lost is None:
+            self.freeze_s = 0.0
+            return
+        ends = np.concatenate(([-1], np.flatnonzero(~lost), [len(lost)]))
+        lasts_s = (np.diff(ends) - 1) * step_s
+        lasts_s[0] += self.freeze_s
+        self.freeze_s = float(lasts_s[-1])
+        self.longest_freeze_s = max(self.longest_freeze_s, float(lasts_s.max()))
 
     def _gather(self, rate: Float, force: Float, field: Float | None, step_s: float) -> None:
         """Weigh the movement, with windows that began in the stretch before."""

@@ -60,6 +60,8 @@ class RecordingCheck:
         What to call the sensors.
     hemisphere : {"north", "south", "unknown"}
         Of the place: the field points down in the north and up in the south.
+    clip_levels : ndarray, shape (S, 2, 2, 3), optional
+        As `clip_levels` of a check of what came before.
 
     Notes
     -----
@@ -67,9 +69,12 @@ class RecordingCheck:
     axes of accelerometer and magnetometer by the gyroscope and each other; force by gravity where it is calm.
     """
 
-    def __init__(self, names: Sequence[str], hemisphere: Hemisphere = "north") -> None:
+    def __init__(
+        self, names: Sequence[str], hemisphere: Hemisphere = "north", clip_levels: Float | None = None
+    ) -> None:
         self._hemisphere = hemisphere
-        self._sensors = [Readings(name) for name in names]
+        known = [None] * len(names) if clip_levels is None else clip_levels
+        self._sensors = [Readings(name, levels) for name, levels in zip(names, known, strict=True)]
         self._next_tick = 0
         self._screen: SampleScreen | None = None
 
@@ -96,17 +101,19 @@ class RecordingCheck:
         lost = self._screen.lost_field
         for s, sensor in enumerate(self._sensors):
             if not is_next:
-                sensor.tail = None
-            if lost is not None:
-                sensor.frozen_field_s += float(lost[s].sum()) * chunk.time_step_s
+                sensor.tail, sensor.freeze_s = None, 0.0
+            sensor.add_freezes(None if lost is None else lost[s], chunk.time_step_s)
             field = None if chunk.magnetometer_t is None else chunk.magnetometer_t[s]
             sensor.add(chunk.gyroscope_radps[s], chunk.accelerometer_mps2[s], field, chunk.time_step_s)
             sensor.is_marked_clipped |= bool((chunk.quality[s] & SampleQuality.SATURATED).any())
 
     def forget(self, name: str) -> None:
         """Begin anew with one sensor: another device may have come in its place."""
-        self._sensors = [Readings(name) if sensor.name == name else sensor for sensor in self._sensors]
-        self._screen = None
+        for s, sensor in enumerate(self._sensors):
+            if sensor.name == name:
+                self._sensors[s] = Readings(name)
+                if self._screen is not None:
+                    self._screen.memory[s] = 0.0
 
     @property
     def clip_levels(self) -> Float:
@@ -302,9 +309,6 @@ class _Verdict:
         if not self.readings.field_t:
             return False
         where, middle = [self.name], float(np.median(self.readings.field_t))
-        if (lasts_s := self.readings.frozen_field_s) > _FROZEN_S:
-            message = say("readings.magnetometer_frozen", where=where, lasts_s=lasts_s)
-            self._tell("magnetometer_frozen", message, lasts_s, "warning")
         if middle == 0.0 or self._is_constant("magnetometer").all():
             message = (
                 say("readings.magnetometer_constant", where=where)
@@ -313,6 +317,9 @@ class _Verdict:
             )
             self._tell("magnetometer_dead", message, middle)
             return False
+        if (lasts_s := self.readings.longest_freeze_s) > _FROZEN_S:
+            message = say("readings.magnetometer_frozen", where=where, lasts_s=lasts_s)
+            self._tell("magnetometer_frozen", message, lasts_s, "warning")
         if _FIELD_RANGE_T[0] <= middle <= _FIELD_RANGE_T[1]:
             if (share := float(np.median(self.readings.field_spread))) > _DISTURBED:
                 message = say("readings.field_varies", where=where, share=share)

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from estimators import signals
-from estimators.calibration import check_recording
+from estimators.calibration import RecordingCheck, check_recording
 from estimators.errors import ShapeError
 from estimators.recording import ImuChunk, Recording, SampleQuality, SensorSignals
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
+from estimators.validation._honesty_scenes import scene
 
 DATA = Path(__file__).parents[2] / "data"
 ARM = ("upper_arm_right", "forearm_right")
@@ -260,3 +261,67 @@ def test_a_magnet_on_the_sensor_reverses_nothing():
     )
     refused = [f.code for f in check_recording(reversed_, ["box"]) if f.severity == "refuse"]
     assert refused == ["gravity_reversed"]
+
+
+def busiest(chunk: ImuChunk, sensor: int, length: int, earliest: int) -> int:
+    """Return where the sensor turns most for `length` ticks."""
+    turning = np.linalg.norm(chunk.gyroscope_radps[sensor, earliest:], axis=1)
+    return earliest + int(np.argmax(np.convolve(turning, np.ones(length), "valid")))
+
+
+def with_freezes(chunk: ImuChunk, sensor: int, *spans: tuple[int, int]) -> ImuChunk:
+    field = chunk.magnetometer_t.copy()
+    for first, stop in spans:
+        field[sensor, first:stop] = field[sensor, first - 1]
+    return replace(chunk, magnetometer_t=field)
+
+
+def test_forgetting_one_sensor_leaves_the_others_what_is_known_of_them(sound):
+    first = busiest(sound, 1, 300, 600)
+    frozen = with_freezes(sound, 1, (first, first + 300))
+
+    def found(forgotten: str | None) -> list[tuple[str, str]]:
+        check = RecordingCheck(ARM)
+        check.add(frozen.ticks(0, first + 20))
+        if forgotten:
+            check.forget(forgotten)
+        check.add(frozen.ticks(first + 20, first + 300))
+        return [(finding.sensor, finding.code) for finding in check.findings]
+
+    assert found(None) == found(ARM[0]) == [(ARM[1], "magnetometer_frozen")]
+    assert found(ARM[1]) == [(ARM[1], "magnetometer_dead")], "all that its successor ever gave"
+
+
+def test_a_freeze_lasts_as_long_as_the_longest_not_as_all_of_them(sound):
+    first = busiest(sound, 1, 300, 600)
+    (whole,) = check_recording(with_freezes(sound, 1, (first, first + 300)), ARM)
+    assert whole.message.parameters["lasts_s"] == whole.value
+    parts = RecordingCheck(ARM)
+    for start, stop in ((0, first + 200), (first + 200, sound.tick_count)):
+        parts.add(with_freezes(sound, 1, (first, first + 300)).ticks(start, stop))
+    assert [finding.value for finding in parts.findings] == [pytest.approx(whole.value)]
+    # Twice for more than half of that: no stretch of a second, though more than a second in all.
+    short = round(100 * (3.0 - whole.value)) + 70
+    twice = with_freezes(sound, 1, (first, first + short), (first + 300 - short, first + 300))
+    assert codes(twice) == []
+
+
+def test_a_magnetometer_that_never_changed_is_dead_and_nothing_else(sound):
+    """Gaps must not count as changes that it once had."""
+    quality = sound.quality.copy()
+    quality[1, 300:800:5] |= np.uint8(SampleQuality.MISSING)
+    still = only(replace(sound, quality=quality), magnetometer_t=lambda v: np.broadcast_to(v[0], v.shape))
+    assert codes(still) == ["magnetometer_dead"]
+
+
+def test_a_mark_of_clipping_counts_for_the_triad_that_has_a_level():
+    swings, _ = scene("arm swings", [4])
+    level_mps2 = 25.0
+    is_cut = (np.abs(swings.accelerometer_mps2) >= level_mps2).any(axis=2)
+    marked = np.where(is_cut, SampleQuality.SATURATED, 0).astype(np.uint8)
+    cut = np.clip(swings.accelerometer_mps2, -level_mps2, level_mps2)
+    chunk = replace(swings, accelerometer_mps2=cut, quality=swings.quality | marked)
+    assert [f.code for f in check_recording(chunk, ["arm"])] == ["accelerometer_clipped"]
+    # Without a level of either, the mark must be the gyroscope's: an accelerometer is seen to be cut off.
+    free = replace(swings, quality=swings.quality | marked)
+    assert [f.code for f in check_recording(free, ["arm"])] == ["gyroscope_clipped"]
