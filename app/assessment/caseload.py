@@ -7,7 +7,7 @@ stands beside the reason in `live_state` and ranks nobody.
 """
 
 from collections import defaultdict
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from datetime import datetime, timedelta, tzinfo
 from typing import Any, Literal
 
@@ -16,7 +16,7 @@ from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
 from app.assessment.measures import SessionValue, by_patient, pooled_spread, recent_change, session_values
-from app.assessment.practice import ADHERENCE_WINDOW, WHEN, Done, adherence, done_since, zone_of
+from app.assessment.practice import ADHERENCE_WINDOW, WHEN, Done, adherence, done_since, last_done, zone_of
 from app.assessment.progress import band, dose, main_measure
 from app.assessment.schemas import CaseloadRow
 from app.database.base import utc_now
@@ -39,6 +39,8 @@ QUIET = timedelta(days=7)
 longer."""
 LOSS_LIMIT = 0.10
 TREND_LENGTH = 10
+PRACTICE_WINDOW = 4 * ADHERENCE_WINDOW
+"""What was done before it is not looked at."""
 
 
 @dataclass
@@ -48,7 +50,29 @@ class _Sessions:
     last: MotionSession | None = None
     live_id: str | None = None
     live_state: LiveState | None = None
-    practised: list[Done] = field(default_factory=list)
+    practised_at: datetime | None = None
+
+
+@dataclass
+class _Line:
+    """Where a patient stands in the order, and what that was worked out from."""
+
+    patient: Patient
+    prescriptions: list[tuple[Prescription, Exercise]]
+    sessions: _Sessions
+    values: list[SessionValue]
+    exercise: Exercise | None
+    reason: Reason
+    text: str
+
+    @property
+    def place(self) -> list[Any]:
+        return [
+            ORDER.index(self.reason),
+            self.patient.family_name,
+            self.patient.given_name,
+            self.patient.id,
+        ]
 
 
 def caseload(session: Session, subject: Subject, default_zone: str, page: Page) -> list[CaseloadRow]:
@@ -61,7 +85,8 @@ def caseload(session: Session, subject: Subject, default_zone: str, page: Page) 
     default_zone : str
         Setting `time_zone`, for clinics that have not set theirs.
     page : Page
-        The order is worked out from everybody's newest sessions: who rises between two pages is seen in both.
+        The order is worked out from everybody's newest sessions: who rises between two pages is seen in both. What
+        the order does not ask for is worked out for the patients of the page alone.
     """
     now = utc_now()
     zone = zone_of(session, subject.clinic_id, default_zone)
@@ -75,7 +100,7 @@ def caseload(session: Session, subject: Subject, default_zone: str, page: Page) 
     values = by_patient(
         session_values(session, ids, measures=sorted({main_measure(e) for e in mains.values()}))
     )
-    rows = []
+    lines = []
     for patient in patients:
         exercise = mains.get(patient.id)
         own = [
@@ -85,36 +110,17 @@ def caseload(session: Session, subject: Subject, default_zone: str, page: Page) 
             and value.exercise_id == exercise.id
             and value.measure == main_measure(exercise)
         ]
-        rows.append(
-            _row(
-                patient,
-                prescriptions[patient.id],
-                sessions[patient.id],
-                own,
-                exercise,
-                with_version,
-                now,
-                zone,
-            )
-        )
-    return page.cut(sorted(rows, key=_place), _place)
+        given, found = prescriptions[patient.id], sessions[patient.id]
+        reason, text = _reason([p for p, _ in given], found, own, with_version, now)
+        lines.append(_Line(patient, given, found, own, exercise, reason, text))
+    lines.sort(key=lambda line: line.place)
+    shown = page.cut(lines, lambda line: line.place)
+    done = done_since(session, [line.patient.id for line in shown], now - PRACTICE_WINDOW)
+    return [_row(line, done[line.patient.id], now, zone) for line in shown]
 
 
-def _place(row: CaseloadRow) -> list[Any]:
-    return [ORDER.index(row.reason), row.family_name, row.given_name, row.patient_id]
-
-
-def _row(
-    patient: Patient,
-    prescriptions: list[tuple[Prescription, Exercise]],
-    sessions: _Sessions,
-    values: list[SessionValue],
-    exercise: Exercise | None,
-    with_version: set[str],
-    now: datetime,
-    zone: tzinfo,
-) -> CaseloadRow:
-    reason, text = _reason([p for p, _ in prescriptions], sessions, values, with_version, now)
+def _row(line: _Line, done: list[Done], now: datetime, zone: tzinfo) -> CaseloadRow:
+    patient, sessions, values, exercise = line.patient, line.sessions, line.values, line.exercise
     shown = values[-TREND_LENGTH:]
     pooled = pooled_spread(values)
     bands = [band(value, pooled) for value in shown]
@@ -124,7 +130,7 @@ def _row(
         given_name=patient.given_name,
         family_name=patient.family_name,
         affected_side=patient.affected_side,
-        due="; ".join(f"{named.name}: {dose(p, named.movement)}" for p, named in prescriptions),
+        due="; ".join(f"{named.name}: {dose(p, named.movement)}" for p, named in line.prescriptions),
         last_session_at=(last.started_at or last.created_at) if last else None,
         live_session_id=sessions.live_id,
         live_state=sessions.live_state,
@@ -133,9 +139,9 @@ def _row(
         trend=[value.mean for value in shown],
         trend_low=[low for low, _ in bands],
         trend_high=[high for _, high in bands],
-        adherence_percent=adherence([p for p, _ in prescriptions], sessions.practised, now, zone),
-        reason=reason,
-        reason_text=text,
+        adherence_percent=adherence([p for p, _ in line.prescriptions], done, now, zone),
+        reason=line.reason,
+        reason_text=line.text,
     )
 
 
@@ -168,8 +174,7 @@ def _quiet_for(prescriptions: list[Prescription], sessions: _Sessions, now: date
     often = max(prescription.times_per_week for prescription in prescriptions)
     allowed = max(QUIET, 2 * timedelta(weeks=1) / often)
     begun = min(prescription.starts_at for prescription in prescriptions)
-    last = max([one.at for one in sessions.practised], default=begun)
-    quiet = now - max(last, begun)
+    quiet = now - max(sessions.practised_at or begun, begun)
     return quiet if quiet > allowed else None
 
 
@@ -228,8 +233,8 @@ def _sessions(session: Session, ids: list[str], now: datetime) -> dict[str, _Ses
     for patient_id, session_id, state in session.execute(live.order_by(*streaming_last)):
         found[patient_id].live_id = session_id
         found[patient_id].live_state = "link_lost" if state == "link_lost" else "streaming"
-    for patient_id, done in done_since(session, ids, now - 4 * ADHERENCE_WINDOW).items():
-        found[patient_id].practised = done
+    for patient_id, at in last_done(session, ids, now - PRACTICE_WINDOW).items():
+        found[patient_id].practised_at = at
     return found
 
 

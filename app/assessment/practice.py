@@ -152,6 +152,23 @@ def done_since(session: Session, patient_ids: Iterable[str], start: datetime) ->
     return found
 
 
+def last_done(session: Session, patient_ids: Iterable[str], start: datetime) -> dict[str, datetime]:
+    """Return when each patient began the newest session that counts, where one did since a time; access was checked.
+
+    Parameters
+    ----------
+    session : Session
+    patient_ids : iterable of str
+    start : datetime
+    """
+    newest = (
+        select(MotionSession.patient_id, func.max(WHEN))
+        .where(MotionSession.patient_id.in_(patient_ids), counts(), start <= WHEN)
+        .group_by(MotionSession.patient_id)
+    )
+    return {patient_id: began for patient_id, began in session.execute(newest) if began is not None}
+
+
 def share_out(
     prescriptions: Sequence[Prescription], done: Iterable[Done], zone: tzinfo, *, from_monday: bool = False
 ) -> dict[str, list[Done]]:
@@ -270,6 +287,7 @@ __all__ = [
     "adherence",
     "counts",
     "done_since",
+    "last_done",
     "list_prescriptions",
     "prescribe",
     "share_out",

@@ -1,12 +1,14 @@
 """Progress and caseload: the statistics by hand, the reasons by example."""
 
 import math
+from collections import Counter
 from dataclasses import replace
 from datetime import UTC, timedelta
 
 import numpy as np
 import pytest
 
+from app.assessment import caseload
 from app.assessment.measures import change, minimal_detectable_change, session_change, session_values
 from app.assessment.practice import Done, adherence
 from app.assessment.progress import dose
@@ -246,6 +248,35 @@ def test_improvement_and_rest_are_no_reasons(history, therapist, world):
     for age, mean in zip((12, 11, 10, 9, 8, 8), [1.0, 1.0, 1.0, 1.5, 1.5, 1.5], strict=True):
         history.session(age, [mean - 0.02, mean + 0.02])
     assert line(therapist, world)["reason"] == "", "once a week may rest for two weeks"
+
+
+def test_a_page_of_the_caseload_works_out_its_own_lines_only(history, therapist, world, monkeypatch):
+    counted: Counter[str] = Counter()
+
+    def count(name, size=lambda *_: 1):
+        real = getattr(caseload, name)
+
+        def counting(*arguments):
+            counted[name] += size(*arguments)
+            return real(*arguments)
+
+        monkeypatch.setattr(caseload, name, counting)
+
+    for name in ("adherence", "dose", "band", "pooled_spread"):
+        count(name)
+    count("done_since", lambda _session, patient_ids, _start: len(patient_ids))
+    for patient_id, ages in ((world.patient_id, (5, 4)), (world.other_patient_id, (9, 8, 7))):
+        history.prescribe(14, patient_id=patient_id)
+        for age in ages:
+            history.session(age, [1.0, 1.1], patient_id=patient_id)
+    whole = therapist.get("/api/caseload").json()
+    assert [len(row["trend"]) for row in whole] in ([2, 3], [3, 2])
+    assert counted == {"adherence": 2, "dose": 2, "band": 5, "pooled_spread": 2, "done_since": 2}
+    counted.clear()
+    page = therapist.get("/api/caseload", params={"limit": 1}).json()
+    assert page == whole[:1]
+    shown = len(page[0]["trend"])
+    assert counted == {"adherence": 1, "dose": 1, "band": shown, "pooled_spread": 1, "done_since": 1}
 
 
 def test_adherence_counts_each_exercise_at_most_in_full():
