@@ -11,7 +11,8 @@ from estimators.errors import ShapeError
 from estimators.gait import _foot_layout as at
 from estimators.gait._foot_filter import is_usable_rate
 from estimators.gait._foot_parameters import FootParameters, foot_parameters
-from estimators.gait._foot_stream import BRIDGED, CLIPPED, COLUMNS, MISSING, FootStream
+from estimators.gait._foot_samples import BRIDGED, CLIPPED, MISSING
+from estimators.gait._foot_stream import COLUMNS, FootStream
 from estimators.orientation._streaming import ChunkGuard, copied, usable_samples
 from estimators.recording import Float, ImuChunk, SampleQuality
 
