@@ -4,7 +4,7 @@ import re
 from typing import Final
 
 from estimators.orientation import OrientationFlag
-from estimators.pipelines._gait_layout import FORCE_STATES
+from estimators.pipelines.walk.layout import FORCE_STATES
 
 FLAGS: Final = {
     OrientationFlag.INVALID: "nothing is known: no data, or lost",

@@ -13,9 +13,6 @@ first sample, for each foot its own.
 
 from estimators.gait._common_course import CommonCourse, average_path, relate_by_course
 from estimators.gait._contact import ForceEvents, force_events
-from estimators.gait._foot_live import FootChunk, FootTracker
-from estimators.gait._foot_parameters import FootParameters, foot_parameters
-from estimators.gait._foot_trajectory import FootFlag, FootTrajectory, smooth
 from estimators.gait._guided_tests import GUIDED_KINDS, GuidedKind, GuidedTest, guided_test
 from estimators.gait._live_steps import USUAL_APART_M, LiveSteps, LiveStepTracker
 from estimators.gait._placement import Placement, Steps, foot_placement, steps_between, steps_in_one_world
@@ -34,6 +31,9 @@ from estimators.gait._summary import (
     turning,
     turns,
 )
+from estimators.gait.foot.live import FootChunk, FootTracker
+from estimators.gait.foot.parameters import FootParameters, foot_parameters
+from estimators.gait.foot.trajectory import FootFlag, FootTrajectory, smooth
 
 __all__ = [
     "GUIDED_KINDS",

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from estimators.conventions import Side
 from estimators.gait import _live_steps_kernel as at
-from estimators.gait._foot_live import FootChunk
-from estimators.gait._foot_trajectory import FootFlag
+from estimators.gait.foot.live import FootChunk
+from estimators.gait.foot.trajectory import FootFlag
 from estimators.recording import Float
 
 USUAL_APART_M: Final = 0.15

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from estimators import rotation
 from estimators.errors import ShapeError
-from estimators.gait._foot_trajectory import FootTrajectory
 from estimators.gait._placement import Steps, steps_in_one_world
 from estimators.gait._strides import Footholds
+from estimators.gait.foot.trajectory import FootTrajectory
 from estimators.recording import Float
 from estimators.sentences import say
 from estimators.signals import interpolate_rotations

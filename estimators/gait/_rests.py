@@ -5,8 +5,8 @@ from typing import Final
 import numpy as np
 
 from estimators import rotation
-from estimators.gait._foot_trajectory import FootFlag, FootTrajectory
 from estimators.gait._stance import runs
+from estimators.gait.foot.trajectory import FootFlag, FootTrajectory
 
 SHORTEST_SWING_S: Final = 0.15
 MOVED_M: Final = 0.05

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.conventions import GRAVITY_MPS2
-from estimators.gait import _foot_layout as at
 from estimators.gait import _stance_kernel as kernels
-from estimators.gait._foot_parameters import FootParameters
+from estimators.gait.foot import layout as at
+from estimators.gait.foot.parameters import FootParameters
 from estimators.recording import Float
 
 Bool = NDArray[np.bool_]

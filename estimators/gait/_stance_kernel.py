@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from estimators._kernels import kernel
 from estimators.conventions import GRAVITY_MPS2
-from estimators.gait import _foot_layout as at
+from estimators.gait.foot import layout as at
 from estimators.recording import Float
 
 _STANCE, _STANDSTILL, _HEIGHT = at.STANCE, at.STANDSTILL, at.HEIGHT

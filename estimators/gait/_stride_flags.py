@@ -5,7 +5,7 @@ from enum import IntFlag
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.gait._foot_trajectory import FootFlag, FootTrajectory
+from estimators.gait.foot.trajectory import FootFlag, FootTrajectory
 from estimators.recording import Float
 
 _NEAR, _LONG_SHARE = 3, 1.6

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from estimators import rotation
 from estimators.conventions import Side
-from estimators.gait._foot_trajectory import COAST_S, FootFlag, FootTrajectory
 from estimators.gait._rests import MOVED_M, find_rests, quietest
 from estimators.gait._stride_flags import StrideFlag, long_strides, missing_samples
+from estimators.gait.foot.trajectory import COAST_S, FootFlag, FootTrajectory
 from estimators.recording import Float
 
 Bool = NDArray[np.bool_]

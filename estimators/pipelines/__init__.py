@@ -1,6 +1,5 @@
 """What a session runs: a setup in, frames out; live by `step`, off-line by `run`."""
 
-from estimators.pipelines._arm import ArmPipeline
 from estimators.pipelines._contract import (
     BodyDimensions,
     Calibration,
@@ -10,25 +9,26 @@ from estimators.pipelines._contract import (
     Pipeline,
     SessionSetup,
 )
-from estimators.pipelines._elbows import elbow_poses, elbows_to_refine, refine_elbows
-from estimators.pipelines._gait import GaitPipeline
-from estimators.pipelines._gait_layout import BALANCE_POINTS, FORCE_STATES
-from estimators.pipelines._magnetic_feet import FEET, apart_at_start, relative_feet, with_relative_feet
 from estimators.pipelines._offline import is_offline, smooth_network, smoothed_chunk
 from estimators.pipelines._orientation import OrientationPipeline
-from estimators.pipelines._relative_pose import ModulesChunk, RelativePosePipeline
-from estimators.pipelines._relative_smoothing import smooth_modules, with_modules
-from estimators.pipelines._relative_source import NOMINAL_GAIN_SIGMA, SourceSettings, relative_source
 from estimators.pipelines._run import available, concatenate, create, find_pose, kind, run, step_through
-from estimators.pipelines._shoes import ShoeWalk, analyse_shoes, has_shoes, with_shoes
-from estimators.pipelines._tracker_bursts import (
+from estimators.pipelines.arm.elbows import elbow_poses, elbows_to_refine, refine_elbows
+from estimators.pipelines.arm.pipeline import ArmPipeline
+from estimators.pipelines.relative.pipeline import ModulesChunk, RelativePosePipeline
+from estimators.pipelines.relative.smoothing import smooth_modules, with_modules
+from estimators.pipelines.relative.source import NOMINAL_GAIN_SIGMA, SourceSettings, relative_source
+from estimators.pipelines.relative.tracker_bursts import (
     BURST_ORIENTATION,
     BURSTS,
     BurstAnalysis,
     analyse_bursts,
     angles_with_sigma,
 )
-from estimators.pipelines._walk import Walk, analyse_walk
+from estimators.pipelines.walk.layout import BALANCE_POINTS, FORCE_STATES
+from estimators.pipelines.walk.magnetic_feet import FEET, apart_at_start, relative_feet, with_relative_feet
+from estimators.pipelines.walk.pipeline import GaitPipeline
+from estimators.pipelines.walk.shoes import ShoeWalk, analyse_shoes, has_shoes, with_shoes
+from estimators.pipelines.walk.walk import Walk, analyse_walk
 
 __all__ = [
     "BALANCE_POINTS",

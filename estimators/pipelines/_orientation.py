@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from estimators.conventions import Placement
 from estimators.errors import SetupError
 from estimators.orientation import DeviceConstants
-from estimators.pipelines._body import BodyNetwork
 from estimators.pipelines._contract import Calibration, FrameLayout, Frames, Pipeline, SessionSetup
+from estimators.pipelines.arm.body import BodyNetwork
 from estimators.recording import ImuChunk
 from estimators.sentences import say
 

@@ -7,14 +7,14 @@ import numpy as np
 
 from estimators import signals
 from estimators.errors import CalibrationError, SetupError, ShapeError
-from estimators.pipelines._arm import ArmPipeline
 from estimators.pipelines._contract import Frames, Pipeline, SessionSetup
-from estimators.pipelines._elbows import elbow_poses, elbows_to_refine, refine_elbows
-from estimators.pipelines._gait import GaitPipeline
 from estimators.pipelines._offline import smoothed_chunk
 from estimators.pipelines._orientation import OrientationPipeline
-from estimators.pipelines._relative_pose import RelativePosePipeline
-from estimators.pipelines._walk import analyse_walk
+from estimators.pipelines.arm.elbows import elbow_poses, elbows_to_refine, refine_elbows
+from estimators.pipelines.arm.pipeline import ArmPipeline
+from estimators.pipelines.relative.pipeline import RelativePosePipeline
+from estimators.pipelines.walk.pipeline import GaitPipeline
+from estimators.pipelines.walk.walk import analyse_walk
 from estimators.recording import Float, ImuChunk, Recording
 from estimators.sentences import say
 

@@ -240,7 +240,7 @@ CROWDED = {
         "ingest",
         "ingest/readers",
     },
-    "estimators": {"balance", "comparison", "gait", "orientation", "pipelines", "validation"},
+    "estimators": {"balance", "comparison", "orientation", "validation"},
 }
 
 

@@ -7,9 +7,9 @@ from scipy.spatial.transform import Rotation
 from estimators import rotation
 from estimators.errors import SetupError, ShapeError
 from estimators.gait import FootFlag, FootParameters, find_stance, foot_parameters, smooth
-from estimators.gait._foot_filter import level, start_covariance
 from estimators.gait._stance import gravity_scale, noise, resting_bias
 from estimators.gait._stance_kernel import local_minimum, moving_percentile, stance_statistic
+from estimators.gait.foot.filter import level, start_covariance
 from estimators.recording import SensorSignals
 from tests.said import refuses
 
@@ -188,7 +188,7 @@ def test_the_compass_direction_and_the_mounting_change_nothing_but_the_heading()
 def test_a_long_record_is_smoothed_in_pieces_that_do_not_show(monkeypatch):
     walk = foot_walk(strides=5, noise=1.0)
     whole = smooth(walk.signals)
-    monkeypatch.setattr("estimators.gait._foot_trajectory._SEGMENT", 97)
+    monkeypatch.setattr("estimators.gait.foot.trajectory._SEGMENT", 97)
     pieces = smooth(walk.signals)
     np.testing.assert_array_equal(whole.position_m, pieces.position_m)
     np.testing.assert_array_equal(whole.position_sigma_m, pieces.position_sigma_m)

@@ -9,7 +9,7 @@ from foot_walk import foot_walk
 
 from estimators import rotation
 from estimators.gait import FootFlag, FootParameters, FootTracker
-from estimators.gait._lost_places import LostPlace, gap_lengths
+from estimators.gait.foot.lost_places import LostPlace, gap_lengths
 from estimators.recording import ImuChunk, SampleQuality
 
 STEP_S = 0.01

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from estimators.gait import FootParameters, smooth
-from estimators.gait._bridge_kernel import add_bridge_noise
-from estimators.gait._foot_gaps import fill_gaps
-from estimators.gait._foot_parameters import with_clips
+from estimators.gait.foot.bridge_kernel import add_bridge_noise
+from estimators.gait.foot.gaps import fill_gaps
+from estimators.gait.foot.parameters import with_clips
 from estimators.recording import SensorSignals
 from estimators.simulation import gait_preset, simulate_gait
 from estimators.validation._foot_rates import averaged, lossy, picked

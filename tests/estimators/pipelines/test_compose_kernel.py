@@ -3,7 +3,7 @@
 import numpy as np
 
 from estimators import rotation
-from estimators.pipelines._kernel import compose, compose_numpy, compose_python
+from estimators.pipelines.arm.kernel import compose, compose_numpy, compose_python
 
 NO_MOUNTING = np.empty((0, 3))
 

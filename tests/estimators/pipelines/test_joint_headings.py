@@ -10,7 +10,7 @@ from pipeline_contract import PipelineContract, assert_same_bits
 from estimators import rotation, signals
 from estimators.orientation import OrientationFlag
 from estimators.pipelines import SessionSetup, run
-from estimators.pipelines._joint_headings import JointHeadings
+from estimators.pipelines.arm.joint_headings import JointHeadings
 from estimators.recording import Recording, SensorSignals
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
 

@@ -8,8 +8,8 @@ from estimators import rotation
 from estimators.magnetic import RelativeFlag, RelativeResult, read_coil_state
 from estimators.magnetic.relative import layout as at
 from estimators.orientation import OrientationFlag
-from estimators.pipelines import _relative_kernel as kernel
-from estimators.pipelines._relative_columns import SENSOR_SCALARS, SOURCE_SCALARS, table_of
+from estimators.pipelines.relative import kernel
+from estimators.pipelines.relative.columns import SENSOR_SCALARS, SOURCE_SCALARS, table_of
 from estimators.recording import SampleQuality
 
 SENSORS, TICKS, STEP_S = 2, 40, 0.01

@@ -17,7 +17,8 @@ from estimators.magnetic import (
 from estimators.magnetic.relative import layout as at
 from estimators.magnetic.relative.smoother import smooth_table
 from estimators.orientation import OrientationFlag
-from estimators.pipelines import SessionSetup, _relative_smoothing
+from estimators.pipelines import SessionSetup
+from estimators.pipelines.relative import smoothing
 from estimators.recording import ImuChunk, SampleQuality
 from estimators.simulation.coils import SourceFaults, relative_motion, relative_scene, run_closed_loop
 from tests.said import refuses
@@ -116,7 +117,7 @@ def test_a_whole_session_is_smoothed_block_by_block_as_in_one(monkeypatch):
     same = smooth_table(one.source, 0.01, pipeline.table("sternum", chunk), one.parameters)
     np.testing.assert_array_equal(whole.position_m, same.position_m)
     np.testing.assert_array_equal(whole.covariance, same.covariance)
-    monkeypatch.setattr(_relative_smoothing, "_BLOCK", 333)
+    monkeypatch.setattr(smoothing, "_BLOCK", 333)
     pieces = [chunk.ticks(k, min(k + 400, chunk.tick_count)) for k in range(0, chunk.tick_count, 400)]
     parts = pipelines.smooth_modules(pieces, SETUP)
     np.testing.assert_array_equal(parts[0].position_m, whole.position_m)

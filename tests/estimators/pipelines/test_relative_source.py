@@ -10,7 +10,7 @@ from estimators import pipelines
 from estimators.errors import SetupError
 from estimators.magnetic import Coil, RelativePoseFilter, Source, perpendicular_source
 from estimators.pipelines import SessionSetup, relative_source
-from estimators.pipelines._relative_source import NOMINAL_GAIN_SIGMA
+from estimators.pipelines.relative.source import NOMINAL_GAIN_SIGMA
 from estimators.simulation.coils import relative_motion, relative_scene, run_closed_loop
 
 NOMINAL = perpendicular_source(0.06)

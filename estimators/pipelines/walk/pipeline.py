@@ -21,8 +21,8 @@ from estimators.gait import (
 from estimators.kinetics import ShoeGeometry
 from estimators.orientation import OrientationFlag
 from estimators.pipelines._contract import Calibration, FrameLayout, Frames, Pipeline, SessionSetup
-from estimators.pipelines._gait_layout import CENTRE_PER_STATURE, SCALARS, cells_of, feet_of, layout_of
-from estimators.pipelines._live_shoes import LiveShoes
+from estimators.pipelines.walk.layout import CENTRE_PER_STATURE, SCALARS, cells_of, feet_of, layout_of
+from estimators.pipelines.walk.live_shoes import LiveShoes
 from estimators.recording import Float, ImuChunk
 from estimators.sentences import say
 
@@ -262,6 +262,7 @@ def _live_shoes(setup: SessionSetup, tracker: FootTracker) -> LiveShoes:
 
 
 def apart(position_m: Float, side: Side) -> Float:
+    """Return a position (m, world) moved to the foot's side by half the usual distance between feet."""
     aside = 0.5 * USUAL_APART_M * (1.0 if side == "left" else -1.0)
     return np.asarray(position_m + np.array([0.0, aside, 0.0]))
 

@@ -6,14 +6,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.gait import _foot_layout as at
-from estimators.gait._foot_filter import Records, root, settings_of, start_covariance, start_state
-from estimators.gait._foot_judged import JudgedSamples
-from estimators.gait._foot_parameters import FootParameters
-from estimators.gait._foot_samples import BRIDGED, CLIPPED, MISSING, FootSamples
-from estimators.gait._foot_trajectory import COAST_S, FootFlag
-from estimators.gait._lost_places import LostPlace, begin_anew, gap_lengths, long_gap_ticks
 from estimators.gait._stance import Windows
+from estimators.gait.foot import layout as at
+from estimators.gait.foot.filter import Records, root, settings_of, start_covariance, start_state
+from estimators.gait.foot.judged import JudgedSamples
+from estimators.gait.foot.lost_places import LostPlace, begin_anew, gap_lengths, long_gap_ticks
+from estimators.gait.foot.parameters import FootParameters
+from estimators.gait.foot.samples import BRIDGED, CLIPPED, MISSING, FootSamples
+from estimators.gait.foot.trajectory import COAST_S, FootFlag
 from estimators.recording import Float
 
 COLUMNS = at.STATE + 6 + 2

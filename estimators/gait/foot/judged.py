@@ -6,11 +6,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.gait import _foot_layout as at
-from estimators.gait._bridge_kernel import BESIDE_S, add_bridge_noise
-from estimators.gait._foot_parameters import FootParameters
-from estimators.gait._foot_samples import BRIDGED, CLIPPED, FIELD, MISSING, FootSamples
-from estimators.gait._foot_trajectory import LOST_SIGMA_MPS
 from estimators.gait._stance import (
     NOT_CUT_OFF,
     UNREST,
@@ -20,6 +15,11 @@ from estimators.gait._stance import (
     noise_settings,
 )
 from estimators.gait._stance_kernel import noise_densities
+from estimators.gait.foot import layout as at
+from estimators.gait.foot.bridge_kernel import BESIDE_S, add_bridge_noise
+from estimators.gait.foot.parameters import FootParameters
+from estimators.gait.foot.samples import BRIDGED, CLIPPED, FIELD, MISSING, FootSamples
+from estimators.gait.foot.trajectory import LOST_SIGMA_MPS
 from estimators.recording import Float
 
 

@@ -7,9 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.errors import ShapeError
-from estimators.gait import _foot_layout as at
-from estimators.gait._bridge_kernel import BESIDE_S, add_bridge_noise
-from estimators.gait._foot_filter import (
+from estimators.gait._stance import Stance, find_stance, gravity_scale, noise, resting_bias
+from estimators.gait.foot import layout as at
+from estimators.gait.foot.bridge_kernel import BESIDE_S, add_bridge_noise
+from estimators.gait.foot.filter import (
     NO_FIELD,
     START_S,
     Records,
@@ -20,9 +21,8 @@ from estimators.gait._foot_filter import (
     start_covariance,
     start_state,
 )
-from estimators.gait._foot_gaps import FilledSignals, fill_gaps
-from estimators.gait._foot_parameters import FootParameters, with_clips
-from estimators.gait._stance import Stance, find_stance, gravity_scale, noise, resting_bias
+from estimators.gait.foot.gaps import FilledSignals, fill_gaps
+from estimators.gait.foot.parameters import FootParameters, with_clips
 from estimators.recording import Float, SensorSignals
 from estimators.sentences import say
 

@@ -14,7 +14,7 @@ from estimators.errors import CalibrationError, SetupError, ShapeError
 from estimators.orientation import OrientationFlag, OrientationResult
 from estimators.pipelines._biases import bias_along_gravity, bias_sigma
 from estimators.pipelines._contract import Calibration, SessionSetup
-from estimators.pipelines._kernel import compose
+from estimators.pipelines.arm.kernel import compose
 from estimators.recording import Float, ImuChunk
 from estimators.sentences import say
 

@@ -11,9 +11,9 @@ from estimators.errors import SetupError, ShapeError
 from estimators.gait import FootTrajectory, RelativeFeet, relate_feet, step_measures
 from estimators.magnetic import RelativeFlag
 from estimators.pipelines._contract import SessionSetup
-from estimators.pipelines._relative_smoothing import smooth_modules
-from estimators.pipelines._relative_source import relative_source
-from estimators.pipelines._walk import Walk, course_of
+from estimators.pipelines.relative.smoothing import smooth_modules
+from estimators.pipelines.relative.source import relative_source
+from estimators.pipelines.walk.walk import Walk, course_of
 from estimators.recording import ImuChunk
 from estimators.sentences import say
 from estimators.signals import interpolate_rotations

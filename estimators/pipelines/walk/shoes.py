@@ -27,17 +27,17 @@ from estimators.gait import USUAL_APART_M, Measure, Strides, measure_steps, summ
 from estimators.kinetics import ShoeContact, ShoeGeometry, ShoeKinetics, ShoeParameters, analyse_shoe
 from estimators.orientation import OrientationFlag
 from estimators.pipelines._contract import SessionSetup
-from estimators.pipelines._gait_layout import BALANCE_POINTS, BALANCE_SCALARS, CENTRE_PER_STATURE, SCALARS
-from estimators.pipelines._shoe_checks import (
+from estimators.pipelines.walk.layout import BALANCE_POINTS, BALANCE_SCALARS, CENTRE_PER_STATURE, SCALARS
+from estimators.pipelines.walk.shoe_checks import (
     EXCHANGED,
     EXCHANGED_M,
     refuse_stairs,
     refuse_wrong_loads,
     saturated,
 )
-from estimators.pipelines._shoe_mounting import Mounting, shoe_mounting
-from estimators.pipelines._turning_steps import steps_on_course
-from estimators.pipelines._walk import Walk, event_columns
+from estimators.pipelines.walk.shoe_mounting import Mounting, shoe_mounting
+from estimators.pipelines.walk.turning_steps import steps_on_course
+from estimators.pipelines.walk.walk import Walk, event_columns
 from estimators.recording import Float, Recording
 from estimators.sentences import say
 

@@ -2,7 +2,7 @@
 
 from estimators._kernels import exponential, kernel, multiply, normalized, rotate
 from estimators.conventions import GRAVITY_MPS2
-from estimators.gait import _foot_layout as at
+from estimators.gait.foot import layout as at
 from estimators.recording import Float
 
 _G = GRAVITY_MPS2

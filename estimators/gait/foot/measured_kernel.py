@@ -5,8 +5,8 @@ import math
 import numpy as np
 
 from estimators._kernels import kernel, rotate, wrapped
-from estimators.gait import _foot_layout as at
-from estimators.gait._foot_step_kernel import matrix_of
+from estimators.gait.foot import layout as at
+from estimators.gait.foot.step_kernel import matrix_of
 from estimators.recording import Float
 
 _N = at.ERRORS

@@ -16,7 +16,7 @@ from estimators.conventions import Placement
 from estimators.errors import CalibrationError, SetupError
 from estimators.orientation import OrientationEstimator, OrientationFlag, OrientationResult
 from estimators.pipelines._biases import bias_along_gravity, bias_sigma
-from estimators.pipelines._body import BodyNetwork
+from estimators.pipelines.arm.body import BodyNetwork
 from estimators.recording import Float, ImuChunk
 from estimators.sentences import say
 

@@ -13,7 +13,7 @@ from estimators.magnetic import RelativeFlag, RelativePoseFilter, RelativeResult
 from estimators.magnetic.relative import layout as at
 from estimators.magnetic.relative.smoother import backward
 from estimators.pipelines._contract import SessionSetup
-from estimators.pipelines._relative_pose import ModulesChunk, RelativePosePipeline
+from estimators.pipelines.relative.pipeline import ModulesChunk, RelativePosePipeline
 from estimators.recording import Float, ImuChunk
 from estimators.sentences import say
 

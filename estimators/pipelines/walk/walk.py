@@ -23,9 +23,9 @@ from estimators.gait import (
 )
 from estimators.orientation import OrientationFlag
 from estimators.pipelines._contract import Frames, SessionSetup
-from estimators.pipelines._gait import apart, flags_of, frames_of, level_sigma
-from estimators.pipelines._gait_layout import SCALARS, feet_of, layout_of
-from estimators.pipelines._turning_steps import turning_steps
+from estimators.pipelines.walk.layout import SCALARS, feet_of, layout_of
+from estimators.pipelines.walk.pipeline import apart, flags_of, frames_of, level_sigma
+from estimators.pipelines.walk.turning_steps import turning_steps
 from estimators.recording import Float, ImuChunk, Recording, SensorSignals
 from estimators.signals import interpolate_rotations
 

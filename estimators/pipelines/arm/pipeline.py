@@ -13,10 +13,10 @@ from estimators.calibration import DeviceCalibration, FunctionalResult
 from estimators.conventions import PLACEMENTS, Placement
 from estimators.errors import SetupError, ShapeError
 from estimators.orientation import DeviceConstants, OrientationFlag
-from estimators.pipelines._body import BodyNetwork
 from estimators.pipelines._contract import Calibration, FrameLayout, Frames, Pipeline, SessionSetup
-from estimators.pipelines._guided import by_movement, reset_heading
-from estimators.pipelines._joint_headings import JointHeadings
+from estimators.pipelines.arm.body import BodyNetwork
+from estimators.pipelines.arm.guided import by_movement, reset_heading
+from estimators.pipelines.arm.joint_headings import JointHeadings
 from estimators.recording import Float, ImuChunk
 from estimators.sentences import say
 

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.errors import ShapeError
-from estimators.gait import _foot_layout as at
-from estimators.gait._foot_filter import is_usable_rate
-from estimators.gait._foot_parameters import FootParameters, foot_parameters
-from estimators.gait._foot_samples import BRIDGED, CLIPPED, MISSING
-from estimators.gait._foot_stream import COLUMNS, FootStream
+from estimators.gait.foot import layout as at
+from estimators.gait.foot.filter import is_usable_rate
+from estimators.gait.foot.parameters import FootParameters, foot_parameters
+from estimators.gait.foot.samples import BRIDGED, CLIPPED, MISSING
+from estimators.gait.foot.stream import COLUMNS, FootStream
 from estimators.orientation._streaming import ChunkGuard, copied, usable_samples
 from estimators.recording import Float, ImuChunk, SampleQuality
 

@@ -27,7 +27,7 @@ from estimators.magnetic import (
 )
 from estimators.pipelines._contract import SessionSetup
 from estimators.pipelines._offline import smooth_network
-from estimators.pipelines._relative_source import direction_between, settings_of
+from estimators.pipelines.relative.source import direction_between, settings_of
 from estimators.recording import Float, ImuChunk, SampleQuality
 from estimators.sentences import say
 

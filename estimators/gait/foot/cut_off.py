@@ -5,8 +5,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.gait._foot_parameters import LEAST_RANGE
 from estimators.gait._stance_kernel import CUT_FORCE, CUT_RATE
+from estimators.gait.foot.parameters import LEAST_RANGE
 from estimators.recording import Float
 
 _NEAR: Final = 0.97

@@ -11,17 +11,17 @@ from estimators import orientation
 from estimators.errors import CalibrationError, ShapeError
 from estimators.magnetic import RelativePoseFilter, RelativePoseParameters, RelativeResult
 from estimators.magnetic.relative import layout as at
-from estimators.pipelines import _relative_kernel as kernel
 from estimators.pipelines._contract import Calibration, FrameLayout, Frames, Pipeline, SessionSetup
-from estimators.pipelines._relative_columns import layout_of, table_of
-from estimators.pipelines._relative_source import (
+from estimators.pipelines._worn_filter import WornPoseFilter
+from estimators.pipelines.relative import kernel
+from estimators.pipelines.relative.columns import layout_of, table_of
+from estimators.pipelines.relative.source import (
     ROUND_TRIP_S,
     SourceSettings,
     direction_between,
     settings_of,
     way_between,
 )
-from estimators.pipelines._worn_filter import WornPoseFilter
 from estimators.recording import Float, ImuChunk
 from estimators.sentences import say
 

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators._kernels import kernel
-from estimators.gait import _foot_layout as at
-from estimators.gait._foot_measured_kernel import measured_rows, surprise
-from estimators.gait._foot_step_kernel import correct, matrix_of, move, spread_on
+from estimators.gait.foot import layout as at
+from estimators.gait.foot.measured_kernel import measured_rows, surprise
+from estimators.gait.foot.step_kernel import correct, matrix_of, move, spread_on
 from estimators.recording import Float
 
 _N = at.ERRORS

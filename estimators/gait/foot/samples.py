@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.conventions import GRAVITY_MPS2
-from estimators.gait._cut_off import CutOffAxes
-from estimators.gait._foot_filter import START_S
-from estimators.gait._foot_parameters import FootParameters
 from estimators.gait._stance import Windows, write_statistic
+from estimators.gait.foot.cut_off import CutOffAxes
+from estimators.gait.foot.filter import START_S
+from estimators.gait.foot.parameters import FootParameters
 from estimators.recording import Float
 
 BRIDGED, MISSING, CLIPPED, FIELD = 1, 2, 4, 8

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators import rotation
-from estimators.gait import _foot_layout as at
-from estimators.gait._foot_filter import level, start_covariance
-from estimators.gait._foot_parameters import FootParameters
-from estimators.gait._foot_trajectory import FootFlag
+from estimators.gait.foot import layout as at
+from estimators.gait.foot.filter import level, start_covariance
+from estimators.gait.foot.parameters import FootParameters
+from estimators.gait.foot.trajectory import FootFlag
 from estimators.recording import Float
 
 Bool = NDArray[np.bool_]

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators import rotation
-from estimators.gait import _foot_kernel
-from estimators.gait import _foot_layout as at
-from estimators.gait._foot_parameters import FootParameters
+from estimators.gait.foot import kernel
+from estimators.gait.foot import layout as at
+from estimators.gait.foot.parameters import FootParameters
 from estimators.recording import Float
 
 START_S = 0.1
@@ -113,7 +113,7 @@ class Records:
         p: Float,
     ) -> None:
         """Run the filter and record into `place`."""
-        _foot_kernel.forward(
+        kernel.forward(
             step_s,
             gyroscope_radps,
             accelerometer_mps2,
@@ -146,7 +146,7 @@ class Records:
 
     def backward(self, first: int, wanted: int, stop: int, adjoint: Float, smooth: Float) -> None:
         """Go back over the records `[first, stop)`, smooth `[first, wanted)`, and update the adjoint."""
-        _foot_kernel.backward(
+        kernel.backward(
             first,
             wanted,
             stop,

@@ -1,0 +1,1 @@
+"""From sensors on trunk and arms to joint angles."""

@@ -1,0 +1,1 @@
+"""From a magnetic source and sensors to relative pose."""
