@@ -1,4 +1,4 @@
-"""Orientation of each sensor in the earth frame: one filter a file, one contract, one registry."""
+"""Orientation of each sensor in the earth frame: one folder a filter, one contract, one registry."""
 
 from collections.abc import Mapping
 from typing import Any, Final
@@ -9,7 +9,6 @@ from estimators.orientation._device_constants import DeviceConstants
 from estimators.orientation._heading import estimate_lag, to_true_north
 from estimators.orientation._optical_reference import align_marker_frame, heading_offset, stick_angle_errors
 from estimators.orientation._scoring import OrientationErrors, orientation_errors
-from estimators.orientation._smoother import SmoothedOrientation
 from estimators.orientation._smoothers import (
     SmoothedChunk,
     Smoother,
@@ -18,7 +17,6 @@ from estimators.orientation._smoothers import (
     smoothers,
     with_orientation,
 )
-from estimators.orientation._telemotion import TelemotionEstimator
 from estimators.orientation.luinge import LuingeEstimator
 from estimators.orientation.marzouk import (
     MarzoukErrorStateEstimator,
@@ -26,6 +24,8 @@ from estimators.orientation.marzouk import (
     MarzoukQuaternionEstimator,
 )
 from estimators.orientation.roetenberg import RoetenbergEstimator
+from estimators.orientation.smoother import SmoothedOrientation
+from estimators.orientation.telemotion import TelemotionEstimator
 from estimators.orientation.vqf import VqfEstimator
 
 DEFAULT: Final = TelemotionEstimator.name

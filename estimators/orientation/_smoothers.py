@@ -12,9 +12,9 @@ from estimators.errors import SetupError
 from estimators.orientation._contract import OrientationEstimator, OrientationResult
 from estimators.orientation._device_constants import DeviceConstants
 from estimators.orientation._parameters import read_parameters
-from estimators.orientation._smoother import SmoothedOrientation, SmootherParameters
-from estimators.orientation._smoother import smooth as smooth_telemotion
 from estimators.orientation._streaming import ChunkGuard, bias_array, copied
+from estimators.orientation.smoother import SmoothedOrientation, SmootherParameters
+from estimators.orientation.smoother import smooth as smooth_telemotion
 from estimators.recording import Float, ImuChunk
 
 

@@ -240,7 +240,7 @@ CROWDED = {
         "ingest",
         "ingest/readers",
     },
-    "estimators": {"balance", "comparison", "orientation", "validation"},
+    "estimators": {"balance", "comparison", "validation"},
 }
 
 

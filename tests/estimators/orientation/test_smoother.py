@@ -11,10 +11,10 @@ from estimators import orientation, rotation
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import SetupError, ShapeError
 from estimators.orientation import DeviceConstants, OrientationFlag
-from estimators.orientation._smoother import SmootherParameters
-from estimators.orientation._smoother_kernel import AT_REST, FACTS, RATE
-from estimators.orientation._smoother_rest import Rests
-from estimators.orientation._telemotion_parameters import settings_of
+from estimators.orientation.smoother._estimator import SmootherParameters
+from estimators.orientation.smoother._kernel import AT_REST, FACTS, RATE
+from estimators.orientation.smoother._rest import Rests
+from estimators.orientation.telemotion._parameters import settings_of
 from estimators.recording import ImuChunk, SampleQuality
 from estimators.validation._honesty_scenes import scene
 

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from estimators.orientation import _telemotion_layout as at
-from estimators.orientation._smoother import SmootherParameters
-from estimators.orientation._smoother_kernel import (
+from estimators.orientation.smoother._estimator import SmootherParameters
+from estimators.orientation.smoother._kernel import (
     AT_REST,
     FACTS,
     FIELD_TICKS,
@@ -22,8 +21,9 @@ from estimators.orientation._smoother_kernel import (
     backward,
     forward,
 )
-from estimators.orientation._smoother_sweep import SUMS
-from estimators.orientation._telemotion_parameters import settings_of
+from estimators.orientation.smoother._sweep import SUMS
+from estimators.orientation.telemotion import _layout as at
+from estimators.orientation.telemotion._parameters import settings_of
 
 BLOCKS = 12
 STEP_S = 0.01

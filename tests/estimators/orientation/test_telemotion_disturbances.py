@@ -6,9 +6,9 @@ import pytest
 from estimators import orientation, rotation
 from estimators.conventions import GRAVITY_MPS2
 from estimators.orientation import OrientationFlag
-from estimators.orientation import _telemotion_layout as at
-from estimators.orientation._telemotion_parameters import TelemotionParameters, settings_of
-from estimators.orientation._telemotion_samples import rest_variance
+from estimators.orientation.telemotion import _layout as at
+from estimators.orientation.telemotion._parameters import TelemotionParameters, settings_of
+from estimators.orientation.telemotion._samples import rest_variance
 from estimators.recording import ImuChunk, SampleQuality
 
 STEP_S = 0.01

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators._kernels import kernel, multiply, normalized, wrapped
-from estimators.orientation._telemotion_block import absorb
-from estimators.orientation._telemotion_layout import (
+from estimators.orientation.telemotion._block import absorb
+from estimators.orientation.telemotion._layout import (
     CONVERGENCE_TICKS,
     CORRECTION,
     COUNT,

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators._kernels import exponential, kernel, multiply, normalized
-from estimators.orientation._telemotion_layout import (
+from estimators.orientation.telemotion._layout import (
     AT_LARGEST,
     CLIP_LEVEL,
     CORRECTION,

@@ -3,7 +3,7 @@
 import numpy as np
 
 from estimators._kernels import exponential, kernel, multiply, normalized
-from estimators.orientation._telemotion_layout import (
+from estimators.orientation.telemotion._layout import (
     BIAS,
     COUNT,
     COUNTERS,
@@ -16,7 +16,7 @@ from estimators.orientation._telemotion_layout import (
     SAMPLE,
     SUM_ROTATION,
 )
-from estimators.orientation._telemotion_samples import clear_sums, integrate
+from estimators.orientation.telemotion._samples import clear_sums, integrate
 from estimators.recording import Float
 
 SUMS = GAP_SPEED_VARIANCE + 3 - SUM_ROTATION

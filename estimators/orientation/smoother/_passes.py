@@ -7,9 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators import rotation
-from estimators.orientation import _telemotion_layout as at
 from estimators.orientation._contract import OrientationFlag
-from estimators.orientation._smoother_kernel import (
+from estimators.orientation.smoother._kernel import (
     AT_REST,
     FIELD_TICKS,
     FIELD_VARIANCE,
@@ -24,9 +23,10 @@ from estimators.orientation._smoother_kernel import (
     backward,
     forward,
 )
-from estimators.orientation._smoother_rest import Rests
-from estimators.orientation._smoother_session import SensorSession
-from estimators.orientation._smoother_sweep import SUMS, sweep, turn_on
+from estimators.orientation.smoother._rest import Rests
+from estimators.orientation.smoother._session import SensorSession
+from estimators.orientation.smoother._sweep import SUMS, sweep, turn_on
+from estimators.orientation.telemotion import _layout as at
 from estimators.recording import Float
 
 _DISTURBED = 8.0

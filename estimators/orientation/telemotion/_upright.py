@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators._kernels import exponential, kernel, multiply, normalized, rotate
-from estimators.orientation._telemotion_layout import (
+from estimators.orientation.telemotion._layout import (
     BIAS,
     BIAS_START,
     COUNT,
@@ -30,8 +30,8 @@ from estimators.orientation._telemotion_layout import (
     UP_WINDOW_S,
     VELOCITY,
 )
-from estimators.orientation._telemotion_samples import to_vertical
-from estimators.orientation._telemotion_start import forget_field, forget_motion
+from estimators.orientation.telemotion._samples import to_vertical
+from estimators.orientation.telemotion._start import forget_field, forget_motion
 from estimators.recording import Float
 
 _SURE = 9.0

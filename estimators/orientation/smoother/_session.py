@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from estimators import rotation
 from estimators.conventions import GRAVITY_MPS2
-from estimators.orientation import _telemotion_layout as at
 from estimators.orientation._contract import OrientationFlag, OrientationResult
-from estimators.orientation._smoother_kernel import AT_REST, FACTS, RATE, SHARE
-from estimators.orientation._telemotion_samples import CLIP_SHARE
+from estimators.orientation.smoother._kernel import AT_REST, FACTS, RATE, SHARE
+from estimators.orientation.telemotion import _layout as at
+from estimators.orientation.telemotion._samples import CLIP_SHARE
 from estimators.recording import Float, ImuChunk, SampleQuality
 
 _MICROTESLA = 1e6

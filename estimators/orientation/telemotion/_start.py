@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators._kernels import kernel, multiply, normalized, wrapped
-from estimators.orientation._telemotion_layout import (
+from estimators.orientation.telemotion._layout import (
     BIAS,
     COAST_TICKS,
     COLLECTING,
@@ -63,7 +63,7 @@ from estimators.orientation._telemotion_layout import (
     TURN,
     VELOCITY,
 )
-from estimators.orientation._telemotion_samples import begin_rest, clear_sums, integrate, level, watch_rest
+from estimators.orientation.telemotion._samples import begin_rest, clear_sums, integrate, level, watch_rest
 from estimators.recording import Float
 
 _PLACE_VARIANCE = 0.01

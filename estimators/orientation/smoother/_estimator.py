@@ -11,15 +11,15 @@ from numpy.typing import NDArray
 from estimators import rotation
 from estimators._clipping import mark_clipped
 from estimators.errors import SetupError, ShapeError
-from estimators.orientation import _telemotion_layout as at
 from estimators.orientation._contract import OrientationFlag, OrientationResult
 from estimators.orientation._device_constants import DeviceConstants
 from estimators.orientation._parameters import read_parameters
-from estimators.orientation._smoother_passes import SensorPasses
-from estimators.orientation._smoother_session import SensorSession, prepare, turn_back
 from estimators.orientation._streaming import ChunkGuard, usable_samples
-from estimators.orientation._telemotion import MICROTESLA_PER_TESLA, TelemotionEstimator
-from estimators.orientation._telemotion_parameters import TelemotionParameters, settings_of
+from estimators.orientation.smoother._passes import SensorPasses
+from estimators.orientation.smoother._session import SensorSession, prepare, turn_back
+from estimators.orientation.telemotion import _layout as at
+from estimators.orientation.telemotion._estimator import MICROTESLA_PER_TESLA, TelemotionEstimator
+from estimators.orientation.telemotion._parameters import TelemotionParameters, settings_of
 from estimators.recording import Float, ImuChunk, SampleQuality
 
 _TRIAL_PASSES = 2

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from estimators._kernels import exponential, kernel, multiply, normalized
-from estimators.orientation._telemotion_layout import (
+from estimators.orientation.telemotion._layout import (
     AFTER_SAMPLE,
     COAST,
     GAIN,

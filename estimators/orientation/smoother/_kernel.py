@@ -4,9 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators._kernels import kernel
-from estimators.orientation._smoother_sweep import SUMS
-from estimators.orientation._telemotion_block import absorb, predict
-from estimators.orientation._telemotion_layout import (
+from estimators.orientation.smoother._sweep import SUMS
+from estimators.orientation.telemotion._block import absorb, predict
+from estimators.orientation.telemotion._layout import (
     BIAS,
     DELAY,
     FIELD,

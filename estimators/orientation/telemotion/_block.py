@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators._kernels import exponential, kernel, multiply, normalized
-from estimators.orientation._telemotion_layout import (
+from estimators.orientation.telemotion._layout import (
     BIAS,
     BIAS_DRIFT,
     COUNT,
@@ -42,7 +42,7 @@ from estimators.orientation._telemotion_layout import (
     TURN,
     VELOCITY,
 )
-from estimators.orientation._telemotion_samples import rest_variance
+from estimators.orientation.telemotion._samples import rest_variance
 from estimators.recording import Float
 
 _DIAGONAL = STATES + 1

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators._kernels import kernel, wrapped
-from estimators.orientation._telemotion_layout import (
+from estimators.orientation.telemotion._layout import (
     COUNT,
     FIELD,
     FIELD_COUNT,
@@ -18,7 +18,7 @@ from estimators.orientation._telemotion_layout import (
     SUM_FIELD,
     SUPPORT_S,
 )
-from estimators.orientation._telemotion_start import SAME_FIELD
+from estimators.orientation.telemotion._start import SAME_FIELD
 from estimators.recording import Float
 
 _ESTABLISHED_S = 20.0

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimators.orientation import _telemotion_layout as at
+from estimators.orientation.telemotion import _layout as at
 from estimators.recording import Float
 
 
@@ -163,7 +163,7 @@ def ordered(parameters: TelemotionParameters) -> str:
 
 
 def settings_of(parameters: TelemotionParameters, step_s: float) -> Float:
-    """Return the constants of the kernels, in the order of `_telemotion_layout`."""
+    """Return the constants of the kernels, in the order of `_layout`."""
     p = parameters
     block_ticks = max(1.0, round(p.block_s / step_s))
     block_s = block_ticks * step_s

@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import SetupError, ShapeError
-from estimators.orientation import _telemotion_layout as at
 from estimators.orientation._contract import OrientationResult
 from estimators.orientation._device_constants import DeviceConstants
 from estimators.orientation._kernel_estimator import KernelEstimator
-from estimators.orientation._telemotion_kernel import run
-from estimators.orientation._telemotion_parameters import (
+from estimators.orientation.telemotion import _layout as at
+from estimators.orientation.telemotion._kernel import run
+from estimators.orientation.telemotion._parameters import (
     POSITIVE,
     TelemotionParameters,
     ordered,
@@ -133,7 +133,7 @@ class TelemotionEstimator(KernelEstimator):
 
     @property
     def nominal(self) -> Float:
-        """The filter's states now, shape (S, STATES), in the order and units of `_telemotion_layout`."""
+        """The filter's states now, shape (S, STATES), in the order and units of `_layout`."""
         states = self._memory[:, : at.STATES].copy()
         states[:, at.BIAS : at.BIAS + 3] = self._bias
         return states

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from estimators._kernels import exponential, kernel, multiply
 from estimators.orientation._contract import OrientationFlag
-from estimators.orientation._telemotion_block import hold_place, inject, move, predict, see_field
-from estimators.orientation._telemotion_field import (
+from estimators.orientation.telemotion._block import hold_place, inject, move, predict, see_field
+from estimators.orientation.telemotion._field import (
     WORK,
     field_variance,
     find_north,
@@ -16,8 +16,8 @@ from estimators.orientation._telemotion_field import (
     open_iron,
     restless,
 )
-from estimators.orientation._telemotion_first_field import doubt, outlasted
-from estimators.orientation._telemotion_gaps import (
+from estimators.orientation.telemotion._first_field import doubt, outlasted
+from estimators.orientation.telemotion._gaps import (
     after_gap,
     coast,
     doubt_filling,
@@ -26,7 +26,7 @@ from estimators.orientation._telemotion_gaps import (
     remember,
     set_aside,
 )
-from estimators.orientation._telemotion_layout import (
+from estimators.orientation.telemotion._layout import (
     BLOCK_TICKS,
     COAST,
     COAST_TICKS,
@@ -70,9 +70,9 @@ from estimators.orientation._telemotion_layout import (
     TILT_SCALE,
     TILT_VARIANCE,
 )
-from estimators.orientation._telemotion_output import keep_shown, read, shown, take_back
-from estimators.orientation._telemotion_samples import clear_sums, integrate, watch_rest
-from estimators.orientation._telemotion_start import (
+from estimators.orientation.telemotion._output import keep_shown, read, shown, take_back
+from estimators.orientation.telemotion._samples import clear_sums, integrate, watch_rest
+from estimators.orientation.telemotion._start import (
     begin,
     collect,
     find_heading,
@@ -82,7 +82,7 @@ from estimators.orientation._telemotion_start import (
     upright,
     young,
 )
-from estimators.orientation._telemotion_upright import contradiction, start_over
+from estimators.orientation.telemotion._upright import contradiction, start_over
 from estimators.recording import Float, SampleQuality
 
 _INVALID = int(OrientationFlag.INVALID)

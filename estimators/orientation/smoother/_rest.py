@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from estimators.orientation import _telemotion_layout as at
-from estimators.orientation._smoother_kernel import AT_REST, RATE
+from estimators.orientation.smoother._kernel import AT_REST, RATE
+from estimators.orientation.telemotion import _layout as at
 from estimators.recording import Float
 
 _SWAY_RADPS, _UNSEEN_S = math.radians(0.5), 0.75

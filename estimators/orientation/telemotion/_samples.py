@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators._kernels import Scalars4, exponential, kernel, multiply, normalized, rotate
-from estimators.orientation._telemotion_layout import (
+from estimators.orientation.telemotion._layout import (
     BIAS,
     CLIP_FORCE,
     CLIP_RATE,
