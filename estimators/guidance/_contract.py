@@ -1,0 +1,191 @@
+"""Types of the guidance: its parameters, a template made ready, and what a chunk of ticks gives."""
+
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.errors import SetupError
+from estimators.guidance._records import Model
+from estimators.recording import Float
+
+RepetitionKind = Literal["valid", "partial", "wrong", "ignored"]
+KINDS: Final[tuple[RepetitionKind, ...]] = ("valid", "partial", "wrong", "ignored")
+"""By their numbers in the compiled counter."""
+
+
+@dataclass(frozen=True)
+class GuidanceParameters:
+    """Numbers of the phase filter and the counter, one set for all exercises; the equation stands with each.
+
+    Attributes
+    ----------
+    pace_sd : float
+        (2): sigma_r as a share of r0 = 1 / T.
+    slope_sd_per_s : float
+        (2): sigma_v of a channel over its s_c, 1/s.
+    slowest, fastest : float
+        (2): limits of the pace, in r0.
+    blur_per_s : float
+        (3): growth of the variance of the phase.
+    size_exchange_per_s, stall_cap : float
+        (3): how fast sizes mix, and the largest cost of standing still, nat/s.
+    free_misfit, direction, misfit_cap, memory_s : float
+        (4): what costs nothing, weight of the direction of movement, largest D, and for how long one look counts.
+    rest_speed, wrong_misfit : float
+        (5): 0.36 and the D of WRONG.
+    rest_to_start_per_s, end_to_rest_per_s, end_to_start_per_s, to_wrong_per_s, from_wrong_per_s, to_rest_per_s, \
+restart_per_s : float
+        (6), in the order of that equation.
+    broad_share : float
+        (7): share of the size prior that is spread over all sizes.
+    start_follows_s : float
+        Time constant with which the start posture follows at rest.
+    wrong_share, least_excursion, least_attempt_s : float
+        (9): mean P(WRONG) from which an attempt is wrong; share of the template's excursion and duration below which
+        it is ignored.
+    """
+
+    pace_sd: float = 0.7
+    slope_sd_per_s: float = 1.5
+    slowest: float = -0.1
+    fastest: float = 4.0
+    blur_per_s: float = 0.0005
+    size_exchange_per_s: float = 0.3
+    stall_cap: float = 16.0
+    free_misfit: float = 0.5
+    direction: float = 12.0
+    misfit_cap: float = 12.0
+    memory_s: float = 0.1
+    rest_speed: float = 0.36
+    wrong_misfit: float = 6.0
+    rest_to_start_per_s: float = 0.5
+    end_to_rest_per_s: float = 6.0
+    end_to_start_per_s: float = 3.0
+    to_wrong_per_s: float = 0.05
+    from_wrong_per_s: float = 1.0
+    to_rest_per_s: float = 0.05
+    restart_per_s: float = 0.1
+    broad_share: float = 0.2
+    start_follows_s: float = 5.0
+    wrong_share: float = 0.2
+    least_excursion: float = 0.15
+    least_attempt_s: float = 0.4
+
+    def __post_init__(self) -> None:
+        if not (self.pace_sd > 0 and self.slope_sd_per_s > 0 and self.memory_s > 0):
+            raise SetupError(f"{self}: pace_sd, slope_sd_per_s and memory_s must be positive")
+        if not self.slowest <= 0 < self.fastest <= 10:
+            raise SetupError(f"{self}: slowest is at most 0, fastest 0 to 10")
+
+
+@dataclass(frozen=True)
+class GuidanceTemplate:
+    """A template made ready for one patient.
+
+    Attributes
+    ----------
+    channels : tuple of str
+        Columns of what `Guide.feed` takes, C of them.
+    side : str
+        The patient's acting side.
+    main : str
+        Channel by which targets are counted.
+    steering : tuple of str
+        Channels that tell the phase, F of them, each with a weight above zero.
+    duration_s : float
+    mean : ndarray, shape (101, C)
+        Absolute, in the patient's metres.
+    below, above : ndarray, shape (101, C)
+        Half widths of the band of equation (11), infinite where it is free.
+    target_phase, target_offset : ndarray, shape (K,)
+        Extremes of the main channel: phase 0 to 1, and how far from the start posture, rad or m.
+    model : Model
+        The same for the compiled filter.
+    """
+
+    channels: tuple[str, ...]
+    side: str
+    main: str
+    steering: tuple[str, ...]
+    duration_s: float
+    mean: Float
+    below: Float
+    above: Float
+    target_phase: Float
+    target_offset: Float
+    model: Model
+
+
+@dataclass(frozen=True)
+class CountedRepetition:
+    """A finished attempt, equation (9).
+
+    Attributes
+    ----------
+    kind : {"valid", "partial", "wrong", "ignored"}
+    attempt : int
+        Number of the attempt, from 1, ignored ones included.
+    start_tick, end_tick : int
+        When the filter saw it begin and end.
+    quotient : tuple of float
+        Attained share of each target, q_k.
+    wrong_share : float
+        Mean P(WRONG).
+    excursion : float
+        Way from the start posture as a share of the template's.
+    """
+
+    kind: RepetitionKind
+    attempt: int
+    start_tick: int
+    end_tick: int
+    quotient: tuple[float, ...]
+    wrong_share: float
+    excursion: float
+
+
+@dataclass(frozen=True)
+class GuidanceChunk:
+    """What `Guide.feed` gives for N ticks.
+
+    Attributes
+    ----------
+    first_tick : int
+    phase, sigma : ndarray, shape (N,)
+        (8): 0 to 1. NaN until the prompted rest is over. At rest the phase says nothing.
+    rest, wrong : ndarray, shape (N,)
+        P(REST) and P(WRONG).
+    size : ndarray, shape (N,)
+        Mean size of the movement as a share of the template's.
+    deviation, deviation_sigma : ndarray, shape (N, C)
+        (10): y - y0 - mu(phase) and its standard deviation, NaN where unknown.
+    repetitions : tuple of CountedRepetition
+        That ended in this chunk.
+    """
+
+    first_tick: int
+    phase: Float
+    sigma: Float
+    rest: Float
+    wrong: Float
+    size: Float
+    deviation: Float
+    deviation_sigma: Float
+    repetitions: tuple[CountedRepetition, ...]
+
+    @property
+    def moving(self) -> NDArray[np.bool_]:
+        """Ticks of a movement along the template, shape (N,)."""
+        return self.rest + self.wrong < 0.5
+
+
+__all__ = [
+    "KINDS",
+    "CountedRepetition",
+    "GuidanceChunk",
+    "GuidanceParameters",
+    "GuidanceTemplate",
+    "RepetitionKind",
+]

@@ -1,0 +1,115 @@
+"""Repetitions counted as they end: valid, partial, wrong, ignored. Section 4 and equation (9)."""
+
+import math
+
+from estimators.guidance._records import (
+    IGNORED,
+    PARTIAL,
+    VALID,
+    WRONG,
+    Memory,
+    Model,
+    Out,
+    Work,
+)
+from estimators.kernels import Record, step
+
+_LATE, _EARLY = 0.85, 0.25
+_WRONG_BEGINS, _WRONG_ENDS = 0.5, 0.3
+
+
+@step()
+def _begin(state: Record, memory: Memory) -> None:
+    state.in_attempt = 1
+    state.attempt += 1
+    state.attempt_tick = state.tick
+    state.updates = 0
+    state.wrong_sum = 0.0
+    state.was_late = 0
+    state.was_wrong = 0
+    memory.reached[:] = 0.0
+    memory.quotient[:] = 0.0
+
+
+@step()
+def _excursion(model: Model, memory: Memory) -> float:
+    """Return how far the attempt went, as a share of the template's."""
+    total, weight = 0.0, 0.0
+    for f in range(len(model.weight)):
+        total += model.weight[f] * memory.reached[f] / model.excursion[f]
+        weight += model.weight[f]
+    return total / weight
+
+
+@step()
+def _learn_size(state: Record, model: Model, memory: Memory) -> None:
+    """Equation (7): after the turn the size of a repetition is no guess, it was measured."""
+    size = 0.0
+    for k in range(len(memory.quotient)):
+        size += memory.quotient[k] / len(memory.quotient)
+    state.finished += 1
+    for a in range(len(model.sizes)):
+        width = model.sizes[1] - model.sizes[0]
+        held = min(max(size, model.sizes[0]), model.sizes[-1])
+        share = max(0.0, 1.0 - abs(held - model.sizes[a]) / width)
+        memory.size_mean[a] += (share - memory.size_mean[a]) / state.finished
+
+
+@step()
+def _finish(settings: Record, state: Record, model: Model, memory: Memory, out: Out) -> None:
+    state.in_attempt = 0
+    excursion = _excursion(model, memory)
+    wrong = state.wrong_sum / max(state.updates, 1)
+    kind = VALID
+    for k in range(len(memory.quotient)):
+        if memory.quotient[k] < settings.valid_share:
+            kind = PARTIAL
+    if wrong > settings.wrong_share:
+        kind = WRONG
+    lasted_s = (state.tick - state.attempt_tick) * settings.tick_s
+    if excursion < settings.least_excursion or lasted_s < settings.least_attempt_s:
+        kind = IGNORED
+    if kind in (VALID, PARTIAL):
+        _learn_size(state, model, memory)
+    row = out.counts[0]
+    one = out.repetitions[row]
+    one.tick, one.kind, one.attempt, one.start_tick = state.tick, kind, state.attempt, state.attempt_tick
+    one.wrong, one.excursion, one.size = wrong, excursion, state.size
+    for k in range(len(memory.quotient)):
+        out.quotients[row, k] = memory.quotient[k]
+    out.counts[0] = row + 1
+
+
+@step()
+def count(settings: Record, state: Record, model: Model, memory: Memory, work: Work, out: Out) -> None:
+    """Follow the attempt that goes on, or begin one."""
+    rests = state.p_rest > 0.5
+    if state.in_attempt == 0:
+        if rests:
+            return
+        _begin(state, memory)
+    state.updates += 1
+    state.wrong_sum += state.p_wrong
+    for f in range(len(model.steering)):
+        c = model.steering[f]
+        away = abs(work.y[c] - memory.start[c])
+        if away > memory.reached[f]:
+            memory.reached[f] = away
+    main = work.y[settings.main] - memory.start[settings.main]
+    if not math.isnan(main):
+        for k in range(len(memory.quotient)):
+            memory.quotient[k] = max(memory.quotient[k], main / model.target[k, 1])
+    moves = state.p_rest + state.p_wrong < 0.5
+    wrapped = moves and state.was_late == 1 and state.phase < _EARLY
+    recovered = state.was_wrong == 1 and state.p_wrong < _WRONG_ENDS
+    if rests or wrapped or recovered:
+        _finish(settings, state, model, memory, out)
+        if not rests:
+            _begin(state, memory)
+    if moves and state.phase > _LATE:
+        state.was_late = 1
+    if state.p_wrong > _WRONG_BEGINS:
+        state.was_wrong = 1
+
+
+__all__ = ["count"]

@@ -1,0 +1,201 @@
+"""Guidance tick by tick: what a session feeds and what it reads."""
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.errors import SetupError, ShapeError
+from estimators.guidance._contract import (
+    KINDS,
+    CountedRepetition,
+    GuidanceChunk,
+    GuidanceParameters,
+    GuidanceTemplate,
+)
+from estimators.guidance._kernel import run
+from estimators.guidance._records import (
+    ASTRAY,
+    OUT,
+    PHASE,
+    REPETITION,
+    REST,
+    SETTINGS,
+    SIGMA,
+    SIZE,
+    STATE,
+    Memory,
+    Out,
+    Work,
+)
+from estimators.kernels import filled, restored
+from estimators.recording import Float
+
+UPDATE_HZ: Final = 50.0
+SLOPE_S: Final = 0.12
+REST_S: Final = 1.0
+VALID_SHARE: Final = 0.8
+"""Share of each target that a valid repetition attains unless the therapist says otherwise."""
+
+
+class Guide:
+    """Follows a patient along a template and counts, tick by tick; recorded and live give the same bits.
+
+    The first second in which a steering channel is known is the prompted rest in the start posture.
+
+    Parameters
+    ----------
+    ready : GuidanceTemplate
+    tick_s : float
+        Time between ticks, 1/200 to 1/20 s.
+    valid_share : float
+        q of (9).
+    parameters : GuidanceParameters, optional
+
+    Raises
+    ------
+    SetupError
+        If the tick or the share cannot be worked with.
+    """
+
+    def __init__(
+        self,
+        ready: GuidanceTemplate,
+        tick_s: float,
+        *,
+        valid_share: float = VALID_SHARE,
+        parameters: GuidanceParameters | None = None,
+    ) -> None:
+        if not 1.0 / 500.0 <= tick_s <= 1.0 / 20.0:
+            raise SetupError(f"the time between ticks is {tick_s} s; it lies within 0.002 and 0.05")
+        if not 0.0 < valid_share <= 1.2:
+            raise SetupError(f"the share of a valid repetition is {valid_share}; it lies within 0 and 1.2")
+        self.ready = ready
+        self.tick_s = float(tick_s)
+        model = ready.model
+        sizes, (steering, phases), channels = len(model.sizes), model.offset.shape, len(ready.channels)
+        stride = max(1, round(1.0 / UPDATE_HZ / tick_s))
+        rest_ticks = max(2, round(REST_S / tick_s))
+        self._settings = filled(
+            SETTINGS,
+            {
+                **asdict(parameters or GuidanceParameters()),
+                "tick_s": tick_s,
+                "update_s": stride * tick_s,
+                "stride": stride,
+                "rest_ticks": rest_ticks,
+                "pace": 1.0 / ready.duration_s,
+                "main": ready.channels.index(ready.main),
+                "valid_share": valid_share,
+            },
+        )
+        self._state = np.zeros(1, dtype=STATE)
+        self._state["tick"] = -1
+        self._state["p_rest"] = 1.0
+        unknown = np.full(channels, np.nan)
+        self._memory = Memory(
+            mass=np.zeros((sizes, phases)),
+            start=unknown.copy(),
+            last=unknown.copy(),
+            window=np.full((max(3, round(SLOPE_S / tick_s) + 1), channels), np.nan),
+            rest=np.full((rest_ticks, channels), np.nan),
+            size_mean=np.full(sizes, 1.0 / sizes),
+            reached=np.zeros(steering),
+            quotient=np.zeros(len(model.target)),
+        )
+        self._work = Work(
+            sums=np.zeros((6, phases)),
+            moved=np.zeros((sizes, phases)),
+            line=np.zeros((2, phases)),
+            y=np.zeros(channels),
+            v=np.zeros(channels),
+            sigma=np.zeros(channels),
+            prior=np.zeros(sizes),
+            sorted=np.zeros(rest_ticks),
+        )
+
+    @property
+    def start_posture(self) -> Float:
+        """y0 now, shape (C,); NaN before the prompted rest is over, 0 for angles without meaning in that posture."""
+        return self._memory.start.copy()
+
+    def prompt_rest(self) -> None:
+        """Take the start posture anew from the next second on, as after a pause; an attempt that goes on is dropped."""
+        self._state["rested"] = 0
+        self._state["rest_v"], self._state["rest_v_count"] = 0.0, 0
+        self._state["in_attempt"] = 0
+
+    def feed(self, values: Float, sigma: Float) -> GuidanceChunk:
+        """Take the next ticks.
+
+        Parameters
+        ----------
+        values, sigma : ndarray, shape (N, C)
+            As `signals` gives them: rad and m, NaN where unknown. Any number of ticks at once.
+
+        Returns
+        -------
+        GuidanceChunk
+
+        Raises
+        ------
+        ShapeError
+        """
+        values, sigma = np.ascontiguousarray(values, float), np.ascontiguousarray(sigma, float)
+        shape = (values.shape[0] if values.ndim == 2 else -1, len(self.ready.channels))
+        if values.shape != shape or sigma.shape != shape:
+            raise ShapeError(f"values {values.shape} and sigma {sigma.shape}; both must be (N, {shape[1]})")
+        if np.isinf(values).any() or not (np.isnan(sigma) | (np.isfinite(sigma) & (sigma >= 0.0))).all():
+            raise ShapeError("values must be finite or NaN, sigma not negative, finite or NaN")
+        first, ticks = int(self._state["tick"][0]) + 1, len(values)
+        # An attempt lasts an update at least.
+        room = ticks // int(self._settings["stride"][0]) + 1
+        out = Out(
+            follow=np.empty((ticks, OUT)),
+            deviation=np.empty(shape),
+            deviation_sigma=np.empty(shape),
+            repetitions=np.zeros(room, dtype=REPETITION),
+            quotients=np.zeros((room, len(self._memory.quotient))),
+            counts=np.zeros(1, dtype=np.int64),
+        )
+        run(values, sigma, self._settings, self._state, self.ready.model, self._memory, self._work, out)
+        follow = out.follow.T
+        return GuidanceChunk(
+            first_tick=first,
+            phase=follow[PHASE],
+            sigma=follow[SIGMA],
+            rest=follow[REST],
+            wrong=follow[ASTRAY],
+            size=follow[SIZE],
+            deviation=out.deviation,
+            deviation_sigma=out.deviation_sigma,
+            repetitions=tuple(
+                CountedRepetition(
+                    kind=KINDS[int(one["kind"])],
+                    attempt=int(one["attempt"]),
+                    start_tick=int(one["start_tick"]),
+                    end_tick=int(one["tick"]),
+                    quotient=tuple(float(q) for q in quotient),
+                    wrong_share=float(one["wrong"]),
+                    excursion=float(one["excursion"]),
+                )
+                for one, quotient in zip(
+                    out.repetitions[: out.counts[0]], out.quotients[: out.counts[0]], strict=True
+                )
+            ),
+        )
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """Return all that goes on from tick to tick, copied."""
+        return {"state": self._state.copy(), **{k: v.copy() for k, v in self._memory._asdict().items()}}
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Continue from `state` of a guide built alike; raises `ShapeError` for any other."""
+        record = restored(state, "state", self._state)
+        memory = Memory(**{k: restored(state, k, v) for k, v in self._memory._asdict().items()})
+        self._state, self._memory = record, memory
+
+
+__all__ = ["UPDATE_HZ", "VALID_SHARE", "Guide"]

@@ -1,0 +1,298 @@
+"""The phase filter: one update of the probability of each phase and size, of rest and of a wrong movement.
+
+Equations (1) to (8) of the house's page on live guidance.
+"""
+
+import math
+
+import numpy as np
+
+from estimators.guidance._records import Memory, Model, Work
+from estimators.kernels import Record, step
+from estimators.recording import Float
+
+FIT, CROSS, SIZE, SPEED, ALONG, STEEP = range(6)
+"""Rows of the sums: <(y-y0)^2/s^2>, <(y-y0) mu/s^2>, <mu^2/s^2>, <v^2/s^2>, <v mu'/s^2>, <mu'^2/s^2>."""
+_ENTRY = 3
+"""Phases at which a movement begins, and from whose mirror image it ends."""
+_NEAR = 8
+_EDGE_LOW, _EDGE_HIGH = 0.75, 0.9
+
+
+@step(inlined=True)
+def _decay(x: float) -> float:
+    """Return exp(-x) for 0 <= x <= 8 within 1e-6 of it, without a call so that loops become wide instructions."""
+    u = x / 32.0
+    p = 1.0 - u * (1.0 - u * (0.5 - u * (1.0 / 6.0 - u * (1.0 / 24.0 - u / 120.0))))
+    p *= p
+    p *= p
+    p *= p
+    p *= p
+    return p * p
+
+
+@step()
+def unwrap(model: Model, memory: Memory, values: Float, y: Float) -> None:
+    """Take one tick's values, angles by whole turns nearest to their last, and put them into the ring's slot `y`."""
+    for c in range(len(values)):
+        value = values[c]
+        if not math.isnan(value):
+            if model.turns[c] == 1 and not math.isnan(memory.last[c]):
+                value += 2.0 * math.pi * np.rint((memory.last[c] - value) / (2.0 * math.pi))
+            memory.last[c] = value
+        y[c] = value
+
+
+@step()
+def slopes(settings: Record, state: Record, memory: Memory, v: Float) -> None:
+    """Fit a line to the last values of each channel; NaN where fewer than half are known."""
+    width = memory.window.shape[0]
+    newest = state.tick % width
+    for c in range(memory.window.shape[1]):
+        count, t, tt, s, ts = 0.0, 0.0, 0.0, 0.0, 0.0
+        base = memory.window[newest, c]
+        v[c] = np.nan
+        if math.isnan(base):
+            continue
+        for k in range(width):
+            value = memory.window[(newest + width - k) % width, c]
+            if not math.isnan(value):
+                age = -float(k)
+                count += 1.0
+                t += age
+                tt += age * age
+                s += value - base
+                ts += age * (value - base)
+        if 2.0 * count > width and count > 1.0:
+            v[c] = (ts - t * s / count) / (tt - t * t / count) / settings.tick_s
+
+
+@step()
+def _sums(model: Model, memory: Memory, work: Work) -> tuple[float, float]:
+    """Sum over the channels present, once a phase; return the weights of values and of slopes."""
+    sums = work.sums
+    phases = sums.shape[1]
+    sums[:] = 0.0
+    of_values, of_slopes = 0.0, 0.0
+    for f in range(len(model.steering)):
+        c = model.steering[f]
+        d = work.y[c] - memory.start[c]
+        if math.isnan(d):
+            continue
+        w, v = model.weight[f], work.v[c]
+        sigma = work.sigma[c]
+        extra = 0.0 if math.isnan(sigma) else 0.25 * sigma * sigma
+        of_values += w
+        mu, slope, variance = model.offset[f], model.slope[f], model.variance[f]
+        if math.isnan(v):
+            for b in range(phases):
+                precision = w / (variance[b] + extra)
+                sums[FIT, b] += precision * d * d
+                sums[CROSS, b] += precision * d * mu[b]
+                sums[SIZE, b] += precision * mu[b] * mu[b]
+            continue
+        of_slopes += w
+        for b in range(phases):
+            precision = w / (variance[b] + extra)
+            sums[FIT, b] += precision * d * d
+            sums[CROSS, b] += precision * d * mu[b]
+            sums[SIZE, b] += precision * mu[b] * mu[b]
+            sums[SPEED, b] += precision * v * v
+            sums[ALONG, b] += precision * v * slope[b]
+            sums[STEEP, b] += precision * slope[b] * slope[b]
+    value_scale = 1.0 / of_values if of_values > 0.0 else 0.0
+    slope_scale = 1.0 / of_slopes if of_slopes > 0.0 else 0.0
+    for b in range(phases):
+        sums[FIT, b] *= value_scale
+        sums[CROSS, b] *= value_scale
+        sums[SIZE, b] *= value_scale
+        sums[SPEED, b] *= slope_scale
+        sums[ALONG, b] *= slope_scale
+        sums[STEEP, b] *= slope_scale
+    return of_values, of_slopes
+
+
+@step()
+def rest_speed(model: Model, memory: Memory, work: Work) -> tuple[float, float, float]:
+    """Return <(y-y0)^2/s0^2>, <v^2/s0^2> and the weight of slopes at the start posture."""
+    away, speed, of_values, of_slopes = 0.0, 0.0, 0.0, 0.0
+    for f in range(len(model.steering)):
+        c = model.steering[f]
+        sigma = work.sigma[c]
+        variance = model.variance[f, 0] + (0.0 if math.isnan(sigma) else 0.25 * sigma * sigma)
+        d, v = work.y[c] - memory.start[c], work.v[c]
+        if not math.isnan(d):
+            away += model.weight[f] * d * d / variance
+            of_values += model.weight[f]
+        if not math.isnan(v):
+            speed += model.weight[f] * v * v / variance
+            of_slopes += model.weight[f]
+    return (
+        away / of_values if of_values > 0.0 else 0.0,
+        speed / of_slopes if of_slopes > 0.0 else 0.0,
+        of_slopes,
+    )
+
+
+@step()
+def _move(settings: Record, model: Model, memory: Memory, work: Work) -> None:
+    """Equations (2) and (3): each phase and size goes on at its own pace; what ought to stand still loses."""
+    mass, moved, sums = memory.mass, work.moved, work.sums
+    sizes, phases = mass.shape
+    r0, dt = settings.pace, settings.update_s
+    known = 1.0 / (settings.pace_sd * r0) ** 2
+    slope_variance = settings.slope_sd_per_s**2
+    shift, left = work.line[0], work.line[1]
+    moved[:] = 0.0
+    for a in range(sizes):
+        size = model.sizes[a]
+        for b in range(phases):
+            phi = (b + 0.5) / phases
+            pace = (r0 * known + size * sums[ALONG, b] / slope_variance) / (
+                known + size * size * sums[STEEP, b] / slope_variance
+            )
+            slow = max(0.0, 1.0 - 2.0 * pace / r0)
+            left[b] = mass[a, b] * _decay(min(slow * slow, settings.stall_cap) * dt)
+            edge = min(max((phi - _EDGE_LOW) / (_EDGE_HIGH - _EDGE_LOW), 0.0), 1.0)
+            pace = min(max(pace, settings.slowest * r0 * (1.0 - edge)), settings.fastest * r0)
+            shift[b] = pace * dt * phases
+        for b in range(phases):
+            place = b + shift[b]
+            low = math.floor(place)
+            share = place - low
+            first, second = min(max(low, 0), phases - 1), min(max(low + 1, 0), phases - 1)
+            moved[a, first] += (1.0 - share) * left[b]
+            moved[a, second] += share * left[b]
+    spread = 0.5 * settings.blur_per_s * dt * phases * phases
+    trade = 0.5 * settings.size_exchange_per_s * dt
+    for a in range(sizes):
+        below, above = max(a - 1, 0), min(a + 1, sizes - 1)
+        for b in range(phases):
+            mass[a, b] = (1.0 - 2.0 * trade) * moved[a, b] + trade * (moved[below, b] + moved[above, b])
+    for a in range(sizes):
+        before = mass[a, 0]
+        for b in range(phases):
+            here = mass[a, b]
+            after = mass[a, min(b + 1, phases - 1)]
+            mass[a, b] = (1.0 - 2.0 * spread) * here + spread * (before + after)
+            before = here
+
+
+@step()
+def _change(settings: Record, state: Record, memory: Memory, work: Work) -> None:
+    """Equations (6) and (7): between rest, movement and wrong movement."""
+    mass, dt = memory.mass, settings.update_s
+    sizes, phases = mass.shape
+    total = 0.0
+    for a in range(sizes):
+        total += memory.size_mean[a]
+    for a in range(sizes):
+        mean = memory.size_mean[a] / total if state.finished > 0 else 1.0 / sizes
+        work.prior[a] = settings.broad_share / sizes + (1.0 - settings.broad_share) * mean
+    to_rest, to_wrong, to_start = 0.0, 0.0, 0.0
+    away = (settings.to_rest_per_s + settings.to_wrong_per_s) * dt
+    ended = (settings.end_to_rest_per_s + settings.end_to_start_per_s) * dt
+    for a in range(sizes):
+        for b in range(phases):
+            here = mass[a, b]
+            to_rest += settings.to_rest_per_s * dt * here
+            to_wrong += settings.to_wrong_per_s * dt * here
+            stays = 1.0 - away
+            if b >= phases - _ENTRY:
+                to_rest += settings.end_to_rest_per_s * dt * here
+                to_start += settings.end_to_start_per_s * dt * here
+                stays -= ended
+            mass[a, b] = stays * here
+    rest, wrong = state.p_rest, state.p_wrong
+    to_start += settings.rest_to_start_per_s * dt * rest + settings.from_wrong_per_s * dt * wrong
+    to_rest += (settings.from_wrong_per_s + settings.to_rest_per_s) * dt * wrong
+    to_wrong += settings.to_wrong_per_s * dt * rest
+    rest *= 1.0 - (settings.rest_to_start_per_s + settings.to_wrong_per_s) * dt
+    wrong *= 1.0 - (2.0 * settings.from_wrong_per_s + settings.to_rest_per_s) * dt
+    again = settings.restart_per_s * dt
+    # REST and WRONG are two of the states over which the restart is spread.
+    share = again / (phases + 2)
+    for a in range(sizes):
+        for b in range(phases):
+            entering = to_start * work.prior[a] / _ENTRY if b < _ENTRY else 0.0
+            mass[a, b] = (1.0 - again) * (mass[a, b] + entering) + share * work.prior[a]
+    state.p_rest = (1.0 - again) * (rest + to_rest) + share
+    state.p_wrong = (1.0 - again) * (wrong + to_wrong) + share
+
+
+@step()
+def _weigh(settings: Record, state: Record, model: Model, memory: Memory, work: Work, away: float) -> None:
+    """Equations (4) and (5): what is measured speaks for some phases and sizes and against others."""
+    mass, sums = memory.mass, work.sums
+    sizes, phases = mass.shape
+    rate = 0.5 * settings.update_s / settings.memory_s
+    r0 = settings.pace
+    against = work.line[0]
+    for b in range(phases):
+        speed, steep = sums[SPEED, b], sums[STEEP, b]
+        turned = 1.0 - sums[ALONG, b] / math.sqrt(max(speed * steep, 1e-30))
+        steady = steep * r0 * r0
+        against[b] = (
+            settings.direction * 0.5 * turned * speed / (speed + 1.0 + state.rest_v) * steady / (steady + 1.0)
+        )
+    for a in range(sizes):
+        size = model.sizes[a]
+        for b in range(phases):
+            misfit = sums[FIT, b] - 2.0 * size * sums[CROSS, b] + size * size * sums[SIZE, b]
+            d = max(0.0, misfit - settings.free_misfit) + against[b]
+            mass[a, b] *= _decay(rate * min(d, settings.misfit_cap))
+    still = away + state.v / (settings.rest_speed + state.rest_v)
+    state.p_rest *= _decay(rate * min(still, settings.misfit_cap))
+    state.p_wrong *= _decay(rate * settings.wrong_misfit)
+
+
+@step()
+def _read(state: Record, model: Model, memory: Memory, work: Work) -> None:
+    """Equation (8): normalise, and read phase, its sigma and the size."""
+    mass, line = memory.mass, work.line[0]
+    sizes, phases = mass.shape
+    line[:] = 0.0
+    moving, size = 0.0, 0.0
+    for a in range(sizes):
+        of_size = 0.0
+        for b in range(phases):
+            line[b] += mass[a, b]
+            of_size += mass[a, b]
+        moving += of_size
+        size += model.sizes[a] * of_size
+    total = moving + state.p_rest + state.p_wrong
+    for a in range(sizes):
+        for b in range(phases):
+            mass[a, b] /= total
+    state.p_rest /= total
+    state.p_wrong /= total
+    mode = 0
+    for b in range(phases):
+        if line[b] > line[mode]:
+            mode = b
+    near, sum_near = 0.0, 0.0
+    for b in range(max(mode - _NEAR, 0), min(mode + _NEAR + 1, phases)):
+        near += line[b]
+        sum_near += line[b] * (b + 0.5) / phases
+    state.phase = sum_near / near
+    spread = 0.0
+    for b in range(phases):
+        spread += line[b] * ((b + 0.5) / phases - state.phase) ** 2
+    state.sigma = math.sqrt(spread / moving)
+    state.size = size / moving
+
+
+@step()
+def update(settings: Record, state: Record, model: Model, memory: Memory, work: Work) -> None:
+    """Go one update on: move, change, weigh, read. Without any channel nothing is weighed."""
+    of_values, _ = _sums(model, memory, work)
+    _move(settings, model, memory, work)
+    _change(settings, state, memory, work)
+    away, speed, _ = rest_speed(model, memory, work)
+    state.v = speed
+    if of_values > 0.0:
+        _weigh(settings, state, model, memory, work, away)
+    _read(state, model, memory, work)
+
+
+__all__ = ["rest_speed", "slopes", "unwrap", "update"]

@@ -1,0 +1,214 @@
+"""A template made ready for one patient: offsets from the start posture, weights, targets. Equation (1)."""
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from estimators.comparison import PHASES, Template, Trajectory, mirror_template
+from estimators.comparison._channels import TRUNK_CHANNELS, check_side
+from estimators.comparison._template import FLOOR_ARM_RAD, FLOOR_REACH, FLOOR_TRUNK_RAD, is_angle
+from estimators.conventions import Side
+from estimators.errors import SetupError
+from estimators.guidance._bands import ToleranceCurve, tolerance_band
+from estimators.guidance._contract import GuidanceTemplate
+from estimators.guidance._records import Model
+from estimators.recording import Float
+
+BINS: Final = 64
+SIZES: Final = (0.3, 0.45, 0.6, 0.75, 0.9, 1.05, 1.2)
+"""Sizes that are told apart, as shares of the template's."""
+_BAND_SIGMAS: Final = 1.64
+_SHARE_OF_RANGE: Final = 0.1
+_PROMINENCE: Final = 0.3
+_LEVEL: Final = 0.02
+"""Share of the range within which a hold is level."""
+_SINGULAR: Final = ("_yxy_plane_of_elevation", "_yxy_axial_rotation")
+_STEERING: Final = ("_zxy_flexion", "_zxy_pronation", "_yxy_elevation", "_lean_forward_rad")
+_FOLLOWING: Final = ("forearm_hand", "shoulder_hike", "elbow", "hand_")
+"""What follows from other channels, or moves too little: wrist angles, hikes, and points but for the wrist."""
+
+
+def steers(channel: str) -> bool:
+    """Say whether a channel may tell the phase: not singular angles, and nothing that shows compensation."""
+    if channel in TRUNK_CHANNELS or channel.endswith(_SINGULAR) or channel.startswith(_FOLLOWING):
+        return False
+    return channel.endswith(_STEERING) or "." in channel
+
+
+def prepare_template(
+    template: Template,
+    side: Side,
+    reach_m: float,
+    *,
+    tolerances: Sequence[ToleranceCurve] = (),
+    steering: Sequence[str] | None = None,
+) -> GuidanceTemplate:
+    """Make a template ready to guide one patient.
+
+    Parameters
+    ----------
+    template : Template
+        One of the other side is mirrored.
+    side : {"left", "right"}
+        The patient's acting side.
+    reach_m : float
+        The patient's upper arm plus forearm; positions are scaled from the template's person.
+    tolerances : sequence of ToleranceCurve
+        Named for the template as it is, before mirroring.
+    steering : sequence of str, optional
+        Channels that tell the phase, in the template's names. By default angles without a singularity and the wrist;
+        the main channel always does. Compensation should not.
+
+    Returns
+    -------
+    GuidanceTemplate
+
+    Raises
+    ------
+    SetupError
+        If the reach is not positive, a channel is unknown, or no channel moves enough to tell the phase.
+
+    Notes
+    -----
+    Weight of a channel: w_c = clip((range / floor - 1) / 3, 0, 1), floors as of the band of `build_template`.
+    """
+    check_side(side)
+    if not reach_m > 0:
+        raise SetupError(f"the reach is {reach_m} m; give upper arm plus forearm, for instance 0.55")
+    chosen = [name for name in template.channels if steers(name)] if steering is None else list(steering)
+    if set(chosen) - set(template.channels):
+        raise SetupError(f"steering {chosen}; the template has {template.channels}")
+    chosen.append(template.primary_channel)
+    is_chosen = [name in chosen for name in template.channels]
+    below, above = tolerance_band(template, tolerances)
+    if template.side != side:
+        mirrored = mirror_template(template)
+        turned = np.array(
+            [bool(np.any(a != b)) for a, b in zip(mirrored.mean.T, template.mean.T, strict=True)]
+        )
+        # What changes its sign has above where it had below.
+        below, above = np.where(turned, above, below), np.where(turned, below, above)
+        template = mirrored
+    scale = np.array([reach_m / template.reach_m if "." in name else 1.0 for name in template.channels])
+    mean, width = template.mean * scale, template.tolerance * scale
+    absolute = np.array([name.endswith(_SINGULAR) for name in template.channels])
+    offset = mean - np.where(absolute, 0.0, mean[0])
+    extent = np.max(offset, axis=0, initial=-np.inf) - np.min(offset, axis=0, initial=np.inf)
+    floor = np.array([_floor(name, reach_m) for name in template.channels])
+    weight = np.clip((extent / floor - 1.0) / 3.0, 0.0, 1.0)
+    columns = np.flatnonzero(is_chosen & np.isfinite(mean).all(axis=0) & (weight > 0.0))
+    if not len(columns):
+        raise SetupError(f"no channel of {template.channels} moves enough to tell the phase")
+    main = template.channels.index(template.primary_channel)
+    phase, height = _targets(offset[:, main])
+    target = np.stack([phase, height], axis=1)
+    variance = (width / _BAND_SIGMAS) ** 2 + (_SHARE_OF_RANGE * extent) ** 2
+    model = Model(
+        offset=_by_channel(offset, columns),
+        slope=_by_channel(np.gradient(offset, 1.0 / (PHASES - 1), axis=0), columns),
+        variance=_by_channel(variance, columns),
+        weight=np.ascontiguousarray(weight[columns]),
+        steering=columns.astype(np.int64),
+        excursion=np.ascontiguousarray(np.abs(offset[:, columns]).max(axis=0)),
+        whole=_binned(offset),
+        turns=np.array([is_angle(name) for name in template.channels], dtype=np.uint8),
+        absolute=absolute.astype(np.uint8),
+        sizes=np.array(SIZES),
+        target=target,
+    )
+    return GuidanceTemplate(
+        channels=template.channels,
+        side=side,
+        main=template.primary_channel,
+        steering=tuple(template.channels[c] for c in columns),
+        duration_s=template.duration_s,
+        mean=mean,
+        below=below * scale,
+        above=above * scale,
+        target_phase=phase,
+        target_offset=height,
+        model=model,
+    )
+
+
+def _binned(curves: Float) -> Float:
+    """Curves of 101 phases at the middles of the bins, shape (B, C)."""
+    middle = (np.arange(BINS) + 0.5) / BINS
+    at = np.linspace(0.0, 1.0, PHASES)
+    return np.ascontiguousarray(np.stack([np.interp(middle, at, c) for c in curves.T], axis=1))
+
+
+def _by_channel(curves: Float, columns: NDArray[np.intp]) -> Float:
+    return np.ascontiguousarray(_binned(curves[:, columns]).T)
+
+
+def _floor(channel: str, reach_m: float) -> float:
+    if "." in channel or channel.endswith("_m"):
+        return FLOOR_REACH * reach_m
+    return FLOOR_TRUNK_RAD if channel in TRUNK_CHANNELS else FLOOR_ARM_RAD
+
+
+def _targets(main: Float) -> tuple[Float, Float]:
+    """Phases and offsets of the extremes of the main channel that stand out by 30 % of its range."""
+    least = _PROMINENCE * float(np.ptp(main))
+    if not least > 0:
+        raise SetupError("the main channel of the template does not move or has gaps")
+    # Beyond both ends the movement is at rest: an extreme at the very end is none.
+    padded = np.concatenate([[main[0]], main, [main[-1]]])
+    found = sorted(
+        int(place) - 1
+        for sign in (1.0, -1.0)
+        for place in scipy.signal.find_peaks(sign * padded, prominence=least)[0]
+    )
+    reached = [place for place in found if abs(main[place]) >= least]
+    if not reached:
+        reached = [int(np.argmax(np.abs(main)))]
+    phases = [_middle(np.abs(main - main[place]) <= _LEVEL * np.ptp(main), place) for place in reached]
+    return np.array(phases) / (PHASES - 1.0), main[reached]
+
+
+def _middle(is_level: NDArray[np.bool_], place: int) -> float:
+    """Return the middle of the stretch around a place: noise alone says where a hold is highest."""
+    first, last = place, place
+    while first > 0 and is_level[first - 1]:
+        first -= 1
+    while last < len(is_level) - 1 and is_level[last + 1]:
+        last += 1
+    return 0.5 * (first + last)
+
+
+def signals(source: Trajectory, ready: GuidanceTemplate) -> tuple[Float, Float]:
+    """Pick what `Guide.feed` takes out of a session or a piece of one.
+
+    Parameters
+    ----------
+    source : Trajectory
+    ready : GuidanceTemplate
+
+    Returns
+    -------
+    values, sigma : ndarray, shape (N, C)
+        In the order of the template's channels: rad, and m relative to the shoulder. NaN where nothing was measured;
+        of sigma also where it is not known.
+    """
+    index = {name: column for column, name in enumerate(source.channels)}
+    values = np.full((len(source.time_s), len(ready.channels)), np.nan)
+    sigma = np.full_like(values, np.nan)
+    for column, name in enumerate(ready.channels):
+        point, _, axis = name.partition(".")
+        origin = f"shoulder_{point.rpartition('_')[2]}.{axis}" if axis else name
+        if name not in index or origin not in index:
+            continue
+        at, of = index[name], index[origin]
+        known = source.valid[:, at] & source.valid[:, of]
+        placed = source.values[:, at] - (source.values[:, of] if axis else 0.0)
+        values[:, column] = np.where(known, placed, np.nan)
+        if not axis:
+            sigma[:, column] = np.where(known, source.sigma[:, at], np.nan)
+    return values, sigma
+
+
+__all__ = ["BINS", "SIZES", "prepare_template", "signals", "steers"]
