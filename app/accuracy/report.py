@@ -8,9 +8,9 @@ from os import cpu_count
 from typing import Final
 from zlib import crc32
 
+import validation
 from app.accuracy.schemas import AccuracyProtocol, AccuracyReport
-from estimators import validation
-from estimators.validation import ProtocolResult
+from validation import ProtocolResult
 
 _SEEDS: Final = 1_000_000_000
 

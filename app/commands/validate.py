@@ -9,14 +9,14 @@ from pathlib import Path
 import numpy as np
 import typer
 
+import validation
 from app.accuracy import AccuracyReport
 from app.accuracy.report import fresh_seed, make_report, renewed
 from app.errors import InvalidInput
 from app.ingest import readers
 from app.recordings.table_schemas import CsvMapping
-from estimators import validation
 from estimators.recording import Recording, SensorSignals
-from estimators.validation import ProtocolResult, Values
+from validation import ProtocolResult, Values
 
 _SETS = ("broad", "pyshoe", "gaitmap", "gait_tracking", "qmt_mat")
 

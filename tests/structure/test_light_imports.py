@@ -78,4 +78,4 @@ def test_estimating_a_file_loads_nothing_of_the_service() -> None:
 @pytest.mark.slow
 def test_the_service_starts_without_what_only_analyses_need() -> None:
     found = imported_by("import app.main")
-    assert not found & (SCIENCE | {"httpx", "estimators.validation", "estimators.simulation"})
+    assert not found & (SCIENCE | {"httpx", "validation", "estimators.simulation"})

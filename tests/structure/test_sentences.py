@@ -79,7 +79,7 @@ def test_the_client_has_the_same_sentences():
 TOLD_ERRORS = {"CalibrationError", "ComparisonError", "ContradictionError"}
 """Their messages reach people. Those of `ShapeError`, and of `SetupError` about parameters, are for programmers."""
 TOLD_LISTS = {"reasons", "told", "said", "wanted", "wrong", "sentences", "findings", "doubts"}
-FOR_PROGRAMMERS = ("validation", "simulation")
+FOR_PROGRAMMERS = ("simulation",)
 """Rooms of the library that nobody hears of on a screen."""
 KERNELS_BESIDE = {"_coil_calibration.py", "_place_calibration.py"}
 """Kernels import these through their package: with sentences in them each changed word would compile kernels anew."""

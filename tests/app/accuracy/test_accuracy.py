@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+import validation
 from app.accuracy import AccuracyReport, stored_report
 from app.accuracy.report import fresh_seed
 from app.cli import cli
-from estimators import validation
-from estimators.validation import Figure, Protocol
+from validation import Figure, Protocol
 
 SHORT = {
     "broad_offline",

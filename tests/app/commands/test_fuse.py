@@ -13,7 +13,7 @@ from app.errors import TelemotionError
 from app.ingest import readers
 from app.recordings.packet_log import write_log
 from estimators.recording import Recording, SensorSignals
-from estimators.validation._optical_scenes import Scene, free_motion
+from validation.optical.scenes import Scene, free_motion
 
 APART_S = 0.75
 

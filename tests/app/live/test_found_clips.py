@@ -12,7 +12,7 @@ from app.ingest.packet import Channel, decode_packet, encode_packet
 from app.live.first_seconds import FirstSeconds
 from estimators import orientation
 from estimators.recording import Float, ImuChunk, SampleQuality
-from estimators.validation._honesty_scenes import STEP_S, scene
+from validation.orientation.honesty_scenes import STEP_S, scene
 
 SENSORS = ("upper_arm_right", "forearm_right")
 NETWORK = Declaration(SENSORS, 1.0 / STEP_S)

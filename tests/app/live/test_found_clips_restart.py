@@ -19,7 +19,7 @@ from app.live.runner import LiveSession
 from app.recordings.group_commit import GroupCommitWriter
 from estimators.pipelines import Frames, SessionSetup
 from estimators.recording import Float, ImuChunk, SampleQuality
-from estimators.validation._honesty_scenes import STEP_S, scene
+from validation.orientation.honesty_scenes import STEP_S, scene
 
 SENSORS = ("upper_arm_right", "forearm_right")
 NETWORK = Declaration(SENSORS, 1.0 / STEP_S)

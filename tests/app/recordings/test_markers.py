@@ -19,7 +19,7 @@ from app.services import Services
 from app.settings import Settings
 from estimators.pipelines import SessionSetup
 from estimators.recording import Recording, SensorSignals
-from estimators.validation._optical_scenes import free_motion
+from validation.optical.scenes import free_motion
 
 OFFSET_S = 2.5
 

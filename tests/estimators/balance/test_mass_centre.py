@@ -25,7 +25,7 @@ from estimators.balance._mass_centre_smoother import _Records, _settings
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import SetupError, ShapeError
 from estimators.kinetics import ground_reaction
-from estimators.validation._com_walk import analysed_walk, axis_errors_mm, com_scenario
+from validation.shoes.walk import analysed_walk, axis_errors_mm, com_scenario
 
 RATE_HZ, MASS_KG, HEIGHT_M = 50.0, 80.0, 0.99
 TIME_S = np.arange(3000) / RATE_HZ

@@ -21,7 +21,7 @@ from estimators.body import body_from_stature
 from estimators.conventions import GRAVITY_MPS2, PLACEMENTS, SIDES
 from estimators.errors import SetupError, ShapeError
 from estimators.kinetics import ShoeGeometry, predicted_reaction
-from estimators.validation._com_walk import analysed_walk, com_scenario
+from validation.shoes.walk import analysed_walk, com_scenario
 
 
 @pytest.fixture(scope="module")

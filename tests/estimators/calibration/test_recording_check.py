@@ -12,7 +12,7 @@ from estimators.calibration import RecordingCheck, check_recording
 from estimators.errors import ShapeError
 from estimators.recording import ImuChunk, Recording, SampleQuality, SensorSignals
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
-from estimators.validation._honesty_scenes import scene
+from validation.orientation.honesty_scenes import scene
 
 DATA = Path(__file__).parents[2] / "data"
 ARM = ("upper_arm_right", "forearm_right")

@@ -9,8 +9,8 @@ from estimators.gait.foot.gaps import fill_gaps
 from estimators.gait.foot.parameters import with_clips
 from estimators.recording import SensorSignals
 from estimators.simulation import gait_preset, simulate_gait
-from estimators.validation._foot_rates import averaged, lossy, picked
-from estimators.validation._foot_recordings import followed, rigid_rmse
+from validation.foot.rates import averaged, lossy, picked
+from validation.foot.recordings import followed, rigid_rmse
 
 
 def turning(time_s, rate_radps=8.0):

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from estimators import validation
+import validation
 from estimators.recording import Recording, SensorSignals
 
 FEET = Path(__file__).parents[2] / "data" / "feet"

@@ -28,8 +28,8 @@ from estimators.kinetics import (
     work_j,
 )
 from estimators.simulation import gait_preset, simulate_gait
-from estimators.validation._ankle_shoe import score_shoe, stride_errors
 from tests.said import refuses
+from validation.shoes.ankle_shoe import score_shoe, stride_errors
 
 SHOE = ShoeGeometry()
 

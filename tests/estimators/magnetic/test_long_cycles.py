@@ -2,7 +2,7 @@
 
 import pytest
 
-from estimators.validation._magnetic_checks import _whole_bursts
+from validation.magnetic.checks import _whole_bursts
 
 
 @pytest.mark.slow

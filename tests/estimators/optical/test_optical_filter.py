@@ -20,7 +20,7 @@ from estimators.optical import (
 )
 from estimators.optical import _kernel as kernel
 from estimators.optical import _layout as at
-from estimators.validation._optical_scenes import PARAMETERS, STEP_S, Scene, free_motion
+from validation.optical.scenes import PARAMETERS, STEP_S, Scene, free_motion
 
 
 @pytest.fixture(scope="module")

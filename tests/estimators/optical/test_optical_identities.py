@@ -14,7 +14,7 @@ from estimators.optical import (
     filter_and_smooth,
     smooth_optical,
 )
-from estimators.validation._optical_scenes import MARKER_SIGMA_M, STEP_S, Scene, free_motion, measured
+from validation.optical.scenes import MARKER_SIGMA_M, STEP_S, Scene, free_motion, measured
 
 
 @pytest.fixture(scope="module")

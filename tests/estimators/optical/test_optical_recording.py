@@ -7,8 +7,8 @@ from scipy.interpolate import make_interp_spline
 from estimators import rotation
 from estimators.errors import ComparisonError, ContradictionError
 from estimators.optical import align_cluster, align_markers, fill_by_spline, fuse_markers
-from estimators.validation._optical_recording import OPTICAL_RECORDING
-from estimators.validation._optical_scenes import PARAMETERS, STEP_S, Scene, free_motion
+from validation.optical.recording import OPTICAL_RECORDING
+from validation.optical.scenes import PARAMETERS, STEP_S, Scene, free_motion
 
 OFFSET_S, ARM = -4.321, np.array([0.04, -0.03, 0.05])
 

@@ -6,9 +6,9 @@ import pytest
 from estimators.errors import ContradictionError
 from estimators.optical import fuse_markers
 from estimators.optical._contradictions import check_result
-from estimators.validation._optical_refusal import OPTICAL_REFUSAL, cameras
-from estimators.validation._optical_scenes import STEP_S, Scene, free_motion
 from tests.said import codes, refuses, sentence
+from validation.optical.refusal import OPTICAL_REFUSAL, cameras
+from validation.optical.scenes import STEP_S, Scene, free_motion
 
 
 @pytest.fixture(scope="module")

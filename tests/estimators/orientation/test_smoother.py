@@ -16,7 +16,7 @@ from estimators.orientation.smoother._kernel import AT_REST, FACTS, RATE
 from estimators.orientation.smoother._rest import Rests
 from estimators.orientation.telemotion._parameters import settings_of
 from estimators.recording import ImuChunk, SampleQuality
-from estimators.validation._honesty_scenes import scene
+from validation.orientation.honesty_scenes import scene
 
 NAME = "telemotion_smoother"
 INVALID = int(OrientationFlag.INVALID)

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from pipeline_contract import PipelineContract
 
-from estimators import signals, validation
+import validation
+from estimators import signals
 from estimators.comparison import find_repetitions, trajectory
 from estimators.orientation import OrientationFlag
 from estimators.pipelines import SessionSetup, run

@@ -1,0 +1,1 @@
+"""Arm monitoring (Marzouk 2009), calibration, repetitions and whole sessions of the arm."""

@@ -1,0 +1,1 @@
+"""Inclination from gyroscopes and accelerometers (Luinge 2005)."""

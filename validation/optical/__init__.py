@@ -1,0 +1,1 @@
+"""Optical and inertial fusion (Roetenberg 2006, chapter 4)."""

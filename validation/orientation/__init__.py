@@ -1,0 +1,1 @@
+"""Orientation of single sensors: BROAD, covariance, honesty, recordings turned wrong."""

@@ -1,0 +1,1 @@
+"""Relative pose from a magnetic source (Schepers 2010, chapter 6)."""
