@@ -9,13 +9,13 @@ from typing import Annotated
 
 import typer
 
-from app.commands.options import add_commands
-from app.commands.options_demo import compile_kernels, demo
-from app.commands.options_mass_centre import mass_centre
-from app.commands.options_recordings import CalibrateOptions, FuseOptions
-from app.commands.options_simulate import SimulateOptions
-from app.commands.options_tables import mapping, upload
-from app.commands.words import Guess, Mapping, OutFolder, Port, RecordingFile, RecordingFormat
+from app.commands.options.declared import add_commands
+from app.commands.options.demo import compile_kernels, demo
+from app.commands.options.mass_centre import mass_centre
+from app.commands.options.recordings import CalibrateOptions, FuseOptions
+from app.commands.options.simulate import SimulateOptions
+from app.commands.options.tables import mapping, upload
+from app.commands.options.words import Guess, Mapping, OutFolder, Port, RecordingFile, RecordingFormat
 
 cli = typer.Typer(
     name="telemotion",

@@ -15,7 +15,7 @@
     ├── Conflict                   409  wrong state, or already there
     │   └── SafetyUnconfirmed      a magnetic source, and nobody has said that it is safe
     ├── InvalidInput               422  with the field and what to do
-    │   ├── PacketError            the wire format; see app.ingest.packet
+    │   ├── PacketError            the wire format; see app.network.packet
     │   ├── RecordingFormatError   an uploaded file that cannot be read as declared
     │   │   └── ImplausibleReadings  it can be read, but its values cannot be right; may be accepted as they are
     │   └── CalibrationFailed      with the reason and what to redo

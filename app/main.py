@@ -12,10 +12,10 @@ from fastapi import APIRouter, FastAPI
 
 from app import processes
 from app import tables as tables
+from app.accounts.credentials.passwords import Passwords
+from app.accounts.credentials.rate_limit import SignInLimits
 from app.accounts.endpoints import router as accounts_router
 from app.accounts.pairing import PairingBook
-from app.accounts.passwords import Passwords
-from app.accounts.rate_limit import SignInLimits
 from app.accounts.refusals import RefusedSignIns
 from app.accuracy import router as accuracy_router
 from app.assessment.comparisons import compare_task
@@ -57,14 +57,14 @@ from app.live.replay import router as replay_router
 from app.live.watch_socket import router as watch_router
 from app.observation import observe
 from app.patients.endpoints import router as patients_router
-from app.recordings.disk import DiskUse
+from app.recordings.analysis.jobs import Handler, JobRunner
+from app.recordings.analysis.kinds import kinds
+from app.recordings.analysis.reprocess import reprocess
 from app.recordings.endpoints import router as sessions_router
-from app.recordings.group_commit import GroupCommitWriter
-from app.recordings.jobs import Handler, JobRunner
-from app.recordings.kinds import kinds
 from app.recordings.point_endpoints import router as points_router
-from app.recordings.reprocess import reprocess
 from app.recordings.service import queue_closing
+from app.recordings.signals.disk import DiskUse
+from app.recordings.signals.group_commit import GroupCommitWriter
 from app.services import Services
 from app.settings import Settings
 from app.viewer import open_viewer
@@ -172,7 +172,7 @@ async def open_services(
     await to_thread.run_sync(remove_orphans, engine, settings)
     tasks = [handler.__module__ for handler in job_handlers().values()]
     own = [type(kind).__module__ for kind in kinds().values()]
-    processes.prepare(["app.assessment.export", *tasks, *own])
+    processes.prepare(["app.assessment.exports.patient", *tasks, *own])
     jobs = JobRunner(engine, settings, job_handlers())
     await to_thread.run_sync(jobs.start)
     stack.push_async_callback(partial(to_thread.run_sync, jobs.stop))

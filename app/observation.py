@@ -18,11 +18,11 @@ from app.edge.readiness import Readiness
 from app.ingest.websocket import metrics as ingest
 from app.live.bus import MemoryBus
 from app.live.manager import LiveManager
-from app.live.states import STREAMING
+from app.live.session.states import STREAMING
 from app.metrics import Histogram, Registry
-from app.recordings.group_commit import GroupCommitWriter
-from app.recordings.jobs import JobDone, JobRunner
+from app.recordings.analysis.jobs import JobDone, JobRunner
 from app.recordings.models import Job
+from app.recordings.signals.group_commit import GroupCommitWriter
 from app.services import Services
 from app.viewer.service import Viewer
 

@@ -4,13 +4,14 @@ from anyio import to_thread
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from app.accounts import audit, second_factor
+from app.accounts import audit
+from app.accounts.credentials import second_factor
+from app.accounts.credentials.password_change import replace_password
+from app.accounts.credentials.password_rules import check_password
+from app.accounts.credentials.passwords import Passwords
+from app.accounts.credentials.sign_in import end_all_sign_ins, normalise_email
 from app.accounts.models import PATIENT, Account
-from app.accounts.password_change import replace_password
-from app.accounts.password_rules import check_password
-from app.accounts.passwords import Passwords
 from app.accounts.schemas import AccountIn, AccountOut, AccountPatch
-from app.accounts.sign_in import end_all_sign_ins, normalise_email
 from app.accounts.subject import Subject
 from app.database.base import new_id
 from app.database.unit_of_work import unit_of_work

@@ -15,8 +15,8 @@ from fastapi import Depends
 from starlette.requests import HTTPConnection
 from starlette.websockets import WebSocket
 
+from app.accounts.credentials.sign_in import COOKIE, SEEN_AGAIN_AFTER, FoundSignIn, find_sign_in, touch
 from app.accounts.device_tokens import subject_of_device_token
-from app.accounts.sign_in import COOKIE, SEEN_AGAIN_AFTER, FoundSignIn, find_sign_in, touch
 from app.accounts.subject import Subject
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import NotAllowed, PasswordChangeRequired, SecondFactorRequired, SignInRequired

@@ -3,7 +3,9 @@
 from anyio import to_thread
 from fastapi import APIRouter, Depends, Request, Response
 
-from app.accounts import administration, browsers, clinics, second_factor, service
+from app.accounts import administration, clinics, service
+from app.accounts.credentials import browsers, second_factor
+from app.accounts.credentials.sign_in import COOKIE, end_sign_in, me
 from app.accounts.dependencies import (
     CurrentAccount,
     CurrentSignIn,
@@ -25,7 +27,6 @@ from app.accounts.schemas import (
     SecondFactorSetup,
     SignInRequest,
 )
-from app.accounts.sign_in import COOKIE, end_sign_in, me
 from app.database.dependencies import ReadSession, WriteSession
 from app.pages import WantedPage
 from app.services import services_of

@@ -13,10 +13,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
-from app.accounts.rate_limit import LeakyCounter, Limit, network_of
+from app.accounts.credentials.rate_limit import LeakyCounter, Limit, network_of
+from app.accounts.credentials.tokens import hash_token
 from app.accounts.schemas import DeviceTokenIn
 from app.accounts.subject import Subject
-from app.accounts.tokens import hash_token
 from app.errors import SignInRequired, TooManyAttempts
 from app.sentences import say
 

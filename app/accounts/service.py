@@ -2,16 +2,14 @@
 
 from anyio import to_thread
 
-from app.accounts import audit, second_factor
-from app.accounts.browsers import known_browser, remember_browser
-from app.accounts.models import Account
-from app.accounts.password_change import replace_password
-from app.accounts.password_rules import check_password as check_password_rules
-from app.accounts.passwords import Passwords
-from app.accounts.rate_limit import SignInLimits
-from app.accounts.refusals import RefusedSignIns
-from app.accounts.schemas import Me, PasswordIn, SignInRequest
-from app.accounts.sign_in import (
+from app.accounts import audit
+from app.accounts.credentials import second_factor
+from app.accounts.credentials.browsers import known_browser, remember_browser
+from app.accounts.credentials.password_change import replace_password
+from app.accounts.credentials.password_rules import check_password as check_password_rules
+from app.accounts.credentials.passwords import Passwords
+from app.accounts.credentials.rate_limit import SignInLimits
+from app.accounts.credentials.sign_in import (
     FoundSignIn,
     create_sign_in,
     end_sign_in,
@@ -19,7 +17,10 @@ from app.accounts.sign_in import (
     normalise_email,
     password_hash_of,
 )
-from app.accounts.tickets import account_subject
+from app.accounts.credentials.tickets import account_subject
+from app.accounts.models import Account
+from app.accounts.refusals import RefusedSignIns
+from app.accounts.schemas import Me, PasswordIn, SignInRequest
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import CodeRequired, Conflict, InvalidInput, SignInRequired
 from app.sentences import say

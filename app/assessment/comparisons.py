@@ -24,7 +24,7 @@ from app.exercises.models import Exercise, TemplateVersion
 from app.exercises.models import Template as TemplateRow
 from app.pages import Page
 from app.recordings import repository as recordings
-from app.recordings.jobs import JobContext
+from app.recordings.analysis.jobs import JobContext
 from app.recordings.models import MotionSession, SessionEvent
 from app.sentences import say
 from estimators.comparison import (

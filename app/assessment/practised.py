@@ -12,7 +12,7 @@ from app.kinds.walk.history import any_walk
 from app.kinds.walk.schemas import WalkContent
 from app.recordings import repository as recordings
 from app.recordings.models import MotionSession
-from app.recordings.store import read_frames
+from app.recordings.signals.store import read_frames
 from estimators.comparison import Repetition, find_repetitions, judge_repetitions, moving_time
 from estimators.errors import EstimationError
 from estimators.gait import GUIDED_KINDS

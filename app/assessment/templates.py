@@ -23,7 +23,7 @@ from app.exercises.schemas import (
 from app.pages import Page
 from app.recordings import repository as recordings
 from app.recordings.models import MotionSession, Result
-from app.recordings.store import read_frames
+from app.recordings.signals.store import read_frames
 from app.sentences import CATALOGUE, say
 from estimators.comparison import (
     ArmChannels,

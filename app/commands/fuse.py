@@ -10,7 +10,7 @@ import numpy as np
 import typer
 from numpy.typing import NDArray
 
-from app.commands.options_recordings import FuseOptions
+from app.commands.options.recordings import FuseOptions
 from app.errors import InvalidInput
 from app.ingest import readers
 from app.ingest.marker_fusion import fuse_tracks, motion_of, report_of

@@ -36,7 +36,7 @@ def process(
         Folder, made when absent.
     pipeline, orientation : str
         Keys of the registries, empty for what the sensors are worn for and the default; or `magnetic_bursts`: then see
-        `process_bursts` for what is written.
+        `processing.bursts` for what is written.
     format : str
         `auto` goes by the file's ending and content.
     mapping : Path or None
@@ -60,7 +60,7 @@ def process(
         When a word is unknown, the file cannot be read as declared, or its readings are implausible.
     """
     if pipeline == _BURSTS:
-        from app.commands.process_bursts import process_bursts
+        from app.commands.processing.bursts import process_bursts
 
         process_bursts(recording, out, format, rate, orientation, parameters)
         return
@@ -82,7 +82,7 @@ def process(
         typer.echo(f"note: {line}", err=True)
     pipeline = pipeline or readers.pipeline_for(list(measured.placements))
     # What follows loads the estimators: not for a file that is refused.
-    from app.commands.process_estimate import Asked, estimate
+    from app.commands.processing.estimate import Asked, estimate
 
     estimate(
         measured, recording, out, Asked(format, pipeline, orientation, rate, pose, given, force, hemisphere)

@@ -8,9 +8,9 @@ from sqlalchemy import select
 
 from app import tables as tables
 from app.accounts import audit
+from app.accounts.credentials.passwords import Passwords
+from app.accounts.credentials.sign_in import normalise_email
 from app.accounts.models import Account, Clinic
-from app.accounts.passwords import Passwords
-from app.accounts.sign_in import normalise_email
 from app.accounts.subject import Subject
 from app.database import backup as archives
 from app.database import engine as engines
@@ -20,9 +20,9 @@ from app.database.unit_of_work import read_only, unit_of_work
 from app.database.writer_lock import writer_lock
 from app.errors import Conflict, InvalidInput, NotFound, TelemotionError
 from app.recordings import service
-from app.recordings.jobs import run_job
+from app.recordings.analysis.jobs import run_job
+from app.recordings.analysis.reprocess import reprocess as reprocess_task
 from app.recordings.models import MotionSession
-from app.recordings.reprocess import reprocess as reprocess_task
 from app.recordings.schemas import ReprocessIn
 from app.settings import Settings
 

@@ -16,7 +16,7 @@ from typing import Any, Final
 
 import httpx
 
-from app.commands.simulate import Options, stream
+from app.commands.simulation.arm import Options, stream
 from app.database import engine as engines
 from app.demo.history import make_history
 from app.demo.on_demand import OnDemand

@@ -10,7 +10,7 @@ from typing import Any, Final
 
 from sqlalchemy import Engine, delete, update
 
-from app.commands.simulate import Options, scenario_of, stream
+from app.commands.simulation.arm import Options, scenario_of, stream
 from app.commands.upload import finished, send
 from app.database.base import utc_now
 from app.database.unit_of_work import unit_of_work
@@ -23,7 +23,7 @@ from app.edge.demonstration import HistoryProgress
 from app.errors import TelemotionError
 from app.exercises.models import Prescription, Template, TemplateVersion
 from app.gateway import ServiceClient
-from app.live.states import STREAMING
+from app.live.session.states import STREAMING
 from app.recordings.schemas import UploadIn
 from estimators.conventions import Placement
 

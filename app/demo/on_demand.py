@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from app.errors import TelemotionError
 from app.gateway.encoding import DeviceStream, stream_of
 from app.gateway.rehearsal import POSE_S, rehearsal_of
-from app.live.calibration_messages import CalibrationKind, CalibrationMessage
+from app.live.calibration.messages import CalibrationKind, CalibrationMessage
 from app.live.messages import StateMessage
 from estimators.simulation import ArmScenario, HandlingName, Schedule, calibration_ranges_s, simulate_handling
 

@@ -8,8 +8,8 @@ from sqlalchemy import Engine, select
 from sqlalchemy.orm import Session
 
 from app.accounts import audit
+from app.accounts.credentials.passwords import Passwords
 from app.accounts.models import Account, Clinic, Consent
-from app.accounts.passwords import Passwords
 from app.accounts.subject import Subject
 from app.database.base import new_id
 from app.database.unit_of_work import read_only, unit_of_work

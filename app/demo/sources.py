@@ -8,13 +8,13 @@ from sqlalchemy import Engine
 from app.demo.dating import date_back
 from app.gateway import Delivery, GatewayClient, ServiceClient
 from app.gateway.relative_patient import RelativePatient
-from app.ingest.alignment import Aligner
-from app.ingest.clock import PacketClock
-from app.ingest.declaration import check_hello
-from app.ingest.messages import ActuateMessage
-from app.ingest.packet import decode_packet
 from app.kinds.magnetic.schemas import MagneticSafetyIn
-from app.live.actuation import Actuation
+from app.live.session.actuation import Actuation
+from app.network.alignment import Aligner
+from app.network.clock import PacketClock
+from app.network.declaration import check_hello
+from app.network.messages import ActuateMessage
+from app.network.packet import decode_packet
 from app.recordings.schemas import SessionIn
 from estimators.pipelines import Frames, RelativePosePipeline, SessionSetup
 

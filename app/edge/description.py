@@ -15,6 +15,7 @@ from fastapi.dependencies.models import Dependant
 from fastapi.openapi.utils import get_openapi
 from fastapi.routing import iter_route_contexts
 
+from app.accounts.credentials.sign_in import COOKIE
 from app.accounts.dependencies import (
     CSRF_HEADER,
     SAFE_METHODS,
@@ -22,7 +23,6 @@ from app.accounts.dependencies import (
     current_sign_in,
     current_subject,
 )
-from app.accounts.sign_in import COOKIE
 from app.edge.error_answers import ErrorOut
 from app.pages import wanted_page
 

@@ -30,7 +30,7 @@ from app.errors import (
     TelemotionError,
     Unavailable,
 )
-from app.ingest.messages import (
+from app.network.messages import (
     AcknowledgeMessage,
     ActuateMessage,
     ActuationPlanMessage,
@@ -38,7 +38,7 @@ from app.ingest.messages import (
     GoodbyeMessage,
     HelloMessage,
 )
-from app.ingest.packet import PacketFlag, with_flags
+from app.network.packet import PacketFlag, with_flags
 
 logger = logging.getLogger(__name__)
 

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from app.errors import InvalidInput
 from app.gateway.client import Delivery
-from app.ingest.messages import PROTOCOL_VERSION, HelloMessage
-from app.ingest.packet import Channel, encode_packet
+from app.network.messages import PROTOCOL_VERSION, HelloMessage
+from app.network.packet import Channel, encode_packet
 from estimators.conventions import GRAVITY_MPS2
 from estimators.recording import Recording
 from estimators.simulation.faults import DeliveryPlan, LinkFaults, plan_delivery

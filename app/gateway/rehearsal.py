@@ -10,7 +10,7 @@ from app.errors import Conflict
 from app.gateway.client import GatewayClient, Milestone
 from app.gateway.encoding import stream_of
 from app.gateway.service import ServiceClient
-from app.live.calibration_messages import CalibrationIn, CalibrationKind, CalibrationMessage
+from app.live.calibration.messages import CalibrationIn, CalibrationKind, CalibrationMessage
 from app.recordings.schemas import SessionIn
 from estimators.conventions import Placement
 from estimators.orientation import DEFAULT

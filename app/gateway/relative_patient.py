@@ -10,8 +10,8 @@ from app.errors import InvalidInput
 from app.gateway.client import Delivery
 from app.gateway.encoding import EPOCH_US
 from app.gateway.source import FixedBursts, SourceControl
-from app.ingest.messages import PROTOCOL_VERSION, HelloMessage
-from app.ingest.packet import Channel, encode_packet
+from app.network.messages import PROTOCOL_VERSION, HelloMessage
+from app.network.packet import Channel, encode_packet
 from estimators.conventions import Placement
 from estimators.magnetic import coil_state
 from estimators.pipelines import SessionSetup, relative_source

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from app.errors import SafetyUnconfirmed
-from app.ingest.messages import AcknowledgeMessage, ActuateMessage, ActuationPlanMessage, ErrorMessage
+from app.network.messages import AcknowledgeMessage, ActuateMessage, ActuationPlanMessage, ErrorMessage
 
 ENDED: Final = ("closing", "analysed", "failed")
 """States of a session in which no coil may be on."""

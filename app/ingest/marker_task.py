@@ -12,10 +12,10 @@ from app.ingest.marker_fusion import fuse_tracks, motion_of, report_of
 from app.ingest.readers import read_markers
 from app.ingest.upload import upload_folder
 from app.recordings import markers
-from app.recordings.jobs import JobContext
+from app.recordings.analysis.jobs import JobContext
+from app.recordings.analysis.offline import aligned
 from app.recordings.marker_schemas import MarkerUploadIn
 from app.recordings.models import MotionSession
-from app.recordings.offline import aligned
 from app.sentences import CATALOGUE, say
 from estimators.recording import Float, SampleQuality
 

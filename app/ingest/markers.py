@@ -20,7 +20,7 @@ from app.ingest.readers import read_markers
 from app.ingest.upload import upload_folder
 from app.pages import WantedPage
 from app.recordings import marker_motion, markers, service
-from app.recordings.jobs import JobRunner
+from app.recordings.analysis.jobs import JobRunner
 from app.recordings.marker_schemas import MarkerMotionOut, MarkersOut, MarkerUploadIn
 from app.recordings.schemas import JobOut
 from app.sentences import say

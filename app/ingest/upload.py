@@ -19,13 +19,13 @@ from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput
 from app.ingest import readers
 from app.ingest._multipart import UploadReceiver, described, too_large
-from app.ingest.declaration import SINGLE_SENSORS, WALKING
+from app.network.declaration import SINGLE_SENSORS, WALKING
 from app.recordings import repository, service
-from app.recordings.disk import DiskUse
-from app.recordings.jobs import JobRunner
-from app.recordings.kinds import kinds
+from app.recordings.analysis.jobs import JobRunner
+from app.recordings.analysis.kinds import kinds
 from app.recordings.models import Job, MotionSession
 from app.recordings.schemas import JobOut, UploadIn
+from app.recordings.signals.disk import DiskUse
 from app.sentences import say
 from app.services import services_of
 from app.settings import Settings

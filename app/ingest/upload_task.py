@@ -12,17 +12,17 @@ from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import ImplausibleReadings, RecordingFormatError
 from app.ingest import readers
-from app.ingest.declaration import Declaration
 from app.ingest.upload import pipeline_of, upload_folder
-from app.recordings._rows import insert_chunk
-from app.recordings.chunks import RAW_STREAM, EncodedChunk, encode_packets
-from app.recordings.jobs import JobContext
-from app.recordings.kinds import Wanted, kind_of, kinds
+from app.network.declaration import Declaration
+from app.recordings.analysis.jobs import JobContext
+from app.recordings.analysis.kinds import Wanted, kind_of, kinds
+from app.recordings.analysis.offline import Analysis, stretches
+from app.recordings.analysis.reprocess import count_session, enqueue_comparison
 from app.recordings.models import MotionSession, SessionEvent, SignalChunk
-from app.recordings.offline import Analysis, stretches
-from app.recordings.raw_packet import RawPacket
-from app.recordings.reprocess import count_session, enqueue_comparison
 from app.recordings.schemas import UploadIn
+from app.recordings.signals.chunks import RAW_STREAM, EncodedChunk, encode_packets
+from app.recordings.signals.raw_packet import RawPacket
+from app.recordings.signals.rows import insert_chunk
 from app.sentences import CATALOGUE, say
 from estimators.calibration import STRETCH_S, RecordingCheck, in_words, same_signals
 from estimators.pipelines import SessionSetup

@@ -19,9 +19,9 @@ from pydantic import Field, TypeAdapter, ValidationError
 from starlette.websockets import WebSocketDisconnect, WebSocketDisconnected, WebSocketState
 
 from app.errors import InvalidInput, PacketError, TelemotionError, Unavailable
-from app.ingest.conversation import until_first_ends
-from app.ingest.declaration import Declaration, check_hello
-from app.ingest.messages import (
+from app.network.conversation import until_first_ends
+from app.network.declaration import Declaration, check_hello
+from app.network.messages import (
     AcknowledgeMessage,
     ActuateMessage,
     ActuationPlanMessage,
@@ -30,8 +30,8 @@ from app.ingest.messages import (
     HelloMessage,
     JsonPacket,
 )
-from app.ingest.pace import Pace
-from app.ingest.packet import MAX_PACKET_BYTES, Packet, decode_packet, packet_from_json
+from app.network.pace import Pace
+from app.network.packet import MAX_PACKET_BYTES, Packet, decode_packet, packet_from_json
 from app.schemas import Schema
 from app.sentences import say
 

@@ -10,8 +10,8 @@ from app.accounts.schemas import TicketIn, TicketOut
 from app.accounts.subject import Subject
 from app.kinds.magnetic.schemas import MagneticSafetyOut
 from app.live import repository
-from app.live.calibration_endpoints import router as calibration_router
-from app.live.calibration_messages import CalibrationIn
+from app.live.calibration.endpoints import router as calibration_router
+from app.live.calibration.messages import CalibrationIn
 from app.live.manager import LiveManager
 from app.live.messages import StateMessage
 from app.live.next_session import router as device_router

@@ -6,8 +6,8 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Final
 
-from app.live.runner import LiveSession
-from app.live.states import OPEN, STREAMING
+from app.live.session.runner import LiveSession
+from app.live.session.states import OPEN, STREAMING
 from app.sentences import say
 
 logger = logging.getLogger(__name__)

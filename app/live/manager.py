@@ -11,23 +11,23 @@ from weakref import WeakValueDictionary
 from sqlalchemy import Engine
 
 from app.errors import Conflict, TelemotionError, Unavailable
-from app.ingest.declaration import Declaration
-from app.ingest.messages import HelloMessage
 from app.kinds.magnetic.safety import CONFIRMATION_HOURS
 from app.limits import Hold, Limits
 from app.live import repository
 from app.live.bus import Bus, topic
+from app.live.checks.plausibility import CheckProcess
 from app.live.housekeeping import GOODBYE_CLOSE_S, IDLE_CLOSE_S, LONGEST_S, Housekeeping
-from app.live.intake import Intake
 from app.live.messages import StateMessage
-from app.live.opening import Opener, check_network
 from app.live.patience import Patience
-from app.live.plausibility import CheckProcess
-from app.live.runner import LiveSession
-from app.live.states import OPEN
-from app.live.stored import stored_state
+from app.live.session.intake import Intake
+from app.live.session.opening import Opener, check_network
+from app.live.session.runner import LiveSession
+from app.live.session.states import OPEN
+from app.live.session.stored import stored_state
 from app.live.warmup import Readiness, prepare_process
-from app.recordings.group_commit import GroupCommitWriter
+from app.network.declaration import Declaration
+from app.network.messages import HelloMessage
+from app.recordings.signals.group_commit import GroupCommitWriter
 from app.sentences import say
 from estimators.calibration import Hemisphere
 from estimators.pipelines import SessionSetup

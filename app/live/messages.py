@@ -1,4 +1,4 @@
-"""Messages of the live and player sockets, and by name those of the gateway socket (`app.ingest.messages`).
+"""Messages of the live and player sockets, and by name those of the gateway socket (`app.network.messages`).
 
 The browser's types are generated from here.
 
@@ -22,7 +22,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from app.ingest.messages import (
+from app.live.calibration.messages import CalibrationMessage
+from app.network.messages import (
     PROTOCOL_VERSION,
     AcknowledgeMessage,
     ErrorMessage,
@@ -31,7 +32,6 @@ from app.ingest.messages import (
     JsonPacket,
     JsonSensor,
 )
-from app.live.calibration_messages import CalibrationMessage
 from app.recordings.schemas import CalibrationOut, FrameLayoutOut, SessionEventOut
 from app.schemas import Schema, SessionState, Spoken
 

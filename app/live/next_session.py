@@ -6,14 +6,14 @@ from fastapi import APIRouter, Request
 from sqlalchemy import Engine, select
 
 from app.accounts.audit import record
+from app.accounts.credentials.tickets import issue_ticket
 from app.accounts.dependencies import CurrentDevice
 from app.accounts.subject import Subject
-from app.accounts.tickets import issue_ticket
 from app.database.unit_of_work import unit_of_work
 from app.errors import NoOpenSession
-from app.live.states import OPEN
+from app.live.session.states import OPEN
 from app.patients.access import require_patient
-from app.recordings.kinds import kind_of
+from app.recordings.analysis.kinds import kind_of
 from app.recordings.models import MotionSession
 from app.schemas import Schema, SessionState
 from app.sentences import say

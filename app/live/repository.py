@@ -11,22 +11,22 @@ from sqlalchemy import Engine, select
 from sqlalchemy.orm import Session
 
 from app.accounts.audit import record
+from app.accounts.credentials.tickets import Redeemed, issue_ticket, redeem_ticket
 from app.accounts.device_tokens import is_valid
 from app.accounts.models import Account, DeviceToken
 from app.accounts.subject import Subject
-from app.accounts.tickets import Redeemed, issue_ticket, redeem_ticket
 from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import NotFound, SafetyUnconfirmed, SignInRequired
 from app.kinds.magnetic.safety import CONFIRMATION_HOURS, withdraw
 from app.kinds.magnetic.schemas import MagneticSafetyOut
-from app.live.states import OPEN
+from app.live.session.states import OPEN
 from app.patients.access import Level, require_patient
 from app.patients.models import Mounting
-from app.recordings.chunks import frames_stream
-from app.recordings.kinds import kind_of
+from app.recordings.analysis.kinds import kind_of
+from app.recordings.analysis.result_rows import filter_of, layout_dict
 from app.recordings.models import MotionSession, Result, SignalChunk
-from app.recordings.result_rows import filter_of, layout_dict
+from app.recordings.signals.chunks import frames_stream
 from app.schemas import SessionState
 from app.sentences import say
 from estimators.pipelines import Calibration, Pipeline, SessionSetup

@@ -15,8 +15,8 @@ from collections.abc import Callable
 from typing import Final, cast
 
 from app.errors import Unavailable
-from app.ingest._unpack_kernel import unpack
-from app.recordings.kinds import kinds
+from app.network.unpack_kernel import unpack
+from app.recordings.analysis.kinds import kinds
 from app.sentences import say
 from estimators import pipelines
 from estimators.compiling import Kernel, NotCompiled, only_cached

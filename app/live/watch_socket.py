@@ -16,18 +16,18 @@ from fastapi import APIRouter, WebSocket
 from pydantic import ValidationError
 from starlette.websockets import WebSocketDisconnect, WebSocketDisconnected, WebSocketState
 
+from app.accounts.credentials.sign_in import COOKIE
 from app.accounts.dependencies import current_subject, websocket_subject
-from app.accounts.sign_in import COOKIE
 from app.accounts.subject import Subject
 from app.errors import InvalidInput, SignInRequired, TelemotionError
-from app.ingest.conversation import until_first_ends
-from app.ingest.messages import ErrorMessage
 from app.live import repository
 from app.live.blocks import PublishedFrames
 from app.live.bus import Subscription, topic
 from app.live.manager import LiveManager
 from app.live.patience import Patience
-from app.live.stored import stored_layout
+from app.live.session.stored import stored_layout
+from app.network.conversation import until_first_ends
+from app.network.messages import ErrorMessage
 from app.schemas import Schema
 from app.sentences import say
 from app.services import Services, services_of

@@ -9,10 +9,10 @@ from app.accounts.dependencies import CurrentSubject
 from app.database.dependencies import ReadSession, WriteSession
 from app.pages import WantedPage
 from app.recordings import repository, service
-from app.recordings.differences import MAX_CURVE_POINTS, differences
-from app.recordings.disk import DiskUse
-from app.recordings.estimator_choice import estimators_out
-from app.recordings.jobs import JobRunner
+from app.recordings.analysis.differences import MAX_CURVE_POINTS, differences
+from app.recordings.analysis.estimator_choice import estimators_out
+from app.recordings.analysis.jobs import JobRunner
+from app.recordings.analysis.sequences import in_sequence
 from app.recordings.schemas import (
     DifferencesOut,
     EstimatorOut,
@@ -24,7 +24,7 @@ from app.recordings.schemas import (
     SessionIn,
     SessionOut,
 )
-from app.recordings.sequences import in_sequence
+from app.recordings.signals.disk import DiskUse
 from app.schemas import SessionTime
 from app.services import services_of
 from estimators.arm import Joint, Sequence

@@ -19,11 +19,12 @@ from app.database.base import new_id, utc_now
 from app.database.unit_of_work import read_only
 from app.errors import Conflict, NotFound
 from app.pages import Page, rows_of
-from app.recordings import codecs, repository
-from app.recordings._rows import insert_chunk
-from app.recordings.chunks import EncodedChunk
+from app.recordings import repository
 from app.recordings.marker_schemas import MarkerReport, MarkersOut, MarkerUploadIn
 from app.recordings.models import Job, MotionSession, SignalChunk
+from app.recordings.signals import codecs
+from app.recordings.signals.chunks import EncodedChunk
+from app.recordings.signals.rows import insert_chunk
 from app.sentences import say
 
 KIND: Final = "markers"

@@ -9,10 +9,10 @@ from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
 from app.recordings import repository
-from app.recordings.chunks import frames_stream
 from app.recordings.models import Result, SignalChunk
 from app.recordings.point_schemas import PointCurve, PointsOut
-from app.recordings.store import read_frames
+from app.recordings.signals.chunks import frames_stream
+from app.recordings.signals.store import read_frames
 from estimators.arm import ACCELERATION_WINDOW_S, arm_points, point_covariance, point_motion
 from estimators.body import BodyDimensions
 from estimators.conventions import Placement

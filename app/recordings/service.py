@@ -15,10 +15,8 @@ from app.pages import Page
 from app.patients.access import levels
 from app.patients.models import Patient
 from app.recordings import repository
-from app.recordings.chunks import layout_from_dict
-from app.recordings.kinds import kind_of, kinds
+from app.recordings.analysis.kinds import kind_of, kinds
 from app.recordings.models import Job, MotionSession, Result
-from app.recordings.packet_log import write_log
 from app.recordings.schemas import (
     CalibrationOut,
     FrameLayoutOut,
@@ -31,7 +29,9 @@ from app.recordings.schemas import (
     SessionIn,
     SessionOut,
 )
-from app.recordings.store import read_frames, read_packets
+from app.recordings.signals.chunks import layout_from_dict
+from app.recordings.signals.packet_log import write_log
+from app.recordings.signals.store import read_frames, read_packets
 from app.sentences import CATALOGUE, say
 from estimators import orientation, pipelines
 from estimators.body import BodyDimensions, body_from_stature

@@ -14,8 +14,8 @@ import numpy as np
 
 from app.live.bus import Bus, topic
 from app.live.messages import PlayerCommand, PlayerState, StateMessage
-from app.viewer.feet_live import LiveCourse
-from app.viewer.ghost import GhostClock
+from app.viewer.figure.ghost import GhostClock
+from app.viewer.layers.feet_live import LiveCourse
 from app.viewer.pose import PoseTrack, is_posed, measured_segments, track_from_frames
 from app.viewer.scene import BodyScene
 from estimators.body import BodyDimensions

@@ -10,11 +10,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from app.viewer.feet import FeetTrack, feet_of
-from app.viewer.markers import MarkerTrack
-from app.viewer.mass_node import mass_of
-from app.viewer.modules import ModuleTrack, modules_of
-from app.viewer.proportions import hip_height_m
+from app.viewer.figure.proportions import hip_height_m
+from app.viewer.layers.feet import FeetTrack, feet_of
+from app.viewer.layers.markers import MarkerTrack
+from app.viewer.layers.mass_node import mass_of
+from app.viewer.layers.modules import ModuleTrack, modules_of
 from estimators import rotation
 from estimators.body import BodyDimensions
 from estimators.conventions import SIDES, Side

@@ -15,13 +15,13 @@ from app.patients.access import require_patient
 from app.patients.models import Patient
 from app.recordings import marker_motion
 from app.recordings import repository as recordings
-from app.recordings.kinds import View, kind_of
+from app.recordings.analysis.kinds import View, kind_of
 from app.recordings.models import MotionSession, Result
 from app.recordings.schemas import ViewIn
-from app.recordings.store import read_frames
+from app.recordings.signals.store import read_frames
 from app.sentences import say
-from app.viewer.ghost import Ghost, GhostClock, ghost_from_template
-from app.viewer.markers import markers_of
+from app.viewer.figure.ghost import Ghost, GhostClock, ghost_from_template
+from app.viewer.layers.markers import markers_of
 from app.viewer.pose import (
     SEGMENTS,
     PoseTrack,

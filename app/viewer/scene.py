@@ -10,16 +10,16 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from app.viewer import nodes, palette
-from app.viewer.body_mesh import build_figure
-from app.viewer.feet import FeetTrack
-from app.viewer.feet_layer import FeetLayer
-from app.viewer.ghost_node import GhostNode
-from app.viewer.markers_layer import MarkersLayer
-from app.viewer.mass_node import MassNode
-from app.viewer.modules import ModuleLayer, ModuleTrack
+from app.viewer.figure.body_mesh import build_figure
+from app.viewer.figure.ghost_node import GhostNode
+from app.viewer.figure.proportions import hip_height_m
+from app.viewer.layers import nodes, palette
+from app.viewer.layers.feet import FeetTrack
+from app.viewer.layers.feet_layer import FeetLayer
+from app.viewer.layers.markers_layer import MarkersLayer
+from app.viewer.layers.mass_node import MassNode
+from app.viewer.layers.modules import ModuleLayer, ModuleTrack
 from app.viewer.pose import PARENT, SEGMENTS, PoseTrack
-from app.viewer.proportions import hip_height_m
 from estimators.body import BodyDimensions
 from estimators.conventions import SIDES, Side
 

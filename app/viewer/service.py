@@ -25,7 +25,7 @@ from app.recordings.schemas import ViewIn, ViewOut
 from app.sentences import say
 from app.viewer import repository, wire
 from app.viewer.camera import Camera
-from app.viewer.ghost_node import ghost_visibility
+from app.viewer.figure.ghost_node import ghost_visibility
 from app.viewer.repository import ViewTarget
 from app.viewer.stage import Stage, theme_messages
 

@@ -13,7 +13,7 @@ from app.errors import Unavailable
 from app.live.bus import Bus
 from app.viewer.camera import FIELD_OF_VIEW_RAD, Camera, Preset, around, preset
 from app.viewer.guard import SceneSecret, guarded
-from app.viewer.nodes import theme_updates
+from app.viewer.layers.nodes import theme_updates
 from app.viewer.player import LivePlayer, Player, ReplayPlayer
 from app.viewer.repository import Contents, ViewTarget
 from app.viewer.scene import BodyScene

@@ -10,8 +10,8 @@ from pathlib import Path
 from sqlalchemy import Engine, update
 from sqlalchemy.orm import Session
 
+from app.accounts.credentials.passwords import Passwords
 from app.accounts.device_tokens import create_device_token
-from app.accounts.passwords import Passwords
 from app.accounts.subject import Subject
 from app.assessment import comparisons, templates
 from app.assessment.schemas import ComparisonIn
@@ -24,10 +24,10 @@ from app.gateway.encoding import stream_of
 from app.ingest.upload import register, upload_folder
 from app.ingest.upload_task import upload
 from app.patients.models import Grant, Patient
-from app.recordings.jobs import run_job
+from app.recordings.analysis.jobs import run_job
 from app.recordings.models import Job, MagneticSource, MotionSession, SessionEvent
-from app.recordings.packet_log import log_entry, log_head
 from app.recordings.schemas import UploadIn
+from app.recordings.signals.packet_log import log_entry, log_head
 from app.settings import Settings
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
 

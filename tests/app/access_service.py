@@ -12,15 +12,15 @@ import httpx
 import pytest
 from sqlalchemy import Engine, select
 
-from app.accounts.passwords import Passwords
-from app.accounts.sign_in import COOKIE, create_sign_in
-from app.accounts.tokens import new_token
+from app.accounts.credentials.passwords import Passwords
+from app.accounts.credentials.sign_in import COOKIE, create_sign_in
+from app.accounts.credentials.tokens import new_token
 from app.database.base import new_id
 from app.database.engine import create_from_url
 from app.database.unit_of_work import unit_of_work
 from app.live import warmup
 from app.main import create_app
-from app.recordings.jobs import JobRunner
+from app.recordings.analysis.jobs import JobRunner
 from app.settings import Settings
 from app.tables import metadata
 

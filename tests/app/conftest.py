@@ -29,12 +29,12 @@ from sqlalchemy.orm import Session
 
 from app import tables as tables
 from app.accounts.consents import set_consent
+from app.accounts.credentials.passwords import Passwords
+from app.accounts.credentials.sign_in import COOKIE, create_sign_in
+from app.accounts.credentials.tickets import account_subject
 from app.accounts.device_tokens import create_device_token
 from app.accounts.models import Account, Clinic
-from app.accounts.passwords import Passwords
-from app.accounts.sign_in import COOKIE, create_sign_in
 from app.accounts.subject import Subject
-from app.accounts.tickets import account_subject
 from app.database import migrate
 from app.database.base import new_id, utc_now
 from app.database.engine import create_from_url

@@ -7,8 +7,8 @@ import pytest
 from sqlalchemy import select, text
 
 from app.accounts import audit
+from app.accounts.credentials.sign_in import create_sign_in
 from app.accounts.models import AuditEvent, Clinic, SignIn
-from app.accounts.sign_in import create_sign_in
 from app.database import backup as backups
 from app.database.engine import create_from_url
 from app.database.unit_of_work import read_only, unit_of_work

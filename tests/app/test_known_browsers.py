@@ -2,9 +2,9 @@
 
 import pytest
 
-from app.accounts import browsers
+from app.accounts.credentials import browsers
+from app.accounts.credentials.rate_limit import PER_ACCOUNT, SignInLimits
 from app.accounts.models import Account, KnownBrowser
-from app.accounts.rate_limit import PER_ACCOUNT, SignInLimits
 from app.database.unit_of_work import read_only, unit_of_work
 
 PASSWORD = "a long enough password"

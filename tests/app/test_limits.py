@@ -7,10 +7,10 @@ from sqlalchemy import Engine
 
 from app.database.unit_of_work import unit_of_work
 from app.errors import LimitReached, Unavailable
-from app.ingest.pace import Pace
 from app.limits import Limits
-from app.recordings.disk import DiskUse
+from app.network.pace import Pace
 from app.recordings.models import MotionSession, SignalChunk
+from app.recordings.signals.disk import DiskUse
 from app.settings import Allowance, Settings
 from estimators.pipelines import SessionSetup
 

@@ -22,7 +22,7 @@ from app.accounts.models import Account
 from app.database.base import new_id
 from app.database.unit_of_work import unit_of_work
 from app.errors import Conflict
-from app.recordings.jobs import run_job
+from app.recordings.analysis.jobs import run_job
 from app.recordings.models import Job, MotionSession
 
 from .test_writer_lock import free_port, wait_until_up
@@ -87,7 +87,7 @@ def test_a_session_that_loses_its_link_and_a_socket_are_told(therapist, world, s
         receive_until(socket, lambda message: message["type"] == "acknowledge")
     deadline = threading.Event()
     for _ in range(200):
-        if said(lines(), "app.live.book", f"session {session_id} is link_lost"):
+        if said(lines(), "app.live.session.book", f"session {session_id} is link_lost"):
             break
         deadline.wait(0.05)
     else:
@@ -121,7 +121,7 @@ def test_a_failed_task_is_one_line(engine, world, settings, lines, error, level)
         raise error
 
     run_job(engine, settings, job_id, handler)
-    (line,) = said(lines(), "app.recordings.jobs", f"task {job_id} \\(reprocess\\) failed")
+    (line,) = said(lines(), "app.recordings.analysis.jobs", f"task {job_id} \\(reprocess\\) failed")
     assert line["level"] == level
     assert "Ada" not in json.dumps(lines())
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from app.accounts.sign_in import create_sign_in
+from app.accounts.credentials.sign_in import create_sign_in
 from app.database import migrate
 from app.database.engine import create_from_url
 from app.database.unit_of_work import unit_of_work

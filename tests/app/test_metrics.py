@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from pydantic import SecretStr
 
-from app.live.health import LinkHealth
+from app.live.checks.health import LinkHealth
 from app.metrics import Histogram, Registry
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "operations.md"

@@ -2,8 +2,8 @@
 
 import pytest
 
+from app.accounts.credentials.rate_limit import Limit
 from app.accounts.pairing import ALPHABET, LENGTH, LIFE_S, Offer, PairingBook
-from app.accounts.rate_limit import Limit
 from app.accounts.schemas import DeviceTokenIn
 from app.accounts.subject import Subject
 from app.errors import SignInRequired, TooManyAttempts

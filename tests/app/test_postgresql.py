@@ -7,8 +7,8 @@ from sqlalchemy import select
 from sqlalchemy.exc import DBAPIError
 
 from app.accounts import audit
+from app.accounts.credentials.tickets import issue_ticket, redeem_ticket
 from app.accounts.models import Clinic
-from app.accounts.tickets import issue_ticket, redeem_ticket
 from app.database import migrate
 from app.database.engine import create_from_url
 from app.database.unit_of_work import read_only, unit_of_work

@@ -2,8 +2,8 @@
 
 import pytest
 
+from app.accounts.credentials.rate_limit import PER_ACCOUNT, PER_ADDRESS, LeakyCounter, Limit, SignInLimits
 from app.accounts.models import Account
-from app.accounts.rate_limit import PER_ACCOUNT, PER_ADDRESS, LeakyCounter, Limit, SignInLimits
 from app.database.unit_of_work import read_only
 from app.errors import TooManyAttempts
 

@@ -6,10 +6,10 @@ from datetime import timedelta
 import pytest
 from sqlalchemy import select, update
 
-from app.accounts import totp
+from app.accounts.credentials import totp
+from app.accounts.credentials.password_rules import check_password
+from app.accounts.credentials.rate_limit import PER_ACCOUNT
 from app.accounts.models import Account, AuditEvent, SignIn, Ticket
-from app.accounts.password_rules import check_password
-from app.accounts.rate_limit import PER_ACCOUNT
 from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput

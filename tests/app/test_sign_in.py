@@ -5,8 +5,8 @@ from datetime import timedelta
 import pytest
 from sqlalchemy import select, update
 
+from app.accounts.credentials.tokens import hash_token
 from app.accounts.models import Account, AuditEvent, SignIn
-from app.accounts.tokens import hash_token
 from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 

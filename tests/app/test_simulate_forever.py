@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from app.commands import simulate
+from app.commands.simulation import arm
 from app.errors import SignInRequired
 
 
@@ -19,16 +19,16 @@ def test_a_sign_in_that_has_ended_is_made_anew(monkeypatch: pytest.MonkeyPatch) 
     async def sign_in(self: Any, email: str, password: str) -> None:
         happened.append("sign in")
 
-    async def stream(service: Any, options: simulate.Options, say: Any) -> Any:
+    async def stream(service: Any, options: arm.Options, say: Any) -> Any:
         happened.append("stream")
         if happened.count("stream") == 1:
             raise SignInRequired("Sign in again.")
         raise EnoughError
 
-    monkeypatch.setattr(simulate.ServiceClient, "sign_in", sign_in)
-    monkeypatch.setattr(simulate, "stream", stream)
-    monkeypatch.setattr(simulate, "RETRY_S", 0.0)
-    options = simulate.Options("http://127.0.0.1:1", "a@b.example", "secret", "1", forever=True)
+    monkeypatch.setattr(arm.ServiceClient, "sign_in", sign_in)
+    monkeypatch.setattr(arm, "stream", stream)
+    monkeypatch.setattr(arm, "RETRY_S", 0.0)
+    options = arm.Options("http://127.0.0.1:1", "a@b.example", "secret", "1", forever=True)
     with pytest.raises(EnoughError):
-        asyncio.run(simulate._simulate(options))
+        asyncio.run(arm._simulate(options))
     assert happened == ["sign in", "stream", "sign in", "stream"]

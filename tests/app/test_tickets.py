@@ -6,9 +6,9 @@ from datetime import timedelta
 import pytest
 from sqlalchemy import select, update
 
+from app.accounts.credentials.tickets import issue_ticket, redeem_ticket
 from app.accounts.models import Account, DeviceToken, Ticket
 from app.accounts.subject import Subject
-from app.accounts.tickets import issue_ticket, redeem_ticket
 from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import SignInRequired

@@ -5,8 +5,8 @@ from sqlalchemy import text
 
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput
-from app.ingest.messages import ErrorMessage
-from app.live.guides import GUIDES
+from app.live.calibration.guides import GUIDES
+from app.network.messages import ErrorMessage
 from app.recordings.models import SessionEvent
 from app.recordings.schemas import CalibrationOut, SessionEventOut
 from app.sentences import Sentence, say

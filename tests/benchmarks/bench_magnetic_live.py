@@ -24,9 +24,9 @@ import psutil
 
 from app.gateway import ServiceClient
 from app.gateway.encoding import EPOCH_US
-from app.ingest.messages import PROTOCOL_VERSION, HelloMessage
-from app.ingest.packet import Channel, encode_packet
 from app.kinds.magnetic.schemas import MagneticSafetyIn
+from app.network.messages import PROTOCOL_VERSION, HelloMessage
+from app.network.packet import Channel, encode_packet
 from app.recordings.schemas import SessionIn
 from estimators.recording import ImuChunk
 from tests.benchmarks import bench_live as live
@@ -36,17 +36,17 @@ from tests.benchmarks.service import EMAIL, PASSWORD, make_patient, start_server
 
 OTHER = "threads of the store; web server"
 PARTS = (
-    ("pipeline", "app/live/estimation.py"),
-    ("actuation", "app/live/actuation.py"),
-    ("alignment", "app/ingest/alignment.py"),
-    ("packet to values", "app/ingest/packet.py"),
-    ("values to signals", "app/ingest/unpack.py"),
-    ("store, on the loop", "app/recordings/group_commit.py"),
+    ("pipeline", "app/live/session/estimation.py"),
+    ("actuation", "app/live/session/actuation.py"),
+    ("alignment", "app/network/alignment.py"),
+    ("packet to values", "app/network/packet.py"),
+    ("values to signals", "app/network/unpack.py"),
+    ("store, on the loop", "app/recordings/signals/group_commit.py"),
     ("frame blocks", "app/live/blocks.py"),
-    ("checks of the first seconds", "app/live/first_seconds.py"),
-    ("health", "app/live/health.py"),
-    ("acknowledging", "app/live/ledger.py"),
-    ("rest of the session", "app/live/runner.py"),
+    ("checks of the first seconds", "app/live/checks/first_seconds.py"),
+    ("health", "app/live/checks/health.py"),
+    ("acknowledging", "app/live/session/ledger.py"),
+    ("rest of the session", "app/live/session/runner.py"),
     ("to dashboards", "app/live/watch_socket.py"),
     ("from and to gateways", "app/ingest/websocket.py"),
     ("housekeeping", "app/live/housekeeping.py"),

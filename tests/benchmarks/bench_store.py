@@ -20,10 +20,16 @@ from app.database.base import new_id
 from app.database.engine import create_from_url
 from app.database.unit_of_work import unit_of_work
 from app.gateway import stream_of
-from app.recordings.chunks import decode_frames, decode_packets, encode_frames, encode_packets, slice_frames
-from app.recordings.group_commit import GroupCommitWriter
 from app.recordings.models import MotionSession
-from app.recordings.raw_packet import RawPacket
+from app.recordings.signals.chunks import (
+    decode_frames,
+    decode_packets,
+    encode_frames,
+    encode_packets,
+    slice_frames,
+)
+from app.recordings.signals.group_commit import GroupCommitWriter
+from app.recordings.signals.raw_packet import RawPacket
 from estimators import pipelines
 from estimators.conventions import PLACEMENTS
 from estimators.pipelines import Frames

@@ -14,8 +14,8 @@ from sqlalchemy.orm import Session
 
 from app import tables as tables
 from app.accounts.consents import set_consent
+from app.accounts.credentials.passwords import Passwords
 from app.accounts.models import Account, Clinic
-from app.accounts.passwords import Passwords
 from app.database import migrate
 from app.database.base import new_id
 from app.database.engine import create_from_url

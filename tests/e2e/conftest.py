@@ -18,7 +18,7 @@ import httpx
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from app.commands.simulate import Options, stream
+from app.commands.simulation.arm import Options, stream
 from app.database import engine as engines
 from app.database import migrate
 from app.demo import history

@@ -12,9 +12,9 @@ import pytest
 import uvicorn
 from playwright.sync_api import Page
 
+from app.accounts.credentials.passwords import Passwords
+from app.accounts.credentials.sign_in import COOKIE, create_sign_in
 from app.accounts.models import Account, Clinic
-from app.accounts.passwords import Passwords
-from app.accounts.sign_in import COOKIE, create_sign_in
 from app.database import migrate
 from app.database.base import new_id
 from app.database.unit_of_work import unit_of_work

@@ -5,14 +5,14 @@ from pathlib import Path
 
 import pytest
 
-from app.recordings.kinds import SessionKind, kind_of, kinds
+from app.recordings.analysis.kinds import SessionKind, kind_of, kinds
 from estimators import pipelines
 
 ROOT = Path(__file__).resolve().parents[2]
 WITH_A_REASON = {
     "app/assessment/walk_progress.py": "progress of walks alone, by the results of their pipeline",
     "app/commands/process.py": "bursts are analysed by a command only, without sessions",
-    "app/commands/process_estimate.py": "walks write other files than frames",
+    "app/commands/processing/estimate.py": "walks write other files than frames",
 }
 
 

@@ -65,7 +65,7 @@ def test_a_refused_file_loads_neither_estimators_nor_the_service(tmp_path, case:
 
 
 def test_estimating_a_file_loads_nothing_of_the_service() -> None:
-    found = imported_by("import app.commands.process_estimate")
+    found = imported_by("import app.commands.processing.estimate")
     assert not {name.partition(".")[0] for name in found} & {
         "fastapi",
         "sqlalchemy",

@@ -9,15 +9,15 @@ import numpy as np
 from pydantic import ValidationError
 
 from app.errors import PacketError, RecordingFormatError
-from app.ingest.alignment import align_all
-from app.ingest.clock import PacketClock
-from app.ingest.declaration import Declaration, check_hello
-from app.ingest.messages import PROTOCOL_VERSION, HelloMessage
-from app.ingest.packet import Packet, decode_packet
 from app.ingest.readers._packets import stamped
-from app.recordings.packet_log import read_entries, read_head
-from app.recordings.ranges import SequenceRanges
-from app.recordings.raw_packet import RawPacket
+from app.network.alignment import align_all
+from app.network.clock import PacketClock
+from app.network.declaration import Declaration, check_hello
+from app.network.messages import PROTOCOL_VERSION, HelloMessage
+from app.network.packet import Packet, decode_packet
+from app.recordings.signals.packet_log import read_entries, read_head
+from app.recordings.signals.ranges import SequenceRanges
+from app.recordings.signals.raw_packet import RawPacket
 from app.sentences import say
 from estimators.recording import ImuChunk, Recording, SampleQuality, SensorSignals
 

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.errors import RecordingFormatError
-from app.ingest.declaration import Declaration, check_placements
-from app.ingest.packet import Channel
-from app.recordings.raw_packet import FLOAT32, RawPacket
+from app.network.declaration import Declaration, check_placements
+from app.network.packet import Channel
+from app.recordings.signals.raw_packet import FLOAT32, RawPacket
 from app.sentences import say
 from estimators.conventions import PLACEMENTS, Placement
 from estimators.recording import Float, Recording, SensorSignals

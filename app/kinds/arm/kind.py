@@ -1,13 +1,13 @@
-"""What a session of the arms supplies; see `app.recordings.kinds`."""
+"""What a session of the arms supplies; see `app.recordings.analysis.kinds`."""
 
 from dataclasses import replace
 from typing import Final
 
 from app.kinds.arm.elbows import with_elbows
-from app.recordings.heading_line import HeadingLine, with_first_headings
-from app.recordings.kinds import SessionKind, Wanted
-from app.recordings.offline import Analysis, calibrated, estimated, pieces_of, smoothed
-from app.recordings.still import calibrate_still
+from app.recordings.analysis.heading_line import HeadingLine, with_first_headings
+from app.recordings.analysis.kinds import SessionKind, Wanted
+from app.recordings.analysis.offline import Analysis, calibrated, estimated, pieces_of, smoothed
+from app.recordings.analysis.still import calibrate_still
 from app.sentences import say
 from estimators import pipelines
 from estimators.conventions import PLACEMENTS

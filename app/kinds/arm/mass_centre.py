@@ -9,7 +9,7 @@ from app.accounts.subject import Subject
 from app.kinds.arm.mass_centre_schemas import MassCentreCurve, MassCentreOut
 from app.recordings import repository
 from app.recordings.points import ticks_between
-from app.recordings.store import read_frames
+from app.recordings.signals.store import read_frames
 from app.sentences import say
 from estimators.balance import MASS_SCALARS
 from estimators.conventions import PLACEMENTS

@@ -9,8 +9,8 @@ from typing import Final
 import numpy as np
 
 from app.errors import InvalidInput
-from app.ingest.alignment import joined_chunks
 from app.kinds.magnetic.source_schemas import WORST_GAIN_SIGMA, CoilIn, SourceFindings, SourceStopOut
+from app.network.alignment import joined_chunks
 from app.sentences import say
 from estimators.conventions import Placement
 from estimators.errors import EstimationError

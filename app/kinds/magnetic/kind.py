@@ -1,4 +1,4 @@
-"""What a session with a magnetic source supplies; see `app.recordings.kinds`."""
+"""What a session with a magnetic source supplies; see `app.recordings.analysis.kinds`."""
 
 import logging
 from collections.abc import Mapping
@@ -10,19 +10,19 @@ from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
 from app.errors import InvalidInput
-from app.ingest.alignment import joined_chunks
-from app.ingest.declaration import Declaration
 from app.kinds.magnetic.known_sources import parameters_of
 from app.kinds.magnetic.safety import require_confirmed
 from app.kinds.magnetic.smoothing import SmoothedModules
 from app.kinds.walk.analysis import follow_feet
-from app.recordings.heading_line import HeadingLine
-from app.recordings.jobs import JobContext
-from app.recordings.kinds import SessionKind, Wanted
+from app.network.alignment import joined_chunks
+from app.network.declaration import Declaration
+from app.recordings.analysis.heading_line import HeadingLine
+from app.recordings.analysis.jobs import JobContext
+from app.recordings.analysis.kinds import SessionKind, Wanted
+from app.recordings.analysis.offline import Analysis, estimated, whole
+from app.recordings.analysis.still import still
 from app.recordings.models import MotionSession
-from app.recordings.offline import Analysis, estimated, whole
 from app.recordings.schemas import SessionIn
-from app.recordings.still import still
 from app.sentences import say
 from estimators import pipelines
 from estimators.errors import EstimationError

@@ -25,8 +25,8 @@ from app.kinds.magnetic.source_schemas import (
     SourceStopsOut,
 )
 from app.recordings import repository
+from app.recordings.analysis.offline import aligned
 from app.recordings.models import MagneticSource, MotionSession
-from app.recordings.offline import aligned
 from app.sentences import say
 from estimators.conventions import Placement
 from estimators.errors import SetupError

@@ -10,7 +10,7 @@ from app.errors import Conflict
 from app.kinds.magnetic.safety import PIPELINE
 from app.kinds.magnetic.schemas import SourceUseOut
 from app.recordings import repository
-from app.recordings.store import read_frames
+from app.recordings.signals.store import read_frames
 from app.sentences import say
 from estimators.magnetic import RelativeFlag
 from estimators.pipelines import Frames

@@ -1,12 +1,12 @@
-"""What a session of single sensors supplies; see `app.recordings.kinds`."""
+"""What a session of single sensors supplies; see `app.recordings.analysis.kinds`."""
 
 from dataclasses import replace
 from typing import Final
 
-from app.recordings.heading_line import HeadingLine
-from app.recordings.kinds import SessionKind, Wanted
-from app.recordings.offline import Analysis, estimated, pieces_of, smoothed
-from app.recordings.still import still
+from app.recordings.analysis.heading_line import HeadingLine
+from app.recordings.analysis.kinds import SessionKind, Wanted
+from app.recordings.analysis.offline import Analysis, estimated, pieces_of, smoothed
+from app.recordings.analysis.still import still
 from estimators import pipelines
 from estimators.conventions import PLACEMENTS
 from estimators.orientation import DEFAULT

@@ -9,12 +9,12 @@ from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput
 from app.kinds.walk.shoes import load_shoes, shoes_of
 from app.kinds.walk.stored import content_of, kind_of, reasons_of, recording_of, store_walk
-from app.recordings.chunks import encode_frames, slice_frames
-from app.recordings.jobs import JobContext
+from app.recordings.analysis.jobs import JobContext
+from app.recordings.analysis.offline import Analysis
+from app.recordings.analysis.result_rows import CHUNKS_A_COMMIT, layout_dict, new_result, write_frames
+from app.recordings.analysis.stamped import stored_recording
 from app.recordings.models import MotionSession, Result
-from app.recordings.offline import Analysis
-from app.recordings.result_rows import CHUNKS_A_COMMIT, layout_dict, new_result, write_frames
-from app.recordings.stamped import stored_recording
+from app.recordings.signals.chunks import encode_frames, slice_frames
 from app.sentences import CATALOGUE, say
 from estimators import pipelines
 from estimators.errors import EstimationError

@@ -1,4 +1,4 @@
-"""What a walk supplies; see `app.recordings.kinds`."""
+"""What a walk supplies; see `app.recordings.analysis.kinds`."""
 
 from dataclasses import replace
 from typing import Final
@@ -9,9 +9,9 @@ from sqlalchemy.orm import Session
 from app.ingest.readers import as_feet
 from app.kinds.walk.analysis import follow_feet
 from app.kinds.walk.shoes import store_shoes
-from app.recordings.kinds import SessionKind, Wanted
-from app.recordings.offline import Analysis, whole
-from app.recordings.still import still
+from app.recordings.analysis.kinds import SessionKind, Wanted
+from app.recordings.analysis.offline import Analysis, whole
+from app.recordings.analysis.still import still
 from app.sentences import say
 from estimators import pipelines
 from estimators.conventions import SHOE_PLACEMENTS

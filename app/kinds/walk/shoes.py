@@ -10,10 +10,10 @@ from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
 
 from app.kinds.walk.shoe_arrays import packed, unpacked
-from app.recordings._rows import insert_chunk
-from app.recordings.chunks import EncodedChunk
-from app.recordings.codecs import DamagedChunkError, checksum
 from app.recordings.models import SignalChunk
+from app.recordings.signals.chunks import EncodedChunk
+from app.recordings.signals.codecs import DamagedChunkError, checksum
+from app.recordings.signals.rows import insert_chunk
 from app.sentences import say
 from estimators.conventions import SHOE_PLACEMENTS
 from estimators.kinetics import stretches

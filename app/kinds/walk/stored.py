@@ -28,10 +28,10 @@ from app.kinds.walk.schemas import (
     WalkTestOut,
 )
 from app.recordings import repository, service
-from app.recordings._rows import insert_chunk
-from app.recordings.chunks import EncodedChunk
-from app.recordings.codecs import DamagedChunkError, checksum
 from app.recordings.models import WALK_STREAM, SignalChunk
+from app.recordings.signals.chunks import EncodedChunk
+from app.recordings.signals.codecs import DamagedChunkError, checksum
+from app.recordings.signals.rows import insert_chunk
 from app.sentences import say
 from estimators.gait import GUIDED_KINDS, GuidedKind, Measure, Strides, guided_test, steady
 from estimators.pipelines import GaitPipeline, RelativePosePipeline, SessionSetup, ShoeWalk, Walk

@@ -12,7 +12,7 @@ from app.database.unit_of_work import read_only, unit_of_work
 from app.exercises.models import Prescription, Template, TemplateVersion
 from app.ingest.upload import upload_folder
 from app.patients.models import Grant, Mounting, Patient
-from app.recordings.jobs import JobRunner
+from app.recordings.analysis.jobs import JobRunner
 from app.recordings.models import Job, MotionSession, Result, SessionEvent, SignalChunk
 
 from .history import History

@@ -10,14 +10,14 @@ import pytest
 from sqlalchemy import select, update
 
 from app.accounts.models import AuditEvent
-from app.assessment.export import export
+from app.assessment.exports.patient import export
 from app.database.unit_of_work import read_only, unit_of_work
 from app.exercises.models import Template
 from app.ingest.upload import upload_folder
-from app.recordings._rows import insert_chunk
-from app.recordings.chunks import EncodedChunk
-from app.recordings.codecs import checksum
 from app.recordings.models import Job, MotionSession, SessionEvent
+from app.recordings.signals.chunks import EncodedChunk
+from app.recordings.signals.codecs import checksum
+from app.recordings.signals.rows import insert_chunk
 from tests.app.viewer.stored_reaches import Recorded, compared_reaches, store
 
 

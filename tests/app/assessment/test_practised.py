@@ -13,7 +13,7 @@ from app.database.unit_of_work import read_only, unit_of_work
 from app.exercises.models import Exercise, Prescription, TemplateVersion
 from app.kinds.walk.schemas import FootOut, StrideOut, WalkContent, WalkTestOut
 from app.kinds.walk.stored import store_walk
-from app.recordings.jobs import run_job
+from app.recordings.analysis.jobs import run_job
 from app.recordings.models import Job, MotionSession, Result
 from estimators.arm import ArmModel
 from estimators.body import BodyDimensions

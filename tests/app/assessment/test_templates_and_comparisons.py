@@ -18,11 +18,11 @@ from app.exercises.models import Exercise, TemplateVersion
 from app.ingest import readers
 from app.ingest.upload import register, upload_folder
 from app.ingest.upload_task import upload
-from app.recordings.jobs import JobRunner, run_job
+from app.recordings.analysis.jobs import JobRunner, run_job
+from app.recordings.analysis.reprocess import reprocess
 from app.recordings.models import Job, MotionSession
-from app.recordings.packet_log import write_log
-from app.recordings.reprocess import reprocess
 from app.recordings.schemas import UploadIn
+from app.recordings.signals.packet_log import write_log
 from app.settings import Settings
 from estimators.simulation import ArmScenario, MovementStyle, Schedule, SimulatedSession, simulate_arm
 

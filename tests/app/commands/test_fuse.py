@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from app.cli import cli
 from app.errors import TelemotionError
 from app.ingest import readers
-from app.recordings.packet_log import write_log
+from app.recordings.signals.packet_log import write_log
 from estimators.recording import Recording, SensorSignals
 from validation.optical.scenes import Scene, free_motion
 

@@ -8,9 +8,9 @@ import pytest
 from typer.testing import CliRunner
 
 from app.cli import cli
-from app.commands.simulate_relative import RelativeOptions, simulated
+from app.commands.simulation.relative import RelativeOptions, simulated
 from app.gateway.source import FixedBursts, SourceControl
-from app.ingest.messages import AcknowledgeMessage, ActuateMessage, ActuationPlanMessage
+from app.network.messages import AcknowledgeMessage, ActuateMessage, ActuationPlanMessage
 from estimators import rotation
 from estimators.pipelines import angles_with_sigma
 

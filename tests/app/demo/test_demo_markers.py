@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from app.commands.simulate import scenario_of
+from app.commands.simulation.arm import scenario_of
 from app.demo.history import PAST, _options
 from app.demo.markers import HIDDEN_S, LATE_S, MARKER_M, write_markers
 from app.demo.people import PATIENTS

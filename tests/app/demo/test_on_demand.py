@@ -7,8 +7,8 @@ import numpy as np
 
 from app.demo.on_demand import AHEAD_S, OnDemand, script_of
 from app.gateway import stream_of
-from app.live.calibration_messages import CalibrationMessage
-from app.live.guides import GUIDES
+from app.live.calibration.guides import GUIDES
+from app.live.calibration.messages import CalibrationMessage
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
 
 SCENARIO = ArmScenario(schedule=Schedule(n_pose_s=3.0, repetitions=3), seed=3)

@@ -5,9 +5,9 @@ import pytest
 
 from app.demo.sources import MOVEMENT, rehearse, setup_of
 from app.gateway.relative_patient import RelativePatient
-from app.ingest.alignment import align_all
-from app.ingest.declaration import check_hello
-from app.ingest.packet import decode_packet
+from app.network.alignment import align_all
+from app.network.declaration import check_hello
+from app.network.packet import decode_packet
 from estimators import pipelines
 
 

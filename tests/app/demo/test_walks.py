@@ -2,7 +2,7 @@
 
 import pytest
 
-from app.commands.process_walk import analyse
+from app.commands.processing.walk import analyse
 from app.demo.walks import PAST_WALKS, WIDTH_M, _simulate
 from app.ingest import readers
 from estimators.pipelines import SessionSetup

@@ -9,8 +9,8 @@ from sqlalchemy import Engine
 
 from app.ingest import readers
 from app.ingest.upload import register, upload_folder
-from app.recordings.packet_log import write_log
 from app.recordings.schemas import UploadIn
+from app.recordings.signals.packet_log import write_log
 from app.settings import Settings
 from estimators.simulation import ArmScenario, Schedule, SimulatedSession, simulate_arm
 from tests.app.ingest.uploads import ARM

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 from app.errors import PacketError
-from app.ingest.alignment import Aligner, align_all, align_chunks, joined_chunks
-from app.ingest.clock import PacketClock, SkewEstimator
-from app.ingest.declaration import ClockEpoch, Declaration
-from app.ingest.packet import Packet, PacketFlag, decode_packet, encode_packet
+from app.network.alignment import Aligner, align_all, align_chunks, joined_chunks
+from app.network.clock import PacketClock, SkewEstimator
+from app.network.declaration import ClockEpoch, Declaration
+from app.network.packet import Packet, PacketFlag, decode_packet, encode_packet
 from estimators.recording import ImuChunk, SampleQuality
 
 SENSORS = ("sternum", "upper_arm_right", "forearm_right")

@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-from app.ingest.conversation import until_first_ends
+from app.network.conversation import until_first_ends
 
 
 async def forever() -> None:

@@ -5,15 +5,15 @@ import pytest
 
 from app.errors import PacketError
 from app.gateway import CountScales, stream_of
-from app.ingest.alignment import Aligner, align_all
-from app.ingest.clock import PacketClock
-from app.ingest.declaration import Declaration, check_hello
-from app.ingest.messages import JsonPacket
-from app.ingest.packet import INT16, Channel, Packet, decode_packet, encode_packet, packet_from_json
 from app.kinds.walk.shoes import shoes_of
-from app.recordings.chunks import decode_packets, encode_packets
-from app.recordings.offline import decoded
-from app.recordings.raw_packet import RawPacket
+from app.network.alignment import Aligner, align_all
+from app.network.clock import PacketClock
+from app.network.declaration import Declaration, check_hello
+from app.network.messages import JsonPacket
+from app.network.packet import INT16, Channel, Packet, decode_packet, encode_packet, packet_from_json
+from app.recordings.analysis.offline import decoded
+from app.recordings.signals.chunks import decode_packets, encode_packets
+from app.recordings.signals.raw_packet import RawPacket
 from estimators.conventions import SHOE_PLACEMENTS
 from estimators.pipelines import SessionSetup
 from estimators.recording import ImuChunk, Recording, SensorSignals

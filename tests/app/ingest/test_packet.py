@@ -9,9 +9,9 @@ import pytest
 from pydantic import ValidationError
 
 from app.errors import PacketError
-from app.ingest.declaration import ClockEpoch, Declaration, check_hello
-from app.ingest.messages import HelloMessage, JsonPacket
-from app.ingest.packet import (
+from app.network.declaration import ClockEpoch, Declaration, check_hello
+from app.network.messages import HelloMessage, JsonPacket
+from app.network.packet import (
     FLOAT32,
     INT16,
     Channel,

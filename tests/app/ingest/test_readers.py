@@ -20,7 +20,7 @@ from app.errors import ImplausibleReadings, InvalidInput, RecordingFormatError
 from app.ingest import readers
 from app.ingest.readers import accepting, packets_of
 from app.ingest.readers._units import check_accelerometer
-from app.recordings.packet_log import log_entry, log_head, packet_message, write_log
+from app.recordings.signals.packet_log import log_entry, log_head, packet_message, write_log
 from app.recordings.table_schemas import CsvColumn, CsvMapping
 from estimators.recording import Recording, SensorSignals
 from estimators.signals import to_common_ticks

@@ -17,11 +17,11 @@ from app.commands.upload import Wanted, declaration_of
 from app.database.unit_of_work import read_only
 from app.ingest import readers
 from app.ingest.upload_task import upload
+from app.recordings.analysis.jobs import run_job
 from app.recordings.columns import frames_table
-from app.recordings.jobs import run_job
-from app.recordings.packet_log import write_log
 from app.recordings.schemas import UploadIn
-from app.recordings.store import read_frames
+from app.recordings.signals.packet_log import write_log
+from app.recordings.signals.store import read_frames
 from app.settings import Settings
 from estimators.pipelines import Frames
 from estimators.simulation import Bout, Leg, SimulatedSession, gait_preset, simulate_gait
@@ -121,7 +121,7 @@ def stored(
 
 
 def resolution(column: str, values: np.ndarray) -> np.ndarray:
-    """Return half a step in which a session stores each number of a column; see `app.recordings.frame_codec`."""
+    """Half a step in which a session stores each number of a column; see `app.recordings.signals.frame_codec`."""
     if "_sigma_" in column:
         return np.abs(values) / 1000.0
     known = np.abs(values[np.isfinite(values)])

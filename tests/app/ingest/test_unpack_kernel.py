@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.ingest._unpack_kernel import unpack, unpack_python
+from app.network.unpack_kernel import unpack, unpack_python
 from estimators._clipping import at_levels
 from estimators.recording import SampleQuality
 

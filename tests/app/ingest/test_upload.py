@@ -13,10 +13,10 @@ from app.errors import RecordingFormatError
 from app.ingest import readers
 from app.ingest.upload import remove_orphans, upload_folder
 from app.ingest.upload_task import upload
-from app.recordings.jobs import run_job
+from app.recordings.analysis.jobs import run_job
 from app.recordings.models import Job, MotionSession, Result, SessionEvent
-from app.recordings.packet_log import write_log
-from app.recordings.store import read_frames, read_packets, stored_ranges
+from app.recordings.signals.packet_log import write_log
+from app.recordings.signals.store import read_frames, read_packets, stored_ranges
 from app.settings import Settings
 from estimators import pipelines
 from estimators.simulation import ArmScenario, Schedule, SimulatedSession, simulate_arm

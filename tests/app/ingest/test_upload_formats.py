@@ -10,11 +10,11 @@ from sqlalchemy import Engine
 
 from app.database.unit_of_work import read_only
 from app.ingest.upload_task import upload
-from app.recordings.jobs import JobDone, run_job
+from app.recordings.analysis.jobs import JobDone, run_job
 from app.recordings.models import Job
 from app.recordings.schemas import JobOut
 from app.recordings.service import job_out
-from app.recordings.store import read_frames
+from app.recordings.signals.store import read_frames
 from app.settings import Settings
 from estimators.simulation import SimulatedSession
 from tests.app.ingest.recording_files import as_csv, as_whole_body

@@ -14,7 +14,7 @@ from app.accounts.models import AuditEvent
 from app.database.unit_of_work import read_only
 from app.ingest import readers
 from app.ingest.upload import upload_folder
-from app.recordings.jobs import JobRunner
+from app.recordings.analysis.jobs import JobRunner
 from app.recordings.models import MotionSession
 from app.recordings.table_schemas import CsvMapping
 from app.settings import Settings

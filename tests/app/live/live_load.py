@@ -8,10 +8,10 @@ from sqlalchemy import Engine
 from app.accounts.subject import Subject
 from app.database.unit_of_work import unit_of_work
 from app.gateway import CountScales, DeviceStream
-from app.ingest.declaration import check_hello
 from app.live import repository
-from app.live.intake import Intake
 from app.live.manager import LiveManager
+from app.live.session.intake import Intake
+from app.network.declaration import check_hello
 from app.patients.models import Mounting
 from app.recordings import service
 from app.recordings.schemas import SessionIn

@@ -12,11 +12,11 @@ import pytest
 
 from app.errors import Conflict
 from app.gateway.rehearsal import Rehearsal, rehearsal_of
-from app.live.calibrating import COLLECTORS, NOT_EVALUATED, CalibrationDesk, redo_steps
-from app.live.calibration_messages import CalibrationIn
-from app.live.collectors import Collector, Outcome
-from app.live.device_collectors import Compass
-from app.live.estimation import EstimationLine
+from app.live.calibration.calibrating import COLLECTORS, NOT_EVALUATED, CalibrationDesk, redo_steps
+from app.live.calibration.collectors import Collector, Outcome
+from app.live.calibration.device_collectors import Compass
+from app.live.calibration.messages import CalibrationIn
+from app.live.session.estimation import EstimationLine
 from estimators import pipelines, signals
 from estimators.calibration import MagnetometerCollector, MisplacedError, find_positions
 from estimators.errors import CalibrationError
@@ -235,7 +235,7 @@ def test_the_compass_is_reviewed_and_evaluated_at_the_same_time(monkeypatch: pyt
             super().add(*readings)
             busy -= 1
 
-    monkeypatch.setattr("app.live.device_collectors.MagnetometerCollector", Slow)
+    monkeypatch.setattr("app.live.calibration.device_collectors.MagnetometerCollector", Slow)
     chunk = signals.to_common_ticks(rehearsal_of("magnetometer").recording, RATE_HZ).ticks(0, 1000)
     worn: Any = ("forearm_right",)
     found = Compass(CalibrationIn(kind="magnetometer", placements=list(worn)), worn, 0.01)

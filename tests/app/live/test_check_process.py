@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from app.errors import Unavailable
-from app.live.plausibility import MEMORY_BYTES, NICENESS, CheckProcess, check
+from app.live.checks.plausibility import MEMORY_BYTES, NICENESS, CheckProcess, check
 from estimators.calibration import RecordingCheck
 from estimators.recording import ImuChunk
 

@@ -10,11 +10,11 @@ import pytest
 from sqlalchemy import Engine
 
 from app.gateway import DeviceStream, stream_of
-from app.ingest.packet import PacketFlag, with_flags
 from app.live import manager as live_manager
 from app.live import repository
 from app.live.manager import LiveManager
-from app.recordings.store import read_packets
+from app.network.packet import PacketFlag, with_flags
+from app.recordings.signals.store import read_packets
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
 
 ENDED = {"closing", "analysed"}

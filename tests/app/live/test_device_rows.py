@@ -7,7 +7,7 @@ import pytest
 from sqlalchemy import Engine, select
 
 from app.database.unit_of_work import read_only, unit_of_work
-from app.live.device_rows import save_device_calibrations, save_device_constants
+from app.live.calibration.device_rows import save_device_calibrations, save_device_constants
 from app.patients.models import SensorDevice
 from app.recordings.models import MotionSession, SessionEvent
 from estimators.calibration import DeviceCalibration, LocalField, TriadCalibration

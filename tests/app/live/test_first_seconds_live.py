@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.live.first_seconds import CheckTurns, FirstSeconds
+from app.live.checks.first_seconds import CheckTurns, FirstSeconds
 from estimators import signals
 from estimators.calibration import Finding, Hemisphere
 from estimators.recording import Float, ImuChunk
@@ -161,7 +161,7 @@ def test_a_compass_is_judged_by_the_hemisphere_of_the_clinic(
 
 def test_checks_of_all_sessions_together_leave_time_for_frames(monkeypatch):
     now = [100.0]
-    monkeypatch.setattr("app.live.first_seconds.time.monotonic", lambda: now[0])
+    monkeypatch.setattr("app.live.checks.first_seconds.time.monotonic", lambda: now[0])
     turns = CheckTurns(share=0.1)
     assert turns.begin()
     assert not turns.begin(), "one at a time"

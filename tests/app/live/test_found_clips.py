@@ -5,11 +5,11 @@ import asyncio
 import numpy as np
 import pytest
 
-from app.ingest.alignment import Aligner, joined_chunks
-from app.ingest.clock import PacketClock
-from app.ingest.declaration import Declaration
-from app.ingest.packet import Channel, decode_packet, encode_packet
-from app.live.first_seconds import FirstSeconds
+from app.live.checks.first_seconds import FirstSeconds
+from app.network.alignment import Aligner, joined_chunks
+from app.network.clock import PacketClock
+from app.network.declaration import Declaration
+from app.network.packet import Channel, decode_packet, encode_packet
 from estimators import orientation
 from estimators.recording import Float, ImuChunk, SampleQuality
 from validation.orientation.honesty_scenes import STEP_S, scene

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from sqlalchemy import Engine
 
-from app.ingest.declaration import Declaration
-from app.ingest.packet import Channel, Packet, decode_packet, encode_packet
 from app.live import repository
 from app.live.bus import MemoryBus
-from app.live.opening import Opener
-from app.live.plausibility import check
-from app.live.runner import LiveSession
-from app.recordings.group_commit import GroupCommitWriter
+from app.live.checks.plausibility import check
+from app.live.session.opening import Opener
+from app.live.session.runner import LiveSession
+from app.network.declaration import Declaration
+from app.network.packet import Channel, Packet, decode_packet, encode_packet
+from app.recordings.signals.group_commit import GroupCommitWriter
 from estimators.pipelines import Frames, SessionSetup
 from estimators.recording import Float, ImuChunk, SampleQuality
 from validation.orientation.honesty_scenes import STEP_S, scene

@@ -17,7 +17,7 @@ from websockets.exceptions import ConnectionClosed
 from app.errors import PacketError
 from app.gateway import DeviceStream, GatewayClient
 from app.ingest import websocket as ingest_websocket
-from app.ingest.packet import encode_packet
+from app.network.packet import encode_packet
 from tests.app.live.sockets import (
     SignedIn,
     gateway,

@@ -17,12 +17,13 @@ from app.errors import Conflict
 from app.gateway import DeviceStream, stream_of
 from app.ingest import websocket as ingest_websocket
 from app.live import manager as live_manager
-from app.live import opening, repository, warmup
+from app.live import repository, warmup
 from app.live.bus import MemoryBus
 from app.live.manager import LiveManager
-from app.recordings.group_commit import GroupCommitWriter
+from app.live.session import opening
 from app.recordings.models import MotionSession
-from app.recordings.store import read_packets
+from app.recordings.signals.group_commit import GroupCommitWriter
+from app.recordings.signals.store import read_packets
 from app.services import Services
 from estimators import pipelines
 from estimators.simulation import ArmScenario, Schedule, simulate_arm

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.commands.simulate_walk import WalkOptions, stream, walk_of
+from app.commands.simulation.walk import WalkOptions, stream, walk_of
 from app.gateway import ServiceClient
 
 SignedIn = Callable[..., Awaitable[ServiceClient]]

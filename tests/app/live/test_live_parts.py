@@ -9,11 +9,11 @@ import pytest
 from app.errors import Conflict
 from app.live.blocks import PublishedFrames, column_names
 from app.live.bus import MemoryBus, topic
-from app.live.estimation import INLINE_TICKS, EstimationLine
-from app.live.health import LinkHealth
-from app.live.ledger import GIVE_UP_AFTER_S, REPORT_AFTER_S, SequenceLedger
-from app.live.pose import PoseCollector
-from app.live.states import OPEN, STREAMING, TRANSITIONS, StateMachine, streaming_state
+from app.live.calibration.pose import PoseCollector
+from app.live.checks.health import LinkHealth
+from app.live.session.estimation import INLINE_TICKS, EstimationLine
+from app.live.session.ledger import GIVE_UP_AFTER_S, REPORT_AFTER_S, SequenceLedger
+from app.live.session.states import OPEN, STREAMING, TRANSITIONS, StateMachine, streaming_state
 from app.schemas import SessionState
 from estimators.pipelines import FrameLayout, Frames
 from estimators.recording import ImuChunk, SampleQuality

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.commands.simulate_relative import RelativeOptions, stream
+from app.commands.simulation.relative import RelativeOptions, stream
 from app.errors import SafetyUnconfirmed, TelemotionError
 from app.gateway import ServiceClient
 from app.gateway.relative_patient import RelativeFaults, RelativePatient
 from app.gateway.source import SourceControl
-from app.ingest.messages import AcknowledgeMessage, ActuateMessage, ActuationPlanMessage, ErrorMessage
+from app.network.messages import AcknowledgeMessage, ActuateMessage, ActuationPlanMessage, ErrorMessage
 from estimators.magnetic import RelativeFlag
 
 SignedIn = Callable[..., Awaitable[ServiceClient]]
@@ -278,7 +278,7 @@ def test_what_is_simulated_obeys_and_its_faults_are_real() -> None:
 
 def read_block(data: bytes, session: Any) -> tuple[Any, list[str]]:
     from app.live.blocks import column_names
-    from app.recordings.chunks import layout_from_dict
+    from app.recordings.signals.chunks import layout_from_dict
 
     columns = column_names(layout_from_dict(session.layout.model_dump()))
     ticks, width = np.frombuffer(data, "<u4", 2, offset=4).tolist()

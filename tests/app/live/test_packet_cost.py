@@ -17,12 +17,12 @@ from typing import Any
 import pytest
 from sqlalchemy import Engine
 
-from app.ingest.packet import decode_packet
 from app.limits import Limits
 from app.live.bus import MemoryBus, topic
-from app.live.intake import Intake
 from app.live.manager import LiveManager
-from app.recordings.group_commit import GroupCommitWriter
+from app.live.session.intake import Intake
+from app.network.packet import decode_packet
+from app.recordings.signals.group_commit import GroupCommitWriter
 from app.settings import Settings
 from tests.app.live.live_load import connected, remember, swaying
 
@@ -93,7 +93,7 @@ def measured(
 @pytest.fixture(autouse=True)
 def no_checks(monkeypatch: pytest.MonkeyPatch) -> None:
     """Checks of the first seconds run in a process of their own when it is their turn: here it never is."""
-    monkeypatch.setattr("app.live.first_seconds.CheckTurns.begin", lambda _: False)
+    monkeypatch.setattr("app.live.checks.first_seconds.CheckTurns.begin", lambda _: False)
 
 
 def receive(intake: Intake, data: bytes) -> None:

@@ -4,13 +4,13 @@ import asyncio
 
 import pytest
 
-from app.commands import simulate
+from app.commands.simulation import arm
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2])
 def test_loss_and_breaks_end_well(signed_in, server, world, seed):
-    options = simulate.Options(
+    options = arm.Options(
         server.address,
         "",
         "",
@@ -24,7 +24,7 @@ def test_loss_and_breaks_end_well(signed_in, server, world, seed):
 
     async def run() -> tuple[str, int]:
         async with await signed_in() as service:
-            session_id, report = await simulate.stream(service, options, lambda text: None)
+            session_id, report = await arm.stream(service, options, lambda text: None)
             found = await service.session(session_id)
             return found.state, report.connections
 

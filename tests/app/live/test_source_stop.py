@@ -12,12 +12,12 @@ from app.errors import TelemotionError
 from app.gateway import GatewayClient, ServiceClient
 from app.gateway.relative_patient import RelativePatient
 from app.gateway.source import SourceControl
-from app.ingest.declaration import Declaration
-from app.ingest.messages import ActuateMessage, ActuationPlanMessage
 from app.kinds.magnetic.schemas import MagneticSafetyIn
-from app.live.actuation import Actuation
-from app.live.opening import setup_for
-from app.live.stray_source import GRACE_S, StraySource
+from app.live.checks.stray_source import GRACE_S, StraySource
+from app.live.session.actuation import Actuation
+from app.live.session.opening import setup_for
+from app.network.declaration import Declaration
+from app.network.messages import ActuateMessage, ActuationPlanMessage
 from app.recordings.schemas import SessionIn
 from estimators.magnetic import coil_state
 from estimators.pipelines import RelativePosePipeline, SessionSetup

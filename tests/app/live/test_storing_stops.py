@@ -19,10 +19,10 @@ from app.database.engine import create_from_url
 from app.edge.readiness import Readiness
 from app.errors import NotAllowed
 from app.gateway import DeviceStream, stream_of
-from app.live.ledger import NOT_STORED_AFTER_S, SequenceLedger
 from app.live.manager import LiveManager
 from app.live.patience import Patience
-from app.recordings.store import read_packets
+from app.live.session.ledger import NOT_STORED_AFTER_S, SequenceLedger
+from app.recordings.signals.store import read_packets
 from app.services import Services
 from app.settings import Settings
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
@@ -194,7 +194,7 @@ class TestPostgreSQL:
 
 def test_what_waits_for_its_commit_is_being_stored(monkeypatch) -> None:
     now = [100.0]
-    monkeypatch.setattr("app.live.ledger.time.monotonic", lambda: now[0])
+    monkeypatch.setattr("app.live.session.ledger.time.monotonic", lambda: now[0])
     ledger = SequenceLedger()
     for second in range(10):
         now[0] += 1.0

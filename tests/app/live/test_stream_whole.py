@@ -14,7 +14,7 @@ from sqlalchemy import Engine
 
 from app.gateway import DeviceStream, GatewayClient, GatewayReport, Milestone, ServiceClient, stream_of
 from app.recordings.schemas import SessionDetail, SessionIn
-from app.recordings.store import read_packets
+from app.recordings.signals.store import read_packets
 from estimators.simulation import ArmScenario, Schedule, SimulatedSession, simulate_arm
 from estimators.simulation.faults import DeliveryPlan, LinkFaults
 

@@ -11,13 +11,13 @@ from app.accounts.subject import Subject
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import Conflict, InvalidInput, NotFound
 from app.recordings import service
-from app.recordings._rows import insert_chunk
-from app.recordings.chunks import encode_frames, frames_stream
-from app.recordings.differences import differences
+from app.recordings.analysis.differences import differences
+from app.recordings.analysis.reprocess import _last_pose
+from app.recordings.analysis.sequences import in_sequence
 from app.recordings.models import Job, Result, SessionEvent
-from app.recordings.reprocess import _last_pose
 from app.recordings.schemas import ReprocessAllIn
-from app.recordings.sequences import in_sequence
+from app.recordings.signals.chunks import encode_frames, frames_stream
+from app.recordings.signals.rows import insert_chunk
 from estimators import orientation
 from estimators.orientation import OrientationFlag
 from estimators.pipelines import FrameLayout, Frames, SessionSetup

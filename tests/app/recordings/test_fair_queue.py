@@ -7,9 +7,9 @@ from sqlalchemy import Engine, update
 
 from app.database.base import new_id
 from app.database.unit_of_work import read_only, unit_of_work
-from app.recordings.jobs import JobContext, run_job
+from app.recordings.analysis.jobs import JobContext, run_job
+from app.recordings.analysis.queue import FairQueue, Waiting
 from app.recordings.models import Job, MotionSession
-from app.recordings.queue import FairQueue, Waiting
 from app.settings import Settings
 
 Ask = Callable[[str, str, int], list[str]]

@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from app.recordings import _bit_columns as bits
-from app.recordings import codecs
-from app.recordings.chunks import EncodedChunk, decode_frames, encode_frames, slice_frames
-from app.recordings.frame_codec import FLOAT32_FRAMES_CODEC
+from app.recordings.signals import bit_columns as bits
+from app.recordings.signals import codecs
+from app.recordings.signals.chunks import EncodedChunk, decode_frames, encode_frames, slice_frames
+from app.recordings.signals.frame_codec import FLOAT32_FRAMES_CODEC
 from estimators import pipelines
 from estimators.conventions import PLACEMENTS
 from estimators.pipelines import FrameLayout, Frames

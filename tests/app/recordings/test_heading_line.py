@@ -9,7 +9,12 @@ import pytest
 from sqlalchemy import Engine
 
 from app.database.unit_of_work import read_only, unit_of_work
-from app.recordings.heading_line import HeadingLine, HeadingReset, resets_in_force, with_first_headings
+from app.recordings.analysis.heading_line import (
+    HeadingLine,
+    HeadingReset,
+    resets_in_force,
+    with_first_headings,
+)
 from app.recordings.models import SessionEvent
 from estimators import pipelines, rotation, signals
 from estimators.pipelines import Calibration, SessionSetup

@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 from sqlalchemy import Engine, select
 
+from app.accounts.credentials.tickets import issue_ticket
 from app.accounts.models import AuditEvent
 from app.accounts.subject import Subject
-from app.accounts.tickets import issue_ticket
 from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import SafetyUnconfirmed

@@ -16,11 +16,11 @@ from app.database.unit_of_work import read_only
 from app.demo.sources import rehearse, setup_of
 from app.errors import TelemotionError
 from app.gateway.relative_patient import RelativePatient
-from app.ingest.declaration import check_hello
-from app.ingest.packet import decode_packet
-from app.recordings.group_commit import GroupCommitWriter
-from app.recordings.packet_log import log_entry, log_head
-from app.recordings.raw_packet import RawPacket
+from app.network.declaration import check_hello
+from app.network.packet import decode_packet
+from app.recordings.signals.group_commit import GroupCommitWriter
+from app.recordings.signals.packet_log import log_entry, log_head
+from app.recordings.signals.raw_packet import RawPacket
 from estimators import pipelines
 from estimators.magnetic import perpendicular_source
 from estimators.pipelines import SessionSetup, relative_source

@@ -13,7 +13,7 @@ from app.database.unit_of_work import read_only, unit_of_work
 from app.ingest import readers
 from app.ingest.marker_task import fuse
 from app.ingest.upload_task import _write_packets
-from app.recordings.jobs import JobContext, JobRunner, run_job
+from app.recordings.analysis.jobs import JobContext, JobRunner, run_job
 from app.recordings.models import MotionSession, SignalChunk
 from app.services import Services
 from app.settings import Settings

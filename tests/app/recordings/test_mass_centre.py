@@ -14,12 +14,12 @@ from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput, NotFound
 from app.ingest import readers
 from app.kinds.arm.mass_centre import mass_centre_of
-from app.recordings._rows import insert_chunk
-from app.recordings.chunks import encode_frames, frames_stream, slice_frames
 from app.recordings.models import Result
-from app.recordings.packet_log import write_log
+from app.recordings.signals.chunks import encode_frames, frames_stream, slice_frames
+from app.recordings.signals.packet_log import write_log
+from app.recordings.signals.rows import insert_chunk
+from app.viewer.figure.proportions import hip_height_m
 from app.viewer.pose import track_from_frames
-from app.viewer.proportions import hip_height_m
 from estimators import pipelines
 from estimators.balance import MASS_SCALARS
 from estimators.pipelines import ArmPipeline, Frames, SessionSetup

@@ -11,11 +11,11 @@ from app.accounts.models import AuditEvent
 from app.accounts.subject import Subject
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import NotFound
-from app.recordings._rows import insert_chunk
-from app.recordings.chunks import decode_frames, encode_frames, frames_stream, slice_frames
 from app.recordings.columns import frames_table
 from app.recordings.models import Result
 from app.recordings.points import described, points_of
+from app.recordings.signals.chunks import decode_frames, encode_frames, frames_stream, slice_frames
+from app.recordings.signals.rows import insert_chunk
 from estimators.arm import point_covariance
 from estimators.orientation import OrientationFlag
 from estimators.pipelines import Frames, SessionSetup

@@ -15,12 +15,12 @@ from app.errors import Conflict, NotFound
 from app.ingest import readers
 from app.patients.models import SensorDevice
 from app.recordings import repository, service
-from app.recordings.group_commit import GroupCommitWriter
-from app.recordings.jobs import JobContext, JobDone, JobRunner, run_job
+from app.recordings.analysis.jobs import JobContext, JobDone, JobRunner, run_job
+from app.recordings.analysis.reprocess import reprocess
 from app.recordings.models import Job, MotionSession, Result, SignalChunk
-from app.recordings.reprocess import reprocess
 from app.recordings.schemas import ReprocessIn
-from app.recordings.store import read_frames
+from app.recordings.signals.group_commit import GroupCommitWriter
+from app.recordings.signals.store import read_frames
 from app.settings import Settings
 from estimators import orientation, rotation
 from estimators.errors import CalibrationError

@@ -14,10 +14,10 @@ from app.accounts.models import AuditEvent
 from app.database.unit_of_work import read_only, unit_of_work
 from app.ingest import readers
 from app.patients.models import Mounting
-from app.recordings.group_commit import GroupCommitWriter
-from app.recordings.jobs import run_job
+from app.recordings.analysis.jobs import run_job
+from app.recordings.analysis.reprocess import reprocess
 from app.recordings.models import Job, MotionSession, SignalChunk
-from app.recordings.reprocess import reprocess
+from app.recordings.signals.group_commit import GroupCommitWriter
 from app.settings import Settings
 from estimators import orientation
 from estimators.pipelines import Calibration, SessionSetup

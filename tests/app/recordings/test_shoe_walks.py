@@ -14,10 +14,10 @@ from app.ingest.readers import guess, read, write_instrumented_shoe
 from app.ingest.upload import register, upload_folder
 from app.ingest.upload_task import upload
 from app.kinds.walk.shoes import SHOES_STREAM
-from app.recordings.jobs import run_job
+from app.recordings.analysis.jobs import run_job
 from app.recordings.models import SignalChunk
 from app.recordings.schemas import UploadIn
-from app.recordings.store import read_frames
+from app.recordings.signals.store import read_frames
 from app.settings import Settings
 from estimators.simulation import Bout, Leg, SimulatedWalk, gait_preset, simulate_gait
 

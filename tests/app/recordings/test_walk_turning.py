@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from app.commands.process_walk import write_walk
+from app.commands.processing.walk import write_walk
 from app.kinds.walk.stored import content_of
 from estimators import pipelines
 from estimators.pipelines import SessionSetup

@@ -16,10 +16,10 @@ from app.ingest.upload import register, upload_folder
 from app.ingest.upload_task import upload
 from app.kinds.walk.stored import recording_of, walk_stream
 from app.recordings import service
-from app.recordings.jobs import run_job
+from app.recordings.analysis.jobs import run_job
 from app.recordings.models import MotionSession, Result, SignalChunk
 from app.recordings.schemas import ReprocessIn, UploadIn
-from app.recordings.store import read_frames
+from app.recordings.signals.store import read_frames
 from app.settings import Settings
 from estimators.gait import steady
 from estimators.pipelines import SessionSetup, analyse_walk

@@ -8,8 +8,8 @@ from sqlalchemy.orm import Session
 from app.assessment.models import Comparison
 from app.database.base import new_id
 from app.exercises.models import Template, TemplateVersion
-from app.recordings.chunks import encode_frames, frames_stream
 from app.recordings.models import MotionSession, Result, SignalChunk
+from app.recordings.signals.chunks import encode_frames, frames_stream
 from estimators import comparison
 from estimators.arm import ArmModel, segments_from_angles
 from estimators.body import BodyDimensions

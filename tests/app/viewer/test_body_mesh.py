@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from app.viewer.body_mesh import MATERIALS, Piece, build_figure
+from app.viewer.figure.body_mesh import MATERIALS, Piece, build_figure
+from app.viewer.figure.proportions import hip_height_m, leg_lengths_m, neck_height_m
 from app.viewer.pose import PARENT
-from app.viewer.proportions import hip_height_m, leg_lengths_m, neck_height_m
 from estimators.body import BodyDimensions, body_from_stature
 
 SMALL = BodyDimensions(

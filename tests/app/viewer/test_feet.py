@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.viewer.feet import feet_of, support_outline
-from app.viewer.feet_layer import shoe_mesh
-from app.viewer.feet_live import LiveCourse
-from app.viewer.surface import Mesh
+from app.viewer.figure.surface import Mesh
+from app.viewer.layers.feet import feet_of, support_outline
+from app.viewer.layers.feet_layer import shoe_mesh
+from app.viewer.layers.feet_live import LiveCourse
 from estimators import rotation
 from estimators.pipelines import Frames, SessionSetup, create
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from app.viewer import feet_layer
-from app.viewer.feet import FeetTrack, feet_of
-from app.viewer.feet_live import LiveCourse
+from app.viewer.layers import feet_layer
+from app.viewer.layers.feet import FeetTrack, feet_of
+from app.viewer.layers.feet_live import LiveCourse
 from estimators.conventions import SHOE_PLACEMENTS
 from estimators.pipelines import Frames, SessionSetup, create
 

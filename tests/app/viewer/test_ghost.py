@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from app.viewer.ghost import PAUSE_S, Ghost, GhostClock, ghost_from_template
+from app.viewer.figure.ghost import PAUSE_S, Ghost, GhostClock, ghost_from_template
 from estimators import comparison
 from estimators.body import BodyDimensions, body_from_stature
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from app.viewer.ghost_arm import BONES, bone_track, skinned_arm
-from app.viewer.ghost_node import dashed
+from app.viewer.figure.ghost_arm import BONES, bone_track, skinned_arm
+from app.viewer.figure.ghost_node import dashed
+from app.viewer.figure.proportions import hip_height_m
 from app.viewer.pose import track_from_frames
-from app.viewer.proportions import hip_height_m
 from estimators import rotation
 from estimators.body import BodyDimensions, body_from_stature
 

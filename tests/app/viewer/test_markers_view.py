@@ -6,9 +6,9 @@ import viser
 
 from app.recordings.marker_motion import Motion
 from app.recordings.markers import COLUMNS
-from app.viewer import palette
 from app.viewer.camera import around
-from app.viewer.markers import markers_of
+from app.viewer.layers import palette
+from app.viewer.layers.markers import markers_of
 from app.viewer.pose import track_from_markers
 from app.viewer.scene import BodyScene
 from estimators.body import BodyDimensions

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import viser
 
-from app.viewer.modules import ModuleTrack, distance_words, modules_of
+from app.viewer.layers.modules import ModuleTrack, distance_words, modules_of
 from app.viewer.pose import is_posed, thinned, track_from_frames
 from app.viewer.scene import BodyScene
 from estimators import pipelines, rotation

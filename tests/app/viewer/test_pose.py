@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from app.viewer.nodes import halo_opacity, joint_offsets_m
+from app.viewer.figure.proportions import hip_height_m
+from app.viewer.layers.nodes import halo_opacity, joint_offsets_m
 from app.viewer.pose import PARENT, SEGMENTS, PoseTrack, thinned, track_from_frames, track_from_room
-from app.viewer.proportions import hip_height_m
 from estimators import rotation
 from estimators.body import BodyDimensions
 from estimators.conventions import SIDES

@@ -1,0 +1,1 @@
+"""Passwords, second factors, tickets, and signing in by them."""

@@ -1,0 +1,236 @@
+"""Browser sessions: made by sign-in, found again by the cookie, ended by sign-out, idleness or age."""
+
+from dataclasses import dataclass
+from datetime import timedelta
+from typing import Literal
+
+from sqlalchemy import delete, select, update
+from sqlalchemy.orm import Session
+
+from app.accounts.credentials.tickets import account_subject
+from app.accounts.credentials.tokens import hash_token, new_token
+from app.accounts.models import Account, Clinic, SignIn, Ticket
+from app.accounts.schemas import Me
+from app.accounts.subject import Subject
+from app.database.base import utc_now
+from app.errors import SignInRequired
+from app.sentences import say
+from app.settings import Settings
+
+COOKIE = "telemotion_session"
+SEEN_AGAIN_AFTER = timedelta(seconds=60)
+"""`last_seen_at` is written at most this often, so reading stays cheap."""
+_PLEASE = say("sign_in.required")
+
+
+Must = Literal["password", "second_factor"]
+
+
+@dataclass(frozen=True)
+class FoundSignIn:
+    """A valid browser session."""
+
+    id: str
+    subject: Subject
+    csrf_token: str
+    needs_touch: bool
+    must: Must | None = None
+    """What has to be done before anything else."""
+
+
+def normalise_email(email: str) -> str:
+    """Return the form in which an e-mail address is stored and compared.
+
+    Parameters
+    ----------
+    email : str
+    """
+    return email.strip().lower()
+
+
+def password_hash_of(session: Session, email: str) -> tuple[str | None, str | None]:
+    """Return account and password hash for a sign-in; `(None, None)` when nobody may sign in so.
+
+    Parameters
+    ----------
+    session : Session
+    email : str
+        Normalised.
+    """
+    row = session.execute(
+        select(Account.id, Account.password_hash).where(Account.email == email, Account.is_active)
+    ).first()
+    return (row.id, row.password_hash) if row else (None, None)
+
+
+def create_sign_in(
+    session: Session, settings: Settings, account_id: str, user_agent: str
+) -> tuple[str, SignIn]:
+    """Open a browser session.
+
+    Parameters
+    ----------
+    session : Session
+        Writing.
+    settings : Settings
+        For the life time.
+    account_id : str
+    user_agent : str
+        As the browser calls itself; shortened.
+
+    Returns
+    -------
+    str
+        The cookie's value; only its hash is stored.
+    SignIn
+    """
+    now = utc_now()
+    session.execute(delete(SignIn).where(SignIn.expires_at < now))
+    token = new_token()
+    row = SignIn(
+        account_id=account_id,
+        token_hash=hash_token(token),
+        csrf_token=new_token(),
+        expires_at=now + timedelta(hours=settings.sign_in_hours),
+        last_seen_at=now,
+        user_agent=user_agent[:200],
+    )
+    session.add(row)
+    session.flush()
+    return token, row
+
+
+def find_sign_in(session: Session, settings: Settings, token: str) -> FoundSignIn:
+    """Return the browser session behind a cookie.
+
+    Parameters
+    ----------
+    session : Session
+    settings : Settings
+    token : str
+        The cookie's value.
+
+    Raises
+    ------
+    SignInRequired
+        Unknown, too old, idle too long, or the account is no longer active.
+    """
+    now = utc_now()
+    row = session.execute(
+        select(SignIn, Account)
+        .join(Account, Account.id == SignIn.account_id)
+        .where(
+            SignIn.token_hash == hash_token(token),
+            SignIn.expires_at > now,
+            SignIn.last_seen_at > now - timedelta(minutes=settings.sign_in_idle_minutes),
+            Account.is_active,
+        )
+    ).first()
+    if row is None:
+        raise SignInRequired(_PLEASE)
+    sign_in, account = row
+    return FoundSignIn(
+        id=sign_in.id,
+        subject=account_subject(account),
+        csrf_token=sign_in.csrf_token,
+        needs_touch=now - sign_in.last_seen_at > SEEN_AGAIN_AFTER,
+        must=must_first(settings, account),
+    )
+
+
+def must_first(settings: Settings, account: Account) -> Must | None:
+    """Return what an account has to do before anything else.
+
+    Parameters
+    ----------
+    settings : Settings
+    account : Account
+    """
+    if account.must_change_password:
+        return "password"
+    is_staff = account.role in {"administrator", "therapist"}
+    if is_staff and settings.staff_second_factor == "required" and account.totp_since is None:
+        return "second_factor"
+    return None
+
+
+def touch(session: Session, sign_in_id: str) -> None:
+    """Note that the browser session is in use.
+
+    Parameters
+    ----------
+    session : Session
+        Writing.
+    sign_in_id : str
+    """
+    session.execute(update(SignIn).where(SignIn.id == sign_in_id).values(last_seen_at=utc_now()))
+
+
+def end_sign_in(session: Session, token: str) -> None:
+    """Forget the browser session behind a cookie and the account's tickets that are still good.
+
+    Parameters
+    ----------
+    session : Session
+        Writing.
+    token : str
+    """
+    ended = session.scalars(
+        delete(SignIn).where(SignIn.token_hash == hash_token(token)).returning(SignIn.account_id)
+    ).all()
+    # A ticket lives for seconds: another browser of the same person asks for a new one.
+    session.execute(delete(Ticket).where(Ticket.account_id.in_(ended), Ticket.used_at.is_(None)))
+
+
+def end_all_sign_ins(session: Session, account_id: str, but: str | None = None) -> int:
+    """Forget every browser session of an account, and its tickets that are still good.
+
+    Parameters
+    ----------
+    session : Session
+        Writing.
+    account_id : str
+    but : str, optional
+        Identifier of the one browser session that stays.
+
+    Returns
+    -------
+    int
+        Browser sessions that ended.
+    """
+    ended = session.scalars(
+        delete(SignIn).where(SignIn.account_id == account_id, SignIn.id != (but or "")).returning(SignIn.id)
+    ).all()
+    session.execute(delete(Ticket).where(Ticket.account_id == account_id, Ticket.used_at.is_(None)))
+    return len(ended)
+
+
+def me(session: Session, settings: Settings, account_id: str, csrf_token: str) -> Me:
+    """Return what a browser needs to know about its own account.
+
+    Parameters
+    ----------
+    session : Session
+    settings : Settings
+    account_id : str
+    csrf_token : str
+    """
+    account, clinic_name = session.execute(
+        select(Account, Clinic.name)
+        .join(Clinic, Clinic.id == Account.clinic_id)
+        .where(Account.id == account_id)
+    ).one()
+    return Me(
+        account_id=account.id,
+        display_name=account.display_name,
+        email=account.email,
+        role=account.role,
+        clinic_id=account.clinic_id,
+        clinic_name=clinic_name,
+        patient_id=account.patient_id,
+        locale=account.locale,
+        csrf_token=csrf_token,
+        must=must_first(settings, account),
+        second_factor_removed_at=account.totp_removed_at,
+        idle_minutes=settings.sign_in_idle_minutes,
+    )

@@ -1,0 +1,1 @@
+"""Everything held about a patient as one archive."""

@@ -1,0 +1,193 @@
+"""What the archive of a patient holds, file by file."""
+
+import json
+import zipfile
+from collections.abc import Iterable
+from typing import Any, Final
+
+from pydantic import BaseModel
+from sqlalchemy import Engine, or_, select
+from sqlalchemy.orm import Session
+
+from app.accounts.audit_reading import read_audit
+from app.accounts.consents import list_consents
+from app.accounts.device_tokens import list_device_tokens
+from app.accounts.subject import Subject
+from app.assessment import comparisons, templates
+from app.assessment.exports.movement import reading, write_movement
+from app.assessment.models import Comparison
+from app.assessment.practice import list_prescriptions
+from app.exercises.models import Template, TemplateVersion
+from app.kinds.magnetic.safety import EVENT, WITHDRAWN
+from app.pages import Page
+from app.patients.access import require_patient
+from app.patients.models import Patient
+from app.patients.repository import list_grants
+from app.patients.service import patient_out
+from app.recordings import service as recordings
+from app.recordings.markers import file_pieces, markers_of
+from app.recordings.models import MotionSession, SessionEvent
+from app.recordings.repository import results_of
+from app.recordings.signals.packet_log import write_log
+from app.recordings.signals.store import read_packets
+
+_MOST_EVENTS: Final = 100_000
+_GUIDE: Final = """Movement data of one patient, exported from Telemotion.
+
+patient.json               master data, who may see it, consents, prescriptions, devices
+access.json                who did what with the data, newest first
+templates/<name>-<number>.json  a template made for or from the patient: its curves, band and repetitions
+sessions/<when>-<number>/
+  session.json             what was recorded, with which sensors, calibration and estimators
+  packets.tmlog            every packet as the sensors sent it; can be uploaded again
+  movement-<number>.parquet  one estimate of the movement: a row a tick, a column a number
+  movement-<number>.csv    the same as text
+  movement-<number>.json   what each column means (unit, frame, sequence, flags), and how the estimate was made
+  comparisons.json         the session beside the templates, by repetition
+  safety.json              who confirmed or withdrew that nobody near a magnetic source has an implant, and when
+  markers-<number>.json    an optical recording that was uploaded, and what fusing it with a sensor gave
+  markers-<number>.<format>  its file as it was uploaded
+
+Times are UTC. Angles are in radians, lengths in metres. JSON and Parquet open in any analysis software.
+"""
+
+
+def write_archive(
+    archive: zipfile.ZipFile, engine: Engine, subject: Subject, patient_id: str, default_zone: str
+) -> None:
+    """Write everything, each part read in a short transaction of its own so that nothing is held up.
+
+    Parameters
+    ----------
+    archive : zipfile.ZipFile
+        Open for writing; need not be able to go back.
+    engine : Engine
+    subject : Subject
+        Whose access was decided and noted.
+    patient_id : str
+    default_zone : str
+        Setting `time_zone`: where the week of what was practised begins, if the clinic has not said so.
+    """
+    archive.writestr("README.txt", _GUIDE)
+    with reading(engine) as session:
+        patient = require_patient(session, subject, patient_id, "read")
+        _json(archive, "patient.json", _master(session, subject, patient, default_zone))
+        access = [
+            _plain(one) for one in read_audit(session, patient.clinic_id, patient.id, Page(_MOST_EVENTS))
+        ]
+        sessions = session.scalars(
+            select(MotionSession.id)
+            .where(MotionSession.patient_id == patient_id)
+            .order_by(MotionSession.created_at)
+        ).all()
+        versions = session.scalars(_templates_of(patient_id)).all()
+    _json(archive, "access.json", access)
+    for version_id in versions:
+        with reading(engine) as session:
+            found = templates.detail(session, subject, version_id)
+        name = "".join(letter if letter.isalnum() else "-" for letter in found.name)[:60]
+        _json(archive, f"templates/{name}-{found.number}-{found.id[:8]}.json", _plain(found))
+    for session_id in sessions:
+        _write_session(archive, engine, subject, session_id)
+
+
+def _templates_of(patient_id: str) -> Any:
+    """Return the query of template versions that were made for the patient, or from a recording of the patient."""
+    own = select(MotionSession.id).where(MotionSession.patient_id == patient_id)
+    return (
+        select(TemplateVersion.id)
+        .join(Template, Template.id == TemplateVersion.template_id)
+        .where(or_(Template.patient_id == patient_id, TemplateVersion.source_session_id.in_(own)))
+        .order_by(Template.name, TemplateVersion.number)
+    )
+
+
+def _master(session: Session, subject: Subject, patient: Patient, default_zone: str) -> dict[str, Any]:
+    return {
+        "patient": _plain(patient_out(session, subject, patient)),
+        "grants": [
+            {
+                "who": name,
+                "level": grant.level,
+                "from": grant.created_at.isoformat(),
+                "until": grant.expires_at.isoformat() if grant.expires_at else None,
+            }
+            for grant, name in list_grants(session, subject, patient.id)
+        ],
+        "consents": [
+            {"purpose": row.purpose, "granted": row.granted, "changed_at": row.changed_at.isoformat()}
+            for row in list_consents(session, patient.id)
+        ],
+        "prescriptions": [
+            _plain(one) for one in list_prescriptions(session, subject, patient.id, default_zone)
+        ],
+        "templates": [
+            {"name": name, "version": number, "made_at": made.isoformat()}
+            for name, number, made in session.execute(
+                select(Template.name, TemplateVersion.number, TemplateVersion.created_at)
+                .join(TemplateVersion, TemplateVersion.template_id == Template.id)
+                .where(TemplateVersion.id.in_(_templates_of(patient.id).order_by(None)))
+                .order_by(Template.name, TemplateVersion.number)
+            )
+        ],
+        # What a token is made of is nowhere stored.
+        "devices": [
+            {
+                "label": row.label,
+                "from": row.created_at.isoformat(),
+                "until": row.expires_at.isoformat(),
+                "revoked_at": row.revoked_at.isoformat() if row.revoked_at else None,
+            }
+            for row in list_device_tokens(session, patient.id, Page())
+        ],
+    }
+
+
+def _write_session(archive: zipfile.ZipFile, engine: Engine, subject: Subject, session_id: str) -> None:
+    with reading(engine) as session:
+        found = session.get(MotionSession, session_id)
+        if found is None:
+            return
+        folder = f"sessions/{(found.started_at or found.created_at):%Y-%m-%d-%H%M}-{found.id[:8]}"
+        hello = found.hello
+        _json(archive, f"{folder}/session.json", _plain(recordings.describe(session, subject, found)))
+        compared = session.scalars(select(Comparison.id).where(Comparison.session_id == session_id)).all()
+        if compared:
+            content = [_plain(comparisons.detail(session, subject, one)) for one in compared]
+            _json(archive, f"{folder}/comparisons.json", content)
+        said = session.scalars(
+            select(SessionEvent)
+            .where(SessionEvent.session_id == session_id, SessionEvent.kind.in_((EVENT, WITHDRAWN)))
+            .order_by(SessionEvent.created_at)
+        ).all()
+        if said:
+            _json(archive, f"{folder}/safety.json", [{"text": one.text, **one.details} for one in said])
+        markers = markers_of(session, subject, session_id, Page())
+        results = [result.id for result in results_of(session, session_id) if result.status == "complete"]
+    for one in markers:
+        _json(archive, f"{folder}/markers-{one.id[:8]}.json", _plain(one))
+        _stream(
+            archive, f"{folder}/markers-{one.id[:8]}.{one.format}", file_pieces(engine, session_id, one.id)
+        )
+    if hello is not None:
+        _stream(archive, f"{folder}/packets.tmlog", write_log(hello, read_packets(engine, session_id)))
+    for result_id in results:
+        write_movement(archive, f"{folder}/movement-{result_id[:8]}", engine, result_id)
+
+
+def _plain(model: BaseModel) -> dict[str, Any]:
+    plain: dict[str, Any] = model.model_dump(mode="json")
+    return plain
+
+
+def _json(archive: zipfile.ZipFile, name: str, content: Any) -> None:
+    archive.writestr(name, json.dumps(content, indent=1, ensure_ascii=False))
+
+
+def _stream(archive: zipfile.ZipFile, name: str, pieces: Iterable[bytes]) -> None:
+    with archive.open(name, "w", force_zip64=True) as target:
+        for piece in pieces:
+            target.write(piece)
+
+
+__all__ = ["write_archive"]

@@ -1,0 +1,36 @@
+"""The words of `telemotion mass-centre`."""
+
+from typing import Annotated
+
+import typer
+
+from app.commands.options.words import Mapping, OutFolder, RecordingFile, RecordingFormat
+
+
+def mass_centre(
+    recording: RecordingFile,
+    out: OutFolder,
+    stature: Annotated[
+        float, typer.Option(help="Body height in metres; scales all lengths.", min=0.5, max=2.5)
+    ] = 1.70,
+    format: RecordingFormat = "auto",
+    mapping: Mapping = None,
+    rate: Annotated[
+        float | None, typer.Option(help="Common tick rate in Hz; default: the recording's.")
+    ] = None,
+    pose: Annotated[
+        tuple[float, float] | None,
+        typer.Option(help="Start and end (s) of the N-pose; default: first stillness."),
+    ] = None,
+) -> None:
+    """Find the body's centre of mass from sensors on trunk, thighs and whatever else is worn.
+
+    Writes mass_centre.csv (ahead of and beside the ankles, above the floor, one sigma each) and mass_centre.json.
+    Example: telemotion mass-centre squats.mat --stature 1.82 --out results
+    """
+    from app.commands import mass_centre as command
+
+    command.mass_centre(recording, out, format, mapping, rate, pose, stature)
+
+
+__all__ = ["mass_centre"]

@@ -1,0 +1,63 @@
+"""What `telemotion upload` and `telemotion mapping` ask for: files of other devices."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from app.commands.options.words import Email, Guess, Mapping, Password, RecordingFormat, Server
+
+Pipeline = Annotated[
+    str,
+    typer.Option(help="arm, gait or orientation (single sensors); default: what the sensors are worn for."),
+]
+
+
+def upload(
+    recording: Annotated[Path, typer.Argument(help="The file to upload.", exists=True, dir_okay=False)],
+    patient: Annotated[str, typer.Option(help="Patient identifier.")],
+    format: RecordingFormat = "auto",
+    mapping: Mapping = None,
+    guess: Guess = False,
+    pipeline: Pipeline = "",
+    rate: Annotated[
+        float | None, typer.Option(help="Samples a second of a table without time, with --guess.")
+    ] = None,
+    force: Annotated[
+        bool, typer.Option("--force", help="Estimate although units, axes or signs cannot be right.")
+    ] = False,
+    exercise: Annotated[str, typer.Option(help="Exercise identifier; empty for a free session.")] = "",
+    server: Server = "http://127.0.0.1:8000",
+    email: Email = "",
+    password: Password = "",
+) -> None:
+    """Upload a whole recording and wait until it is analysed; prints where to see it."""
+    from app.commands import upload as command
+
+    command.upload(
+        recording,
+        command.Wanted(patient, exercise or None, format, mapping, guess, pipeline, rate, force),
+        server,
+        email,
+        password,
+    )
+
+
+def mapping(
+    table: Annotated[Path, typer.Argument(help="CSV or text file.", exists=True, dir_okay=False)],
+    out: Annotated[Path | None, typer.Option(help="JSON file to write; default: standard output.")] = None,
+    pipeline: Pipeline = "",
+    rate: Annotated[
+        float | None, typer.Option(help="Samples a second, where no column holds the time.")
+    ] = None,
+) -> None:
+    """Write which columns of a table hold what, as far as it can be guessed, to be corrected and passed as --mapping.
+
+    Example: telemotion mapping walk.csv --out mapping.json
+    """
+    from app.commands import mapping as command
+
+    command.mapping(table, out, pipeline, rate)
+
+
+__all__ = ["mapping", "upload"]

@@ -1,0 +1,1 @@
+"""What `telemotion process` does with a recording of each kind."""

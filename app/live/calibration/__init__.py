@@ -1,0 +1,1 @@
+"""Guided calibration of a live session."""

@@ -1,0 +1,119 @@
+"""What is remembered about sensors by their serial numbers: calibrations made in the hand, constants learnt.
+
+All functions block; the live side calls them in a thread. Only sensors whose gateway tells serial numbers are
+remembered: a name such as "phone" may be another phone tomorrow.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from sqlalchemy import Engine, select
+from sqlalchemy.orm import Session
+
+from app.database.base import utc_now
+from app.database.unit_of_work import read_only, unit_of_work
+from app.network.declaration import Declaration
+from app.patients.models import SensorDevice
+from app.recordings.models import MotionSession, SessionEvent
+from estimators.calibration import DeviceCalibration
+from estimators.conventions import Placement
+from estimators.pipelines import DeviceConstants, SessionSetup
+
+
+def with_known_devices(
+    engine: Engine, clinic_id: str, setup: SessionSetup, declaration: Declaration
+) -> SessionSetup:
+    """Return the setup with what is remembered of the sensors that the gateway declares.
+
+    Parameters
+    ----------
+    engine : Engine
+    clinic_id : str
+    setup : SessionSetup
+    declaration : Declaration
+    """
+    serials = declaration.serial_of
+    if not serials:
+        return setup
+    with read_only(engine) as session:
+        rows = {
+            row.serial: row
+            for row in session.scalars(
+                select(SensorDevice).where(
+                    SensorDevice.clinic_id == clinic_id, SensorDevice.serial.in_(serials.values())
+                )
+            )
+        }
+        found = {placement: rows[serial] for placement, serial in serials.items() if serial in rows}
+        return replace(
+            setup,
+            devices={
+                p: DeviceCalibration.from_dict(row.calibration) for p, row in found.items() if row.calibration
+            },
+            device_constants={
+                p: DeviceConstants.from_dict(row.constants) for p, row in found.items() if row.constants
+            },
+        )
+
+
+def save_device_calibrations(
+    engine: Engine,
+    session_id: str,
+    serials: Mapping[Placement, str],
+    found: Mapping[Placement, DeviceCalibration],
+    scores: Mapping[Placement, float],
+) -> None:
+    """Remember calibrations made in the hand; constants learnt with the readings before are forgotten."""
+    with unit_of_work(engine) as session:
+        for placement, device in found.items():
+            if placement in serials:
+                row = _row(session, session_id, serials[placement])
+                row.calibration = device.to_dict()
+                row.scores = {**row.scores, **_scored(device, scores.get(placement, 1.0))}
+                row.constants = {}
+
+
+def save_device_constants(
+    engine: Engine,
+    session_id: str,
+    serials: Mapping[Placement, str],
+    found: Mapping[Placement, DeviceConstants],
+) -> None:
+    """Remember what a session learnt about its sensors; nothing learnt, nothing stored.
+
+    Nor is anything stored of a sensor whose readings could not be right: swapped axes or a wrong unit look like a
+    device with large constants, which would spoil the next session, where the readings are right.
+    """
+    with unit_of_work(engine) as session:
+        refused = {
+            event.placement
+            for event in session.scalars(
+                select(SessionEvent).where(
+                    SessionEvent.session_id == session_id, SessionEvent.kind == "implausible"
+                )
+            )
+            if event.details.get("severity") == "refuse"
+        }
+        for placement, constants in found.items():
+            if placement in serials and placement not in refused and constants != DeviceConstants():
+                _row(session, session_id, serials[placement]).constants = constants.to_dict()
+
+
+def _scored(device: DeviceCalibration, score: float) -> dict[str, float]:
+    names = ("accelerometer", "gyroscope", "magnetometer")
+    return {name: score for name in names if getattr(device, name) is not None}
+
+
+def _row(session: Session, session_id: str, serial: str) -> SensorDevice:
+    clinic_id = session.get_one(MotionSession, session_id).clinic_id
+    row = session.scalar(
+        select(SensorDevice).where(SensorDevice.clinic_id == clinic_id, SensorDevice.serial == serial)
+    )
+    if row is None:
+        row = SensorDevice(clinic_id=clinic_id, serial=serial, calibration={}, scores={}, constants={})
+        session.add(row)
+    row.session_id, row.updated_at = session_id, utc_now()
+    return row
+
+
+__all__ = ["save_device_calibrations", "save_device_constants", "with_known_devices"]

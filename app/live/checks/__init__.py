@@ -1,0 +1,1 @@
+"""What is watched in a stream: link, health, readings that cannot be right."""

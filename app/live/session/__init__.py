@@ -1,0 +1,1 @@
+"""One live session: from packets to frames."""

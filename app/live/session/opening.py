@@ -1,0 +1,159 @@
+"""From a gateway's hello to a live session: what is stored of it, the declared network, a pipeline that runs."""
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass, replace
+
+from sqlalchemy import Engine
+
+from app.errors import Conflict, InvalidInput, PacketError
+from app.live import repository
+from app.live.bus import Bus
+from app.live.calibration.device_rows import with_known_devices
+from app.live.checks.plausibility import CheckProcess
+from app.live.session.rebuild import rebuild
+from app.live.session.runner import LiveSession
+from app.live.session.states import OPEN
+from app.network.declaration import Declaration
+from app.recordings.analysis.kinds import kind_of
+from app.recordings.signals.group_commit import GroupCommitWriter
+from app.sentences import say
+from estimators import pipelines
+from estimators.calibration import Hemisphere
+from estimators.errors import SetupError
+from estimators.pipelines import SessionSetup
+
+
+@dataclass(frozen=True)
+class Opener:
+    """Makes live sessions of stored ones.
+
+    Parameters
+    ----------
+    engine : Engine
+    writer : GroupCommitWriter
+        Started.
+    bus : Bus
+    hemisphere : {"north", "south", "unknown"}
+        Of the place, see `FirstSeconds`.
+    check : CheckProcess
+        Where the first seconds are checked.
+    """
+
+    engine: Engine
+    writer: GroupCommitWriter
+    bus: Bus
+    hemisphere: Hemisphere
+    check: CheckProcess
+
+    async def open(
+        self, session_id: str, declaration: Declaration, prepared: Callable[[SessionSetup], Awaitable[None]]
+    ) -> LiveSession:
+        """Return a session that goes on where its stored packets end.
+
+        Parameters
+        ----------
+        session_id : str
+            Not live; nobody else opens or closes it meanwhile.
+        declaration : Declaration
+            Of the gateway.
+        prepared : async callable(setup)
+            Returns when what the setup needs is compiled, or raises.
+
+        Raises
+        ------
+        Conflict
+            The session is closed.
+        PacketError
+            The network is not that of the session.
+        InvalidInput
+            No pipeline can be made of the setup.
+        """
+        stored = await asyncio.to_thread(repository.load, self.engine, session_id)
+        if stored.state not in OPEN or stored.is_ended:
+            raise Conflict(say("live.closed"), state=stored.state)
+        known = None if stored.hello is None else Declaration.from_dict(stored.hello)
+        if known is not None:
+            check_network(known, declaration)
+            declaration = known
+        setup = setup_for(SessionSetup.from_dict(stored.setup), declaration)
+        if known is None:
+            setup = await asyncio.to_thread(
+                with_known_devices, self.engine, stored.clinic_id, setup, declaration
+            )
+        await prepared(setup)
+        try:
+            pipeline = pipelines.create(setup)
+        except SetupError as error:
+            raise InvalidInput(error.message) from error
+        result_id, first_unstored = await asyncio.to_thread(
+            repository.begin_stream, self.engine, session_id, declaration.to_dict(), pipeline
+        )
+        session = LiveSession(
+            stored,
+            declaration,
+            pipeline,
+            engine=self.engine,
+            writer=self.writer,
+            bus=self.bus,
+            result_id=result_id,
+            first_unstored_tick=first_unstored,
+            hemisphere=self.hemisphere,
+            check=self.check,
+        )
+        session.ledger.durable = await asyncio.to_thread(
+            self.writer.open_session, session_id, session.on_durable, session.on_store_failure
+        )
+        session.ledger.received = session.ledger.durable.copy()
+        if len(session.ledger.durable):
+            trouble = await asyncio.to_thread(rebuild, session, self.engine)
+            if trouble is not None:
+                session.line.stop(trouble)
+        return session
+
+
+def check_network(known: Declaration, declared: Declaration) -> None:
+    """Raise when a gateway declares another network than the session began with.
+
+    Parameters
+    ----------
+    known, declared : Declaration
+
+    Raises
+    ------
+    PacketError
+    """
+    if not known.same_network(declared):
+        raise PacketError(
+            say("live.network_changed"),
+            reason="network_changed",
+        )
+
+
+def setup_for(setup: SessionSetup, declaration: Declaration) -> SessionSetup:
+    """Return the setup in the packet order and at the rate of the gateway.
+
+    Parameters
+    ----------
+    setup : SessionSetup
+    declaration : Declaration
+
+    Raises
+    ------
+    PacketError
+        The gateway has other sensors than the session.
+    """
+    if set(setup.placements) != set(declaration.placements):
+        raise PacketError(
+            say("live.other_placements", places=list(setup.placements)),
+            reason="placements",
+        )
+    return replace(
+        setup,
+        placements=declaration.placements,
+        rate_hz=declaration.rate_hz,
+        orientation_parameters=kind_of(setup).declared(setup.orientation_parameters, declaration),
+    )
+
+
+__all__ = ["Opener", "check_network", "setup_for"]

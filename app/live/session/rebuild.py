@@ -1,0 +1,109 @@
+"""Taking a session up again after the service was restarted: the stored packets through the same live chain.
+
+With magnetometers the last minute is enough: orientation converges within it. Without them heading is what
+was integrated since calibration, so the whole session runs again. Clip levels that the check of the session
+found are in force again from the packets on from which they were.
+"""
+
+from collections import deque
+
+from sqlalchemy import Engine
+
+from app.errors import PacketError
+from app.live.session.runner import LiveSession
+from app.network.alignment import Aligner
+from app.network.clock import Admitted
+from app.network.declaration import FoundClips
+from app.network.packet import Channel, Packet
+from app.recordings.analysis.offline import decoded
+from app.recordings.signals.store import read_packets_in_order
+from estimators.recording import ImuChunk
+
+TAIL_S = 60.0
+
+
+def rebuild(session: LiveSession, engine: Engine) -> Exception | None:
+    """Bring clock, alignment and pipeline to where the stored packets end; blocks, so call it in a thread.
+
+    Parameters
+    ----------
+    session : LiveSession
+        Not yet given to anybody; open at the writer.
+    engine : Engine
+
+    Returns
+    -------
+    Exception or None
+        Why the estimation cannot go on, for `EstimationLine.stop` on the event loop; storing can.
+    """
+    tail: deque[tuple[Packet, Admitted]] = deque()
+    is_whole = not session.pipeline.begins_anywhere
+    clips = deque(session.declaration.found_clips)
+    try:
+        for raw in read_packets_in_order(engine, session.id):
+            packet = decoded(raw)
+            place = _admitted(session, packet)
+            if place is None:
+                continue
+            tail.append((packet, place))
+            is_whole = is_whole or not packet.channels & Channel.MAGNETOMETER
+            if is_whole:
+                while tail:
+                    _feed(session, clips, *tail.popleft())
+            elif tail[-1][1].time_us - tail[0][1].time_us > 1e6 * TAIL_S:
+                tail.popleft()
+        if tail:
+            # Alignment begins at the tail instead of filling up from tick 0.
+            first_tick = max(0, round(tail[0][1].time_us * 1e-6 * session.declaration.rate_hz))
+            session.aligner = Aligner(session.declaration, first_tick=first_tick)
+        while tail:
+            _feed(session, clips, *tail.popleft())
+        # Found after the last packet that was stored.
+        _put_in_force(session, clips, None)
+    except StoppedError as failure:
+        return failure.error
+    session.aligner.gaps.clear()
+    return None
+
+
+class StoppedError(Exception):
+    """The pipeline raised; carries the error out of the loop over the packets."""
+
+    def __init__(self, error: Exception) -> None:
+        super().__init__(str(error))
+        self.error = error
+
+
+def _admitted(session: LiveSession, packet: Packet) -> Admitted | None:
+    try:
+        return session.clock.admit(packet)
+    except PacketError:
+        return None
+
+
+def _put_in_force(session: LiveSession, clips: deque[FoundClips], sequence: int | None) -> None:
+    """Put the clip levels in force that were when this packet was unpacked; all with None."""
+    if clips and (sequence is None or clips[0].first_sequence <= sequence):
+        # What came before them was unpacked without them.
+        _step(session, session.aligner.drain())
+    while clips and (sequence is None or clips[0].first_sequence <= sequence):
+        clips.popleft().write(session.aligner.clip_levels)
+
+
+def _feed(session: LiveSession, clips: deque[FoundClips], packet: Packet, place: Admitted) -> None:
+    _put_in_force(session, clips, place.sequence)
+    try:
+        chunk = session.aligner.push(packet, place.sequence, place.time_us)
+    except PacketError:
+        return
+    _step(session, chunk)
+
+
+def _step(session: LiveSession, chunk: ImuChunk | None) -> None:
+    if chunk is None:
+        return
+    try:
+        frames = session.pipeline.step(chunk)
+    except Exception as error:
+        raise StoppedError(error) from error
+    session.store_frames(frames)

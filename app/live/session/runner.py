@@ -1,0 +1,429 @@
+"""One live session: packets to the store, to the common tick, to frames, to the store and the bus.
+
+Everything here runs on the event loop's thread unless it says otherwise. An error in the estimation fails
+this session's live view only: packets are stored all the same.
+"""
+
+import asyncio
+import contextlib
+import logging
+import time
+from functools import partial
+
+import numpy as np
+from sqlalchemy import Engine
+
+from app.errors import Conflict, TelemotionError, Unavailable
+from app.live import repository
+from app.live.blocks import PublishedFrames, layout_message
+from app.live.bus import Bus
+from app.live.calibration.calibrated_session import CalibratedSession
+from app.live.calibration.device_rows import save_device_constants
+from app.live.checks.first_seconds import ALL_SESSIONS, FirstSeconds
+from app.live.checks.force_watch import ForceWatch
+from app.live.checks.health import LinkHealth
+from app.live.checks.plausibility import Check, check
+from app.live.checks.stray_source import StraySource
+from app.live.messages import AcknowledgeMessage, HealthMessage, LayoutMessage, StateMessage
+from app.live.session.actuation import Actuation
+from app.live.session.estimation import EstimationLine
+from app.live.session.ledger import SequenceLedger
+from app.live.session.states import OPEN, STREAMING, streaming_state
+from app.network.alignment import Aligner
+from app.network.clock import PacketClock, SkewEstimator
+from app.network.declaration import Declaration
+from app.network.packet import Packet, PacketFlag
+from app.recordings.schemas import CalibrationOut
+from app.recordings.signals.group_commit import GroupCommitWriter
+from app.recordings.signals.ranges import SequenceRanges
+from app.recordings.signals.raw_packet import RawPacket
+from app.schemas import SessionState
+from app.sentences import CATALOGUE, say
+from estimators.calibration import Finding, Hemisphere
+from estimators.pipelines import Frames, Pipeline
+from estimators.recording import Float, ImuChunk
+
+logger = logging.getLogger(__name__)
+
+BACKLOG_S = 120.0
+"""Estimation may lag so far behind storage before the gateway is asked to wait."""
+_BACKFILLED = int(PacketFlag.BACKFILLED)
+
+
+class LiveSession(CalibratedSession):
+    """The live side of one session.
+
+    Parameters
+    ----------
+    stored : StoredSession
+    declaration : Declaration
+        From the hello, with the clock epochs known.
+    pipeline : Pipeline
+    engine, writer, bus
+        Resources of the service.
+    result_id : str
+        The live result.
+    first_unstored_tick : int
+        Frames before it are stored already.
+    hemisphere : {"north", "south", "unknown"}
+        Of the place: which way the magnetic field must point.
+    check : Check
+        Runs the checks of the first seconds, called in a thread.
+    """
+
+    def __init__(
+        self,
+        stored: repository.StoredSession,
+        declaration: Declaration,
+        pipeline: Pipeline,
+        *,
+        engine: Engine,
+        writer: GroupCommitWriter,
+        bus: Bus,
+        result_id: str,
+        first_unstored_tick: int = 0,
+        first_tick: int = 0,
+        hemisphere: Hemisphere = "north",
+        check: Check = check,
+    ) -> None:
+        super().__init__(stored, engine, writer, bus)
+        self.stored = stored
+        self.pipeline = pipeline
+        self.result_id = result_id
+        self.clock = PacketClock(declaration)
+        self.aligner = Aligner(declaration, first_tick=first_tick)
+        self.ledger = SequenceLedger()
+        self.skew = SkewEstimator()
+        self.health = LinkHealth(declaration.placements, declaration.time_step_s)
+        self.last_arrival_s = time.monotonic()
+        self.duplicates = 0
+        self.is_finished = False
+        """Closed, and everything that came is stored."""
+        self._has_store_failed = False
+        self._unstored_tick = first_unstored_tick
+        self._saved_declaration = declaration
+        self._backlog_ticks = BACKLOG_S * declaration.rate_hz
+        self.line = EstimationLine(pipeline, self._after, self._fail)
+
+        def tell(kind: str, at_s: float, placement: str, text: str) -> None:
+            self.add_event(kind, at_s, placement=placement, text=text)
+
+        self.actuation = Actuation.of(pipeline, tell)
+        self._stray = StraySource(tell)
+        self.prepare_calibration(hemisphere)
+        self._forces = ForceWatch.of(pipeline)
+        self._first_seconds = FirstSeconds(
+            declaration.placements,
+            self._implausible,
+            hemisphere,
+            ALL_SESSIONS,
+            check,
+            self._cut_off,
+            declaration.clip_levels,
+        )
+        self._loop = asyncio.get_running_loop()
+
+    @property
+    def declaration(self) -> Declaration:
+        """The network, with every clock epoch met."""
+        return self.clock.declaration
+
+    @property
+    def session_time_s(self) -> float:
+        """End of the newest packet."""
+        return self.clock.session_time_us * 1e-6
+
+    # --- packets ----------------------------------------------------------------------------------------
+
+    def receive(self, packet: Packet, arrival_s: float, arrival_ns: int) -> bool:
+        """Take one decoded packet; False when it was here before.
+
+        Parameters
+        ----------
+        packet : Packet
+        arrival_s : float
+            Monotonic.
+        arrival_ns : int
+            Since the epoch, stored with the packet.
+
+        Raises
+        ------
+        PacketError
+            It has no place in this session.
+        Unavailable
+            The store or the estimation is behind; wait and give the same packet again.
+        Conflict
+            The session takes no packets any more.
+        """
+        if self.machine.state not in OPEN:
+            raise Conflict(say("live.closed"), state=self.machine.state)
+        if self.line.waiting_ticks > self._backlog_ticks:
+            raise Unavailable(say("live.behind"), retry_after_s=1, reason="behind")
+        place = self.clock.admit(packet, arrival_s)
+        if not self._writer.append_packet(self.id, RawPacket.from_packet(packet, arrival_ns, place.sequence)):
+            self.duplicates += 1
+            return False
+        self.ledger.received.add(place.sequence)
+        self.last_arrival_s = arrival_s
+        declaration = self.clock.declaration
+        if declaration is not self._saved_declaration:
+            # A new clock epoch.
+            self.skew.reset()
+            self._save_declaration()
+        is_live = not packet.flags & _BACKFILLED
+        if is_live:
+            end_s = (place.time_us + packet.tick_count * packet.tick_interval_us) * 1e-6
+            self.health.add_packet(end_s, arrival_s)
+            self.skew.add(end_s, arrival_s)
+        if self.machine.state == "link_lost":
+            self._link_back()
+        if self.line.is_running:
+            chunk = self.aligner.push(packet, place.sequence, place.time_us)
+            if chunk is not None:
+                self.line.push(chunk, arrival_s if is_live else None)
+        return True
+
+    def _after(self, chunk: ImuChunk, frames: Frames, arrival_s: float | None) -> None:
+        """Publish and store what the pipeline found."""
+        frames = frames.as_stored_live()
+        if self._bus.has_listeners(self._topics["frames"]):
+            self._bus.publish(self._topics["frames"], PublishedFrames(frames, time.time()))
+        if arrival_s is not None:
+            self.health.latencies_s.append(time.monotonic() - arrival_s)
+        if self.actuation is not None and self.machine.state in STREAMING:
+            self.actuation.take(frames, self.declaration, is_live=arrival_s is not None)
+        if chunk.coil_state is not None or self.actuation is not None:
+            allowed = None if self.actuation is None else self.actuation.is_allowed
+            self._stray.add(chunk, self.declaration.placements, allowed)
+        self.store_frames(frames)
+        self.health.set_flags(frames.layout.segments, frames.segment_flags)
+        self._tell_changes(chunk)
+        if self._forces is not None:
+            for change in self._forces.add(frames):
+                kind = "forces_lost" if change.is_lost else "forces_back"
+                at_s = change.tick * frames.time_step_s
+                self.add_event(kind, at_s, placement=f"foot_{change.side}", text=change.text)
+        if self._calibration.is_active:
+            self._calibration.add(chunk)
+        self._first_seconds.add(chunk)
+
+    def _cut_off(self, levels: Float) -> None:
+        """Flag from now on what lies at a clip level that nobody declared, also after a restart."""
+        self.aligner.clip_levels[:] = levels
+        known = self.clock.declaration
+        self.clock.declaration = known.with_clips(levels, self.aligner.next_sequence)
+        if self.clock.declaration is not known:
+            self._save_declaration()
+
+    def _save_declaration(self) -> None:
+        self._saved_declaration = self.clock.declaration
+        stored = self._saved_declaration.to_dict()
+        self._saver.save(partial(repository.save_hello, self._engine, self.id, stored))
+
+    def _implausible(self, findings: list[Finding], time_s: float) -> None:
+        """Tell readings that cannot be right, before anybody trusts the estimate."""
+        for finding in findings:
+            logger.warning("session %s: %s of %s", self.id, finding.code, finding.sensor)
+            details = {"code": finding.code, "severity": finding.severity}
+            self.add_event(
+                "implausible", time_s, placement=finding.sensor, text=finding.message, details=details
+            )
+        self._publish_state()
+
+    def store_frames(self, frames: Frames) -> None:
+        """Store frames unless that was done before a restart."""
+        if frames.first_tick >= self._unstored_tick:
+            with contextlib.suppress(Conflict, Unavailable):
+                # A session that cannot be stored hears of it once, from `on_store_failure`.
+                self._writer.append_frames(self.id, self.result_id, frames.as_stored_live())
+
+    def _tell_changes(self, chunk: ImuChunk) -> None:
+        changes = self.health.add_chunk(chunk)
+        step_s = chunk.time_step_s
+        # All sensors at once are a gap of the link, reported as one below.
+        if changes and len(changes) < max(2, len(self.health.placements)):
+            for change in changes:
+                kind = "sensor_lost" if change.is_lost else "sensor_back"
+                if not change.is_lost:
+                    self._first_seconds.restart(change.placement)
+                    levels = self.aligner.clip_levels.copy()
+                    levels[self.declaration.placements.index(change.placement)] = np.inf
+                    self._cut_off(levels)
+                self.add_event(kind, change.tick * step_s, placement=change.placement)
+        for gap in self.aligner.gaps:
+            if not gap.is_bridged:
+                text = say("live.gap", missing_s=gap.tick_count * step_s)
+                self.add_event("gap", gap.first_tick * step_s, gap.tick_count * step_s, text=text)
+        self.aligner.gaps.clear()
+
+    def silent(self) -> None:
+        """Give up waiting for reordered packets: nothing has come for a while."""
+        if self.aligner.waiting and self.line.is_running:
+            chunk = self.aligner.drain()
+            if chunk is not None:
+                self.line.push(chunk, None)
+
+    # --- steering ---------------------------------------------------------------------------------------
+
+    def record(self) -> None:
+        """Begin the interval in which repetitions count; only from `ready`."""
+        if self.machine.state != "ready":
+            raise Conflict(say("live.record_first"), state=self.state)
+        self.recording_start_s, self.recording_end_s = self.session_time_s, None
+        self._save_recording()
+        self._change("recording", "")
+
+    def stop(self) -> None:
+        """End the interval; only while recording, or when the link broke during a recording."""
+        if not self._is_recording:
+            raise Conflict(say("live.not_recording"), state=self.state)
+        self.recording_end_s = self.session_time_s
+        self._save_recording()
+        if self.machine.state == "recording":
+            self._change("ready", say("live.recording_stopped"))
+        else:
+            self._publish_state()
+
+    def mark(self, text: str) -> None:
+        """Put a note on the time line at the present session time."""
+        self.add_event("mark", self.session_time_s, text=text)
+
+    def allow_source(self, is_allowed: bool, reason: str) -> None:
+        """Let the magnetic source fire, or stop it at once and say why; nothing where there is none."""
+        if self.actuation is not None and self.actuation.allow(is_allowed):
+            kind, text = (
+                ("source_allowed", say("live.source_allowed")) if is_allowed else ("source_stopped", reason)
+            )
+            self.add_event(kind, self.session_time_s, text=text)
+
+    def connected(self) -> None:
+        """Enter the streaming state: a gateway said hello."""
+        self.clock.begin_connection()
+        self.last_arrival_s = time.monotonic()
+        if self.machine.state in {"created", "link_lost"}:
+            self._link_back()
+
+    def link_lost(self, reason: str) -> None:
+        """Note that packets have stopped coming."""
+        if self.machine.state in STREAMING:
+            self._calibration.end()
+            self._change("link_lost", reason)
+
+    def _link_back(self) -> None:
+        following = streaming_state(is_calibrated=self.is_calibrated, is_recording=self._is_recording)
+        known = self.pipeline.setup.calibration
+        reasons: dict[SessionState, str] = {
+            "calibrating": say("live.connected_calibrate")
+            if known is None or not known.unknown_headings
+            else say("live.connected_directions"),
+            "ready": say("live.connected"),
+        }
+        self._change(following, reasons.get(following, ""))
+
+    def _fail(self, error: Exception) -> None:
+        """Tell that the estimation has stopped; storing goes on."""
+        self._calibration.end()
+        logger.error("the estimation of session %s failed", self.id, exc_info=error)
+        reason: str = say("live.estimation_failed")
+        if isinstance(error, TelemotionError):
+            reason = error.message
+        self.add_event("error", self.session_time_s, text=reason)
+        if self.machine.may("failed"):
+            self._change("failed", reason)
+
+    # --- telling ----------------------------------------------------------------------------------------
+
+    def state_message(self) -> StateMessage:
+        """Return the state for people."""
+        calibration = self.pipeline.setup.calibration
+        return StateMessage(
+            state=self.machine.state,
+            reason=self.machine.reason,
+            session_time_s=self.session_time_s,
+            recording_start_s=self.recording_start_s if self._is_recording else None,
+            calibration=None if calibration is None else CalibrationOut.of(calibration),
+            calibration_progress=self._calibration.progress,
+            calibration_hint=CATALOGUE.together((self._first_seconds.hint, self._calibration.hint)),
+        )
+
+    def health_message(self) -> HealthMessage:
+        """Return link health."""
+        median, high = self.health.latency_ms()
+        return HealthMessage(
+            sensors=self.health.sensors(self.machine.state in STREAMING or self.machine.state == "failed"),
+            packets_received=len(self.ledger.received),
+            packets_stored=len(self.ledger.durable),
+            packets_missing=self.ledger.missing_count,
+            is_being_stored=self.is_being_stored(),
+            latency_ms_median=median,
+            latency_ms_p99=high,
+            clock_skew_ppm=self.skew.skew_ppm,
+        )
+
+    def is_being_stored(self) -> bool:
+        """Whether what comes is stored; looked at with every turn of the housekeeping."""
+        return not self._has_store_failed and self.ledger.is_being_stored()
+
+    def layout(self) -> LayoutMessage:
+        """Return the columns of the frames."""
+        found = self.pipeline
+        return layout_message(self.id, found.layout, self.declaration.rate_hz, found.delay_ticks)
+
+    def acknowledge(self, missing: list[tuple[int, int]]) -> AcknowledgeMessage:
+        """Return what the gateway may forget."""
+        highest = self.ledger.highest
+        return AcknowledgeMessage(
+            session_id=self.id,
+            acknowledged=self.ledger.acknowledged,
+            highest=highest,
+            missing=[(start, min(stop, highest)) for start, stop in missing if start < highest],
+            state=self.machine.state,
+        )
+
+    def on_durable(self, durable: SequenceRanges) -> None:
+        """Take the committed set; called from the writer's thread."""
+        self._loop.call_soon_threadsafe(setattr, self.ledger, "durable", durable)
+
+    def on_store_failure(self, error: TelemotionError) -> None:
+        """Stop: nothing of this session can be stored any more; called from the writer's thread."""
+        self._loop.call_soon_threadsafe(self._store_failed, error)
+
+    def _store_failed(self, error: TelemotionError) -> None:
+        self._has_store_failed = True
+        self.line.is_running = False
+        if self.machine.may("failed"):
+            self.machine.to("failed", error.message)
+        self._publish_state()
+
+    # --- saving and ending ------------------------------------------------------------------------------
+
+    async def finish(self) -> None:
+        """Estimate what still waits, then store everything; the state is `closing` before."""
+        self._calibration.end()
+        self.silent()
+        await self.line.drained()
+        await asyncio.wrap_future(self._writer.flush(self.id))
+        await self._saver.saved()
+        await asyncio.to_thread(
+            save_device_constants,
+            self._engine,
+            self.id,
+            self.declaration.serial_of,
+            self.pipeline.device_constants,
+        )
+        await asyncio.to_thread(
+            repository.finish_stream,
+            self._engine,
+            self.id,
+            self.result_id,
+            self.session_time_s,
+            self.ledger.missing_count,
+        )
+        self._writer.close_session(self.id)
+
+    def begin_closing(self, reason: str) -> None:
+        """Take no more packets."""
+        if self._is_recording:
+            self.recording_end_s = self.session_time_s
+            self._save_recording()
+        self._change("closing", reason)

@@ -1,0 +1,393 @@
+"""Packets of one device to the common tick of their session, in order, with gaps marked.
+
+The result depends on the packets alone: live it waits at most the reorder window for a missing sequence, off
+line it has them all, and the same code gives the complete version.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.errors import PacketError
+from app.network.clock import PacketClock
+from app.network.declaration import Declaration
+from app.network.packet import Channel, Packet
+from app.network.unpack import Unpacker
+from app.sentences import say
+from estimators.recording import Float, ImuChunk, SampleQuality
+from estimators.signals import bridge
+
+REORDER_WINDOW_S = 0.150
+BRIDGE_LIMIT_S = 0.200
+_SNAP_TICKS = 0.05
+"""Device ticks this close to the common tick are taken as they are; others are interpolated."""
+_PIECE_TICKS = 1000
+_INERTIAL = int(Channel.GYROSCOPE | Channel.ACCELEROMETER)
+_RARE = int(Channel.COIL_STATE | Channel.FORCE | Channel.MOMENT)
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Ticks for which nothing came in time: bridged when short, else missing."""
+
+    first_tick: int
+    tick_count: int
+    is_bridged: bool
+
+
+class Aligner:
+    """Turns the admitted packets of one session into consecutive `ImuChunk`.
+
+    Parameters
+    ----------
+    declaration : Declaration
+        Network, scales and clip levels.
+    reorder_window_s : float
+        How long, in device time, a missing sequence is awaited while later ones are there.
+    first_tick : int
+        Where to begin; above zero when a running session is taken up again.
+    """
+
+    def __init__(
+        self, declaration: Declaration, reorder_window_s: float = REORDER_WINDOW_S, first_tick: int = 0
+    ) -> None:
+        self._declaration = declaration
+        self._step_us = 1e6 / declaration.rate_hz
+        self._window_us = reorder_window_s * 1e6
+        self._bridge_ticks = int(BRIDGE_LIMIT_S * declaration.rate_hz + 1e-9)
+        self._unpacker: Unpacker | None = None
+        self.clip_levels = np.full((declaration.sensor_count, 2, 2, 3), np.inf)
+        """Levels at which a sensor was found to be cut off, see `Unpacker`; written in place."""
+        self._waiting: dict[int, tuple[Packet, int]] = {}
+        self._next_sequence = -1
+        self._released_end_us = 0
+        self._next_tick = first_tick
+        self._last_position = 0.0
+        self._last_row: Float | None = None
+        self._last_rows: Float | None = None
+        """The last row and the one before it; None where the packet held only one row."""
+        self._last_coil: Float | None = None
+        self._last_loads: Float | None = None
+        self.gaps: list[Gap] = []
+        """Gaps found since the caller last emptied the list."""
+        self.late_packets = 0
+        """Came after their place was given up; stored, and used off line."""
+
+    @property
+    def next_tick(self) -> int:
+        """First tick not yet given."""
+        return self._next_tick
+
+    @property
+    def next_sequence(self) -> int:
+        """First packet not yet unpacked; -1 before the first."""
+        return self._next_sequence
+
+    @property
+    def waiting(self) -> int:
+        """Packets held back for an earlier one."""
+        return len(self._waiting)
+
+    def push(self, packet: Packet, sequence: int, time_us: int) -> ImuChunk | None:
+        """Take one admitted packet; return what is now in order.
+
+        Parameters
+        ----------
+        packet : Packet
+        sequence : int
+            Unwrapped; each at most once.
+        time_us : int
+            Session time of its first tick.
+
+        Returns
+        -------
+        ImuChunk or None
+            Continues the last one; None while an earlier packet is awaited.
+
+        Raises
+        ------
+        PacketError
+            `missing_channels` when gyroscope or accelerometer is not in the packet.
+        """
+        if packet.channels & _INERTIAL != _INERTIAL:
+            raise PacketError(
+                say("packet.channels_missing"),
+                reason="missing_channels",
+                sequence=packet.sequence,
+            )
+        if self._unpacker is None:
+            has_magnetometer = bool(packet.channels & Channel.MAGNETOMETER)
+            self._unpacker = Unpacker(self._declaration, has_magnetometer, self.clip_levels)
+            self._next_sequence = sequence
+            self._released_end_us = time_us
+        if sequence < self._next_sequence:
+            self.late_packets += 1
+            return None
+        if sequence == self._next_sequence and not self._waiting:
+            pieces = self._place(packet, sequence, time_us)
+            return pieces[0] if len(pieces) == 1 else _joined(pieces)
+        self._waiting[sequence] = (packet, time_us)
+        return self._release(wait=True)
+
+    def drain(self) -> ImuChunk | None:
+        """Stop waiting for missing packets: the link is silent or the session ends."""
+        return self._release(wait=False)
+
+    def _release(self, wait: bool) -> ImuChunk | None:
+        pieces: list[ImuChunk] = []
+        while self._waiting:
+            sequence = self._next_sequence
+            if sequence not in self._waiting:
+                held_us = self._waiting[max(self._waiting)][1] - self._released_end_us
+                if wait and held_us < self._window_us:
+                    break
+                sequence = min(self._waiting)
+            packet, time_us = self._waiting.pop(sequence)
+            pieces.extend(self._place(packet, sequence, time_us))
+        return _joined(pieces)
+
+    def _place(self, packet: Packet, sequence: int, time_us: int) -> list[ImuChunk]:
+        assert self._unpacker is not None
+        ticks = packet.tick_count
+        self._next_sequence = sequence + 1
+        self._released_end_us = time_us + ticks * packet.tick_interval_us
+        signals, quality = self._unpacker.unpack(packet)
+        coil = loads = None
+        if packet.channels & _RARE:
+            coil, loads = self._unpacker.coil_state(packet), self._unpacker.loads(packet)
+        position = time_us / self._step_us
+        spacing = packet.tick_interval_us / self._step_us
+        first = round(position)
+        drift = (ticks - 1) * (spacing - 1.0)
+        if abs(position - first) > _SNAP_TICKS or abs(position + drift - first) > _SNAP_TICKS:
+            positions: Float = position + spacing * np.arange(ticks, dtype=np.float64)
+            return self._interpolate(positions, signals, quality, coil, loads)
+        skip = self._next_tick - first
+        if skip >= ticks:
+            return []
+        if skip > 0:
+            first, signals, quality = self._next_tick, signals[:, :, skip:], quality[:, skip:]
+            coil = None if coil is None else coil[:, skip:]
+            loads = None if loads is None else loads[:, skip:]
+        pieces = self._fill(first, signals[:, :, :2]) if first > self._next_tick else []
+        pieces.append(self._chunk(first, signals, quality, coil, loads))
+        self._last_coil = None if coil is None else coil[:, -1:]
+        self._last_loads = None if loads is None else loads[:, -1:]
+        self._next_tick = first + signals.shape[2]
+        self._last_position = self._next_tick - 1.0
+        self._last_row, self._last_rows = signals[:, :, -1], signals[:, :, -2:]
+        return pieces
+
+    def _interpolate(
+        self,
+        position: Float,
+        signals: Float,
+        quality: NDArray[np.uint8],
+        coil: Float | None,
+        loads: Float | None,
+    ) -> list[ImuChunk]:
+        """Place samples that lie between common ticks, at `position` ticks, shape (K,)."""
+        pieces: list[ImuChunk] = []
+        spacing = 1.5 * (position[-1] - position[0]) / max(1, position.shape[0] - 1) or 1.5
+        last = self._last_row
+        if last is None or position[0] - self._last_position - 1.0 > self._bridge_ticks:
+            pieces = self._fill(max(self._next_tick, int(np.ceil(position[0] - 1e-9))), None)
+        else:
+            position = np.concatenate([[self._last_position], position])
+            signals = np.concatenate([last[:, :, np.newaxis], signals], axis=2)
+            quality = np.concatenate([np.zeros_like(quality[:, :1]), quality], axis=1)
+            if coil is not None:
+                before = np.zeros_like(coil[:, :1]) if self._last_coil is None else self._last_coil
+                coil = np.concatenate([before, coil], axis=1)
+            if loads is not None:
+                held = np.full_like(loads[:, :1], np.nan) if self._last_loads is None else self._last_loads
+                loads = np.concatenate([held, loads], axis=1)
+        tick = np.arange(self._next_tick, int(np.floor(position[-1] + 1e-9)) + 1)
+        self._last_position, self._last_row = float(position[-1]), signals[:, :, -1]
+        self._last_rows, self._last_coil = None, None if coil is None else coil[:, -1:]
+        self._last_loads = None if loads is None else loads[:, -1:]
+        if not tick.size:
+            return pieces
+        left = np.clip(np.searchsorted(position, tick, side="right") - 1, 0, max(0, position.shape[0] - 2))
+        right = np.minimum(left + 1, position.shape[0] - 1)
+        width = position[right] - position[left]
+        weight = np.clip((tick - position[left]) / np.where(width > 0, width, 1.0), 0.0, 1.0)[:, np.newaxis]
+        values = (1.0 - weight) * signals[:, :, left] + weight * signals[:, :, right]
+        flags = quality[:, left] | quality[:, right]
+        wide = width > spacing
+        if wide.any():
+            flags[:, wide] |= np.uint8(SampleQuality.BRIDGED)
+            self.gaps.append(Gap(int(tick[wide][0]), int(wide.sum()), True))
+        nothing = np.isnan(values[0]).any(axis=2)
+        values[:, nothing] = np.nan
+        flags[nothing] = (flags[nothing] & ~np.uint8(SampleQuality.BRIDGED)) | np.uint8(SampleQuality.MISSING)
+        # A coil is on or off: its state is that of the nearest sample, never a mean.
+        nearest = np.where(weight[:, 0] < 0.5, left, right)
+        coil = None if coil is None else coil[:, nearest]
+        if loads is not None:
+            loads = (1.0 - weight) * loads[:, left] + weight * loads[:, right]
+            # A foot may have landed in a gap: forces are never bridged.
+            loads[:, wide] = np.nan
+        pieces.append(self._chunk(self._next_tick, values, flags, coil, loads))
+        self._next_tick += tick.size
+        return pieces
+
+    def _fill(self, first: int, rows: Float | None) -> list[ImuChunk]:
+        """Fill from the next tick up to `first`: with a curve to the first of `rows` when the gap is short.
+
+        Gyroscope and accelerometer leave and reach it with the slopes of the rows outside, the magnetometer
+        follows the chord.
+        """
+        start, count = self._next_tick, first - self._next_tick
+        if count <= 0:
+            return []
+        self._next_tick = first
+        last = self._last_row
+        if last is None or rows is None or count > self._bridge_ticks:
+            self.gaps.append(Gap(start, count, False))
+            return list(self._missing(start, count))
+        self.gaps.append(Gap(start, count, True))
+        weight = (np.arange(1, count + 1) / (count + 1))[:, np.newaxis]
+        row, slope, last_slope = rows[:, :, 0], _slope(rows), _slope(self._last_rows)
+        signals = last[:, :, np.newaxis] + weight * (row - last)[:, :, np.newaxis]
+        unknown = np.full_like(last[:2], np.nan)
+        signals[:2] = bridge(
+            last[:2, :, np.newaxis],
+            (unknown if last_slope is None else last_slope[:2])[:, :, np.newaxis],
+            row[:2, :, np.newaxis],
+            (unknown if slope is None else slope[:2])[:, :, np.newaxis],
+            count + 1.0,
+            weight,
+            (count + 1.0) * self._step_us * 1e-6,
+        )
+        quality = np.full(signals.shape[1:3], SampleQuality.BRIDGED, dtype=np.uint8)
+        nothing = np.isnan(signals[0]).any(axis=2)
+        signals[:, nothing] = np.nan
+        quality[nothing] = SampleQuality.MISSING
+        return [self._chunk(start, signals, quality)]
+
+    def _missing(self, start: int, count: int) -> Iterator[ImuChunk]:
+        assert self._unpacker is not None
+        shape = (self._unpacker.channel_count, self._declaration.sensor_count, min(count, _PIECE_TICKS), 3)
+        nothing = np.full(shape, np.nan)
+        quality = np.full(shape[1:3], SampleQuality.MISSING, dtype=np.uint8)
+        for offset in range(0, count, _PIECE_TICKS):
+            ticks = min(_PIECE_TICKS, count - offset)
+            yield self._chunk(start + offset, nothing[:, :, :ticks], quality[:, :ticks])
+
+    def _chunk(
+        self,
+        first: int,
+        signals: Float,
+        quality: NDArray[np.uint8],
+        coil: Float | None = None,
+        loads: Float | None = None,
+    ) -> ImuChunk:
+        return ImuChunk(
+            first,
+            self._step_us * 1e-6,
+            signals[0],
+            signals[1],
+            signals[2] if signals.shape[0] == 3 else None,
+            quality,
+            coil_state=coil,
+            force_n=None if loads is None else loads[:, :, :3],
+            moment_nm=None if loads is None else loads[:, :, 3:],
+        )
+
+
+def _slope(rows: Float | None) -> Float | None:
+    """Return the change from the first to the second of two rows, shape (channels, sensors, 2, 3)."""
+    return None if rows is None or rows.shape[2] < 2 else rows[:, :, 1] - rows[:, :, 0]
+
+
+def align_chunks(
+    packets: Iterable[Packet], hello: Mapping[str, Any] | Declaration, piece_ticks: int = 500
+) -> Iterator[ImuChunk]:
+    """Align stored packets, in the order of their sequence, piece by piece.
+
+    Parameters
+    ----------
+    packets : iterable of Packet
+        Every stored packet once, in the order of the unwrapped sequence; `Packet.sequence` is as sent.
+    hello : mapping or Declaration
+        What the session stored of its hello, clock epochs included.
+    piece_ticks : int
+        About how many ticks a chunk holds.
+
+    Yields
+    ------
+    ImuChunk
+        Consecutive from tick 0. Packets whose time contradicts their order are left out.
+    """
+    declaration = hello if isinstance(hello, Declaration) else Declaration.from_dict(hello)
+    clock = PacketClock(declaration)
+    aligner = Aligner(declaration, reorder_window_s=-np.inf)
+    pieces: list[ImuChunk] = []
+    held = 0
+    for packet in packets:
+        try:
+            place = clock.admit(packet)
+            chunk = None if place.is_duplicate else aligner.push(packet, place.sequence, place.time_us)
+        except PacketError:
+            continue
+        if chunk is not None:
+            pieces.append(chunk)
+            held += chunk.tick_count
+        if held >= piece_ticks:
+            yield joined_chunks(pieces)
+            pieces, held = [], 0
+    rest = aligner.drain()
+    if rest is not None:
+        pieces.append(rest)
+    if pieces:
+        yield joined_chunks(pieces)
+
+
+def align_all(packets: Iterable[Packet], hello: Mapping[str, Any] | Declaration) -> ImuChunk | None:
+    """Align all stored packets into one chunk; None when there is nothing. See `align_chunks`."""
+    return _joined(list(align_chunks(packets, hello)))
+
+
+def joined_chunks(chunks: list[ImuChunk]) -> ImuChunk:
+    """Join consecutive chunks, at least one."""
+    if len(chunks) == 1:
+        return chunks[0]
+    first = chunks[0]
+    magnetometer = None
+    if first.magnetometer_t is not None:
+        magnetometer = np.concatenate(
+            [c.magnetometer_t for c in chunks if c.magnetometer_t is not None], axis=1
+        )
+    return ImuChunk(
+        first.first_tick,
+        first.time_step_s,
+        np.concatenate([c.gyroscope_radps for c in chunks], axis=1),
+        np.concatenate([c.accelerometer_mps2 for c in chunks], axis=1),
+        magnetometer,
+        np.concatenate([c.quality for c in chunks], axis=1),
+        coil_state=_joined_parts(chunks, [chunk.coil_state for chunk in chunks]),
+        force_n=_joined_parts(chunks, [chunk.force_n for chunk in chunks]),
+        moment_nm=_joined_parts(chunks, [chunk.moment_nm for chunk in chunks]),
+    )
+
+
+def _joined_parts(chunks: list[ImuChunk], parts: list[Float | None]) -> Float | None:
+    """Join what not every chunk has; those without it (nothing came, or none was worn then) give NaN."""
+    known = next((part for part in parts if part is not None), None)
+    if known is None:
+        return None
+    return np.concatenate(
+        [
+            np.full(chunk.quality.shape + known.shape[2:], np.nan) if part is None else part
+            for chunk, part in zip(chunks, parts, strict=True)
+        ],
+        axis=1,
+    )
+
+
+def _joined(pieces: list[ImuChunk]) -> ImuChunk | None:
+    return joined_chunks(pieces) if pieces else None

@@ -1,0 +1,1 @@
+"""Long tasks over stored sessions, and the general way through one."""

@@ -1,0 +1,278 @@
+"""The general way through a stored session: its packets on common ticks, its pose, its frames as a new result.
+
+The result depends on the packets and the setup alone, not on the order in which the packets arrived: they are read by
+rising sequence.
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
+from typing import Any, Final
+
+from sqlalchemy import func, select
+
+from app.database.base import utc_now
+from app.database.unit_of_work import read_only, unit_of_work
+from app.errors import InvalidInput, NotFound
+from app.network.alignment import align_chunks, joined_chunks
+from app.network.packet import Packet
+from app.recordings.analysis.heading_line import HeadingLine
+from app.recordings.analysis.jobs import JobContext
+from app.recordings.analysis.result_rows import CHUNKS_A_COMMIT, new_result, write_frames
+from app.recordings.analysis.smoothing import SmoothedSession
+from app.recordings.analysis.stamped import stored_recording, ticks_of
+from app.recordings.models import MotionSession, Result, SignalChunk
+from app.recordings.signals.chunks import (
+    RAW_STREAM,
+    EncodedChunk,
+    encode_frames,
+)
+from app.recordings.signals.raw_packet import RawPacket
+from app.recordings.signals.store import Source, read_packets_in_order
+from app.sentences import CATALOGUE, say
+from estimators import pipelines
+from estimators.conventions import Placement
+from estimators.errors import CalibrationError
+from estimators.orientation import DeviceConstants
+from estimators.pipelines import SessionSetup
+from estimators.recording import ImuChunk
+
+PIECE_TICKS: Final = 1000
+_POSE_SEARCH_S: Final = 120.0
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """What one run over a session gave."""
+
+    result_id: str
+    ticks: int
+    setup: SessionSetup
+    """With the calibration used."""
+    pose_s: tuple[float, float] | None
+    """Where in the session that calibration was found, when it was found here."""
+    message: str
+    learnt: dict[Placement, DeviceConstants] = field(default_factory=dict)
+    """What a smoother found about the sensors."""
+
+
+def decoded(packet: RawPacket) -> Packet:
+    """Return a stored packet as the decoder of the wire format gives it, without its message."""
+    values = packet.table().reshape(packet.tick_count, packet.sensor_count, -1)
+    return Packet(
+        data=b"",
+        sequence=packet.sequence % 2**32,
+        device_time_us=packet.device_time_us,
+        tick_interval_us=packet.tick_interval_us,
+        sensor_count=packet.sensor_count,
+        tick_count=packet.tick_count,
+        channels=packet.channel_mask,
+        encoding=packet.encoding,
+        flags=packet.flags,
+        values=values,
+    )
+
+
+def aligned(
+    source: Source,
+    session_id: str,
+    hello: dict[str, Any] | None,
+    placements: tuple[str, ...] | None = None,
+    piece_ticks: int = PIECE_TICKS,
+) -> Iterator[ImuChunk]:
+    """Yield a stored session on its common ticks, from tick 0 on, piece by piece.
+
+    `placements` picks sensors of the network, in that order; by default all.
+    """
+    if hello is None:
+        raise NotFound(say("session.no_packets"))
+    packets = (decoded(packet) for packet in read_packets_in_order(source, session_id))
+    sent = list(hello["placements"])
+    placements = tuple(sent) if placements is None else placements
+    missing = [name for name in placements if name not in sent]
+    if missing:
+        raise InvalidInput(say("session.no_sensor", places=missing), field="placements")
+    recording = stored_recording(source, session_id, hello, placements)
+    if recording is not None:
+        yield from ticks_of(recording, piece_ticks)
+        return
+    if list(placements) == sent:
+        yield from align_chunks(packets, hello, piece_ticks)
+        return
+    rows = [sent.index(name) for name in placements]
+    for piece in align_chunks(packets, hello, piece_ticks):
+        yield _picked(piece, rows)
+
+
+def _picked(chunk: ImuChunk, rows: list[int]) -> ImuChunk:
+    magnetometer = None if chunk.magnetometer_t is None else chunk.magnetometer_t[rows]
+    return replace(
+        chunk,
+        gyroscope_radps=chunk.gyroscope_radps[rows],
+        accelerometer_mps2=chunk.accelerometer_mps2[rows],
+        magnetometer_t=magnetometer,
+        quality=chunk.quality[rows],
+        coil_state=None if chunk.coil_state is None else chunk.coil_state[rows],
+        force_n=None if chunk.force_n is None else chunk.force_n[rows],
+        moment_nm=None if chunk.moment_nm is None else chunk.moment_nm[rows],
+    )
+
+
+def estimated(
+    context: JobContext,
+    line: HeadingLine,
+    pieces: Iterable[ImuChunk],
+    *,
+    smoothed: bool = False,
+    message: str = "",
+    progress_from: float = 0.0,
+) -> Analysis:
+    """Run a pipeline over a session and store its frames as a new result.
+
+    Parameters
+    ----------
+    context : JobContext
+    line : HeadingLine
+        The pipeline, and the headings set anew on the way.
+    pieces : iterable of ImuChunk
+        The whole session from its first tick on.
+    smoothed : bool
+        Whether a filter of the pipeline's own was smoothed before: the result says so in its name.
+    message : str
+        What is to be said of the result from before.
+    progress_from : float
+        Where on the task's scale of 0 to 1 this work begins.
+    """
+    setup = line.pipeline.setup
+    result_id = new_result(context, setup, line.pipeline, smoothed=smoothed)
+    with read_only(context.engine) as session:
+        total = session.scalar(
+            select(func.sum(SignalChunk.ticks)).where(
+                SignalChunk.session_id == context.session_id, SignalChunk.stream == RAW_STREAM
+            )
+        )
+    ticks = 0
+    waiting: list[EncodedChunk] = []
+    for piece in pieces:
+        waiting += [encode_frames(frames) for frames in line.step(piece)]
+        ticks = piece.first_tick + piece.tick_count
+        if len(waiting) >= CHUNKS_A_COMMIT:
+            write_frames(context, result_id, waiting)
+            waiting = []
+        done = min(1.0, ticks / max(1, total or 1))
+        context.progress(progress_from + (1 - progress_from) * done, say("progress.estimating"))
+    write_frames(context, result_id, waiting)
+    if not ticks:
+        message = say("session.nothing_to_estimate")
+    message = CATALOGUE.together([message, *line.refused])
+    with unit_of_work(context.engine) as session:
+        result = session.get_one(Result, result_id)
+        result.status, result.progress, result.message = "complete", 1.0, message
+        result.completed_at = utc_now()
+    return Analysis(result_id, ticks, setup, None, message)
+
+
+def smoothed(context: JobContext, setup: SessionSetup) -> SmoothedSession | None:
+    """Return the whole session smoothed where the setup names a smoother, else None."""
+    if not pipelines.is_offline(setup):
+        return None
+    context.progress(0.0, say("progress.smoothing"))
+    return SmoothedSession(whole(context, setup), setup)
+
+
+def pieces_of(context: JobContext, setup: SessionSetup, known: SmoothedSession | None) -> Iterable[ImuChunk]:
+    """Return the whole session from its first tick on, smoothed where that was done."""
+    return whole(context, setup) if known is None else known
+
+
+def whole(context: JobContext, setup: SessionSetup) -> Iterator[ImuChunk]:
+    """Yield a whole stored session from its first tick on, with the sensors of a setup."""
+    with read_only(context.engine) as session:
+        hello = session.get_one(MotionSession, context.session_id).hello
+    return aligned(context.engine, context.session_id, hello, setup.placements)
+
+
+def calibrated(
+    context: JobContext,
+    setup: SessionSetup,
+    pose_s: tuple[float, float] | None,
+    known: SmoothedSession | None = None,
+) -> tuple[SessionSetup, tuple[float, float]]:
+    """Run up to the end of the pose and evaluate it there; return the calibrated setup and the pose.
+
+    `known` is the session smoothed, where the setup names a smoother.
+
+    Raises
+    ------
+    CalibrationError
+        No usable pose, with what to do.
+    """
+    limit_s = _POSE_SEARCH_S if pose_s is None else pose_s[1]
+    limit = round(limit_s * setup.rate_hz)
+    chunk = beginning(context, setup, limit) if known is None else known.until(limit)
+    if chunk is None:
+        raise CalibrationError(say("session.no_packets"))
+    if pose_s is None:
+        first, stop = pipelines.find_pose(chunk)
+    else:
+        first, stop = round(pose_s[0] * setup.rate_hz), chunk.tick_count
+        if stop - first < 0.5 * setup.rate_hz:
+            raise CalibrationError(say("session.pose_outside", start_s=pose_s[0], end_s=pose_s[1]))
+    pipeline = pipelines.create(setup)
+    pipelines.step_through(pipeline, chunk.ticks(0, stop))
+    pipeline.calibrate(chunk.ticks(first, stop))
+    return pipeline.setup, (first / setup.rate_hz, stop / setup.rate_hz)
+
+
+def beginning(context: JobContext, setup: SessionSetup, tick_count: int) -> ImuChunk | None:
+    """Return the first ticks of the session as one chunk; None if there are none.
+
+    Parameters
+    ----------
+    context : JobContext
+    setup : SessionSetup
+        Names the sensors wanted.
+    tick_count : int
+    """
+    pieces: list[ImuChunk] = []
+    for piece in whole(context, setup):
+        pieces.append(piece)
+        if piece.first_tick + piece.tick_count >= tick_count:
+            break
+    if not pieces:
+        return None
+    chunk = joined_chunks(pieces)
+    return chunk.ticks(0, min(tick_count, chunk.tick_count))
+
+
+def stretches(context: JobContext, setup: SessionSetup, length_s: float) -> Iterator[ImuChunk]:
+    """Yield the session in chunks of about a length, one at a time.
+
+    Parameters
+    ----------
+    context : JobContext
+    setup : SessionSetup
+        Names the sensors wanted.
+    length_s : float
+    """
+    pieces: list[ImuChunk] = []
+    for piece in whole(context, setup):
+        pieces.append(piece)
+        if sum(one.tick_count for one in pieces) * piece.time_step_s >= length_s:
+            yield joined_chunks(pieces)
+            pieces = []
+    if pieces:
+        yield joined_chunks(pieces)
+
+
+__all__ = [
+    "Analysis",
+    "aligned",
+    "beginning",
+    "calibrated",
+    "decoded",
+    "estimated",
+    "pieces_of",
+    "smoothed",
+    "stretches",
+    "whole",
+]

@@ -1,0 +1,286 @@
+"""Signal chunks: packets and frames to the columns of a row and back, without the database.
+
+Stream `raw` holds every packet once, in the order of arrival, about one second a chunk, with the exact
+bytes of its payload and every field of its header, so each packet can be made again as it came. Stream
+`frames/<result id>` holds what a pipeline found, rounded as `signals.frame_codec` says.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import chain
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.errors import InvalidInput
+from app.recordings.models import SignalChunk
+from app.recordings.signals import codecs, frame_codec
+from app.recordings.signals.bit_columns import room_words
+from app.recordings.signals.packet_kernel import pack_packets, unpack_packets
+from app.recordings.signals.ranges import ranges_of
+from app.recordings.signals.raw_packet import COUNTS, WIDTH, RawPacket
+from app.sentences import say
+from estimators.pipelines._contract import FrameLayout, Frames
+from estimators.recording import Float
+
+if TYPE_CHECKING:
+    # The wire format's messages name types of this room; at run time the arrow must not close a circle.
+    pass
+
+RAW_STREAM: Final = "raw"
+COUNTS_CODEC: Final = "int16-rice/1"
+_HEAD: Final = attrgetter(
+    "sequence", "device_time_us", "tick_interval_us", "tick_count", "flags", "arrival_ns"
+)
+_HEAD_COLUMNS: Final = 6
+MAX_CHUNK_TICKS: Final = 4096
+
+
+@dataclass(frozen=True, slots=True)
+class EncodedChunk:
+    """A row of `signal_chunk` without its key."""
+
+    start_ns: int
+    ticks: int
+    codec: str
+    scale: dict[str, Any]
+    crc: int
+    data: bytes
+
+
+def check_packet(packet: RawPacket) -> None:
+    """Refuse a packet whose counts do not fit its payload.
+
+    Raises
+    ------
+    InvalidInput
+        With the field that is wrong; the decoder of the wire format catches these first.
+    """
+    if packet.encoding not in WIDTH:
+        raise InvalidInput(say("stored.packet_encoding", encoding=packet.encoding))
+    if not 1 <= packet.tick_count <= MAX_CHUNK_TICKS or packet.sensor_count < 1:
+        raise InvalidInput(say("stored.packet_empty"), field="tick_count")
+    unit = packet.tick_count * WIDTH[packet.encoding]
+    if not packet.payload or len(packet.payload) % unit:
+        raise InvalidInput(
+            say("stored.packet_payload", size=len(packet.payload), ticks=packet.tick_count),
+            field="payload",
+        )
+    if not 0 <= packet.sequence < 2**63 or not 0 <= packet.device_time_us < 2**64:
+        raise InvalidInput(say("stored.packet_range"), field="sequence")
+
+
+def encode_packets(packets: Sequence[RawPacket]) -> EncodedChunk:
+    """Encode packets of one `shape_key`, in the given order, as one chunk."""
+    first = packets[0]
+    # Read without a sign: a device's clock may use all 64 bits.
+    fields = np.fromiter(chain.from_iterable(map(_HEAD, packets)), np.uint64, len(packets) * _HEAD_COLUMNS)
+    heads = fields.view(np.int64).reshape(-1, _HEAD_COLUMNS)
+    payload = bytearray().join([packet.payload for packet in packets])
+    ticks = sum([packet.tick_count for packet in packets])
+    values_per_tick = len(payload) // (ticks * WIDTH[first.encoding])
+    scale = {
+        "packets": len(packets),
+        "ranges": ranges_of([packet.sequence for packet in packets]),
+        "sensor_count": first.sensor_count,
+        "channel_mask": first.channel_mask,
+        "encoding": first.encoding,
+        "values_per_tick": values_per_tick,
+    }
+    if first.encoding == COUNTS:
+        codec = COUNTS_CODEC
+        counts = np.frombuffer(payload, "<i2").reshape(ticks, values_per_tick)
+        words = np.empty(room_words(len(heads), _HEAD_COLUMNS) + room_words(*counts.shape), np.uint32)
+        data = words[: pack_packets(words, heads, counts)].tobytes()
+    else:
+        codec = codecs.FLOATS_CODEC
+        head = codecs.encode_integers(heads)
+        data = head + codecs.encode_floats(np.frombuffer(payload, "<f4").reshape(ticks, values_per_tick))
+        scale["head_bytes"] = len(head)
+    return EncodedChunk(first.arrival_ns, ticks, codec, scale, codecs.checksum(data), data)
+
+
+def decode_packets(chunk: EncodedChunk | SignalChunk) -> list[RawPacket]:
+    """Restore the packets of a chunk, in the order of arrival.
+
+    Raises
+    ------
+    DamagedChunkError
+        If the checksum does not match.
+    """
+    _check(chunk)
+    scale = chunk.scale
+    heads, table = _heads_and_table(chunk)
+    packets: list[RawPacket] = []
+    row = 0
+    for sequence, device_time, interval, ticks, flags, arrival in heads.tolist():
+        packets.append(
+            RawPacket(
+                sequence=sequence,
+                device_time_us=device_time % 2**64,
+                tick_interval_us=interval,
+                sensor_count=scale["sensor_count"],
+                tick_count=ticks,
+                channel_mask=scale["channel_mask"],
+                encoding=scale["encoding"],
+                flags=flags,
+                payload=table[row : row + ticks].tobytes(),
+                arrival_ns=arrival,
+            )
+        )
+        row += ticks
+    return packets
+
+
+def _heads_and_table(chunk: EncodedChunk | SignalChunk) -> tuple[NDArray[np.int64], NDArray[Any]]:
+    scale, data = chunk.scale, chunk.data
+    shape = chunk.ticks, scale["values_per_tick"]
+    if chunk.codec == COUNTS_CODEC:
+        heads, counts = np.empty((scale["packets"], _HEAD_COLUMNS), np.int64), np.empty(shape, np.int16)
+        words = np.frombuffer(data, np.uint32, len(data) // 4).copy()
+        if len(data) % 4 or not unpack_packets(words, heads, counts):
+            raise codecs.DamagedChunkError(say("stored.cut_off"))
+        return heads, counts
+    split = scale.get("head_bytes", 0)
+    if chunk.codec == codecs.SHUFFLED_COUNTS_CODEC:
+        table: NDArray[Any] = codecs.decode_counts(data[split:], *shape)
+    elif chunk.codec == codecs.FLOATS_CODEC:
+        table = codecs.decode_floats(data[split:], *shape)
+    else:
+        raise codecs.DamagedChunkError(say("stored.codec", codec=chunk.codec))
+    return codecs.decode_integers(data[:split], scale["packets"], _HEAD_COLUMNS), table
+
+
+def _check(chunk: EncodedChunk | SignalChunk) -> None:
+    if codecs.checksum(chunk.data) != chunk.crc:
+        raise codecs.DamagedChunkError(say("stored.checksum"))
+
+
+def frames_stream(result_id: str) -> str:
+    """Return the name of the stream that holds a result's frames."""
+    return f"frames/{result_id}"
+
+
+def encode_frames(*parts: Frames) -> EncodedChunk:
+    """Encode frames of consecutive ticks as one chunk; its sequence is the first tick.
+
+    Parameters
+    ----------
+    parts : Frames
+        At least one; several are of one layout, each beginning where the one before ends.
+    """
+    data, scale = frame_codec.pack(parts)
+    first = parts[0]
+    return EncodedChunk(
+        start_ns=round(first.first_tick * first.time_step_s * 1e9),
+        ticks=sum([part.segment_flags.shape[0] for part in parts]),
+        codec=frame_codec.FRAMES_CODEC,
+        scale=scale,
+        crc=codecs.checksum(data),
+        data=data,
+    )
+
+
+def decode_frames(chunk: EncodedChunk | SignalChunk, layout: FrameLayout) -> Frames:
+    """Restore the frames of a chunk; see `signals.frame_codec` for how far they may differ from what was written."""
+    _check(chunk)
+    return frame_codec.unpack(chunk.codec, chunk.data, chunk.scale, chunk.ticks, layout)
+
+
+def layout_from_dict(stored: dict[str, Any]) -> FrameLayout:
+    """Rebuild a `FrameLayout` from `Result.layout`."""
+    return FrameLayout(
+        tuple(stored["segments"]), tuple(stored["points"]), tuple(stored["angles"]), tuple(stored["scalars"])
+    )
+
+
+def merge_frames(parts: Sequence[Frames], layout: FrameLayout, time_step_s: float) -> Frames:
+    """Join frames in time; ticks that no part covers are NaN, flagged 1 (invalid)."""
+    parts = sorted((p for p in parts if p.tick_count), key=lambda p: p.first_tick)
+    if not parts:
+        return _blank_frames(layout, 0, 0, time_step_s)
+    first, last = parts[0].first_tick, max(p.first_tick + p.tick_count for p in parts)
+    merged = _blank_frames(layout, first, last - first, parts[0].time_step_s)
+    for part in parts:
+        rows = slice(part.first_tick - first, part.first_tick - first + part.tick_count)
+        for name in _FRAME_ARRAYS:
+            getattr(merged, name)[rows] = getattr(part, name)
+    return replace(
+        merged,
+        segment_sigma_rad=_merged(
+            [(p.first_tick, p.segment_sigma_rad) for p in parts], merged, layout.segments
+        ),
+        point_sigma_m=_merged([(p.first_tick, p.point_sigma_m) for p in parts], merged, layout.points),
+    )
+
+
+def _merged(
+    sigmas: Sequence[tuple[int, Float | None]], merged: Frames, columns: tuple[str, ...]
+) -> Float | None:
+    """Join sigmas, each with its first tick, on the ticks of merged frames; None where no part has any."""
+    if all(sigma is None for _, sigma in sigmas):
+        return None
+    found = np.full((merged.tick_count, len(columns), 3), np.nan)
+    for first_tick, sigma in sigmas:
+        if sigma is not None:
+            at = first_tick - merged.first_tick
+            found[at : at + len(sigma)] = sigma
+    return found
+
+
+_FRAME_ARRAYS: Final = (
+    "q_room_segment",
+    "point_room_m",
+    "angle_rad",
+    "angle_sigma_rad",
+    "scalar",
+    "segment_flags",
+    "angle_flags",
+)
+
+
+def _blank_frames(layout: FrameLayout, first_tick: int, ticks: int, time_step_s: float) -> Frames:
+    segments, points, angles = len(layout.segments), len(layout.points), len(layout.angles)
+    return Frames(
+        layout=layout,
+        first_tick=first_tick,
+        time_step_s=time_step_s,
+        q_room_segment=np.full((ticks, segments, 4), np.nan),
+        point_room_m=np.full((ticks, points, 3), np.nan),
+        angle_rad=np.full((ticks, angles), np.nan),
+        angle_sigma_rad=np.full((ticks, angles), np.nan),
+        scalar=np.full((ticks, len(layout.scalars)), np.nan),
+        segment_flags=np.ones((ticks, segments), np.uint8),
+        angle_flags=np.ones((ticks, angles), np.uint8),
+    )
+
+
+def slice_frames(frames: Frames, start: int, stop: int) -> Frames:
+    """Return the half-open range of rows `[start, stop)` of `frames`."""
+    start, stop = max(start, 0), min(stop, frames.tick_count)
+    return Frames(
+        layout=frames.layout,
+        first_tick=frames.first_tick + start,
+        time_step_s=frames.time_step_s,
+        **{name: getattr(frames, name)[start:stop] for name in _FRAME_ARRAYS},
+        segment_sigma_rad=None if frames.segment_sigma_rad is None else frames.segment_sigma_rad[start:stop],
+        point_sigma_m=None if frames.point_sigma_m is None else frames.point_sigma_m[start:stop],
+    )
+
+
+__all__ = [
+    "MAX_CHUNK_TICKS",
+    "RAW_STREAM",
+    "EncodedChunk",
+    "check_packet",
+    "decode_frames",
+    "decode_packets",
+    "encode_frames",
+    "encode_packets",
+    "frames_stream",
+    "layout_from_dict",
+    "merge_frames",
+    "slice_frames",
+]

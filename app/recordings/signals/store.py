@@ -1,0 +1,158 @@
+"""Reading the signal table: packets in the order of arrival, the ledger of sequences, frames by time.
+
+The chunk's `scale` column carries what can be read without its data: the ranges of packet sequences in
+it. `stored_ranges` adds them up, which is the whole ledger after a crash.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from heapq import heappop, heappush
+from typing import Any
+
+import numpy as np
+from sqlalchemy import Connection, Engine, Select, select
+from sqlalchemy.orm import Session
+
+from app.errors import NotFound
+from app.recordings.models import Result, SignalChunk
+from app.recordings.signals.chunks import (
+    MAX_CHUNK_TICKS,
+    RAW_STREAM,
+    EncodedChunk,
+    decode_frames,
+    decode_packets,
+    frames_stream,
+    layout_from_dict,
+    merge_frames,
+    slice_frames,
+)
+from app.recordings.signals.ranges import SequenceRanges
+from app.recordings.signals.raw_packet import RawPacket
+from app.sentences import say
+from estimators.pipelines._contract import Frames
+
+Source = Engine | Connection | Session
+
+
+def read_packets(source: Source, session_id: str) -> Iterator[RawPacket]:
+    """Yield every stored packet of a session in the order of arrival, one chunk in memory at a time.
+
+    With an engine each chunk is read in a transaction of its own, so that hours of reading hold nothing up.
+    """
+    for (number,) in _fetch(
+        source,
+        select(SignalChunk.sequence)
+        .where(SignalChunk.session_id == session_id, SignalChunk.stream == RAW_STREAM)
+        .order_by(SignalChunk.sequence),
+    ):
+        yield from _read_chunk(source, session_id, number)
+
+
+def read_packets_in_order(source: Source, session_id: str) -> Iterator[RawPacket]:
+    """Yield every stored packet of a session by rising sequence, whatever the order of arrival.
+
+    Holds only the chunks that overlap in sequence: those of a late back-fill, not the whole session.
+    """
+    keys = _fetch(
+        source,
+        select(SignalChunk.sequence, SignalChunk.scale).where(
+            SignalChunk.session_id == session_id, SignalChunk.stream == RAW_STREAM
+        ),
+    )
+    chunks = sorted((min(start for start, _ in scale["ranges"]), number) for number, scale in keys)
+    held: list[tuple[int, int, RawPacket]] = []
+    for lowest, number in chunks:
+        while held and held[0][0] < lowest:
+            yield heappop(held)[2]
+        for place, packet in enumerate(_read_chunk(source, session_id, number)):
+            heappush(held, (packet.sequence, place, packet))
+    while held:
+        yield heappop(held)[2]
+
+
+def _read_chunk(source: Source, session_id: str, number: int) -> list[RawPacket]:
+    (row,) = _fetch(
+        source,
+        select(
+            SignalChunk.start_ns,
+            SignalChunk.ticks,
+            SignalChunk.codec,
+            SignalChunk.scale,
+            SignalChunk.crc,
+            SignalChunk.data,
+        ).where(
+            SignalChunk.session_id == session_id,
+            SignalChunk.stream == RAW_STREAM,
+            SignalChunk.sequence == number,
+        ),
+    )
+    return decode_packets(EncodedChunk(*row))
+
+
+def _fetch(source: Source, query: Select[Any]) -> Sequence[Any]:
+    if isinstance(source, Engine):
+        with source.execution_options(read_only=True).connect() as connection:
+            return connection.execute(query).all()
+    return source.execute(query).all()
+
+
+def stored_ranges(source: Source, session_id: str) -> SequenceRanges:
+    """Return which packet sequences of a session are committed, from the chunks' metadata alone."""
+    found = SequenceRanges()
+    for (scale,) in _fetch(
+        source,
+        select(SignalChunk.scale)
+        .where(SignalChunk.session_id == session_id, SignalChunk.stream == RAW_STREAM)
+        .order_by(SignalChunk.sequence),
+    ):
+        found.update((start, stop) for start, stop in scale["ranges"])
+    return found
+
+
+def iterate_frames(
+    session: Session, result: Result, start_s: float | None = None, end_s: float | None = None
+) -> Iterable[Frames]:
+    """Yield a result's frames of the half-open session time `[start_s, end_s)`, chunk by chunk, in order."""
+    layout = layout_from_dict(result.layout)
+    query = (
+        select(SignalChunk)
+        .where(
+            SignalChunk.session_id == result.session_id,
+            SignalChunk.stream == frames_stream(result.id),
+        )
+        .order_by(SignalChunk.sequence)
+        .execution_options(yield_per=16)
+    )
+    step_s = 1.0 / float(result.setup["rate_hz"])
+    first = None if start_s is None else int(np.ceil(start_s / step_s - 1e-6))
+    last = None if end_s is None else int(np.ceil(end_s / step_s - 1e-6))
+    if first is not None:
+        # The sequence is the first tick and a chunk never exceeds this many ticks.
+        query = query.where(SignalChunk.sequence > first - MAX_CHUNK_TICKS)
+    if last is not None:
+        query = query.where(SignalChunk.sequence < last)
+    for chunk in session.scalars(query):
+        frames = decode_frames(chunk, layout)
+        begin = 0 if first is None else first - frames.first_tick
+        end = frames.tick_count if last is None else last - frames.first_tick
+        part = slice_frames(frames, begin, end)
+        if part.tick_count > 0:
+            yield part
+
+
+def read_frames(
+    session: Session, result_id: str, start_s: float | None = None, end_s: float | None = None
+) -> Frames:
+    """Return a result's frames of the half-open session time `[start_s, end_s)`.
+
+    Ticks that were never stored, between stored ones, are NaN and flagged invalid. Access is decided by
+    the caller (`app.recordings.repository`).
+    """
+    result = session.get(Result, result_id)
+    if result is None:
+        raise NotFound(say("result.not_found"))
+    layout = layout_from_dict(result.layout)
+    parts = list(iterate_frames(session, result, start_s, end_s))
+    return merge_frames(parts, layout, 1.0 / float(result.setup["rate_hz"]))
+
+
+__all__ = ["iterate_frames", "read_frames", "read_packets", "read_packets_in_order", "stored_ranges"]

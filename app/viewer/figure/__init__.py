@@ -1,0 +1,1 @@
+"""The figure: body, ghost, and what they are made of."""
