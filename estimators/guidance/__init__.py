@@ -1,4 +1,4 @@
-"""Live guidance along a template: phase with its uncertainty, attained size, repetitions counted as they end.
+"""Live guidance along a template: phase with its uncertainty, repetitions, one true cue at a time, what stops.
 
 ::
 
@@ -16,21 +16,34 @@ from estimators.guidance._contract import (
     GuidanceTemplate,
     RepetitionKind,
 )
+from estimators.guidance._default_rules import DEFAULT_STOPS, PRAISE, SENTENCES, default_rules, range_limits
 from estimators.guidance._guide import Guide
+from estimators.guidance._orders import CuePace
+from estimators.guidance._rules import Cue, CueRule, Stopped, StopRule
 from estimators.guidance._template import prepare_template, signals, steers
 
 __all__ = [
+    "DEFAULT_STOPS",
     "FREE",
     "KINDS",
+    "PRAISE",
+    "SENTENCES",
     "CountedRepetition",
+    "Cue",
+    "CuePace",
+    "CueRule",
     "GuidanceChunk",
     "GuidanceParameters",
     "GuidanceTemplate",
     "Guide",
     "Knot",
     "RepetitionKind",
+    "StopRule",
+    "Stopped",
     "ToleranceCurve",
+    "default_rules",
     "prepare_template",
+    "range_limits",
     "signals",
     "steers",
     "tolerance_band",

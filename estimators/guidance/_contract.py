@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from estimators.errors import SetupError
 from estimators.guidance._records import Model
+from estimators.guidance._rules import Cue, Stopped
 from estimators.recording import Float
 
 RepetitionKind = Literal["valid", "partial", "wrong", "ignored"]
@@ -163,6 +164,8 @@ class GuidanceChunk:
         (10): y - y0 - mu(phase) and its standard deviation, NaN where unknown.
     repetitions : tuple of CountedRepetition
         That ended in this chunk.
+    cues : tuple of Cue
+    stops : tuple of Stopped
     """
 
     first_tick: int
@@ -174,6 +177,8 @@ class GuidanceChunk:
     deviation: Float
     deviation_sigma: Float
     repetitions: tuple[CountedRepetition, ...]
+    cues: tuple[Cue, ...]
+    stops: tuple[Stopped, ...]
 
     @property
     def moving(self) -> NDArray[np.bool_]:

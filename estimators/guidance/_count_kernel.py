@@ -2,6 +2,8 @@
 
 import math
 
+from estimators.guidance._cue_kernel import begin_attempt, conclude, watch
+from estimators.guidance._cue_records import Orders, Said, Spoken
 from estimators.guidance._records import (
     IGNORED,
     PARTIAL,
@@ -19,7 +21,7 @@ _WRONG_BEGINS, _WRONG_ENDS = 0.5, 0.3
 
 
 @step()
-def _begin(state: Record, memory: Memory) -> None:
+def _begin(state: Record, memory: Memory, said: Said) -> None:
     state.in_attempt = 1
     state.attempt += 1
     state.attempt_tick = state.tick
@@ -29,6 +31,7 @@ def _begin(state: Record, memory: Memory) -> None:
     state.was_wrong = 0
     memory.reached[:] = 0.0
     memory.quotient[:] = 0.0
+    begin_attempt(said)
 
 
 @step()
@@ -56,7 +59,16 @@ def _learn_size(state: Record, model: Model, memory: Memory) -> None:
 
 
 @step()
-def _finish(settings: Record, state: Record, model: Model, memory: Memory, out: Out) -> None:
+def _finish(
+    settings: Record,
+    state: Record,
+    model: Model,
+    memory: Memory,
+    out: Out,
+    orders: Orders,
+    said: Said,
+    spoken: Spoken,
+) -> None:
     state.in_attempt = 0
     excursion = _excursion(model, memory)
     wrong = state.wrong_sum / max(state.updates, 1)
@@ -71,6 +83,12 @@ def _finish(settings: Record, state: Record, model: Model, memory: Memory, out: 
         kind = IGNORED
     if kind in (VALID, PARTIAL):
         _learn_size(state, model, memory)
+    conclude(settings, state, kind, orders, said, spoken)
+    tally = said.state[0]
+    tally.attempts += kind != IGNORED
+    tally.valid += kind == VALID
+    if kind != IGNORED:
+        tally.wrong_in_a_row = tally.wrong_in_a_row + 1 if kind == WRONG else 0
     row = out.counts[0]
     one = out.repetitions[row]
     one.tick, one.kind, one.attempt, one.start_tick = state.tick, kind, state.attempt, state.attempt_tick
@@ -81,13 +99,23 @@ def _finish(settings: Record, state: Record, model: Model, memory: Memory, out: 
 
 
 @step()
-def count(settings: Record, state: Record, model: Model, memory: Memory, work: Work, out: Out) -> None:
+def count(
+    settings: Record,
+    state: Record,
+    model: Model,
+    memory: Memory,
+    work: Work,
+    out: Out,
+    orders: Orders,
+    said: Said,
+    spoken: Spoken,
+) -> None:
     """Follow the attempt that goes on, or begin one."""
     rests = state.p_rest > 0.5
     if state.in_attempt == 0:
         if rests:
             return
-        _begin(state, memory)
+        _begin(state, memory, said)
     state.updates += 1
     state.wrong_sum += state.p_wrong
     for f in range(len(model.steering)):
@@ -99,13 +127,15 @@ def count(settings: Record, state: Record, model: Model, memory: Memory, work: W
     if not math.isnan(main):
         for k in range(len(memory.quotient)):
             memory.quotient[k] = max(memory.quotient[k], main / model.target[k, 1])
+    if not rests:
+        watch(settings, state, model, memory, work, orders, said, spoken)
     moves = state.p_rest + state.p_wrong < 0.5
     wrapped = moves and state.was_late == 1 and state.phase < _EARLY
     recovered = state.was_wrong == 1 and state.p_wrong < _WRONG_ENDS
     if rests or wrapped or recovered:
-        _finish(settings, state, model, memory, out)
+        _finish(settings, state, model, memory, out, orders, said, spoken)
         if not rests:
-            _begin(state, memory)
+            _begin(state, memory, said)
     if moves and state.phase > _LATE:
         state.was_late = 1
     if state.p_wrong > _WRONG_BEGINS:

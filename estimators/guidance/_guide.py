@@ -1,6 +1,6 @@
 """Guidance tick by tick: what a session feeds and what it reads."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any, Final
 
@@ -15,7 +15,10 @@ from estimators.guidance._contract import (
     GuidanceParameters,
     GuidanceTemplate,
 )
+from estimators.guidance._cue_records import CUE, STOPPED, Said, Spoken
+from estimators.guidance._default_rules import DEFAULT_STOPS, PRAISE, default_rules
 from estimators.guidance._kernel import run
+from estimators.guidance._orders import CuePace, make_orders, make_said
 from estimators.guidance._records import (
     ASTRAY,
     OUT,
@@ -30,6 +33,7 @@ from estimators.guidance._records import (
     Out,
     Work,
 )
+from estimators.guidance._rules import Cue, CueRule, Stopped, StopRule
 from estimators.kernels import filled, restored
 from estimators.recording import Float
 
@@ -41,7 +45,7 @@ VALID_SHARE: Final = 0.8
 
 
 class Guide:
-    """Follows a patient along a template and counts, tick by tick; recorded and live give the same bits.
+    """Follows a patient along a template, counts, cues and stops; recorded and live give the same bits.
 
     The first second in which a steering channel is known is the prompted rest in the start posture.
 
@@ -52,12 +56,16 @@ class Guide:
         Time between ticks, 1/200 to 1/20 s.
     valid_share : float
         q of (9).
+    rules : sequence of CueRule, optional
+        `default_rules` unless given.
+    stops : sequence of StopRule
+    pace : CuePace
     parameters : GuidanceParameters, optional
 
     Raises
     ------
     SetupError
-        If the tick or the share cannot be worked with.
+        If the tick, the share or a rule cannot be worked with.
     """
 
     def __init__(
@@ -66,6 +74,9 @@ class Guide:
         tick_s: float,
         *,
         valid_share: float = VALID_SHARE,
+        rules: Sequence[CueRule] | None = None,
+        stops: Sequence[StopRule] = DEFAULT_STOPS,
+        pace: CuePace | None = None,
         parameters: GuidanceParameters | None = None,
     ) -> None:
         if not 1.0 / 500.0 <= tick_s <= 1.0 / 20.0:
@@ -74,6 +85,10 @@ class Guide:
             raise SetupError(f"the share of a valid repetition is {valid_share}; it lies within 0 and 1.2")
         self.ready = ready
         self.tick_s = float(tick_s)
+        self.rules = tuple(default_rules(ready, valid_share) if rules is None else rules)
+        self.stops = tuple(stops)
+        self._orders = make_orders(ready, self.tick_s, self.rules, self.stops, pace or CuePace())
+        self._said = make_said(self._orders)
         model = ready.model
         sizes, (steering, phases), channels = len(model.sizes), model.offset.shape, len(ready.channels)
         stride = max(1, round(1.0 / UPDATE_HZ / tick_s))
@@ -121,6 +136,23 @@ class Guide:
         """y0 now, shape (C,); NaN before the prompted rest is over, 0 for angles without meaning in that posture."""
         return self._memory.start.copy()
 
+    @property
+    def is_stopped(self) -> bool:
+        """Whether nothing is counted or said until `resume`."""
+        return bool(self._said.state["stopped"][0])
+
+    def stop_for_pain(self) -> Stopped:
+        """Stop at once: the patient pressed the button."""
+        self._said.state["stopped"] = 1
+        return Stopped(int(self._state["tick"][0]), "pain", None, float("nan"), float("nan"))
+
+    def resume(self) -> None:
+        """Go on by hand after a stop or a pause; a number or a time that was reached does not stop again."""
+        self._said.state["stopped"] = 0
+        self._said.state["wrong_in_a_row"] = 0
+        self._said.stops["held_s"] = 0.0
+        self._state["in_attempt"] = 0
+
     def prompt_rest(self) -> None:
         """Take the start posture anew from the next second on, as after a pause; an attempt that goes on is dropped."""
         self._state["rested"] = 0
@@ -160,7 +192,23 @@ class Guide:
             quotients=np.zeros((room, len(self._memory.quotient))),
             counts=np.zeros(1, dtype=np.int64),
         )
-        run(values, sigma, self._settings, self._state, self.ready.model, self._memory, self._work, out)
+        # Of each update at most a cue and a word at the end of an attempt; one stop lasts until somebody resumes.
+        spoken = Spoken(
+            np.zeros(2 * room, dtype=CUE), np.zeros(1, dtype=STOPPED), np.zeros(2, dtype=np.int64)
+        )
+        run(
+            values,
+            sigma,
+            self._settings,
+            self._state,
+            self.ready.model,
+            self._memory,
+            self._work,
+            out,
+            self._orders,
+            self._said,
+            spoken,
+        )
         follow = out.follow.T
         return GuidanceChunk(
             first_tick=first,
@@ -171,31 +219,54 @@ class Guide:
             size=follow[SIZE],
             deviation=out.deviation,
             deviation_sigma=out.deviation_sigma,
-            repetitions=tuple(
-                CountedRepetition(
-                    kind=KINDS[int(one["kind"])],
-                    attempt=int(one["attempt"]),
-                    start_tick=int(one["start_tick"]),
-                    end_tick=int(one["tick"]),
-                    quotient=tuple(float(q) for q in quotient),
-                    wrong_share=float(one["wrong"]),
-                    excursion=float(one["excursion"]),
-                )
-                for one, quotient in zip(
-                    out.repetitions[: out.counts[0]], out.quotients[: out.counts[0]], strict=True
-                )
-            ),
+            repetitions=_repetitions(out),
+            cues=tuple(self._cue(one) for one in spoken.cues[: spoken.counts[0]]),
+            stops=tuple(self._stopped(one) for one in spoken.stops[: spoken.counts[1]]),
         )
+
+    def _cue(self, one: Any) -> Cue:
+        rule = self.rules[int(one["rule"])] if one["rule"] >= 0 else None
+        return Cue(
+            tick=int(one["tick"]),
+            sentence=PRAISE if rule is None else rule.sentence,
+            rule=rule,
+            attempt=int(one["attempt"]),
+            phase=float(one["phase"]),
+            value=float(one["value"]),
+            limit=float(one["limit"]),
+        )
+
+    def _stopped(self, one: Any) -> Stopped:
+        rule = self.stops[int(one["rule"])]
+        return Stopped(int(one["tick"]), rule.kind, rule, float(one["value"]), float(one["limit"]))
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return all that goes on from tick to tick, copied."""
-        return {"state": self._state.copy(), **{k: v.copy() for k, v in self._memory._asdict().items()}}
+        arrays = {**self._memory._asdict(), **{f"said_{k}": v for k, v in self._said._asdict().items()}}
+        return {"state": self._state.copy(), **{k: v.copy() for k, v in arrays.items()}}
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Continue from `state` of a guide built alike; raises `ShapeError` for any other."""
         record = restored(state, "state", self._state)
         memory = Memory(**{k: restored(state, k, v) for k, v in self._memory._asdict().items()})
-        self._state, self._memory = record, memory
+        said = Said(**{k: restored(state, f"said_{k}", v) for k, v in self._said._asdict().items()})
+        self._state, self._memory, self._said = record, memory, said
+
+
+def _repetitions(out: Out) -> tuple[CountedRepetition, ...]:
+    count = int(out.counts[0])
+    return tuple(
+        CountedRepetition(
+            kind=KINDS[int(one["kind"])],
+            attempt=int(one["attempt"]),
+            start_tick=int(one["start_tick"]),
+            end_tick=int(one["tick"]),
+            quotient=tuple(float(q) for q in quotient),
+            wrong_share=float(one["wrong"]),
+            excursion=float(one["excursion"]),
+        )
+        for one, quotient in zip(out.repetitions[:count], out.quotients[:count], strict=True)
+    )
 
 
 __all__ = ["UPDATE_HZ", "VALID_SHARE", "Guide"]

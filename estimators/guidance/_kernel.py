@@ -1,11 +1,13 @@
-"""The loop over ticks: prompted rest, phase filter, counter."""
+"""The loop over ticks: stop rules, prompted rest, phase filter, counter and cues."""
 
 import math
 
 import numpy as np
+from numba import types
 
 from estimators.compiling import compiled
 from estimators.guidance._count_kernel import count
+from estimators.guidance._cue_records import ORDERS, SAID, SPOKEN, Orders, Said, Spoken
 from estimators.guidance._phase_kernel import rest_speed, slopes, unwrap, update
 from estimators.guidance._records import (
     ASTRAY,
@@ -24,6 +26,7 @@ from estimators.guidance._records import (
     Out,
     Work,
 )
+from estimators.guidance._stop_kernel import guard
 from estimators.kernels import VOID, Record, rows, step
 from estimators.recording import Float
 
@@ -92,7 +95,9 @@ def _follow_start(settings: Record, state: Record, model: Model, memory: Memory,
 
 
 @step()
-def _deviate(k: int, state: Record, model: Model, memory: Memory, work: Work, out: Out) -> None:
+def _deviate(
+    k: int, state: Record, model: Model, memory: Memory, work: Work, orders: Orders, out: Out
+) -> None:
     """Equation (10): how far each channel is off the template at this phase, and how well that is known."""
     phases = model.whole.shape[0]
     place = min(max(state.phase * phases - 0.5, 0.0), phases - 1.0)
@@ -104,11 +109,17 @@ def _deviate(k: int, state: Record, model: Model, memory: Memory, work: Work, ou
         d = work.y[c] - memory.start[c] - (first + share * (second - first))
         if model.turns[c] == 1 and model.absolute[c] == 1:
             d -= 2.0 * math.pi * np.rint(d / (2.0 * math.pi))
+        sigma = orders.unknown_sigma[c] if math.isnan(work.sigma[c]) else work.sigma[c]
         out.deviation[k, c] = d
-        out.deviation_sigma[k, c] = math.hypot(work.sigma[c], (second - first) * shaky)
+        out.deviation_sigma[k, c] = math.hypot(sigma, (second - first) * shaky)
 
 
-@compiled(VOID(MODEL.types[0], MODEL.types[0], rows(SETTINGS), rows(STATE), MODEL, MEMORY, WORK, OUTPUT))
+_TABLE = types.float64[:, ::1]
+
+
+@compiled(
+    VOID(_TABLE, _TABLE, rows(SETTINGS), rows(STATE), MODEL, MEMORY, WORK, OUTPUT, ORDERS, SAID, SPOKEN)
+)
 def run(
     values: Float,
     sigma: Float,
@@ -118,6 +129,9 @@ def run(
     memory: Memory,
     work: Work,
     out: Out,
+    orders: Orders,
+    said: Said,
+    spoken: Spoken,
 ) -> None:  # pragma: no cover
     """Take the next ticks.
 
@@ -132,18 +146,24 @@ def run(
     memory : Memory
         Changed.
     work : Work
-    out : Out
+    out, spoken : Out, Spoken
         Written from the first row on.
+    orders : Orders
+    said : Said
+        Changed.
     """
     settings, state = settings_row[0], state_row[0]
     out.counts[:] = 0
+    spoken.counts[:] = 0
     for k in range(values.shape[0]):
         state.tick += 1
         unwrap(model, memory, values[k], work.y)
         work.sigma[:] = sigma[k]
+        guard(settings, state, model, work, orders, said, spoken)
         memory.window[state.tick % memory.window.shape[0]] = work.y
         if state.rested < settings.rest_ticks:
             _settle(settings, state, model, memory, work)
+            said.state[0].since_tick = state.tick
             out.follow[k, :] = np.nan
             out.follow[k, REST] = 1.0
             out.follow[k, ASTRAY] = 0.0
@@ -153,12 +173,15 @@ def run(
         if state.tick % settings.stride == 0:
             slopes(settings, state, memory, work.v)
             update(settings, state, model, memory, work)
-            count(settings, state, model, memory, work, out)
+            if said.state[0].stopped == 1:
+                state.in_attempt = 0
+            else:
+                count(settings, state, model, memory, work, out, orders, said, spoken)
             _follow_start(settings, state, model, memory, work)
         out.follow[k, PHASE], out.follow[k, SIGMA] = state.phase, state.sigma
         out.follow[k, REST], out.follow[k, ASTRAY] = state.p_rest, state.p_wrong
         out.follow[k, SIZE] = state.size
-        _deviate(k, state, model, memory, work, out)
+        _deviate(k, state, model, memory, work, orders, out)
 
 
 __all__ = ["run"]

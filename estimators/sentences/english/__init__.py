@@ -6,6 +6,7 @@ from estimators.sentences.english import (
     calibration,
     comparison,
     compass,
+    guidance,
     names,
     optical,
     readings,
@@ -13,7 +14,7 @@ from estimators.sentences.english import (
     walking,
 )
 
-ROOMS: Final = (names, calibration, compass, readings, comparison, walking, optical, sessions)
+ROOMS: Final = (names, calibration, compass, readings, comparison, walking, optical, sessions, guidance)
 ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     code: words for room in ROOMS for code, words in room.ENGLISH.items()
 }

@@ -1,0 +1,249 @@
+"""Which cue is due: rules held against what is measured, and silence. Section 5 and equation (10)."""
+
+import math
+
+import numpy as np
+
+from estimators.guidance._cue_records import (
+    AT_EQUAL,
+    FAST,
+    RANGE,
+    SLOW,
+    Orders,
+    Said,
+    Spoken,
+)
+from estimators.guidance._records import PARTIAL, VALID, Memory, Model, Work
+from estimators.kernels import Record, step
+
+_ALIKE_RAD = 0.07
+"""Values of the other channel that count as equal."""
+_PAST, _BACK = 0.08, 0.15
+_LEFT_PHASE, _TIMED_SHARE = 0.08, 0.75
+_LEAST_STRETCH = 0.03
+
+
+@step()
+def begin_attempt(said: Said) -> None:
+    """Forget what was said in the attempt before."""
+    state = said.state[0]
+    state.said, state.moved_s, state.left_tick, state.is_timed = 0, 0.0, -1, 0
+    for r in range(len(said.rules)):
+        said.rules[r].held_s = 0.0
+        said.rules[r].was_said = 0
+
+
+@step()
+def _say(
+    state: Record,
+    spoken: Spoken,
+    tick: int,
+    attempt: int,
+    phase: float,
+    rule: int,
+    value: float,
+    limit: float,
+) -> None:
+    row = spoken.counts[0]
+    one = spoken.cues[row]
+    one.tick, one.rule, one.attempt, one.phase = tick, rule, attempt, phase
+    one.value, one.limit = value, limit
+    spoken.counts[0] = row + 1
+    state.last_tick = tick
+
+
+@step()
+def _sigma(c: int, orders: Orders, work: Work) -> float:
+    return float(orders.unknown_sigma[c] if math.isnan(work.sigma[c]) else work.sigma[c])
+
+
+@step()
+def _beyond(side: int, d: float, below: float, above: float) -> float:
+    """Return by how much a deviation is out of its tolerance on the side that counts; negative inside."""
+    if side > 0:
+        return d - above
+    if side < 0:
+        return -d - below
+    return max(d - above, -d - below)
+
+
+@step()
+def _deviation(
+    rule: Record, state: Record, model: Model, memory: Memory, orders: Orders, work: Work
+) -> tuple[float, float, float]:
+    """Return value, tolerance and how far beyond it, less z sigma: equation (10)."""
+    c = rule.channel
+    phases = model.whole.shape[0]
+    place = min(max(state.phase * phases - 0.5, 0.0), phases - 1.0)
+    low = min(int(place), phases - 2)
+    first, second = model.whole[low, c], model.whole[low + 1, c]
+    d = work.y[c] - memory.start[c] - (first + (place - low) * (second - first))
+    if model.turns[c] == 1 and model.absolute[c] == 1:
+        d -= 2.0 * math.pi * np.rint(d / (2.0 * math.pi))
+    here = min(int(place + 0.5), phases - 1)
+    below = orders.below[here, c] if math.isnan(rule.tolerance) else rule.tolerance
+    above = orders.above[here, c] if math.isnan(rule.tolerance) else rule.tolerance
+    sigma = math.hypot(_sigma(c, orders, work), (second - first) * phases * min(state.sigma, 0.04))
+    limit = above if d > 0.0 else below
+    return d, limit, _beyond(rule.side, d, below, above) - orders.settings[0].z * sigma
+
+
+@step()
+def _at_equal(rule: Record, model: Model, orders: Orders, work: Work) -> tuple[float, float, float]:
+    """Return the same against the template where another channel is equal: a wrong plane says nothing of phase."""
+    c, other = rule.channel, rule.against
+    at = work.y[other]
+    # NaN compares false.
+    if not at >= rule.least:
+        return np.nan, rule.tolerance, np.nan
+    nearest, gap = 0, np.inf
+    smallest = np.nan
+    for b in range(model.whole.shape[0]):
+        apart = abs(model.whole[b, other] + orders.origin[other] - at)
+        d = work.y[c] - model.whole[b, c] - orders.origin[c]
+        if math.isnan(d) or math.isnan(apart):
+            continue
+        d -= 2.0 * math.pi * np.rint(d / (2.0 * math.pi))
+        if apart < gap:
+            nearest, gap = b, apart
+        if apart < _ALIKE_RAD and not abs(d) >= abs(smallest):
+            smallest = d
+    if math.isnan(smallest):
+        smallest = work.y[c] - model.whole[nearest, c] - orders.origin[c]
+        smallest -= 2.0 * math.pi * np.rint(smallest / (2.0 * math.pi))
+    excess = _beyond(rule.side, smallest, rule.tolerance, rule.tolerance)
+    return smallest, rule.tolerance, excess - orders.settings[0].z * _sigma(c, orders, work)
+
+
+@step()
+def _range(
+    rule: Record, main: int, state: Record, model: Model, memory: Memory, orders: Orders, work: Work
+) -> tuple[float, float, float]:
+    """Return the same of a target that was missed: seen after the turn, on the way back."""
+    now = work.y[main] - memory.start[main]
+    worst, value = -np.inf, np.nan
+    if math.isnan(now):
+        return value, rule.tolerance, np.nan
+    sigma = _sigma(main, orders, work)
+    for k in range(len(memory.quotient)):
+        phase, offset = model.target[k, 0], model.target[k, 1]
+        q = memory.quotient[k]
+        is_past = state.phase > phase + _PAST and now / offset < (1.0 - _BACK) * q
+        if is_past and rule.first <= phase <= rule.last:
+            excess = rule.tolerance - q - orders.settings[0].z * sigma / abs(offset)
+            if excess > worst:
+                worst, value = excess, q
+    return value, rule.tolerance, worst
+
+
+@step()
+def _fast(
+    rule: Record,
+    settings: Record,
+    state: Record,
+    model: Model,
+    memory: Memory,
+    orders: Orders,
+    work: Work,
+    said: Said,
+) -> tuple[float, float, float]:
+    """Return the same of the time to three quarters of the first target, from an early phase on."""
+    cue = said.state[0]
+    now = (work.y[settings.main] - memory.start[settings.main]) / model.target[0, 1]
+    if math.isnan(now) or cue.is_timed == 1 or cue.left_tick < 0:
+        return np.nan, 1.0 / rule.tolerance, np.nan
+    if now < _TIMED_SHARE * min(1.0, state.size):
+        return np.nan, 1.0 / rule.tolerance, np.nan
+    cue.is_timed = 1
+    stretch = orders.settings[0].target_phase - cue.left_phase
+    if stretch < _LEAST_STRETCH:
+        return np.nan, 1.0 / rule.tolerance, np.nan
+    ratio = (state.tick - cue.left_tick) * settings.tick_s * settings.pace / stretch
+    return ratio, 1.0 / rule.tolerance, 1.0 / rule.tolerance - ratio
+
+
+@step()
+def watch(
+    settings: Record,
+    state: Record,
+    model: Model,
+    memory: Memory,
+    work: Work,
+    orders: Orders,
+    said: Said,
+    spoken: Spoken,
+) -> None:
+    """Hold every rule against this update of an attempt, and give the one cue that is due."""
+    cue, of = said.state[0], orders.settings[0]
+    if state.v > of.moving_speed + state.rest_v:
+        cue.moved_s += settings.update_s
+    if cue.left_tick < 0 and state.phase >= _LEFT_PHASE:
+        cue.left_tick, cue.left_phase = state.tick, state.phase
+    best = -1
+    for r in range(len(orders.rules)):
+        rule, held = orders.rules[r], said.rules[r]
+        if rule.is_on == 0 or held.was_said == 1 or rule.quantity == SLOW:
+            continue
+        value, limit, excess = np.nan, np.nan, np.nan
+        if rule.quantity == AT_EQUAL:
+            value, limit, excess = _at_equal(rule, model, orders, work)
+        elif rule.quantity == RANGE:
+            value, limit, excess = _range(rule, settings.main, state, model, memory, orders, work)
+        elif rule.quantity == FAST:
+            value, limit, excess = _fast(rule, settings, state, model, memory, orders, work, said)
+        elif rule.first <= state.phase <= rule.last:
+            value, limit, excess = _deviation(rule, state, model, memory, orders, work)
+        if not excess > 0.0:
+            held.held_s = 0.0
+            continue
+        held.held_s += settings.update_s
+        held.value, held.limit = value, limit
+        if held.held_s >= rule.hold_s - 1e-9 and (best < 0 or rule.priority < orders.rules[best].priority):
+            best = r
+    if best < 0 or cue.stopped == 1 or cue.attempts % of.cue_every != 0:
+        return
+    if cue.last_tick >= 0 and state.tick - cue.last_tick < of.silence_ticks:
+        return
+    said.rules[best].was_said = 1
+    cue.said += 1
+    _say(
+        cue,
+        spoken,
+        state.tick,
+        state.attempt,
+        state.phase,
+        best,
+        said.rules[best].value,
+        said.rules[best].limit,
+    )
+
+
+@step()
+def conclude(settings: Record, state: Record, kind: int, orders: Orders, said: Said, spoken: Spoken) -> None:
+    """At the end of an attempt: too slow, if nothing else was said; praise for some that needed no word."""
+    cue, of = said.state[0], orders.settings[0]
+    if cue.stopped == 1 or cue.said > 0 or kind not in (VALID, PARTIAL):
+        return
+    is_turn = cue.attempts % of.cue_every == 0
+    is_silence = cue.last_tick >= 0 and state.tick - cue.last_tick < of.silence_ticks
+    ratio = cue.moved_s / of.template_moves_s
+    for r in range(len(orders.rules)):
+        rule = orders.rules[r]
+        if (
+            rule.is_on == 1
+            and rule.quantity == SLOW
+            and ratio > rule.tolerance
+            and is_turn
+            and not is_silence
+        ):
+            cue.said += 1
+            _say(cue, spoken, state.tick, state.attempt, 1.0, r, ratio, rule.tolerance)
+            return
+    if kind == VALID and of.praise_every > 0:
+        cue.silent_valid += 1
+        if cue.silent_valid >= of.praise_every and not is_silence:
+            cue.silent_valid = 0
+            _say(cue, spoken, state.tick, state.attempt, 1.0, -1, np.nan, np.nan)
+
+
+__all__ = ["begin_attempt", "conclude", "watch"]
