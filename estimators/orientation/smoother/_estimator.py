@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 from estimators import rotation
 from estimators._clipping import mark_clipped
 from estimators.errors import SetupError, ShapeError
+from estimators.kernels import filled
 from estimators.orientation._contract import OrientationFlag, OrientationResult
 from estimators.orientation._device_constants import DeviceConstants
 from estimators.orientation._parameters import read_parameters
 from estimators.orientation._streaming import ChunkGuard, usable_samples
 from estimators.orientation.smoother._passes import SensorPasses
 from estimators.orientation.smoother._session import SensorSession, prepare, turn_back
-from estimators.orientation.telemotion import _layout as at
+from estimators.orientation.telemotion import _records as at
 from estimators.orientation.telemotion._estimator import MICROTESLA_PER_TESLA, TelemotionEstimator
 from estimators.orientation.telemotion._parameters import TelemotionParameters, settings_of
 from estimators.recording import Float, ImuChunk, SampleQuality
@@ -150,7 +151,7 @@ def _smooth_sensor(
     own["output_lead_s"] = 0.0
     estimator = TelemotionEstimator(1, chunk.time_step_s, own)
     estimator.set_device_constants([known])
-    settings = settings_of(p, chunk.time_step_s)
+    settings = filled(at.SETTINGS, settings_of(p, chunk.time_step_s))[0]
     prior, variance = estimator.nominal[0], estimator.covariance[0].diagonal().copy()
     live, opened, irons = _run_online(estimator, chunk)
     flags, usable = live.flags[0], usable_samples(chunk)[0]
@@ -174,7 +175,7 @@ def _smooth_sensor(
     q = np.empty((chunk.tick_count, 4))
     q[span] = passes.q
     if p.output_lead_s:
-        rate = session.samples[:, at.RATE : at.RATE + 3] - bias[span]
+        rate = session.samples["rate"] - bias[span]
         q[span] = rotation.multiply(passes.q, rotation.exp(p.output_lead_s * rate))
     flags[span] = passes.flags(flags[span], sigma[span, 2])
     for unseen, nearest in (
@@ -191,7 +192,7 @@ def _smooth_sensor(
 
 def _passed(
     session: SensorSession,
-    settings: Float,
+    settings: np.void,
     prior: Float,
     variance: Float,
     q_online: Float,
@@ -275,14 +276,14 @@ def _iron_of_blocks(
     opened: NDArray[np.int64],
     irons: Float,
     prior: Float,
-    settings: Float,
+    settings: np.void,
     chunk: ImuChunk,
 ) -> tuple[Float, NDArray[np.intp]]:
     """Return the hard iron that the online filter had for each block, (B, 3), and the blocks where it changed."""
     blocks = len(session.facts)
     step = max(1, round(1.0 / chunk.time_step_s))
     seconds = np.flatnonzero(np.diff(opened, prepend=0))
-    changes = np.clip((seconds * step - session.first) // int(settings[at.BLOCK_TICKS]), 1, blocks - 1)
+    changes = np.clip((seconds * step - session.first) // int(settings["block_ticks"]), 1, blocks - 1)
     changes, last = np.unique(changes, return_index=True)
     iron = np.tile(prior[at.IRON : at.IRON + 3], (blocks, 1))
     # Between two changes, what was found by the second.

@@ -1,29 +1,27 @@
 """The Kalman filter of our own smoother: forward over the blocks of a session, and back."""
 
+from typing import Final
+
+import numba
 import numpy as np
+from numba import types
 from numpy.typing import NDArray
 
 from estimators._kernels import kernel
-from estimators.orientation.smoother._sweep import SUMS
+from estimators.kernels import VOID, Record, record, step
+from estimators.kernels import rows as rows_of
 from estimators.orientation.telemotion._block import absorb, predict
-from estimators.orientation.telemotion._layout import (
+from estimators.orientation.telemotion._records import (
     BIAS,
     DELAY,
     FIELD,
     GAIN,
     IRON,
-    MEMORY,
     POSITION,
-    POSITION_PRIOR,
-    REST_SPEED,
+    SETTINGS,
     START,
     STATES,
-    STEP_S,
-    SUM_DELAY,
-    SUM_FIELD,
-    SUM_FORCE,
-    SUM_GAIN,
-    SUM_ROTATION,
+    SUMS,
     TURN,
     VELOCITY,
 )
@@ -34,76 +32,75 @@ GROUPS = 4
 KEPT = 3 * (STATES + 2)
 """What is kept of a measurement: three gains, innovations left over their variance, one over variance."""
 
-# Columns of what is known about a block beside its sums.
-(TICKS, FIELD_TICKS, AT_REST, FIELD_VARIANCE, SHARE, IRON_VARIANCE, RATE, STEP, IRON_STEP, RATE_VARIANCE) = (
-    0,
-    1,
-    2,
-    3,
-    4,
-    5,
-    6,
-    9,
-    12,
-    15,
+FACTS: Final = record(
+    [
+        ("is_at_rest", "i8"),
+        ("field_variance", "f8"),  # zero: the block has no field
+        ("share", "f8"),  # of the start place in the field
+        ("iron_variance", "f8"),
+        ("rate_variance", "f8"),
+        ("rate", "f8", 3),  # mean raw rate
+        ("step", "f8", 3),  # from where the nominal turn arrives to where the next block begins
+        ("iron_step", "f8", 3),
+    ]
 )
-FACTS = 16
+"""What is known about a block beside its sums."""
+
+_F1, _F2, _F3 = types.float64[::1], types.float64[:, ::1], types.float64[:, :, ::1]
+_SETTINGS = numba.from_dtype(SETTINGS)
 
 
-@kernel(
-    "int64(int64, float64[::1], float64[::1], float64[::1], float64[::1], float64[:, ::1], int64[:, ::1],"
-    "float64[:, ::1])"
-)
+@step()
 def _measured(
     group: int,
-    memory: Float,
-    facts: Float,
+    sums: Record,
+    facts: Record,
     nominal: Float,
-    settings: Float,
+    settings: Record,
     rows: Float,
     index: NDArray[np.int64],
     value: Float,
 ) -> int:
     """Set a measurement for `absorb`; return how many entries its rows have, 0 if there is none."""
-    time_s = facts[TICKS] * settings[STEP_S]
+    time_s = sums.count * settings.step_s
     if group == 3:
-        if facts[FIELD_VARIANCE] <= 0.0:
+        if facts.field_variance <= 0.0:
             return 0
-        per_field, per_sample = 1.0 / facts[FIELD_TICKS], 1.0 / facts[TICKS]
+        per_field, per_sample = 1.0 / sums.field_count, 1.0 / sums.count
         bx, by, bz = nominal[FIELD], nominal[FIELD + 1], nominal[FIELD + 2]
         index[0, 0], value[0, 0], index[0, 1], value[0, 1] = TURN + 1, -bz, TURN + 2, by
         index[1, 0], value[1, 0], index[1, 1], value[1, 1] = TURN, bz, TURN + 2, -bx
         index[2, 0], value[2, 0], index[2, 1], value[2, 1] = TURN, -by, TURN + 1, bx
         for a in range(3):
             index[a, 2], value[a, 2] = FIELD + a, 1.0
-            index[a, 3], value[a, 3] = DELAY, memory[SUM_DELAY + a] * per_field
+            index[a, 3], value[a, 3] = DELAY, sums.sum_delay[a] * per_field
             for c in range(3):
                 index[a, 4 + c] = IRON + c
-                value[a, 4 + c] = memory[SUM_ROTATION + 3 * a + c] * per_sample
-            index[a, 7], value[a, 7] = START + a, facts[SHARE]
-            expected = nominal[FIELD + a] + facts[SHARE] * nominal[START + a]
-            rows[3, a] = memory[SUM_FIELD + a] * per_field - expected
-            rows[4, a] = facts[FIELD_VARIANCE]
+                value[a, 4 + c] = sums.sum_rotation[3 * a + c] * per_sample
+            index[a, 7], value[a, 7] = START + a, facts.share
+            expected = nominal[FIELD + a] + facts.share * nominal[START + a]
+            rows[3, a] = sums.sum_field[a] * per_field - expected
+            rows[4, a] = facts.field_variance
         return 8
-    if group > 0 and facts[AT_REST] == 0.0:
+    if group > 0 and not facts.is_at_rest:
         return 0
     for a in range(3):
         value[a, 0], rows[3, a] = 1.0, 0.0
         if group == 0:
-            index[a, 0], rows[4, a] = POSITION + a, settings[POSITION_PRIOR] / time_s
+            index[a, 0], rows[4, a] = POSITION + a, settings.position_prior / time_s
         elif group == 1:
-            index[a, 0], rows[4, a] = VELOCITY + a, settings[REST_SPEED] / time_s
+            index[a, 0], rows[4, a] = VELOCITY + a, settings.rest_speed / time_s
         else:
-            index[a, 0], rows[4, a] = BIAS + a, facts[RATE_VARIANCE]
-            rows[3, a] = facts[RATE + a] - nominal[BIAS + a]
+            index[a, 0], rows[4, a] = BIAS + a, facts.rate_variance
+            rows[3, a] = facts.rate[a] - nominal[BIAS + a]
     return 1
 
 
-@kernel("void(float64[::1], float64[::1], float64, float64, float64)")
-def _carry(error: Float, memory: Float, gravity: float, ticks: float, step_s: float) -> None:
+@step()
+def _carry(error: Float, sums: Record, gravity: float, ticks: float, step_s: float) -> None:
     """Carry the error over a block; its velocity and position are whole, their nominal values being zero."""
     time_s = ticks * step_s
-    sx, sy, sz = memory[SUM_FORCE], memory[SUM_FORCE + 1], memory[SUM_FORCE + 2]
+    sx, sy, sz = sums.sum_force[0], sums.sum_force[1], sums.sum_force[2]
     tx, ty, tz = error[TURN], error[TURN + 1], error[TURN + 2]
     push = (sx, sy, sz - gravity * time_s)
     bent = (sz * ty - sy * tz, sx * tz - sz * tx, sy * tx - sx * ty)
@@ -112,24 +109,24 @@ def _carry(error: Float, memory: Float, gravity: float, ticks: float, step_s: fl
         error[VELOCITY + a] += push[a] + bent[a]
         turned = 0.0
         for c in range(3):
-            turned -= memory[SUM_ROTATION + 3 * a + c] * error[BIAS + c]
+            turned -= sums.sum_rotation[3 * a + c] * error[BIAS + c]
         for c in range(9):
-            turned += memory[SUM_GAIN + 9 * a + c] * error[GAIN + c]
+            turned += sums.sum_gain[9 * a + c] * error[GAIN + c]
         error[TURN + a] += step_s * turned
 
 
-@kernel("void(float64[::1], int64, float64[::1], float64, float64)")
-def _carry_back(table: Float, first: int, memory: Float, ticks: float, step_s: float) -> None:
+@step()
+def _carry_back(table: Float, first: int, sums: Record, ticks: float, step_s: float) -> None:
     """Multiply the vector that begins at `first` by F' of `predict`."""
     time_s = ticks * step_s
     turn, bias, gain = first + TURN, first + BIAS, first + GAIN
-    sx, sy, sz = memory[SUM_FORCE], memory[SUM_FORCE + 1], memory[SUM_FORCE + 2]
+    sx, sy, sz = sums.sum_force[0], sums.sum_force[1], sums.sum_force[2]
     for a in range(3):
         scaled = step_s * table[turn + a]
         for c in range(3):
-            table[bias + c] -= memory[SUM_ROTATION + 3 * a + c] * scaled
+            table[bias + c] -= sums.sum_rotation[3 * a + c] * scaled
         for c in range(9):
-            table[gain + c] += memory[SUM_GAIN + 9 * a + c] * scaled
+            table[gain + c] += sums.sum_gain[9 * a + c] * scaled
     vx, vy, vz = table[first + VELOCITY], table[first + VELOCITY + 1], table[first + VELOCITY + 2]
     for a in range(3):
         table[first + VELOCITY + a] += time_s * table[first + POSITION + a]
@@ -138,18 +135,15 @@ def _carry_back(table: Float, first: int, memory: Float, ticks: float, step_s: f
     table[turn + 2] += sx * vy - sy * vx
 
 
-@kernel(
-    "void(float64[:, ::1], float64[:, ::1], float64[::1], float64[::1], float64[::1], float64, float64[::1],"
-    "float64[:, ::1], float64[:, ::1], float64[:, :, ::1])"
-)
+@kernel(VOID(rows_of(SUMS), rows_of(FACTS), _F1, _F1, _F1, types.float64, _SETTINGS, _F2, _F2, _F3))
 def forward(
-    sums: Float,
-    facts: Float,
+    sums: NDArray[np.void],
+    facts: NDArray[np.void],
     nominal: Float,
     error: Float,
     p: Float,
     gravity: float,
-    settings: Float,
+    settings: Record,
     means: Float,
     covariances: Float,
     kept: Float,
@@ -158,7 +152,7 @@ def forward(
 
     Parameters
     ----------
-    sums, facts : ndarray, shape (B, SUMS) and (B, FACTS)
+    sums, facts : ndarray of SUMS and of FACTS, shape (B,)
     nominal : ndarray, shape (STATES,)
     error, p : ndarray, shape (STATES,) and (STATES * STATES,)
         Prior of the error; left as they are after the last block.
@@ -166,23 +160,21 @@ def forward(
         Filled: the prediction for each block, before its measurements.
     kept : ndarray, shape (B, GROUPS, KEPT)
     """
-    memory, rows = np.zeros(MEMORY), np.zeros((5, STATES))
+    rows = np.zeros((5, STATES))
     index, value = np.zeros((3, 8), dtype=np.int64), np.zeros((3, 8))
     for block in range(sums.shape[0]):
-        known = facts[block]
-        for i in range(SUMS):
-            memory[SUM_ROTATION + i] = sums[block, i]
-        _carry(error, memory, gravity, known[TICKS], settings[STEP_S])
-        predict(p, memory, settings, known[TICKS])
+        known, one = facts[block], sums[block]
+        _carry(error, one, gravity, float(one.count), settings.step_s)
+        predict(p, one, settings, float(one.count))
         for a in range(3):
-            error[IRON + a] += known[IRON_STEP + a]
-            p[(STATES + 1) * (IRON + a)] += known[IRON_VARIANCE]
+            error[IRON + a] += known.iron_step[a]
+            p[(STATES + 1) * (IRON + a)] += known.iron_variance
         for i in range(STATES):
             means[block, i] = error[i]
         for i in range(STATES * STATES):
             covariances[block, i] = p[i]
         for group in range(GROUPS):
-            entries = _measured(group, memory, known, nominal, settings, rows, index, value)
+            entries = _measured(group, one, known, nominal, settings, rows, index, value)
             if entries == 0:
                 continue
             absorb(p, error, rows, index, value, entries)
@@ -192,7 +184,7 @@ def forward(
                 kept[block, group, 3 * STATES + m] = rows[3, m]
                 kept[block, group, 3 * STATES + 3 + m] = rows[4, m]
         for a in range(3):
-            error[TURN + a] -= known[STEP + a]
+            error[TURN + a] -= known.step[a]
 
 
 @kernel("float64(float64[::1], float64[::1], float64[::1])")
@@ -235,15 +227,12 @@ def _widen(
             big[row + index[f]] += whole * factor * value[f]
 
 
-@kernel(
-    "void(float64[:, ::1], float64[:, ::1], float64[::1], float64[::1], float64[:, ::1], float64[:, ::1],"
-    "float64[:, :, ::1], float64[:, ::1], float64[::1], float64[:, ::1], boolean)"
-)
+@kernel(VOID(rows_of(SUMS), rows_of(FACTS), _F1, _SETTINGS, _F2, _F2, _F3, _F2, _F1, _F2, types.boolean))
 def backward(
-    sums: Float,
-    facts: Float,
+    sums: NDArray[np.void],
+    facts: NDArray[np.void],
     nominal: Float,
-    settings: Float,
+    settings: Record,
     means: Float,
     covariances: Float,
     kept: Float,
@@ -270,7 +259,7 @@ def backward(
     Per measurement, in reverse: lambda <- lambda - H' (k' lambda + e / S), Lambda <- (I - k H)' Lambda
     (I - k H) + H' H / S; the smoothed error is x - P lambda with covariance P - P Lambda P.
     """
-    memory, rows = np.zeros(MEMORY), np.zeros((5, STATES))
+    rows = np.zeros((5, STATES))
     index, value = np.zeros((3, 8), dtype=np.int64), np.zeros((3, 8))
     big, product = np.zeros(STATES * STATES), np.zeros(STATES)
     level = nominal[FIELD] ** 2 + nominal[FIELD + 1] ** 2
@@ -280,26 +269,24 @@ def backward(
     for i in range(STATES):
         adjoint[i] = 0.0
     for block in range(sums.shape[0] - 1, -1, -1):
-        known = facts[block]
-        for i in range(SUMS):
-            memory[SUM_ROTATION + i] = sums[block, i]
+        known, one = facts[block], sums[block]
         for group in range(GROUPS - 1, -1, -1):
-            entries = _measured(group, memory, known, nominal, settings, rows, index, value)
+            entries = _measured(group, one, known, nominal, settings, rows, index, value)
             if entries == 0:
                 continue
             for m in range(2, -1, -1):
-                gain, one = (
+                gain, inverse = (
                     kept[block, group, STATES * m : STATES * (m + 1)],
                     kept[block, group, 3 * STATES + 3 + m],
                 )
                 total = 0.0
                 for i in range(STATES):
                     total += gain[i] * adjoint[i]
-                total = one * total + kept[block, group, 3 * STATES + m]
+                total = inverse * total + kept[block, group, 3 * STATES + m]
                 for e in range(entries):
                     adjoint[index[m, e]] -= value[m, e] * total
                 if uncertain:
-                    _widen(big, product, gain, one, index[m], value[m], entries)
+                    _widen(big, product, gain, inverse, index[m], value[m], entries)
         p = covariances[block]
         for i in range(STATES):
             total = means[block, i]
@@ -320,11 +307,11 @@ def backward(
             variances[block, 2] = looks[0, TURN + 1] - _squared(big, looks[0], looks[1])
             own = looks[2, TURN + 2] + by_east * looks[2, FIELD] + by_north * looks[2, FIELD + 1]
             variances[block, 3] = own - _squared(big, looks[2], looks[2])
-        _carry_back(adjoint, 0, memory, known[TICKS], settings[STEP_S])
+        _carry_back(adjoint, 0, one, float(one.count), settings.step_s)
         if uncertain:
             for _ in range(2):  # F' Lambda F: the rows, transpose, the rows again
                 for i in range(STATES):
-                    _carry_back(big, STATES * i, memory, known[TICKS], settings[STEP_S])
+                    _carry_back(big, STATES * i, one, float(one.count), settings.step_s)
                 for i in range(STATES):
                     for j in range(i):
                         big[STATES * i + j], big[STATES * j + i] = big[STATES * j + i], big[STATES * i + j]

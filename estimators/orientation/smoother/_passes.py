@@ -8,25 +8,11 @@ from numpy.typing import NDArray
 
 from estimators import rotation
 from estimators.orientation._contract import OrientationFlag
-from estimators.orientation.smoother._kernel import (
-    AT_REST,
-    FIELD_TICKS,
-    FIELD_VARIANCE,
-    GROUPS,
-    IRON_STEP,
-    IRON_VARIANCE,
-    KEPT,
-    RATE_VARIANCE,
-    SHARE,
-    STEP,
-    TICKS,
-    backward,
-    forward,
-)
+from estimators.orientation.smoother._kernel import GROUPS, KEPT, backward, forward
 from estimators.orientation.smoother._rest import Rests
 from estimators.orientation.smoother._session import SensorSession
-from estimators.orientation.smoother._sweep import SUMS, sweep, turn_on
-from estimators.orientation.telemotion import _layout as at
+from estimators.orientation.smoother._sweep import sweep, turn_on
+from estimators.orientation.telemotion import _records as at
 from estimators.recording import Float
 
 _DISTURBED = 8.0
@@ -43,7 +29,7 @@ class SensorPasses:
     Parameters
     ----------
     session : SensorSession
-    settings : ndarray
+    settings : np.void
         Of the kernels.
     prior : ndarray, shape (STATES,)
         What is known beforehand: zero, or constants of the device.
@@ -62,7 +48,7 @@ class SensorPasses:
     def __init__(
         self,
         session: SensorSession,
-        settings: Float,
+        settings: np.void,
         prior: Float,
         variance: Float,
         q_online: Float,
@@ -72,16 +58,16 @@ class SensorPasses:
         odds: Float,
     ) -> None:
         self._session, self._settings = session, settings
-        self._block_ticks = int(settings[at.BLOCK_TICKS])
+        self._block_ticks = int(settings["block_ticks"])
         ends = np.minimum((np.arange(len(session.facts)) + 1) * self._block_ticks, len(q_online)) - 1
         self._q_first, self._q_ends = q_online[0].copy(), np.ascontiguousarray(q_online[ends])
         self._prior, self._variance = prior, variance.copy()
-        self._variance[at.TURN : at.TURN + 3] = settings[at.TILT_START], settings[at.TILT_START], 0.0
-        self._variance[at.VELOCITY : at.VELOCITY + 3] = settings[at.SPEED_START]
+        self._variance[at.TURN : at.TURN + 3] = settings["tilt_start"], settings["tilt_start"], 0.0
+        self._variance[at.VELOCITY : at.VELOCITY + 3] = settings["speed_start"]
         self._variance[at.POSITION : at.POSITION + 3] = _PLACE_VARIANCE
-        self._variance[at.FIELD : at.FIELD + 3] = settings[at.FIELD_START]
+        self._variance[at.FIELD : at.FIELD + 3] = settings["field_start"]
         self.nominal, self.iron, self._changes = nominal.copy(), iron.copy(), changes
-        self.has_field = bool(session.samples[:, at.HAS_FIELD].any())
+        self.has_field = bool(session.samples["has_field"].any())
         self._settle(odds)
         self.q: Float = np.empty((len(session.samples), 4))
         self._misfit = self._level = np.zeros(len(session.facts))
@@ -99,13 +85,12 @@ class SensorPasses:
         blocks = len(self._session.facts)
         sums, q_open = self._sweep()
         facts = self._session.facts.copy()
-        facts[:, TICKS : FIELD_TICKS + 1] = self._parts
-        facts[:, STEP : STEP + 3] = rotation.log(rotation.multiply(self._q_ends, rotation.conjugate(q_open)))
-        facts[:, FIELD_VARIANCE] = self._field_variance(sums, facts)
-        facts[:, RATE_VARIANCE] = self._rests.variance(self.bias, self._bias_variance)
+        facts["step"] = rotation.log(rotation.multiply(self._q_ends, rotation.conjugate(q_open)))
+        facts["field_variance"] = self._field_variance(sums, facts)
+        facts["rate_variance"] = self._rests.variance(self.bias, self._bias_variance)
         for change in self._changes:
-            facts[change, IRON_VARIANCE] = self._settings[at.IRON_WIDE]
-            facts[change, IRON_STEP : IRON_STEP + 3] = self.iron[change - 1] - self.iron[change]
+            facts["iron_variance"][change] = self._settings["iron_wide"]
+            facts["iron_step"][change] = self.iron[change - 1] - self.iron[change]
         error = self._prior - self.nominal
         error[: at.BIAS] = 0.0
         error[at.IRON : at.IRON + 3] = self._prior[at.IRON : at.IRON + 3] - self.iron[0]
@@ -118,9 +103,9 @@ class SensorPasses:
             sums, facts, nominal, error, p, self._session.gravity, self._settings, means, covariances, kept
         )
         self._bias_variance = self._rests.known(covariances, p)
-        seen = facts[:, FIELD_VARIANCE] > 0.0
+        seen = facts["field_variance"] > 0.0
         raised = 1.0 + np.maximum(self._misfit, self._level)[seen]
-        self._weigh(kept[seen, GROUPS - 1, 3 * at.STATES :], facts[seen, FIELD_VARIANCE] / raised)
+        self._weigh(kept[seen, GROUPS - 1, 3 * at.STATES :], facts["field_variance"][seen] / raised)
         smooth, adjoint = np.empty_like(means), np.empty(at.STATES)
         variances = np.zeros((blocks, 4))
         backward(
@@ -143,10 +128,9 @@ class SensorPasses:
         self.log_likelihood = 0.5 * float((np.log(one) - over * over / one).sum())
         self.largest_gain = -1.5 * float(np.log(least_variance).sum()) - self.log_likelihood
 
-    def _sweep(self) -> tuple[Float, Float]:
+    def _sweep(self) -> tuple[NDArray[np.void], Float]:
         blocks = len(self._session.facts)
-        sums, q_open = np.empty((blocks, SUMS)), np.empty((blocks, 4))
-        self._parts = np.empty((blocks, 2))
+        sums, q_open = np.empty(blocks, at.SUMS), np.empty((blocks, 4))
         sweep(
             self._session.samples,
             self._block_ticks,
@@ -156,67 +140,67 @@ class SensorPasses:
             self.iron,
             self._settings,
             sums,
-            self._parts,
             q_open,
             self.q,
         )
-        at_gaps = at.GAP_TURN_VARIANCE - at.SUM_ROTATION
-        sums[:, at_gaps : at_gaps + 3] += self._session.turn_variance
-        sums[:, at_gaps + 3 : at_gaps + 6] += self._session.speed_variance
+        sums["gap_turn_variance"] += self._session.turn_variance
+        sums["gap_speed_variance"] += self._session.speed_variance
         return sums, q_open
 
-    def _field_variance(self, sums: Float, facts: Float) -> Float:
+    def _field_variance(self, sums: NDArray[np.void], facts: NDArray[np.void]) -> Float:
         """Weigh each block by its residual from the nominal motion, alone and with its neighbours."""
-        count = facts[:, FIELD_TICKS]
-        seen = (2.0 * count >= facts[:, TICKS]) & (count > 0)
-        field = sums[:, at.SUM_FIELD - at.SUM_ROTATION :][:, :3] / np.maximum(count, 1.0)[:, None]
-        start = facts[:, SHARE, None] * self.nominal[at.START : at.START + 3]
+        count = sums["field_count"]
+        seen = (2.0 * count >= sums["count"]) & (count > 0)
+        field = sums["sum_field"] / np.maximum(count, 1.0)[:, None]
+        start = facts["share"][:, None] * self.nominal[at.START : at.START + 3]
         residual = field - self.nominal[at.FIELD : at.FIELD + 3] - start
         squares = (residual**2).sum(axis=1)
-        scale = 3.0 * self._settings[at.FIELD_SCALE]
+        scale = 3.0 * self._settings["field_scale"]
         self._misfit = np.where(seen, squares / scale, 0.0)
-        time_s = facts[:, TICKS] * self._settings[at.STEP_S]
+        time_s = sums["count"] * self._settings["step_s"]
         self._level = _level(
-            np.minimum(self._misfit, _LARGEST_MISFIT), time_s, self._settings[at.FIELD_LEVEL_S]
+            np.minimum(self._misfit, _LARGEST_MISFIT), time_s, self._settings["field_level_s"]
         )
-        moving, rest = self._settings[at.FIELD_NOISE_MOVING], self._settings[at.FIELD_NOISE_REST]
-        noise = np.where(facts[:, AT_REST] > 0.0, rest, moving)
-        self._share = self._quiet(field, squares, facts, seen)
+        moving, rest = self._settings["field_noise_moving"], self._settings["field_noise_rest"]
+        noise = np.where(facts["is_at_rest"] > 0, rest, moving)
+        self._share = self._quiet(field, squares, time_s, facts, seen)
         noise *= self._share
-        noise += facts[:, SHARE] * (self._settings[at.FIELD_NOISE_START] - noise)
+        noise += facts["share"] * (self._settings["field_noise_start"] - noise)
         variance = noise**2 / time_s * (1.0 + np.maximum(self._misfit, self._level))
         return np.where(seen, variance, 0.0)
 
-    def _quiet(self, field: Float, squares: Float, facts: Float, seen: NDArray[np.bool_]) -> Float:
+    def _quiet(
+        self, field: Float, squares: Float, time_s: Float, facts: NDArray[np.void], seen: NDArray[np.bool_]
+    ) -> Float:
         """Return which share of the noise is left where the field has fitted the model, but for a turn, of late."""
         settings = self._settings
         mean = (
             self.nominal[at.FIELD : at.FIELD + 2]
-            + facts[:, SHARE, None] * self.nominal[at.START : at.START + 2]
+            + facts["share"][:, None] * self.nominal[at.START : at.START + 2]
         )
         across = field[:, 0] * mean[:, 1] - field[:, 1] * mean[:, 0]
         turned = across**2 / ((mean**2).sum(axis=1) + _LEAST_FIELD)
-        tells = seen & (facts[:, AT_REST] == 0.0) & (facts[:, SHARE] < 0.5)
+        tells = seen & (facts["is_at_rest"] == 0) & (facts["share"] < 0.5)
         misfit = np.minimum(0.5 * (squares - turned), _LARGEST_MISFIT)
-        time_s = np.where(tells, facts[:, TICKS] * settings[at.STEP_S], 0.0)
-        level = _level(misfit, time_s, settings[at.QUIET_S], settings[at.QUIET_LEVEL])
-        return np.asarray(np.clip(level / settings[at.QUIET_LEVEL], settings[at.QUIET_LEAST], 1.0))
+        time_s = np.where(tells, time_s, 0.0)
+        level = _level(misfit, time_s, settings["quiet_s"], settings["quiet_level"])
+        return np.asarray(np.clip(level / settings["quiet_level"], settings["quiet_least"], 1.0))
 
     def _settle(self, odds: Float) -> None:
         """Give hard iron the prior of its likeliest hypothesis, the start place the mean of their information."""
         settings = self._settings
         iron, start = slice(at.IRON, at.IRON + 3), slice(at.START, at.START + 3)
-        known_variance = max(self._variance[at.IRON] - settings[at.IRON_WIDE], 0.0)
+        known_variance = max(self._variance[at.IRON] - settings["iron_wide"], 0.0)
         table = odds.reshape(3, 3)
-        irons = (settings[at.IRON_NARROW], settings[at.IRON_MIDDLE], settings[at.IRON_WIDE])
-        starts = (settings[at.START_NARROW], settings[at.START_MIDDLE], settings[at.START_WIDE])
+        irons = (settings["iron_narrow"], settings["iron_middle"], settings["iron_wide"])
+        starts = (settings["start_narrow"], settings["start_middle"], settings["start_wide"])
         self._variance[iron] = irons[int(table.sum(axis=1).argmax())] + known_variance
         self._variance[start] = 1.0 / float(table.sum(axis=0) @ (1.0 / np.array(starts)))
 
-    def _move(self, smooth: Float, first: Float, facts: Float, q_open: Float) -> None:
+    def _move(self, smooth: Float, first: Float, facts: NDArray[np.void], q_open: Float) -> None:
         """Take the smoothed errors into the nominal motion and turn it to north."""
         closing = np.ascontiguousarray(smooth[:, at.TURN : at.TURN + 3])
-        opening = np.vstack((first[at.TURN : at.TURN + 3], closing[:-1] - facts[:-1, STEP : STEP + 3]))
+        opening = np.vstack((first[at.TURN : at.TURN + 3], closing[:-1] - facts["step"][:-1]))
         turn_on(self.q, np.ascontiguousarray(opening), closing, self._block_ticks)
         middle = smooth[len(smooth) // 2]
         self.bias = self.nominal[at.BIAS : at.BIAS + 3] + smooth[:, at.BIAS : at.BIAS + 3]
@@ -245,10 +229,10 @@ class SensorPasses:
         that, so does the floor. What is turned everywhere alike shows in no reading, and is in no sigma.
         """
         settings = self._settings
-        tilt = settings[at.TILT_SCALE] * np.maximum(self._variances[:, :2], 0.0) + settings[at.TILT_FLOOR]
+        tilt = settings["tilt_scale"] * np.maximum(self._variances[:, :2], 0.0) + settings["tilt_floor"]
         level = 1.0 + np.minimum(self._level, _WORST_LEVEL)
-        own = np.maximum(self._variances[:, 3], 0.0) * (settings[at.HEADING_SCALE] if self.has_field else 1.0)
-        heading = np.sqrt(own + settings[at.HEADING_FLOOR] * level * self._share**2)
+        own = np.maximum(self._variances[:, 3], 0.0) * (settings["heading_scale"] if self.has_field else 1.0)
+        heading = np.sqrt(own + settings["heading_floor"] * level * self._share**2)
         blocks = np.column_stack((np.sqrt(tilt), np.minimum(heading, math.pi)))
         ends = (np.arange(len(blocks)) + 1) * self._block_ticks - 1
         ticks = np.arange(len(self.q))
@@ -264,7 +248,7 @@ class SensorPasses:
         better |= OrientationFlag.HEADING_NOT_TRUSTED
         kept = online & np.uint8(~int(better) & 0xFF)
         disturbed = self.per_sample(self._misfit) > _DISTURBED
-        lost = heading_sigma_rad > self._settings[at.HEADING_LOST]
+        lost = heading_sigma_rad > self._settings["heading_lost"]
         if not self.has_field:
             lost = np.ones_like(lost)
         kept[~self._session.seen] |= np.uint8(OrientationFlag.INVALID)

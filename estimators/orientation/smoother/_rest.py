@@ -3,9 +3,9 @@
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
-from estimators.orientation.smoother._kernel import AT_REST, RATE
-from estimators.orientation.telemotion import _layout as at
+from estimators.orientation.telemotion import _records as at
 from estimators.recording import Float
 
 _SWAY_RADPS, _UNSEEN_S = math.radians(0.5), 0.75
@@ -23,28 +23,28 @@ class Rests:
 
     Parameters
     ----------
-    facts : ndarray, shape (B, FACTS)
+    facts : ndarray of FACTS, shape (B,)
         Rest and mean raw rate of the blocks.
-    settings : ndarray
+    settings : np.void
     """
 
-    def __init__(self, facts: Float, settings: Float) -> None:
+    def __init__(self, facts: NDArray[np.void], settings: np.void) -> None:
         self._settings = settings
-        self._block_s = settings[at.BLOCK_TICKS] * settings[at.STEP_S]
-        at_rest = facts[:, AT_REST] > 0.0
+        self._block_s = settings["block_ticks"] * settings["step_s"]
+        at_rest = facts["is_at_rest"] > 0
         edges = np.flatnonzero(np.diff(np.concatenate(([False], at_rest, [False])).astype(np.int8)))
         runs = edges.reshape(-1, 2)
         self._mean = np.zeros((len(facts), 3))
         squares = np.zeros(len(facts))
         short = max(1, round(_HALF_SECOND / self._block_s))
-        long = max(short, round(settings[at.REST_SURE_S] / self._block_s))
+        long = max(short, round(settings["rest_sure_s"] / self._block_s))
         for begin, end in runs:
-            rate = facts[begin:end, RATE : RATE + 3]
+            rate = facts["rate"][begin:end]
             self._mean[begin:end] = _running_mean(rate, long)
             squares[begin:end] = ((_running_mean(rate, short) - self._mean[begin:end]) ** 2).sum(axis=1)
         self._variance = np.full(len(facts), np.inf)
-        sway = _both_ways(squares[at_rest], self._block_s, settings[at.REST_SURE_S])
-        told = settings[at.REST_BIAS] + settings[at.REST_SWAY_S] * sway
+        sway = _both_ways(squares[at_rest], self._block_s, settings["rest_sure_s"])
+        told = settings["rest_bias"] + settings["rest_sway_s"] * sway
         self._variance[at_rest] = told / self._block_s
 
     def variance(self, bias_radps: Float, known_variance: Float) -> Float:
@@ -58,7 +58,7 @@ class Rests:
             Of that, its three components together; infinite at first.
         """
         off = ((self._mean - bias_radps) ** 2).sum(axis=1)
-        doubt = (off / (self._settings[at.REST_SURPRISE] + known_variance)) ** 2
+        doubt = (off / (self._settings["rest_surprise"] + known_variance)) ** 2
         return np.asarray(self._variance * (1.0 + np.minimum(doubt, _MOST_DOUBT)))
 
     def known(self, covariances: Float, final: Float) -> Float:
@@ -69,7 +69,7 @@ class Rests:
         columns = (at.STATES + 1) * (at.BIAS + np.arange(3))
         before = covariances[:, columns].sum(axis=1)
         left_s = self._block_s * np.arange(len(before))[::-1]
-        after = final[columns].sum() + 3.0 * self._settings[at.BIAS_DRIFT] * left_s
+        after = final[columns].sum() + 3.0 * self._settings["bias_drift"] * left_s
         return np.asarray(np.minimum(before, after))
 
 

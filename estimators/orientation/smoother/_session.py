@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from estimators import rotation
 from estimators.conventions import GRAVITY_MPS2
 from estimators.orientation._contract import OrientationFlag, OrientationResult
-from estimators.orientation.smoother._kernel import AT_REST, FACTS, RATE, SHARE
-from estimators.orientation.telemotion import _layout as at
+from estimators.orientation.smoother._kernel import FACTS
+from estimators.orientation.telemotion import _records as at
 from estimators.orientation.telemotion._samples import CLIP_SHARE
 from estimators.recording import Float, ImuChunk, SampleQuality
 
@@ -30,11 +30,11 @@ class SensorSession:
     ----------
     first, stop : int
         Ticks of the chunk from the first to after the last measured sample.
-    samples : ndarray, shape (K, SAMPLE)
+    samples : ndarray of SAMPLE, shape (K,)
         Without gaps; field in microtesla.
     seen : ndarray of bool, shape (K,)
         False inside gaps too long to fill.
-    facts : ndarray, shape (B, FACTS)
+    facts : ndarray of FACTS, shape (B,)
         Rest, share of the start place and mean raw rate are filled in.
     turn_variance, speed_variance : ndarray, shape (B, 3)
         What gaps add.
@@ -43,16 +43,16 @@ class SensorSession:
 
     first: int
     stop: int
-    samples: Float
+    samples: NDArray[np.void]
     seen: NDArray[np.bool_]
-    facts: Float
+    facts: NDArray[np.void]
     turn_variance: Float
     speed_variance: Float
     gravity: float
 
 
 def prepare(
-    chunk: ImuChunk, usable: NDArray[np.bool_], q_online: Float, settings: Float
+    chunk: ImuChunk, usable: NDArray[np.bool_], q_online: Float, settings: np.void
 ) -> SensorSession | None:
     """Make a chunk of one sensor ready; None if it has fewer samples than a block.
 
@@ -63,31 +63,31 @@ def prepare(
     q_online : ndarray, shape (K, 4)
         Where the online filter had it: it tells the turn through gaps too long to be filled. There it is
         replaced, in place, by that turn at a constant rate.
-    settings : ndarray
+    settings : np.void
     """
-    block_ticks = int(settings[at.BLOCK_TICKS])
+    block_ticks = int(settings["block_ticks"])
     measured = usable & ((chunk.quality[0] & int(SampleQuality.BRIDGED)) == 0)
     places = np.flatnonzero(measured)
     if places.size < 2 or places[-1] + 1 - places[0] < block_ticks:
         return None
     first, stop = int(places[0]), int(places[-1]) + 1
     span = slice(first, stop)
-    samples = np.zeros((stop - first, at.SAMPLE))
-    samples[:, at.RATE : at.RATE + 3] = chunk.gyroscope_radps[0, span]
-    samples[:, at.FORCE : at.FORCE + 3] = chunk.accelerometer_mps2[0, span]
+    samples = np.zeros(stop - first, at.SAMPLE)
+    samples["rate"] = chunk.gyroscope_radps[0, span]
+    samples["force"] = chunk.accelerometer_mps2[0, span]
     if chunk.magnetometer_t is not None:
         field = _MICROTESLA * chunk.magnetometer_t[0, span]
         found = np.isfinite(field).all(axis=1) & (field != 0.0).any(axis=1)
-        samples[:, at.MAGNETIC : at.MAGNETIC + 3] = np.where(found[:, None], field, 0.0)
-        samples[:, at.HAS_FIELD] = found
-    samples[:, at.SATURATED] = (chunk.quality[0, span] & int(SampleQuality.SATURATED)) != 0
+        samples["field"] = np.where(found[:, None], field, 0.0)
+        samples["has_field"] = found
+    samples["saturated"] = (chunk.quality[0, span] & int(SampleQuality.SATURATED)) != 0
     blocks = -(-(stop - first) // block_ticks)
     turn_variance, speed_variance = np.zeros((blocks, 3)), np.zeros((blocks, 3))
-    spread = _rate_spread(samples[:, :3], places - first, settings)
+    spread = _rate_spread(samples["rate"], places - first, settings)
     seen = np.ones(len(samples), dtype=bool)
     for before, after in zip(places[:-1] - first, places[1:] - first, strict=True):
         if after - before > 1:
-            if after - before - 1 > settings[at.COAST_TICKS]:
+            if after - before - 1 > settings["coast_ticks"]:
                 turn, speed = _bridge(samples, int(before), int(after), q_online[span], settings)
                 seen[before + 1 : after + 1] = False
                 # All along the gap, lest the force made up there tell the filter how it lay.
@@ -99,24 +99,24 @@ def prepare(
             turn_variance[after // block_ticks] += turn
             speed_variance[after // block_ticks] += speed
     edges = np.arange(blocks) * block_ticks
-    cut_off = _growth(samples[:, at.SATURATED] > 0.0, settings)
-    largest = np.abs(samples[:, at.RATE : at.RATE + 3]).max(axis=1)
-    unseen = np.maximum(settings[at.CLIP_RATE], (CLIP_SHARE * largest) ** 2)
+    cut_off = _growth(samples["saturated"] > 0, settings)
+    largest = np.abs(samples["rate"]).max(axis=1)
+    unseen = np.maximum(settings["clip_rate"], (CLIP_SHARE * largest) ** 2)
     turn_variance += np.add.reduceat(unseen * cut_off, edges)[:, None]
-    speed_variance += settings[at.CLIP_FORCE] * np.add.reduceat(cut_off, edges)[:, None]
-    facts = np.zeros((blocks, FACTS))
+    speed_variance += settings["clip_force"] * np.add.reduceat(cut_off, edges)[:, None]
+    facts = np.zeros(blocks, FACTS)
     rest = _rest(samples, settings) & seen
     lengths = np.diff(np.append(edges, stop - first))
-    facts[:, AT_REST] = np.add.reduceat(rest, edges) == lengths
-    facts[:, RATE : RATE + 3] = np.add.reduceat(samples[:, :3], edges) / lengths[:, None]
+    facts["is_at_rest"] = np.add.reduceat(rest, edges) == lengths
+    facts["rate"] = np.add.reduceat(samples["rate"], edges) / lengths[:, None]
     leaving = np.where(
-        facts[:, AT_REST] > 0.0, 0.0, lengths * settings[at.STEP_S] / settings[at.START_LEAVING_S]
+        facts["is_at_rest"] > 0, 0.0, lengths * settings["step_s"] / settings["start_leaving_s"]
     )
     share = np.exp(-np.cumsum(leaving))
-    facts[:, SHARE] = np.where(share > 1e-6, share, 0.0)
+    facts["share"] = np.where(share > 1e-6, share, 0.0)
     gravity = GRAVITY_MPS2
     if rest.any():
-        gravity = float(np.median(np.linalg.norm(samples[rest, at.FORCE : at.FORCE + 3], axis=1)))
+        gravity = float(np.median(np.linalg.norm(samples["force"][rest], axis=1)))
     return SensorSession(first, stop, samples, seen, facts, turn_variance, speed_variance, gravity)
 
 
@@ -149,9 +149,9 @@ def turn_back(live: OrientationResult, chunk: ImuChunk, usable: NDArray[np.bool_
             q[k] = rotation.multiply(q[k + 1], back[k - begin])
 
 
-def _rate_spread(rate: Float, places: NDArray[np.intp], settings: Float) -> Float:
+def _rate_spread(rate: Float, places: NDArray[np.intp], settings: np.void) -> Float:
     """Return the standard deviation of the measured rate, root of the sum over axes, around each sample."""
-    window = max(3, round(0.5 / settings[at.STEP_S]))
+    window = max(3, round(0.5 / settings["step_s"]))
     known = rate[places]
     mean = scipy.ndimage.uniform_filter1d(known, window, axis=0, mode="nearest")
     square = scipy.ndimage.uniform_filter1d(known * known, window, axis=0, mode="nearest")
@@ -160,72 +160,88 @@ def _rate_spread(rate: Float, places: NDArray[np.intp], settings: Float) -> Floa
     return spread
 
 
-def _bridge(samples: Float, before: int, after: int, q_online: Float, settings: Float) -> tuple[Float, Float]:
+def _bridge(
+    samples: NDArray[np.void], before: int, after: int, q_online: Float, settings: np.void
+) -> tuple[Float, Float]:
     """Cross a gap too long to fill, in place: by the turn between where the online filter was and restarted.
 
     That turn is a guess and gets the variance of one; but from it on errors are small again, which the
     linear model of the passes needs.
     """
     length = after - before
-    step_s = settings[at.STEP_S]
+    step_s = settings["step_s"]
     t = (np.arange(1, length) / length)[:, None]
     turn = rotation.log(rotation.multiply(rotation.conjugate(q_online[before]), q_online[after]))
     # A sample is the turn of the interval before it, so the one after the gap is part of it.
-    samples[before + 1 : after + 1, at.RATE : at.RATE + 3] = turn / (length * step_s)
+    samples["rate"][before + 1 : after + 1] = turn / (length * step_s)
     between = rotation.multiply(q_online[before], rotation.exp(t * turn))
     q_online[before + 1 : after] = between
     up = np.array([0.0, 0.0, GRAVITY_MPS2])
-    samples[before + 1 : after, at.FORCE : at.FORCE + 3] = rotation.rotate(rotation.conjugate(between), up)
-    samples[before + 1 : after, at.HAS_FIELD] = 0.0
+    samples["force"][before + 1 : after] = rotation.rotate(rotation.conjugate(between), up)
+    samples["has_field"][before + 1 : after] = 0
     lost = min((_LOST_RATE * length * step_s) ** 2, _LARGEST_TURN)
-    return np.full(3, lost), np.full(3, settings[at.SPEED_START])
+    return np.full(3, lost), np.full(3, settings["speed_start"])
 
 
 def _fill(
-    samples: Float, before: int, after: int, measured: NDArray[np.bool_], spread: Float, settings: Float
+    samples: NDArray[np.void],
+    before: int,
+    after: int,
+    measured: NDArray[np.bool_],
+    spread: Float,
+    settings: np.void,
 ) -> tuple[Float, Float]:
     """Fill one gap in place as the online filter does, and return the variances that it adds."""
     length = after - before
-    time_s = length * settings[at.STEP_S]
+    time_s = length * settings["step_s"]
     t = (np.arange(1, length) / length)[:, None]
-    low, high = samples[before, :6], samples[after, :6]
+    # The last two samples before the gap and the first two after it.
+    outside = _motion(samples[[max(before - 1, 0), before, after, min(after + 1, len(samples) - 1)]])
+    low, high = outside[1], outside[2]
     chord = (high - low) / length
-    rise = low - samples[before - 1, :6] if before > 0 and measured[before - 1] else chord
-    fall = samples[after + 1, :6] - high if after + 1 < len(samples) and measured[after + 1] else chord
+    rise = low - outside[0] if before > 0 and measured[before - 1] else chord
+    fall = outside[3] - high if after + 1 < len(samples) and measured[after + 1] else chord
     late = t * t * (3.0 - 2.0 * t)
     curve = length * (t * (1.0 - t) ** 2 * rise - t * t * (1.0 - t) * fall)
-    samples[before + 1 : after, :6] = low + late * (high - low) + curve
-    if samples[before, at.HAS_FIELD] > 0.0 and samples[after, at.HAS_FIELD] > 0.0:
-        field = samples[:, at.MAGNETIC : at.MAGNETIC + 3]
+    motion = low + late * (high - low) + curve
+    samples["rate"][before + 1 : after], samples["force"][before + 1 : after] = motion[:, :3], motion[:, 3:]
+    if samples["has_field"][before] and samples["has_field"][after]:
+        field = samples["field"]
         field[before + 1 : after] = field[before] + t * (field[after] - field[before])
-        samples[before + 1 : after, at.HAS_FIELD] = 1.0
+        samples["has_field"][before + 1 : after] = 1
     else:
-        samples[before + 1 : after, at.HAS_FIELD] = 0.0
-    share = settings[at.GAP_SHARE]
+        samples["has_field"][before + 1 : after] = 0
+    share = settings["gap_share"]
     unseen = 0.25 * max(spread[before], spread[after]) ** 2 / 3.0 * min(time_s / _UNSEEN_S, 1.0) ** 2
     bulge = length / 8.0 * (rise - fall)[:3]
     rate = share * ((high - low)[:3] ** 2 + (_MEAN_SHARE * (high + low)[:3]) ** 2) + unseen + 0.25 * bulge**2
     return rate * time_s**2, share * ((high - low)[3:] * time_s) ** 2
 
 
-def _growth(is_clipped: NDArray[np.bool_], settings: Float) -> Float:
+def _growth(is_clipped: NDArray[np.bool_], settings: np.void) -> Float:
     """Return by how much the squared time at the limit grows with each sample: as the online filter counts it."""
     count = np.arange(1, len(is_clipped) + 1)
     since = count - np.maximum.accumulate(np.where(is_clipped, 0, count))
-    return np.where(is_clipped, (2.0 * since - 1.0) * settings[at.STEP_S] ** 2, 0.0)
+    return np.where(is_clipped, (2.0 * since - 1.0) * settings["step_s"] ** 2, 0.0)
 
 
-def _rest(samples: Float, settings: Float) -> NDArray[np.bool_]:
+def _motion(samples: NDArray[np.void]) -> Float:
+    """Return rate and specific force side by side, shape (K, 6)."""
+    return np.concatenate((samples["rate"], samples["force"]), axis=1)
+
+
+def _rest(samples: NDArray[np.void], settings: np.void) -> NDArray[np.bool_]:
     """Say which samples lie in the middle of rest, from windows around them."""
-    window = max(3, round(settings[at.REST_MINIMUM_S] / settings[at.STEP_S]))
-    mean = scipy.ndimage.uniform_filter1d(samples[:, :6], window, axis=0, mode="nearest")
-    square = scipy.ndimage.uniform_filter1d(samples[:, :6] ** 2, window, axis=0, mode="nearest")
+    window = max(3, round(settings["rest_minimum_s"] / settings["step_s"]))
+    motion = _motion(samples)
+    mean = scipy.ndimage.uniform_filter1d(motion, window, axis=0, mode="nearest")
+    square = scipy.ndimage.uniform_filter1d(motion**2, window, axis=0, mode="nearest")
     variance = np.maximum(square - mean * mean, 0.0)
     return np.asarray(
-        (variance[:, :3].sum(axis=1) < settings[at.REST_RATE])
-        & (variance[:, 3:].sum(axis=1) < settings[at.REST_FORCE])
+        (variance[:, :3].sum(axis=1) < settings["rest_rate"])
+        & (variance[:, 3:].sum(axis=1) < settings["rest_force"])
         & ((mean[:, :3] ** 2).sum(axis=1) < _REST_MEAN_RATE**2)
-        & (samples[:, at.SATURATED] == 0.0)
+        & (samples["saturated"] == 0)
     )
 
 

@@ -1,41 +1,29 @@
 """Sums of blocks along a known trajectory: what our own smoother works on, sensor by sensor."""
 
+import numba
 import numpy as np
+from numba import types
+from numpy.typing import NDArray
 
 from estimators._kernels import exponential, kernel, multiply, normalized
-from estimators.orientation.telemotion._layout import (
-    BIAS,
-    COUNT,
-    COUNTERS,
-    DELAY,
-    FIELD_COUNT,
-    GAIN,
-    GAP_SPEED_VARIANCE,
-    IRON,
-    MEMORY,
-    SAMPLE,
-    SUM_ROTATION,
-)
+from estimators.kernels import VOID, Record, rows
+from estimators.orientation.telemotion._records import BIAS, DELAY, GAIN, SAMPLE, SETTINGS, STATE, SUMS
 from estimators.orientation.telemotion._samples import clear_sums, integrate
 from estimators.recording import Float
 
-SUMS = GAP_SPEED_VARIANCE + 3 - SUM_ROTATION
+_F1, _F2 = types.float64[::1], types.float64[:, ::1]
 
 
-@kernel(
-    "void(float64[:, ::1], int64, float64[:, ::1], float64[::1], float64[::1], float64[:, ::1], float64[::1],"
-    "float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[:, ::1])"
-)
+@kernel(VOID(rows(SAMPLE), types.int64, _F2, _F1, _F1, _F2, numba.from_dtype(SETTINGS), rows(SUMS), _F2, _F2))
 def sweep(
-    samples: Float,
+    samples: NDArray[np.void],
     block_ticks: int,
     q_ends: Float,
     q_first: Float,
     constants: Float,
     iron: Float,
-    settings: Float,
-    sums: Float,
-    parts: Float,
+    settings: Record,
+    sums: NDArray[np.void],
     q_open: Float,
     q_nominal: Float,
 ) -> None:
@@ -43,7 +31,7 @@ def sweep(
 
     Parameters
     ----------
-    samples : ndarray, shape (K, SAMPLE)
+    samples : ndarray of SAMPLE, shape (K,)
     q_ends : ndarray, shape (B, 4)
         Attitude at the end of each block, where the next begins.
     q_first : ndarray, shape (4,)
@@ -51,32 +39,29 @@ def sweep(
         Nominal bias, gain and delay, in place.
     iron : ndarray, shape (B, 3)
         Nominal hard iron in each block.
-    sums, parts : ndarray, shape (B, SUMS) and (B, 2)
-        Filled: the sums, and how many samples and samples with field they hold.
+    sums : ndarray of SUMS, shape (B,)
+        Filled.
     q_open : ndarray, shape (B, 4)
         Filled: where the turn through a block arrives, before `q_ends`.
     q_nominal : ndarray, shape (K, 4)
         Filled: the attitude at every sample.
     """
-    memory, counts = np.zeros(MEMORY), np.zeros(COUNTERS, dtype=np.int64)
-    bias, q = constants[BIAS : BIAS + 3].copy(), q_first.copy()
-    for i in range(GAIN, GAIN + 9):
-        memory[i] = constants[i]
-    memory[DELAY] = constants[DELAY]
+    states = np.zeros(1, STATE)
+    x = states[0]
+    x.q[:] = q_first
+    x.bias[:] = constants[BIAS : BIAS + 3]
+    x.gain[:] = constants[GAIN : GAIN + 9]
+    x.delay = constants[DELAY]
     for block in range(q_ends.shape[0]):
-        clear_sums(memory, counts)
-        for a in range(3):
-            memory[IRON + a] = iron[block, a]
+        clear_sums(sums[block])
+        x.iron[:] = iron[block]
         for k in range(block * block_ticks, min((block + 1) * block_ticks, samples.shape[0])):
-            integrate(q, bias, memory, counts, samples[k, :SAMPLE], settings)
+            integrate(x, sums[block], samples[k], settings)
             for i in range(4):
-                q_nominal[k, i] = q[i]
-        for i in range(SUMS):
-            sums[block, i] = memory[SUM_ROTATION + i]
-        parts[block, 0], parts[block, 1] = counts[COUNT], counts[FIELD_COUNT]
+                q_nominal[k, i] = x.q[i]
         for i in range(4):
-            q_open[block, i] = q[i]
-            q[i] = q_ends[block, i]
+            q_open[block, i] = x.q[i]
+            x.q[i] = q_ends[block, i]
 
 
 @kernel("void(float64[:, ::1], float64[:, ::1], float64[:, ::1], int64)")
@@ -100,4 +85,4 @@ def turn_on(q_nominal: Float, opening: Float, closing: Float, block_ticks: int) 
         q[0], q[1], q[2], q[3] = normalized(w, x, y, z)
 
 
-__all__ = ["SUMS", "sweep", "turn_on"]
+__all__ = ["sweep", "turn_on"]

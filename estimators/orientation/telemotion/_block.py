@@ -6,39 +6,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators._kernels import exponential, kernel, multiply, normalized
-from estimators.orientation.telemotion._layout import (
+from estimators.kernels import Record, step
+from estimators.orientation.telemotion._records import (
     BIAS,
-    BIAS_DRIFT,
-    COUNT,
     DELAY,
     FIELD,
-    FIELD_COUNT,
     GAIN,
-    GAP_SPEED_VARIANCE,
-    GAP_TURN_VARIANCE,
-    GRAVITY,
-    GRAVITY_COUNT,
     IRON,
-    MEAN_FORCE,
-    MEAN_RATE,
     POSITION,
-    POSITION_NOISE,
-    POSITION_PRIOR,
-    RATE_NOISE,
-    RATE_NOISE_PER_RATE,
-    REST_S,
-    REST_SPEED,
-    SPEED_NOISE,
     START,
-    START_SHARE,
     STATES,
-    STEP_S,
-    SUM_DELAY,
-    SUM_FIELD,
-    SUM_FORCE,
-    SUM_GAIN,
-    SUM_RATE2,
-    SUM_ROTATION,
     TURN,
     VELOCITY,
 )
@@ -53,17 +30,17 @@ _GRAVITY_AVERAGE = 70.0
 """Blocks at rest over which the norm of gravity is averaged at most."""
 
 
-@kernel("void(float64[::1], float64[::1], float64[::1], float64)")
-def predict(p: Float, memory: Float, settings: Float, ticks: float) -> None:
+@step()
+def predict(p: Float, sums: Record, settings: Record, ticks: float) -> None:
     """Carry the covariance over a block of `ticks`: P <- F P F' + Q (house note, 5.3, 5.4).
 
     turn += Phi_b bias + Phi_K gain; velocity -= [s x] turn; position += time velocity; the rest stays.
     Only the first nine rows of F differ from the identity, so only these rows and columns are touched.
     The covariance is flat here and below, so that the compiler sees that rows do not overlap.
     """
-    step_s = settings[STEP_S]
+    step_s = settings.step_s
     time_s = ticks * step_s
-    sx, sy, sz = memory[SUM_FORCE], memory[SUM_FORCE + 1], memory[SUM_FORCE + 2]
+    sx, sy, sz = sums.sum_force[0], sums.sum_force[1], sums.sum_force[2]
     for j in range(STATES):
         p[_P0 + j] += time_s * p[_V0 + j]
         p[_P1 + j] += time_s * p[_V1 + j]
@@ -73,9 +50,9 @@ def predict(p: Float, memory: Float, settings: Float, ticks: float) -> None:
         p[_V1 + j] += sx * tz - sz * tx
         p[_V2 + j] += sy * tx - sx * ty
     for c in range(3):
-        x = -step_s * memory[SUM_ROTATION + c]
-        y = -step_s * memory[SUM_ROTATION + 3 + c]
-        z = -step_s * memory[SUM_ROTATION + 6 + c]
+        x = -step_s * sums.sum_rotation[c]
+        y = -step_s * sums.sum_rotation[3 + c]
+        z = -step_s * sums.sum_rotation[6 + c]
         row = STATES * (BIAS + c)
         for j in range(STATES):
             source = p[row + j]
@@ -83,9 +60,9 @@ def predict(p: Float, memory: Float, settings: Float, ticks: float) -> None:
             p[_T1 + j] += y * source
             p[_T2 + j] += z * source
     for c in range(9):
-        x = step_s * memory[SUM_GAIN + c]
-        y = step_s * memory[SUM_GAIN + 9 + c]
-        z = step_s * memory[SUM_GAIN + 18 + c]
+        x = step_s * sums.sum_gain[c]
+        y = step_s * sums.sum_gain[9 + c]
+        z = step_s * sums.sum_gain[18 + c]
         row = STATES * (GAIN + c)
         for j in range(STATES):
             source = p[row + j]
@@ -103,16 +80,16 @@ def predict(p: Float, memory: Float, settings: Float, ticks: float) -> None:
         for a in range(3):
             total = 0.0
             for c in range(3):
-                total -= memory[SUM_ROTATION + 3 * a + c] * p[row + BIAS + c]
+                total -= sums.sum_rotation[3 * a + c] * p[row + BIAS + c]
             for c in range(9):
-                total += memory[SUM_GAIN + 9 * a + c] * p[row + GAIN + c]
+                total += sums.sum_gain[9 * a + c] * p[row + GAIN + c]
             p[row + TURN + a] += step_s * total
-    turning = settings[RATE_NOISE] + settings[RATE_NOISE_PER_RATE] * memory[SUM_RATE2] / ticks
+    turning = settings.rate_noise + settings.rate_noise_per_rate * sums.sum_rate2 / ticks
     for a in range(3):
-        p[_DIAGONAL * (TURN + a)] += turning * time_s + memory[GAP_TURN_VARIANCE + a]
-        p[_DIAGONAL * (VELOCITY + a)] += settings[SPEED_NOISE] * time_s + memory[GAP_SPEED_VARIANCE + a]
-        p[_DIAGONAL * (POSITION + a)] += settings[POSITION_NOISE] * time_s
-        p[_DIAGONAL * (BIAS + a)] += settings[BIAS_DRIFT] * time_s
+        p[_DIAGONAL * (TURN + a)] += turning * time_s + sums.gap_turn_variance[a]
+        p[_DIAGONAL * (VELOCITY + a)] += settings.speed_noise * time_s + sums.gap_speed_variance[a]
+        p[_DIAGONAL * (POSITION + a)] += settings.position_noise * time_s
+        p[_DIAGONAL * (BIAS + a)] += settings.bias_drift * time_s
     for i in range(BIAS):
         for j in range(i + 1, STATES):
             p[STATES * j + i] = p[STATES * i + j]
@@ -179,103 +156,100 @@ def absorb(p: Float, error: Float, rows: Float, index: NDArray[np.int64], value:
             row[j] -= one * (x * first[j]) + two * (y * second[j]) + three * (z * third[j])
 
 
-@kernel("void(float64[::1], float64[::1], float64)")
-def move(memory: Float, settings: Float, ticks: float) -> None:
+@step()
+def move(memory: Record, settings: Record, ticks: float) -> None:
     """Carry nominal velocity and position; at rest learn the norm of gravity."""
-    time_s = ticks * settings[STEP_S]
-    if memory[REST_S] > 1.0:
-        norm = math.sqrt(memory[MEAN_FORCE] ** 2 + memory[MEAN_FORCE + 1] ** 2 + memory[MEAN_FORCE + 2] ** 2)
-        memory[GRAVITY_COUNT] = min(memory[GRAVITY_COUNT] + 1.0, _GRAVITY_AVERAGE)
-        memory[GRAVITY] += (norm - memory[GRAVITY]) / memory[GRAVITY_COUNT]
+    time_s = ticks * settings.step_s
+    if memory.rest_s > 1.0:
+        norm = math.sqrt(memory.mean_force[0] ** 2 + memory.mean_force[1] ** 2 + memory.mean_force[2] ** 2)
+        memory.gravity_count = min(memory.gravity_count + 1.0, _GRAVITY_AVERAGE)
+        memory.gravity += (norm - memory.gravity) / memory.gravity_count
     for a in range(3):
-        change = memory[SUM_FORCE + a]
+        change = memory.sum_force[a]
         if a == 2:
-            change -= memory[GRAVITY] * time_s
-        memory[POSITION + a] += time_s * (memory[VELOCITY + a] + 0.5 * change)
-        memory[VELOCITY + a] += change
+            change -= memory.gravity * time_s
+        memory.position[a] += time_s * (memory.velocity[a] + 0.5 * change)
+        memory.velocity[a] += change
 
 
-@kernel(
-    "void(float64[::1], float64[::1], float64[:, ::1], float64[::1], float64[::1], float64[::1], int64[:, ::1],"
-    "float64[:, ::1], float64, boolean)"
-)
+@step()
 def hold_place(
     p: Float,
     error: Float,
     rows: Float,
-    bias: Float,
-    memory: Float,
-    settings: Float,
+    memory: Record,
+    settings: Record,
     index: NDArray[np.int64],
     value: Float,
     ticks: float,
     rest: bool,
 ) -> None:
     """Weigh specific force: the sensor stays near one place; at rest, neither moves nor turns (5.5, 5.8)."""
-    time_s = ticks * settings[STEP_S]
+    time_s = ticks * settings.step_s
     for a in range(3):
         index[a, 0], value[a, 0] = POSITION + a, 1.0
-        rows[3, a], rows[4, a] = -memory[POSITION + a], settings[POSITION_PRIOR] / time_s
+        rows[3, a], rows[4, a] = -memory.position[a], settings.position_prior / time_s
     absorb(p, error, rows, index, value, 1)
     if not rest:
         return
     for a in range(3):
         index[a, 0] = VELOCITY + a
-        rows[3, a], rows[4, a] = -memory[VELOCITY + a], settings[REST_SPEED] / time_s
+        rows[3, a], rows[4, a] = -memory.velocity[a], settings.rest_speed / time_s
     absorb(p, error, rows, index, value, 1)
-    variance = rest_variance(p, bias, memory, settings, time_s)
+    variance = rest_variance(p, memory, settings, time_s)
     for a in range(3):
         index[a, 0] = BIAS + a
-        rows[3, a], rows[4, a] = memory[MEAN_RATE + a] - bias[a], variance
+        rows[3, a], rows[4, a] = memory.mean_rate[a] - memory.bias[a], variance
     absorb(p, error, rows, index, value, 1)
 
 
-@kernel(
-    "void(float64[::1], float64[::1], float64[:, ::1], float64[::1], int64[:, ::1], float64[:, ::1], int64[::1],"
-    "float64)"
-)
+@step()
 def see_field(
     p: Float,
     error: Float,
     rows: Float,
-    memory: Float,
+    memory: Record,
     index: NDArray[np.int64],
     value: Float,
-    counts: NDArray[np.int64],
     variance: float,
 ) -> None:
     """Take the mean field of the block, all three components (house note, 5.9, in the start frame).
 
     mean R (m - iron) = FIELD + share START + [FIELD x] turn + R iron + delay mean R (w x m) + noise.
     """
-    per_field, per_sample = 1.0 / counts[FIELD_COUNT], 1.0 / counts[COUNT]
-    share = memory[START_SHARE]
-    bx, by, bz = memory[FIELD], memory[FIELD + 1], memory[FIELD + 2]
+    per_field, per_sample = 1.0 / memory.field_count, 1.0 / memory.count
+    share = memory.start_share
+    bx, by, bz = memory.field[0], memory.field[1], memory.field[2]
     index[0, 0], value[0, 0], index[0, 1], value[0, 1] = TURN + 1, -bz, TURN + 2, by
     index[1, 0], value[1, 0], index[1, 1], value[1, 1] = TURN, bz, TURN + 2, -bx
     index[2, 0], value[2, 0], index[2, 1], value[2, 1] = TURN, -by, TURN + 1, bx
     for a in range(3):
         index[a, 2], value[a, 2] = FIELD + a, 1.0
-        index[a, 3], value[a, 3] = DELAY, memory[SUM_DELAY + a] * per_field
+        index[a, 3], value[a, 3] = DELAY, memory.sum_delay[a] * per_field
         for c in range(3):
-            index[a, 4 + c], value[a, 4 + c] = IRON + c, memory[SUM_ROTATION + 3 * a + c] * per_sample
+            index[a, 4 + c], value[a, 4 + c] = IRON + c, memory.sum_rotation[3 * a + c] * per_sample
         index[a, 7], value[a, 7] = START + a, share
-        rows[3, a] = memory[SUM_FIELD + a] * per_field - memory[FIELD + a] - share * memory[START + a]
+        rows[3, a] = memory.sum_field[a] * per_field - memory.field[a] - share * memory.start[a]
         rows[4, a] = variance
     absorb(p, error, rows, index, value, 8 if share > 0.0 else 7)
 
 
-@kernel("void(float64[::1], float64[::1], float64[::1], float64[::1])")
-def inject(q: Float, bias: Float, memory: Float, error: Float) -> None:
+@step()
+def inject(memory: Record, error: Float) -> None:
     """Move the error into the estimate and clear it (house note, 5.11)."""
     tw, tx, ty, tz = exponential(error[TURN], error[TURN + 1], error[TURN + 2])
-    w, x, y, z = multiply(tw, tx, ty, tz, q[0], q[1], q[2], q[3])
-    q[0], q[1], q[2], q[3] = normalized(w, x, y, z)
-    for i in range(VELOCITY, STATES):
-        if i < BIAS or i >= GAIN:
-            memory[i] += error[i]
+    w, x, y, z = multiply(tw, tx, ty, tz, memory.q[0], memory.q[1], memory.q[2], memory.q[3])
+    memory.q[0], memory.q[1], memory.q[2], memory.q[3] = normalized(w, x, y, z)
     for a in range(3):
-        bias[a] += error[BIAS + a]
+        memory.velocity[a] += error[VELOCITY + a]
+        memory.position[a] += error[POSITION + a]
+        memory.bias[a] += error[BIAS + a]
+        memory.field[a] += error[FIELD + a]
+        memory.iron[a] += error[IRON + a]
+        memory.start[a] += error[START + a]
+    for i in range(9):
+        memory.gain[i] += error[GAIN + i]
+    memory.delay += error[DELAY]
     for i in range(STATES):
         error[i] = 0.0
 

@@ -7,16 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.conventions import GRAVITY_MPS2
-from estimators.errors import SetupError, ShapeError
+from estimators.errors import ShapeError
 from estimators.orientation._contract import OrientationResult
 from estimators.orientation._device_constants import DeviceConstants
-from estimators.orientation._kernel_estimator import KernelEstimator
-from estimators.orientation.telemotion import _layout as at
+from estimators.orientation._record_estimator import RecordEstimator
+from estimators.orientation.telemotion import _records as at
 from estimators.orientation.telemotion._kernel import run
 from estimators.orientation.telemotion._parameters import (
-    POSITIVE,
     TelemotionParameters,
-    ordered,
+    check,
     settings_of,
 )
 from estimators.recording import Float, ImuChunk
@@ -31,7 +30,7 @@ _GAIN_AGEING, _DELAY_AGEING_S, _IRON_AGEING_UT = 0.003, 0.002, 0.5
 """What temperature and time change between two sessions, one sigma."""
 
 
-class TelemotionEstimator(KernelEstimator):
+class TelemotionEstimator(RecordEstimator):
     """Error-state filter that also learns gyroscope gain, magnetometer delay, hard iron and the room's field.
 
     Each sample turns the attitude; every `block_s` a Kalman filter of 31 states corrects it, and corrections
@@ -50,20 +49,16 @@ class TelemotionEstimator(KernelEstimator):
         "Also learns each sensor's own errors and nearby magnets while it is worn; the most accurate live estimate."
     )
     _parameter_kind = TelemotionParameters
-    _positive = POSITIVE
+    _settings_kind = at.SETTINGS
+    _state_kind = at.STATE
     _covariance_size = at.STATES
     _bias_first = at.BIAS
-    _memory_columns = at.MEMORY
-    _counter_columns = at.COUNTERS
     _parameters: TelemotionParameters
 
     def __init__(
         self, sensor_count: int, time_step_s: float, parameters: Mapping[str, Any] | None = None
     ) -> None:
         super().__init__(sensor_count, time_step_s, parameters)
-        wrong = ordered(self._parameters)
-        if wrong:
-            raise SetupError(wrong)
         self._given = [DeviceConstants()] * sensor_count
         p = self._parameters
         self._set_variance(at.BIAS, 3, np.deg2rad(p.bias_start_sigma_degps) ** 2)
@@ -71,18 +66,20 @@ class TelemotionEstimator(KernelEstimator):
         self._set_variance(at.IRON, 3, p.iron_wide_ut**2)
         self._set_variance(at.DELAY, 1, p.delay_sigma_s**2)
         self._set_variance(at.START, 3, p.start_wide_ut**2)
-        self._memory[:, at.GRAVITY] = GRAVITY_MPS2
-        self._memory[:, at.QUIET] = p.quiet_ut**2
-        self._memory[:, at.REST_SWAY] = _SWAY_RADPS**2
-        self._memory[:, at.CLIP_LEVEL : at.CLIP_LEVEL + 2] = np.inf
-        self._memory[:, at.STEADY_FIELD] = np.nan
-        self._memory[:, at.CORRECTION] = self._memory[:, at.SHOWN] = 1.0
+        x = self._state
+        x["gravity"] = GRAVITY_MPS2
+        x["quiet"] = p.quiet_ut**2
+        x["rest_sway"] = _SWAY_RADPS**2
+        x["clip_level"] = np.inf
+        x["steady_field"][:, 0] = np.nan
+        x["correction"][:, 0] = x["shown"][:, 0] = 1.0
 
-    def _make_settings(self) -> Float:
+    def _make_settings(self) -> dict[str, float]:
+        check(self._parameters)
         return settings_of(self._parameters, self._guard.time_step_s)
 
-    def _run(self, *arrays: NDArray[Any]) -> None:
-        run(*arrays)
+    def _run(self, *arguments: Any) -> None:
+        run(*arguments)
 
     def _set_variance(self, first: int, count: int, variance: float, sensor: int | None = None) -> None:
         """Set the variance of some states, of one sensor or of all, and what correlates with them to zero."""
@@ -96,10 +93,10 @@ class TelemotionEstimator(KernelEstimator):
     def update(self, chunk: ImuChunk) -> OrientationResult:
         """Take the next ticks; see the contract."""
         chunk = self._guard.accept(chunk)
-        self._counters[:, at.TICK] = chunk.first_tick
-        result = self._filter(chunk, chunk.magnetometer_t)
-        self._guard.flag_lost_field(result.flags)
-        return result
+        self._state["tick"] = chunk.first_tick
+        out = self._filter(chunk, chunk.magnetometer_t)
+        self._guard.flag_lost_field(out.flags)
+        return OrientationResult(out.q, out.bias, out.sigma_rad, out.flags)
 
     def set_device_constants(self, constants: Sequence[DeviceConstants | None]) -> None:
         """Begin with what earlier sessions learnt about the same devices; call before the first sample."""
@@ -111,44 +108,45 @@ class TelemotionEstimator(KernelEstimator):
             if given is None:
                 continue
             self._given[s] = known = self._believed(given)
-            memory, covariance = self._memory[s], self._covariance[s]
+            memory, covariance = self._state[s], self._covariance[s]
             iron_sigma_ut = MICROTESLA_PER_TESLA * known.array("hard_iron_sigma_t")
             # One variance serves the three axes of a hypothesis; what is as good as unknown stays unknown.
             iron_variance = float(np.mean(iron_sigma_ut**2)) + _IRON_AGEING_UT**2
             if iron_variance < p.iron_middle_ut**2:
                 iron = MICROTESLA_PER_TESLA * known.array("hard_iron_t")
-                memory[at.IRON : at.IRON + 3] = memory[at.IRON_KNOWN : at.IRON_KNOWN + 3] = iron
-                memory[at.IRON_KNOWN_VARIANCE] = iron_variance
+                memory["iron"] = memory["iron_known"] = iron
+                memory["iron_known_variance"] = iron_variance
                 self._set_variance(at.IRON, 3, p.iron_wide_ut**2 + iron_variance, s)
-            memory[at.DELAY] = known.magnetometer_delay_s
+            memory["delay"] = known.magnetometer_delay_s
             delay_variance = known.magnetometer_delay_sigma_s**2 + _DELAY_AGEING_S**2
             self._set_variance(at.DELAY, 1, min(delay_variance, p.delay_sigma_s**2), s)
-            memory[at.GAIN : at.GAIN + 9] = known.array("gyroscope_gain").T.ravel()
+            memory["gain"] = known.array("gyroscope_gain").T.ravel()
             gain_variance = known.array("gyroscope_gain_sigma").T.ravel() ** 2 + _GAIN_AGEING**2
             for i, variance in enumerate(np.minimum(gain_variance, p.gain_sigma**2)):
                 covariance[at.GAIN + i, at.GAIN + i] = variance
             for kind, clip in enumerate((known.gyroscope_clip_radps, known.accelerometer_clip_mps2)):
                 if clip is not None:
-                    memory[at.CLIP_LEVEL + kind] = memory[at.LARGEST + kind] = clip
+                    memory["clip_level"][kind] = memory["largest"][kind] = clip
 
     @property
     def nominal(self) -> Float:
-        """The filter's states now, shape (S, STATES), in the order and units of `_layout`."""
-        states = self._memory[:, : at.STATES].copy()
-        states[:, at.BIAS : at.BIAS + 3] = self._bias
-        return states
+        """The filter's states now, shape (S, STATES), in the order and units of `_records`."""
+        x = self._state
+        turn = np.zeros((len(x), 3))
+        parts = [x[name] for name in ("velocity", "position", "bias", "gain", "field", "iron")]
+        return np.hstack([turn, *parts, x["delay"][:, None], x["start"]])
 
     @property
     def hypothesis_odds(self) -> Float:
         """Odds of the nine hypotheses, hard iron leading, start place within, shape (S, 9)."""
-        odds = self._memory[:, at.ODDS : at.ODDS + 9].copy()
+        odds = self._state["odds"].copy()
         odds[odds.sum(axis=1) == 0.0, 0] = 1.0
         return odds
 
     @property
     def hard_iron_changes(self) -> NDArray[np.int64]:
         """How often each sensor's hard iron was found to have changed, shape (S,)."""
-        return self._counters[:, at.OPENED].copy()
+        return self._state["opened"].copy()
 
     @property
     def device_constants(self) -> tuple[DeviceConstants, ...]:
@@ -160,40 +158,40 @@ class TelemotionEstimator(KernelEstimator):
         return constants.believed(p.gain_sigma, p.delay_sigma_s, p.iron_wide_ut / MICROTESLA_PER_TESLA)
 
     def _learnt(self, s: int) -> DeviceConstants:
-        if self._counters[s, at.FILTERED] == 0:
+        if self._state["filtered"][s] == 0:
             # It told nothing: what is known is what was given, and a prior is no knowledge.
             return self._given[s]
-        memory = self._memory[s]
+        memory = self._state[s]
         sigma = np.sqrt(np.maximum(np.diagonal(self._covariance[s]), _LEAST_VARIANCE))
         iron, iron_sigma = self._iron(s)
         found = DeviceConstants.of_arrays(
-            memory[at.DELAY],
+            memory["delay"],
             sigma[at.DELAY],
-            memory[at.GAIN : at.GAIN + 9].reshape(3, 3).T,
+            memory["gain"].reshape(3, 3).T,
             sigma[at.GAIN : at.GAIN + 9].reshape(3, 3).T,
             iron / MICROTESLA_PER_TESLA,
             iron_sigma / MICROTESLA_PER_TESLA,
-            (memory[at.CLIP_LEVEL], memory[at.CLIP_LEVEL + 1]),
+            tuple(memory["clip_level"]),
         )
         return self._believed(found)
 
     def _iron(self, s: int) -> tuple[Float, Float]:
         """Return mean and sigma of the hard iron, microtesla, over the beliefs of what it was at first."""
-        memory, p, span = self._memory[s], self._parameters, slice(at.IRON, at.IRON + 3)
-        known, known_variance = memory[at.IRON_KNOWN : at.IRON_KNOWN + 3], memory[at.IRON_KNOWN_VARIANCE]
-        if self._counters[s, at.OPENED] > 0:
+        memory, p, span = self._state[s], self._parameters, slice(at.IRON, at.IRON + 3)
+        known, known_variance = memory["iron_known"], memory["iron_known_variance"]
+        if self._state["opened"][s] > 0:
             return known, np.full(3, np.sqrt(known_variance + p.iron_middle_ut**2))
         odds = self.hypothesis_odds[s].reshape(3, 3).sum(axis=1)
         odds = odds / odds.sum()
         wide, covariance = p.iron_wide_ut**2 + known_variance, self._covariance[s, span, span]
         means, variances = np.empty((3, 3)), np.empty((3, 3))
         for i, own in enumerate((p.iron_narrow_ut, p.iron_middle_ut, p.iron_wide_ut)):
-            means[i], variances[i] = memory[span], np.diagonal(covariance)
+            means[i], variances[i] = memory["iron"], np.diagonal(covariance)
             prior = own**2 + known_variance
             if prior < wide:
                 # That the iron was N(known, prior) all along, as one measurement more (see `find_north`).
                 gain = covariance @ np.linalg.inv(covariance + np.eye(3) / (1.0 / prior - 1.0 / wide))
-                means[i] += gain @ (known - memory[span])
+                means[i] += gain @ (known - memory["iron"])
                 variances[i] -= np.diagonal(gain @ covariance)
         mean = odds @ means
         spread = odds @ (variances + (means - mean) ** 2)

@@ -6,69 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators._kernels import kernel, multiply, normalized, wrapped
+from estimators.kernels import Record, step
 from estimators.orientation.telemotion._block import absorb
-from estimators.orientation.telemotion._layout import (
-    CONVERGENCE_TICKS,
-    CORRECTION,
-    COUNT,
-    DISTURBANCE,
-    EARTH_MEAN,
-    EARTH_SPREAD,
-    FIELD,
-    FIELD_COUNT,
-    FIELD_LEVEL_S,
-    FIELD_NOISE_MOVING,
-    FIELD_NOISE_REST,
-    FIELD_NOISE_START,
-    FIELD_SAME_S,
-    FIELD_SCALE,
-    HEADING_SCALE,
-    HEADING_VARIANCE,
-    IRON,
-    IRON_KNOWN,
-    IRON_KNOWN_VARIANCE,
-    IRON_MIDDLE,
-    IRON_MIDDLE_ODDS,
-    IRON_NARROW,
-    IRON_NARROW_ODDS,
-    IRON_RATIO,
-    IRON_S,
-    IRON_WIDE,
-    IRON_WINDOW_S,
-    MISFIT,
-    OPENED,
-    QUIET,
-    QUIET_LEAST,
-    QUIET_LEVEL,
-    QUIET_S,
-    REGION,
-    REGION_BASE,
-    REGION_S,
-    REGION_SHARE,
-    REST_S,
-    RESTLESS,
-    SENSOR_MEAN,
-    SENSOR_SPREAD,
-    SINCE_START,
-    START,
-    START_LEAVING_S,
-    START_MIDDLE,
-    START_MIDDLE_ODDS,
-    START_MOVING,
-    START_NARROW,
-    START_NARROW_ODDS,
-    START_SHARE,
-    START_WIDE,
-    STATES,
-    STEADY_CHANGE,
-    STEADY_FIELD,
-    STEADY_S,
-    STEADY_TRUSTED_S,
-    SUM_FIELD,
-    SUM_ROTATION,
-    TURN,
-    TURN_FREE,
-)
+from estimators.orientation.telemotion._records import FIELD, IRON, START, STATES, TURN
 from estimators.recording import Float
 
 _OWN_UNCERTAINTY = 0.5
@@ -91,148 +31,142 @@ _FOUND = 3 * _TABLE
 WORK = _FOUND + 5 * HYPOTHESES
 
 
-@kernel("float64(float64[::1], float64[::1], int64[::1], float64[::1], float64, boolean)")
-def field_variance(
-    p: Float, memory: Float, counts: NDArray[np.int64], settings: Float, time_s: float, rest: bool
-) -> float:
+@step()
+def field_variance(p: Float, memory: Record, settings: Record, time_s: float, rest: bool) -> float:
     """Weigh the block's field by its residual, now and of late; return the variance of each component.
 
     The residual is held against `FIELD_SCALE` and a share of what the filter itself does not know.
     """
-    per_field, per_sample = 1.0 / counts[FIELD_COUNT], 1.0 / counts[COUNT]
+    per_field, per_sample = 1.0 / memory.field_count, 1.0 / memory.count
     if not rest:
-        memory[START_SHARE] *= math.exp(-time_s / settings[START_LEAVING_S])
-        if memory[START_SHARE] < 1e-6:
-            memory[START_SHARE] = 0.0
-    share = memory[START_SHARE]
+        memory.start_share *= math.exp(-time_s / settings.start_leaving_s)
+        if memory.start_share < 1e-6:
+            memory.start_share = 0.0
+    share = memory.start_share
     squares = predicted = 0.0
     for a in range(3):
-        squares += (memory[SUM_FIELD + a] * per_field - memory[FIELD + a] - share * memory[START + a]) ** 2
+        squares += (memory.sum_field[a] * per_field - memory.field[a] - share * memory.start[a]) ** 2
         field, iron, start = STATES * (FIELD + a), STATES * (IRON + a), STATES * (START + a)
         predicted += p[field + FIELD + a] + p[iron + IRON + a]
         predicted += share * (share * p[start + START + a] + 2.0 * p[field + START + a])
         for b in range(3):
-            turned = memory[SUM_ROTATION + 3 * a + b] * per_sample
+            turned = memory.sum_rotation[3 * a + b] * per_sample
             predicted += 2.0 * turned * (p[field + IRON + b] + share * p[start + IRON + b])
     # What people are told leaves less to the filter's own doubts, and nothing to its heading's.
-    memory[MISFIT] = squares / (3.0 * settings[FIELD_SCALE] + _TOLD_UNCERTAINTY * max(predicted, 0.0))
-    east = memory[FIELD] + share * memory[START]
-    north = memory[FIELD + 1] + share * memory[START + 1]
-    across = memory[SUM_FIELD] * per_field * north - memory[SUM_FIELD + 1] * per_field * east
+    memory.misfit = squares / (3.0 * settings.field_scale + _TOLD_UNCERTAINTY * max(predicted, 0.0))
+    east = memory.field[0] + share * memory.start[0]
+    north = memory.field[1] + share * memory.start[1]
+    across = memory.sum_field[0] * per_field * north - memory.sum_field[1] * per_field * east
     turned = across * across / (east * east + north * north + 1e-9)
     if not rest and share < 0.5:
-        seen = -math.expm1(-time_s / settings[QUIET_S])
-        memory[QUIET] += seen * (min(0.5 * (squares - turned), _LARGEST_MISFIT) - memory[QUIET])
-    squares -= settings[TURN_FREE] * turned
+        seen = -math.expm1(-time_s / settings.quiet_s)
+        memory.quiet += seen * (min(0.5 * (squares - turned), _LARGEST_MISFIT) - memory.quiet)
+    squares -= settings.turn_free * turned
     if not rest and share < 0.5:
-        seen = -math.expm1(-time_s / settings[REGION_S])
-        memory[REGION] += seen * (min(squares / 3.0, _LARGEST_MISFIT) - memory[REGION])
-    misfit = squares / (3.0 * settings[FIELD_SCALE] + _OWN_UNCERTAINTY * max(predicted, 0.0))
-    gain = -math.expm1(-time_s / settings[FIELD_LEVEL_S])
-    memory[DISTURBANCE] += gain * (min(misfit, _LARGEST_MISFIT) - memory[DISTURBANCE])
-    noise = settings[FIELD_NOISE_REST] if rest else settings[FIELD_NOISE_MOVING]
-    noise *= min(max(memory[QUIET] / settings[QUIET_LEVEL], settings[QUIET_LEAST]), 1.0)
-    noise += share * (settings[FIELD_NOISE_START] - noise)
-    doubt = 1.0 + max(misfit, memory[DISTURBANCE])
+        seen = -math.expm1(-time_s / settings.region_s)
+        memory.region += seen * (min(squares / 3.0, _LARGEST_MISFIT) - memory.region)
+    misfit = squares / (3.0 * settings.field_scale + _OWN_UNCERTAINTY * max(predicted, 0.0))
+    gain = -math.expm1(-time_s / settings.field_level_s)
+    memory.disturbance += gain * (min(misfit, _LARGEST_MISFIT) - memory.disturbance)
+    noise = settings.field_noise_rest if rest else settings.field_noise_moving
+    noise *= min(max(memory.quiet / settings.quiet_level, settings.quiet_least), 1.0)
+    noise += share * (settings.field_noise_start - noise)
+    doubt = 1.0 + max(misfit, memory.disturbance)
     if rest:
-        doubt *= 1.0 + (memory[REST_S] / settings[FIELD_SAME_S]) ** 2
+        doubt *= 1.0 + (memory.rest_s / settings.field_same_s) ** 2
     return float(noise * noise / time_s * doubt)
 
 
-@kernel("boolean(float64[::1], int64[::1], float64[::1], float64)")
-def iron_changed(memory: Float, counts: NDArray[np.int64], settings: Float, time_s: float) -> bool:
+@step()
+def iron_changed(memory: Record, settings: Record, time_s: float) -> bool:
     """Say whether the residual has become a magnet's on the sensor: still in it while turning in the room."""
-    gain = -math.expm1(-time_s / settings[IRON_WINDOW_S])
-    per_field, per_sample = 1.0 / counts[FIELD_COUNT], 1.0 / counts[COUNT]
+    gain = -math.expm1(-time_s / settings.iron_window_s)
+    per_field, per_sample = 1.0 / memory.field_count, 1.0 / memory.count
     sensor_step = earth_step = size = 0.0
-    share = memory[START_SHARE]
+    share = memory.start_share
     for a in range(3):
         inside = 0.0
         for b in range(3):
-            residual = memory[SUM_FIELD + b] * per_field - memory[FIELD + b] - share * memory[START + b]
-            inside += memory[SUM_ROTATION + 3 * b + a] * per_sample * residual
-        residual = memory[SUM_FIELD + a] * per_field - memory[FIELD + a] - share * memory[START + a]
-        d = inside - memory[SENSOR_MEAN + a]
-        memory[SENSOR_MEAN + a] += gain * d
+            residual = memory.sum_field[b] * per_field - memory.field[b] - share * memory.start[b]
+            inside += memory.sum_rotation[3 * b + a] * per_sample * residual
+        residual = memory.sum_field[a] * per_field - memory.field[a] - share * memory.start[a]
+        d = inside - memory.sensor_mean[a]
+        memory.sensor_mean[a] += gain * d
         sensor_step += d * d
-        size += memory[SENSOR_MEAN + a] ** 2
-        d = residual - memory[EARTH_MEAN + a]
-        memory[EARTH_MEAN + a] += gain * d
+        size += memory.sensor_mean[a] ** 2
+        d = residual - memory.earth_mean[a]
+        memory.earth_mean[a] += gain * d
         earth_step += d * d
-    memory[SENSOR_SPREAD] = (1.0 - gain) * (memory[SENSOR_SPREAD] + gain * sensor_step)
-    memory[EARTH_SPREAD] = (1.0 - gain) * (memory[EARTH_SPREAD] + gain * earth_step)
+    memory.sensor_spread = (1.0 - gain) * (memory.sensor_spread + gain * sensor_step)
+    memory.earth_spread = (1.0 - gain) * (memory.earth_spread + gain * earth_step)
     carried = (
         size > _IRON_SMALLEST
-        and memory[SENSOR_SPREAD] < _IRON_SPREAD * size
-        and memory[EARTH_SPREAD] > settings[IRON_RATIO] * memory[SENSOR_SPREAD]
+        and memory.sensor_spread < _IRON_SPREAD * size
+        and memory.earth_spread > settings.iron_ratio * memory.sensor_spread
     )
-    memory[IRON_S] = memory[IRON_S] + time_s if carried else 0.0
-    if memory[IRON_S] <= 0.5 * settings[IRON_WINDOW_S]:
+    memory.iron_s = memory.iron_s + time_s if carried else 0.0
+    if memory.iron_s <= 0.5 * settings.iron_window_s:
         return False
-    memory[IRON_S] = 0.0
-    memory[SENSOR_SPREAD] += size  # the window starts afresh
+    memory.iron_s = 0.0
+    memory.sensor_spread += size  # the window starts afresh
     return True
 
 
-@kernel("boolean(float64[::1], int64[::1], float64[::1], float64, boolean)")
-def restless(memory: Float, counts: NDArray[np.int64], settings: Float, time_s: float, rest: bool) -> bool:
+@step()
+def restless(memory: Record, settings: Record, time_s: float, rest: bool) -> bool:
     """Say whether the field changed at the first rest before it was trusted: somebody moves iron about.
 
     What was seen before then tells nothing, and a magnet on the sensor or near its place is as likely as none.
     """
-    if memory[START_SHARE] < 0.5 or not rest:
-        memory[STEADY_FIELD] = np.nan
+    if memory.start_share < 0.5 or not rest:
+        memory.steady_field[0] = np.nan
         return False
-    per_field, per_sample = 1.0 / counts[FIELD_COUNT], 1.0 / counts[COUNT]
+    per_field, per_sample = 1.0 / memory.field_count, 1.0 / memory.count
     change = 0.0
     raw = (0.0, 0.0, 0.0)
     for a in range(3):
-        seen = memory[SUM_FIELD + a] * per_field
+        seen = memory.sum_field[a] * per_field
         for b in range(3):
-            seen += memory[SUM_ROTATION + 3 * a + b] * per_sample * memory[IRON + b]
+            seen += memory.sum_rotation[3 * a + b] * per_sample * memory.iron[b]
         raw = (seen if a == 0 else raw[0], seen if a == 1 else raw[1], seen if a == 2 else raw[2])
-        change += (seen - memory[STEADY_FIELD + a]) ** 2
-    if change <= settings[STEADY_CHANGE]:
-        memory[STEADY_S] += time_s
+        change += (seen - memory.steady_field[a]) ** 2
+    if change <= settings.steady_change:
+        memory.steady_s += time_s
         return False
     first = math.isnan(change)
     for a in range(3):
-        memory[STEADY_FIELD + a] = raw[a]
-    if first or memory[STEADY_S] >= settings[STEADY_TRUSTED_S]:
+        memory.steady_field[a] = raw[a]
+    if first or memory.steady_s >= settings.steady_trusted_s:
         return False
-    memory[STEADY_S] = 0.0
-    memory[RESTLESS] = 1.0
+    memory.steady_s = 0.0
+    memory.restless = 1.0
     return True
 
 
-@kernel(
-    "void(float64[::1], float64[::1], float64[:, ::1], float64[::1], int64[:, ::1], float64[:, ::1], int64[::1],"
-    "float64[::1], float64[::1])"
-)
+@step()
 def open_iron(
     p: Float,
     error: Float,
     rows: Float,
-    memory: Float,
+    memory: Record,
     index: NDArray[np.int64],
     value: Float,
-    counts: NDArray[np.int64],
-    settings: Float,
+    settings: Record,
     odds: Float,
 ) -> None:
     """Make the hard iron unknown again, having settled what it was before: its likeliest hypothesis."""
     narrow = odds[0] + odds[1] + odds[2]
     middle = odds[3] + odds[4] + odds[5]
-    if counts[OPENED] == 0 and max(narrow, middle) >= 1.0 - narrow - middle:
-        variance = settings[IRON_NARROW] if narrow >= middle else settings[IRON_MIDDLE]
+    if memory.opened == 0 and max(narrow, middle) >= 1.0 - narrow - middle:
+        variance = settings.iron_narrow if narrow >= middle else settings.iron_middle
         for a in range(3):
             index[a, 0], value[a, 0] = IRON + a, 1.0
-            rows[3, a] = memory[IRON_KNOWN + a] - memory[IRON + a]
-            rows[4, a] = variance + memory[IRON_KNOWN_VARIANCE]
+            rows[3, a] = memory.iron_known[a] - memory.iron[a]
+            rows[4, a] = variance + memory.iron_known_variance
         absorb(p, error, rows, index, value, 1)
     for a in range(3):
-        p[(STATES + 1) * (IRON + a)] += settings[IRON_WIDE]
-    counts[OPENED] += 1
+        p[(STATES + 1) * (IRON + a)] += settings.iron_wide
+    memory.opened += 1
 
 
 @kernel("int64(int64)")
@@ -274,10 +208,8 @@ def _suppose(table: Float, first: int, row: int, target: float, own: float, wide
     return float(0.5 * (math.log(wide / own * variance / total) - innovation * innovation * inverse))
 
 
-@kernel("void(float64[::1], float64[::1], int64[::1], float64[::1], float64[::1], float64[::1])")
-def find_north(
-    p: Float, memory: Float, counts: NDArray[np.int64], settings: Float, odds: Float, work: Float
-) -> None:
+@step()
+def find_north(p: Float, memory: Record, settings: Record, odds: Float, work: Float) -> None:
     """Weigh nine hypotheses on hard iron and start place; set CORRECTION and HEADING_VARIANCE.
 
     The filter itself runs with both wide. That hard iron was N(known, s^2) all along is then one more
@@ -285,7 +217,7 @@ def find_north(
     one filter holds every hypothesis exactly, and a wrong first belief (a magnet on the sensor, iron under
     the table) costs nothing once turning has shown it.
     """
-    region = settings[REGION_BASE] + settings[REGION_SHARE] * memory[REGION]
+    region = settings.region_base + settings.region_share * memory.region
     found = work[_FOUND:].reshape(5, HYPOTHESES)
     for i in range(_SUB):
         source = STATES * _moved_state(i)
@@ -293,18 +225,18 @@ def find_north(
             work[_SUB * i + j] = p[source + _moved_state(j)]
         work[_SUB * _SUB + i] = 0.0
     best = -np.inf
-    narrow_iron, middle_iron = settings[IRON_NARROW_ODDS], settings[IRON_MIDDLE_ODDS]
-    narrow_start, middle_start = settings[START_NARROW_ODDS], settings[START_MIDDLE_ODDS]
-    if memory[RESTLESS] > 0.0:
+    narrow_iron, middle_iron = settings.iron_narrow_odds, settings.iron_middle_odds
+    narrow_start, middle_start = settings.start_narrow_odds, settings.start_middle_odds
+    if memory.restless > 0.0:
         narrow_iron = middle_iron = narrow_start = middle_start = _NO_BELIEF
-    kinds = 1 if counts[OPENED] > 0 else 3  # once the iron has changed, what it was says nothing any more
+    kinds = 1 if memory.opened > 0 else 3  # once the iron has changed, what it was says nothing any more
     for h in range(HYPOTHESES):
         odds[h] = 0.0
         found[0, h] = -np.inf
     for iron in range(kinds):
-        own = settings[IRON_NARROW] if iron == 0 else settings[IRON_MIDDLE]
-        own += memory[IRON_KNOWN_VARIANCE]
-        wide = settings[IRON_WIDE] + memory[IRON_KNOWN_VARIANCE]
+        own = settings.iron_narrow if iron == 0 else settings.iron_middle
+        own += memory.iron_known_variance
+        wide = settings.iron_wide + memory.iron_known_variance
         iron_odds = narrow_iron if iron == 0 else middle_iron
         if iron == 2:
             iron_odds = math.log1p(-math.exp(narrow_iron) - math.exp(middle_iron))
@@ -312,7 +244,7 @@ def find_north(
             work[_TABLE + i] = work[i]
         if kinds > 1 and iron < 2:
             for a in range(3):
-                target = memory[IRON_KNOWN + a] - memory[IRON + a]
+                target = memory.iron_known[a] - memory.iron[a]
                 iron_odds += _suppose(work, _TABLE, 5 + a, target, own, wide)
         for start in range(3):
             h = 3 * iron + start
@@ -322,19 +254,19 @@ def find_north(
             for i in range(_TABLE):
                 work[2 * _TABLE + i] = work[_TABLE + i]
             if start < 2:
-                own_start = settings[START_NARROW] if start == 0 else settings[START_MIDDLE]
+                own_start = settings.start_narrow if start == 0 else settings.start_middle
                 for a in range(3):
-                    target = -memory[START + a]
+                    target = -memory.start[a]
                     logarithm += _suppose(
-                        work, 2 * _TABLE, 8 + a, target, own_start + region, settings[START_WIDE]
+                        work, 2 * _TABLE, 8 + a, target, own_start + region, settings.start_wide
                     )
             else:
-                own_start = settings[START_WIDE]
+                own_start = settings.start_wide
             cov = work[2 * _TABLE : 3 * _TABLE].reshape(_SUB + 1, _SUB)
             shift = cov[_SUB]
             part = region / (region + own_start)
-            east = memory[FIELD] + shift[3] + part * (memory[START] + shift[8])
-            north = memory[FIELD + 1] + shift[4] + part * (memory[START + 1] + shift[9])
+            east = memory.field[0] + shift[3] + part * (memory.start[0] + shift[8])
+            north = memory.field[1] + shift[4] + part * (memory.start[1] + shift[9])
             level = east * east + north * north + 1e-9
             by_east, by_north = north / level, -east / level
             found[0, h] = logarithm
@@ -365,20 +297,20 @@ def find_north(
             own_variance += odds[h] * min(found[2, h], _LARGEST_VARIANCE)
             counted += odds[h]
     heading = math.atan2(sine, cosine)
-    scale = settings[HEADING_SCALE]
-    if memory[START_MOVING] > 0.0 and counts[SINCE_START] < settings[CONVERGENCE_TICKS]:
+    scale = settings.heading_scale
+    if memory.start_moving > 0.0 and memory.since_start < settings.convergence_ticks:
         scale = 1.0
     variance = scale * own_variance / counted
     for h in range(3 * kinds):
         variance += odds[h] * wrapped(found[1, h] - heading) ** 2
-    memory[HEADING_VARIANCE] = variance
+    memory.heading_variance = variance
     # The small tilt of the hypotheses first, then the turn to north.
     w, x, y, z = multiply(
         math.cos(0.5 * heading), 0.0, 0.0, math.sin(0.5 * heading), 1.0, 0.5 * tilt_x, 0.5 * tilt_y, 0.0
     )
     w, x, y, z = normalized(w, x, y, z)
-    memory[CORRECTION], memory[CORRECTION + 1] = w, x
-    memory[CORRECTION + 2], memory[CORRECTION + 3] = y, z
+    memory.correction[0], memory.correction[1] = w, x
+    memory.correction[2], memory.correction[3] = y, z
 
 
 __all__ = ["HYPOTHESES", "WORK", "field_variance", "find_north", "iron_changed", "open_iron", "restless"]

@@ -4,22 +4,8 @@ import math
 
 import numpy as np
 
-from estimators._kernels import exponential, kernel, multiply, normalized
-from estimators.orientation.telemotion._layout import (
-    AFTER_SAMPLE,
-    COAST,
-    GAIN,
-    GAP_SHARE,
-    GAP_SPEED_VARIANCE,
-    GAP_TURN_VARIANCE,
-    HAS_FIELD,
-    LAST_SAMPLE,
-    RATE,
-    RATE_SPREAD,
-    SAMPLE,
-    SLOPE,
-    STEP_S,
-)
+from estimators._kernels import exponential, multiply, normalized
+from estimators.kernels import Record, step
 from estimators.recording import Float
 
 _CURVE_S = 0.014
@@ -30,120 +16,141 @@ _UNSEEN_S = 0.1
 """A gap this long may hide a change of rate as large as the spread of the rate before it."""
 
 
-@kernel("void(float64[::1], float64[::1], float64, float64, float64, float64)")
-def _turn_coast(memory: Float, bias: Float, gx: float, gy: float, gz: float, step_s: float) -> None:
+@step()
+def _turn_coast(memory: Record, gx: float, gy: float, gz: float, step_s: float) -> None:
     """Turn the shown attitude by one raw rate."""
-    wx = gx - bias[0] + memory[GAIN] * gx + memory[GAIN + 3] * gy + memory[GAIN + 6] * gz
-    wy = gy - bias[1] + memory[GAIN + 1] * gx + memory[GAIN + 4] * gy + memory[GAIN + 7] * gz
-    wz = gz - bias[2] + memory[GAIN + 2] * gx + memory[GAIN + 5] * gy + memory[GAIN + 8] * gz
+    wx = gx - memory.bias[0] + memory.gain[0] * gx + memory.gain[3] * gy + memory.gain[6] * gz
+    wy = gy - memory.bias[1] + memory.gain[1] * gx + memory.gain[4] * gy + memory.gain[7] * gz
+    wz = gz - memory.bias[2] + memory.gain[2] * gx + memory.gain[5] * gy + memory.gain[8] * gz
     tw, tx, ty, tz = exponential(wx * step_s, wy * step_s, wz * step_s)
-    q = memory[COAST : COAST + 4]
+    q = memory.coast
     w, x, y, z = multiply(q[0], q[1], q[2], q[3], tw, tx, ty, tz)
     q[0], q[1], q[2], q[3] = normalized(w, x, y, z)
 
 
-@kernel("void(float64[::1], float64[::1], float64[::1], boolean, float64, float64)")
-def coast(memory: Float, bias: Float, sample: Float, usable: bool, ticks: float, step_s: float) -> None:
+@step()
+def coast(memory: Record, sample: Record, usable: bool, ticks: float, step_s: float) -> None:
     """Turn the shown attitude inside a gap: by the given sample, or by the last rate and its change (4.5)."""
     if usable:
-        _turn_coast(memory, bias, sample[RATE], sample[RATE + 1], sample[RATE + 2], step_s)
+        _turn_coast(memory, sample.rate[0], sample.rate[1], sample.rate[2], step_s)
         return
     curve = max(_CURVE_S / step_s, 0.5)
     reach = curve * (1.0 - math.exp(-(ticks - 0.5) / curve))
     _turn_coast(
         memory,
-        bias,
-        memory[LAST_SAMPLE] + reach * memory[SLOPE],
-        memory[LAST_SAMPLE + 1] + reach * memory[SLOPE + 1],
-        memory[LAST_SAMPLE + 2] + reach * memory[SLOPE + 2],
+        memory.last_rate[0] + reach * memory.slope_rate[0],
+        memory.last_rate[1] + reach * memory.slope_rate[1],
+        memory.last_rate[2] + reach * memory.slope_rate[2],
         step_s,
     )
 
 
-@kernel("void(float64[::1], float64[::1])")
-def remember(memory: Float, sample: Float) -> None:
+@step()
+def keep_field(kept: Float, sample: Record) -> None:
+    """Keep the field of a sample; without one its first component is NaN."""
+    kept[:] = sample.field
+    if not sample.has_field:
+        kept[0] = np.nan
+
+
+@step()
+def remember(memory: Record, sample: Record) -> None:
     """Keep a measured sample and its difference from the one before."""
-    for i in range(6):
-        memory[SLOPE + i] = sample[i] - memory[LAST_SAMPLE + i]
-    for i in range(9):
-        memory[LAST_SAMPLE + i] = sample[i]
-    if sample[HAS_FIELD] == 0.0:
-        memory[LAST_SAMPLE + 6] = np.nan
+    for a in range(3):
+        memory.slope_rate[a] = sample.rate[a] - memory.last_rate[a]
+        memory.slope_force[a] = sample.force[a] - memory.last_force[a]
+    memory.last_rate[:] = sample.rate
+    memory.last_force[:] = sample.force
+    keep_field(memory.last_field, sample)
 
 
-@kernel("void(float64[::1], float64[::1], int64, float64, boolean, float64[::1])")
-def filled(memory: Float, now: Float, place: int, gap: float, sloped: bool, sample: Float) -> None:
-    """Make sample `place` of `gap` between LAST_SAMPLE and AFTER_SAMPLE (house note, 4.3).
+@step()
+def went_on(last: Float, slope: Float, second: Float, now: Float, sloped: bool, gap: int) -> None:
+    """Make the first sample after a gap the last one measured, with its slope."""
+    for a in range(3):
+        slope[a] = now[a] - second[a] if sloped else (second[a] - last[a]) / (gap + 1.0)
+        last[a] = second[a]
 
-    Gyroscope and accelerometer by the cubic Hermite with the slopes of the samples outside (of the chord
-    where there is none), the field by the chord.
+
+@step()
+def _between(
+    last: Float, slope: Float, after: Float, now: Float, sloped: bool, t: float, length: float, out: Float
+) -> None:
+    """Write the cubic Hermite at `t` of a gap, with the slopes of the samples outside it, or of the chord."""
+    late = t * t * (3.0 - 2.0 * t)
+    rise_last, rise_after = t * (1.0 - t) ** 2 * length, -t * t * (1.0 - t) * length
+    for a in range(3):
+        first, second = last[a], after[a]
+        slope_after = now[a] - second if sloped else (second - first) / length
+        out[a] = first + late * (second - first) + rise_last * slope[a] + rise_after * slope_after
+
+
+@step()
+def filled(memory: Record, now: Record, place: int, gap: float, sloped: bool, sample: Record) -> None:
+    """Make sample `place` of `gap` between the last one and the one set aside (house note, 4.3).
+
+    Gyroscope and accelerometer by a cubic, the field by the chord.
     """
     length = gap + 1.0
     t = place / length
-    late = t * t * (3.0 - 2.0 * t)
-    rise_last, rise_after = t * (1.0 - t) ** 2 * length, -t * t * (1.0 - t) * length
-    for i in range(SAMPLE):
-        sample[i] = 0.0
-    for i in range(6):
-        first, second = memory[LAST_SAMPLE + i], memory[AFTER_SAMPLE + i]
-        slope_after = now[i] - second if sloped else (second - first) / length
-        sample[i] = first + late * (second - first) + rise_last * memory[SLOPE + i] + rise_after * slope_after
-    if math.isfinite(memory[LAST_SAMPLE + 6]) and math.isfinite(memory[AFTER_SAMPLE + 6]):
-        for i in range(6, 9):
-            first, second = memory[LAST_SAMPLE + i], memory[AFTER_SAMPLE + i]
-            sample[i] = first + t * (second - first)
-        sample[HAS_FIELD] = 1.0
+    _between(memory.last_rate, memory.slope_rate, memory.after_rate, now.rate, sloped, t, length, sample.rate)
+    _between(
+        memory.last_force, memory.slope_force, memory.after_force, now.force, sloped, t, length, sample.force
+    )
+    sample.saturated = 0
+    sample.has_field = math.isfinite(memory.last_field[0]) and math.isfinite(memory.after_field[0])
+    for a in range(3):
+        first, second = memory.last_field[a], memory.after_field[a]
+        sample.field[a] = first + t * (second - first) if sample.has_field else 0.0
 
 
-@kernel("void(float64[::1], float64[::1])")
-def after_gap(memory: Float, sample: Float) -> None:
+@step()
+def after_gap(memory: Record, sample: Record) -> None:
     """Make the sample that was set aside when the gap ended."""
-    for i in range(SAMPLE):
-        sample[i] = 0.0
-    for i in range(9):
-        sample[i] = memory[AFTER_SAMPLE + i]
-    if math.isfinite(memory[AFTER_SAMPLE + 6]):
-        sample[HAS_FIELD] = 1.0
+    sample.rate[:] = memory.after_rate
+    sample.force[:] = memory.after_force
+    sample.field[:] = memory.after_field
+    sample.saturated = 0
+    sample.has_field = math.isfinite(memory.after_field[0])
 
 
-@kernel("void(float64[::1], float64[::1])")
-def set_aside(memory: Float, sample: Float) -> None:
+@step()
+def set_aside(memory: Record, sample: Record) -> None:
     """Keep the first sample after a gap until the next gives its slope."""
-    for i in range(9):
-        memory[AFTER_SAMPLE + i] = sample[i]
-    if sample[HAS_FIELD] == 0.0:
-        memory[AFTER_SAMPLE + 6] = np.nan
+    memory.after_rate[:] = sample.rate
+    memory.after_force[:] = sample.force
+    keep_field(memory.after_field, sample)
 
 
-@kernel("void(float64[::1], float64[::1], boolean, float64[::1], float64)")
-def doubt_filling(memory: Float, now: Float, sloped: bool, settings: Float, gap: float) -> None:
+@step()
+def doubt_filling(memory: Record, now: Record, sloped: bool, settings: Record, gap: float) -> None:
     """Add the error of a filled gap to the block's noise (house note, 4.4).
 
     Two terms more than there: a gap may hide a swing whose ends look alike, so half the spread of the rate
-    before it counts, in full once it is `_UNSEEN_S` long; and half of how far the curve leaves the chord.
+    before it in full once it is `_UNSEEN_S` long; and half of how far the curve leaves the chord.
     """
     length = gap + 1.0
-    time_s = length * settings[STEP_S]
-    share = settings[GAP_SHARE]
-    unseen = 0.25 * memory[RATE_SPREAD] / 3.0 * min(time_s / _UNSEEN_S, 1.0) ** 2
+    time_s = length * settings.step_s
+    share = settings.gap_share
+    unseen = 0.25 * memory.rate_spread / 3.0 * min(time_s / _UNSEEN_S, 1.0) ** 2
     for a in range(3):
-        first, second = memory[LAST_SAMPLE + a], memory[AFTER_SAMPLE + a]
-        slope_after = now[a] - second if sloped else (second - first) / length
-        bulge = length / 8.0 * (memory[SLOPE + a] - slope_after)
+        first, second = memory.last_rate[a], memory.after_rate[a]
+        slope_after = now.rate[a] - second if sloped else (second - first) / length
+        bulge = length / 8.0 * (memory.slope_rate[a] - slope_after)
         rate_variance = share * ((second - first) ** 2 + (_MEAN_SHARE * (second + first)) ** 2)
         rate_variance += unseen + 0.25 * bulge * bulge
-        memory[GAP_TURN_VARIANCE + a] += rate_variance * time_s * time_s
-        first, second = memory[LAST_SAMPLE + 3 + a], memory[AFTER_SAMPLE + 3 + a]
-        memory[GAP_SPEED_VARIANCE + a] += share * ((second - first) * time_s) ** 2
+        memory.gap_turn_variance[a] += rate_variance * time_s * time_s
+        first, second = memory.last_force[a], memory.after_force[a]
+        memory.gap_speed_variance[a] += share * ((second - first) * time_s) ** 2
 
 
-@kernel("float64(float64[::1], float64, float64, float64)")
-def gap_variance(memory: Float, ticks: float, share: float, step_s: float) -> float:
+@step()
+def gap_variance(memory: Record, ticks: float, share: float, step_s: float) -> float:
     """Return the variance per axis that a gap of `ticks` has added to the shown attitude."""
     time_s = ticks * step_s
     squares = 0.0
     for a in range(3):
-        squares += memory[LAST_SAMPLE + a] ** 2 + (_CURVE_S / step_s * memory[SLOPE + a]) ** 2
+        squares += memory.last_rate[a] ** 2 + (_CURVE_S / step_s * memory.slope_rate[a]) ** 2
     return share * time_s * time_s * squares
 
 
@@ -153,6 +160,8 @@ __all__ = [
     "doubt_filling",
     "filled",
     "gap_variance",
+    "keep_field",
     "remember",
     "set_aside",
+    "went_on",
 ]

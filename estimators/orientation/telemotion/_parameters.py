@@ -1,12 +1,9 @@
 """The tuning of our own filter: one set for all sensors, places and movements, and why each value is what it is."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
-import numpy as np
-
-from estimators.orientation.telemotion import _layout as at
-from estimators.recording import Float
+from estimators.errors import SetupError
 
 
 @dataclass(frozen=True)
@@ -149,101 +146,109 @@ POSITIVE = (
 """Parameters that must be above zero."""
 
 
-def ordered(parameters: TelemotionParameters) -> str:
-    """Say which of the hypotheses cannot be told apart, or nothing."""
+def check(parameters: TelemotionParameters) -> None:
+    """Refuse parameters that mean nothing.
+
+    Raises
+    ------
+    SetupError
+        If one is negative, or zero where it must not be, or if hypotheses cannot be told apart.
+    """
     p = parameters
+    for name, value in asdict(p).items():
+        if value < 0.0:
+            raise SetupError(f"{name} must not be negative, not {value}")
+        if name in POSITIVE and value == 0.0:
+            raise SetupError(f"{name} must be above zero")
     for kind in ("iron", "start"):
         narrow, middle, wide = (getattr(p, f"{kind}_{name}_ut") for name in ("narrow", "middle", "wide"))
         if not narrow < middle < wide:
-            return f"{kind}_narrow_ut, {kind}_middle_ut and {kind}_wide_ut must increase"
+            raise SetupError(f"{kind}_narrow_ut, {kind}_middle_ut and {kind}_wide_ut must increase")
         odds = getattr(p, f"{kind}_narrow_odds"), getattr(p, f"{kind}_middle_odds")
         if min(odds) <= 0.0 or sum(odds) >= 1.0:
-            return f"{kind}_narrow_odds and {kind}_middle_odds must be above zero and add up to less than one"
-    return ""
+            raise SetupError(
+                f"{kind}_narrow_odds and {kind}_middle_odds must be above zero and add up to less than one"
+            )
 
 
-def settings_of(parameters: TelemotionParameters, step_s: float) -> Float:
-    """Return the constants of the kernels, in the order of `_layout`."""
+def settings_of(parameters: TelemotionParameters, step_s: float) -> dict[str, float]:
+    """Return the constants of the kernels by the names of their record."""
     p = parameters
     block_ticks = max(1.0, round(p.block_s / step_s))
     block_s = block_ticks * step_s
-    values = {
-        at.STEP_S: step_s,
-        at.BLOCK_TICKS: block_ticks,
-        at.HYPOTHESIS_BLOCKS: max(1.0, round(p.hypothesis_s / block_s)),
-        at.START_TICKS: max(1.0, round(p.start_s / step_s)),
-        at.MOVING_TICKS: max(1.0, round(p.start_moving_s / step_s)),
-        at.FALLING_TICKS: max(1.0, round(p.start_falling_s / step_s)),
-        at.COAST_TICKS: math.floor(p.coast_s / step_s + 1e-6),
-        at.CONVERGENCE_TICKS: p.convergence_s / step_s,
-        at.TILT_START: math.radians(p.tilt_start_sigma_deg) ** 2,
-        at.TILT_RESTART: math.radians(p.tilt_restart_sigma_deg) ** 2,
-        at.HEADING_RESTART: math.radians(p.heading_restart_sigma_deg) ** 2,
-        at.SPEED_START: p.speed_start_sigma_mps**2,
-        at.FIELD_START: p.field_start_sigma_ut**2,
-        at.BIAS_DRIFT: math.radians(p.bias_drift_degps_per_sqrt_s) ** 2,
-        at.RATE_NOISE: math.radians(p.rate_noise_deg_per_sqrt_s) ** 2,
-        at.RATE_NOISE_PER_RATE: p.rate_noise_per_rate_sqrt_s**2,
-        at.SPEED_NOISE: p.speed_noise_mps_per_sqrt_s**2,
-        at.POSITION_NOISE: p.position_noise_m_per_sqrt_s**2,
-        at.POSITION_PRIOR: p.position_prior_m_sqrt_s**2,
-        at.REST_RATE: math.radians(p.rest_gyroscope_threshold_degps) ** 2,
-        at.REST_FORCE: p.rest_accelerometer_threshold_mps2**2,
-        at.REST_MINIMUM_S: p.rest_minimum_s,
-        at.REST_SPEED: p.rest_speed_sigma_mps_sqrt_s**2,
-        at.REST_BIAS: math.radians(p.rest_bias_sigma_degps_sqrt_s) ** 2,
-        at.REST_GAIN: -math.expm1(-step_s / p.rest_time_constant_s),
-        at.FIELD_NOISE_MOVING: p.field_noise_moving_ut_sqrt_s,
-        at.FIELD_NOISE_REST: p.field_noise_rest_ut_sqrt_s,
-        at.FIELD_NOISE_START: p.field_noise_start_ut_sqrt_s,
-        at.FIELD_SCALE: p.field_scale_ut**2,
-        at.FIELD_SAME_S: p.field_same_s,
-        at.REGION_BASE: p.region_ut**2,
-        at.REGION_SHARE: p.region_share,
-        at.REGION_S: p.region_s,
-        at.TURN_FREE: p.field_turn_free,
-        at.QUIET_LEVEL: p.quiet_ut**2,
-        at.QUIET_S: p.quiet_s,
-        at.QUIET_LEAST: p.quiet_least,
-        at.REST_SURPRISE: math.radians(p.rest_surprise_degps) ** 2,
-        at.REST_SURE_S: p.rest_sure_s,
-        at.REST_SWAY_S: p.rest_sway_s,
-        at.BIAS_START: math.radians(p.bias_start_sigma_degps) ** 2,
-        at.UP_WINDOW_S: p.upright_window_s,
-        at.UP_LIMIT: math.radians(p.upright_limit_deg),
-        at.FIELD_LEVEL_S: p.field_level_s,
-        at.START_LEAVING_S: p.start_leaving_s,
-        at.IRON_WINDOW_S: p.iron_window_s,
-        at.IRON_RATIO: p.iron_ratio,
-        at.IRON_WIDE: p.iron_wide_ut**2,
-        at.IRON_NARROW: p.iron_narrow_ut**2,
-        at.IRON_MIDDLE: p.iron_middle_ut**2,
-        at.IRON_NARROW_ODDS: math.log(p.iron_narrow_odds),
-        at.IRON_MIDDLE_ODDS: math.log(p.iron_middle_odds),
-        at.START_WIDE: p.start_wide_ut**2,
-        at.START_NARROW: p.start_narrow_ut**2,
-        at.START_MIDDLE: p.start_middle_ut**2,
-        at.START_NARROW_ODDS: math.log(p.start_narrow_odds),
-        at.START_MIDDLE_ODDS: math.log(p.start_middle_odds),
-        at.STEADY_CHANGE: p.steady_change_ut**2,
-        at.STEADY_TRUSTED_S: p.steady_trusted_s,
-        at.GAP_SHARE: p.gap_share**2,
-        at.CLIP_RATE: math.radians(p.clip_rate_sigma_degps) ** 2,
-        at.CLIP_FORCE: p.clip_force_sigma_mps2**2,
-        at.RETURN_GAIN: -math.expm1(-step_s / p.return_time_constant_s),
-        at.RETURN_STEP: math.radians(p.return_rate_degps) * step_s,
-        at.LEAD_S: p.output_lead_s,
-        at.FORCE_TOLERANCE: p.acceleration_tolerance_mps2,
-        at.TILT_SCALE: p.tilt_sigma_scale**2,
-        at.HEADING_SCALE: p.heading_sigma_scale**2,
-        at.TILT_FLOOR: math.radians(p.tilt_sigma_floor_deg) ** 2,
-        at.HEADING_FLOOR: math.radians(p.heading_sigma_floor_deg) ** 2,
-        at.HEADING_LOST: math.radians(p.heading_lost_sigma_deg),
+    return {
+        "step_s": step_s,
+        "block_ticks": block_ticks,
+        "hypothesis_blocks": max(1.0, round(p.hypothesis_s / block_s)),
+        "start_ticks": max(1.0, round(p.start_s / step_s)),
+        "moving_ticks": max(1.0, round(p.start_moving_s / step_s)),
+        "falling_ticks": max(1.0, round(p.start_falling_s / step_s)),
+        "coast_ticks": math.floor(p.coast_s / step_s + 1e-6),
+        "convergence_ticks": p.convergence_s / step_s,
+        "tilt_start": math.radians(p.tilt_start_sigma_deg) ** 2,
+        "tilt_restart": math.radians(p.tilt_restart_sigma_deg) ** 2,
+        "heading_restart": math.radians(p.heading_restart_sigma_deg) ** 2,
+        "speed_start": p.speed_start_sigma_mps**2,
+        "field_start": p.field_start_sigma_ut**2,
+        "bias_drift": math.radians(p.bias_drift_degps_per_sqrt_s) ** 2,
+        "rate_noise": math.radians(p.rate_noise_deg_per_sqrt_s) ** 2,
+        "rate_noise_per_rate": p.rate_noise_per_rate_sqrt_s**2,
+        "speed_noise": p.speed_noise_mps_per_sqrt_s**2,
+        "position_noise": p.position_noise_m_per_sqrt_s**2,
+        "position_prior": p.position_prior_m_sqrt_s**2,
+        "rest_rate": math.radians(p.rest_gyroscope_threshold_degps) ** 2,
+        "rest_force": p.rest_accelerometer_threshold_mps2**2,
+        "rest_minimum_s": p.rest_minimum_s,
+        "rest_speed": p.rest_speed_sigma_mps_sqrt_s**2,
+        "rest_bias": math.radians(p.rest_bias_sigma_degps_sqrt_s) ** 2,
+        "rest_gain": -math.expm1(-step_s / p.rest_time_constant_s),
+        "field_noise_moving": p.field_noise_moving_ut_sqrt_s,
+        "field_noise_rest": p.field_noise_rest_ut_sqrt_s,
+        "field_noise_start": p.field_noise_start_ut_sqrt_s,
+        "field_scale": p.field_scale_ut**2,
+        "field_same_s": p.field_same_s,
+        "region_base": p.region_ut**2,
+        "region_share": p.region_share,
+        "region_s": p.region_s,
+        "turn_free": p.field_turn_free,
+        "quiet_level": p.quiet_ut**2,
+        "quiet_s": p.quiet_s,
+        "quiet_least": p.quiet_least,
+        "rest_surprise": math.radians(p.rest_surprise_degps) ** 2,
+        "rest_sure_s": p.rest_sure_s,
+        "rest_sway_s": p.rest_sway_s,
+        "bias_start": math.radians(p.bias_start_sigma_degps) ** 2,
+        "up_window_s": p.upright_window_s,
+        "up_limit": math.radians(p.upright_limit_deg),
+        "field_level_s": p.field_level_s,
+        "start_leaving_s": p.start_leaving_s,
+        "iron_window_s": p.iron_window_s,
+        "iron_ratio": p.iron_ratio,
+        "iron_wide": p.iron_wide_ut**2,
+        "iron_narrow": p.iron_narrow_ut**2,
+        "iron_middle": p.iron_middle_ut**2,
+        "iron_narrow_odds": math.log(p.iron_narrow_odds),
+        "iron_middle_odds": math.log(p.iron_middle_odds),
+        "start_wide": p.start_wide_ut**2,
+        "start_narrow": p.start_narrow_ut**2,
+        "start_middle": p.start_middle_ut**2,
+        "start_narrow_odds": math.log(p.start_narrow_odds),
+        "start_middle_odds": math.log(p.start_middle_odds),
+        "steady_change": p.steady_change_ut**2,
+        "steady_trusted_s": p.steady_trusted_s,
+        "gap_share": p.gap_share**2,
+        "clip_rate": math.radians(p.clip_rate_sigma_degps) ** 2,
+        "clip_force": p.clip_force_sigma_mps2**2,
+        "return_gain": -math.expm1(-step_s / p.return_time_constant_s),
+        "return_step": math.radians(p.return_rate_degps) * step_s,
+        "lead_s": p.output_lead_s,
+        "force_tolerance": p.acceleration_tolerance_mps2,
+        "tilt_scale": p.tilt_sigma_scale**2,
+        "heading_scale": p.heading_sigma_scale**2,
+        "tilt_floor": math.radians(p.tilt_sigma_floor_deg) ** 2,
+        "heading_floor": math.radians(p.heading_sigma_floor_deg) ** 2,
+        "heading_lost": math.radians(p.heading_lost_sigma_deg),
     }
-    settings = np.zeros(at.SETTINGS)
-    for position, value in values.items():
-        settings[position] = value
-    return settings
 
 
-__all__ = ["POSITIVE", "TelemotionParameters", "ordered", "settings_of"]
+__all__ = ["TelemotionParameters", "check", "settings_of"]

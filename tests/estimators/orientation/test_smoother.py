@@ -12,7 +12,7 @@ from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import SetupError, ShapeError
 from estimators.orientation import DeviceConstants, OrientationFlag
 from estimators.orientation.smoother._estimator import SmootherParameters
-from estimators.orientation.smoother._kernel import AT_REST, FACTS, RATE
+from estimators.orientation.smoother._kernel import FACTS
 from estimators.orientation.smoother._rest import Rests
 from estimators.orientation.telemotion._parameters import settings_of
 from estimators.recording import ImuChunk, SampleQuality
@@ -320,8 +320,8 @@ def test_the_smoother_is_listed_as_off_line_only():
 def _rest_weight(rate_radps: np.ndarray, bias_sigma_radps: float) -> np.ndarray:
     """Variance that 20 s of rest give the mean rate of each block; the bias is zero."""
     settings = settings_of(SmootherParameters(), 0.01)
-    facts = np.zeros((len(rate_radps), FACTS))
-    facts[:, AT_REST], facts[:, RATE : RATE + 3] = 1.0, rate_radps
+    facts = np.zeros(len(rate_radps), FACTS)
+    facts["is_at_rest"], facts["rate"] = 1, rate_radps
     known = np.full(len(facts), bias_sigma_radps**2)
     return Rests(facts, settings).variance(np.zeros((len(facts), 3)), known)
 

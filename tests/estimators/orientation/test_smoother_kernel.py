@@ -3,26 +3,10 @@
 import numpy as np
 import pytest
 
+from estimators.kernels import filled
 from estimators.orientation.smoother._estimator import SmootherParameters
-from estimators.orientation.smoother._kernel import (
-    AT_REST,
-    FACTS,
-    FIELD_TICKS,
-    FIELD_VARIANCE,
-    GROUPS,
-    IRON_STEP,
-    IRON_VARIANCE,
-    KEPT,
-    RATE,
-    RATE_VARIANCE,
-    SHARE,
-    STEP,
-    TICKS,
-    backward,
-    forward,
-)
-from estimators.orientation.smoother._sweep import SUMS
-from estimators.orientation.telemotion import _layout as at
+from estimators.orientation.smoother._kernel import FACTS, GROUPS, KEPT, backward, forward
+from estimators.orientation.telemotion import _records as at
 from estimators.orientation.telemotion._parameters import settings_of
 
 BLOCKS = 12
@@ -35,31 +19,30 @@ class Case:
 
     def __init__(self, seed):
         rng = np.random.default_rng(seed)
-        self.settings = settings_of(SmootherParameters(), STEP_S)
-        self.sums = np.zeros((BLOCKS, SUMS))
-        self.facts = np.zeros((BLOCKS, FACTS))
+        self.settings = filled(at.SETTINGS, settings_of(SmootherParameters(), STEP_S))[0]
+        self.sums = np.zeros(BLOCKS, at.SUMS)
+        self.facts = np.zeros(BLOCKS, FACTS)
         for sums in self.sums:
             turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
-            self._put(sums, at.SUM_ROTATION, 20.0 * turn)
-            self._put(sums, at.SUM_GAIN, 20.0 * np.einsum("ab,c->abc", turn, rng.normal(size=3)))
-            self._put(sums, at.SUM_FORCE, 0.2 * (np.array([0, 0, GRAVITY]) + rng.normal(size=3)))
-            self._put(sums, at.SUM_FIELD, 20.0 * (np.array([0.0, 18.0, -45.0]) + rng.normal(size=3)))
-            self._put(sums, at.SUM_DELAY, 20.0 * 30.0 * rng.normal(size=3))
-            self._put(sums, at.SUM_RATE2, rng.uniform(0.0, 40.0))
-            self._put(sums, at.GAP_TURN_VARIANCE, rng.uniform(0.0, 1e-4, 3))
-            self._put(sums, at.GAP_SPEED_VARIANCE, rng.uniform(0.0, 1e-3, 3))
+            sums["sum_rotation"] = 20.0 * turn.ravel()
+            sums["sum_gain"] = 20.0 * np.einsum("ab,c->abc", turn, rng.normal(size=3)).ravel()
+            sums["sum_force"] = 0.2 * (np.array([0, 0, GRAVITY]) + rng.normal(size=3))
+            sums["sum_field"] = 20.0 * (np.array([0.0, 18.0, -45.0]) + rng.normal(size=3))
+            sums["sum_delay"] = 20.0 * 30.0 * rng.normal(size=3)
+            sums["sum_rate2"] = rng.uniform(0.0, 40.0)
+            sums["gap_turn_variance"] = rng.uniform(0.0, 1e-4, 3)
+            sums["gap_speed_variance"] = rng.uniform(0.0, 1e-3, 3)
         facts = self.facts
-        facts[:, TICKS] = 20.0
-        facts[:, FIELD_TICKS] = 20.0
-        facts[:2, AT_REST] = 1.0
-        facts[:, FIELD_VARIANCE] = rng.uniform(20.0, 200.0, BLOCKS)
-        facts[5, FIELD_VARIANCE] = 0.0  # a block without field
-        facts[:, SHARE] = np.exp(-0.3 * np.arange(BLOCKS))
-        facts[:, RATE : RATE + 3] = 0.01 * rng.normal(size=(BLOCKS, 3))
-        facts[:, RATE_VARIANCE] = rng.uniform(1e-5, 1e-4, BLOCKS)
-        facts[:, STEP : STEP + 3] = 0.01 * rng.normal(size=(BLOCKS, 3))
-        facts[7, IRON_VARIANCE] = 900.0
-        facts[7, IRON_STEP : IRON_STEP + 3] = rng.normal(size=3)
+        self.sums["count"] = self.sums["field_count"] = 20
+        facts["is_at_rest"][:2] = 1.0
+        facts["field_variance"] = rng.uniform(20.0, 200.0, BLOCKS)
+        facts["field_variance"][5] = 0.0  # a block without field
+        facts["share"] = np.exp(-0.3 * np.arange(BLOCKS))
+        facts["rate"] = 0.01 * rng.normal(size=(BLOCKS, 3))
+        facts["rate_variance"] = rng.uniform(1e-5, 1e-4, BLOCKS)
+        facts["step"] = 0.01 * rng.normal(size=(BLOCKS, 3))
+        facts["iron_variance"][7] = 900.0
+        facts["iron_step"][7] = rng.normal(size=3)
         self.nominal = np.zeros(at.STATES)
         self.nominal[at.FIELD : at.FIELD + 3] = 0.0, 18.0, -45.0
         self.nominal[at.START : at.START + 3] = rng.normal(size=3)
@@ -70,74 +53,62 @@ class Case:
         self.prior = scale[:, None] * (root @ root.T / at.STATES + np.eye(at.STATES)) * scale
         self.start = scale * rng.normal(size=at.STATES)
 
-    @staticmethod
-    def _put(sums, where, values):
-        values = np.ravel(values)
-        sums[where - at.SUM_ROTATION : where - at.SUM_ROTATION + values.size] = values
-
-    def get(self, block, where, *shape):
-        first = where - at.SUM_ROTATION
-        return self.sums[block, first : first + int(np.prod(shape))].reshape(shape)
-
     def motion(self, block):
         """Return F, the constant part and Q from the end of the block before to the end of this one."""
-        settings, facts = self.settings, self.facts[block]
-        time_s = facts[TICKS] * STEP_S
-        force = self.get(block, at.SUM_FORCE, 3)
+        settings, facts, sums = self.settings, self.facts[block], self.sums[block]
+        time_s = sums["count"] * STEP_S
+        force = sums["sum_force"]
         f, constant, q = np.eye(at.STATES), np.zeros(at.STATES), np.zeros((at.STATES, at.STATES))
         turn, velocity, position, bias = (
             slice(i, i + 3) for i in (at.TURN, at.VELOCITY, at.POSITION, at.BIAS)
         )
-        f[turn, bias] = -STEP_S * self.get(block, at.SUM_ROTATION, 3, 3)
+        f[turn, bias] = -STEP_S * sums["sum_rotation"].reshape(3, 3)
         # The gain error is stored column by column: its entry (b, c) turns the sensor about axis b.
-        gain = self.get(block, at.SUM_GAIN, 3, 9)
+        gain = sums["sum_gain"].reshape(3, 9)
         f[turn, at.GAIN : at.GAIN + 9] = STEP_S * gain
         x, y, z = force
         f[velocity, turn] = -np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
         f[position, velocity] = time_s * np.eye(3)
         push = force - [0.0, 0.0, GRAVITY * time_s]
         constant[velocity], constant[position] = push, 0.5 * time_s * push
-        constant[at.IRON : at.IRON + 3] = facts[IRON_STEP : IRON_STEP + 3]
-        turning = (
-            settings[at.RATE_NOISE]
-            + settings[at.RATE_NOISE_PER_RATE] * self.get(block, at.SUM_RATE2, 1)[0] / 20
-        )
+        constant[at.IRON : at.IRON + 3] = facts["iron_step"]
+        turning = settings["rate_noise"] + settings["rate_noise_per_rate"] * sums["sum_rate2"] / 20
         for a in range(3):
-            q[at.TURN + a, at.TURN + a] = turning * time_s + self.get(block, at.GAP_TURN_VARIANCE, 3)[a]
-            speed = self.get(block, at.GAP_SPEED_VARIANCE, 3)[a]
-            q[at.VELOCITY + a, at.VELOCITY + a] = settings[at.SPEED_NOISE] * time_s + speed
-            q[at.POSITION + a, at.POSITION + a] = settings[at.POSITION_NOISE] * time_s
-            q[at.BIAS + a, at.BIAS + a] = settings[at.BIAS_DRIFT] * time_s
-            q[at.IRON + a, at.IRON + a] = facts[IRON_VARIANCE]
+            q[at.TURN + a, at.TURN + a] = turning * time_s + sums["gap_turn_variance"][a]
+            speed = sums["gap_speed_variance"][a]
+            q[at.VELOCITY + a, at.VELOCITY + a] = settings["speed_noise"] * time_s + speed
+            q[at.POSITION + a, at.POSITION + a] = settings["position_noise"] * time_s
+            q[at.BIAS + a, at.BIAS + a] = settings["bias_drift"] * time_s
+            q[at.IRON + a, at.IRON + a] = facts["iron_variance"]
         return f, constant, q
 
     def measured(self, block):
         """Return H, z and the variances of all scalar measurements of a block."""
-        settings, facts = self.settings, self.facts[block]
-        time_s = facts[TICKS] * STEP_S
+        settings, facts, sums = self.settings, self.facts[block], self.sums[block]
+        time_s = sums["count"] * STEP_S
         h, z, r = [], [], []
         unit = np.eye(at.STATES)
         for a in range(3):
-            h.append(unit[at.POSITION + a]), z.append(0.0), r.append(settings[at.POSITION_PRIOR] / time_s)
-        if facts[AT_REST]:
+            h.append(unit[at.POSITION + a]), z.append(0.0), r.append(settings["position_prior"] / time_s)
+        if facts["is_at_rest"]:
             for a in range(3):
-                h.append(unit[at.VELOCITY + a]), z.append(0.0), r.append(settings[at.REST_SPEED] / time_s)
+                h.append(unit[at.VELOCITY + a]), z.append(0.0), r.append(settings["rest_speed"] / time_s)
             for a in range(3):
-                h.append(unit[at.BIAS + a]), r.append(facts[RATE_VARIANCE])
-                z.append(facts[RATE + a] - self.nominal[at.BIAS + a])
-        if facts[FIELD_VARIANCE] > 0.0:
+                h.append(unit[at.BIAS + a]), r.append(facts["rate_variance"])
+                z.append(facts["rate"][a] - self.nominal[at.BIAS + a])
+        if facts["field_variance"] > 0.0:
             field, start = (self.nominal[i : i + 3] for i in (at.FIELD, at.START))
             rows = np.zeros((3, at.STATES))
             x, y, w = field
             # The estimate lies behind the truth by t, so the field seems to be b - t x b = b + b x t.
             rows[:, at.TURN : at.TURN + 3] = np.array([[0.0, -w, y], [w, 0.0, -x], [-y, x, 0.0]])
             rows[:, at.FIELD : at.FIELD + 3] = np.eye(3)
-            rows[:, at.IRON : at.IRON + 3] = self.get(block, at.SUM_ROTATION, 3, 3) / 20.0
-            rows[:, at.DELAY] = self.get(block, at.SUM_DELAY, 3) / 20.0
-            rows[:, at.START : at.START + 3] = facts[SHARE] * np.eye(3)
+            rows[:, at.IRON : at.IRON + 3] = sums["sum_rotation"].reshape(3, 3) / 20.0
+            rows[:, at.DELAY] = sums["sum_delay"] / 20.0
+            rows[:, at.START : at.START + 3] = facts["share"] * np.eye(3)
             h.extend(rows)
-            z.extend(self.get(block, at.SUM_FIELD, 3) / 20.0 - field - facts[SHARE] * start)
-            r.extend([facts[FIELD_VARIANCE]] * 3)
+            z.extend(sums["sum_field"] / 20.0 - field - facts["share"] * start)
+            r.extend([facts["field_variance"]] * 3)
         return np.array(h), np.array(z), np.array(r)
 
     def kernels(self):
@@ -189,7 +160,7 @@ class Case:
 
     def _step(self, block):
         step = np.zeros(at.STATES)
-        step[at.TURN : at.TURN + 3] = -self.facts[block, STEP : STEP + 3]
+        step[at.TURN : at.TURN + 3] = -self.facts["step"][block]
         return step
 
 

@@ -5,8 +5,9 @@ import pytest
 
 from estimators import orientation, rotation
 from estimators.conventions import GRAVITY_MPS2
+from estimators.kernels import filled
 from estimators.orientation import OrientationFlag
-from estimators.orientation.telemotion import _layout as at
+from estimators.orientation.telemotion import _records as at
 from estimators.orientation.telemotion._parameters import TelemotionParameters, settings_of
 from estimators.orientation.telemotion._samples import rest_variance
 from estimators.recording import ImuChunk, SampleQuality
@@ -219,14 +220,14 @@ def test_nonsense_of_one_sensor_stays_with_it(clean):
 
 def _rest_weight(deviation_radps: float, sway_radps: float) -> float:
     """Variance that a rest of 20 s gives its mean rate, when the bias is known to 0.02 deg/s."""
-    settings = settings_of(TelemotionParameters(), 0.01)
-    memory, bias, p = np.zeros(at.MEMORY), np.zeros(3), np.zeros(at.STATES**2)
+    settings = filled(at.SETTINGS, settings_of(TelemotionParameters(), 0.01))
+    memory, p = np.zeros(1, at.STATE), np.zeros(at.STATES**2)
     p[(at.STATES + 1) * at.BIAS :: at.STATES + 1][:3] = np.deg2rad(0.02) ** 2
     variance = np.nan
     for block in range(100):
-        memory[at.REST_S] = 0.76 + 0.2 * block
-        memory[at.MEAN_RATE] = deviation_radps + sway_radps * np.sin(2.0 * np.pi * block / 7.0)
-        variance = rest_variance(p, bias, memory, settings, 0.2)
+        memory["rest_s"] = 0.76 + 0.2 * block
+        memory["mean_rate"][0, 0] = deviation_radps + sway_radps * np.sin(2.0 * np.pi * block / 7.0)
+        variance = rest_variance(p, memory[0], settings[0], 0.2)
     return float(variance)
 
 
