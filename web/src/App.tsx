@@ -1,7 +1,7 @@
 import { createBrowserRouter, type RouteObject } from 'react-router';
 import { OwnPages, StaffPages } from './components/ByRole';
 import { Shell } from './components/Shell';
-import { useSignedIn } from './components/useSignedIn';
+import { useSignedIn } from './components/account/useSignedIn';
 import { CaseloadPage } from './pages/Caseload';
 import { CrashPage } from './pages/Crash';
 import { NotFoundPage } from './pages/NotFound';
@@ -56,11 +56,11 @@ export const routes: RouteObject[] = [
           },
           {
             path: 'sessions/:sessionId',
-            lazy: async () => ({ Component: (await import('./pages/session/SessionPage')).SessionPage }),
+            lazy: async () => ({ Component: (await import('./pages/session/replay/SessionPage')).SessionPage }),
           },
           {
             path: 'sessions/:sessionId/live',
-            lazy: async () => ({ Component: (await import('./pages/session/LiveSession')).LiveSessionPage }),
+            lazy: async () => ({ Component: (await import('./pages/session/live/LiveSession')).LiveSessionPage }),
           },
           {
             path: 'sessions/:sessionId/gait',
@@ -72,7 +72,7 @@ export const routes: RouteObject[] = [
           },
           {
             path: 'sessions/:sessionId/estimators',
-            lazy: async () => ({ Component: (await import('./pages/session/EstimatorsPage')).EstimatorsPage }),
+            lazy: async () => ({ Component: (await import('./pages/session/replay/EstimatorsPage')).EstimatorsPage }),
           },
           {
             path: 'sessions/:sessionId/report',

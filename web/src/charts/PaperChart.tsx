@@ -1,7 +1,7 @@
 // Charts for paper: drawn as vectors, sharp at any size, in the colours of the sheet they stand on.
 import type { CycleCurve, PhaseCurve, ProgressMeasure } from '../api/types';
 import { t } from '../i18n';
-import type { OutsideStretch } from '../lib/comparison';
+import type { OutsideStretch } from '../lib/assessment/comparison';
 import { date, displayUnit, quantity } from '../lib/format';
 import { extent, niceTicks } from './scales';
 

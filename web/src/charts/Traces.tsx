@@ -6,7 +6,7 @@ import type uPlot from 'uplot';
 import { t } from '../i18n';
 import { channelLabel } from '../lib/channels';
 import { displayUnit, number, quantity } from '../lib/format';
-import { hasSigma, sigmaOf } from '../lib/magnetic';
+import { hasSigma, sigmaOf } from '../kinds/magnetic/magnetic';
 import { useSnapshot } from '../player/hooks';
 import type { Player } from '../player/types';
 import { hatch } from './hatch';

@@ -1,6 +1,6 @@
 // Which pages are whose: a patient never reaches the workstation, whatever address is typed or linked.
 import { matchPath, Navigate, Outlet, useLocation } from 'react-router';
-import { useSignedIn } from './useSignedIn';
+import { useSignedIn } from './account/useSignedIn';
 
 /** Where a patient is sent who opens a page of the staff: to the same session on their own pages, else to their first page. */
 export function ownPage(path: string): string {

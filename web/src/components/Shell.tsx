@@ -6,8 +6,8 @@ import { Link, Navigate, NavLink, Outlet, useLocation, useNavigate } from 'react
 import { useMe, useSignOut } from '../api/queries';
 import { t } from '../i18n';
 import { Problem, Waiting } from './Feedback';
-import { IdleWatch } from './IdleWatch';
-import { SecondFactorRemoved } from './SecondFactorRemoved';
+import { IdleWatch } from './account/IdleWatch';
+import { SecondFactorRemoved } from './account/SecondFactorRemoved';
 
 export function ThemeToggle() {
   const scheme = useComputedColorScheme('light');

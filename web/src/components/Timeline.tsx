@@ -11,7 +11,7 @@ import type { Repetition, SessionEvent } from '../api/types';
 import { t } from '../i18n';
 import { eventText } from '../lib/events';
 import { position } from '../lib/format';
-import { repetitionAt } from '../lib/warp';
+import { repetitionAt } from '../lib/assessment/warp';
 import { useClockText, useSnapshot } from '../player/hooks';
 import type { Player } from '../player/types';
 

@@ -1,6 +1,6 @@
 import { useMemo, useState } from 'react';
 import { Traces } from '../charts/Traces';
-import { ChannelPicker } from '../components/ChannelPicker';
+import { ChannelPicker } from '../components/forms/ChannelPicker';
 import { t } from '../i18n';
 import { preferredAngles } from '../lib/channels';
 import type { LiveProps } from './kind';

@@ -1,7 +1,7 @@
 // Names of angles, scalars, points and placements in plain words, with the convention beside them.
 import { formatLocale, t, tOr } from '../i18n';
 import type { Placement } from '../api/types';
-import { pairOf } from './magnetic';
+import { pairOf } from '../kinds/magnetic/magnetic';
 
 /** A channel of the frames as people and experts read it. */
 export interface ChannelLabel {

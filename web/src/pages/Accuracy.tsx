@@ -8,7 +8,7 @@ import { CopyBox } from '../components/CopyBox';
 import { Answer } from '../components/Feedback';
 import { Page } from '../components/Page';
 import { t } from '../i18n';
-import { figure, isJudged, unitSign } from '../lib/figures';
+import { figure, isJudged, unitSign } from '../lib/assessment/figures';
 import { date, number } from '../lib/format';
 
 const SHOWN_FIRST = 12;

@@ -8,10 +8,10 @@ import { Sparkline } from '../charts/Sparkline';
 import { Answer, Empty, ShowMore } from '../components/Feedback';
 import { LiveMark, ReasonMark, SideMark } from '../components/Marks';
 import { Page } from '../components/Page';
-import { useSignedIn } from '../components/useSignedIn';
+import { useSignedIn } from '../components/account/useSignedIn';
 import { t } from '../i18n';
 import { day, number, quantity } from '../lib/format';
-import { matches, type CaseloadFilter } from '../lib/caseload';
+import { matches, type CaseloadFilter } from '../lib/assessment/caseload';
 import { ArchivedPatients } from './patient/ArchivedPatients';
 
 function Practised({ percent }: { percent: number | null }) {

@@ -10,7 +10,7 @@ import { Page } from '../components/Page';
 import { isWalk } from '../lib/exercises';
 import { t } from '../i18n';
 import { channelLabel } from '../lib/channels';
-import { pickCurves } from '../lib/comparison';
+import { pickCurves } from '../lib/assessment/comparison';
 import { date, number } from '../lib/format';
 
 function TemplateCard({

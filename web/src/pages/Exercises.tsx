@@ -5,7 +5,7 @@ import { useState, type FormEvent } from 'react';
 import { Link } from 'react-router';
 import { useAddExercise, useExercises } from '../api/queries';
 import type { Exercise, ExerciseIn } from '../api/types';
-import { RadioCards } from '../components/Choice';
+import { RadioCards } from '../components/forms/Choice';
 import { Answer, Empty, Problem } from '../components/Feedback';
 import { Page } from '../components/Page';
 import { t } from '../i18n';

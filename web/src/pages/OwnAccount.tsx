@@ -3,7 +3,7 @@ import { useState, type FormEvent } from 'react';
 import { useChangePassword } from '../api/queries';
 import { Notice, Problem } from '../components/Feedback';
 import { Page } from '../components/Page';
-import { useSignedIn } from '../components/useSignedIn';
+import { useSignedIn } from '../components/account/useSignedIn';
 import { t } from '../i18n';
 import { SecondFactorCard } from './SecondFactorCard';
 

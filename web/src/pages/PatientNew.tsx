@@ -1,7 +1,7 @@
 import { useNavigate } from 'react-router';
 import { useAddPatient } from '../api/queries';
 import { Page } from '../components/Page';
-import { PatientForm } from '../components/PatientForm';
+import { PatientForm } from '../components/forms/PatientForm';
 import { t } from '../i18n';
 
 export function PatientNewPage() {

@@ -1,6 +1,6 @@
 import { expect, it } from 'vitest';
 import type { Differences, Result } from '../../src/api/types';
-import { differenceRows, distinctResults, overallRms } from '../../src/lib/differences';
+import { differenceRows, distinctResults, overallRms } from '../../src/lib/assessment/differences';
 
 const result = (id: string, orientation: string, change: Partial<Result> = {}): Result => ({
   id,

@@ -1,6 +1,6 @@
 import { expect, it } from 'vitest';
 import { aligned } from '../../src/charts/scales';
-import { figure, unitSign } from '../../src/lib/figures';
+import { figure, unitSign } from '../../src/lib/assessment/figures';
 
 it('shows measured numbers with the digits that count', () => {
   expect(figure(2.43, 'deg')).toBe('2.43°');

@@ -9,7 +9,7 @@ import {
   hasSigma,
   isStarting,
   sigmaOf,
-} from '../../src/lib/magnetic';
+} from '../../src/kinds/magnetic/magnetic';
 
 describe('flags of a magnetic session', () => {
   it('says one thing while it starts, and what needs a hand first afterwards', () => {

@@ -1,5 +1,5 @@
 import { expect, it } from 'vitest';
-import { activeText, weekText } from '../../src/lib/practice';
+import { activeText, weekText } from '../../src/lib/assessment/practice';
 
 const week = (done: number, of: number, repetitions = 0, active = 0) => ({
   done_this_week: done,

@@ -2,7 +2,7 @@ import { describe, expect, it } from 'vitest';
 import type { AuditEntry, CaseloadRow, ProgressMeasure } from '../../src/api/types';
 import { runs, steadyRange } from '../../src/charts/scales';
 import { groupAudit } from '../../src/lib/audit';
-import { matches } from '../../src/lib/caseload';
+import { matches } from '../../src/lib/assessment/caseload';
 import { placementProblem } from '../../src/lib/placements';
 import { plainProgress } from '../../src/lib/plain';
 import type { SessionEvent } from '../../src/api/types';

@@ -6,7 +6,7 @@ import {
   templatePhaseAt,
   templateValueAt,
   timeAtTemplatePhase,
-} from '../../src/lib/warp';
+} from '../../src/lib/assessment/warp';
 
 const phases = Array.from({ length: 101 }, (_, phase) => phase);
 /** A patient who is slow at first: template phase grows with the square of the patient's. */

@@ -2,7 +2,7 @@ import { screen, waitFor, within } from '@testing-library/react';
 import userEvent from '@testing-library/user-event';
 import { afterEach, expect, it, vi } from 'vitest';
 import type { Account, Me, Patient } from '../../src/api/types';
-import { SecondFactorRemoved } from '../../src/components/SecondFactorRemoved';
+import { SecondFactorRemoved } from '../../src/components/account/SecondFactorRemoved';
 import { ClinicPage } from '../../src/pages/Clinic';
 import { DataPanel } from '../../src/pages/patient/DataPanel';
 import { renderPage, THERAPIST } from './render';

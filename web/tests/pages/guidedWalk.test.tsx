@@ -1,6 +1,6 @@
 import { act, fireEvent, screen } from '@testing-library/react';
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
-import { GuidedWalk, type GuidedWalkProps } from '../../src/kinds/walk/GuidedWalk';
+import { GuidedWalk, type GuidedWalkProps } from '../../src/kinds/walk/views/GuidedWalk';
 import type { Player } from '../../src/player/types';
 import { renderPage } from './render';
 

@@ -2,7 +2,7 @@ import { act, render, screen } from '@testing-library/react';
 import { QueryClient, QueryClientProvider } from '@tanstack/react-query';
 import { createMemoryRouter, RouterProvider } from 'react-router';
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
-import { IdleWatch } from '../../src/components/IdleWatch';
+import { IdleWatch } from '../../src/components/account/IdleWatch';
 import { idleSeconds } from '../../src/lib/idle';
 
 const asked: string[] = [];

@@ -2,8 +2,8 @@ import { act, screen } from '@testing-library/react';
 import userEvent from '@testing-library/user-event';
 import { afterEach, expect, it, vi } from 'vitest';
 import type { LiveSnapshot } from '../../src/player/live';
-import { LiveBanners } from '../../src/pages/session/LiveBanners';
-import { LiveButtons } from '../../src/pages/session/LiveButtons';
+import { LiveBanners } from '../../src/pages/session/live/LiveBanners';
+import { LiveButtons } from '../../src/pages/session/live/LiveButtons';
 import { renderPage } from './render';
 
 afterEach(() => vi.unstubAllGlobals());

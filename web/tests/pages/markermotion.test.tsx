@@ -3,7 +3,7 @@ import userEvent from '@testing-library/user-event';
 import axe from 'axe-core';
 import { afterEach, describe, expect, it, vi } from 'vitest';
 import type { MarkerMotion as Motion, Markers } from '../../src/api/types';
-import { MarkerLegend, MarkerMotion, tableOf } from '../../src/pages/session/MarkerMotion';
+import { MarkerLegend, MarkerMotion, tableOf } from '../../src/pages/session/replay/MarkerMotion';
 import type { Player } from '../../src/player/types';
 import { renderPage } from './render';
 

@@ -2,7 +2,7 @@ import { screen, within } from '@testing-library/react';
 import axe from 'axe-core';
 import { afterEach, describe, expect, it, vi } from 'vitest';
 import type { MarkerReport, Markers, SessionDetail } from '../../src/api/types';
-import { MarkersPanel } from '../../src/pages/session/MarkersPanel';
+import { MarkersPanel } from '../../src/pages/session/replay/MarkersPanel';
 import { renderPage } from './render';
 
 vi.mock('../../src/charts/Plot', () => ({

@@ -2,8 +2,8 @@
 import { cleanup, screen } from '@testing-library/react';
 import { afterEach, describe, expect, it } from 'vitest';
 import type { MassCentre } from '../../src/api/types';
-import { massChannels } from '../../src/lib/massCentre';
-import { MassFacts } from '../../src/pages/session/MassFacts';
+import { massChannels } from '../../src/lib/assessment/massCentre';
+import { MassFacts } from '../../src/pages/session/replay/MassFacts';
 import { renderPage } from './render';
 
 afterEach(cleanup);

@@ -2,7 +2,7 @@ import { MantineProvider } from '@mantine/core';
 import { render, screen } from '@testing-library/react';
 import { expect, test } from 'vitest';
 import type { HealthMessage } from '../../src/api/types';
-import { NotStored } from '../../src/pages/session/NotStored';
+import { NotStored } from '../../src/pages/session/live/NotStored';
 
 const HEALTH: HealthMessage = {
   type: 'health',

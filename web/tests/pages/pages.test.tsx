@@ -3,8 +3,8 @@ import userEvent from '@testing-library/user-event';
 import { afterEach, describe, expect, it, vi } from 'vitest';
 import type { CaseloadRow, SensorHealth } from '../../src/api/types';
 import { CaseloadPage } from '../../src/pages/Caseload';
-import { HealthPanel } from '../../src/pages/session/HealthPanel';
-import { stepOf } from '../../src/pages/session/StateSteps';
+import { HealthPanel } from '../../src/pages/session/live/HealthPanel';
+import { stepOf } from '../../src/pages/session/live/StateSteps';
 import { SignInPage } from '../../src/pages/SignIn';
 import { renderPage, THERAPIST } from './render';
 

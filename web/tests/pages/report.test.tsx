@@ -3,7 +3,7 @@ import { describe, expect, it } from 'vitest';
 import type { MeasureValue } from '../../src/api/types';
 import { joined, PaperPhases, pathOf } from '../../src/charts/PaperChart';
 import { niceTicks } from '../../src/charts/scales';
-import { reportRows } from '../../src/lib/report';
+import { reportRows } from '../../src/lib/assessment/report';
 import { verdict, verdictText } from '../../src/pages/report/SummarySheet';
 
 const measure = (name: string, group: string, value: number | null = 1): MeasureValue => ({

@@ -1,6 +1,6 @@
 // Nobody with an implant near a magnetic source: two questions, and what follows when one is not answered by no.
 import { IconHeartOff } from '@tabler/icons-react';
-import { RadioCards } from '../../components/Choice';
+import { RadioCards } from '../../components/forms/Choice';
 import { t } from '../../i18n';
 import { bodyLength, number } from '../../lib/format';
 import { isForbidden, type Implants, type Word } from './magneticSetup';

@@ -5,7 +5,7 @@ import { Notice } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { placementLabel } from '../../lib/channels';
 import { number, quantity } from '../../lib/format';
-import { SIGMAS, isStarting, milliampereHours, needsHand, pulsesIn, stateKeys, type Pulse } from '../../lib/magnetic';
+import { SIGMAS, isStarting, milliampereHours, needsHand, pulsesIn, stateKeys, type Pulse } from './magnetic';
 import type { Player } from '../../player/types';
 import { PulseTimeline } from './PulseTimeline';
 

@@ -1,7 +1,7 @@
 // Which coil was on when: three lanes, a bar a pulse.
 import { t } from '../../i18n';
 import { number, position } from '../../lib/format';
-import type { Pulse } from '../../lib/magnetic';
+import type { Pulse } from './magnetic';
 import { COIL_COLOURS } from './coils';
 
 const WIDTH = 1000;

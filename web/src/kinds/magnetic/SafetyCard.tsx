@@ -4,7 +4,7 @@ import { IconShieldCheck } from '@tabler/icons-react';
 import { useState } from 'react';
 import { useConfirmNoImplants, useMagneticSafety, useWithdrawSafety } from '../../api/queries';
 import type { MagneticSafety, SessionDetail } from '../../api/types';
-import { Confirm } from '../../components/Confirm';
+import { Confirm } from '../../components/forms/Confirm';
 import { Answer, Notice, Problem } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { dateTime, number } from '../../lib/format';

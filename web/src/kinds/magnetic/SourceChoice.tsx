@@ -1,7 +1,7 @@
 // What is measured with a magnetic source: a usual set, or source and sensors by hand; its coils where they differ.
 import { Checkbox, NumberInput, Select } from '@mantine/core';
 import type { MagneticSource, Placement, Side } from '../../api/types';
-import { RadioCards } from '../../components/Choice';
+import { RadioCards } from '../../components/forms/Choice';
 import { t } from '../../i18n';
 import { placementLabel, placementList } from '../../lib/channels';
 import { day, number } from '../../lib/format';

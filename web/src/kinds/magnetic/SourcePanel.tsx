@@ -8,7 +8,7 @@ import { Answer } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { placementLabel } from '../../lib/channels';
 import { number, quantity } from '../../lib/format';
-import { SIGMAS, milliampereHours, spreadOf, type Pulse } from '../../lib/magnetic';
+import { SIGMAS, milliampereHours, spreadOf, type Pulse } from './magnetic';
 import { useClockText } from '../../player/hooks';
 import type { ReplayPlayer } from '../../player/replay';
 import { BenchPanel } from './BenchPanel';

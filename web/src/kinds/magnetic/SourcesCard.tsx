@@ -4,7 +4,7 @@ import { IconFileImport } from '@tabler/icons-react';
 import { useState } from 'react';
 import { useKeepSource, useMagneticSources, useRetireSource } from '../../api/queries';
 import type { MagneticSource, MagneticSourceIn } from '../../api/types';
-import { Confirm } from '../../components/Confirm';
+import { Confirm } from '../../components/forms/Confirm';
 import { Answer, Problem } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { day, number } from '../../lib/format';

@@ -4,7 +4,7 @@ import type { SessionDetail } from '../../api/types';
 import { t } from '../../i18n';
 import { JointCurves } from '../JointCurves';
 import type { KindParts, LiveProps, ReplayProps } from '../kind';
-import { WalkLink } from '../walk/WalkLink';
+import { WalkLink } from '../walk/views/WalkLink';
 import { LiveSource, SourceStart } from './LiveSource';
 import { SafetyCard } from './SafetyCard';
 import { SourceLegend } from './SourceLegend';

@@ -11,10 +11,10 @@ import { Page } from '../../components/Page';
 import { t } from '../../i18n';
 import { dateTime, number } from '../../lib/format';
 import { footOf } from './gait';
-import { MapCard } from './MapCard';
-import { StrideTable, type ChosenStride } from './StrideTable';
-import { TestResult } from './TestResult';
-import { WalkNumbers } from './WalkNumbers';
+import { MapCard } from './views/MapCard';
+import { StrideTable, type ChosenStride } from './views/StrideTable';
+import { TestResult } from './views/TestResult';
+import { WalkNumbers } from './views/WalkNumbers';
 
 function Curves({ gait, before }: { gait: Gait; before: Gait | null }) {
   const names = [...new Set(gait.feet.flatMap((foot) => foot.curves.map((curve) => curve.name)))];

@@ -4,12 +4,12 @@ import { Traces } from '../../charts/Traces';
 import { Notice } from '../../components/Feedback';
 import { t } from '../../i18n';
 import type { KindParts, LiveProps, ReplayProps } from '../kind';
-import { GuidedWalk } from './GuidedWalk';
+import { GuidedWalk } from './views/GuidedWalk';
 import { walkKind } from './guidedWalk';
-import { LiveWalk } from './LiveWalk';
-import { WalkSheets } from './WalkSheets';
-import { WalkMap, WalkPanel } from './WalkPanel';
-import { WalkLink } from './WalkLink';
+import { LiveWalk } from './views/LiveWalk';
+import { WalkSheets } from './views/WalkSheets';
+import { WalkMap, WalkPanel } from './views/WalkPanel';
+import { WalkLink } from './views/WalkLink';
 
 const Guide = ({ columns, exercise, ...props }: LiveProps) => (
   <GuidedWalk {...props} kind={exercise === null ? null : walkKind(exercise?.movement)} delayS={columns?.delayS ?? 0} />

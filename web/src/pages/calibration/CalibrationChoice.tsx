@@ -3,7 +3,7 @@ import { Button, Group, Select } from '@mantine/core';
 import { useState } from 'react';
 import { useCalibrations } from '../../api/queries';
 import type { CalibrationGuide, CalibrationIn, CalibrationKind, Placement } from '../../api/types';
-import { RadioCards } from '../../components/Choice';
+import { RadioCards } from '../../components/forms/Choice';
 import { Answer } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { placementLabel } from '../../lib/channels';

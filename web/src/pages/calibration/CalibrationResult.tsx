@@ -7,7 +7,7 @@ import { FindingFigure } from '../../components/Figures';
 import { t, tOr } from '../../i18n';
 import { placementLabel } from '../../lib/channels';
 import { number } from '../../lib/format';
-import { scoreText } from '../session/Calibration';
+import { scoreText } from '../session/live/Calibration';
 
 function axisName(name: string): string {
   const side = /_(left|right)$/.exec(name)?.[1];

@@ -4,7 +4,7 @@ import type { Calibration, Placement } from '../../api/types';
 import { Problem } from '../../components/Feedback';
 import { t, tOr } from '../../i18n';
 import { wornLimbs } from '../../lib/calibration';
-import { scoreText } from '../session/Calibration';
+import { scoreText } from '../session/live/Calibration';
 import { useCalibrating } from './CalibrationPanel';
 
 export function InForce({

@@ -14,7 +14,7 @@ import { Link, useParams } from 'react-router';
 import { api } from '../../api/client';
 import { keys, useSession } from '../../api/queries';
 import type { HealthMessage, PlayerState, SessionDetail } from '../../api/types';
-import { Confirm } from '../../components/Confirm';
+import { Confirm } from '../../components/forms/Confirm';
 import { Waiting } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { Viewer3D } from '../../components/Viewer3D';

@@ -1,9 +1,9 @@
 import { useAudit, useGrants } from '../../api/queries';
-import { AuditList } from '../../components/AuditList';
-import { Consents } from '../../components/Consents';
+import { AuditList } from '../../components/account/AuditList';
+import { Consents } from '../../components/account/Consents';
 import { Answer, ShowMore } from '../../components/Feedback';
 import { Page } from '../../components/Page';
-import { useSignedIn } from '../../components/useSignedIn';
+import { useSignedIn } from '../../components/account/useSignedIn';
 import { t } from '../../i18n';
 import { ExportButton } from '../patient/DataPanel';
 import { NoRecord } from './Today';

@@ -4,7 +4,7 @@ import { usePatientSessions, usePrescriptions, useProgress } from '../../api/que
 import type { Session } from '../../api/types';
 import { Answer, ShowMore } from '../../components/Feedback';
 import { Page } from '../../components/Page';
-import { useSignedIn } from '../../components/useSignedIn';
+import { useSignedIn } from '../../components/account/useSignedIn';
 import { t } from '../../i18n';
 import { weekday } from '../../lib/format';
 import { mainMeasure, plainProgress, repetitionsOf } from '../../lib/plain';

@@ -13,12 +13,12 @@ import {
 import type { Me, Prescription } from '../../api/types';
 import { Answer, Empty } from '../../components/Feedback';
 import { Page } from '../../components/Page';
-import { useSignedIn } from '../../components/useSignedIn';
+import { useSignedIn } from '../../components/account/useSignedIn';
 import { t } from '../../i18n';
 import { isWalk } from '../../lib/exercises';
 import { FEET, suggestedPlacements } from '../../lib/placements';
 import { mainMeasure, plainProgress } from '../../lib/plain';
-import { weekText } from '../../lib/practice';
+import { weekText } from '../../lib/assessment/practice';
 import { isLive } from '../../lib/sessions';
 import { PlainProblem } from './PlainProblem';
 

@@ -4,7 +4,7 @@ import { Link } from 'react-router';
 import { useArchivedPatients } from '../../api/queries';
 import { Answer, Empty, ShowMore } from '../../components/Feedback';
 import { t } from '../../i18n';
-import { holdsWords } from '../../lib/caseload';
+import { holdsWords } from '../../lib/assessment/caseload';
 import { date } from '../../lib/format';
 
 /** Who was taken off the caseload; the patient's page has the way back. */

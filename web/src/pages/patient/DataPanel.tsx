@@ -6,9 +6,9 @@ import { useState } from 'react';
 import { useNavigate } from 'react-router';
 import { useEditPatient, useErasePatient } from '../../api/queries';
 import type { Patient } from '../../api/types';
-import { Confirm } from '../../components/Confirm';
+import { Confirm } from '../../components/forms/Confirm';
 import { Notice, Problem } from '../../components/Feedback';
-import { useSignedIn } from '../../components/useSignedIn';
+import { useSignedIn } from '../../components/account/useSignedIn';
 import { t } from '../../i18n';
 import { date } from '../../lib/format';
 

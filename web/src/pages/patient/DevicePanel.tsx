@@ -4,10 +4,10 @@ import { IconKey, IconPlus } from '@tabler/icons-react';
 import { useState, type FormEvent } from 'react';
 import { useAddDeviceToken, useDeviceTokens, usePairingCode, useRevokeDeviceToken } from '../../api/queries';
 import type { DeviceToken, PairingCode, Patient } from '../../api/types';
-import { Confirm } from '../../components/Confirm';
+import { Confirm } from '../../components/forms/Confirm';
 import { CopyBox } from '../../components/CopyBox';
 import { Answer, Notice, Problem } from '../../components/Feedback';
-import { QrCode } from '../../components/QrCode';
+import { QrCode } from '../../components/account/QrCode';
 import { t } from '../../i18n';
 import { clockTime, date } from '../../lib/format';
 

@@ -5,13 +5,13 @@ import { useState, type FormEvent } from 'react';
 import { Link } from 'react-router';
 import { useEndPrescription, useExercises, usePrescribe, usePrescriptions, useTemplates } from '../../api/queries';
 import type { Patient, Prescription } from '../../api/types';
-import { Confirm } from '../../components/Confirm';
-import { DateField, isDateOrEmpty } from '../../components/DateField';
+import { Confirm } from '../../components/forms/Confirm';
+import { DateField, isDateOrEmpty } from '../../components/forms/DateField';
 import { Answer, Notice, Problem } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { isWalk, movementOf } from '../../lib/exercises';
 import { date } from '../../lib/format';
-import { weekText } from '../../lib/practice';
+import { weekText } from '../../lib/assessment/practice';
 
 /** The dose in words: sets, repetitions, times a week. A walk is walked once in a session. */
 export function doseText(

@@ -2,7 +2,7 @@ import type { ComparisonDetail } from '../../api/types';
 import { PaperPhases } from '../../charts/PaperChart';
 import { t } from '../../i18n';
 import { channelLabel } from '../../lib/channels';
-import { outsideOf, pickCurves, primaryChannel } from '../../lib/comparison';
+import { outsideOf, pickCurves, primaryChannel } from '../../lib/assessment/comparison';
 import type { ReportProps } from './ReportPage';
 import { Sheet } from './Sheet';
 

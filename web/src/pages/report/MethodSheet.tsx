@@ -2,7 +2,7 @@ import type { Estimator, Exercise, TemplateVersionDetail } from '../../api/types
 import { t } from '../../i18n';
 import { channelLabel, placementLabel } from '../../lib/channels';
 import { date, number } from '../../lib/format';
-import { scoreText } from '../session/Calibration';
+import { scoreText } from '../session/live/Calibration';
 import type { ReportProps } from './ReportPage';
 import { Sheet } from './Sheet';
 

@@ -1,5 +1,5 @@
 import { useId, type ReactNode } from 'react';
-import { useSignedIn } from '../../components/useSignedIn';
+import { useSignedIn } from '../../components/account/useSignedIn';
 import { t } from '../../i18n';
 import { date } from '../../lib/format';
 import type { ReportProps } from './ReportPage';

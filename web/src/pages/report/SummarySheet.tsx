@@ -5,7 +5,7 @@ import { SideMark } from '../../components/Marks';
 import { t } from '../../i18n';
 import { dateTime, difference, duration, quantity, uncertain } from '../../lib/format';
 import { mainMeasure } from '../../lib/plain';
-import { reportRows } from '../../lib/report';
+import { reportRows } from '../../lib/assessment/report';
 import type { ReportProps } from './ReportPage';
 import { Sheet } from './Sheet';
 

@@ -11,10 +11,10 @@ import {
   usePrescriptions,
 } from '../../api/queries';
 import type { Estimator, Patient, Placement, SessionIn } from '../../api/types';
-import { RadioCards } from '../../components/Choice';
+import { RadioCards } from '../../components/forms/Choice';
 import { Answer, Problem } from '../../components/Feedback';
 import { Page } from '../../components/Page';
-import { PlacementChoice } from '../../components/PlacementChoice';
+import { PlacementChoice } from '../../components/forms/PlacementChoice';
 import { t } from '../../i18n';
 import { placementList } from '../../lib/channels';
 import { isWalk as isWalking } from '../../lib/exercises';

@@ -17,12 +17,12 @@ import {
 } from '../../api/queries';
 import type { SessionDetail, TemplateContent, TemplatePreviewIn, TemplateVersionDetail } from '../../api/types';
 import { PhaseChart, PhaseLegend } from '../../charts/PhaseChart';
-import { RadioCards } from '../../components/Choice';
+import { RadioCards } from '../../components/forms/Choice';
 import { Answer, Empty, Problem, Waiting } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { t } from '../../i18n';
 import { day, duration, number, position } from '../../lib/format';
-import { pickCurves } from '../../lib/comparison';
+import { pickCurves } from '../../lib/assessment/comparison';
 
 const SHOWN_FIRST = 12;
 const SHOWN_MORE = 24;

@@ -3,7 +3,7 @@ import { Button, FileButton } from '@mantine/core';
 import { IconCircleCheck, IconFileUpload } from '@tabler/icons-react';
 import { useState, type DragEvent } from 'react';
 import type { UploadIn } from '../../api/types';
-import { RadioCards } from '../../components/Choice';
+import { RadioCards } from '../../components/forms/Choice';
 import { t } from '../../i18n';
 import { bytes } from '../../lib/format';
 

@@ -1,0 +1,51 @@
+// Warns before a browser that nobody uses is signed out, says so when it was, and keeps one signed in that is used.
+import { useQueryClient } from '@tanstack/react-query';
+import { useEffect, useState } from 'react';
+import { useNavigate } from 'react-router';
+import { api } from '../../api/client';
+import { forgetEverything } from '../../api/queries';
+import { t } from '../../i18n';
+import { idleSeconds, listenForUse } from '../../lib/idle';
+
+const LOOK_EVERY_MS = 5000;
+const WARN_S = 120;
+const REPORT_EVERY_S = 60;
+
+export function IdleWatch({ minutes }: { minutes: number }) {
+  const client = useQueryClient();
+  const navigate = useNavigate();
+  const [leftS, setLeftS] = useState<number | null>(null);
+  useEffect(() => {
+    const stop = listenForUse(window);
+    let reportedAt = Date.now();
+    const look = () => {
+      const idleS = idleSeconds();
+      const untilS = minutes * 60 - idleS;
+      setLeftS(untilS <= Math.min(WARN_S, minutes * 30) ? Math.max(0, untilS) : null);
+      if (untilS <= 0) {
+        void api.post('/api/sign-out').catch(() => undefined);
+        forgetEverything(client);
+        void navigate('/sign-in?ended=idle', { replace: true });
+      } else if (idleS < REPORT_EVERY_S && Date.now() - reportedAt > REPORT_EVERY_S * 1000) {
+        // Watching asks for nothing over HTTP: without this, a page in use would end like one that is not.
+        reportedAt = Date.now();
+        void api.get('/api/me').catch(() => undefined);
+      }
+    };
+    const timer = setInterval(look, LOOK_EVERY_MS);
+    window.addEventListener('pointerdown', look);
+    window.addEventListener('keydown', look);
+    return () => {
+      stop();
+      clearInterval(timer);
+      window.removeEventListener('pointerdown', look);
+      window.removeEventListener('keydown', look);
+    };
+  }, [client, minutes, navigate]);
+  if (leftS === null) return null;
+  return (
+    <div className="idle-warning" role="alert">
+      <p>{t('idle.warning', { minutes })}</p>
+    </div>
+  );
+}

@@ -1,0 +1,145 @@
+import { Button, Checkbox, Group, SimpleGrid, Textarea, TextInput } from '@mantine/core';
+import { useState, type FormEvent } from 'react';
+import type { BodyDimensions, Patient, PatientIn, Side } from '../../api/types';
+import { t } from '../../i18n';
+import { bodyLength } from '../../lib/format';
+import { readLengthCm } from '../../lib/lengths';
+import { DateField, isDateOrEmpty } from './DateField';
+import { SideChoice } from './Choice';
+import { Problem } from '../Feedback';
+
+const LENGTHS = ['stature_m', 'upper_arm_m', 'forearm_m', 'hand_m', 'shoulder_width_m', 'trunk_m'] as const;
+type Length = (typeof LENGTHS)[number];
+/** What the service accepts, in cm; the message names the range before anything is sent. */
+const RANGES_CM: Record<Length, readonly [number, number]> = {
+  stature_m: [51, 259],
+  upper_arm_m: [11, 59],
+  forearm_m: [11, 49],
+  hand_m: [6, 34],
+  shoulder_width_m: [11, 69],
+  trunk_m: [21, 89],
+};
+
+export interface PatientFormProps {
+  patient?: Patient;
+  isSaving: boolean;
+  error: unknown;
+  onSave: (input: PatientIn) => void;
+  onCancel: () => void;
+}
+
+/** A new patient or a change: names, side, and lengths in cm as a tape shows them; of a new one also the consent to treatment. */
+export function PatientForm({ patient, isSaving, error, onSave, onCancel }: PatientFormProps) {
+  const [given, setGiven] = useState(patient?.given_name ?? '');
+  const [family, setFamily] = useState(patient?.family_name ?? '');
+  const [birth, setBirth] = useState(patient?.birth_date ?? '');
+  const [side, setSide] = useState<Side | ''>(patient?.affected_side ?? '');
+  const [notes, setNotes] = useState(patient?.notes ?? '');
+  const [agrees, setAgrees] = useState(false);
+  const [lengths, setLengths] = useState<Record<Length, string>>(
+    () =>
+      Object.fromEntries(
+        LENGTHS.map((name) => {
+          const metres = patient?.body_dimensions?.[name];
+          return [name, metres === null || metres === undefined ? '' : String(Math.round(metres * 1000) / 10)];
+        }),
+      ) as Record<Length, string>,
+  );
+  const outOfRange = (name: Length) => {
+    const value = readLengthCm(lengths[name]);
+    const [low, high] = RANGES_CM[name];
+    return value === null || (value >= low && value <= high) ? null : t('patient.lengthRange', { low, high });
+  };
+  const understood = (name: Length) => {
+    const cm = readLengthCm(lengths[name]);
+    return cm === null || outOfRange(name) ? undefined : bodyLength(cm / 100);
+  };
+  const submit = (event: FormEvent) => {
+    event.preventDefault();
+    if (LENGTHS.some(outOfRange) || !isDateOrEmpty(birth)) return;
+    const body: BodyDimensions = {};
+    for (const name of LENGTHS) {
+      const cm = readLengthCm(lengths[name]);
+      body[name] = cm === null ? null : cm / 100;
+    }
+    onSave({
+      given_name: given.trim(),
+      family_name: family.trim(),
+      birth_date: birth || null,
+      affected_side: side || null,
+      notes,
+      body_dimensions: body,
+      ...(patient ? {} : { agrees_to_treatment: agrees }),
+    });
+  };
+  return (
+    <form className="stack" onSubmit={submit}>
+      {error ? <Problem error={error} /> : null}
+      <SimpleGrid cols={{ base: 1, xs: 2 }}>
+        <TextInput
+          label={t('patient.givenName')}
+          required
+          withAsterisk={false}
+          maxLength={100}
+          value={given}
+          onChange={(event) => setGiven(event.currentTarget.value)}
+          data-autofocus
+        />
+        <TextInput
+          label={t('patient.familyName')}
+          required
+          withAsterisk={false}
+          maxLength={100}
+          value={family}
+          onChange={(event) => setFamily(event.currentTarget.value)}
+        />
+      </SimpleGrid>
+      <DateField label={t('patient.birthDate')} value={birth} onChange={setBirth} />
+      <SideChoice legend={t('patient.affectedSide')} value={side} onChange={setSide} allowNone />
+      <fieldset className="fieldset">
+        <legend>{t('patient.dimensions')}</legend>
+        <p className="muted small">{t('patient.dimensionsHelp')}</p>
+        <SimpleGrid cols={{ base: 2, sm: 3 }}>
+          {LENGTHS.map((name) => (
+            <TextInput
+              key={name}
+              label={t(`length.${name}`)}
+              inputMode="decimal"
+              autoComplete="off"
+              value={lengths[name]}
+              error={outOfRange(name)}
+              description={understood(name)}
+              inputWrapperOrder={['label', 'input', 'description', 'error']}
+              onChange={(event) => setLengths({ ...lengths, [name]: event.currentTarget.value })}
+            />
+          ))}
+        </SimpleGrid>
+      </fieldset>
+      <Textarea
+        label={t('patient.notes')}
+        autosize
+        minRows={3}
+        maxLength={4000}
+        value={notes}
+        onChange={(event) => setNotes(event.currentTarget.value)}
+      />
+      {!patient && (
+        <Checkbox
+          size="md"
+          label={t('patient.agrees')}
+          description={t('patient.agreesHelp')}
+          checked={agrees}
+          onChange={(event) => setAgrees(event.currentTarget.checked)}
+        />
+      )}
+      <Group justify="flex-end">
+        <Button variant="default" onClick={onCancel}>
+          {t('action.cancel')}
+        </Button>
+        <Button type="submit" loading={isSaving}>
+          {t('action.save')}
+        </Button>
+      </Group>
+    </form>
+  );
+}

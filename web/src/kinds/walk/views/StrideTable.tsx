@@ -1,0 +1,98 @@
+// Every stride of both feet in the order of time; choosing one marks its footprints in the map.
+import { Button } from '@mantine/core';
+import { useMemo } from 'react';
+import type { Gait, Stride } from '../../../api/types';
+import { t } from '../../../i18n';
+import { measureText } from '../gait';
+
+export interface ChosenStride {
+  side: 'left' | 'right';
+  number: number;
+}
+
+const TURNING_RAD = 0.35;
+
+function counts(stride: Stride): string {
+  if (stride.is_counted) return t('strides.yes');
+  if (stride.is_initiation) return t('strides.first');
+  if (stride.is_termination) return t('strides.last');
+  return Math.abs(stride.turn_rad ?? 0) > TURNING_RAD ? t('strides.turning') : '–';
+}
+
+export function StrideTable({
+  gait,
+  selected,
+  onSelect,
+}: {
+  gait: Gait;
+  selected: ChosenStride | null;
+  onSelect: (stride: ChosenStride | null) => void;
+}) {
+  const rows = useMemo(
+    () =>
+      gait.feet
+        .flatMap((foot) => foot.strides.map((stride) => ({ side: foot.side, stride })))
+        .sort((a, b) => (a.stride.contact_s ?? 0) - (b.stride.contact_s ?? 0)),
+    [gait],
+  );
+  return (
+    <section className="card" aria-labelledby="strides">
+      <div className="card-head">
+        <h2 id="strides">{t('strides.title')}</h2>
+      </div>
+      {/* eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex -- a scrolling region must be reachable by keyboard */}
+      <div className="table-scroll stride-scroll" role="group" aria-labelledby="strides" tabIndex={0}>
+        <table className="plain-table wide-table">
+          <thead>
+            <tr>
+              <th scope="col">{t('strides.foot')}</th>
+              <th scope="col">{t('strides.number')}</th>
+              <th scope="col">{t('strides.length')}</th>
+              <th scope="col">{t('strides.time')}</th>
+              <th scope="col">{t('strides.stance')}</th>
+              <th scope="col">{t('strides.swing')}</th>
+              <th scope="col">{t('strides.clearance')}</th>
+              <th scope="col">{t('strides.contact')}</th>
+              <th scope="col">{t('strides.toeOut')}</th>
+              <th scope="col">{t('strides.turn')}</th>
+              <th scope="col">{t('strides.counts')}</th>
+            </tr>
+          </thead>
+          <tbody>
+            {rows.map(({ side, stride }) => {
+              const isSelected = selected?.side === side && selected.number === stride.number;
+              return (
+                <tr
+                  key={`${side}${stride.number}`}
+                  className={isSelected ? 'row-selected' : stride.is_counted ? '' : 'row-left-out'}
+                >
+                  <td>{t(`numbers.${side}`)}</td>
+                  <th scope="row">
+                    <Button
+                      size="compact-md"
+                      variant={isSelected ? 'filled' : 'default'}
+                      aria-pressed={isSelected}
+                      aria-label={t('strides.select', { side: t(`numbers.${side}`), number: stride.number })}
+                      onClick={() => onSelect(isSelected ? null : { side, number: stride.number })}
+                    >
+                      {stride.number}
+                    </Button>
+                  </th>
+                  <td className="number">{measureText(stride.length_m, 'm', stride.length_sigma_m)}</td>
+                  <td className="number">{measureText(stride.duration_s, 's')}</td>
+                  <td className="number">{measureText(stride.stance_s, 's')}</td>
+                  <td className="number">{measureText(stride.swing_s, 's')}</td>
+                  <td className="number">{measureText(stride.clearance_m, 'm')}</td>
+                  <td className="number">{measureText(stride.contact_pitch_rad, 'rad')}</td>
+                  <td className="number">{measureText(stride.toe_out_rad, 'rad')}</td>
+                  <td className="number">{measureText(stride.turn_rad, 'rad')}</td>
+                  <td>{counts(stride)}</td>
+                </tr>
+              );
+            })}
+          </tbody>
+        </table>
+      </div>
+    </section>
+  );
+}

@@ -1,0 +1,286 @@
+// The report of a walk: what came of it and whether it changed, curves over the gait cycle, method and quality.
+import { useEstimators, useGait, useProgress } from '../../../api/queries';
+import type { CycleCurve, Gait, Patient, ProgressMeasure, SessionDetail, WalkMeasure } from '../../../api/types';
+import { PaperCycle, PaperProgress } from '../../../charts/PaperChart';
+import { Answer } from '../../../components/Feedback';
+import { SideMark } from '../../../components/Marks';
+import { t } from '../../../i18n';
+import { placementLabel } from '../../../lib/channels';
+import { dateTime, number, quantity } from '../../../lib/format';
+import { findMeasure, footOf, measureLabel, measureNames, measureText } from '../gait';
+import { Sheet } from '../../../pages/report/Sheet';
+import { verdict, verdictText } from '../../../pages/report/SummarySheet';
+
+interface Walked {
+  session: SessionDetail;
+  patient: Patient;
+  gait: Gait;
+}
+
+const SIDES = ['left', 'right'] as const;
+const shown = (one: WalkMeasure | undefined) => (one ? measureText(one.value, one.unit, one.sigma) : '–');
+/** A change too small to be written is none, whatever its chance. */
+function moved(measure: ProgressMeasure | null, sessionId: string): string {
+  const change = measure?.points.find((one) => one.session_id === sessionId)?.change;
+  const isNothing = measure !== null && typeof change === 'number' && !/[1-9]/.test(quantity(change, measure.unit));
+  return isNothing ? t('walkReport.none') : verdict(measure, sessionId);
+}
+
+const overTime = (measures: readonly ProgressMeasure[], name: string) =>
+  measures.find((one) => one.measure === `walk:${name}`) ?? null;
+
+/** The measure that tells most of this walk: the test's result, else speed. */
+export function mainOf(measures: readonly ProgressMeasure[]): ProgressMeasure | null {
+  return measures.find((one) => one.points.length > 0) ?? null;
+}
+
+function Summary({ session, patient, gait, measures }: Walked & { measures: readonly ProgressMeasure[] }) {
+  const main = mainOf(measures);
+  const here = main?.points.find((one) => one.session_id === session.id) ?? main?.points.at(-1) ?? null;
+  const test = gait.test ?? null;
+  const counted = findMeasure(gait.feet[0]?.measures, 'stride_length')?.count ?? 0;
+  const reasons = [...(test?.reasons ?? []), ...gait.reasons];
+  const both = [...gait.both, ...(gait.balance?.measures ?? [])];
+  return (
+    <Sheet title={t('walkReport.title')} number={1} session={session} patient={patient}>
+      <dl className="paper-facts">
+        <div>
+          <dt>{t('exercise.one')}</dt>
+          <dd>{session.exercise_name ?? (test ? t(`walk.kind.${test.kind}`) : t('session.free'))}</dd>
+        </div>
+        <div>
+          <dt>{t('details.recorded')}</dt>
+          <dd>{dateTime(session.started_at ?? session.created_at)}</dd>
+        </div>
+        {patient.affected_side && (
+          <div>
+            <dt>{t('patient.affectedSide')}</dt>
+            <dd>
+              <SideMark side={patient.affected_side} />
+            </dd>
+          </div>
+        )}
+        {test && (
+          <div>
+            <dt>{t('walkReport.wholeWalk', { name: t(`walk.kind.${test.kind}`) })}</dt>
+            <dd className="number">
+              {number(test.distance_m, test.distance_m < 100 ? 2 : 0)} m · {number(test.time_s, 1)} s ·{' '}
+              {number(test.speed_mps, 2)} m/s
+            </dd>
+          </div>
+        )}
+        <div>
+          <dt>{t('progress.count')}</dt>
+          <dd>{t('walkReport.strides', { count: counted })}</dd>
+        </div>
+      </dl>
+      {main && (
+        <div className="paper-headline">
+          <p className="paper-big number">{quantity(here?.value, main.unit)}</p>
+          <div>
+            <p className="strong">{main.label}</p>
+            <p>{verdictText(main, session.id)}</p>
+          </div>
+        </div>
+      )}
+      {main && main.points.length > 1 && (
+        <figure className="paper-figure">
+          <figcaption>{t('report.overTime', { label: main.label })}</figcaption>
+          <PaperProgress measure={main} sessionId={session.id} />
+        </figure>
+      )}
+      <table className="paper-table">
+        <caption>{t('walkReport.table')}</caption>
+        <thead>
+          <tr>
+            <th scope="col">{t('numbers.measure')}</th>
+            {SIDES.map((side) => (
+              <th scope="col" key={side}>
+                {t(`numbers.${side}`)}
+              </th>
+            ))}
+            <th scope="col">{t('numbers.difference')}</th>
+            <th scope="col">{t('walkReport.change')}</th>
+          </tr>
+        </thead>
+        <tbody>
+          {measureNames(gait, false).map((name) => (
+            <tr key={name}>
+              <th scope="row">{measureLabel(name)}</th>
+              {SIDES.map((side) => (
+                <td className="number" key={side} data-label={t(`numbers.${side}`)}>
+                  {shown(findMeasure(footOf(gait, side)?.measures, name))}
+                </td>
+              ))}
+              <td className="number" data-label={t('numbers.difference')}>
+                {shown(findMeasure(gait.asymmetry, name))}
+              </td>
+              <td data-label={t('walkReport.change')}>
+                {SIDES.flatMap((side) => {
+                  const over = overTime(measures, `${name}:${side}`);
+                  return over ? [`${t(`numbers.${side}`)}: ${moved(over, session.id)}`] : [];
+                }).join('; ') || '–'}
+              </td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+      {both.length > 0 && (
+        <table className="paper-table">
+          <caption>{t('walkReport.both')}</caption>
+          <thead>
+            <tr>
+              <th scope="col">{t('numbers.measure')}</th>
+              <th scope="col">{t('walkReport.value')}</th>
+              <th scope="col">{t('walkReport.change')}</th>
+            </tr>
+          </thead>
+          <tbody>
+            {both.map((one) => (
+              <tr key={one.measure}>
+                <th scope="row">{measureLabel(one.measure)}</th>
+                <td className="number" data-label={t('walkReport.value')}>
+                  {shown(one)}
+                </td>
+                <td data-label={t('walkReport.change')}>{moved(overTime(measures, one.measure), session.id)}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      )}
+      <p className="paper-note">{t('walkReport.help')}</p>
+      {reasons.length > 0 && (
+        <>
+          <h3>{t('walkReport.doubts')}</h3>
+          <ul className="paper-findings paper-small">
+            {reasons.map((reason) => (
+              <li key={reason}>{reason}</li>
+            ))}
+          </ul>
+        </>
+      )}
+    </Sheet>
+  );
+}
+
+function Curves({ session, patient, gait, names }: Walked & { names: readonly CycleCurve['name'][] }) {
+  const of = (side: 'left' | 'right', name: CycleCurve['name']) =>
+    footOf(gait, side)?.curves.find((one) => one.name === name);
+  return (
+    <Sheet title={t('walkReport.curves')} number={2} session={session} patient={patient}>
+      <ul className="paper-legend plain-list">
+        <li>
+          <svg width="34" height="14" aria-hidden>
+            <path className="paper-line paper-line-strong" d="M0 7h34" />
+          </svg>
+          {t('cycle.left')}
+        </li>
+        <li>
+          <svg width="34" height="14" aria-hidden>
+            <path className="paper-template paper-right" d="M0 7h34" />
+          </svg>
+          {t('cycle.right')}
+        </li>
+      </ul>
+      <div className="paper-curves">
+        {names.map((name) => (
+          <figure key={name} className="paper-figure">
+            <figcaption>{t(`cycle.${name}`)}</figcaption>
+            <PaperCycle name={t(`cycle.${name}`)} left={of('left', name)} right={of('right', name)} />
+          </figure>
+        ))}
+      </div>
+      <p className="paper-note">{t('cycle.help')}</p>
+    </Sheet>
+  );
+}
+
+function Method({ session, patient, gait, page }: Walked & { page: number }) {
+  const estimators = useEstimators();
+  const { balance, result } = gait;
+  const all = session.packets_stored + session.packets_missing;
+  const strides = gait.feet.flatMap((foot) => foot.strides);
+  const count = (kind: string) => session.events.filter((event) => event.kind === kind).length;
+  const title = estimators.data?.find((one) => one.name === result.orientation)?.title ?? result.orientation;
+  const apart = balance
+    ? t(`walkReport.apart.${balance.apart_source}`, { apart: quantity(balance.apart_m, 'm') })
+    : t(gait.has_step_width ? 'walkReport.apart.known' : 'walkReport.apart.unknown');
+  const lines: [string, string][] = [
+    [t('walkReport.sensors'), `${session.placements.map(placementLabel).join(', ')}; ${number(session.rate_hz)} Hz`],
+    [
+      t('walkReport.forces'),
+      balance ? t('walkReport.forcesYes', { mass: number(balance.mass_kg, 1) }) : t('walkReport.forcesNo'),
+    ],
+    [t('walkReport.apart'), apart],
+    [
+      t('report.estimator'),
+      t('walkReport.estimator', {
+        title,
+        version: result.orientation_version,
+        pipeline: result.pipeline_version,
+        kind: result.kind === 'live' ? t('result.live') : t('result.offline'),
+      }),
+    ],
+    [
+      t('walkReport.lost'),
+      all > 0
+        ? t('walkReport.lostText', {
+            percent: number((100 * session.packets_missing) / all, 1),
+            gaps: count('gap'),
+            forces: count('forces_lost'),
+          })
+        : t('details.uploaded'),
+    ],
+    [
+      t('walkReport.counted'),
+      t('walkReport.countedText', { counted: strides.filter((one) => one.is_counted).length, all: strides.length }),
+    ],
+  ];
+  return (
+    <Sheet title={t('report.method')} number={page} session={session} patient={patient}>
+      <dl className="paper-method">
+        {lines.map(([name, value]) => (
+          <div key={name}>
+            <dt>{name}</dt>
+            <dd>{value}</dd>
+          </div>
+        ))}
+      </dl>
+      <h3>{t('report.meaning')}</h3>
+      <dl className="paper-method">
+        {(['error', 'difference', 'cycle', 'margin'] as const).map((word) => (
+          <div key={word}>
+            <dt>{t(`walkReport.word.${word}`)}</dt>
+            <dd>{t(`walkReport.word.${word}.text`)}</dd>
+          </div>
+        ))}
+      </dl>
+      <p className="paper-note">{t('report.limits')}</p>
+      <p className="paper-note paper-ids">{t('report.ids', { session: session.id, result: result.id })}</p>
+    </Sheet>
+  );
+}
+
+export function WalkSheets({ session, patient }: { session: SessionDetail; patient: Patient }) {
+  const gait = useGait(session.id);
+  const progress = useProgress(patient.id, session.exercise_id ?? null);
+  return (
+    <Answer of={gait} lines={8} height={40}>
+      {(walk) => {
+        const names = [...new Set(walk.feet.flatMap((foot) => foot.curves.map((curve) => curve.name)))];
+        return (
+          <div className="papers">
+            <Summary
+              session={session}
+              patient={patient}
+              gait={walk}
+              measures={(progress.data?.measures ?? []).filter((one) => one.measure.startsWith('walk:'))}
+            />
+            {names.length > 0 && <Curves session={session} patient={patient} gait={walk} names={names} />}
+            <Method session={session} patient={patient} gait={walk} page={names.length > 0 ? 3 : 2} />
+          </div>
+        );
+      }}
+    </Answer>
+  );
+}

@@ -1,0 +1,50 @@
+import type { ComparisonDetail, PhaseCurve } from '../../api/types';
+
+export interface OutsideStretch {
+  /** Position in the comparison's repetitions. */
+  repetition: number;
+  /** The repetition's own number. */
+  number: number;
+  from: number;
+  until: number;
+}
+
+/** Every stretch of a channel outside the band in the repetitions that count, the longest first. */
+export function outsideOf(comparison: ComparisonDetail, channel: string): OutsideStretch[] {
+  return comparison.repetitions
+    .flatMap((one, repetition) =>
+      one.repetition.is_kept
+        ? (one.outside_band[channel] ?? []).map(([from, until]) => ({
+            repetition,
+            number: one.repetition.number,
+            from,
+            until,
+          }))
+        : [],
+    )
+    .sort((a, b) => b.until - b.from - (a.until - a.from));
+}
+
+const FIRST = 3;
+
+/** The channel whose range is the main measure: the one that the summary relates to the template. */
+export function primaryChannel(summary: readonly { measure: string }[]): string | null {
+  return summary.find((one) => one.measure.startsWith('range_ratio:'))?.measure.slice('range_ratio:'.length) ?? null;
+}
+
+/**
+ * The curves to show: the main one, then those that leave the band most, positions of points last.
+ * `outsideLength` says how long a channel is outside, over all repetitions.
+ */
+export function pickCurves(
+  curves: readonly PhaseCurve[],
+  all: boolean,
+  primary: string | null = null,
+  outsideLength: (channel: string) => number = () => 0,
+): PhaseCurve[] {
+  const rank = (curve: PhaseCurve) => (curve.channel === primary ? 0 : curve.channel.includes('.') ? 2 : 1);
+  const ordered = curves
+    .filter((curve) => curve.mean.some((value) => value !== null && Number.isFinite(value)))
+    .sort((a, b) => rank(a) - rank(b) || outsideLength(b.channel) - outsideLength(a.channel));
+  return all ? ordered : ordered.slice(0, FIRST);
+}

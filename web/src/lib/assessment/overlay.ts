@@ -1,0 +1,24 @@
+// The template laid over the patient's running curves, in the patient's timing or at the therapist's own pace.
+import type { ComparisonDetail } from '../../api/types';
+import type { TemplateAt } from '../../charts/Traces';
+import { displayUnit } from '../format';
+import { repetitionAt, templateValueAt } from './warp';
+
+export function templateOver(
+  comparison: ComparisonDetail,
+  templateDurationS: number | null,
+  isWarped: boolean,
+): TemplateAt {
+  const curves = new Map(comparison.curves.map((curve) => [curve.channel, curve]));
+  const repetitions = comparison.repetitions.map((one) => ({ ...one.repetition, warp: one.warp_template_phase }));
+  return (channel, timeS) => {
+    const curve = curves.get(channel);
+    const repetition = curve && repetitionAt(repetitions, timeS);
+    if (!curve || !repetition) return null;
+    const durationS = templateDurationS ?? repetition.end_s - repetition.start_s;
+    const { factor } = displayUnit(curve.unit);
+    const at = (values: readonly (number | null)[]) =>
+      factor * templateValueAt(values, repetition, repetition.warp, durationS, timeS, isWarped);
+    return { mean: at(curve.mean), low: at(curve.low), high: at(curve.high) };
+  };
+}

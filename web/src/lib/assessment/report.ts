@@ -1,0 +1,30 @@
+import type { MeasureValue, ProgressMeasure } from '../../api/types';
+
+export interface ReportRow {
+  value: MeasureValue;
+  progress: ProgressMeasure | null;
+}
+
+const GROUPS = ['range', 'timing', 'shape', 'smoothness', 'path', 'compensation'];
+const MOST_ROWS = 9;
+
+/** The measures for one page: of each group the first ones in turn, in the order of the groups. */
+export function reportRows(
+  summary: readonly MeasureValue[],
+  progress: readonly ProgressMeasure[],
+  most = MOST_ROWS,
+): ReportRow[] {
+  const known = summary.filter((one) => typeof one.value === 'number' && !one.measure.startsWith('range_ratio:'));
+  const groups = GROUPS.map((group) => known.filter((one) => one.group === group));
+  const chosen = new Set<MeasureValue>();
+  for (let round = 0; chosen.size < most && groups.some((group) => group.length > round); round += 1) {
+    for (const group of groups) {
+      const next = group[round];
+      if (next && chosen.size < most) chosen.add(next);
+    }
+  }
+  return groups
+    .flat()
+    .filter((one) => chosen.has(one))
+    .map((value) => ({ value, progress: progress.find((one) => one.measure === value.measure) ?? null }));
+}

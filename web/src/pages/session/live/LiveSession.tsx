@@ -1,0 +1,233 @@
+// A session while it happens: the body large, curves beneath, sensors at the side, the delay always in view.
+import { useQueryClient } from '@tanstack/react-query';
+import { useEffect, useMemo, useRef, useState } from 'react';
+import { useParams } from 'react-router';
+import { keys, useExercises, usePatient, useSession } from '../../../api/queries';
+import type { SessionDetail, SessionEvent, SessionState } from '../../../api/types';
+import { Answer, Problem } from '../../../components/Feedback';
+import { Page } from '../../../components/Page';
+import { Viewer3D } from '../../../components/Viewer3D';
+import { useSignedIn } from '../../../components/account/useSignedIn';
+import { Traces } from '../../../charts/Traces';
+import { t } from '../../../i18n';
+import { kindOf } from '../../../kinds';
+import { partsOf } from '../../../kinds/parts';
+import type { LiveProps } from '../../../kinds/kind';
+import { wornPlacements } from '../../../lib/placements';
+import { eventText } from '../../../lib/events';
+import { number, position } from '../../../lib/format';
+import { massChannels } from '../../../lib/assessment/massCentre';
+import { sessionTitle } from '../../../lib/sessions';
+import { useLivePlayer, useSnapshot } from '../../../player/hooks';
+import type { LivePlayer, LiveSnapshot } from '../../../player/live';
+import { CalibrationPanel } from '../../calibration/CalibrationPanel';
+import { InForce } from '../../calibration/InForce';
+import { AnalysisWait } from '../AnalysisWait';
+import { ConnectHelp } from './ConnectHelp';
+import { HealthPanel } from './HealthPanel';
+import { LiveBanners } from './LiveBanners';
+import { LiveButtons } from './LiveButtons';
+import { NotStored } from './NotStored';
+import { StateSteps, stepOf } from './StateSteps';
+
+const LIVE = { mode: 'live' } as const;
+
+function Delay({ snapshot }: { snapshot: LiveSnapshot }) {
+  const service = snapshot.health?.latency_ms_median ?? null;
+  const network = snapshot.networkMs;
+  const isKnown =
+    service !== null && network !== null && snapshot.silentSinceS === null && snapshot.connection === 'open';
+  return (
+    <span
+      className="delay"
+      title={isKnown ? t('live.delayParts', { service: number(service), network: number(network) }) : undefined}
+    >
+      <span className="muted">{t('live.delay')}</span>{' '}
+      <span className="number strong" data-testid="delay">
+        {isKnown ? `${number(service + network)} ms` : '–'}
+      </span>
+    </span>
+  );
+}
+
+function Happened({ events }: { events: readonly SessionEvent[] }) {
+  const newest = [...events].reverse().slice(0, 8);
+  return (
+    <section className="card" aria-labelledby="happened">
+      <div className="card-head">
+        <h2 id="happened">{t('live.events')}</h2>
+      </div>
+      {newest.length === 0 ? (
+        <p className="muted">{t('live.noEvents')}</p>
+      ) : (
+        <ul className="plain-list lines small">
+          {newest.map((event, index) => (
+            <li key={`${event.time_s}${event.kind}${index}`}>
+              <span className="muted number">{position(event.time_s, 0)}</span> {eventText(event)}
+            </li>
+          ))}
+        </ul>
+      )}
+    </section>
+  );
+}
+
+function Room({ session, player }: { session: SessionDetail; player: LivePlayer }) {
+  const client = useQueryClient();
+  const me = useSignedIn();
+  const mayRecord = session.may_treat || me.role === 'patient';
+  const snapshot = useSnapshot(player);
+  const exercises = useExercises();
+  const exercise = exercises.data?.find((one) => one.id === session.exercise_id);
+  const message = snapshot.state;
+  const state: SessionState = message?.state ?? session.state;
+  const step = useRef(0);
+  // The socket's word counts once there is one: its start is null again when the recording was stopped.
+  const isRecording =
+    state === 'recording' ||
+    (state === 'link_lost' &&
+      (message
+        ? message.recording_start_s !== null
+        : session.recording_start_s !== null && session.recording_end_s === null));
+  const inForce = message?.calibration ?? session.calibration;
+  step.current = stepOf(state, step.current, {
+    isCalibrated: inForce !== null && !inForce.needs_headings,
+    isRecording,
+  });
+  useEffect(() => {
+    if (state === 'closing' || state === 'analysed')
+      void client.invalidateQueries({ queryKey: keys.session(session.id) });
+  }, [state, client, session.id]);
+
+  const isOver = state === 'closing' || state === 'analysed' || state === 'failed';
+  // Without a calibration the way to one is the first thing; later it comes when asked for, or when one runs.
+  const [isAsked, setAsked] = useState(false);
+  const calibration = message ? message.calibration : session.calibration;
+  const kind = kindOf(session);
+  const { First, Guide, Start, Curves, Side } = partsOf(session).live;
+  const mass = useMemo(() => massChannels(session.layout.scalars), [session.layout.scalars]);
+  const isUnset = state === 'calibrating' && kind.needsPose;
+  const mayCalibrate = kind.needsPose && (state === 'calibrating' || state === 'ready');
+  const shown: LiveProps = {
+    session,
+    player,
+    message,
+    state,
+    columns: snapshot.columns,
+    exercise: session.exercise_id && exercises.isPending ? null : exercise,
+    isRecording,
+    mayRecord,
+  };
+  const isStarted = state !== 'created';
+  return (
+    <>
+      <div className="live-head">
+        <StateSteps step={step.current} />
+        {!isOver && <Delay snapshot={snapshot} />}
+      </div>
+      {!isOver && <LiveBanners snapshot={snapshot} isLinkLost={state === 'link_lost'} />}
+      {snapshot.connection === 'open' && !isOver && <NotStored health={snapshot.health} />}
+      {state === 'created' && message?.reason && (
+        <div className="banner banner-note" role="status">
+          <p>{message.reason}</p>
+        </div>
+      )}
+      {state === 'failed' && (
+        <Problem error={new Error(message?.reason || session.state_reason)} title={t('live.failed')} />
+      )}
+      {snapshot.error && !snapshot.error.closing && <Problem error={new Error(snapshot.error.message)} />}
+      {isOver && state !== 'failed' && (
+        <div className="spaced">
+          <AnalysisWait session={session} state={state} />
+        </div>
+      )}
+      {isOver ? (
+        <Happened events={snapshot.events.length ? snapshot.events : session.events} />
+      ) : (
+        <div className="live-grid">
+          <div className="stack">
+            {First && <First {...shown} />}
+            {state === 'created' && <ConnectHelp session={session} />}
+            {mayCalibrate && (
+              <CalibrationPanel
+                sessionId={session.id}
+                placements={wornPlacements(session)}
+                guide={snapshot.calibration}
+                hint={message?.calibration_hint ?? ''}
+                mayAct={mayRecord}
+                isAsked={isAsked}
+                isNeeded={state === 'calibrating'}
+                isRemembered={calibration?.needs_headings ?? false}
+                onClose={() => setAsked(false)}
+              />
+            )}
+            {Guide && isStarted && <Guide {...shown} />}
+            {isStarted && mayRecord && (
+              <LiveButtons sessionId={session.id} state={state} isRecording={isRecording} isGuided={kind.isGuided} />
+            )}
+            {Start && isStarted && <Start {...shown} />}
+            {isStarted && (
+              <Viewer3D sessionId={session.id} request={LIVE} title={t('viewer.liveTitle')} near={kind.near} />
+            )}
+            {Curves && isStarted && !isUnset && <Curves {...shown} />}
+            {isUnset && (
+              <section className="card">
+                <p className="muted">{t(inForce?.needs_headings ? 'live.noCurvesYet' : 'live.noCurvesBefore')}</p>
+              </section>
+            )}
+          </div>
+          <div className="stack">
+            {mass.length > 0 && !isUnset && snapshot.columns && isStarted && (
+              <section className="card" aria-labelledby="mass">
+                <h2 id="mass">{t('mass.title')}</h2>
+                <Traces player={player} channels={mass} />
+              </section>
+            )}
+            {Side && isStarted && <Side {...shown} />}
+            <HealthPanel
+              health={snapshot.health}
+              placements={wornPlacements(session)}
+              isOutOfReach={snapshot.connection === 'lost'}
+            />
+            {state === 'ready' && kind.needsPose && calibration && mayRecord && (
+              <InForce
+                sessionId={session.id}
+                calibration={calibration}
+                placements={wornPlacements(session)}
+                onAgain={() => setAsked(true)}
+              />
+            )}
+            <Happened events={snapshot.events.length ? snapshot.events : session.events} />
+          </div>
+        </div>
+      )}
+    </>
+  );
+}
+
+function Loaded({ session }: { session: SessionDetail }) {
+  const player = useLivePlayer(session.id);
+  return player ? <Room session={session} player={player} /> : null;
+}
+
+export function LiveSessionPage() {
+  const { sessionId = '' } = useParams();
+  const session = useSession(sessionId);
+  const patient = usePatient(session.data?.patient_id ?? '');
+  const name = patient.data ? `${patient.data.given_name} ${patient.data.family_name}` : '';
+  return (
+    <Page
+      compact
+      title={name || t('live.title')}
+      lead={session.data ? sessionTitle(session.data) : undefined}
+      crumbs={[
+        { to: '/', text: t('nav.caseload') },
+        ...(session.data && name ? [{ to: `/patients/${session.data.patient_id}`, text: name }] : []),
+      ]}
+    >
+      <Answer of={session} lines={8} height={50}>
+        {(data) => <Loaded key={data.id} session={data} />}
+      </Answer>
+    </Page>
+  );
+}

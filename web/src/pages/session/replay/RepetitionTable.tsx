@@ -1,0 +1,113 @@
+import { Button } from '@mantine/core';
+import type { ComparisonDetail, MeasureValue } from '../../../api/types';
+import { t } from '../../../i18n';
+import { primaryChannel } from '../../../lib/assessment/comparison';
+import { quantity, uncertain } from '../../../lib/format';
+
+/** The measures of most use in a table by repetition, by the beginning of their names; each group gives at most two. */
+const WANTED = [
+  'range:',
+  'duration',
+  'timing_deviation',
+  'shape_deviation',
+  'inside_band',
+  'spectral_arc_length',
+  'hand_path_ratio',
+  'compensation:',
+];
+
+function columnsOf(summary: readonly MeasureValue[]): MeasureValue[] {
+  const primary = primaryChannel(summary);
+  return WANTED.flatMap((start) => {
+    const found = summary.filter((one) =>
+      start.endsWith(':') ? one.measure.startsWith(start) : one.measure === start,
+    );
+    if (start === 'range:')
+      return found.filter((one) => primary === null || one.measure === `range:${primary}`).slice(0, 1);
+    return found.slice(0, start === 'compensation:' ? 2 : 1);
+  });
+}
+
+/** One line a repetition: each number with its unit and uncertainty, and last the summary with its count. */
+export function RepetitionTable({
+  comparison,
+  selected,
+  onSelect,
+}: {
+  comparison: ComparisonDetail;
+  selected: number | null;
+  onSelect: (repetition: number) => void;
+}) {
+  const columns = columnsOf(comparison.summary);
+  return (
+    <section className="card" aria-labelledby="by-repetition">
+      <div className="card-head">
+        <h2 id="by-repetition">{t('repetition.table')}</h2>
+      </div>
+      {/* eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex -- a scrolling region must be reachable by keyboard */}
+      <div className="table-scroll" role="group" aria-labelledby="by-repetition" tabIndex={0}>
+        <table className="plain-table wide-table">
+          <thead>
+            <tr>
+              <th scope="col">{t('repetition.one')}</th>
+              {columns.map((column) => (
+                <th scope="col" key={column.measure}>
+                  {column.label}
+                </th>
+              ))}
+            </tr>
+          </thead>
+          <tbody>
+            {comparison.repetitions.map((one, index) => (
+              <tr
+                key={one.repetition.number}
+                className={`${one.repetition.is_kept ? '' : 'row-left-out'} ${selected === index ? 'row-selected' : ''}`}
+              >
+                <th scope="row">
+                  <Button
+                    size="compact-md"
+                    variant={selected === index ? 'filled' : 'default'}
+                    onClick={() => onSelect(index)}
+                    aria-label={t('repetition.show', { number: one.repetition.number })}
+                  >
+                    {one.repetition.number}
+                  </Button>
+                  {!one.repetition.is_kept && (
+                    <span className="muted small"> {one.repetition.reason || t('repetition.leftOut')}</span>
+                  )}
+                </th>
+                {columns.map((column) => {
+                  const value = one.measures.find((measure) => measure.measure === column.measure);
+                  return (
+                    <td className="number" key={column.measure}>
+                      {value ? uncertain(value.value ?? null, value.uncertainty ?? null, value.unit) : '–'}
+                    </td>
+                  );
+                })}
+              </tr>
+            ))}
+          </tbody>
+          <tfoot>
+            <tr>
+              <th scope="row">{t('repetition.mean', { count: comparison.repetition_count })}</th>
+              {columns.map((column) => (
+                <td className="number strong" key={column.measure}>
+                  {uncertain(column.value ?? null, column.uncertainty ?? null, column.unit)}
+                </td>
+              ))}
+            </tr>
+            <tr>
+              <th scope="row">{t('compare.template')}</th>
+              {columns.map((column) => (
+                <td className="number muted" key={column.measure}>
+                  {quantity(column.template_value, column.unit)}
+                </td>
+              ))}
+            </tr>
+          </tfoot>
+        </table>
+      </div>
+      <p className="muted small">{t('repetition.tableHelp')}</p>
+    </section>
+  );
+}
