@@ -37,6 +37,11 @@ def parameter(
     return field(default=default, metadata={"parameter": Meaning(unit, meaning, above, below)})
 
 
+def changed(kind: type[Any], name: str, default: float | bool) -> Any:
+    """Return the field of `kind` with another default, for a class that inherits it."""
+    return field(default=default, metadata={"parameter": meaning_of(kind)[name]})
+
+
 def meaning_of(kind: type[Any]) -> dict[str, Meaning]:
     """Return unit, meaning and bounds of every parameter that was declared by `parameter`."""
     return {one.name: one.metadata["parameter"] for one in fields(kind) if "parameter" in one.metadata}
@@ -86,4 +91,4 @@ def _check_bounds(name: str, value: float, meaning: Meaning) -> None:
         raise SetupError(f"{name} must be below {meaning.below:g}")
 
 
-__all__ = ["Meaning", "meaning_of", "parameter", "read_parameters"]
+__all__ = ["Meaning", "changed", "meaning_of", "parameter", "read_parameters"]

@@ -14,7 +14,7 @@ from estimators.errors import SetupError, ShapeError
 from estimators.kernels import filled
 from estimators.orientation._contract import OrientationFlag, OrientationResult
 from estimators.orientation._device_constants import DeviceConstants
-from estimators.orientation._parameters import read_parameters
+from estimators.orientation._parameters import changed, parameter, read_parameters
 from estimators.orientation._streaming import ChunkGuard, usable_samples
 from estimators.orientation.smoother._passes import SensorPasses
 from estimators.orientation.smoother._session import SensorSession, prepare, turn_back
@@ -40,20 +40,20 @@ class SmootherParameters(TelemotionParameters):
     well, reaches over all of it.
     """
 
-    passes: float = 4.0
-    tilt_start_sigma_deg: float = 5.0
-    start_narrow_ut: float = 0.7
-    field_noise_moving_ut_sqrt_s: float = 6.5
-    field_noise_rest_ut_sqrt_s: float = 4.5
-    field_scale_ut: float = 1.0
-    field_turn_free: float = 0.7
-    field_level_s: float = 10.0
-    gain_sigma: float = 0.01
-    speed_noise_mps_per_sqrt_s: float = 0.1
-    rate_noise_per_rate_sqrt_s: float = 0.0015
-    tilt_sigma_scale: float = 0.6
-    heading_sigma_scale: float = 0.3
-    heading_sigma_floor_deg: float = 1.0
+    passes: float = parameter(4.0, "", "over the session")
+    tilt_start_sigma_deg: float = changed(TelemotionParameters, "tilt_start_sigma_deg", 5.0)
+    start_narrow_ut: float = changed(TelemotionParameters, "start_narrow_ut", 0.7)
+    field_noise_moving_ut_sqrt_s: float = changed(TelemotionParameters, "field_noise_moving_ut_sqrt_s", 6.5)
+    field_noise_rest_ut_sqrt_s: float = changed(TelemotionParameters, "field_noise_rest_ut_sqrt_s", 4.5)
+    field_scale_ut: float = changed(TelemotionParameters, "field_scale_ut", 1.0)
+    field_turn_free: float = changed(TelemotionParameters, "field_turn_free", 0.7)
+    field_level_s: float = changed(TelemotionParameters, "field_level_s", 10.0)
+    gain_sigma: float = changed(TelemotionParameters, "gain_sigma", 0.01)
+    speed_noise_mps_per_sqrt_s: float = changed(TelemotionParameters, "speed_noise_mps_per_sqrt_s", 0.1)
+    rate_noise_per_rate_sqrt_s: float = changed(TelemotionParameters, "rate_noise_per_rate_sqrt_s", 0.0015)
+    tilt_sigma_scale: float = changed(TelemotionParameters, "tilt_sigma_scale", 0.6)
+    heading_sigma_scale: float = changed(TelemotionParameters, "heading_sigma_scale", 0.3)
+    heading_sigma_floor_deg: float = changed(TelemotionParameters, "heading_sigma_floor_deg", 1.0)
 
 
 @dataclass(frozen=True)

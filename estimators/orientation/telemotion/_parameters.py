@@ -1,174 +1,164 @@
 """The tuning of our own filter: one set for all sensors, places and movements, and why each value is what it is."""
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 from estimators.errors import SetupError
+from estimators.orientation._parameters import parameter
 
 
 @dataclass(frozen=True)
 class TelemotionParameters:
     """Parameters of the filter; noise densities are per root second, so that no value depends on the rate.
 
-    Gyroscope: `rate_noise_*` is what integrates without being seen, the second part grows with the rate of turn
-    (errors of scale that change); `gain_sigma` is the spread of scale and axis errors of devices.
-    Specific force: the integral of what is left beside gravity must stay near one place:
-    `position_prior_m_sqrt_s`, with `speed_noise_mps_per_sqrt_s` for all that bends this.
-    Rest: its rate is the gyroscope's bias, but people who stand still sway, and who hold an arm up lowers it
-    slowly. What the mean rate sways about that of `rest_sure_s` adds to `rest_bias_sigma_degps_sqrt_s`, for
-    `rest_sway_s` each; and when the latter is off the bias by more than its uncertainty and
-    `rest_surprise_degps`, it is doubted.
-    Magnetic field (microtesla): `field_noise_*_ut_sqrt_s` stand for errors that last for seconds, hence their
-    size; at rest they last as long as the rest. A block whose residual is `field_scale_ut` or more, alone or on
-    average over `field_level_s`, loses weight; of a residual that only turns the heading, `field_turn_free` is
-    forgiven, for it may be the heading's own. A rest tells once, not on and on: its weight ends after about
-    `field_same_s`. North is where the mean field of the surroundings points, which itself is off by `region_ut`
-    and by `region_share` of the mean squared residual, seen over `region_s`: so the first place counts too.
-    Where the field fits the model better than `quiet_ut`, as seen over `quiet_s` in what no turn explains, the
-    noise falls with the square of the misfit, down to `quiet_least`: in a field that is the same everywhere the
-    magnetometer is good to its own noise, elsewhere errors last for minutes.
-    A field that changes by `steady_change_ut` at the first rest, before it was steady for `steady_trusted_s`,
-    is met anew, and no hypothesis is believed. Hard iron and the field at the first resting place are each
-    one of three: small (calibrated device, clean place), middle, or wide (a magnet attached, iron next to it),
-    with the odds given; wide has what is left.
-    `iron_*`: a residual that stays in the sensor for `iron_window_s` while it turns in the room is a new iron.
-    A start at rest levels on `start_s` of force. Where the sensor turns or the force is not gravity's, on
-    `start_moving_s`, carried through the turns of the gyroscope; and on `start_falling_s` where it falls. Later the
-    mean force of `upright_window_s` must not lie more than `upright_limit_deg`, and more than what is stated, from
-    the vertical: else the filter starts over.
-    Gaps of up to `coast_s` are filled, with the error `gap_share` times the change of rate.
-    `return_*`: how corrections enter the output, as an exponential approach never faster than the rate.
-    `output_lead_s`: the output is extrapolated by this much (0: not at all), for devices whose gyroscope is late.
-    `*_sigma_scale` and `*_sigma_floor_deg` turn the covariance into the reported sigma: the noise values above
-    stand for correlated errors and overstate the white part by the first; the second is what no sensor shows:
-    errors of the accelerometer, and how far the field of a room points from that of its surroundings.
+    The integral of what is left of specific force beside gravity must stay near one place. A rest's rate is the
+    gyroscope's bias, but people who stand still sway, and who hold an arm up lowers it slowly. North is where the mean
+    field of the surroundings points: so the first place counts too. In a field that is the same everywhere the
+    magnetometer is good to its own noise, elsewhere errors last for minutes. Hard iron and the field at the first
+    resting place are each one of three: narrow, middle or wide, with the odds given.
     """
 
-    block_s: float = 0.2
-    hypothesis_s: float = 0.6
-    start_s: float = 0.05
-    start_moving_s: float = 1.0
-    start_falling_s: float = 3.0
-    upright_window_s: float = 3.0
-    upright_limit_deg: float = 20.0
-    coast_s: float = 0.2
-    convergence_s: float = 3.0
-    tilt_start_sigma_deg: float = 2.0
-    tilt_restart_sigma_deg: float = 3.0
-    heading_restart_sigma_deg: float = 10.0
-    speed_start_sigma_mps: float = 0.5
-    bias_start_sigma_degps: float = 1.0
-    bias_drift_degps_per_sqrt_s: float = 0.03
-    gain_sigma: float = 0.005
-    rate_noise_deg_per_sqrt_s: float = 0.02
-    rate_noise_per_rate_sqrt_s: float = 0.002
-    speed_noise_mps_per_sqrt_s: float = 0.1
-    position_noise_m_per_sqrt_s: float = 0.01
-    position_prior_m_sqrt_s: float = 0.6
-    rest_gyroscope_threshold_degps: float = 2.0
-    rest_accelerometer_threshold_mps2: float = 0.4
-    rest_minimum_s: float = 0.75
-    rest_time_constant_s: float = 0.5
-    rest_speed_sigma_mps_sqrt_s: float = 0.0045
-    rest_bias_sigma_degps_sqrt_s: float = 0.1
-    rest_sway_s: float = 0.4
-    rest_sure_s: float = 5.0
-    rest_surprise_degps: float = 0.15
-    delay_sigma_s: float = 0.02
-    field_start_sigma_ut: float = 60.0
-    field_noise_moving_ut_sqrt_s: float = 4.25
-    field_noise_rest_ut_sqrt_s: float = 2.0
-    field_noise_start_ut_sqrt_s: float = 2.0
-    field_scale_ut: float = 1.2
-    field_level_s: float = 2.0
-    field_same_s: float = 10.0
-    field_turn_free: float = 0.5
-    quiet_ut: float = 0.5
-    quiet_s: float = 10.0
-    quiet_least: float = 0.1
-    region_ut: float = 0.7
-    region_share: float = 0.3
-    region_s: float = 30.0
-    start_leaving_s: float = 1.0
-    iron_window_s: float = 2.0
-    iron_ratio: float = 4.0
-    iron_narrow_ut: float = 0.3
-    iron_middle_ut: float = 3.0
-    iron_wide_ut: float = 30.0
-    iron_narrow_odds: float = 0.8
-    iron_middle_odds: float = 0.15
-    start_narrow_ut: float = 1.0
-    start_middle_ut: float = 5.0
-    start_wide_ut: float = 30.0
-    start_narrow_odds: float = 0.8
-    start_middle_odds: float = 0.15
-    steady_change_ut: float = 3.0
-    steady_trusted_s: float = 3.0
-    gap_share: float = 0.2
-    clip_rate_sigma_degps: float = 57.3
-    clip_force_sigma_mps2: float = 5.0
-    return_time_constant_s: float = 0.1
-    return_rate_degps: float = 30.0
-    output_lead_s: float = 0.0
-    acceleration_tolerance_mps2: float = 2.0
-    tilt_sigma_scale: float = 0.4
-    heading_sigma_scale: float = 0.25
-    tilt_sigma_floor_deg: float = 0.35
-    heading_sigma_floor_deg: float = 1.0
-    heading_lost_sigma_deg: float = 15.0
-
-
-POSITIVE = (
-    "block_s",
-    "hypothesis_s",
-    "rest_time_constant_s",
-    "field_scale_ut",
-    "field_level_s",
-    "start_leaving_s",
-    "iron_window_s",
-    "iron_narrow_ut",
-    "iron_middle_ut",
-    "start_narrow_ut",
-    "start_middle_ut",
-    "return_time_constant_s",
-    "return_rate_degps",
-    "position_prior_m_sqrt_s",
-    "rest_speed_sigma_mps_sqrt_s",
-    "rest_bias_sigma_degps_sqrt_s",
-    "rest_sure_s",
-    "rest_surprise_degps",
-    "quiet_ut",
-    "quiet_s",
-    "field_noise_moving_ut_sqrt_s",
-    "field_noise_rest_ut_sqrt_s",
-    "field_noise_start_ut_sqrt_s",
-)
-"""Parameters that must be above zero."""
+    block_s: float = parameter(0.2, "s", "length of a block, at whose end the filter corrects", above=0.0)
+    hypothesis_s: float = parameter(
+        0.6, "s", "between two judgements of the hypotheses on hard iron and start place", above=0.0
+    )
+    start_s: float = parameter(0.05, "s", "of force that a start at rest levels on")
+    start_moving_s: float = parameter(
+        1.0, "s", "of force, carried through the turns, that a start in movement levels on"
+    )
+    start_falling_s: float = parameter(3.0, "s", "the same where the sensor falls")
+    upright_window_s: float = parameter(
+        3.0, "s", "whose mean force must agree with the vertical, else the filter starts over"
+    )
+    upright_limit_deg: float = parameter(
+        20.0, "deg", "that the force may lie off, and what is stated besides"
+    )
+    coast_s: float = parameter(0.2, "s", "length of a gap that is filled")
+    convergence_s: float = parameter(
+        3.0, "s", "after a start in which estimates may be flagged as converging"
+    )
+    tilt_start_sigma_deg: float = parameter(2.0, "deg", "tilt at the first start")
+    tilt_restart_sigma_deg: float = parameter(3.0, "deg", "tilt at another start")
+    heading_restart_sigma_deg: float = parameter(10.0, "deg", "heading found again by the known field")
+    speed_start_sigma_mps: float = parameter(0.5, "m/s", "speed at a start")
+    bias_start_sigma_degps: float = parameter(1.0, "deg/s", "gyroscope bias before any calibration")
+    bias_drift_degps_per_sqrt_s: float = parameter(0.03, "deg/s/sqrt(s)", "random walk of the gyroscope bias")
+    gain_sigma: float = parameter(0.005, "", "spread of scale and axis errors of devices")
+    rate_noise_deg_per_sqrt_s: float = parameter(
+        0.02, "deg/sqrt(s)", "what integrates of the rate without being seen"
+    )
+    rate_noise_per_rate_sqrt_s: float = parameter(
+        0.002, "sqrt(s)", "the same as a share of the rate: errors of scale that change"
+    )
+    speed_noise_mps_per_sqrt_s: float = parameter(
+        0.1, "m/s/sqrt(s)", 'all that bends "the sensor stays near one place"'
+    )
+    position_noise_m_per_sqrt_s: float = parameter(0.01, "m/sqrt(s)", "random walk of the place")
+    position_prior_m_sqrt_s: float = parameter(
+        0.6, "m sqrt(s)", "how near one place the sensor stays", above=0.0
+    )
+    rest_gyroscope_threshold_degps: float = parameter(2.0, "deg/s", "deviation of the rate that is no rest")
+    rest_accelerometer_threshold_mps2: float = parameter(
+        0.4, "m/s^2", "deviation of the force that is no rest"
+    )
+    rest_minimum_s: float = parameter(0.75, "s", "without movement that is rest")
+    rest_time_constant_s: float = parameter(0.5, "s", "of the means that rest is judged by", above=0.0)
+    rest_speed_sigma_mps_sqrt_s: float = parameter(0.0045, "m/s sqrt(s)", "speed at rest", above=0.0)
+    rest_bias_sigma_degps_sqrt_s: float = parameter(
+        0.1, "deg/s sqrt(s)", "mean rate at rest as a measurement of the bias", above=0.0
+    )
+    rest_sway_s: float = parameter(0.4, "s", "for which a sway of the mean rate counts")
+    rest_sure_s: float = parameter(5.0, "s", "whose mean rate the sway is about", above=0.0)
+    rest_surprise_degps: float = parameter(
+        0.15,
+        "deg/s",
+        "by which a rest may be off the bias, and its uncertainty besides, before it is doubted",
+        above=0.0,
+    )
+    delay_sigma_s: float = parameter(0.02, "s", "delay of the magnetometer before it is learnt")
+    field_start_sigma_ut: float = parameter(60.0, "uT", "first field")
+    field_noise_moving_ut_sqrt_s: float = parameter(
+        4.25, "uT sqrt(s)", "errors of the field in movement, which last for seconds", above=0.0
+    )
+    field_noise_rest_ut_sqrt_s: float = parameter(
+        2.0, "uT sqrt(s)", "the same at rest, where they last as long as the rest", above=0.0
+    )
+    field_noise_start_ut_sqrt_s: float = parameter(
+        2.0, "uT sqrt(s)", "the same at the place of the first rest", above=0.0
+    )
+    field_scale_ut: float = parameter(
+        1.2, "uT", "residual, alone or on average, from which a block loses weight", above=0.0
+    )
+    field_level_s: float = parameter(2.0, "s", "of that average", above=0.0)
+    field_same_s: float = parameter(
+        10.0, "s", "after about which the weight of a rest ends: it says one thing once"
+    )
+    field_turn_free: float = parameter(
+        0.5, "", "share forgiven of a residual that only turns the heading: it may be the heading's own"
+    )
+    quiet_ut: float = parameter(
+        0.5, "uT", "fit of the field, in what no turn explains, from which its noise falls", above=0.0
+    )
+    quiet_s: float = parameter(10.0, "s", "over which that fit is seen", above=0.0)
+    quiet_least: float = parameter(0.1, "", "share of the noise that it falls to")
+    region_ut: float = parameter(0.7, "uT", "by which the mean field of the surroundings is off north")
+    region_share: float = parameter(0.3, "", "the same as a share of the mean squared residual")
+    region_s: float = parameter(30.0, "s", "over which that residual is seen")
+    start_leaving_s: float = parameter(1.0, "s", "of movement in which the start place is left", above=0.0)
+    iron_window_s: float = parameter(
+        2.0, "s", "in which a residual that stays in the turning sensor is a new hard iron", above=0.0
+    )
+    iron_ratio: float = parameter(4.0, "", "of its spreads in the room and in the sensor from which it is")
+    iron_narrow_ut: float = parameter(0.3, "uT", "hard iron of a calibrated device", above=0.0)
+    iron_middle_ut: float = parameter(3.0, "uT", "hard iron between the two", above=0.0)
+    iron_wide_ut: float = parameter(30.0, "uT", "hard iron with a magnet attached")
+    iron_narrow_odds: float = parameter(0.8, "", "of the first; wide has what is left", above=0.0)
+    iron_middle_odds: float = parameter(0.15, "", "of the second", above=0.0)
+    start_narrow_ut: float = parameter(
+        1.0, "uT", "field at a clean start place less that of the room", above=0.0
+    )
+    start_middle_ut: float = parameter(5.0, "uT", "the same between the two", above=0.0)
+    start_wide_ut: float = parameter(30.0, "uT", "the same next to iron")
+    start_narrow_odds: float = parameter(0.8, "", "of the first; wide has what is left", above=0.0)
+    start_middle_odds: float = parameter(0.15, "", "of the second", above=0.0)
+    steady_change_ut: float = parameter(
+        3.0,
+        "uT",
+        "change of the field at the first rest after which it is met anew and no hypothesis believed",
+    )
+    steady_trusted_s: float = parameter(3.0, "s", "steady field after which a change is one no more")
+    gap_share: float = parameter(0.2, "", "error of a filled gap as a share of the change of rate")
+    clip_rate_sigma_degps: float = parameter(57.3, "deg/s", "what a gyroscope at its limit misses at least")
+    clip_force_sigma_mps2: float = parameter(5.0, "m/s^2", "what an accelerometer at its limit misses")
+    return_time_constant_s: float = parameter(0.1, "s", "in which corrections enter the output", above=0.0)
+    return_rate_degps: float = parameter(30.0, "deg/s", "never faster than which they do", above=0.0)
+    output_lead_s: float = parameter(
+        0.0, "s", "by which the output is extrapolated, for devices whose gyroscope is late"
+    )
+    acceleration_tolerance_mps2: float = parameter(2.0, "m/s^2", "force off gravity that is flagged")
+    tilt_sigma_scale: float = parameter(
+        0.4, "", "from the covariance, whose noises stand for correlated errors, to the stated tilt"
+    )
+    heading_sigma_scale: float = parameter(0.25, "", "the same of the heading")
+    tilt_sigma_floor_deg: float = parameter(
+        0.35, "deg", "what no sensor shows of the tilt: errors of the accelerometer"
+    )
+    heading_sigma_floor_deg: float = parameter(
+        1.0, "deg", "the same of the heading: how far the field of a room points from that around it"
+    )
+    heading_lost_sigma_deg: float = parameter(15.0, "deg", "from which a heading is flagged as not trusted")
 
 
 def check(parameters: TelemotionParameters) -> None:
-    """Refuse parameters that mean nothing.
-
-    Raises
-    ------
-    SetupError
-        If one is negative, or zero where it must not be, or if hypotheses cannot be told apart.
-    """
+    """Raise `SetupError` for hypotheses that cannot be distinguished."""
     p = parameters
-    for name, value in asdict(p).items():
-        if value < 0.0:
-            raise SetupError(f"{name} must not be negative, not {value}")
-        if name in POSITIVE and value == 0.0:
-            raise SetupError(f"{name} must be above zero")
     for kind in ("iron", "start"):
         narrow, middle, wide = (getattr(p, f"{kind}_{name}_ut") for name in ("narrow", "middle", "wide"))
         if not narrow < middle < wide:
             raise SetupError(f"{kind}_narrow_ut, {kind}_middle_ut and {kind}_wide_ut must increase")
         odds = getattr(p, f"{kind}_narrow_odds"), getattr(p, f"{kind}_middle_odds")
-        if min(odds) <= 0.0 or sum(odds) >= 1.0:
-            raise SetupError(
-                f"{kind}_narrow_odds and {kind}_middle_odds must be above zero and add up to less than one"
-            )
+        if sum(odds) >= 1.0:
+            raise SetupError(f"{kind}_narrow_odds and {kind}_middle_odds must add up to less than one")
 
 
 def settings_of(parameters: TelemotionParameters, step_s: float) -> dict[str, float]:

@@ -9,6 +9,8 @@ from estimators.orientation.marzouk._error_state import ErrorStateParameters
 from estimators.orientation.marzouk._euler import EulerParameters
 from estimators.orientation.marzouk._quaternion import QuaternionParameters
 from estimators.orientation.roetenberg import RoetenbergParameters
+from estimators.orientation.smoother import SmootherParameters
+from estimators.orientation.telemotion._parameters import TelemotionParameters
 from estimators.orientation.vqf import VqfParameters
 
 
@@ -21,6 +23,8 @@ from estimators.orientation.vqf import VqfParameters
         EulerParameters,
         QuaternionParameters,
         VqfParameters,
+        TelemotionParameters,
+        SmootherParameters,
     ],
 )
 def test_every_number_says_its_unit_and_meaning(kind):
@@ -28,7 +32,13 @@ def test_every_number_says_its_unit_and_meaning(kind):
     assert set(meanings) == set(vars(kind()))
     for name, said in meanings.items():
         assert said.meaning
-        for tail, unit in (("_s", "s"), ("_deg", "deg"), ("_degps", "deg/s"), ("_mps2", "m/s^2")):
+        for tail, unit in (
+            ("_s", "s"),
+            ("_deg", "deg"),
+            ("_degps", "deg/s"),
+            ("_mps2", "m/s^2"),
+            ("_ut", "uT"),
+        ):
             if name.endswith(tail) and not name.endswith("sqrt_s"):
                 assert said.unit == unit, name
 
