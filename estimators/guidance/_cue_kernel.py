@@ -152,7 +152,7 @@ def _fast(
     now = (work.y[settings.main] - memory.start[settings.main]) / model.target[0, 1]
     if math.isnan(now) or cue.is_timed == 1 or cue.left_tick < 0:
         return np.nan, 1.0 / rule.tolerance, np.nan
-    if now < _TIMED_SHARE * min(1.0, state.size):
+    if now < _TIMED_SHARE:
         return np.nan, 1.0 / rule.tolerance, np.nan
     cue.is_timed = 1
     stretch = orders.settings[0].target_phase - cue.left_phase

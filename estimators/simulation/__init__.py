@@ -14,6 +14,7 @@ from estimators.simulation.arm.calibration_movements import (
 from estimators.simulation.arm.exercises import EXERCISES, Exercise, ExerciseName
 from estimators.simulation.arm.movements import (
     MovementStyle,
+    PlannedRepetition,
     Schedule,
     style_of_impairment,
 )
@@ -70,6 +71,7 @@ __all__ = [
     "Mounting",
     "MovementStyle",
     "PatientName",
+    "PlannedRepetition",
     "RepeatedMovement",
     "Schedule",
     "SensorClocks",

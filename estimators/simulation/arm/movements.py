@@ -11,13 +11,14 @@ from estimators.simulation.arm.exercises import (
     ACTING,
     ARM_COORDINATES,
     COORDINATES,
+    EXERCISES,
     OTHER,
     TRUNK,
     TRUNK_COORDINATES,
     Exercise,
     hanging,
 )
-from estimators.simulation.arm.timeline import Sinusoids, Timeline, sway
+from estimators.simulation.arm.timeline import Sinusoids, Timeline, submovements, sway
 
 Float = NDArray[np.float64]
 
@@ -105,6 +106,49 @@ def style_of_impairment(level: float) -> MovementStyle:
 
 
 @dataclass(frozen=True)
+class PlannedRepetition:
+    """What is particular about one repetition; the defaults are nothing.
+
+    Attributes
+    ----------
+    size, pace : float
+        Factors on the amplitude and the speed of the style.
+    pause_s : float, optional
+        Rest after it; the schedule's unless given.
+    stop_share, stop_s : float
+        Share of the way to the first stop at which somebody stays, and for how long; 0 s not at all.
+    lean_rad, lateral_rad, hike_rad, plane_rad : float
+        Faults at the far end: trunk forward and away from the acting arm, clavicle, plane of elevation.
+    instead : str
+        Another exercise whose stops are made instead: a wrong movement.
+    """
+
+    size: float = 1.0
+    pace: float = 1.0
+    pause_s: float | None = None
+    stop_share: float = 0.5
+    stop_s: float = 0.0
+    lean_rad: float = 0.0
+    lateral_rad: float = 0.0
+    hike_rad: float = 0.0
+    plane_rad: float = 0.0
+    instead: str = ""
+
+    def __post_init__(self) -> None:
+        if self.instead and self.instead not in EXERCISES:
+            raise SetupError(f"no exercise is named {self.instead!r}; known: {', '.join(EXERCISES)}")
+        if not (0.05 <= self.size <= 1.5 and 0.1 <= self.pace <= 5.0 and 0.05 <= self.stop_share <= 0.95):
+            raise SetupError(f"{self}: size is 0.05 to 1.5, pace 0.1 to 5, stop_share 0.05 to 0.95")
+
+    def add_faults(self, posture: Float) -> None:
+        """Add the faults to a reached posture, in place."""
+        posture[0] += self.lean_rad
+        posture[1] -= self.lateral_rad
+        posture[ACTING][ARM_COORDINATES.index("hike")] += self.hike_rad
+        posture[ACTING][ARM_COORDINATES.index("plane")] += self.plane_rad
+
+
+@dataclass(frozen=True)
 class Performance:
     """A whole performed exercise.
 
@@ -115,11 +159,27 @@ class Performance:
     repetitions_s : ndarray, shape (R, 2)
         From leaving the rest posture to being back in it.
     end_s : float
+    place : ndarray, shape (M,)
+        How far in the cycle at each knot of the timeline, in pieces: moves and holds of the exercise by turns, the
+        return last. NaN outside repetitions and in those that are another movement.
     """
 
     timeline: Timeline
     repetitions_s: Float
     end_s: float
+    place: Float
+
+    def progress(self, time_s: Float) -> Float:
+        """Return how far in the cycle at any times, shape (N,): of moves the share of the way, of holds of the time."""
+        line = self.timeline
+        index = np.clip(np.searchsorted(line.knot_s, time_s, side="right") - 1, 0, len(line.knot_s) - 2)
+        share = (time_s - line.knot_s[index]) / np.diff(line.knot_s)[index]
+        first, last = self.place[index], self.place[index + 1]
+        is_hold = np.floor(first) % 2 == 1
+        way = submovements(share, line.submovement_count[index]).value
+        found = first + (last - first) * np.where(is_hold, share, way)
+        # From the end of one repetition to the beginning of the next is a rest.
+        return np.asarray(np.where(last >= first, found, np.nan))
 
 
 @dataclass(frozen=True)
@@ -136,6 +196,8 @@ class Schedule:
     duration_s: float | None = None
     settle_s: float = 1.0
     """Rest before the first and after the last repetition, beside the pause."""
+    plan: tuple[PlannedRepetition, ...] = ()
+    """Each repetition by itself, on top of the style; then `repetitions` is None and they are as many."""
 
 
 def perform(
@@ -170,27 +232,29 @@ def perform(
     Raises
     ------
     SetupError
-        If neither or both of repetitions and duration are given, or nothing fits the duration.
+        If not just one of repetitions, duration and plan is given, or nothing fits the duration.
     """
-    if (schedule.repetitions is None) == (schedule.duration_s is None):
-        raise SetupError("give either repetitions or duration_s, not both and not neither")
+    given = (schedule.repetitions is not None, schedule.duration_s is not None, bool(schedule.plan))
+    if sum(given) != 1:
+        raise SetupError("give one of repetitions, duration_s and plan")
     rng = np.random.default_rng([seed, 1])
     rest = _posture(exercise.rest_deg, both_arms)
     n_pose = _n_pose(exercise, both_arms)
     n_pose = n_pose + np.random.default_rng([seed, 2]).normal(0.0, 1.0, n_pose.size) * n_pose_error_rad
-    knots, postures, counts = [0.0, schedule.n_pose_s], [n_pose, n_pose], [1]
+    knots, postures, counts, places = [0.0, schedule.n_pose_s], [n_pose, n_pose], [1], [np.nan, np.nan]
 
-    def go(posture: Float, seconds: float, pieces: int = 1) -> None:
+    def go(posture: Float, seconds: float, pieces: int = 1, place: float = np.nan) -> None:
         knots.append(knots[-1] + max(seconds, 1e-3))
         postures.append(posture)
         counts.append(pieces)
+        places.append(place)
 
     go(rest, schedule.transition_s)
     go(rest, schedule.settle_s + schedule.pause_s)
     expected = sum(stop.move_s / style.speed + stop.hold_s for stop in exercise.stops)
     expected += exercise.return_s / style.speed + schedule.pause_s
     if schedule.duration_s is None:
-        planned = int(schedule.repetitions or 0)
+        planned = len(schedule.plan) or int(schedule.repetitions or 0)
     else:
         planned = int((schedule.duration_s - knots[-1] - schedule.settle_s) / expected)
     if planned < 1:
@@ -202,25 +266,37 @@ def perform(
         amplitude *= 1.0 + style.amplitude_sd * rng.normal()
         pace = style.speed * (1.0 - style.fatigue_speed * worn_out) * np.exp(style.duration_sd * rng.normal())
         draws = rng.normal(size=(len(exercise.stops) + 1, 13)) * style.posture_sd_rad
-        needed = sum(stop.move_s / pace + stop.hold_s for stop in exercise.stops) + exercise.return_s / pace
+        one = schedule.plan[number] if schedule.plan else PlannedRepetition()
+        amplitude, pace = amplitude * one.size, pace * one.pace
+        stops = EXERCISES[one.instead].stops if one.instead else exercise.stops
+        needed = sum(stop.move_s / pace + stop.hold_s for stop in stops) + exercise.return_s / pace
         if knots[-1] + needed > stop_at:
             break
-        start = knots[-1]
-        for stop, draw in zip(exercise.stops, draws[:-1], strict=True):
+        start, of_other = knots[-1], np.nan if one.instead else 0.0
+        places[-1] = of_other
+        for piece, stop in enumerate(stops):
+            draw = draws[min(piece, len(draws) - 2)]
             target = _posture(stop.posture_deg, both_arms)
             reached = rest + amplitude * (target - rest)
             reached[ACTING] += draw[3:]
             reached[TRUNK] += 0.3 * draw[:3]
             _compensate(reached, style)
+            one.add_faults(reached)
             reached[OTHER] = reached[ACTING] if both_arms else reached[OTHER]
-            go(reached, stop.move_s / pace, style.submovements)
-            go(reached, stop.hold_s)
+            left_s = stop.move_s / pace
+            if piece == 0 and one.stop_s > 0.0:
+                half = postures[-1] + one.stop_share * (reached - postures[-1])
+                go(half, one.stop_share * left_s, style.submovements, one.stop_share + of_other)
+                go(half, one.stop_s, 1, one.stop_share + of_other)
+                left_s *= 1.0 - one.stop_share
+            go(reached, left_s, style.submovements, 2.0 * piece + 1.0 + of_other)
+            go(reached, stop.hold_s, 1, 2.0 * piece + 2.0 + of_other)
         back = rest.copy()
         back[ACTING] += 0.3 * draws[-1, 3:]
         back[OTHER] = back[ACTING] if both_arms else back[OTHER]
-        go(back, exercise.return_s / pace, style.submovements)
+        go(back, exercise.return_s / pace, style.submovements, 2.0 * len(stops) + 1.0 + of_other)
         intervals.append((start, knots[-1]))
-        go(back, schedule.pause_s)
+        go(back, schedule.pause_s if one.pause_s is None else one.pause_s)
     go(postures[-1], schedule.settle_s)
     end_s = knots[-1] if schedule.duration_s is None else schedule.duration_s
     every = tuple(range(len(COORDINATES)))
@@ -228,7 +304,7 @@ def perform(
     if style.tremor_rad > 0.0:
         wander.append(_tremor(style, schedule.n_pose_s, both_arms, np.random.default_rng([seed, 4])))
     timeline = Timeline(np.array(knots), np.array(postures), np.array(counts, dtype=np.int64), tuple(wander))
-    return Performance(timeline, np.array(intervals).reshape(-1, 2), end_s)
+    return Performance(timeline, np.array(intervals).reshape(-1, 2), end_s, np.array(places))
 
 
 def _posture(named_deg: Mapping[str, float], both_arms: bool) -> Float:

@@ -117,6 +117,9 @@ class ArmTruth:
         all seventeen segments, both arms, sigmas zero.
     repetitions_s : ndarray, shape (R, 2)
         Start and end of each repetition, on ticks.
+    progress : ndarray, shape (K,)
+        How far in the cycle, in pieces: move, hold, move, ... return. Of a move the share of the way, of a hold that of
+        its time. NaN outside repetitions and in those that are another movement.
     q_sensor_segment : dict of Placement to ndarray, shape (4,)
         True mounting, to be compared with a calibration.
     q_earth_sensor : ndarray, shape (S, K, 4)
@@ -131,6 +134,7 @@ class ArmTruth:
 
     frames: Frames
     repetitions_s: Float
+    progress: Float
     q_sensor_segment: dict[Placement, Float]
     q_earth_sensor: Float
     gyroscope_bias_radps: Float
@@ -246,6 +250,7 @@ def simulate_arm(scenario: ArmScenario) -> SimulatedSession:
     truth = ArmTruth(
         _true_frames(scenario, motions, ticks),
         _on_ticks(performance, scenario.rate_hz),
+        performance.progress(instants[1:]),
         mountings,
         np.stack(q_earth),
         np.stack(biases),
