@@ -46,22 +46,22 @@ def coast(memory: Record, sample: Record, usable: bool, ticks: float, step_s: fl
 
 
 @step()
-def keep_field(kept: Float, sample: Record) -> None:
-    """Keep the field of a sample; without one its first component is NaN."""
-    kept[:] = sample.field
+def store_field(into: Float, sample: Record) -> None:
+    """Store the field of a sample; without one its first component is NaN."""
+    into[:] = sample.field
     if not sample.has_field:
-        kept[0] = np.nan
+        into[0] = np.nan
 
 
 @step()
 def remember(memory: Record, sample: Record) -> None:
-    """Keep a measured sample and its difference from the one before."""
+    """Store a measured sample and its difference from the one before."""
     for a in range(3):
         memory.slope_rate[a] = sample.rate[a] - memory.last_rate[a]
         memory.slope_force[a] = sample.force[a] - memory.last_force[a]
     memory.last_rate[:] = sample.rate
     memory.last_force[:] = sample.force
-    keep_field(memory.last_field, sample)
+    store_field(memory.last_field, sample)
 
 
 @step()
@@ -116,10 +116,10 @@ def after_gap(memory: Record, sample: Record) -> None:
 
 @step()
 def set_aside(memory: Record, sample: Record) -> None:
-    """Keep the first sample after a gap until the next gives its slope."""
+    """Store the first sample after a gap until the next gives its slope."""
     memory.after_rate[:] = sample.rate
     memory.after_force[:] = sample.force
-    keep_field(memory.after_field, sample)
+    store_field(memory.after_field, sample)
 
 
 @step()
@@ -160,8 +160,8 @@ __all__ = [
     "doubt_filling",
     "filled",
     "gap_variance",
-    "keep_field",
     "remember",
     "set_aside",
+    "store_field",
     "went_on",
 ]

@@ -25,9 +25,9 @@ from estimators.orientation.telemotion._gaps import (
     doubt_filling,
     filled,
     gap_variance,
-    keep_field,
     remember,
     set_aside,
+    store_field,
     went_on,
 )
 from estimators.orientation.telemotion._output import keep_shown, read, shown, take_back
@@ -174,7 +174,7 @@ def fill_gap(
     advance(p, memory, tick, sample, settings, rows, index, value, work)
     went_on(memory.last_rate, memory.slope_rate, sample.rate, now.rate, sloped, gap)
     went_on(memory.last_force, memory.slope_force, sample.force, now.force, sloped, gap)
-    keep_field(memory.last_field, sample)
+    store_field(memory.last_field, sample)
     memory.gap = memory.pending = 0
 
 
