@@ -46,6 +46,8 @@ def upload(context: JobContext) -> str:
     try:
         if not path.exists():
             raise RecordingFormatError(say("upload.gone"))
+        if declaration.format is None:
+            declaration = _recognised(context, declaration, path)
         try:
             with readers.accepting(declaration.accept_implausible) as doubts:
                 notes = _store(context, declaration, path)
@@ -63,6 +65,21 @@ def upload(context: JobContext) -> str:
     return CATALOGUE.together([analysis.message, *notes])
 
 
+def _recognised(context: JobContext, declaration: UploadIn, path: Path) -> UploadIn:
+    """Find what a file is that was sent without its format, and make its session one of that kind.
+
+    In the task, because a file from outside is opened in no process that serves others.
+    """
+    format = readers.guess(path, declaration.file_name)
+    if format == "csv" and declaration.csv is None:
+        raise RecordingFormatError(say("upload.csv_needs_mapping"))
+    found = declaration.model_copy(update={"format": format})
+    with unit_of_work(context.engine) as session:
+        stored = session.get_one(MotionSession, context.session_id)
+        stored.setup = replace(SessionSetup.from_dict(stored.setup), pipeline=pipeline_of(found)).to_dict()
+    return found
+
+
 def _store(context: JobContext, declaration: UploadIn, path: Path) -> list[str]:
     """Store the file as packets with the hello that a gateway would have sent; return notes for people."""
     context.progress(0.01, say("progress.reading_file"))
@@ -78,7 +95,7 @@ def _store(context: JobContext, declaration: UploadIn, path: Path) -> list[str]:
         if log.damaged:
             notes.append(say("upload.damaged_packets", count=log.damaged))
     else:
-        recording = readers.read(path, declaration.format, declaration.csv, declaration.file_name)
+        recording = readers.read(path, declaration.format or "auto", declaration.csv, declaration.file_name)
         notes += recording.notes
         kind = kinds()[pipeline_of(declaration)]
         with unit_of_work(context.engine) as session:

@@ -196,11 +196,15 @@ class UploadIn(Schema):
     exercise_id: str | None = None
     prescription_id: str | None = None
     purpose: Literal["exercise", "template"] = "exercise"
-    format: Literal[
-        "packet_log", "csv", "qmt_mat", "broad", "pyshoe", "gait_tracking", "gaitmap", "instrumented_shoe"
-    ]
+    format: (
+        Literal[
+            "packet_log", "csv", "qmt_mat", "broad", "pyshoe", "gait_tracking", "gaitmap", "instrumented_shoe"
+        ]
+        | None
+    ) = None
+    """None: found from the file's name and beginning, as `telemotion process` does."""
     file_name: str = Field(default="", max_length=200)
-    """What the file is called: says the side of a foot where the file does not."""
+    """What the file is called: says its format, and the side of a foot, where the file does not."""
     pipeline: Literal["arm", "gait", "orientation"] = "arm"
     """What a packet log or CSV file holds; `broad` is always a single sensor, the formats after it are walks."""
     with_legs: Flag = False

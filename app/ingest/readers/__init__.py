@@ -91,8 +91,14 @@ def read(path: Path, format: str = "auto", csv: "CsvMapping | None" = None, name
     return found
 
 
-def guess(path: Path) -> str:
+def guess(path: Path, name: str = "") -> str:
     """Return the format that a file seems to have.
+
+    Parameters
+    ----------
+    path : Path
+    name : str
+        What the file was called before it was uploaded. By default its name.
 
     Raises
     ------
@@ -100,7 +106,8 @@ def guess(path: Path) -> str:
         Nothing fits.
     """
     start = start_of(path)
-    ending = path.suffix.lower()
+    called = Path(name or path.name)
+    ending = called.suffix.lower()
     if start.startswith(b"TML1"):
         return "packet_log"
     if start.startswith(b"\x89HDF"):
@@ -108,7 +115,7 @@ def guess(path: Path) -> str:
     if ending == ".mat":
         return str(__getattr__("mat_format")(path))
     if ending in TEXT:
-        return str(__getattr__("text_format")(path.stem, start))
+        return str(__getattr__("text_format")(called.stem, start))
     raise RecordingFormatError(say("file.format_not_recognised", formats=list(FORMATS)))
 
 

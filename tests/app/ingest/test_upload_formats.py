@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scipy.io
 from sqlalchemy import Engine
 
 from app.database.unit_of_work import read_only
@@ -17,7 +18,7 @@ from app.recordings.service import job_out
 from app.recordings.signals.store import read_frames
 from app.settings import Settings
 from estimators.simulation import SimulatedSession
-from tests.app.ingest.recording_files import as_csv, as_whole_body
+from tests.app.ingest.recording_files import as_csv, as_whole_body, broad_content
 from tests.app.ingest.uploads import ARM, declare, session_of
 
 
@@ -45,6 +46,61 @@ def test_every_format_is_analysed_like_a_stream(
     error = frames.angle_rad[:, frames.layout.angles.index(name)] - simulated.truth.angle_rad(name)
     # Without a magnetometer the heading of each sensor drifts; the bound of the issue holds with one.
     assert np.degrees(np.sqrt(np.nanmean(error**2))) < (2.0 if write is as_csv else 6.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "write", "pipeline"),
+    [
+        ("body.mat", lambda simulated, path: as_whole_body(simulated, path), "arm"),
+        (
+            "trial.mat",
+            lambda _, path: scipy.io.savemat(path, broad_content(), appendmat=False),
+            "orientation",
+        ),
+    ],
+)
+def test_a_file_without_a_format_is_recognised_as_process_does(
+    engine: Engine,
+    settings: Settings,
+    world: Any,
+    queue: Any,
+    tmp_path: Path,
+    simulated: SimulatedSession,
+    name: str,
+    write: Callable[[SimulatedSession, Path], object],
+    pipeline: str,
+) -> None:
+    path = tmp_path / "received.upload"
+    write(simulated, path)
+    job_id = queue(path, declare(world, format=None, file_name=name))
+    done = run_job(engine, settings, job_id, upload)
+    assert done.status == "complete", done.message
+    assert session_of(engine, job_id).setup["pipeline"] == pipeline
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "code"),
+    [
+        ("notes.docx", b"PK nothing", "file.format_not_recognised"),
+        ("a.csv", b"t,x\n0,1\n", "upload.csv_needs_mapping"),
+    ],
+)
+def test_a_file_that_nothing_recognises_is_refused_in_words(
+    engine: Engine,
+    settings: Settings,
+    world: Any,
+    queue: Any,
+    tmp_path: Path,
+    name: str,
+    content: bytes,
+    code: str,
+) -> None:
+    path = tmp_path / "received.upload"
+    path.write_bytes(content)
+    job_id = queue(path, declare(world, format=None, file_name=name))
+    done = run_job(engine, settings, job_id, upload)
+    assert shown(engine, done).sentences["message"].code == code
+    assert session_of(engine, job_id).state == "failed"
 
 
 def shown(engine: Engine, done: JobDone) -> JobOut:

@@ -4940,9 +4940,9 @@ export interface components {
             file_name?: string;
             /**
              * Format
-             * @enum {string}
+             * @default null
              */
-            format: "packet_log" | "csv" | "qmt_mat" | "broad" | "pyshoe" | "gait_tracking" | "gaitmap" | "instrumented_shoe";
+            format?: ("packet_log" | "csv" | "qmt_mat" | "broad" | "pyshoe" | "gait_tracking" | "gaitmap" | "instrumented_shoe") | null;
             /**
              * Hemisphere
              * @default north

@@ -1,11 +1,10 @@
 // A whole recording from a file: which file, whose, in which format; then two bars, for sending and for working it out.
 import { Button, Checkbox, Group, NumberInput, Progress, Select, Switch } from '@mantine/core';
-import { IconArrowRight } from '@tabler/icons-react';
 import { useMutation } from '@tanstack/react-query';
 import { useRef, useState, type FormEvent } from 'react';
-import { Link, useSearchParams } from 'react-router';
+import { useSearchParams } from 'react-router';
 import { api, upload } from '../api/client';
-import { useEstimators, useExercises, useJob, usePatients } from '../api/queries';
+import { useEstimators, useExercises, useJob, usePatients, useSession } from '../api/queries';
 import type { GuessedMapping, Job, Placement, PreviewIn, TablePreview, UploadIn } from '../api/types';
 import { RadioCards } from '../components/forms/Choice';
 import { CsvMappingForm } from '../components/forms/CsvMappingForm';
@@ -15,7 +14,7 @@ import { t } from '../i18n';
 import { LEG_PLACEMENTS } from '../lib/placements';
 import { beginningOf, complete, type Pipeline } from '../lib/csv';
 import { number } from '../lib/format';
-import { JobProgress } from './session/AnalysisWait';
+import { AnalysisWait, JobProgress } from './session/AnalysisWait';
 import { FileDrop, FormatChoice, type Format } from './upload/FilePart';
 
 const PLACEMENTS: Placement[] = [
@@ -38,10 +37,10 @@ const TEXT = /\.(csv|tsv|txt|dat|asc)$/i;
 type Hemisphere = NonNullable<UploadIn['hemisphere']>;
 const HEMISPHERES: Hemisphere[] = ['north', 'south', 'unknown'];
 
-function formatOf(name: string): Format {
+/** Null: only the contents say it, and the service reads those. */
+function formatOf(name: string): Format | null {
   if (TEXT.test(name)) return 'csv';
-  if (/\.(hdf5|h5)$/i.test(name)) return 'broad';
-  return /\.mat$/i.test(name) ? 'qmt_mat' : 'packet_log';
+  return /\.tmlog$/i.test(name) ? 'packet_log' : null;
 }
 
 export function UploadPage() {
@@ -50,7 +49,7 @@ export function UploadPage() {
   const exercises = useExercises();
   const estimators = useEstimators();
   const [file, setFile] = useState<File | null>(null);
-  const [format, setFormat] = useState<Format>('packet_log');
+  const [format, setFormat] = useState<Format | null>(null);
   const [patientId, setPatientId] = useState<string | null>(search.get('patient'));
   const [exerciseId, setExerciseId] = useState<string | null>(null);
   const [wantedEstimator, setWantedEstimator] = useState<string | null>(null);
@@ -58,8 +57,8 @@ export function UploadPage() {
   const [pipeline, setPipeline] = useState<Pipeline>('arm');
   const [apartCm, setApartCm] = useState<number | null>(null);
   const hasPipeline = format === 'csv' || format === 'packet_log';
-  const isWalk = WALKS.includes(format) || (hasPipeline && pipeline === 'gait');
-  const isSingle = format === 'broad' || (hasPipeline && pipeline === 'orientation');
+  const isWalk = (format !== null && WALKS.includes(format)) || (hasPipeline && pipeline === 'gait');
+  const isSingle = format === 'broad' || format === null || (hasPipeline && pipeline === 'orientation');
   const [knowsPose, setKnowsPose] = useState(false);
   const [pose, setPose] = useState<[number, number]>([0, 3]);
   const [withLegs, setWithLegs] = useState(false);
@@ -71,6 +70,7 @@ export function UploadPage() {
     onMutate: () => setSent(0),
   });
   const job = useJob(send.data?.id ?? null);
+  const session = useSession(job.data?.status === 'complete' ? job.data.session_id : '');
 
   // The answer to an earlier file or choice must not overwrite that to the newest.
   const newest = useRef(0);
@@ -153,7 +153,7 @@ export function UploadPage() {
             <FormatChoice
               key={`${file.name} ${file.lastModified}`}
               value={format}
-              isRecognised={look.isSuccess || /\.(tmlog|hdf5|h5)$/i.test(file.name)}
+              isRecognised={look.isSuccess || !TEXT.test(file.name)}
               onChange={setFormat}
             />
           )}
@@ -304,20 +304,9 @@ export function UploadPage() {
                 />
               </>
             )}
-            {isDone && job.data && (
-              <div>
-                <Button
-                  size="lg"
-                  component={Link}
-                  to={`/sessions/${job.data.session_id}`}
-                  rightSection={<IconArrowRight size={19} aria-hidden />}
-                >
-                  {t('live.toReplay')}
-                </Button>
-              </div>
-            )}
           </section>
         )}
+        {isDone && session.data && <AnalysisWait session={session.data} state={session.data.state} />}
         <Group justify="flex-end">
           {lacking && <p className="muted">{t(lacking)}</p>}
           <Button

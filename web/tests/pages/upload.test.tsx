@@ -96,6 +96,22 @@ async function choose(found: TablePreview | [number, unknown]) {
   return { user, declared };
 }
 
+describe('a file that only its contents describe', () => {
+  it('is sent without a format, for the service to recognise it', async () => {
+    const user = userEvent.setup();
+    const declared = takeUploads(job({ status: 'queued' }));
+    const view = renderPage(<UploadPage />, {
+      at: '/?patient=p',
+      answers: { ...PAGE, '/api/jobs/j': job({ status: 'running' }) },
+    });
+    const input = view.container.querySelector('input[type="file"]') as HTMLInputElement;
+    await user.upload(input, new File(['x'], 'trial.mat'));
+    expect(await screen.findByText('The contents are recognised once the file is uploaded.')).toBeTruthy();
+    await user.click(screen.getByRole('button', { name: 'Upload' }));
+    expect(declared[0]).toMatchObject({ format: null, file_name: 'trial.mat' });
+  });
+});
+
 describe('a table', () => {
   it('is shown as the service guesses it before it is sent, and a single sensor needs no placement', async () => {
     const { user, declared } = await choose(preview());

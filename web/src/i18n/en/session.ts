@@ -344,6 +344,8 @@ export const session = {
   'upload.other': 'Choose another file',
   'upload.format': 'Contents of the file',
   'upload.recognised': 'Recognised as',
+  'upload.recognisedLater': 'The contents are recognised once the file is uploaded.',
+  'upload.chooseFormat': 'Choose by hand',
   'upload.otherFormat': 'Not right?',
   'upload.lacksFile': 'Choose a file first.',
   'upload.lacksColumns': 'Assign the columns first.',

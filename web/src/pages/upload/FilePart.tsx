@@ -7,7 +7,7 @@ import { RadioCards } from '../../components/forms/Choice';
 import { t } from '../../i18n';
 import { bytes } from '../../lib/format';
 
-export type Format = UploadIn['format'];
+export type Format = NonNullable<UploadIn['format']>;
 const FORMATS = [
   'packet_log',
   'csv',
@@ -62,13 +62,13 @@ export function FileDrop({ file, onFile }: { file: File | null; onFile: (file: F
   );
 }
 
-/** What the file holds: one line once it was recognised, all choices while it was not or when that is wrong. */
+/** What the file holds: one line where it is recognised (null: by the service, once it is sent), else all choices. */
 export function FormatChoice({
   value,
   isRecognised,
   onChange,
 }: {
-  value: Format;
+  value: Format | null;
   isRecognised: boolean;
   onChange: (format: Format) => void;
 }) {
@@ -78,11 +78,17 @@ export function FormatChoice({
       <div className="recognised">
         <IconCircleCheck size={22} aria-hidden />
         <p>
-          <span className="muted">{t('upload.recognised')}</span>{' '}
-          <span className="strong">{t(`upload.format.${value}`)}</span>
+          {value ? (
+            <>
+              <span className="muted">{t('upload.recognised')}</span>{' '}
+              <span className="strong">{t(`upload.format.${value}`)}</span>
+            </>
+          ) : (
+            t('upload.recognisedLater')
+          )}
         </p>
         <Button variant="subtle" size="compact-md" onClick={() => setOpen(true)}>
-          {t('upload.otherFormat')}
+          {t(value ? 'upload.otherFormat' : 'upload.chooseFormat')}
         </Button>
       </div>
     );
