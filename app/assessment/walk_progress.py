@@ -1,5 +1,6 @@
 """Measures of a patient's walks over sessions: the same values that progress shows of repetitions of an arm."""
 
+from collections.abc import Iterator
 from typing import Final
 
 from sqlalchemy import func, select
@@ -10,43 +11,23 @@ from app.kinds.walk.history import walk_content
 from app.kinds.walk.schemas import WalkContent, WalkMeasure
 from app.kinds.walk.stored import PIPELINE
 from app.recordings.models import MotionSession, Result
+from estimators.conventions import SIDES
+from estimators.measures import WALK_MEASURES
 
-_LABELS: Final = {
-    "test_time": "Time of the test, whole walk",
-    "test_distance": "Distance, whole walk",
-    "speed": "Walking speed, steady strides",
-    "stride_length": "Stride length, steady strides",
-    "cadence": "Cadence",
-    "stance_share": "Stance, part of the stride",
-    "double_support_share": "Both feet on the ground, part of the stride",
-    "step_width": "Step width",
-    "step_length": "Step length",
-    "clearance": "Lift of the foot in swing",
-    "toe_out": "Toes turned outward",
-    "weight_on_left": "Weight on the left foot, standing",
-    "centre_to_left": "Centre of mass left of the middle, walking",
-    "margin": "Margin of stability, least of each second",
-}
-_FEET: Final = ("speed", "stride_length", "cadence", "stance_share", "clearance", "toe_out")
-_BOTH: Final = ("double_support_share", "step_width")
-_BALANCE: Final = ("weight_on_left", "centre_to_left", "margin")
-_UNEVEN: Final = ("stride_length", "step_time", "stance_share")
-_SIDES: Final = ("left", "right")
-_ORDER: Final = (
-    "test_time",
-    "test_distance",
-    *(f"{name}:{side}" for name in ("speed", "stride_length") for side in _SIDES),
-    *(f"uneven:{name}" for name in _UNEVEN),
-    *_BOTH,
-    *_BALANCE,
-    *(f"{name}:{side}" for name in _FEET[2:] for side in _SIDES),
-)
-_UNEVEN_LABELS: Final = {
-    "stride_length": "Stride length, left compared with right",
-    "step_time": "Step time, left compared with right",
-    "stance_share": "Stance, left compared with right",
-}
 _PREFIX: Final = "walk:"
+
+
+def _lines() -> Iterator[tuple[str, str]]:
+    """Yield the key and the label of every measure that is followed, the most telling first."""
+    for one in WALK_MEASURES:
+        if one.label and one.part == "foot":
+            yield from ((f"{one.name}:{side}", f"{one.label}, {side}") for side in SIDES)
+        elif one.label:
+            yield (f"uneven:{one.name}" if one.part == "asymmetry" else one.name), one.label
+
+
+_LABELS: Final = dict(_lines())
+_ORDER: Final = list(_LABELS)
 
 
 def walk_values(session: Session, patient_id: str, exercise_id: str | None = None) -> list[SessionValue]:
@@ -109,10 +90,7 @@ def walk_values(session: Session, patient_id: str, exercise_id: str | None = Non
 
 def walk_label(measure: str) -> str:
     """Return what a person calls a measure of a walk: `Stride length, left`."""
-    name, _, part = measure.removeprefix(_PREFIX).partition(":")
-    if name == "uneven":
-        return _UNEVEN_LABELS[part]
-    return _LABELS[name] + (f", {part}" if part else "")
+    return _LABELS[measure.removeprefix(_PREFIX)]
 
 
 def walk_order(measure: str) -> int:
@@ -128,12 +106,11 @@ def _chosen(content: WalkContent) -> dict[str, WalkMeasure]:
     if test is not None and test.kind == "six_minute_walk":
         found["test_distance"] = _single("test_distance", test.distance_m, "metres")
     for foot in content.feet:
-        found |= {f"{one.measure}:{foot.side}": one for one in foot.measures if one.measure in _FEET}
-    found |= {f"uneven:{one.measure}": one for one in content.asymmetry if one.measure in _UNEVEN}
-    found |= {one.measure: one for one in content.both if one.measure in _BOTH}
-    if content.balance is not None:
-        found |= {one.measure: one for one in content.balance.measures if one.measure in _BALANCE}
-    return found
+        found |= {f"{one.measure}:{foot.side}": one for one in foot.measures}
+    found |= {f"uneven:{one.measure}": one for one in content.asymmetry}
+    balance = [] if content.balance is None else content.balance.measures
+    found |= {one.measure: one for one in [*content.both, *balance]}
+    return {key: one for key, one in found.items() if key in _LABELS}
 
 
 def _single(name: str, value: float, unit: str) -> WalkMeasure:

@@ -11,6 +11,7 @@ from estimators.gait._placement import Steps, foot_placement, steps_between
 from estimators.gait._stride_flags import StrideFlag
 from estimators.gait._strides import Strides
 from estimators.gait._walk_reasons import walk_reasons
+from estimators.measures import measures_of
 from estimators.recording import Float
 
 Bool = NDArray[np.bool_]
@@ -115,7 +116,7 @@ def summarise(feet: Mapping[Side, Strides]) -> GaitSummary:
         both = _double_support(feet["left"], feet["right"])
         numbers["left"]["step_time"] = _step_time(feet["left"], feet["right"])
         numbers["right"]["step_time"] = _step_time(feet["right"], feet["left"])
-        for name in ("stride_length", "step_time", "stance_share", "swing_time", "clearance"):
+        for name in measures_of("asymmetry"):
             asymmetry[name] = _difference(numbers["left"][name], numbers["right"][name])
     return GaitSummary(
         feet=numbers,

@@ -25,48 +25,10 @@ from app.recordings.models import MotionSession, SignalChunk
 from app.sentences import say
 from estimators.balance import Sample, compare_conditions
 from estimators.errors import ShapeError
+from estimators.measures import measures_of
 
-_FEET: Final = (
-    "stride_length",
-    "stride_time",
-    "speed",
-    "cadence",
-    "step_time",
-    "stance_time",
-    "swing_time",
-    "stance_share",
-    "clearance",
-    "circumduction",
-    "contact_pitch",
-    "toe_off_pitch",
-    "toe_out",
-    "lateral_placement",
-    "stride_length_variation",
-    "stride_time_variation",
-    "force_most",
-    "force_loading",
-    "force_valley",
-    "force_push_off",
-)
-_BOTH: Final = (
-    "double_support",
-    "double_support_share",
-    "step_width",
-    "step_length_left",
-    "step_length_right",
-)
-_ASYMMETRY: Final = ("stride_length", "step_time", "stance_share", "swing_time", "clearance")
-"""Left less right over their mean; named `<measure>_asymmetry` in a comparison."""
-_BALANCE: Final = (
-    "weight_on_left",
-    "centre_to_left_standing",
-    "centre_to_left",
-    "centre_sway",
-    "margin",
-    "external_work",
-    "pendulum_recovery",
-)
 _SUFFIX: Final = "_asymmetry"
+"""An asymmetry is named `<measure>_asymmetry` in a comparison."""
 _LEAST_FOR_SPREAD: Final = 3
 
 
@@ -145,11 +107,11 @@ def changes_between(a: Sequence[WalkContent], b: Sequence[WalkContent]) -> list[
     """
     sides = (a, b)
     return [
-        *_changes(sides, "left", _FEET),
-        *_changes(sides, "right", _FEET),
-        *_changes(sides, "both", _BOTH),
-        *_changes(sides, "both", [name + _SUFFIX for name in _ASYMMETRY]),
-        *_changes(sides, "both", _BALANCE),
+        *_changes(sides, "left", measures_of("foot")),
+        *_changes(sides, "right", measures_of("foot")),
+        *_changes(sides, "both", measures_of("both")),
+        *_changes(sides, "both", [name + _SUFFIX for name in measures_of("asymmetry")]),
+        *_changes(sides, "both", measures_of("balance")),
     ]
 
 

@@ -19,6 +19,7 @@ from app.recordings.models import SignalChunk
 from app.recordings.schemas import UploadIn
 from app.recordings.signals.store import read_frames
 from app.settings import Settings
+from estimators.measures import measures_of
 from estimators.simulation import Bout, Leg, SimulatedWalk, gait_preset, simulate_gait
 
 
@@ -73,6 +74,10 @@ def test_forces_and_balance_of_a_stroke_like_walk_are_kept_and_read(
     assert walk["has_step_width"] is True
     assert both["step_width"]["value"] == pytest.approx(width_m, abs=0.03)
     feet = {foot["side"]: foot for foot in walk["feet"]}
+    # What is computed and what the table names are the same: neither is lost on the way to a comparison.
+    computed = {"both": walk["both"], "asymmetry": walk["asymmetry"], "balance": balance["measures"]}
+    for part, found in [*computed.items(), *(("foot", foot["measures"]) for foot in feet.values())]:
+        assert {one["measure"] for one in found} == set(measures_of(part)), part
     for side, foot in feet.items():
         curves = {curve["name"]: curve for curve in foot["curves"]}
         assert {"force_vertical", "force_forward", "ankle_moment", "ankle_power", "toe_moment"} <= set(curves)
