@@ -45,10 +45,6 @@ from app.ingest.preview import router as preview_router
 from app.ingest.upload import MULTIPART_SLACK_BYTES, remove_orphans
 from app.ingest.upload import router as upload_router
 from app.ingest.upload_task import upload
-from app.kinds.arm.mass_centre_endpoints import router as mass_centre_router
-from app.kinds.magnetic.endpoints import router as magnetic_router
-from app.kinds.magnetic.source_endpoints import router as sources_router
-from app.kinds.walk.endpoints import router as walks_router
 from app.live.bus import MemoryBus
 from app.live.endpoints import router as live_router
 from app.live.ingest_socket import router as ingest_router
@@ -58,7 +54,7 @@ from app.live.watch_socket import router as watch_router
 from app.observation import observe
 from app.patients.endpoints import router as patients_router
 from app.recordings.analysis.jobs import Handler, JobRunner
-from app.recordings.analysis.kinds import kinds
+from app.recordings.analysis.kinds import kind_routers, kinds
 from app.recordings.analysis.reprocess import reprocess
 from app.recordings.endpoints import router as sessions_router
 from app.recordings.point_endpoints import router as points_router
@@ -223,10 +219,7 @@ def all_routers() -> list[APIRouter]:
         exercises_router,
         sessions_router,
         points_router,
-        mass_centre_router,
-        walks_router,
-        magnetic_router,
-        sources_router,
+        *kind_routers(),
         replay_router,
         live_router,
         watch_router,

@@ -71,7 +71,7 @@ async def mark(session_id: str, body: MarkIn, request: Request, subject: Current
     """Put a note on the time line at the present session time."""
     live = await _live(request, subject, session_id, "mark")
     session = live.live(session_id)
-    session.mark(body.text)
+    session.mark(body.text, body.label)
     return session.state_message()
 
 

@@ -1,7 +1,7 @@
 """Wire types of sessions, results, jobs and views."""
 
 from datetime import datetime
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from pydantic import Base64Bytes, Field
 
@@ -10,6 +10,14 @@ from app.schemas import Flag, Schema, SessionState, Spoken
 from estimators.calibration import Calibration
 from estimators.conventions import Placement
 from estimators.orientation import DEFAULT
+from estimators.pipelines import available
+
+if TYPE_CHECKING:
+    StreamedKind: TypeAlias = str
+    UploadedKind: TypeAlias = str
+else:
+    StreamedKind = Literal[tuple(name for name, kind in available().items() if kind.is_streamed)]
+    UploadedKind = Literal[tuple(name for name, kind in available().items() if kind.is_uploaded)]
 
 
 class SessionIn(Schema):
@@ -19,9 +27,9 @@ class SessionIn(Schema):
     exercise_id: str | None = None
     prescription_id: str | None = None
     purpose: Literal["exercise", "template"] = "exercise"
-    pipeline: Literal["arm", "gait", "relative_pose"] = "arm"
-    """`gait` follows sensors on the feet; `relative_pose` a worn magnetic source and the sensors around it. Neither
-    is to be calibrated."""
+    pipeline: StreamedKind = "arm"
+    """`gait` follows sensors on the feet, `relative_pose` a worn magnetic source and the sensors around it: neither
+    is to be calibrated. `balance` is a test of standing."""
     placements: list[Placement] = Field(min_length=1, max_length=17)
     feet_apart_m: float | None = Field(default=None, ge=0.0, le=0.6)
     """Of a walk: distance of the feet side by side at its start, where somebody measured it."""
@@ -82,6 +90,8 @@ class SessionEventOut(Spoken):
     duration_s: float
     placement: str | None
     text: str
+    label: str | None = None
+    """Of a mark that an analysis reads: see `MarkIn`."""
 
 
 class FrameLayoutOut(Schema):
@@ -117,7 +127,7 @@ class SessionDetail(SessionOut):
     """A session with what was done with it."""
 
     pipeline: str
-    """`arm`, `gait`, `relative_pose` or `orientation`."""
+    """As in `SessionIn`, or `orientation`: single sensors of an upload."""
     placements: list[str]
     """A `Placement` each; of the pipeline `orientation` any name."""
     rate_hz: float
@@ -143,7 +153,10 @@ class ReprocessIn(Schema):
 class MarkIn(Schema):
     """A note on the time line, at the present session time."""
 
-    text: str = Field(max_length=200)
+    text: str = Field(default="", max_length=200)
+    label: str | None = Field(default=None, max_length=40)
+    """A mark that the analysis of this kind of session reads, such as the condition that begins; `text` is then what
+    the service says of it."""
 
 
 class JobOut(Spoken):
@@ -205,7 +218,7 @@ class UploadIn(Schema):
     """None: found from the file's name and beginning, as `telemotion process` does."""
     file_name: str = Field(default="", max_length=200)
     """What the file is called: says its format, and the side of a foot, where the file does not."""
-    pipeline: Literal["arm", "gait", "orientation"] = "arm"
+    pipeline: UploadedKind = "arm"
     """What a packet log or CSV file holds; `broad` is always a single sensor, the formats after it are walks."""
     with_legs: Flag = False
     """Also estimate sensors on the legs, for the centre of mass: they must be still and straight in the pose too."""

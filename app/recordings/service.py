@@ -192,6 +192,7 @@ def _events(session: Session, session_id: str) -> list[dict[str, Any]]:
             "duration_s": event.duration_s,
             "placement": event.placement,
             "text": event.text,
+            "label": event.details.get("label"),
         }
         for event in repository.events_of(session, session_id)
     ]

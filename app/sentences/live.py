@@ -96,6 +96,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " the session for the sensors that are worn.",
     "live.cannot_calibrate": "Calibration needs connected sensors and no running recording; stop the recording"
     " or connect first.",
+    "live.unknown_mark": "This kind of session has no mark {label}; use {known:or}.",
     "live.walk_uncalibrated": "A walk needs no calibration; stand still for three seconds and walk.",
     "live.magnetic_uncalibrated": "A magnetic session needs no calibration pose; stand still for three"
     " seconds.",

@@ -218,6 +218,10 @@ class Pipeline(ABC):
     """Whether it finds its way when its samples begin in mid-session."""
     is_worn: ClassVar[bool] = True
     """Whether its sensors sit where a `Placement` names; otherwise they may have any name."""
+    is_streamed: ClassVar[bool] = True
+    """Whether a session of it can be recorded live."""
+    is_uploaded: ClassVar[bool] = True
+    """Whether a file can hold a recording of it."""
 
     @classmethod
     def used(cls, placements: Sequence[Placement], *, with_legs: bool = False) -> tuple[Placement, ...]:

@@ -28,6 +28,7 @@ class OrientationPipeline(Pipeline):
     axes: ClassVar[str] = "earth: x east, y north, z up; without a magnetometer the heading is arbitrary"
     takes_estimator: ClassVar[bool] = True
     is_worn: ClassVar[bool] = False
+    is_streamed: ClassVar[bool] = False
 
     @classmethod
     def used(cls, placements: Sequence[Placement], *, with_legs: bool = False) -> tuple[Placement, ...]:

@@ -1,1 +1,2 @@
+/// <reference types="vite/client" />
 declare module '@fontsource-variable/atkinson-hyperlegible-next';

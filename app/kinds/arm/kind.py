@@ -6,12 +6,10 @@ from typing import Final
 from app.kinds.arm.elbows import with_elbows
 from app.recordings.analysis.heading_line import HeadingLine, with_first_headings
 from app.recordings.analysis.kinds import SessionKind, Wanted
-from app.recordings.analysis.offline import Analysis, calibrated, estimated, pieces_of, smoothed
+from app.recordings.analysis.offline import Analysis, estimated, pieces_of, posed, smoothed
 from app.recordings.analysis.still import calibrate_still
-from app.sentences import say
 from estimators import pipelines
 from estimators.conventions import PLACEMENTS
-from estimators.errors import CalibrationError
 from estimators.orientation import DEFAULT
 from estimators.pipelines import ArmPipeline, SessionSetup
 
@@ -25,14 +23,7 @@ class ArmKind(SessionKind):
         """Find the pose where the setup has no calibration, then estimate; elbows and headings from all of it."""
         context, setup, pose_s, resets = wanted.context, wanted.setup, wanted.pose_s, wanted.resets
         known = smoothed(context, setup)
-        message = ""
-        if setup.calibration is None and (pose_s is not None or wanted.search_pose):
-            try:
-                setup, pose_s = calibrated(context, setup, pose_s, known)
-            except CalibrationError as error:
-                message = say("session.not_calibrated_because", reason=error.message)
-        elif setup.calibration is None:
-            message = say("session.no_pose")
+        setup, pose_s, message = posed(context, setup, pose_s, known, search=wanted.search_pose)
         if setup.calibration is not None and pose_s is not None:
             setup = with_elbows(setup, pose_s, pieces_of(context, setup, known))
         if setup.calibration is not None and setup.calibration.unknown_headings:

@@ -110,6 +110,7 @@ class SessionBook(ABC):
             duration_s=duration_s,
             placement=placement,
             text=text,
+            label=(details or {}).get("label"),
         )
         self._bus.publish(self._topics["event"], EventMessage(event=event))
 

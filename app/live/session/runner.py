@@ -13,7 +13,7 @@ from functools import partial
 import numpy as np
 from sqlalchemy import Engine
 
-from app.errors import Conflict, TelemotionError, Unavailable
+from app.errors import Conflict, InvalidInput, TelemotionError, Unavailable
 from app.live import repository
 from app.live.blocks import PublishedFrames, layout_message
 from app.live.bus import Bus
@@ -33,6 +33,7 @@ from app.network.alignment import Aligner
 from app.network.clock import PacketClock, SkewEstimator
 from app.network.declaration import Declaration
 from app.network.packet import Packet, PacketFlag
+from app.recordings.analysis.kinds import kind_of
 from app.recordings.schemas import CalibrationOut
 from app.recordings.signals.group_commit import GroupCommitWriter
 from app.recordings.signals.ranges import SequenceRanges
@@ -284,9 +285,21 @@ class LiveSession(CalibratedSession):
         else:
             self._publish_state()
 
-    def mark(self, text: str) -> None:
-        """Put a note on the time line at the present session time."""
-        self.add_event("mark", self.session_time_s, text=text)
+    def mark(self, text: str, label: str | None = None) -> None:
+        """Put a note on the time line at the present session time; one with a label is read by the analysis.
+
+        Raises
+        ------
+        InvalidInput
+            This kind of session has no such label.
+        """
+        if label is None:
+            self.add_event("mark", self.session_time_s, text=text)
+            return
+        marks = kind_of(self.pipeline.setup).marks
+        if label not in marks:
+            raise InvalidInput(say("live.unknown_mark", label=label, known=list(marks)), field="label")
+        self.add_event("mark", self.session_time_s, text=marks[label], details={"label": label})
 
     def allow_source(self, is_allowed: bool, reason: str) -> None:
         """Let the magnetic source fire, or stop it at once and say why; nothing where there is none."""

@@ -11,8 +11,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
+from types import MappingProxyType
 from typing import Any, ClassVar, Literal
 
+from fastapi import APIRouter
 from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
@@ -68,6 +70,8 @@ class SessionKind(ABC):
     """Why a guided calibration makes no sense; empty where it does."""
     estimator_refused: ClassVar[str] = ""
     """Why it is not estimated with other orientation estimators; empty where it is."""
+    marks: ClassVar[Mapping[str, str]] = MappingProxyType({})
+    """Labels of marks that its analysis reads, and what the time line says of each."""
 
     @abstractmethod
     def analyse(self, wanted: Wanted) -> Analysis:
@@ -118,9 +122,18 @@ def kinds() -> Mapping[str, SessionKind]:
     return {kind.pipeline.name: kind for kind in found}
 
 
+def kind_routers() -> list[APIRouter]:
+    """Return the routes of all kinds: `router` of every module of their folders that is named `...endpoints`."""
+    return [
+        import_module(module.name).router
+        for module in pkgutil.walk_packages(import_module("app.kinds").__path__, "app.kinds.")
+        if module.name.endswith("endpoints")
+    ]
+
+
 def kind_of(setup: SessionSetup | Mapping[str, Any]) -> SessionKind:
     """Return the kind of a session by its setup, as an object or as it is stored."""
     return kinds()[setup.pipeline if isinstance(setup, SessionSetup) else str(setup["pipeline"])]
 
 
-__all__ = ["SessionKind", "View", "Wanted", "kind_of", "kinds"]
+__all__ = ["SessionKind", "View", "Wanted", "kind_of", "kind_routers", "kinds"]

@@ -223,6 +223,35 @@ def calibrated(
     return pipeline.setup, (first / setup.rate_hz, stop / setup.rate_hz)
 
 
+def posed(
+    context: JobContext,
+    setup: SessionSetup,
+    pose_s: tuple[float, float] | None,
+    known: SmoothedSession | None = None,
+    *,
+    search: bool = False,
+) -> tuple[SessionSetup, tuple[float, float] | None, str]:
+    """Calibrate a setup that has no calibration where there is a pose, or one is to be searched for.
+
+    Returns
+    -------
+    setup : SessionSetup
+        With its calibration, or as it was.
+    pose_s : (float, float) or None
+        Where the pose was found.
+    message : str
+        Why there is no calibration; empty where there is one.
+    """
+    if setup.calibration is not None:
+        return setup, pose_s, ""
+    if pose_s is None and not search:
+        return setup, None, say("session.no_pose")
+    try:
+        return *calibrated(context, setup, pose_s, known), ""
+    except CalibrationError as error:
+        return setup, None, say("session.not_calibrated_because", reason=error.message)
+
+
 def beginning(context: JobContext, setup: SessionSetup, tick_count: int) -> ImuChunk | None:
     """Return the first ticks of the session as one chunk; None if there are none.
 
@@ -272,6 +301,7 @@ __all__ = [
     "decoded",
     "estimated",
     "pieces_of",
+    "posed",
     "smoothed",
     "stretches",
     "whole",

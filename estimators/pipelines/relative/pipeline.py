@@ -60,6 +60,7 @@ class RelativePosePipeline(Pipeline):
     axes: ClassVar[str] = ""
     filter: ClassVar[str] = "relative_pose"
     begins_anywhere: ClassVar[bool] = False
+    is_uploaded: ClassVar[bool] = False
 
     def __init__(self, setup: SessionSetup) -> None:
         self._setup = setup

@@ -102,7 +102,7 @@ export function forgetEverything(client: QueryClient): void {
   client.setQueryData(keys.me, null);
 }
 
-function useGet<T>(
+export function useGet<T>(
   queryKey: readonly unknown[],
   path: string,
   options: { enabled?: boolean; refetchInterval?: number; staleTime?: number } = {},

@@ -2,6 +2,8 @@
 import type { components } from './schema';
 
 type Schemas = components['schemas'];
+/** A type of one kind of session, by the name that the service gives it. */
+export type Named<Name extends keyof Schemas> = Schemas[Name];
 
 export type Me = Schemas['Me'];
 export type Role = Me['role'];

@@ -1,6 +1,6 @@
 // What a kind of session shows that others do not. No page asks which kind a session is: it shows what the kind gives.
 import type { ComponentType } from 'react';
-import type { Exercise, Patient, SessionDetail, SessionState, StateMessage } from '../api/types';
+import type { Exercise, Patient, Placement, SessionDetail, SessionState, StateMessage } from '../api/types';
 import type { Near } from '../components/Viewer3D';
 import type { LivePlayer } from '../player/live';
 import type { ReplayPlayer } from '../player/replay';
@@ -44,6 +44,12 @@ export interface SessionKind {
   hasEstimators: boolean;
   /** Repetitions are compared with a template. */
   isCompared: boolean;
+  /** How it is offered for a new session, where nothing more is to be said than which sensors are worn. */
+  begin?: {
+    title: () => string;
+    text: () => string;
+    worn: readonly { title: () => string; placements: readonly Placement[] }[];
+  };
   /** What `telemotion simulate` needs besides, to try such a session. */
   simulated?: (session: SessionDetail) => string;
 }

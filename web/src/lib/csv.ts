@@ -1,9 +1,9 @@
 // The mapping of a table as the service guessed it (`/api/uploads/preview`), until a person has corrected and completed it.
-import type { CsvMapping, GuessedColumn, GuessedMapping, Placement, UploadIn } from '../api/types';
+import type { CsvMapping, GuessedColumn, GuessedMapping, Placement, TablePreview } from '../api/types';
 
 export type Quantity = GuessedColumn['quantity'];
 export type Unit = NonNullable<GuessedColumn['unit']>;
-export type Pipeline = NonNullable<UploadIn['pipeline']>;
+export type Pipeline = TablePreview['pipeline'];
 
 /** How much of a file the service is shown. */
 export const BEGINNING_BYTES = 256 * 1024;

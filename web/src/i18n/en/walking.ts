@@ -277,6 +277,7 @@ export const walking = {
   'newSession.armsText': 'Sensors on trunk and arms; joint angles.',
   'newSession.feet': 'Walking',
   'newSession.feetText': 'A sensor on each foot; footprints and strides. No calibration needed.',
+  'newSession.worn': 'Where the sensors are worn',
   'newSession.apart': 'Distance between the feet at the start (cm, optional)',
   'newSession.apartHelp':
     'Feet side by side: from the middle of one heel to the middle of the other. Step width needs this value.',

@@ -2,7 +2,7 @@
 import { t } from '../../i18n';
 import type { SessionKind } from '../kind';
 
-export const arm: SessionKind = {
+export const kind: SessionKind = {
   pipeline: 'arm',
   free: () => t('session.free'),
   near: 'arm',

@@ -4,7 +4,7 @@ import { wornPlacements } from '../../lib/placements';
 import { simulatedMovement } from './magneticSetup';
 import type { SessionKind } from '../kind';
 
-export const magnetic: SessionKind = {
+export const kind: SessionKind = {
   pipeline: 'relative_pose',
   free: () => t('magnetic.kind'),
   near: 'modules',

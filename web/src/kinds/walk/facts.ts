@@ -2,7 +2,7 @@
 import { t } from '../../i18n';
 import type { SessionKind } from '../kind';
 
-export const walk: SessionKind = {
+export const kind: SessionKind = {
   pipeline: 'gait',
   free: () => t('session.freeWalk'),
   near: 'feet',

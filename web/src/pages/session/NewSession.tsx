@@ -28,6 +28,7 @@ import {
   wornFor,
   type Use,
 } from '../../kinds/magnetic/magneticSetup';
+import { KINDS } from '../../kinds';
 import { FEET, placementProblem, suggestedPlacements } from '../../lib/placements';
 import { ImplantQuestions } from '../../kinds/magnetic/ImplantQuestions';
 import { SourceChoice } from '../../kinds/magnetic/SourceChoice';
@@ -59,6 +60,9 @@ function Form({ patient }: { patient: Patient }) {
   const isWalk = pipeline === 'gait';
   const isMagnetic = pipeline === 'relative_pose';
   const isArm = pipeline === 'arm';
+  const begin = KINDS.find((one) => one.pipeline === pipeline)?.begin;
+  const [wornAs, setWornAs] = useState('0');
+  const wornHere = begin?.worn[Number(wornAs)]?.placements ?? placements;
   const create = isMagnetic ? createWithSource : createPlain;
   const [use, setUse] = useState<Use>('back');
   const [worn, setWorn] = useState(() => wornFor('back', patient.affected_side));
@@ -113,7 +117,7 @@ function Form({ patient }: { patient: Patient }) {
           purpose === 'exercise' ? (prescribed.find((one) => one.exercise_id === exerciseId)?.id ?? null) : null,
         purpose,
         pipeline,
-        placements: isWalk ? (hasShoes ? SHOES : FEET) : placements,
+        placements: isWalk ? (hasShoes ? SHOES : FEET) : [...wornHere],
         ...(isWalk && apartCm !== null ? { feet_apart_m: apartCm / 100 } : {}),
         ...(orientation ? { orientation } : {}),
         constrain_joint_headings: constrain,
@@ -146,9 +150,22 @@ function Form({ patient }: { patient: Patient }) {
           { value: 'gait', title: t('newSession.feet'), text: t('newSession.feetText') },
           ...(purpose === 'template'
             ? []
-            : [{ value: 'relative_pose' as const, title: t('magnetic.kind'), text: t('magnetic.kindText') }]),
+            : [
+                { value: 'relative_pose' as const, title: t('magnetic.kind'), text: t('magnetic.kindText') },
+                ...KINDS.flatMap(({ pipeline, begin }) =>
+                  begin ? [{ value: pipeline as Kind, title: begin.title(), text: begin.text() }] : [],
+                ),
+              ]),
         ]}
       />
+      {begin && (
+        <RadioCards
+          legend={t('newSession.worn')}
+          value={wornAs}
+          onChange={setWornAs}
+          options={begin.worn.map(({ title }, index) => ({ value: String(index), title: title() }))}
+        />
+      )}
       {isWalk && (
         <Switch
           label={t('newSession.shoes')}
