@@ -60,6 +60,17 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "session.no_estimator": "There is no estimator {unknown:or}; choose {known:or}.",
     "walk.in_both": "A walk is in both conditions; choose different ones.",
     "walk.not_analysed": "A chosen session is not an analysed walk of this patient.",
+    "balance.eyes_open_firm": "Eyes open, firm ground",
+    "balance.eyes_closed_firm": "Eyes closed, firm ground",
+    "balance.eyes_open_foam": "Eyes open, foam",
+    "balance.eyes_closed_foam": "Eyes closed, foam",
+    "balance.reach": "Reaching forward",
+    "balance.rest": "End of the test",
+    "balance.no_test": "This session is not a balance test; record one with sensors on pelvis and chest.",
+    "balance.nothing_marked": "Nothing was marked while it was recorded, so that no test can be shown.",
+    "balance.too_short": "Too short: {shortest_s:s} or more without a gap are needed.",
+    "balance.one_link": "Displacement is that of a point {height_m:m.2} above the floor if the body moves as one"
+    " stiff link on the ankles; who bends at the hips moves less than shown.",
     "walk.no_walk": "This session is not a walk; record or upload one with sensors on the feet.",
     "walk.no_strides": "This result has no strides: a live result has none, and an analysis may still be"
     " running.",

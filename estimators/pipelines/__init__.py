@@ -1,5 +1,6 @@
 """What a session runs: a setup in, frames out; live by `step`, off-line by `run`."""
 
+from estimators.pipelines._balance import TRUNK, BalancePipeline, trunk_height_m
 from estimators.pipelines._contract import (
     BodyDimensions,
     Calibration,
@@ -37,7 +38,9 @@ __all__ = [
     "FEET",
     "FORCE_STATES",
     "NOMINAL_GAIN_SIGMA",
+    "TRUNK",
     "ArmPipeline",
+    "BalancePipeline",
     "BodyDimensions",
     "BurstAnalysis",
     "Calibration",
@@ -75,6 +78,7 @@ __all__ = [
     "smooth_network",
     "smoothed_chunk",
     "step_through",
+    "trunk_height_m",
     "with_modules",
     "with_relative_feet",
     "with_shoes",

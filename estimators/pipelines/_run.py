@@ -7,6 +7,7 @@ import numpy as np
 
 from estimators import signals
 from estimators.errors import CalibrationError, SetupError, ShapeError
+from estimators.pipelines._balance import BalancePipeline
 from estimators.pipelines._contract import Frames, Pipeline, SessionSetup
 from estimators.pipelines._offline import smoothed_chunk
 from estimators.pipelines._orientation import OrientationPipeline
@@ -19,7 +20,8 @@ from estimators.recording import Float, ImuChunk, Recording
 from estimators.sentences import say
 
 _REGISTRY: dict[str, type[Pipeline]] = {
-    kind.name: kind for kind in (ArmPipeline, OrientationPipeline, GaitPipeline, RelativePosePipeline)
+    kind.name: kind
+    for kind in (ArmPipeline, OrientationPipeline, GaitPipeline, RelativePosePipeline, BalancePipeline)
 }
 _POSE_S = 3.0
 _SHORTEST_POSE_S = 1.5

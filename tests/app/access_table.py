@@ -247,7 +247,8 @@ LINES: tuple[Line, ...] = (
         READ,
         query={"result_a": "{result_id}", "result_b": "{result_id}"},
     ),
-    # Ada's session moves an arm: who may read it learns that it is no walk.
+    # Ada's session moves an arm: who may read it learns that it is no balance test and no walk.
+    patient("GET", "/api/sessions/{session_id}/balance", READ, status=409),
     patient("GET", "/api/sessions/{session_id}/gait", READ, status=409),
     patient("GET", "/api/patients/{patient_id}/walks", READ),
     # The same session twice: who may read Ada learns that.

@@ -47,6 +47,7 @@ ALLOWED = {
     "ingest": FOUNDATION | {"accounts", "network", "recordings"},
     "kinds/arm": FOUNDATION | {"accounts", "patients", "exercises", "recordings", "network"},
     "kinds/orientation": FOUNDATION | {"recordings"},
+    "kinds/balance": FOUNDATION | {"accounts", "recordings"},
     "kinds/walk": FOUNDATION | {"accounts", "patients", "exercises", "recordings", "ingest", "network"},
     "kinds/magnetic": FOUNDATION
     | {"accounts", "patients", "exercises", "recordings", "network", "kinds/walk"},

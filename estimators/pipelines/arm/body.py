@@ -134,6 +134,21 @@ class BodyNetwork:
         self._next_tick = first + ticks
         return result, q_room_segment, omega, sigma, flags
 
+    def in_segments(self, chunk: ImuChunk) -> tuple[Float, Float]:
+        """Return what gyroscopes (rad/s) and accelerometers (m/s^2) read in segment axes, shape (S, K, 3) each.
+
+        Corrected for what was calibrated; of the gyroscopes' bias for what was calibrated in the hand alone.
+
+        Parameters
+        ----------
+        chunk : ImuChunk
+            As measured.
+        """
+        chunk = self.corrected(chunk)
+        back = rotation.conjugate(self._q_sensor_segment)[:, None]
+        force = chunk.accelerometer_mps2 - self._accelerometer_bias[:, None]
+        return rotation.rotate(back, chunk.gyroscope_radps), rotation.rotate(back, force)
+
     def corrected(self, chunk: ImuChunk) -> ImuChunk:
         """Apply what was calibrated in the hand."""
         if not self.setup.devices:

@@ -931,6 +931,28 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/sessions/{session_id}/balance": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Balance
+         * @description Return a balance test: measures of sway and reach of each trial with uncertainty, and Romberg's ratio.
+         *
+         *     Of the sensor on the pelvis where one was worn, unless `placement` says otherwise.
+         */
+        get: operations["get_balance_api_sessions__session_id__balance_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/sessions/{session_id}/calibrate": {
         parameters: {
             query?: never;
@@ -2020,6 +2042,20 @@ export interface components {
             sigma_deg: number;
         };
         /**
+         * BalanceMeasure
+         * @description One number of a trial; None where it is not known.
+         */
+        BalanceMeasure: {
+            /** Measure */
+            measure: string;
+            /** Sigma */
+            sigma: number | null;
+            /** Unit */
+            unit: string;
+            /** Value */
+            value: number | null;
+        };
+        /**
          * BalanceOut
          * @description Centre of mass and pressure of a walk on instrumented shoes, in the room of the frames.
          */
@@ -2047,6 +2083,29 @@ export interface components {
             support: components["schemas"]["SupportOut"][];
             /** Time S */
             time_s: number[];
+        };
+        /**
+         * BalanceTestOut
+         * @description A balance test.
+         */
+        BalanceTestOut: {
+            /** Height M */
+            height_m: number;
+            /** Placement */
+            placement: string;
+            /** Reasons */
+            reasons: string[];
+            result: components["schemas"]["ResultOut"];
+            /** Romberg */
+            romberg: components["schemas"]["RombergOut"][];
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
+            /** Session Id */
+            session_id: string;
+            /** Trials */
+            trials: components["schemas"]["TrialOut"][];
         };
         /**
          * BodyDimensionsIn
@@ -2623,6 +2682,18 @@ export interface components {
             segments: components["schemas"]["AngleDifference"][];
             /** Time S */
             time_s: number[];
+        };
+        /**
+         * EllipseOut
+         * @description The ellipse that holds 95 % of the places.
+         */
+        EllipseOut: {
+            /** Angle Rad */
+            angle_rad: number;
+            /** Long M */
+            long_m: number;
+            /** Short M */
+            short_m: number;
         };
         /**
          * ErasureIn
@@ -3438,8 +3509,13 @@ export interface components {
          * @description A note on the time line, at the present session time.
          */
         MarkIn: {
-            /** Text */
-            text: string;
+            /** Label */
+            label?: string | null;
+            /**
+             * Text
+             * @default
+             */
+            text?: string;
         };
         /**
          * MassCentreCurve
@@ -4139,6 +4215,19 @@ export interface components {
             status: "running" | "complete" | "failed";
         };
         /**
+         * RombergOut
+         * @description Sway with eyes closed over that with eyes open, of the last trial of each.
+         */
+        RombergOut: {
+            /** Measures */
+            measures: components["schemas"]["BalanceMeasure"][];
+            /**
+             * Surface
+             * @enum {string}
+             */
+            surface: "firm" | "foam";
+        };
+        /**
          * SecondFactorConfirm
          * @description A code of the app: proof that it has the secret.
          */
@@ -4377,6 +4466,8 @@ export interface components {
             duration_s: number;
             /** Kind */
             kind: string;
+            /** Label */
+            label?: string | null;
             /** Placement */
             placement: string | null;
             /** Sentences */
@@ -4420,7 +4511,7 @@ export interface components {
              * @default arm
              * @enum {string}
              */
-            pipeline?: "arm" | "gait" | "relative_pose";
+            pipeline?: "arm" | "gait" | "relative_pose" | "balance";
             /** Placements */
             placements: ("head" | "sternum" | "pelvis" | "shoulder_left" | "shoulder_right" | "upper_arm_left" | "upper_arm_right" | "forearm_left" | "forearm_right" | "hand_left" | "hand_right" | "thigh_left" | "thigh_right" | "shank_left" | "shank_right" | "foot_left" | "foot_right" | "heel_left" | "forefoot_left" | "heel_right" | "forefoot_right")[];
             /** Prescription Id */
@@ -4899,6 +4990,32 @@ export interface components {
             ticket: string;
         };
         /**
+         * TrialOut
+         * @description One trial, from its mark to the next.
+         */
+        TrialOut: {
+            /**
+             * Condition
+             * @enum {string}
+             */
+            condition: "eyes_open_firm" | "eyes_closed_firm" | "eyes_open_foam" | "eyes_closed_foam" | "reach" | "unmarked";
+            ellipse: components["schemas"]["EllipseOut"] | null;
+            /** End S */
+            end_s: number;
+            /** Measures */
+            measures: components["schemas"]["BalanceMeasure"][];
+            /** Path M */
+            path_m: number[][];
+            /** Reason */
+            reason: string;
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
+            /** Start S */
+            start_s: number;
+        };
+        /**
          * UploadIn
          * @description The JSON part `declaration` of an upload; the file is the other part.
          */
@@ -4961,7 +5078,7 @@ export interface components {
              * @default arm
              * @enum {string}
              */
-            pipeline?: "arm" | "gait" | "orientation";
+            pipeline?: "arm" | "orientation" | "gait" | "balance";
             /**
              * Prescription Id
              * @default null
@@ -6883,6 +7000,37 @@ export interface operations {
             409: components["responses"]["Error409"];
             422: components["responses"]["Error422"];
             429: components["responses"]["Error429"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    get_balance_api_sessions__session_id__balance_get: {
+        parameters: {
+            query?: {
+                placement?: ("pelvis" | "sternum") | null;
+                result_id?: string | null;
+            };
+            header?: never;
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["BalanceTestOut"];
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            404: components["responses"]["Error404"];
+            409: components["responses"]["Error409"];
+            422: components["responses"]["Error422"];
             503: components["responses"]["Error503"];
         };
     };

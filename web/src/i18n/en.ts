@@ -1,4 +1,5 @@
 // English, complete: the catalogue that every other language is checked against.
+import { balance } from '../kinds/balance/words';
 import { calibration } from './en/calibration';
 import { clinic } from './en/clinic';
 import { common } from './en/common';
@@ -14,6 +15,7 @@ import { sources } from './en/sources';
 import { walking } from './en/walking';
 
 export const en = {
+  ...balance,
   ...calibration,
   ...clinic,
   ...common,

@@ -1,0 +1,1 @@
+"""Balance tests: quiet standing and reaching, with sensors on pelvis and chest."""
