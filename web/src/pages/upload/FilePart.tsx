@@ -96,7 +96,7 @@ export function FormatChoice({
   return (
     <RadioCards
       legend={t('upload.format')}
-      value={value}
+      value={value ?? ''}
       onChange={onChange}
       options={FORMATS.map((one) => ({
         value: one,
