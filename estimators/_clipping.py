@@ -67,8 +67,8 @@ class ClipWatch:
             self._tops[channel] = top = max(top, float(self._tops[channel]))
             chosen = at[column[at] >= _BELOW * top]
             chosen = chosen[~self._lasting(column, top, time_step_s)[chosen]]
-            kept = np.concatenate((self._values[channel], column[chosen]))
-            self._values[channel] = kept[kept >= _BELOW * top][:_MOST]
+            retained = np.concatenate((self._values[channel], column[chosen]))
+            self._values[channel] = retained[retained >= _BELOW * top][:_MOST]
 
     def _lasting(self, column: Float, top: float, step_s: float) -> NDArray[np.bool_]:
         """Return which samples lie in a run at the top that lasts longer than a limb can."""

@@ -1,11 +1,11 @@
-"""Where compiled kernels are kept, and when they are out of date.
+"""Where compiled kernels are retained, and when they are out of date.
 
 Numba keeps a compiled function until its own file changes. Ours put helpers and constants of other files into
 themselves, so an edited helper would leave old machine code behind that still runs and gives old numbers. The
 locators here make a kernel as old as the youngest file that it imports, directly or through others.
 
 What a process compiles comes from what it imported. Files that were edited since then say nothing of that, so a
-kernel of theirs is neither kept nor taken from the cache.
+kernel of theirs is neither stored nor taken from the cache.
 """
 
 import ast

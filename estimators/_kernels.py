@@ -1,7 +1,8 @@
 """The one decorator of compiled loops, and scalar quaternion helpers that they inline.
 
-A kernel is compiled when it is first called, for one explicit signature over C-contiguous float64, and kept in numba's
-cache beside the source (`NUMBA_CACHE_DIR` in a read-only installation) until its file, or one that it imports, changes.
+A kernel is compiled when it is first called, for one explicit signature over C-contiguous float64, and stored in
+numba's cache beside the source (`NUMBA_CACHE_DIR` in a read-only installation) until its file, or one that it
+imports, changes.
 
 Helpers take and give scalars in tuples, so that no array is made inside a loop. Quaternions are wxyz.
 """

@@ -91,7 +91,7 @@ class Plot:
 
 
 def thinned(name: str, x: Float, y: Float, points: int = 300) -> Curve:
-    """Return a curve of few points: of each stretch of samples the one with the largest value is kept.
+    """Return a curve of few points: of each stretch of samples the one with the largest value is retained.
 
     Parameters
     ----------
@@ -104,11 +104,11 @@ def thinned(name: str, x: Float, y: Float, points: int = 300) -> Curve:
     if len(x) <= points:
         return Curve(name, x, y)
     edges = np.linspace(0, len(x), points + 1).astype(int)
-    kept = []
+    retained = []
     for start, stop in pairwise(edges):
         stretch = y[start:stop]
-        kept.append(start if np.isnan(stretch).all() else start + int(np.nanargmax(stretch)))
-    return Curve(name, x[kept], y[kept])
+        retained.append(start if np.isnan(stretch).all() else start + int(np.nanargmax(stretch)))
+    return Curve(name, x[retained], y[retained])
 
 
 @dataclass(frozen=True)

@@ -93,7 +93,7 @@ def predict_constraint(
 
 @kernel("f8(f8[::1], f8[::1])")
 def _travelled(relative: Float, last: Float) -> float:
-    """Angle between two relative orientations, and the newer one kept; nought for the first."""
+    """Angle between two relative orientations, and the newer one retained; nought for the first."""
     if last[0] != last[0]:
         angle = 0.0
     else:

@@ -139,7 +139,7 @@ def trunk_angles(q_room_thorax: ArrayLike) -> Float:
 
 
 def is_shoulder_singular(elevation_rad: ArrayLike) -> NDArray[np.bool_]:
-    """Return where plane of elevation and axial rotation cannot be told apart, shape (...)."""
+    """Return where plane of elevation and axial rotation cannot be distinguished, shape (...)."""
     elevation = np.asarray(elevation_rad, dtype=np.float64)
     return np.asarray(np.minimum(elevation, np.pi - elevation) < SINGULAR_MARGIN_RAD)
 

@@ -106,7 +106,7 @@ def point_motion(
     ShapeError
         If the arrays do not fit each other.
     SetupError
-        If a point cannot be told from these segments.
+        If a point cannot be distinguished from these segments.
     """
     q = np.asarray(q_room_segment, dtype=np.float64)
     if q.ndim != 3 or q.shape[1:] != (len(segments), 4):

@@ -176,7 +176,7 @@ def point_covariance(
     ShapeError
         If the arrays do not fit the placements.
     SetupError
-        If a point cannot be told from these sensors.
+        If a point cannot be distinguished from these sensors.
     """
     q = np.asarray(q_room_segment, dtype=np.float64)
     shape = (q.shape[0], len(placements))

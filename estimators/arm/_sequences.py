@@ -234,7 +234,7 @@ def frames_in_sequence(
     parent, child = (name.format(side=side) for name in PARENT_CHILD[joint])
     missing = [name for name in (parent, child) if name not in segments and name != "sternum"]
     if missing:
-        raise ShapeError(f"these frames have no {' and no '.join(missing)}; {joint} cannot be told")
+        raise ShapeError(f"these frames have no {' and no '.join(missing)}; {joint} cannot be determined")
     q_child = q[:, segments.index(child)]
     if parent in segments:
         q_child = rotation.multiply(rotation.conjugate(q[:, segments.index(parent)]), q_child)

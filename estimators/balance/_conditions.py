@@ -30,7 +30,7 @@ class Change:
     difference, sigma : float
         B less A and its standard error.
     p : float
-        Probability of a difference at least as large by chance; NaN where it cannot be told.
+        Probability of a difference at least as large by chance; NaN where it cannot be determined.
     effect : float
         Difference in units of its standard deviation (over pairs, or over strides).
     count : int

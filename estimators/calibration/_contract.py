@@ -33,7 +33,7 @@ class Calibration:
     reasons : tuple of str
         What lowered the score and what to do, in plain words.
     unknown_headings : tuple of placement
-        Sensors whose heading nothing has told yet in this session: their mounting is remembered from an earlier
+        Sensors whose heading nothing has shown yet in this session: their mounting is remembered from an earlier
         one. A pose or a heading reset tells it; until then angles with them mean nothing.
     mounting_sigma_rad : dict of placement to (x, y, z)
         One-sigma of `q_sensor_segment` about the segment's axes, against the pose as it was asked for: how well the

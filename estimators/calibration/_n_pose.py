@@ -71,7 +71,7 @@ def n_pose(
     time_step_s : float
         Of the samples.
     facing_rad : float, optional
-        Where the patient faces in the earth frame, when movements have told it; otherwise the mounting rule
+        Where the patient faces in the earth frame, when movements have shown it; otherwise the mounting rule
         below does.
     arms : {"hanging", "sideways"}
         `sideways`: the T-pose, arms level with palms down. There the arms' own sensors cannot tell where the
@@ -94,7 +94,7 @@ def n_pose(
     Notes
     -----
     Inclination comes from gravity: in the N-pose every segment's z axis is vertical. Where the patient
-    faces cannot be told from one pose of arbitrarily mounted sensors. Assumed is the mounting rule of
+    faces cannot be distinguished from one pose of arbitrarily mounted sensors. Assumed is the mounting rule of
     `OUTWARD_HEADING_RAD` for *one* sensor, the first of `FACING_ORDER` that is worn, shares the common
     heading and whose z axis is not nearly vertical: the sternum's z axis points forward; without it, the
     upper arm's points sideways (of both arms the mean). Other sensors that share the magnetic heading may

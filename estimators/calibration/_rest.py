@@ -52,13 +52,13 @@ def mean_orientation(
     usable = np.isfinite(q).all(axis=-1) & ((flags & int(OrientationFlag.INVALID)) == 0)
     if not usable.any():
         raise CalibrationError(say("calibration.no_data", where=[placement]))
-    kept = q[usable]
-    centre = rotation.mean(kept)
-    away = rotation.angle_between(centre, kept)
+    retained = q[usable]
+    centre = rotation.mean(retained)
+    away = rotation.angle_between(centre, retained)
     # The middle half decides where the pose was; what lies far from it was a twitch.
     close = away <= 2.0 * np.median(away) + 1e-9
-    centre = rotation.mean(kept[close])
-    spread = float(np.quantile(rotation.angle_between(centre, kept), 0.9))
+    centre = rotation.mean(retained[close])
+    spread = float(np.quantile(rotation.angle_between(centre, retained), 0.9))
     if spread > _MOVED_RAD:
         if seated:
             raise CalibrationError(say("calibration.seat_moved", where=[placement], angle_rad=spread))

@@ -40,7 +40,7 @@ class StaticBias:
         None unless the attitude was given. Tilt that was not known is in it: 1 degree makes 0.17 m/s^2.
     accelerometer_sd_mps2 : ndarray, shape (S, 3)
     still : ndarray of bool, shape (S,)
-        Whether the sensor kept within the limits.
+        Whether the sensor stayed within the limits.
     sample_count : ndarray of int, shape (S,)
         Samples that counted: finite and no outliers.
     """

@@ -38,7 +38,7 @@ class Trajectory:
 
 @dataclass(frozen=True)
 class Repetition:
-    """One repetition, half-open in session time, kept or dropped with its reason."""
+    """One repetition, half-open in session time, retained or dropped with its reason."""
 
     number: int
     start_s: float
@@ -117,7 +117,7 @@ class RepetitionResult:
 
 @dataclass(frozen=True)
 class ComparisonResult:
-    """Every repetition and the summary over the kept ones."""
+    """Every repetition and the summary over the retained ones."""
 
     channels: tuple[str, ...]
     repetitions: tuple[RepetitionResult, ...]

@@ -45,7 +45,7 @@ def write_findings(
     ----------
     results : sequence of RepetitionResult
     summary : tuple of Measure
-        Mean, spread and count over the kept repetitions.
+        Mean, spread and count over the retained repetitions.
     template : Template
 
     Returns
@@ -53,17 +53,17 @@ def write_findings(
     tuple of str
         At least one sentence.
     """
-    kept = [result for result in results if result.repetition.is_kept]
+    retained = [result for result in results if result.repetition.is_kept]
     if not results:
         return (say("findings.none_found"),)
-    if not kept:
+    if not retained:
         return (say("findings.none_used"),)
     by_name = {measure.name: measure for measure in summary}
-    outside = {one.channel: one for one in outside_band(kept, template)}
-    first = _compensation(kept, by_name, template, outside)
+    outside = {one.channel: one for one in outside_band(retained, template)}
+    first = _compensation(retained, by_name, template, outside)
     found: list[tuple[float, str]] = []
     for write in (_range, _duration, _smoothness, _path):
-        sentence = write(kept, by_name, template)
+        sentence = write(retained, by_name, template)
         if sentence is not None:
             found.append(sentence)
     left = _left_band(outside, template)
@@ -78,12 +78,14 @@ def write_findings(
 
 
 def _difference(
-    name: str, kept: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template
+    name: str, retained: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template
 ) -> _Difference | None:
     measure, reference = summary.get(name), template.measures.get(name)
     if measure is None or reference is None or not np.isfinite(measure.value) or not np.isfinite(reference):
         return None
-    own = [m.uncertainty for r in kept for m in r.measures if m.name == name and np.isfinite(m.uncertainty)]
+    own = [
+        m.uncertainty for r in retained for m in r.measures if m.name == name and np.isfinite(m.uncertainty)
+    ]
     # Sensor error is common to the repetitions of a session, so it does not average out; spread does.
     sensor = 2.0 * float(np.median(own)) if own else 0.0
     count = measure.count
@@ -103,12 +105,12 @@ def _difference(
 
 
 def _range(
-    kept: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template
+    retained: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template
 ) -> tuple[float, str] | None:
     candidates: list[tuple[float, str]] = []
     for name in (n for n in template.measures if n.startswith("range:")):
         channel = name.removeprefix("range:")
-        difference = _difference(name, kept, summary, template)
+        difference = _difference(name, retained, summary, template)
         is_primary = channel == template.primary_channel
         if difference is None or difference.certainty < 1 or abs(difference.excess) < _LEAST_RANGE_RAD:
             continue
@@ -143,7 +145,7 @@ def _range_changed(channel: str, difference: _Difference) -> Sentence:
 
 
 def _compensation(
-    kept: Sequence[RepetitionResult],
+    retained: Sequence[RepetitionResult],
     summary: dict[str, Measure],
     template: Template,
     outside: dict[str, Outside],
@@ -151,17 +153,17 @@ def _compensation(
     """Say how the trunk helped the arm, the largest first; what has its sentence here leaves `outside`."""
     found: list[tuple[float, str]] = []
     for channel in TRUNK_CHANNELS:
-        difference = _difference(f"compensation:{channel}", kept, summary, template)
+        difference = _difference(f"compensation:{channel}", retained, summary, template)
         left = outside.get(channel)
         if (
             difference is not None
             and difference.certainty >= 1
             and difference.excess > (0.0 if left is not None else _LEAST_RANGE_RAD)
         ):
-            told: list[str] = [_trunk_moved(channel, difference.excess)]
+            stated: list[str] = [_trunk_moved(channel, difference.excess)]
             if left is not None:
-                told.append(say("findings.how_often", outside=left.count, count=left.of))
-            found.append((difference.excess, CATALOGUE.together(told)))
+                stated.append(say("findings.how_often", outside=left.count, count=left.of))
+            found.append((difference.excess, CATALOGUE.together(stated)))
             outside.pop(channel, None)
         elif left is not None:
             text = say(
@@ -218,9 +220,9 @@ def _left_band(outside: dict[str, Outside], template: Template) -> list[str]:
 
 
 def _duration(
-    kept: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template
+    retained: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template
 ) -> tuple[float, str] | None:
-    difference = _difference("duration", kept, summary, template)
+    difference = _difference("duration", retained, summary, template)
     if difference is None or difference.certainty < 1:
         return None
     ratio = difference.value / difference.reference
@@ -235,9 +237,9 @@ def _duration(
 
 
 def _smoothness(
-    kept: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template
+    retained: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template
 ) -> tuple[float, str] | None:
-    difference = _difference("spectral_arc_length", kept, summary, template)
+    difference = _difference("spectral_arc_length", retained, summary, template)
     if difference is None or difference.certainty < 1 or abs(difference.excess) < _LEAST_SMOOTHNESS:
         return None
     if difference.excess < 0:
@@ -248,9 +250,9 @@ def _smoothness(
 
 
 def _path(
-    kept: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template
+    retained: Sequence[RepetitionResult], summary: dict[str, Measure], template: Template
 ) -> tuple[float, str] | None:
-    difference = _difference("hand_path_ratio", kept, summary, template)
+    difference = _difference("hand_path_ratio", retained, summary, template)
     if (
         difference is None
         or difference.certainty < 1

@@ -63,10 +63,10 @@ def judge_repetitions(source: Trajectory, repetitions: list[Repetition], side: s
         if repetition.is_kept and (reason := _gap_reason(moved.cut(repetition))):
             judged[place] = replace(repetition, is_kept=False, reason=reason)
     for judge in (_judge_duration, _judge_size_and_direction, _judge_likeness):
-        kept = [place for place, repetition in enumerate(judged) if repetition.is_kept]
-        if len(kept) < 3:
+        retained = [place for place, repetition in enumerate(judged) if repetition.is_kept]
+        if len(retained) < 3:
             break
-        for place, reason in judge(moved, [judged[k] for k in kept], kept):
+        for place, reason in judge(moved, [judged[k] for k in retained], retained):
             judged[place] = replace(judged[place], is_kept=False, reason=reason)
     return judged
 
@@ -90,11 +90,11 @@ def _longest_run(mask: np.typing.NDArray[np.bool_]) -> int:
     return int((edges[1::2] - edges[::2]).max()) if len(edges) else 0
 
 
-def _judge_duration(moved: _Moved, kept: list[Repetition], places: list[int]) -> list[tuple[int, str]]:
-    durations = np.array([r.end_s - r.start_s for r in kept])
+def _judge_duration(moved: _Moved, retained: list[Repetition], places: list[int]) -> list[tuple[int, str]]:
+    durations = np.array([r.end_s - r.start_s for r in retained])
     usual = float(np.median(durations))
     # Who leaves out a hold has moved no shorter.
-    moving = np.array([_moving_s(moved.cut(r)) for r in kept])
+    moving = np.array([_moving_s(moved.cut(r)) for r in retained])
     is_short = (durations < _SHORT * usual) & (moving < _SHORT * np.median(moving))
     odd: list[tuple[int, str]] = []
     for place, duration, short in zip(places, durations, is_short, strict=True):
@@ -117,9 +117,9 @@ def _moving_s(cut: _Moved) -> float:
 
 
 def _judge_size_and_direction(
-    moved: _Moved, kept: list[Repetition], places: list[int]
+    moved: _Moved, retained: list[Repetition], places: list[int]
 ) -> list[tuple[int, str]]:
-    curves = _curves(moved, kept)
+    curves = _curves(moved, retained)
     curves = [curve - (curve[0] + curve[-1]) / 2 for curve in curves]
     usual = np.median(np.stack(curves), axis=0)
     if not usual.any():
@@ -136,10 +136,10 @@ def _judge_size_and_direction(
     return odd
 
 
-def _curves(moved: _Moved, kept: list[Repetition]) -> list[Float]:
+def _curves(moved: _Moved, retained: list[Repetition]) -> list[Float]:
     """Return the way each repetition took, evenly along it: pace and holds are no matter of its shape."""
     curves = []
-    for repetition in kept:
+    for repetition in retained:
         filled, _ = fill_gaps(moved.cut(repetition).values)
         size = float(np.linalg.norm(filled - filled[0], axis=1).max())
         path, _ = walk(np.ascontiguousarray(filled), _STEP * size) if size > 0 else (filled, None)
@@ -148,8 +148,8 @@ def _curves(moved: _Moved, kept: list[Repetition]) -> list[Float]:
     return curves
 
 
-def _judge_likeness(moved: _Moved, kept: list[Repetition], places: list[int]) -> list[tuple[int, str]]:
-    curves = _curves(moved, kept)
+def _judge_likeness(moved: _Moved, retained: list[Repetition], places: list[int]) -> list[tuple[int, str]]:
+    curves = _curves(moved, retained)
     middle = np.median(np.stack(curves), axis=0)
     size = float(np.linalg.norm(middle - middle[0], axis=1).max())
     if size == 0:

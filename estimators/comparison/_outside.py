@@ -35,12 +35,12 @@ class Outside:
     beyond: float
 
 
-def outside_band(kept: Sequence[RepetitionResult], template: Template) -> list[Outside]:
+def outside_band(retained: Sequence[RepetitionResult], template: Template) -> list[Outside]:
     """Find the angles outside their band in more than half of the repetitions.
 
     Parameters
     ----------
-    kept : sequence of RepetitionResult
+    retained : sequence of RepetitionResult
         Those that count.
     template : Template
 
@@ -57,34 +57,34 @@ def outside_band(kept: Sequence[RepetitionResult], template: Template) -> list[O
     """
     found = []
     for column, channel in enumerate(template.channels):
-        count = sum(bool(one.outside.get(channel)) for one in kept)
-        if "." in channel or 2 * count <= len(kept):
+        count = sum(bool(one.outside.get(channel)) for one in retained)
+        if "." in channel or 2 * count <= len(retained):
             continue
-        difference = np.stack([one.aligned[:, column] for one in kept]) - template.mean[:, column]
+        difference = np.stack([one.aligned[:, column] for one in retained]) - template.mean[:, column]
         known = np.isfinite(difference).all(axis=0) & np.isfinite(template.tolerance[:, column])
         if not known.any():
             continue
         mean = np.where(known, difference.mean(axis=0), 0.0)
         beyond = np.where(known, np.abs(mean) - template.tolerance[:, column], -np.inf)
         phase = int(np.argmax(beyond))
-        limit = _limit(kept, channel, difference[:, phase])
+        limit = _limit(retained, channel, difference[:, phase])
         if beyond[phase] <= 0.0 or abs(mean[phase]) <= limit:
             continue
         often = np.zeros(len(beyond))
-        for one in kept:
+        for one in retained:
             for start, end in one.outside.get(channel, []):
                 often[start:end] += 1
-        shared = np.flatnonzero(often > len(kept) / 2)
+        shared = np.flatnonzero(often > len(retained) / 2)
         phases = shared if len(shared) else np.flatnonzero(beyond > 0.0)
         found.append(
-            Outside(channel, count, len(kept), int(phases[0]), int(phases[-1]), float(beyond[phase]))
+            Outside(channel, count, len(retained), int(phases[0]), int(phases[-1]), float(beyond[phase]))
         )
     return found
 
 
-def _limit(kept: Sequence[RepetitionResult], channel: str, differences: np.ndarray) -> float:
+def _limit(retained: Sequence[RepetitionResult], channel: str, differences: np.ndarray) -> float:
     names = {f"range:{channel}", f"compensation:{channel}"}
-    own = [m.uncertainty for one in kept for m in one.measures if m.name in names]
+    own = [m.uncertainty for one in retained for m in one.measures if m.name in names]
     known = [value for value in own if np.isfinite(value)]
     sensor = 2.0 * float(np.median(known)) if known else 0.0
     count = len(differences)

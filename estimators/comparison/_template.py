@@ -76,9 +76,9 @@ def build_template(
     if any(not factor > 0 for factor in factors.values()):
         raise SetupError("every tolerance factor must be positive; 1 leaves the band as recorded")
     judged = judge_repetitions(source, repetitions, side) if judge else repetitions
-    kept = [r for r in judged if r.is_kept]
-    if len(kept) < 2:
-        raise ComparisonError(say("compare.few_repetitions", count=len(kept)))
+    retained = [r for r in judged if r.is_kept]
+    if len(retained) < 2:
+        raise ComparisonError(say("compare.few_repetitions", count=len(retained)))
     arm = arm_channels(source, side)
     if primary_channel not in arm.channels:
         raise ComparisonError(
@@ -88,10 +88,10 @@ def build_template(
                 channels=list(dict.fromkeys(channel_name(channel) for channel in arm.channels)),
             )
         )
-    cuts = [arm.cut(repetition) for repetition in kept]
+    cuts = [arm.cut(repetition) for repetition in retained]
     curves = [phase_curves(cut) for cut in cuts]
     mean, spread = _average(curves, arm.channels)
-    count = len(kept)
+    count = len(retained)
     quantile = float(scipy.stats.t.ppf(0.5 + COVERAGE / 2, count - 1)) * np.sqrt(1 + 1 / count)
     floor = np.array([_floor(name, arm, reach_m) for name in arm.channels])
     scale = np.array([factors.get(name, 1.0) for name in arm.channels])
@@ -99,10 +99,10 @@ def build_template(
     measured = summarise(
         [
             repetition_measures(source, c, r, side, reach_m, primary_channel, turning)
-            for c, r in zip(cuts, kept, strict=True)
+            for c, r in zip(cuts, retained, strict=True)
         ]
     )
-    durations = np.array([r.end_s - r.start_s for r in kept])
+    durations = np.array([r.end_s - r.start_s for r in retained])
     return Template(
         channels=arm.channels,
         mean=mean,

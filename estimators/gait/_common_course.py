@@ -72,7 +72,7 @@ def relate_by_course(
         Footholds in walking order, each in the world of its own foot.
     left_s, right_s : ndarray, shape (n,) and (m,)
     apart_m : float
-        Distance of the feet at the start; measured, or told by forces.
+        Distance of the feet at the start; measured, or given by forces.
     end_apart_m : float, optional
         The same at the end, where the feet are side by side again.
     apart_sigma_m : float

@@ -102,7 +102,7 @@ def guided_test(feet: Mapping[Side, Strides], kind: GuidedKind = "walk") -> Guid
         side: (strides.contact_s <= end_s) & ((strides.flags & StrideFlag.ALOFT) == 0)
         for side, strides in walked.items()
     }
-    measured, told = _measured(walked, within)
+    measured, stated = _measured(walked, within)
     ways = [float(strides.length_m[within[side]].sum()) for side, strides in measured.items()]
     variances = [
         float(np.square(strides.length_sigma_m[within[side]]).sum()) for side, strides in measured.items()
@@ -112,7 +112,7 @@ def guided_test(feet: Mapping[Side, Strides], kind: GuidedKind = "walk") -> Guid
         reasons.append(say("walk.one_foot_steps"))
     if len(measured) == 1:
         counts *= 2
-    reasons.extend(told)
+    reasons.extend(stated)
     found = [
         [turn for turn in turns(strides) if strides.contact_s[turn[0]] <= end_s]
         for strides in walked.values()

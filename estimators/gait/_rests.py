@@ -52,7 +52,7 @@ def _as_in_walking(trajectory: FootTrajectory, rests: list[tuple[int, int]]) -> 
         (float(statistic[a:b].max()), float(speed[a:b].max())) if b > a else (0.0, 0.0)
         for a, b in zip(*edges, strict=True)
     ]
-    kept = []
+    retained = []
     for k, (start, stop) in enumerate(rests):
         least = float(statistic[start:stop].min())
         for most, fastest in (swings[k], swings[k + 1]):
@@ -62,8 +62,8 @@ def _as_in_walking(trajectory: FootTrajectory, rests: list[tuple[int, int]]) -> 
                 break
         else:
             continue
-        kept.append((start, stop))
-    return kept
+        retained.append((start, stop))
+    return retained
 
 
 def _went(trajectory: FootTrajectory, one: tuple[int, int], two: tuple[int, int]) -> bool:

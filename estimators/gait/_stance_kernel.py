@@ -119,20 +119,20 @@ def moving_percentile(
             count = high - low + 1
             position = share * (count - 1)
             needed = min(count, int(position) + 2)
-            kept = 0
+            retained = 0
             for grid in range(low, high + 1):
                 t = statistic[grid * stride - origin]
-                if kept == needed and t >= sorted_low[kept - 1]:
+                if retained == needed and t >= sorted_low[retained - 1]:
                     continue
-                at = kept if kept < needed else kept - 1
+                at = retained if retained < needed else retained - 1
                 while at > 0 and sorted_low[at - 1] > t:
                     sorted_low[at] = sorted_low[at - 1]
                     at -= 1
                 sorted_low[at] = t
-                kept = min(kept + 1, needed)
+                retained = min(retained + 1, needed)
             floor = int(position)
             value = sorted_low[floor]
-            if floor + 1 < kept:
+            if floor + 1 < retained:
                 value += (position - floor) * (sorted_low[floor + 1] - value)
             done = centre
         reference[k - origin] = value

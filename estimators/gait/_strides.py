@@ -51,8 +51,8 @@ class Footholds:
 
     def before(self, time_s: float) -> "Footholds":
         """Return those that had ended at a moment."""
-        kept = self.stop_s <= time_s
-        return Footholds(*(getattr(self, field.name)[kept] for field in fields(self)))
+        retained = self.stop_s <= time_s
+        return Footholds(*(getattr(self, field.name)[retained] for field in fields(self)))
 
 
 @dataclass(frozen=True)

@@ -50,7 +50,7 @@ def default_rules(ready: GuidanceTemplate, valid_share: float = 0.8) -> tuple[Cu
     ----------
     ready : GuidanceTemplate
     valid_share : float
-        q of (9): who counts from a smaller share on is told of range from a smaller one.
+        q of (9): who counts from a smaller share on hears of range from a smaller one.
 
     Returns
     -------

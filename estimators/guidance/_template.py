@@ -19,7 +19,7 @@ from estimators.recording import Float
 
 BINS: Final = 64
 SIZES: Final = (0.3, 0.45, 0.6, 0.75, 0.9, 1.05, 1.2)
-"""Sizes that are told apart, as shares of the template's."""
+"""Sizes that are distinguished, as shares of the template's."""
 _BAND_SIGMAS: Final = 1.64
 _SHARE_OF_RANGE: Final = 0.1
 _PROMINENCE: Final = 0.3

@@ -117,7 +117,7 @@ def _within(force_n: Float, limit_n: float) -> NDArray[np.bool_]:
 
 
 def is_tareable(is_unloaded: NDArray[np.bool_], is_swinging: NDArray[np.bool_], rate_hz: float) -> bool:
-    """Return whether a cell's zero can be told: the shoe never swings, or the cell carries nothing when it does.
+    """Return whether a cell's zero can be determined: the shoe never swings, or the cell carries nothing when it does.
 
     Parameters
     ----------

@@ -39,7 +39,7 @@ class CoilCalibration:
         Root mean square of what the pulses leave.
     gain_sigma : float
         How wrong the field of the found coils still is between `NEAR_M` and `FAR_M`, one sigma an axis, as a share of
-        it: what filters are told as their parameter of that name.
+        it: what filters are given as their parameter of that name.
     place_residual_m : float
         Root mean square of how far the sensor was from the places that were typed, as far as the pulses tell; 0 where
         poses were taken as exact.
@@ -138,12 +138,12 @@ def calibrate_coils(
         found.append(changed(source, number, fit.x).coils[number])
         covariances.append(np.asarray(np.linalg.inv(information), dtype=np.float64))
         total += 2.0 * fit.cost
-    return told(
+    return stated(
         replace(source, coils=tuple(found)), covariances, sigma_t * float(np.sqrt(total / pulses.size))
     )
 
 
-def told(
+def stated(
     source: Source, covariances: list[Float], residual_t: float, place_residual_m: float = 0.0
 ) -> CoilCalibration:
     """Return what was found, from the coils and the covariance of each one's six unknowns."""
@@ -207,5 +207,5 @@ __all__ = [
     "calibrate_coils",
     "calibrate_moments",
     "changed",
-    "told",
+    "stated",
 ]

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from estimators import rotation
 from estimators.errors import CalibrationError, ShapeError
 from estimators.magnetic._coil import Source
-from estimators.magnetic._coil_calibration import PER_COIL, CoilCalibration, changed, told
+from estimators.magnetic._coil_calibration import PER_COIL, CoilCalibration, changed, stated
 from estimators.recording import Float
 
 _LEAST_PLACES = 6
@@ -146,7 +146,7 @@ def calibrate_at_places(
         )
     left = fit.fun[: 3 * count * coils].reshape(count, coils, 3) * noise[:, :, None]
     off = fit.x[own + 3 * count :].reshape(count, 3)
-    return told(
+    return stated(
         replace(found, model=source.model),
         blocks,
         float(np.sqrt(np.mean(left**2))),

@@ -21,7 +21,7 @@ SHOE_PARAMETERS: Mapping[str, Any] = MappingProxyType(
 """For `RelativePoseFilter`, source on the left shoe with x to the toes: the right foot is to the right.
 
 Noise above that of the sensors: samples at 100 Hz leave something of what a foot does between them. The limits are
-lower than for other segments because a step is to be told to a centimetre.
+lower than for other segments because a step is to be reported to a centimetre.
 """
 
 

@@ -17,7 +17,7 @@ from estimators.optical._contract import OpticalChunk, OpticalParameters, Optica
 from estimators.recording import Float
 
 _PIECE = 6000
-"""Ticks whose covariances are kept at a time."""
+"""Ticks whose covariances are held at a time."""
 
 
 def _read(parameters: Mapping[str, Any] | None) -> OpticalParameters:
@@ -227,7 +227,7 @@ def filter_and_smooth(
 
     Notes
     -----
-    Covariances are kept for a minute at a time only: the filter runs a second time, piece by piece from the last to
+    Covariances are retained for a minute at a time only: the filter runs a second time, piece by piece from the last to
     the first, from the states it had there. The result is that of one piece, bit for bit.
     """
     live = OpticalInertialFilter(chunk.time_step_s, parameters)
@@ -236,11 +236,11 @@ def filter_and_smooth(
     samples = chunk.table()
     count = len(samples)
     marks, states, out = [], np.empty((count, at.NOMINAL)), np.empty((count, at.OUTPUT))
-    kept = np.empty((count, at.ERRORS, at.ERRORS)) if count <= _PIECE else None
+    retained = np.empty((count, at.ERRORS, at.ERRORS)) if count <= _PIECE else None
     for begin in range(0, count, _PIECE):
         marks.append((begin, live.state()))
         end = begin + _PIECE
-        states[begin:end], out[begin:end] = live.run(samples[begin:end], kept)
+        states[begin:end], out[begin:end] = live.run(samples[begin:end], retained)
     begun = np.flatnonzero(np.isfinite(states[:, 0]))
     filtered = to_result(states.copy(), out.copy())
     if not len(begun):
@@ -250,8 +250,8 @@ def filter_and_smooth(
         end = min(begin + _PIECE, count)
         if end <= first:
             break
-        covariances = np.empty((end - begin, at.ERRORS, at.ERRORS)) if kept is None else kept
-        if kept is None:
+        covariances = np.empty((end - begin, at.ERRORS, at.ERRORS)) if retained is None else retained
+        if retained is None:
             live.restore(mark)
             live.run(samples[begin:end], covariances)
         part = slice(max(begin, first), end)

@@ -1,4 +1,4 @@
-"""Smoothing nearly live: each tick is told a bounded time after it was measured, with what came until then."""
+"""Smoothing nearly live: each tick is reported a bounded time after it was measured, with what came until then."""
 
 from collections.abc import Mapping
 from dataclasses import fields
@@ -15,7 +15,7 @@ from estimators.optical._fusion import OpticalInertialFilter, to_result
 
 
 class FixedLagSmoother:
-    """The filter, and a backward pass over the last ticks: what is told has seen a lag of later samples at least.
+    """The filter, and a backward pass over the last ticks: what is reported has seen a lag of later samples at least.
 
     The same samples give the same result, bit for bit, one by one, in chunks, or across `state` and `restore`. Until
     two lags have passed there is nothing; `flush` tells the rest.
@@ -32,7 +32,7 @@ class FixedLagSmoother:
     -----
     Method page 2.4 (Roetenberg 2006, 4.5, future work): the backward pass is run again over the last ticks. It is run
     once a lag for as many ticks at once, so that a tick costs two steps back and not one for each tick of the lag; what
-    is told is one to two lags old.
+    is reported is one to two lags old.
     """
 
     name: ClassVar[str] = "optical_fixed_lag"
@@ -49,7 +49,7 @@ class FixedLagSmoother:
 
     @property
     def lag_ticks(self) -> int:
-        """How many later ticks each told tick has seen at least."""
+        """How many later ticks each stated tick has seen at least."""
         return self._lag
 
     def begin(self, start: OpticalStart) -> None:
@@ -60,7 +60,7 @@ class FixedLagSmoother:
         """Take the next ticks; return those that are old enough, which may be none."""
         if chunk.first_tick != int(self._live.state()["counters"][0]):
             raise ShapeError(f"tick {chunk.first_tick} does not follow the last one")
-        samples, told = chunk.table(), []
+        samples, stated = chunk.table(), []
         taken = 0
         while taken < len(samples):
             # Blocks end at the same ticks however the samples come.
@@ -76,8 +76,8 @@ class FixedLagSmoother:
             self._covariances = np.concatenate([self._covariances, covariances])
             taken = stop
             if len(self._samples) == 2 * self._lag:
-                told.append(self._smoothed(self._lag))
-        return _joined(told)
+                stated.append(self._smoothed(self._lag))
+        return _joined(stated)
 
     def flush(self) -> OpticalResult:
         """Return what is still held back, smoothed with all that came; the stream has ended."""
@@ -138,7 +138,7 @@ def smooth_with_lag(
     parameters: Mapping[str, Any] | None = None,
     start: OpticalStart | None = None,
 ) -> OpticalResult:
-    """Return what a fixed-lag smoother would have told of a whole recording, one row a tick."""
+    """Return what a fixed-lag smoother would have reported of a whole recording, one row a tick."""
     live = FixedLagSmoother(chunk.time_step_s, lag_s, parameters)
     if start is not None:
         live.begin(start)

@@ -40,7 +40,7 @@ class OpticalFusion:
     result : OpticalResult
         Smoothed; NaN where there was nothing to fuse.
     filtered : OpticalResult
-        Forward only: what the samples and markers up to each tick told.
+        Forward only: what the samples and markers up to each tick stated.
     marker_m : ndarray, shape (K, 3)
         The frames, each at its nearest tick; NaN without one.
     residual_m : ndarray, shape (K, 3)
@@ -64,7 +64,7 @@ class OpticalFusion:
     bridged_count : int
         Ticks whose samples were interpolated over lost packets.
     lagged : OpticalResult or None
-        Of `FixedLagSmoother`, when a lag was asked for: what was told one to two lags after each tick.
+        Of `FixedLagSmoother`, when a lag was asked for: what was reported one to two lags after each tick.
     """
 
     first_tick: int
@@ -127,7 +127,7 @@ def fuse_markers(
     bridged : ndarray of bool, shape (K,), optional
         Samples that were interpolated over lost packets: they count as noisier, by what such a line misses elsewhere.
     lag_s : float, optional
-        Also tell what a smoother so far behind would have told.
+        Also report what a smoother so far behind would have reported.
     gap_checks : bool
         Also hide seen markers and measure how well they are filled.
 
@@ -144,7 +144,7 @@ def fuse_markers(
     if accelerometer_mps2.shape != (count, 3) or gyroscope_radps.shape != (count, 3):
         raise ShapeError(f"gyroscope and accelerometer both need shape ({count}, 3)")
     samples = gyroscope_radps, accelerometer_mps2
-    noise, told = _noise(*samples, time_step_s, bridged, parameters)
+    noise, stated = _noise(*samples, time_step_s, bridged, parameters)
     try:
         found, stretches, reasons, on_ticks, delay = _matched(
             camera_time_s,
@@ -160,7 +160,7 @@ def fuse_markers(
     except ComparisonError as error:
         why = explain(camera_time_s, marker_m, time_step_s, *samples, largest_offset_s, lever_arm_m)
         raise (why or error) from error
-    reasons += told
+    reasons += stated
     first = stretches[0].first
     spacing = max(float(np.median(np.diff(camera_time_s))), 0.7 * time_step_s)
     results = [stretch.smoothed() for stretch in stretches]

@@ -82,7 +82,7 @@ class Stretch:
         return live.update(self._begun(self.chunk))
 
     def lagged(self, lag_s: float) -> OpticalResult:
-        """Fuse it as a smoother so far behind would have told it."""
+        """Fuse it as a smoother so far behind would have reported it."""
         return smooth_with_lag(self._begun(self.chunk), lag_s, self.parameters, self._start(self.chunk))
 
     def _begun(self, chunk: OpticalChunk) -> OpticalChunk:
@@ -183,7 +183,7 @@ def _prepared(
     sigma = given.get("marker_sigma_m", 0.0005)
     for tick in np.flatnonzero(np.isfinite(chunk.marker_m).all(axis=1)).tolist():
         if start_at(tick, step, mounting, chunk.gyroscope_radps, time, marker, sigma) is not None:
-            OpticalInertialFilter(step, given)  # a wrong parameter is told now
+            OpticalInertialFilter(step, given)  # a wrong parameter is reported now
             return Stretch(first, chunk, mounting, tick, given, time, marker)
     raise ComparisonError(say("markers.six_frames"))
 

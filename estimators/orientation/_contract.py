@@ -106,7 +106,7 @@ class OrientationEstimator(ABC):
 
     @property
     def device_constants(self) -> tuple[DeviceConstants, ...]:
-        """What is known of each sensor by now, to be kept with its device; empty where the method learns none."""
+        """What is known of each sensor by now, to be stored with its device; empty where the method learns none."""
         return ()
 
     @property

@@ -1,4 +1,4 @@
-"""What a filter learns about a device and not about a session, kept from one session to the next."""
+"""What a filter learns about a device and not about a session, carried from one session to the next."""
 
 import math
 from collections.abc import Mapping

@@ -59,7 +59,7 @@ def estimate_lag(reference: Float, delayed: Float, time_step_s: float, longest_s
     middle = slice(reach, len(reference) - reach)
     first = reference[middle] - reference[middle].mean()
     if not first.any():
-        raise ShapeError("the reference does not move, so a lag cannot be told")
+        raise ShapeError("the reference does not move, so a lag cannot be determined")
     scores = []
     for shift in range(-reach, reach + 1):
         second = delayed[reach + shift : len(delayed) - reach + shift]

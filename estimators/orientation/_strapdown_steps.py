@@ -121,7 +121,7 @@ _SAMPLE_SATURATED = int(SampleQuality.SATURATED)
 
 @kernel("UniTuple(float64, 4)(float64, float64, float64, float64, float64, float64, float64)")
 def tilted_to_force(w: float, x: float, y: float, z: float, fx: float, fy: float, fz: float) -> Scalars4:
-    """Turn q_earth_sensor by the least angle so that specific force points up; heading is kept."""
+    """Turn q_earth_sensor by the least angle so that specific force points up; heading is unchanged."""
     ex, ey, ez = rotate(w, x, y, z, fx, fy, fz)
     norm = math.sqrt(ex * ex + ey * ey + ez * ez)
     if not norm > 0.0:

@@ -18,7 +18,7 @@ def bias_sigma(rest: StaticBias) -> float:
 def bias_along_gravity(accelerometer_mps2: Float) -> Float:
     """Return what a pose at rest tells of the accelerometers' bias: the excess over gravity, shape (S, 3).
 
-    The other two components cannot be told from tilt and go into the mounting. An excess above what a bias
+    The other two components cannot be distinguished from tilt and go into the mounting. An excess above what a bias
     explains is left for the calibration to judge.
     """
     bias = np.zeros((accelerometer_mps2.shape[0], 3))

@@ -29,7 +29,7 @@ class Feet:
 
 @lru_cache(maxsize=2 * _TRIALS)
 def _trial(seed: int, trial: int, errors: str) -> SimulatedWalk:
-    """Walk one trial; kept for the methods that are compared on it."""
+    """Walk one trial; retained for the methods that are compared on it."""
     scenario = gait_preset("placement", 1000 * seed + trial)
     return simulate_gait(replace(scenario, rate_hz=_RATE_HZ, errors=errors))
 

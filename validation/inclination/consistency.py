@@ -75,7 +75,7 @@ def _consistency(seeds: Sequence[int], data: Data) -> Values:
         or found.sigma_rad is None
         or found.whitened_innovations is None
     ):
-        raise SetupError("the filter told neither covariance nor innovations")
+        raise SetupError("the filter stated neither covariance nor innovations")
     squares = ((tilt / found.sigma_rad[..., :2]) ** 2).sum(axis=-1)[:, _SCORED_AFTER:]
     innovations = found.whitened_innovations[:, _SCORED_AFTER:]
     scaled = innovations - innovations.mean(axis=1, keepdims=True)

@@ -106,8 +106,10 @@ def _dipole_excess() -> float:
     points = _table()
     worst = 0.0
     for first, expected in _DIPOLE.items():
-        kept = points[:, points[0, :, 0] > first - 1e-6]
-        error = BENCH.with_model("dipole").field(0, _CURRENT_A, kept) - BENCH.field(0, _CURRENT_A, kept)
+        retained = points[:, points[0, :, 0] > first - 1e-6]
+        error = BENCH.with_model("dipole").field(0, _CURRENT_A, retained) - BENCH.field(
+            0, _CURRENT_A, retained
+        )
         rms = np.sqrt(np.mean(error**2, axis=1)) * _MILLIGAUSS
         found = [f(rms[:, axis]) for axis in (0, 1) for f in (np.mean, np.std)]
         # The table is rounded to a microgauss.

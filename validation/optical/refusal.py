@@ -1,4 +1,4 @@
-"""Markers that do not belong to their sensor are refused, and why is told; sound recordings never are."""
+"""Markers that do not belong to their sensor are refused, and why is reported; sound recordings never are."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -82,10 +82,10 @@ def _measure(seeds: Sequence[int], data: Data) -> Values:
         sound.append(np.mean([_refused(*one) is not None for one in _sound(seed)]))
         scene = free_motion(seed, _SECONDS)
         time_s, marker = cameras(scene, seed)
-        told, right = [], []
+        stated, right = [], []
         for mixed, up, is_mirrored in _AXES.values():
             error = _refused(scene, time_s, marker @ mixed.T)
-            told.append(error is not None)
+            stated.append(error is not None)
             # A mirror image with y up is one with y down as well: x may be the one of the wrong sign.
             right.append(
                 isinstance(error, ContradictionError)
@@ -95,10 +95,10 @@ def _measure(seeds: Sequence[int], data: Data) -> Values:
             )
         for scale in _SCALES:
             error = _refused(scene, time_s, scale * marker)
-            told.append(error is not None)
+            stated.append(error is not None)
             found = error.scale if isinstance(error, ContradictionError) else None
             right.append(found is not None and abs(found / scale - 1.0) < 0.05)
-        refused.append(np.mean(told))
+        refused.append(np.mean(stated))
         named.append(np.mean(right))
         other.append(_refused(free_motion(seed + 1000, _SECONDS), time_s, marker) is not None)
     return {

@@ -57,17 +57,17 @@ def with_bursts_lost(recording: Recording, seed: int) -> Recording:
     count = signals.time_s.size
     burst = max(1, round(_BURST_S * recording.nominal_rate_hz))
     rng = np.random.default_rng([seed, count])
-    kept = np.ones(count, dtype=np.bool_)
+    retained = np.ones(count, dtype=np.bool_)
     sound = round(_SOUND_START_S * recording.nominal_rate_hz)
     for start in rng.integers(sound, count - burst, round(_LOST_SHARE * count / burst)):
-        kept[start : start + burst] = False
-    kept[-1] = True  # the same ticks as without loss
+        retained[start : start + burst] = False
+    retained[-1] = True  # the same ticks as without loss
     field = signals.magnetometer_t
     left = SensorSignals(
-        signals.time_s[kept],
-        signals.gyroscope_radps[kept],
-        signals.accelerometer_mps2[kept],
-        None if field is None else field[kept],
+        signals.time_s[retained],
+        signals.gyroscope_radps[retained],
+        signals.accelerometer_mps2[retained],
+        None if field is None else field[retained],
     )
     return replace(recording, sensors={name: left})
 

@@ -110,7 +110,7 @@ def _iron(seeds: Sequence[int], data: Data) -> Values:
 
 _FAULT_AT_S = 12.0
 _TOLD_S = 3.0
-"""After this long an effect must be told."""
+"""After this long an effect must be reported."""
 _MINUTE_S = 60.0
 
 
@@ -171,23 +171,23 @@ _FAULTS: dict[str, _Case] = {
 
 
 def _judged(run: Run, case: _Case) -> tuple[bool, float, float]:
-    """Return whether a fault was told, and the shares of the time within three sigma and within the 95 % region.
+    """Return whether a fault was reported, and the shares of the time within three sigma and within the 95 % region.
 
-    The region counts from the moment when the fault is told: before that nothing can be known of it.
+    The region counts from the moment when the fault is reported: before that nothing can be known of it.
     """
     flags, time = run.result.flags, run.scene.time_s
-    told = run.scored & ((flags & int(case.flags)) > 0)
+    stated = run.scored & ((flags & int(case.flags)) > 0)
     if (flags & int(RelativeFlag.INVALID)).all():
         # It never began, because of the fault.
-        told = (flags & int(case.flags)) > 0
-    flagged = bool(told.any())
+        stated = (flags & int(case.flags)) > 0
+    flagged = bool(stated.any())
     if case.is_inertial:
         begun = case.faults.dead_from_s if case.faults is not None else _FAULT_AT_S
         begun = min(begun, _FAULT_AT_S)
         late = time >= begun + _TOLD_S
         flagged = flagged and bool((flags[late] & int(RelativeFlag.INERTIAL_ONLY)).all())
     valid = run.scored & ((flags & int(RelativeFlag.INVALID)) == 0)
-    after = valid & (np.arange(len(time)) >= _first(told))
+    after = valid & (np.arange(len(time)) >= _first(stated))
     error = np.linalg.norm(run.position_error_m, axis=1)
     sigma = np.linalg.norm(run.result.position_sigma_m, axis=1)
     # No pose given at all, and said so, is honest.

@@ -79,7 +79,7 @@ def axes_step(ct: Any, st: Any, ca: Any, sa: Any, length: Any, offset: Any, s: A
 
 
 def _walk_matrices(joints: Float, links: Float, keep: Integer, out: Float) -> None:
-    """Fill `out` (N, F, 4, 4) with the ends of the kept links; `links` (n, 4) is offset, length, cos, sin."""
+    """Fill `out` (N, F, 4, 4) with the ends of the retained links; `links` (n, 4) is offset, length, cos, sin."""
     pose, link, product = np.empty((3, 4)), np.empty((3, 4)), np.empty((3, 4))
     for k in range(joints.shape[0]):
         for n in range(joints.shape[1]):

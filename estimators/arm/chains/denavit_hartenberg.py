@@ -122,7 +122,7 @@ def chain_transforms(chain: LinkChain, joint_rad: ArrayLike, ends: Sequence[int]
 def prepared(
     chain: LinkChain, joint_rad: ArrayLike, ends: Sequence[int] | None
 ) -> tuple[Float, NDArray[np.int64], tuple[int, ...]]:
-    """Check joints, flatten their leading axes and number the ends that are kept."""
+    """Check joints, flatten their leading axes and number the ends that are retained."""
     joints = np.asarray(joint_rad, dtype=np.float64)
     count = chain.link_count
     if joints.ndim == 0 or joints.shape[-1] != count:

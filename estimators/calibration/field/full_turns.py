@@ -44,13 +44,13 @@ def doubted_turns(turns: Sequence[FullTurn]) -> dict[str, float]:
 
 def best_turns(turns: Sequence[FullTurn]) -> list[FullTurn]:
     """Leave out, of each axis, what was repeated because it was not whole."""
-    kept: list[FullTurn] = []
+    retained: list[FullTurn] = []
     for axis in AXES:
         own = sorted((t for t in turns if t.axis == axis), key=lambda turn: abs(turn.error))
         whole = [t for t in own if abs(t.error) <= _TURN_REFUSED]
         agreed = [t for t in own if sum(abs(t.error - o.error) < _TURNS_AGREE for o in own) > 1]
-        kept += whole or agreed or own[:1]
-    return sorted(kept, key=lambda turn: turn.start)
+        retained += whole or agreed or own[:1]
+    return sorted(retained, key=lambda turn: turn.start)
 
 
 def _agree(errors: Sequence[float]) -> bool:
@@ -61,14 +61,14 @@ def refuse_doubted(turns: Sequence[FullTurn]) -> None:
     """Refuse turns that were hardly whole ones, by name."""
     doubted = doubted_turns(turns)
     if doubted:
-        told = [
+        stated = [
             say("six_position.turn_over", axis=axis, error=error)
             if error > 0.0
             else say("six_position.turn_under", axis=axis, error=-error)
             for axis, error in doubted.items()
         ]
         raise CalibrationError(
-            say("six_position.turn_again", turns=told), redo=[f"turn_{axis}" for axis in doubted]
+            say("six_position.turn_again", turns=stated), redo=[f"turn_{axis}" for axis in doubted]
         )
 
 

@@ -1,4 +1,4 @@
-"""The local magnetic field: norm and dip, from corrected readings and the vertical, told apart from others."""
+"""The local magnetic field: norm and dip, from corrected readings and the vertical, distinguished from others."""
 
 import math
 from collections.abc import Mapping
@@ -28,7 +28,7 @@ _DIP_APART_RAD: Final = math.radians(10.0)
 
 @dataclass(frozen=True)
 class LocalField:
-    """The earth's field at the place, as far as it was told.
+    """The earth's field at the place, as far as it was reported.
 
     Attributes
     ----------

@@ -39,7 +39,7 @@ _CONTRADICTION_RAD: Final = math.radians(12.0)
 
 @dataclass(frozen=True)
 class FunctionalResult:
-    """What movements told.
+    """What movements showed.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class FunctionalResult:
     sigma_rad : dict of Placement to float
         Expected error of a segment's frame about the axis that is known least.
     facing_sigma_rad : float
-        Of where the patient faces; NaN if only the mounting rule told it.
+        Of where the patient faces; NaN if only the mounting rule gives it.
     """
 
     calibration: Calibration
@@ -155,10 +155,10 @@ class _Session(JudgedSession):
         )
         self.check_segments(sides, movements)
         raises = self._raises(sides, movements, assisted)
-        told, facing_sigma = self._facing(raises, assisted)
+        stated, facing_sigma = self._facing(raises, assisted)
         facing_known = 0.0 if math.isnan(facing_sigma) else facing_sigma
         moved = {p for side in sides for p in limb_of(side)} & set(self.placements)
-        base = self._others(moved, rest, told, facing_known, assisted)
+        base = self._others(moved, rest, stated, facing_known, assisted)
         facing = base.facing_rad
         offsets = self._limb_headings(sides, movements, raises, facing)
         q_sensor_segment = dict(base.q_sensor_segment)
@@ -257,13 +257,13 @@ class _Session(JudgedSession):
             return None, float("nan")
         if abs(total) / weight < math.cos(math.radians(35.0)):
             raise CalibrationError(say("calibration.raises_apart"))
-        told = math.atan2(total.imag, total.real)
+        stated = math.atan2(total.imag, total.real)
         for s, placement in enumerate(self.placements):
             outward = rotation.rotate(self.q_rest[s], [0.0, 0.0, 1.0])
             if self.own_heading[s] or abs(outward[2]) > _FLAT or (assisted and placement not in _UPRIGHT):
                 continue
             implied = math.atan2(outward[1], outward[0]) - OUTWARD_HEADING_RAD[placement]
-            if abs(wrapped(implied - told)) < _BY_THE_RULE_RAD:
+            if abs(wrapped(implied - stated)) < _BY_THE_RULE_RAD:
                 total += complex(math.cos(implied), math.sin(implied)) / _PLACED_RAD**2
                 weight += 1.0 / _PLACED_RAD**2
         return math.atan2(total.imag, total.real), 1.0 / math.sqrt(weight)
@@ -311,7 +311,7 @@ class _Session(JudgedSession):
     def _others(
         self, moved: set[Placement], rest: slice, facing: float | None, facing_sigma: float, assisted: bool
     ) -> Calibration:
-        """Everything that did not move: as in the N-pose, with the facing that the arms told."""
+        """Everything that did not move: as in the N-pose, with the facing that the arms showed."""
         others = [s for s, p in enumerate(self.placements) if p not in moved]
         if assisted:
             others = [s for s in others if self.placements[s] in _UPRIGHT]

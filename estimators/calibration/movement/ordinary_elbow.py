@@ -42,7 +42,7 @@ _STARTS_RAD: Final = tuple(math.radians(a) for a in (-90.0, -45.0, 0.0, 45.0, 90
 
 @dataclass(frozen=True)
 class OrdinaryElbow:
-    """What ordinary movement told of one arm.
+    """What ordinary movement showed of one arm.
 
     Attributes
     ----------
@@ -201,7 +201,7 @@ class _Model:
         upper, fore = self.corrections(x)
         _, carrying, _ = self.angles(x)
         covariance = np.linalg.pinv(found.jac.T @ found.jac)
-        told = [0, _FIXED + self.pose_knot]
+        stated = [0, _FIXED + self.pose_knot]
         return OrdinaryElbow(
             rotation.positive(upper),
             rotation.positive(fore),
@@ -210,7 +210,7 @@ class _Model:
             np.asarray(x[_FIXED:]),
             float(x[_CARRY]),
             float(np.sqrt(np.mean((carrying - x[_CARRY]) ** 2))),
-            float(np.sqrt(np.diag(covariance)[told].max())),
+            float(np.sqrt(np.diag(covariance)[stated].max())),
         )
 
 

@@ -16,7 +16,7 @@ of ten seconds, stay below two and a half."""
 CERTAIN: Final = 8.0
 """The same before a recording is refused."""
 _NEAR: Final = 1.5
-"""Explanations this close to the best cannot be told from it."""
+"""Explanations this close to the best cannot be distinguished from it."""
 _COMPLEX: Final = 1.5
 """What an unlikely mistake must gain more before it is believed: axes and unit at once, or the unit of a gyroscope that
 reads what limbs do."""
@@ -68,7 +68,7 @@ def explain(evidence: Evidence, fastest_radps: float) -> Explanation | None:
     Notes
     -----
     A mapping Q of the gyroscope shows as its inverse in force and field alike. A mapping P of the accelerometer shows
-    as det(P) P in the force alone, which is a rotation whatever P is: a reflected gyroscope can be told from it, a
+    as det(P) P in the force alone, which is a rotation whatever P is: a reflected gyroscope differs from it, a
     rotated one only by the field. So with the magnetometer.
     """
     force, field = evidence.force, evidence.field

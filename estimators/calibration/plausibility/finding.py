@@ -76,10 +76,12 @@ def in_words(findings: Sequence[Finding], *, most: int = 6) -> str:
         # By the words: limits that were measured differ in the last digits.
         words = str(CATALOGUE.say(code, where=[], **parameters))
         kinds.setdefault(words, (code, parameters, []))[2].extend(where)
-    told = [CATALOGUE.say(code, where=where, **others) for code, others, where in list(kinds.values())[:most]]
+    stated = [
+        CATALOGUE.say(code, where=where, **others) for code, others, where in list(kinds.values())[:most]
+    ]
     if len(kinds) > most:
-        told.append(say("readings.more", count=len(kinds) - most))
-    return CATALOGUE.together(told)
+        stated.append(say("readings.more", count=len(kinds) - most))
+    return CATALOGUE.together(stated)
 
 
 __all__ = ["Finding", "FindingCode", "Hemisphere", "Severity", "in_words"]

@@ -65,7 +65,7 @@ def same_signals(chunk: ImuChunk) -> list[int]:
     Notes
     -----
     Where all sensors rest for two seconds, their noise is compared, as in `check_distinct`. In a recording without a
-    rest, sensors on one limb may move alike to within a percent; there only copies to the last digits are told.
+    rest, sensors on one limb may move alike to within a percent; there only copies to the last digits are reported.
     """
     length = max(2, round(_REST_S / chunk.time_step_s))
     gyroscope, accelerometer = chunk.gyroscope_radps, chunk.accelerometer_mps2
@@ -88,13 +88,13 @@ def _same_rows(gyroscope_radps: Float, accelerometer_mps2: Float, share: float) 
     """Return the sensors of which another one changes alike, with a correlation of at least `share`."""
     turning, is_turning = _alike(np.diff(gyroscope_radps, axis=1), share)
     force, is_force = _alike(np.diff(accelerometer_mps2, axis=1), share)
-    # Where nothing changes nothing is told: the other quantity decides.
+    # Where nothing changes nothing is reported: the other quantity decides.
     same = (turning | ~is_turning) & (force | ~is_force) & (is_turning | is_force)
     return np.flatnonzero(same.any(axis=1))
 
 
 def _alike(changes: Float, share: float) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Return which pairs of sensors change alike, and of which pairs that can be told; each shape (S, S)."""
+    """Return which pairs of sensors change alike, and of which pairs that can be determined; each shape (S, S)."""
     sensors = len(changes)
     finite = np.isfinite(changes).all(axis=(0, 2))
     flat = changes[:, finite]
@@ -105,9 +105,9 @@ def _alike(changes: Float, share: float) -> tuple[NDArray[np.bool_], NDArray[np.
     product = unit @ unit.T
     alike = product >= share * np.outer(size, size)
     moved = np.count_nonzero(unit, axis=1) >= _LEAST_CHANGES
-    told = moved[:, None] | moved[None, :]
+    stated = moved[:, None] | moved[None, :]
     others = ~np.eye(sensors, dtype=np.bool_)
-    return alike & told & others, told & others
+    return alike & stated & others, stated & others
 
 
 __all__ = ["check_distinct", "same_signals"]

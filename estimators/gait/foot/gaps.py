@@ -80,8 +80,10 @@ def fill_gaps(signals: SensorSignals, rate_hz: float) -> FilledSignals:
     fine_hz = lag * rate_hz
     counts = np.where(is_hole, np.maximum(np.rint(steps * fine_hz), 2), lag).astype(np.int64)
     if counts.max() == 1:
-        kept = SensorSignals(time_s, gyroscope, accelerometer, field)
-        return FilledSignals(kept, np.zeros(len(time_s)), np.zeros(len(time_s), dtype=np.bool_), fine_hz, lag)
+        retained = SensorSignals(time_s, gyroscope, accelerometer, field)
+        return FilledSignals(
+            retained, np.zeros(len(time_s)), np.zeros(len(time_s), dtype=np.bool_), fine_hz, lag
+        )
     places = np.flatnonzero(counts > 1)
     new_s = np.concatenate([time_s[i] + steps[i] * np.arange(1, counts[i]) / counts[i] for i in places])
     length = np.repeat(np.where(is_hole, steps, 0.0), counts - 1)

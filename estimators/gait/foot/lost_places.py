@@ -61,7 +61,7 @@ def begin_anew(
 
     Place and heading go on where they were lost: the new stretch is a frame of its own, certain in itself, and what
     it is worth against the one before is `LostPlace`'s to say. Tilt and velocity are those of a start; biases and
-    the contact point, with what is known of them, are kept, and so is the earth's field where it was seen: then the
+    the contact point, with what is known of them, are retained, and so is the earth's field where it was seen: then the
     heading is searched, not set.
 
     Parameters
@@ -84,10 +84,10 @@ def begin_anew(
     upright = level(rotation.rotate(q, force_mps2))
     x[at.Q : at.Q + 4] = rotation.normalize(rotation.multiply(upright, q))
     x[at.V : at.V + 3] = 0.0
-    kept = slice(at.E_GYROSCOPE_BIAS, at.ERRORS)
-    known = p[kept, kept].copy()
+    retained = slice(at.E_GYROSCOPE_BIAS, at.ERRORS)
+    known = p[retained, retained].copy()
     p[:] = start_covariance(statistic, parameters)
-    p[kept, kept] = known
+    p[retained, retained] = known
     has_field = bool(memory[at.FIELD_KNOWN])
     if has_field:
         p[at.E_Q + 2, at.E_Q + 2] = lost_yaw_rad(gap_s, parameters) ** 2

@@ -122,7 +122,7 @@ class FootSamples:
         places = np.arange(count)
         before = places - np.maximum.accumulate(np.where(filled, -1, places))
         ahead = np.minimum.accumulate(np.where(filled, count, places)[::-1])[::-1] - places
-        # Every chunking has seen `ahead` ticks further than the one judged, and kept `back` before it.
+        # Every chunking has seen `ahead` ticks further than the one judged, and retained `back` before it.
         length = np.where(
             filled,
             np.minimum(before, self._windows.back) + np.minimum(ahead - 1, self._windows.half),

@@ -249,7 +249,7 @@ class FootStream:
         if self.samples.first < 0:
             return
         needed = min(self.released, self.filtered, self._origin + len(self._found.bits)) - self.windows.back
-        # At least a few of the first samples are kept until the filter has started from them.
+        # At least a few of the first samples are retained until the filter has started from them.
         self.samples.forget(min(needed - 1, self._marks[0][0] if self._marks else self.samples.first))
 
     def state(self) -> dict[str, NDArray[Any]]:

@@ -203,8 +203,8 @@ class _Run:
             records.backward(0, count, count, adjoint, self.smooth[piece])
             self.spread[piece] = records.spread[:count]
         first = self.smooth[0]
-        kept = slice(at.V, at.PIVOT)
-        self.x[kept] = first[kept]
+        retained = slice(at.V, at.PIVOT)
+        self.x[retained] = first[retained]
 
     def _forward(self, records: Records, piece: slice, x: Float, p: Float, memory: Float) -> None:
         records.forward(

@@ -28,7 +28,7 @@ GYROSCOPE, ACCELEROMETER, FIELD, SOURCE_GYROSCOPE, SOURCE_ACCELEROMETER, COIL, C
 )
 SAMPLE = 17
 RING = 128
-"""Samples kept: the longest pulse and its baseline must fit."""
+"""Samples held: the longest pulse and its baseline must fit."""
 KEPT_POSITION, KEPT_ATTITUDE = SAMPLE, SAMPLE + 3
 RING_COLUMNS = SAMPLE + 7
 """With each sample the pose that was predicted for it: where the sensor was at every moment of a pulse."""

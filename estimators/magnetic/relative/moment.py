@@ -85,7 +85,7 @@ def learn_moment(
 
 @kernel("void(float64[::1], float64[::1], int64[::1], float64[::1])")
 def judge_moment(settings: Float, memory: Float, counters: NDArray[np.int64], out: Float) -> None:
-    """Raise the alarm while the moment is surely not the stated one, and widen what is told by what that does."""
+    """Raise the alarm while the moment is surely not the stated one, and widen what is given by what that does."""
     information = memory[_INFORMATION]
     if not information > 0.0:
         return

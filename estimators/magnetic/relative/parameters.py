@@ -22,9 +22,9 @@ class RelativePoseParameters:
     gyroscopes' walk by sqrt(2 * `bias_decay_per_s`) times `rate_bias_sigma_radps` in a second, as the same process
     would without its decay.
     `position_limit_m` and `attitude_limit_deg` are the sigmas above which a coil is fired: as accurate as the
-    predecessor's fixed cycle for less than half of its energy, and low enough for iron to be told before it does
+    predecessor's fixed cycle for less than half of its energy, and low enough for iron to be reported before it does
     3 cm of harm. `SPARING_PARAMETERS` are the limits of the method page. `distance_scaling` makes them grow with
-    the distance (F-24). Above `uncertain_m` and `uncertain_deg` the pose is told to be uncertain: a request takes
+    the distance (F-24). Above `uncertain_m` and `uncertain_deg` the pose is reported to be uncertain: a request takes
     its time over a network, so that sigmas above the limits are usual.
     `pulse_s`, `baseline_samples` (quiet ones before it, at most) and `current_a` describe a pulse; `start_pulse_s`
     and `start_baseline_samples` those of the burst that starts the filter.

@@ -154,8 +154,10 @@ def pulse_value(
                     if out[6] < path.shape[0]:
                         place = path[int(out[6])]
                         out[6] += 1.0
-                        kept = row[_KEPT_Q : _KEPT_Q + 4]
-                        m = multiply(q[0], q[1], q[2], q[3], kept[0], -kept[1], -kept[2], -kept[3])
+                        retained = row[_KEPT_Q : _KEPT_Q + 4]
+                        m = multiply(
+                            q[0], q[1], q[2], q[3], retained[0], -retained[1], -retained[2], -retained[3]
+                        )
                         for i in range(3):
                             place[i] = row[_KEPT_P + i]
                         place[3], place[4], place[5], place[6] = m

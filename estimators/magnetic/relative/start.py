@@ -68,7 +68,7 @@ def start_from_burst(
     """Solve the burst in memory and start or correct by it, or wait for the next one; changes the arrays in place.
 
     Once started, a fix that agrees with what the filter expects corrects it as any measurement does, so that what is
-    known of velocity and offsets is kept; any other fix puts it back to the beginning. `usual_place_m` tells mirror
+    known of velocity and offsets is retained; any other fix puts it back to the beginning. `usual_place_m` tells mirror
     images apart once the filter's own place says nothing.
     """
     counters[at.EVENT] = 0

@@ -137,7 +137,7 @@ def attitude_from_vectors(gravity: Scalars3, field: Scalars3) -> Scalars4:
 
 @kernel("UniTuple(float64, 4)(float64, float64, float64, float64, UniTuple(float64, 3))")
 def tilted_to_gravity(w: float, x: float, y: float, z: float, gravity: Scalars3) -> Scalars4:
-    """Turn q_U_sensor by the least angle so that it agrees with measured gravity; heading is kept."""
+    """Turn q_U_sensor by the least angle so that it agrees with measured gravity; heading is unchanged."""
     vx, vy, vz = rotate_back(w, x, y, z, 0.0, 0.0, 1.0)
     sx, sy, sz = gravity
     norm = math.sqrt(sx * sx + sy * sy + sz * sz)

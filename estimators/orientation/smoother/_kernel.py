@@ -30,7 +30,7 @@ from estimators.recording import Float
 GROUPS = 4
 """Measurements that a block can have, three components each: place, speed and bias at rest, field."""
 KEPT = 3 * (STATES + 2)
-"""What is kept of a measurement: three gains, innovations left over their variance, one over variance."""
+"""What is retained of a measurement: three gains, innovations left over their variance, one over variance."""
 
 FACTS: Final = record(
     [
@@ -146,7 +146,7 @@ def forward(
     settings: Record,
     means: Float,
     covariances: Float,
-    kept: Float,
+    retained: Float,
 ) -> None:
     """Filter the error along the nominal trajectory, and keep what the way back needs.
 
@@ -158,7 +158,7 @@ def forward(
         Prior of the error; left as they are after the last block.
     means, covariances : ndarray, shape (B, STATES) and (B, STATES * STATES)
         Filled: the prediction for each block, before its measurements.
-    kept : ndarray, shape (B, GROUPS, KEPT)
+    retained : ndarray, shape (B, GROUPS, KEPT)
     """
     rows = np.zeros((5, STATES))
     index, value = np.zeros((3, 8), dtype=np.int64), np.zeros((3, 8))
@@ -180,9 +180,9 @@ def forward(
             absorb(p, error, rows, index, value, entries)
             for m in range(3):
                 for i in range(STATES):
-                    kept[block, group, STATES * m + i] = rows[m, i]
-                kept[block, group, 3 * STATES + m] = rows[3, m]
-                kept[block, group, 3 * STATES + 3 + m] = rows[4, m]
+                    retained[block, group, STATES * m + i] = rows[m, i]
+                retained[block, group, 3 * STATES + m] = rows[3, m]
+                retained[block, group, 3 * STATES + 3 + m] = rows[4, m]
         for a in range(3):
             error[TURN + a] -= known.step[a]
 
@@ -235,7 +235,7 @@ def backward(
     settings: Record,
     means: Float,
     covariances: Float,
-    kept: Float,
+    retained: Float,
     smooth: Float,
     adjoint: Float,
     variances: Float,
@@ -276,13 +276,13 @@ def backward(
                 continue
             for m in range(2, -1, -1):
                 gain, inverse = (
-                    kept[block, group, STATES * m : STATES * (m + 1)],
-                    kept[block, group, 3 * STATES + 3 + m],
+                    retained[block, group, STATES * m : STATES * (m + 1)],
+                    retained[block, group, 3 * STATES + 3 + m],
                 )
                 total = 0.0
                 for i in range(STATES):
                     total += gain[i] * adjoint[i]
-                total = inverse * total + kept[block, group, 3 * STATES + m]
+                total = inverse * total + retained[block, group, 3 * STATES + m]
                 for e in range(entries):
                     adjoint[index[m, e]] -= value[m, e] * total
                 if uncertain:

@@ -97,19 +97,38 @@ class SensorPasses:
         start, start_variance = error.copy(), np.diag(self._variance)
         p = start_variance.flatten()
         means, covariances = np.empty((blocks, at.STATES)), np.empty((blocks, at.STATES**2))
-        kept = np.empty((blocks, GROUPS, KEPT))
+        retained = np.empty((blocks, GROUPS, KEPT))
         nominal = self.nominal
         forward(
-            sums, facts, nominal, error, p, self._session.gravity, self._settings, means, covariances, kept
+            sums,
+            facts,
+            nominal,
+            error,
+            p,
+            self._session.gravity,
+            self._settings,
+            means,
+            covariances,
+            retained,
         )
         self._bias_variance = self._rests.known(covariances, p)
         seen = facts["field_variance"] > 0.0
         raised = 1.0 + np.maximum(self._misfit, self._level)[seen]
-        self._weigh(kept[seen, GROUPS - 1, 3 * at.STATES :], facts["field_variance"][seen] / raised)
+        self._weigh(retained[seen, GROUPS - 1, 3 * at.STATES :], facts["field_variance"][seen] / raised)
         smooth, adjoint = np.empty_like(means), np.empty(at.STATES)
         variances = np.zeros((blocks, 4))
         backward(
-            sums, facts, nominal, self._settings, means, covariances, kept, smooth, adjoint, variances, last
+            sums,
+            facts,
+            nominal,
+            self._settings,
+            means,
+            covariances,
+            retained,
+            smooth,
+            adjoint,
+            variances,
+            last,
         )
         first = start - start_variance @ adjoint
         self._move(smooth, first, facts, q_open)
@@ -246,16 +265,16 @@ class SensorPasses:
         """Return the online flags with what the whole session knows better."""
         better = OrientationFlag.CONVERGING | OrientationFlag.MAGNETIC_DISTURBANCE
         better |= OrientationFlag.HEADING_NOT_TRUSTED
-        kept = online & np.uint8(~int(better) & 0xFF)
+        retained = online & np.uint8(~int(better) & 0xFF)
         disturbed = self.per_sample(self._misfit) > _DISTURBED
         lost = heading_sigma_rad > self._settings["heading_lost"]
         if not self.has_field:
             lost = np.ones_like(lost)
-        kept[~self._session.seen] |= np.uint8(OrientationFlag.INVALID)
-        lost |= (kept & int(OrientationFlag.INVALID)) != 0
-        kept |= np.where(disturbed, np.uint8(OrientationFlag.MAGNETIC_DISTURBANCE), np.uint8(0))
-        kept |= np.where(lost, np.uint8(OrientationFlag.HEADING_NOT_TRUSTED), np.uint8(0))
-        return np.asarray(kept, dtype=np.uint8)
+        retained[~self._session.seen] |= np.uint8(OrientationFlag.INVALID)
+        lost |= (retained & int(OrientationFlag.INVALID)) != 0
+        retained |= np.where(disturbed, np.uint8(OrientationFlag.MAGNETIC_DISTURBANCE), np.uint8(0))
+        retained |= np.where(lost, np.uint8(OrientationFlag.HEADING_NOT_TRUSTED), np.uint8(0))
+        return np.asarray(retained, dtype=np.uint8)
 
 
 def _level(misfit: Float, time_s: Float, time_constant_s: float, begun: float = 0.0) -> Float:

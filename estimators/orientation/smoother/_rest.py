@@ -44,8 +44,8 @@ class Rests:
             squares[begin:end] = ((_running_mean(rate, short) - self._mean[begin:end]) ** 2).sum(axis=1)
         self._variance = np.full(len(facts), np.inf)
         sway = _both_ways(squares[at_rest], self._block_s, settings["rest_sure_s"])
-        told = settings["rest_bias"] + settings["rest_sway_s"] * sway
-        self._variance[at_rest] = told / self._block_s
+        stated = settings["rest_bias"] + settings["rest_sway_s"] * sway
+        self._variance[at_rest] = stated / self._block_s
 
     def variance(self, bias_radps: Float, known_variance: Float) -> Float:
         """Return the variance of each block's mean rate as a measurement of the bias, (rad/s)^2.

@@ -159,7 +159,7 @@ class TelemotionEstimator(RecordEstimator):
 
     def _learnt(self, s: int) -> DeviceConstants:
         if self._state["filtered"][s] == 0:
-            # It told nothing: what is known is what was given, and a prior is no knowledge.
+            # It learnt nothing: what is known is what was given, and a prior is no knowledge.
             return self._given[s]
         memory = self._state[s]
         sigma = np.sqrt(np.maximum(np.diagonal(self._covariance[s]), _LEAST_VARIANCE))

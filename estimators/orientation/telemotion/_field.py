@@ -52,7 +52,7 @@ def field_variance(p: Float, memory: Record, settings: Record, time_s: float, re
         for b in range(3):
             turned = memory.sum_rotation[3 * a + b] * per_sample
             predicted += 2.0 * turned * (p[field + IRON + b] + share * p[start + IRON + b])
-    # What people are told leaves less to the filter's own doubts, and nothing to its heading's.
+    # What people are shown leaves less to the filter's own doubts, and nothing to its heading's.
     memory.misfit = squares / (3.0 * settings.field_scale + _TOLD_UNCERTAINTY * max(predicted, 0.0))
     east = memory.field[0] + share * memory.start[0]
     north = memory.field[1] + share * memory.start[1]

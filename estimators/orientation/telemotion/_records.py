@@ -72,7 +72,7 @@ STATE: Final = record(
     # Test for a new hard iron; the one that was known beforehand.
     _vectors("sensor_mean", "earth_mean", "iron_known"),
     _floats("sensor_spread", "earth_spread", "iron_s", "iron_known_variance"),
-    # Output: correction of the start frame to north, offset that is being taken back, variances; the last output,
+    # Output: correction of the start frame to north, offset that is being removed, variances; the last output,
     # held where there is no estimate.
     [("correction", "f8", 4), ("shown", "f8", 4), ("tilt_variance", "f8", 2)],
     _vectors("offset"),

@@ -94,7 +94,7 @@ def integrate(
 
     Sums, R being the attitude after the sample and w the corrected rate: R; R[:, a] times the raw rate
     (how gain errors turn the attitude); specific force in the start frame over time; field minus hard
-    iron, taken back by its delay; and w x field, how the delay shows.
+    iron, undone by its delay; and w x field, how the delay shows.
 
     Notes
     -----

@@ -165,10 +165,10 @@ class BodyNetwork:
         method : str
             `n_pose`: standing with hanging arms; finds mounting, facing and gyroscope bias.
             `level`: every sensor lies level, z up; finds both biases (Marzouk 2009, 3.1.1, A2). Mountings
-            already known are kept. A later `n_pose` keeps the accelerometer bias found.
+            already known are retained. A later `n_pose` keeps the accelerometer bias found.
             `t_pose`: as `n_pose`, with the arms out to the sides; needs compasses.
             `static`: every sensor lies still in any position, for single sensors; finds the gyroscope bias.
-            `bias`: the same for sensors of a body: mountings already known are kept.
+            `bias`: the same for sensors of a body: mountings already known are retained.
 
         Raises
         ------
@@ -228,9 +228,9 @@ class BodyNetwork:
             known = self.setup.calibration
         called = [name for name, odd in zip(self.setup.placements, rest.unusual, strict=True) if odd]
         if called:
-            told = calibration.unusual_bias(called)
+            stated = calibration.unusual_bias(called)
             score = min(known.score, calibration.UNUSUAL_BIAS_SCORE)
-            known = replace(known, score=score, reasons=(*known.reasons, told))
+            known = replace(known, score=score, reasons=(*known.reasons, stated))
         found = replace(known, gyroscope_bias_radps=self._by_placement(rest.gyroscope_bias_radps))
         self._apply(found)
         self._set_bias(found, bias_sigma(rest))

@@ -1,4 +1,4 @@
-"""Arms without compasses: how their sensors face, told by the elbows of the recording itself."""
+"""Arms without compasses: how their sensors face, given by the elbows of the recording itself."""
 
 import math
 from dataclasses import replace
@@ -69,7 +69,7 @@ def refine_elbows(frames: Frames, setup: SessionSetup, pose_s: float) -> Session
         With a corrected calibration, whose reasons say how well it is known, and elbows and wrists bounding what
         drifts afterwards. The mounting rule stands, and the reasons say so, where the elbows were hardly bent or
         tell it worse than to `WORST_SIGMA_RAD`; the same setup where no arm has sensors on upper arm and forearm
-        without a compass, or movements have told the mounting already.
+        without a compass, or movements have shown the mounting already.
     """
     found = setup.calibration
     if found is None:
@@ -108,8 +108,10 @@ def refine_elbows(frames: Frames, setup: SessionSetup, pose_s: float) -> Session
             offsets[placement] = math.remainder(offsets[placement] + turn, 2.0 * math.pi)
             mounted[placement] = _corrected(mounted[placement], correction)
     if offsets == found.heading_offset_rad:
-        told = tuple(reasons)
-        return setup if told == found.reasons else replace(setup, calibration=replace(found, reasons=told))
+        stated = tuple(reasons)
+        return (
+            setup if stated == found.reasons else replace(setup, calibration=replace(found, reasons=stated))
+        )
     refined = replace(
         found,
         q_sensor_segment=mounted,

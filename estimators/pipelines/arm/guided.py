@@ -67,14 +67,14 @@ def by_movement(
         known = network.setup.calibration
         if known is None or any(p not in known.q_sensor_segment for p in lacking):
             raise CalibrationError(say("calibration.movements_tell_nothing", where=lacking))
-        kept = {p: known.q_sensor_segment[p] for p in lacking}
+        retained = {p: known.q_sensor_segment[p] for p in lacking}
         own_heading = mostly(result.flags, OrientationFlag.HEADING_NOT_TRUSTED)
         untold = [p for p in lacking if own_heading[network.setup.placements.index(p)]]
         found = replace(
             found,
             calibration=replace(
                 found.calibration,
-                q_sensor_segment={**found.calibration.q_sensor_segment, **kept},
+                q_sensor_segment={**found.calibration.q_sensor_segment, **retained},
                 mounting_sigma_rad={**known.mounting_sigma_rad, **found.calibration.mounting_sigma_rad},
                 unknown_headings=tuple(p for p in untold if p in known.unknown_headings),
             ),
@@ -125,17 +125,17 @@ def reset_heading(network: BodyNetwork, pose: ImuChunk, placements: Sequence[Pla
     }
     own_heading = mostly(flags, OrientationFlag.HEADING_NOT_TRUSTED)
     sharing = [p for p in known.unknown_headings if not own_heading[worn.index(p)]]
-    told = [p for p in _TELL_FACING if p in sharing and p in placements] or [
+    stated = [p for p in _TELL_FACING if p in sharing and p in placements] or [
         p for p in placements if p in sharing
     ]
-    turn_rad = cmath.phase(sum(cmath.exp(1j * heading_rad[p]) for p in told)) if told else 0.0
+    turn_rad = cmath.phase(sum(cmath.exp(1j * heading_rad[p]) for p in stated)) if stated else 0.0
     offsets = dict(known.heading_offset_rad)
     for p in worn:
         # Sensors that share the common heading turn with it, also those that were not asked for.
         wanted_rad = heading_rad.get(p, turn_rad if p in sharing else 0.0)
         if wanted_rad != turn_rad or p in offsets:
             offsets[p] = wrapped(offsets.get(p, 0.0) + wanted_rad - turn_rad)
-    now_known = {*placements, *(sharing if told else ())}
+    now_known = {*placements, *(sharing if stated else ())}
     found = replace(
         known,
         facing_rad=known.facing_rad - turn_rad,
@@ -161,7 +161,7 @@ def _heading_off(placement: Placement, q_earth_sensor: Float, known: Calibration
 def _begun_at_rest(
     network: BodyNetwork, pose: ImuChunk, known: Calibration
 ) -> tuple[Calibration, tuple[OrientationEstimator, OrientationResult] | None]:
-    """Let a filter begin with the pose, its bias told by it; with the calibration that knows that bias."""
+    """Let a filter begin with the pose, its bias given by it; with the calibration that knows that bias."""
     pose = network.corrected(pose)
     rest = static_bias(pose.gyroscope_radps, pose.accelerometer_mps2, pose.time_step_s, require_still=False)
     bias = {

@@ -135,7 +135,7 @@ def take(
 )
 def tell_pose(
     out: Float,
-    told: int,
+    stated: int,
     known: bool,
     q: Float,
     scalar: Float,
@@ -144,7 +144,7 @@ def tell_pose(
     sigma: Float,
 ) -> None:
     """Write one tick of one sensor: its scalars, angles with sigmas, and sigmas about the axes of the room."""
-    scalar[11], scalar[12] = out[_NIS], float(told)
+    scalar[11], scalar[12] = out[_NIS], float(stated)
     if not known:
         scalar[:11] = math.nan
         angle[:], angle_sigma[:], sigma[:] = math.nan, math.nan, math.nan
@@ -224,8 +224,8 @@ def tell(
         asked[:] = 0.0
         for i in range(sensors):
             out = outs[i, k]
-            told = int(out[_FLAGS]) | (_FAULT if wrong[k] else 0)
-            known = told & _INVALID == 0
+            stated = int(out[_FLAGS]) | (_FAULT if wrong[k] else 0)
+            known = stated & _INVALID == 0
             turned = multiply(w, x, y, z, out[_Q], out[_Q + 1], out[_Q + 2], out[_Q + 3])
             away = rotate(w, x, y, z, out[_P], out[_P + 1], out[_P + 2])
             for a in range(4):
@@ -234,14 +234,14 @@ def tell(
                 point[k, i + 1, a] = point[k, 0, a] + away[a] if known else math.nan
             bits = 0
             for a in range(len(_SAID)):
-                if told & _SAID[a]:
+                if stated & _SAID[a]:
                     bits |= _SHOWN_AS[a]
             flags[k, i + 1] = bits
             first = SENSOR_COLUMNS * i
             columns = slice(3 * i, 3 * i + 3)
             tell_pose(
                 out,
-                told,
+                stated,
                 known,
                 q[k, i + 1],
                 scalar[k, first : first + SENSOR_COLUMNS],

@@ -18,7 +18,7 @@ from estimators.recording import Float, ImuChunk
 from estimators.sentences import say
 
 _BLOCK: Final = 2000
-"""Ticks whose covariances are kept at a time: 7 MB, however long the session."""
+"""Ticks whose covariances are held at a time: 7 MB, however long the session."""
 _POSE: Final = np.r_[at.E_POSITION : at.E_POSITION + 3, at.E_ATTITUDE : at.E_ATTITUDE + 3]
 _INERTIAL: Final = np.r_[at.GYROSCOPE : at.GYROSCOPE + 6, at.SOURCE_GYROSCOPE : at.SOURCE_GYROSCOPE + 6]
 
@@ -77,7 +77,7 @@ def _smooth(one: RelativePoseFilter, samples: Float) -> RelativeResult:
     """Smooth one sensor from its samples, shape (K, 17).
 
     The same recursion as `smooth_relative_pose` (method page 3.12, C4 2.4), which keeps the covariances of the
-    whole session; here the filter's states are kept at the beginning of each block, and a block is run again for
+    whole session; here the filter's states are retained at the beginning of each block, and a block is run again for
     its covariances when the way back comes to it.
     """
     starts = range(0, len(samples), _BLOCK)

@@ -164,8 +164,8 @@ class LiveShoes:
         whole = [found[:, at : at + 3] for at in (balance.MASS, balance.COP, balance.GOING)]
         forces = [out[foot, :, [0, 1, 2, shoe.STATE]].T for foot in range(2)]
         mass_kg = found[:, balance.WEIGHT] / GRAVITY_MPS2
-        told = np.stack([found[:, balance.MARGIN], found[:, balance.SIGMA], mass_kg], axis=1)
-        return [*soles, *whole, *pressed], np.concatenate([*forces, told], axis=1)
+        stated = np.stack([found[:, balance.MARGIN], found[:, balance.SIGMA], mass_kg], axis=1)
+        return [*soles, *whole, *pressed], np.concatenate([*forces, stated], axis=1)
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return everything that the next call depends on."""

@@ -242,7 +242,7 @@ def frames_of(
 def level_sigma(sigma: Float) -> Float:
     """Return sigmas along or about the axes of a foot's own world in those of the room, shape (K, 3).
 
-    The room is turned about the vertical. How the errors along both level axes hang together is not told, so each
+    The room is turned about the vertical. How the errors along both level axes hang together is not stated, so each
     gets the root mean square of both; NaN where the filter has nothing to say.
     """
     level = np.sqrt(0.5 * (sigma[:, 0] ** 2 + sigma[:, 1] ** 2))

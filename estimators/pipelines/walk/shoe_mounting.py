@@ -1,4 +1,4 @@
-"""How the sensors of an instrumented shoe sit on it, told by the walk itself."""
+"""How the sensors of an instrumented shoe sit on it, given by the walk itself."""
 
 from typing import Final
 
@@ -39,7 +39,7 @@ def shoe_mounting(
     Raises
     ------
     SetupError
-        If the lower leg's sensor sits askew and its axes cannot be told.
+        If the lower leg's sensor sits askew and its axes cannot be determined.
     """
     q_forefoot = rotation.multiply(q_heel_sensor, _forefoot_to_heel(heel, forefoot))
     feet = [_or_identity(q) for q in (q_heel_sensor, q_forefoot)]

@@ -65,7 +65,7 @@ class ShoeWalk:
     margin : StabilityMargin
         At those M moments.
     apart_m, apart_source
-        How far the feet stood apart at the start, and whether that was `measured`, told by the `forces`, or is
+        How far the feet stood apart at the start, and whether that was `measured`, given by the `forces`, or is
         `usual` only.
     """
 
@@ -235,9 +235,9 @@ def with_shoes(walk: Walk, found: ShoeWalk) -> Walk:
         frames.time_s > found.time_s[-1] + 0.5 / found.feet.rate_hz
     )
     flags = frames.segment_flags | ((unknown | outside[:, None]) * np.uint8(OrientationFlag.INVALID))
-    told = np.interp(frames.time_s, found.support_s, found.margin.margin_m)
+    stated = np.interp(frames.time_s, found.support_s, found.margin.margin_m)
     balance = [found.centre.position_m[rows], found.feet.cop_m[rows], going]
-    told[outside] = np.nan
+    stated[outside] = np.nan
     for part in balance:
         part[outside] = np.nan
     return replace(
@@ -254,7 +254,7 @@ def with_shoes(walk: Walk, found: ShoeWalk) -> Walk:
             ),
             q_room_segment=np.ascontiguousarray(np.stack([pose.q_room_heel[rows] for pose in poses], axis=1)),
             point_room_m=np.ascontiguousarray(np.stack([*soles, *balance], axis=1)),
-            scalar=np.column_stack([scalar, told]),
+            scalar=np.column_stack([scalar, stated]),
             segment_flags=np.asarray(flags, dtype=np.uint8),
             point_sigma_m=_with_unknown(frames.point_sigma_m, len(BALANCE_POINTS)),
         ),
@@ -269,7 +269,7 @@ def _with_unknown(sigma_m: Float | None, more: int) -> Float | None:
 
 
 def _steps(strides: Mapping[Side, Strides], found: ShoeWalk) -> Mapping[str, Measure] | None:
-    """Measure steps in the room of both shoes, unless nobody told how far they are apart."""
+    """Measure steps in the room of both shoes, unless nobody measured how far they are apart."""
     if found.apart_source == "usual" or min(foot.count for foot in strides.values()) < 2:
         return None
     places, times = {}, {}
@@ -319,20 +319,20 @@ def _apart(
     # On a turning course the relation itself wants a distance: what the forces add to a usual one is looked for.
     begin_m = USUAL_APART_M if is_turning else 0.0
     alone, _ = _combined(shoes, begin_m, None, "usual", is_turning)
-    told = None
+    stated = None
     with contextlib.suppress(ShapeError, SetupError):
-        told = begin_m + distance_between_feet(
+        stated = begin_m + distance_between_feet(
             alone.reaction,
             alone.rate_hz,
             _mass(alone),
             height_m,
             is_walking=_walking(alone.is_standing),
         )
-    doubts: list[str] = [EXCHANGED] if told is not None and told < EXCHANGED_M else []
+    doubts: list[str] = [EXCHANGED] if stated is not None and stated < EXCHANGED_M else []
     if setup.feet_apart_m is not None:
         return setup.feet_apart_m, "measured", doubts
-    if told is not None and _WIDTH_RANGE_M[0] <= told <= _WIDTH_RANGE_M[1]:
-        return told, "forces", doubts
+    if stated is not None and _WIDTH_RANGE_M[0] <= stated <= _WIDTH_RANGE_M[1]:
+        return stated, "forces", doubts
     return USUAL_APART_M, "usual", doubts
 
 

@@ -186,7 +186,7 @@ def event_columns(scalar: Float, strides: Strides, time_s: Float) -> Float:
     Parameters
     ----------
     scalar : ndarray, shape (K, 8)
-        Stance and speed are kept.
+        Stance and speed are unchanged.
     strides : Strides
     time_s : ndarray, shape (K,)
         Of the ticks.

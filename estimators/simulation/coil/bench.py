@@ -12,7 +12,7 @@ from estimators.simulation.coil.motion import RelativeMotion, smoothstep
 
 _GRID_S = 0.02
 LIES_S, CARRIED_S, FIRST_S = 4.0, 1.5, 6.0
-"""The first place is kept longer: the filter begins there."""
+"""The first place is retained longer: the filter begins there."""
 
 
 def bench_places(count: int = 14) -> Float:
