@@ -288,7 +288,7 @@ def test_the_vectors_on_the_page_are_right() -> None:
 def test_every_reason_is_on_the_page() -> None:
     root = Path(__file__).parents[3]
     page = (root / "docs" / "packet.md").read_text()
-    sources = [*(root / "app" / "ingest").glob("*.py"), *(root / "app" / "live").glob("*.py")]
+    sources = [path for room in ("network", "ingest", "live") for path in (root / "app" / room).rglob("*.py")]
     raised = {
         reason
         for path in sources
