@@ -65,6 +65,7 @@ export const patient = {
   'audit.clinic.time_zone': 'changed the time zone of the clinic',
   'audit.exercise.create': 'added an exercise',
   'audit.patient.erase': 'erased the record permanently',
+  'audit.session.balance': 'viewed a balance test',
   'audit.session.gait': 'viewed a walk',
   'audit.session.implants_withdrawn': 'withdrew the confirmation about implants',
   'audit.session.markers': 'viewed camera markers of a session',
