@@ -6,7 +6,7 @@ import type { SessionKind } from './kind';
 export const FACTS = import.meta.glob<SessionKind>('./*/facts.ts', { eager: true, import: 'kind' });
 export const KINDS: readonly SessionKind[] = Object.values(FACTS);
 
-/** The kind of a session; single sensors that nobody wears show what arms do, with less in it. */
+/** The kind of a session; one that this client does not know shows what arms do. */
 export function kindOf({ pipeline }: Pick<SessionDetail, 'pipeline'>): SessionKind {
   const named = (name: string) => KINDS.find((kind) => kind.pipeline === name);
   return named(pipeline) ?? named('arm')!;

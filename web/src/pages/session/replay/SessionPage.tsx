@@ -112,7 +112,7 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
   const markers = useMarkers(session.id);
   const fused = useMemo(() => (markers.data ?? []).filter((one) => one.report !== null), [markers.data]);
   const marker = fused.find((one) => one.id === search.get('markers')) ?? fused[0] ?? null;
-  const asked = search.get('show') ?? own?.value ?? (hasComparison ? 'compare' : 'angles');
+  const asked = search.get('show') ?? own?.value ?? (hasComparison ? 'compare' : angleTitle ? 'angles' : 'details');
   // A link to markers waits for them; when there are none it shows where they are added.
   const tab = asked === 'markers' && markers.data && !marker ? 'details' : asked;
   const marked = tab === 'markers' ? marker : null;
