@@ -236,7 +236,7 @@ def perform(
     """
     given = (schedule.repetitions is not None, schedule.duration_s is not None, bool(schedule.plan))
     if sum(given) != 1:
-        raise SetupError("give one of repetitions, duration_s and plan")
+        raise SetupError("give just one of repetitions, duration_s and plan")
     rng = np.random.default_rng([seed, 1])
     rest = _posture(exercise.rest_deg, both_arms)
     n_pose = _n_pose(exercise, both_arms)

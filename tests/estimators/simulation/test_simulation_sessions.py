@@ -303,7 +303,7 @@ def test_fatigue_takes_range_from_the_later_repetitions():
 
 def test_contradictions_are_refused_in_words():
     for scenario, words in (
-        (ArmScenario(schedule=Schedule(repetitions=3, duration_s=20.0)), "either"),
+        (ArmScenario(schedule=Schedule(repetitions=3, duration_s=20.0)), "just one of"),
         (ArmScenario(schedule=Schedule(repetitions=None, duration_s=12.0)), "fits"),
         (ArmScenario(exercise="juggling"), "juggling"),
         (ArmScenario(errors="perfect"), "perfect"),
