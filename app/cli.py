@@ -15,7 +15,16 @@ from app.commands.options.mass_centre import mass_centre
 from app.commands.options.recordings import CalibrateOptions, FuseOptions
 from app.commands.options.simulate import SimulateOptions
 from app.commands.options.tables import mapping, upload
-from app.commands.options.words import Guess, Mapping, OutFolder, Port, RecordingFile, RecordingFormat
+from app.commands.options.words import (
+    Guess,
+    Mapping,
+    OutFolder,
+    Port,
+    Pose,
+    Rate,
+    RecordingFile,
+    RecordingFormat,
+)
 
 cli = typer.Typer(
     name="telemotion",
@@ -86,13 +95,8 @@ def process(
     format: RecordingFormat = "auto",
     mapping: Mapping = None,
     guess: Guess = False,
-    rate: Annotated[
-        float | None, typer.Option(help="Common tick rate in Hz; default: the recording's.")
-    ] = None,
-    pose: Annotated[
-        tuple[float, float] | None,
-        typer.Option(help="Start and end (s) of the N-pose; default: first stillness."),
-    ] = None,
+    rate: Rate = None,
+    pose: Pose = None,
     parameters: Annotated[str, typer.Option(help="Estimator parameters as JSON.")] = "{}",
     force: Annotated[
         bool, typer.Option("--force", help="Estimate although units, axes or signs cannot be right.")

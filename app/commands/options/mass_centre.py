@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from app.commands.options.words import Mapping, OutFolder, RecordingFile, RecordingFormat
+from app.commands.options.words import Mapping, OutFolder, Pose, Rate, RecordingFile, RecordingFormat
 
 
 def mass_centre(
@@ -15,13 +15,8 @@ def mass_centre(
     ] = 1.70,
     format: RecordingFormat = "auto",
     mapping: Mapping = None,
-    rate: Annotated[
-        float | None, typer.Option(help="Common tick rate in Hz; default: the recording's.")
-    ] = None,
-    pose: Annotated[
-        tuple[float, float] | None,
-        typer.Option(help="Start and end (s) of the N-pose; default: first stillness."),
-    ] = None,
+    rate: Rate = None,
+    pose: Pose = None,
 ) -> None:
     """Find the body's centre of mass from sensors on trunk, thighs and whatever else is worn.
 

@@ -21,6 +21,11 @@ RecordingFormat = Annotated[
         help="Of the recording: auto, packet_log, csv, qmt_mat, broad, pyshoe, gait_tracking or gaitmap."
     ),
 ]
+Rate = Annotated[float | None, typer.Option(help="Common tick rate in Hz; default: the recording's.")]
+Pose = Annotated[
+    tuple[float, float] | None,
+    typer.Option(help="Start and end (s) of the N-pose; default: first stillness."),
+]
 Mapping = Annotated[
     Path | None,
     typer.Option(
@@ -43,6 +48,8 @@ __all__ = [
     "OutFolder",
     "Password",
     "Port",
+    "Pose",
+    "Rate",
     "RecordingFile",
     "RecordingFormat",
     "Server",
