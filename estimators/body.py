@@ -13,6 +13,7 @@ FOREARM_PER_STATURE = 0.146
 HAND_PER_STATURE = 0.108
 SHOULDER_HEIGHT_PER_STATURE = 0.818
 HIP_HEIGHT_PER_STATURE = 0.530
+ANKLE_HEIGHT_PER_STATURE = 0.039
 EYE_HEIGHT_PER_STATURE = 0.936
 """Drillis and Contini (1966), printed in Winter, Biomechanics and Motor Control of Human Movement, 4.1."""
 
@@ -68,6 +69,7 @@ def body_from_stature(stature_m: float) -> BodyDimensions:
 
 
 __all__ = [
+    "ANKLE_HEIGHT_PER_STATURE",
     "EYE_HEIGHT_PER_STATURE",
     "HIP_HEIGHT_PER_STATURE",
     "SHOULDER_HEIGHT_PER_STATURE",

@@ -95,7 +95,7 @@ def _store(context: JobContext, declaration: UploadIn, path: Path) -> list[str]:
         if log.damaged:
             notes.append(say("upload.damaged_packets", count=log.damaged))
     else:
-        recording = readers.read(path, declaration.format or "auto", declaration.csv, declaration.file_name)
+        recording = readers.read(path, str(declaration.format), declaration.csv, declaration.file_name)
         notes += recording.notes
         kind = kinds()[pipeline_of(declaration)]
         with unit_of_work(context.engine) as session:

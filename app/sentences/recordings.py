@@ -67,9 +67,9 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "balance.reach": "Reaching forward",
     "balance.rest": "End of the test",
     "balance.no_test": "This session is not a balance test; record one with sensors on pelvis and chest.",
-    "balance.nothing_marked": "Nothing was marked while it was recorded, so that no test can be shown.",
+    "balance.nothing_marked": "Nothing was marked while it was recorded: all of it counts as one test of standing.",
     "balance.too_short": "Too short: {shortest_s:s} or more without a gap are needed.",
-    "balance.one_link": "Displacement is that of a point {height_m:m.2} above the floor if the body moves as one"
+    "balance.one_link": "Displacement is that of the hips, {height_m:m.2} above the ankles, if the body moves as one"
     " stiff link on the ankles; who bends at the hips moves less than shown.",
     "walk.no_walk": "This session is not a walk; record or upload one with sensors on the feet.",
     "walk.no_strides": "This result has no strides: a live result has none, and an analysis may still be"

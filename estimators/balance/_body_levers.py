@@ -10,14 +10,13 @@ from typing import Final
 import numpy as np
 
 from estimators.balance._segments import (
-    ANKLE_HEIGHT_PER_STATURE,
     FOOT_PER_STATURE,
     HEAD_PER_STATURE,
     SHANK_PER_STATURE,
     THIGH_PER_STATURE,
     BodySegments,
 )
-from estimators.body import BodyDimensions
+from estimators.body import ANKLE_HEIGHT_PER_STATURE, BodyDimensions
 from estimators.conventions import PLACEMENTS, SIDES
 from estimators.recording import Float
 

@@ -8,14 +8,13 @@ import numpy as np
 from estimators import rotation
 from estimators.balance._body_levers import HEEL_BEHIND_ANKLE, HIP_HALF_WIDTH_PER_STATURE, stand_in_of
 from estimators.balance._segments import (
-    ANKLE_HEIGHT_PER_STATURE,
     FOOT_PER_STATURE,
     HEAD_PER_STATURE,
     SHANK_PER_STATURE,
     THIGH_PER_STATURE,
     BodySegments,
 )
-from estimators.body import BodyDimensions
+from estimators.body import ANKLE_HEIGHT_PER_STATURE, BodyDimensions
 from estimators.conventions import PLACEMENTS, SIDES
 from estimators.errors import SetupError, ShapeError
 from estimators.recording import Float

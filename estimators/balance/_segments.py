@@ -25,7 +25,6 @@ PAIRED: Final = ("upper_arm", "forearm", "hand", "thigh", "shank", "foot")
 
 THIGH_PER_STATURE = 0.245
 SHANK_PER_STATURE = 0.246
-ANKLE_HEIGHT_PER_STATURE = 0.039
 FOOT_PER_STATURE = 0.152
 HEAD_PER_STATURE = 0.182
 """Drillis and Contini (1966), as in `estimators.body`; the head with the neck, above the shoulders."""

@@ -1,6 +1,12 @@
 """What a session runs: a setup in, frames out; live by `step`, off-line by `run`."""
 
-from estimators.pipelines._balance import TRUNK, BalancePipeline, trunk_height_m
+from estimators.pipelines._balance import (
+    TRUNK,
+    BalancePipeline,
+    hips_above_ankles_m,
+    sway_columns,
+    trunk_above_ankles_m,
+)
 from estimators.pipelines._contract import (
     BodyDimensions,
     Calibration,
@@ -68,6 +74,7 @@ __all__ = [
     "elbows_to_refine",
     "find_pose",
     "has_shoes",
+    "hips_above_ankles_m",
     "is_offline",
     "kind",
     "refine_elbows",
@@ -78,7 +85,8 @@ __all__ = [
     "smooth_network",
     "smoothed_chunk",
     "step_through",
-    "trunk_height_m",
+    "sway_columns",
+    "trunk_above_ankles_m",
     "with_modules",
     "with_relative_feet",
     "with_shoes",

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.balance.sway import posture
-from estimators.body import HIP_HEIGHT_PER_STATURE, BodyDimensions
+from estimators.body import ANKLE_HEIGHT_PER_STATURE, HIP_HEIGHT_PER_STATURE, BodyDimensions
 from estimators.conventions import Placement
 from estimators.errors import SetupError
 from estimators.orientation import DeviceConstants, OrientationFlag
@@ -33,10 +33,20 @@ _COLUMNS: Final = (
 _HIDDEN: Final = np.uint8(OrientationFlag.INVALID)
 
 
-def trunk_height_m(placement: Placement, body: BodyDimensions) -> float:
-    """Return how high a sensor on the trunk sits above the floor in upright stance, m."""
-    hips = HIP_HEIGHT_PER_STATURE * body.stature_m
-    return hips + (_ABOVE_HIPS_M if placement == "pelvis" else _UP_THE_TRUNK * body.trunk_m)
+def hips_above_ankles_m(body: BodyDimensions) -> float:
+    """Return how high the hips are above the ankles, on which a stiff body sways, m."""
+    return (HIP_HEIGHT_PER_STATURE - ANKLE_HEIGHT_PER_STATURE) * body.stature_m
+
+
+def trunk_above_ankles_m(placement: Placement, body: BodyDimensions) -> float:
+    """Return how high a sensor on the trunk sits above the ankles in upright stance, m."""
+    up = _ABOVE_HIPS_M if placement == "pelvis" else _UP_THE_TRUNK * body.trunk_m
+    return hips_above_ankles_m(body) + up
+
+
+def sway_columns(placement: Placement) -> tuple[str, ...]:
+    """Return the scalars of one sensor: lean, acceleration and rate, each forward and left."""
+    return tuple(f"{placement}_{column}" for column in _COLUMNS)
 
 
 class BalancePipeline(Pipeline):
@@ -70,7 +80,7 @@ class BalancePipeline(Pipeline):
             segments=tuple(setup.placements),
             points=("pelvis",),
             angles=(),
-            scalars=tuple(f"{name}_{column}" for name in setup.placements for column in _COLUMNS),
+            scalars=tuple(column for name in setup.placements for column in sway_columns(name)),
         )
 
     @property

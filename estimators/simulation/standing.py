@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 
 from estimators import rotation
-from estimators.body import HIP_HEIGHT_PER_STATURE, BodyDimensions
+from estimators.body import ANKLE_HEIGHT_PER_STATURE, HIP_HEIGHT_PER_STATURE, BodyDimensions
 from estimators.conventions import GRAVITY_MPS2, Placement
 from estimators.recording import Float, Recording, SensorSignals
 from estimators.simulation._errors import SensorErrors, sensor_errors
@@ -189,7 +189,8 @@ def simulate_standing(
 
     sensors: dict[str, SensorSignals] = {}
     heights: dict[Placement, float] = {}
-    hip = HIP_HEIGHT_PER_STATURE * body.stature_m
+    # It turns about the ankles: what is above the floor and below them does not sway.
+    hip = (HIP_HEIGHT_PER_STATURE - ANKLE_HEIGHT_PER_STATURE) * body.stature_m
     before, now, after = (turn_at(time + shift) for shift in (-_HALF_STEP_S, 0.0, _HALF_STEP_S))
     last = turn_at(time - 1.0 / rate_hz)
     for number, placement in enumerate(placements):

@@ -60,7 +60,7 @@ class BalanceTestOut(Spoken):
     placement: str
     """The sensor that all numbers are of."""
     height_m: float
-    """Of the point of which displacement is given, above the floor."""
+    """Of the point of which displacement is given, the hips, above the ankles."""
     trials: list[TrialOut]
     romberg: list[RombergOut]
     reasons: list[str]

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from types import MappingProxyType
 from typing import Final, cast
 
@@ -25,18 +25,25 @@ from app.recordings.service import result_out
 from app.recordings.signals.store import read_frames
 from app.sentences import say
 from estimators.balance.sway import (
-    ELLIPSE_RADIUS,
     SHORTEST_S,
     SwayMeasure,
     Trial,
     reach,
     romberg_ratio,
     sway_acceleration,
+    sway_ellipse,
     sway_measures,
 )
-from estimators.body import HIP_HEIGHT_PER_STATURE
 from estimators.errors import ShapeError
-from estimators.pipelines import TRUNK, BalancePipeline, Frames, SessionSetup, trunk_height_m
+from estimators.pipelines import (
+    TRUNK,
+    BalancePipeline,
+    Frames,
+    SessionSetup,
+    hips_above_ankles_m,
+    sway_columns,
+    trunk_above_ankles_m,
+)
 from estimators.recording import Float
 
 CONDITIONS: Final[Mapping[str, str]] = MappingProxyType(
@@ -59,7 +66,7 @@ _RATIOS: Final = ("sway_speed", "ellipse_area", "acceleration_rms")
 
 @dataclass(frozen=True)
 class _Sensor:
-    """Which columns of the frames the numbers are of, and how high things are."""
+    """Which columns of the frames the numbers are of, and how high it and the shown point are above the ankles."""
 
     placement: str
     segment: int
@@ -156,24 +163,14 @@ def _sensor(setup: SessionSetup, result: Result, wanted: str | None) -> _Sensor:
         raise InvalidInput(say("session.no_sensor", places=[wanted]), field="placement")
     placement = wanted or worn[0]
     scalars = list(result.layout["scalars"])
-    columns = tuple(
-        scalars.index(f"{placement}_{name}")
-        for name in (
-            "lean_forward_rad",
-            "lean_left_rad",
-            "acceleration_forward_mps2",
-            "acceleration_left_mps2",
-            "rate_forward_radps",
-            "rate_left_radps",
-        )
-    )
+    columns = tuple(scalars.index(name) for name in sway_columns(placement))
     return _Sensor(
         placement,
         list(result.layout["segments"]).index(placement),
         columns,
         setup.rate_hz,
-        trunk_height_m(placement, setup.body),
-        HIP_HEIGHT_PER_STATURE * setup.body.stature_m,
+        trunk_above_ankles_m(placement, setup.body),
+        hips_above_ankles_m(setup.body),
     )
 
 
@@ -194,7 +191,7 @@ def _evaluated(
                 sway_acceleration(lean, acceleration), rate, sensor.rate_hz, sensor.height_m, sensor.point_m
             )
             shown = measures = sway_measures(trial)
-            path, ellipse = trial.shown_m, _ellipse(trial.shown_m)
+            path, ellipse = trial.shown_m, EllipseOut(**asdict(sway_ellipse(trial)))
     except ShapeError:
         shown = {}
     thin = max(1, round(sensor.rate_hz / _SHOWN_HZ))
@@ -224,16 +221,6 @@ def _longest(frames: Frames, sensor: _Sensor) -> tuple[Float, Float]:
     known = frames.segment_sigma_rad
     sigma = np.full(len(values), np.nan) if known is None else known[:, sensor.segment, :2].max(axis=1)
     return values[inside], np.asarray(sigma[inside], dtype=np.float64)
-
-
-def _ellipse(path_m: Float) -> EllipseOut:
-    spread, axes = np.linalg.eigh(np.cov(path_m.T))
-    short, long = ELLIPSE_RADIUS * np.sqrt(np.maximum(spread, 0.0))
-    return EllipseOut(
-        long_m=round(float(long), 5),
-        short_m=round(float(short), 5),
-        angle_rad=round(math.atan2(axes[1, 1], axes[0, 1]), 4),
-    )
 
 
 def _ratios(stances: Mapping[str, Mapping[str, SwayMeasure]]) -> list[RombergOut]:

@@ -1,22 +1,23 @@
 """Standing on a trunk sensor: how much somebody sways, with uncertainty; eyes closed over open; functional reach."""
 
 from estimators.balance.sway._measures import (
-    ELLIPSE_RADIUS,
     HIGHEST_SWAY_HZ,
     SHORTEST_S,
+    Ellipse,
     Reach,
     Trial,
     reach,
     romberg_ratio,
+    sway_ellipse,
     sway_measures,
 )
 from estimators.balance.sway._posture import posture, sway_acceleration, sway_lean
 from estimators.balance.sway._spectrum import SwayMeasure, SwaySpectrum
 
 __all__ = [
-    "ELLIPSE_RADIUS",
     "HIGHEST_SWAY_HZ",
     "SHORTEST_S",
+    "Ellipse",
     "Reach",
     "SwayMeasure",
     "SwaySpectrum",
@@ -25,6 +26,7 @@ __all__ = [
     "reach",
     "romberg_ratio",
     "sway_acceleration",
+    "sway_ellipse",
     "sway_lean",
     "sway_measures",
 ]

@@ -91,6 +91,30 @@ class Trial:
         return sway_spectrum(self.place_m, self.rate_hz, HIGHEST_SWAY_HZ, noise)
 
 
+@dataclass(frozen=True)
+class Ellipse:
+    """The ellipse that holds 95 % of the places of `Trial.shown_m`.
+
+    Attributes
+    ----------
+    long_m, short_m : float
+        Half of its axes.
+    angle_rad : float
+        From forward to the longer axis, to the left.
+    """
+
+    long_m: float
+    short_m: float
+    angle_rad: float
+
+
+def sway_ellipse(trial: Trial) -> Ellipse:
+    """Return the ellipse to draw over the way of a trial; the measure `ellipse_area` is freed of noise besides."""
+    spread, axes = np.linalg.eigh(np.cov(trial.shown_m.T))
+    short, long = ELLIPSE_RADIUS * np.sqrt(np.maximum(spread, 0.0))
+    return Ellipse(float(long), float(short), math.atan2(axes[1, 1], axes[0, 1]))
+
+
 def sway_measures(trial: Trial) -> dict[str, SwayMeasure]:
     """Return the measures of one trial of quiet standing by name.
 

@@ -9,7 +9,8 @@ import pytest
 
 from app.errors import InvalidInput
 from app.gateway import ServiceClient
-from estimators.body import HIP_HEIGHT_PER_STATURE
+from estimators.body import BodyDimensions
+from estimators.pipelines import hips_above_ankles_m
 from estimators.simulation.standing import Lean, Stance, expected_measures
 from tests.app.live.sockets import SignedIn, gateway, new_session
 from tests.app.live.standing import TRIALS, new_balance_test, stream_balance_test
@@ -40,7 +41,7 @@ def test_marks_become_trials_with_measures_that_cover_the_truth(signed_in: Signe
     assert of_chest["placement"] == "sternum"
     assert [one["condition"] for one in found["trials"]] == [name for name, _ in TRIALS]
     height_m = found["height_m"]
-    assert height_m == pytest.approx(HIP_HEIGHT_PER_STATURE * 1.75, abs=0.1)
+    assert height_m == pytest.approx(hips_above_ankles_m(BodyDimensions(stature_m=1.75)), abs=0.1)
     for answer, place in ((found, "pelvis"), (of_chest, "sternum")):
         for (name, trial), shown, (start_s, end_s) in zip(
             TRIALS, answer["trials"], person.trials_s, strict=True
