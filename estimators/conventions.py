@@ -71,22 +71,3 @@ PLACEMENTS: Final[tuple[Placement, ...]] = tuple(
 
 Side = Literal["left", "right"]
 SIDES: Final[tuple[Side, ...]] = ("left", "right")
-
-
-def placement_words(placement: str) -> str:
-    """Return where a sensor is worn as people say it: the one name for every hint, label and report.
-
-    Parameters
-    ----------
-    placement : str
-        A `Placement`.
-
-    Returns
-    -------
-    str
-        In lower case, such as `left upper arm`; the sternum is the `breastbone`.
-    """
-    part, _, side = placement.rpartition("_")
-    if side in SIDES:
-        return f"{side} {part.replace('_', ' ')}"
-    return "breastbone" if placement == "sternum" else placement

@@ -173,35 +173,6 @@ def low_pass(values: ArrayLike, rate_hz: float, cutoff_hz: float, order: int = 2
     return np.asarray(scipy.signal.sosfiltfilt(sections, table, axis=axis, padlen=max(padding, 0)))
 
 
-class CausalLowPass:
-    """A Butterworth low-pass for the live path; chunks give the same as one batch, bit for bit.
-
-    Parameters
-    ----------
-    shape : tuple of int
-        Shape of one tick's values, for instance (S, 3).
-    rate_hz, cutoff_hz : float
-    order : int
-    """
-
-    def __init__(self, shape: tuple[int, ...], rate_hz: float, cutoff_hz: float, order: int = 2) -> None:
-        self._sections = _second_order_sections(cutoff_hz, rate_hz, order)
-        self._shape = shape
-        self._memory: NDArray[Any] | None = None
-
-    def update(self, values: Float) -> Float:
-        """Filter the next ticks, shape (K, *shape); the first tick is taken as having lasted for ever."""
-        if values.shape[1:] != self._shape:
-            raise ShapeError(f"values have shape {values.shape}; this filter needs (ticks, *{self._shape})")
-        if not values.shape[0]:
-            return values.copy()
-        if self._memory is None:
-            rest = scipy.signal.sosfilt_zi(self._sections)
-            self._memory = rest.reshape(*rest.shape, *([1] * len(self._shape))) * values[0]
-        smooth, self._memory = scipy.signal.sosfilt(self._sections, values, axis=0, zi=self._memory)
-        return np.asarray(smooth)
-
-
 def derivative(
     values: ArrayLike, rate_hz: float, window_s: float = 0.5, order: int = 3, axis: int = -2
 ) -> Float:
@@ -286,7 +257,6 @@ def _moving_spread(values: Float, half: int) -> tuple[Float, Float]:
 
 __all__ = [
     "BRIDGE_S",
-    "CausalLowPass",
     "at_clip",
     "bridge",
     "derivative",

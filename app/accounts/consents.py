@@ -6,8 +6,6 @@ from sqlalchemy.orm import Session
 from app.accounts.models import Consent
 from app.database.base import utc_now
 
-PURPOSES = ("treatment", "research", "home_streaming")
-
 
 def consent(session: Session, patient_id: str, purpose: str) -> bool | None:
     """Return yes, no, or None when the patient was not asked.

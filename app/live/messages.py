@@ -18,7 +18,7 @@ Columns: every angle in rad, then every `<angle>.sigma` in rad, then every scala
 nothing to show.
 """
 
-from typing import Annotated, Literal
+from typing import Literal
 
 from pydantic import Field
 
@@ -100,12 +100,6 @@ class EventMessage(Schema):
     event: SessionEventOut
 
 
-LiveMessage = Annotated[
-    LayoutMessage | StateMessage | HealthMessage | EventMessage | CalibrationMessage | ErrorMessage,
-    Field(discriminator="type"),
-]
-
-
 class PlayerCommand(Schema):
     """Browser to `/ws/views/{view}`: steer a replay; also once a second while playing, to stay together."""
 
@@ -162,7 +156,6 @@ __all__ = [
     "JsonPacket",
     "JsonSensor",
     "LayoutMessage",
-    "LiveMessage",
     "PlayerCommand",
     "PlayerState",
     "SensorHealth",

@@ -56,12 +56,6 @@ def body_of(patient: Patient) -> BodyDimensions:
     )
 
 
-def reach_of(patient: Patient) -> float:
-    """Return upper arm plus forearm, the unit in which positions of two people are compared, m."""
-    body = body_of(patient)
-    return body.upper_arm_m + body.forearm_m
-
-
 def checked(setup: SessionSetup) -> SessionSetup:
     """Return the setup when its pipeline and estimator can be built.
 
@@ -409,7 +403,6 @@ __all__ = [
     "queue_closing",
     "queue_reprocess",
     "queue_reprocess_all",
-    "reach_of",
     "result_out",
     "thinned",
 ]

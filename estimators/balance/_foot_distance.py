@@ -4,7 +4,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from estimators.balance._mass_centre import acceleration, integrate_twice
+from estimators.balance.mass_centre._published import acceleration, integrate_twice
 from estimators.conventions import SIDES, Side
 from estimators.errors import SetupError, ShapeError
 from estimators.kinetics import LEAST_LOAD_N, GroundReaction

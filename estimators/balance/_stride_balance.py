@@ -8,8 +8,8 @@ import numpy as np
 
 from estimators import rotation
 from estimators.balance._both_feet import BothFeet
-from estimators.balance._mass_centre import MassCentre
 from estimators.balance._walking_work import walking_work
+from estimators.balance.mass_centre._published import MassCentre
 from estimators.conventions import SIDES, Side
 from estimators.kinetics import ShoeContact, ShoeGeometry
 from estimators.recording import Float

@@ -3,20 +3,18 @@
 from estimators.calibration._contract import Calibration
 from estimators.calibration._device import DeviceCalibration, TriadCalibration, correct
 from estimators.calibration._ferraris import FerrarisResult, Rest, ferraris, find_positions
-from estimators.calibration._mounting import OUTWARD_HEADING_RAD
 from estimators.calibration._n_pose import n_pose
 from estimators.calibration._placement import MisplacedError, PlacementFinding, check_mounting
 from estimators.calibration._static import UNUSUAL_BIAS_SCORE, StaticBias, static_bias, unusual_bias
 from estimators.calibration.field.full_turns import FullTurn, doubted_turns
-from estimators.calibration.field.local_field import EARTH_NORM_T, LocalField, local_field, odd_fields
+from estimators.calibration.field.local_field import LocalField, odd_fields
 from estimators.calibration.field.magnetometer import (
     MagnetometerCollector,
     MagnetometerProgress,
     MagnetometerResult,
 )
-from estimators.calibration.field.online_iron import OnlineHardIron
 from estimators.calibration.field.turns import circle_fit
-from estimators.calibration.movement.functional import KINDS, FunctionalResult, functional
+from estimators.calibration.movement.functional import FunctionalResult, functional
 from estimators.calibration.movement.joint_axes import AxisEstimate
 from estimators.calibration.movement.ordinary_elbow import OrdinaryElbow, elbow_from_movement
 from estimators.calibration.plausibility.finding import Finding, Hemisphere, in_words
@@ -24,9 +22,6 @@ from estimators.calibration.plausibility.recording_check import STRETCH_S, Recor
 from estimators.calibration.plausibility.same_signals import check_distinct, same_signals
 
 __all__ = [
-    "EARTH_NORM_T",
-    "KINDS",
-    "OUTWARD_HEADING_RAD",
     "STRETCH_S",
     "UNUSUAL_BIAS_SCORE",
     "AxisEstimate",
@@ -42,7 +37,6 @@ __all__ = [
     "MagnetometerProgress",
     "MagnetometerResult",
     "MisplacedError",
-    "OnlineHardIron",
     "OrdinaryElbow",
     "PlacementFinding",
     "RecordingCheck",
@@ -60,7 +54,6 @@ __all__ = [
     "find_positions",
     "functional",
     "in_words",
-    "local_field",
     "n_pose",
     "odd_fields",
     "same_signals",

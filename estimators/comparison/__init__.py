@@ -9,7 +9,6 @@
 """
 
 from estimators.comparison._activity import moving_time
-from estimators.comparison._alignment import Alignment, align
 from estimators.comparison._channels import (
     ArmChannels,
     arm_channels,
@@ -36,14 +35,12 @@ from estimators.comparison._contract import (
     Trajectory,
 )
 from estimators.comparison._judgement import judge_repetitions
-from estimators.comparison._measures import measure_label, repetition_measures, summarise
+from estimators.comparison._measures import measure_label
 from estimators.comparison._repetitions import find_repetitions
-from estimators.comparison._smoothness import movement_units, spectral_arc_length
 from estimators.comparison._template import build_template, near, phase_curves
 
 __all__ = [
     "PHASES",
-    "Alignment",
     "ArmChannels",
     "ComparisonResult",
     "Measure",
@@ -51,7 +48,6 @@ __all__ = [
     "RepetitionResult",
     "Template",
     "Trajectory",
-    "align",
     "arm_channels",
     "build_template",
     "channel_label",
@@ -65,13 +61,9 @@ __all__ = [
     "measure_label",
     "mirror_template",
     "mirror_trajectory",
-    "movement_units",
     "moving_time",
     "near",
     "phase_curves",
-    "repetition_measures",
-    "spectral_arc_length",
-    "summarise",
     "template_from_bytes",
     "template_to_bytes",
     "trajectory",

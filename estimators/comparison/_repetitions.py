@@ -23,7 +23,6 @@ _RATE_HZ = 60.0
 _SMALLEST_MOVEMENT = 0.05
 """Share of the reach (about 3 cm or 6 degrees) below which sensors cannot tell movement from drift."""
 _SHORTEST_S = 0.25
-_SINGLE_REST_S = 0.5
 _EXPLAINED = 0.4
 """Share of all movement that the repetitions must account for; random movement reaches a third."""
 _ONSET_SHARE = 0.05

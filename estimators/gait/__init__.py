@@ -12,13 +12,11 @@ first sample, for each foot its own.
 """
 
 from estimators.gait._common_course import CommonCourse, average_path, relate_by_course
-from estimators.gait._contact import ForceEvents, force_events
 from estimators.gait._guided_tests import GUIDED_KINDS, GuidedKind, GuidedTest, guided_test
 from estimators.gait._live_steps import USUAL_APART_M, LiveSteps, LiveStepTracker
-from estimators.gait._placement import Placement, Steps, foot_placement, steps_between, steps_in_one_world
+from estimators.gait._placement import Placement, Steps, foot_placement, steps_in_one_world
 from estimators.gait._related_feet import RelatedFeet, RelativeFeet, relate_feet
 from estimators.gait._stance import Stance, find_stance
-from estimators.gait._stride_flags import StrideFlag
 from estimators.gait._strides import Footholds, Strides, find_strides
 from estimators.gait._summary import (
     GaitSummary,
@@ -28,7 +26,6 @@ from estimators.gait._summary import (
     steady,
     step_measures,
     summarise,
-    turning,
     turns,
 )
 from estimators.gait.foot.live import FootChunk, FootTracker
@@ -45,7 +42,6 @@ __all__ = [
     "FootTracker",
     "FootTrajectory",
     "Footholds",
-    "ForceEvents",
     "GaitSummary",
     "GuidedKind",
     "GuidedTest",
@@ -57,14 +53,12 @@ __all__ = [
     "RelativeFeet",
     "Stance",
     "Steps",
-    "StrideFlag",
     "Strides",
     "average_path",
     "find_stance",
     "find_strides",
     "foot_parameters",
     "foot_placement",
-    "force_events",
     "guided_test",
     "measure",
     "measure_steps",
@@ -73,9 +67,7 @@ __all__ = [
     "smooth",
     "steady",
     "step_measures",
-    "steps_between",
     "steps_in_one_world",
     "summarise",
-    "turning",
     "turns",
 ]

@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 from estimators import rotation
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import ComparisonError, ContradictionError
-from estimators.optical._alignment import LEAST_CORRELATION, Alignment, align_markers
-from estimators.optical._alignment_signals import HALF_WIDTH_S
 from estimators.optical._attitude import level_attitude
 from estimators.optical._contract import Provenance
-from estimators.optical._mounting import Accelerations, Fit, accelerations, fit
+from estimators.optical.alignment._clusters import LEAST_CORRELATION, Alignment, align_markers
+from estimators.optical.alignment._mounting import Accelerations, Fit, accelerations, fit
+from estimators.optical.alignment._signals import HALF_WIDTH_S
 from estimators.recording import Float
 from estimators.sentences import say
 

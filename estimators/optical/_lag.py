@@ -47,11 +47,6 @@ class FixedLagSmoother:
         self._states, self._out = np.empty((0, at.NOMINAL)), np.empty((0, at.OUTPUT))
         self._covariances = np.empty((0, at.ERRORS, at.ERRORS))
 
-    @property
-    def lag_ticks(self) -> int:
-        """How many later ticks each stated tick has seen at least."""
-        return self._lag
-
     def begin(self, start: OpticalStart) -> None:
         """Begin from a known state, valid at the next tick."""
         self._live.begin(start)

@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from estimators import rotation
 from estimators.errors import ComparisonError, ShapeError
-from estimators.optical._alignment import Alignment, align_cluster, align_markers
 from estimators.optical._bridging import bridging_noise
 from estimators.optical._contract import OpticalResult, Provenance
 from estimators.optical._contradictions import check_mapping, check_result, explain
 from estimators.optical._fusion import OpticalInertialFilter
 from estimators.optical._gaps import Gap, fill_by_spline, gap_report
 from estimators.optical._stretch import GapCheck, Stretch, check_gaps, onto_ticks, prepare
+from estimators.optical.alignment._clusters import Alignment, align_cluster, align_markers
 from estimators.recording import Float
 from estimators.sentences import say
 

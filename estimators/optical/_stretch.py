@@ -9,13 +9,19 @@ from numpy.typing import NDArray
 
 from estimators import rotation
 from estimators.errors import ComparisonError
-from estimators.optical._alignment_signals import without_ghosts
 from estimators.optical._attitude import level_attitude
 from estimators.optical._contract import OpticalChunk, OpticalResult, OpticalStart
 from estimators.optical._fusion import OpticalInertialFilter, smooth_optical
 from estimators.optical._gaps import fill_by_spline
 from estimators.optical._lag import smooth_with_lag
-from estimators.optical._mounting import Accelerations, Mounting, accelerations, find_mounting, start_at
+from estimators.optical.alignment._mounting import (
+    Accelerations,
+    Mounting,
+    accelerations,
+    find_mounting,
+    start_at,
+)
+from estimators.optical.alignment._signals import without_ghosts
 from estimators.recording import Float
 from estimators.sentences import say
 

@@ -6,8 +6,6 @@ from typing import Any, Final
 from estimators.errors import SetupError
 from estimators.orientation._contract import OrientationEstimator, OrientationFlag, OrientationResult
 from estimators.orientation._device_constants import DeviceConstants
-from estimators.orientation._heading import estimate_lag, to_true_north
-from estimators.orientation._optical_reference import align_marker_frame, heading_offset, stick_angle_errors
 from estimators.orientation._scoring import OrientationErrors, orientation_errors
 from estimators.orientation._smoothers import (
     SmoothedChunk,
@@ -92,16 +90,11 @@ __all__ = [
     "SmoothedOrientation",
     "Smoother",
     "TelemotionEstimator",
-    "align_marker_frame",
     "available",
     "create",
-    "estimate_lag",
-    "heading_offset",
     "orientation_errors",
     "sliced",
     "smooth",
     "smoothers",
-    "stick_angle_errors",
-    "to_true_north",
     "with_orientation",
 ]

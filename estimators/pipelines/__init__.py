@@ -16,7 +16,7 @@ from estimators.pipelines._contract import (
     Pipeline,
     SessionSetup,
 )
-from estimators.pipelines._offline import is_offline, smooth_network, smoothed_chunk
+from estimators.pipelines._offline import is_offline, smooth_network
 from estimators.pipelines._orientation import OrientationPipeline
 from estimators.pipelines._run import available, concatenate, create, find_pose, kind, run, step_through
 from estimators.pipelines.arm.elbows import elbow_poses, elbows_to_refine, refine_elbows
@@ -31,14 +31,13 @@ from estimators.pipelines.relative.tracker_bursts import (
     analyse_bursts,
     angles_with_sigma,
 )
-from estimators.pipelines.walk.layout import BALANCE_POINTS, FORCE_STATES
+from estimators.pipelines.walk.layout import FORCE_STATES
 from estimators.pipelines.walk.magnetic_feet import FEET, apart_at_start, relative_feet, with_relative_feet
 from estimators.pipelines.walk.pipeline import GaitPipeline
 from estimators.pipelines.walk.shoes import ShoeWalk, analyse_shoes, has_shoes, with_shoes
 from estimators.pipelines.walk.walk import Walk, analyse_walk
 
 __all__ = [
-    "BALANCE_POINTS",
     "BURSTS",
     "BURST_ORIENTATION",
     "FEET",
@@ -83,7 +82,6 @@ __all__ = [
     "run",
     "smooth_modules",
     "smooth_network",
-    "smoothed_chunk",
     "step_through",
     "sway_columns",
     "trunk_above_ankles_m",

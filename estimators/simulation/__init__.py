@@ -1,10 +1,9 @@
 """The body network with exact truth: movements, sensors, their errors; faults in `simulation.faults`."""
 
 from estimators.kinetics import ShoeGeometry
-from estimators.simulation import faults
-from estimators.simulation._errors import SENSOR_PRESETS, SensorErrors, TriadErrors, sensor_errors
+from estimators.simulation._errors import SENSOR_PRESETS, SensorErrors, TriadErrors
 from estimators.simulation._handling import HandlingName, simulate_handling
-from estimators.simulation._sensors import EarthField, Magnet, Mounting, dipole_field, outward_mounting
+from estimators.simulation._sensors import EarthField, Magnet, Mounting, outward_mounting
 from estimators.simulation.arm.calibration_movements import (
     CALIBRATION_STYLE,
     calibration_exercise,
@@ -18,7 +17,7 @@ from estimators.simulation.arm.movements import (
     Schedule,
     style_of_impairment,
 )
-from estimators.simulation.arm.patients import IMPAIRMENT, PatientName, demonstration_scenario
+from estimators.simulation.arm.patients import PatientName, demonstration_scenario
 from estimators.simulation.arm.repeated_movement import RepeatedMovement, simulate_repetitions
 from estimators.simulation.arm.repeated_shapes import SHAPES
 from estimators.simulation.arm.scenario import (
@@ -30,14 +29,9 @@ from estimators.simulation.arm.scenario import (
     simulate_arm,
 )
 from estimators.simulation.gait.course import Bout, FootStyle, Leg, WalkStyle
-from estimators.simulation.gait.presets import GAIT_PRESETS, eyes_closed, gait_preset, stroke_feet
-from estimators.simulation.gait.scenario import (
-    GAIT_PLACEMENTS,
-    GaitScenario,
-    SimulatedWalk,
-    simulate_gait,
-)
-from estimators.simulation.gait.shoe import LoadCellErrors, ShoeErrors, shoe_errors
+from estimators.simulation.gait.presets import GAIT_PRESETS, eyes_closed, gait_preset
+from estimators.simulation.gait.scenario import GaitScenario, SimulatedWalk, simulate_gait
+from estimators.simulation.gait.shoe import LoadCellErrors, ShoeErrors
 from estimators.simulation.gait.truth import FootTruth, GaitTruth
 from estimators.simulation.gait.upper import BodyStyle
 
@@ -48,9 +42,7 @@ __all__ = [
     "ARM_PLACEMENTS",
     "CALIBRATION_STYLE",
     "EXERCISES",
-    "GAIT_PLACEMENTS",
     "GAIT_PRESETS",
-    "IMPAIRMENT",
     "REPEATED_FAMILIES",
     "SENSOR_PRESETS",
     "ArmScenario",
@@ -85,18 +77,13 @@ __all__ = [
     "calibration_exercise",
     "calibration_ranges_s",
     "demonstration_scenario",
-    "dipole_field",
     "eyes_closed",
-    "faults",
     "gait_preset",
     "outward_mounting",
-    "sensor_errors",
-    "shoe_errors",
     "simulate_arm",
     "simulate_gait",
     "simulate_handling",
     "simulate_repetitions",
-    "stroke_feet",
     "style_of_impairment",
     "t_pose_exercise",
 ]

@@ -18,9 +18,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 import numpy as np
 
 from estimators import rotation
-from estimators.arm import (
-    ArmModel,
-    BodyDimensions,
+from estimators.arm import ArmModel, BodyDimensions
+from estimators.arm.published import (
     arm_chain,
     chain_dual_quaternions,
     chain_screw_axes,

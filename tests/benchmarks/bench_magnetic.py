@@ -20,8 +20,9 @@ import numpy as np
 
 from estimators import pipelines
 from estimators.conventions import Placement
-from estimators.magnetic import RelativeFlag, coil_state, perpendicular_source, predict
+from estimators.magnetic import RelativeFlag, coil_state, perpendicular_source
 from estimators.magnetic import _loop_kernel as kernel
+from estimators.magnetic.published import predict
 from estimators.magnetic.relative import layout as at
 from estimators.pipelines import RelativePosePipeline, SessionSetup
 from estimators.recording import ImuChunk

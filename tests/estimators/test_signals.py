@@ -168,16 +168,6 @@ def test_low_pass_has_no_delay_and_stops_high_frequencies():
         signals.low_pass(np.zeros((10, 1)), RATE, 60.0)
 
 
-def test_causal_low_pass_does_not_depend_on_chunks():
-    values = np.random.default_rng(1).standard_normal((300, 2, 3))
-    whole = signals.CausalLowPass((2, 3), RATE, 5.0).update(values)
-    pieces = signals.CausalLowPass((2, 3), RATE, 5.0)
-    parts = np.split(values, [1, 2, 9, 9, 150])
-    np.testing.assert_array_equal(np.concatenate([pieces.update(part) for part in parts]), whole)
-    steady = signals.CausalLowPass((3,), RATE, 5.0).update(np.full((50, 3), 7.0))
-    np.testing.assert_allclose(steady, 7.0, atol=1e-12)
-
-
 def test_derivative_of_a_cubic_is_exact():
     time_s = even()
     cubic = np.stack((time_s**3, time_s**2 - time_s), axis=-1)

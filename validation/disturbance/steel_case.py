@@ -7,7 +7,7 @@ import numpy as np
 from scipy import stats
 
 from estimators import rotation
-from estimators.orientation._optical_reference import stick_angle_errors
+from estimators.orientation.published import stick_angle_errors
 from estimators.recording import Float
 from validation.disturbance.scenes import (
     FILTERS,

@@ -8,7 +8,8 @@ import numpy as np
 
 from estimators.conventions import SIDES
 from estimators.gait import find_strides, foot_placement, smooth
-from estimators.kinetics import ShoeGeometry, shoe_contact, shoe_pose
+from estimators.kinetics import ShoeGeometry
+from estimators.kinetics.published import shoe_contact, shoe_pose
 from estimators.recording import Float
 from estimators.simulation import SimulatedWalk, gait_preset, simulate_gait
 from validation.protocol import Data, Figure, Protocol, Values

@@ -5,12 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from estimators import rotation
-from estimators.magnetic import (
-    IronSphere,
+from estimators.magnetic import IronSphere, extract_pulses
+from estimators.magnetic.published import (
     biot_savart,
     choose_current,
     curvature_per_m2,
-    extract_pulses,
     linearisation_error_percent,
     noise_covariance,
     posterior_covariance,

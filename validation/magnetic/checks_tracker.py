@@ -5,14 +5,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from estimators import rotation
-from estimators.magnetic import (
+from estimators.magnetic import IronSphere, TrackerFlag, locate
+from estimators.magnetic.published import (
     MU0_TM_PER_A,
-    IronSphere,
-    TrackerFlag,
     closed_form,
     closed_form_published,
     dipole_covariance,
-    locate,
     predict,
 )
 from estimators.recording import Float

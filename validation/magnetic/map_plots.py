@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from estimators.magnetic import Coil, IronSphere, Source, linearisation_error_percent
+from estimators.magnetic import Coil, IronSphere, Source
+from estimators.magnetic.published import linearisation_error_percent
 from validation.protocol import Curve, Data, Plot
 
 _BENCH = Source((Coil(axis=(1.0, 0.0, 0.0)),))

@@ -7,20 +7,16 @@ import numpy as np
 
 from estimators import rotation
 from estimators.magnetic import (
-    MU0_TM_PER_A,
     Fix,
     TrackerFlag,
     TrackerLimits,
-    axial_reach_m,
     bursts,
-    closed_form,
-    dipole_covariance,
     extract_pulses,
     integrate_gyroscope,
     locate,
     perpendicular_source,
-    predict,
 )
+from estimators.magnetic.published import MU0_TM_PER_A, axial_reach_m, closed_form, dipole_covariance, predict
 from estimators.recording import Float
 from estimators.simulation.coils import (
     ModuleErrors,

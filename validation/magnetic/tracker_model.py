@@ -5,12 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from estimators import rotation
-from estimators.magnetic import (
-    Coil,
-    IronSphere,
-    Source,
+from estimators.magnetic import Coil, IronSphere, Source, extract_pulses
+from estimators.magnetic.published import (
     curvature_per_m2,
-    extract_pulses,
     linearisation_error_percent,
     noise_covariance,
     predict,

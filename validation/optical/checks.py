@@ -9,7 +9,7 @@ from scipy.signal import butter, sosfiltfilt
 
 from estimators import rotation
 from estimators.conventions import GRAVITY_MPS2
-from estimators.optical import (
+from estimators.optical.published import (
     OpticalChunk,
     OpticalInertialFilter,
     OpticalStart,

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from estimators.optical import (
+from estimators.optical import Provenance
+from estimators.optical.published import (
     OpticalChunk,
     OpticalInertialFilter,
-    Provenance,
     fill_by_spline,
     filter_and_smooth,
     smooth_optical,

@@ -7,9 +7,9 @@ from scipy.stats import jarque_bera
 
 from estimators import rotation
 from estimators.conventions import GRAVITY_MPS2
-from estimators.optical import OpticalChunk, OpticalInertialFilter, smooth_optical
 from estimators.optical import _kernel as kernel
 from estimators.optical import _layout as at
+from estimators.optical.published import OpticalChunk, OpticalInertialFilter, smooth_optical
 from estimators.recording import Float
 from validation.optical.checks import FORCE_SIGMA_MPS2, RATE_SIGMA_RADPS, noisier
 from validation.optical.scenes import MARKER_SIGMA_M, STEP_S, STILL_S, free_motion, walking_foot

@@ -8,13 +8,8 @@ from scipy.interpolate import make_interp_spline
 from scipy.stats import jarque_bera
 
 from estimators import rotation
-from estimators.optical import (
-    OpticalChunk,
-    OpticalInertialFilter,
-    OpticalStart,
-    align_cluster,
-    fuse_markers,
-)
+from estimators.optical import fuse_markers
+from estimators.optical.published import OpticalChunk, OpticalInertialFilter, OpticalStart, align_cluster
 from validation.optical.scenes import (
     MARKER_SIGMA_M,
     PARAMETERS,

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation, RotationSpline
 
 from estimators import rotation
 from estimators.conventions import GRAVITY_MPS2
-from estimators.optical import OpticalChunk
+from estimators.optical.published import OpticalChunk
 from estimators.recording import Float
 
 STEP_S, STILL_S, MARKER_SIGMA_M = 0.01, 3.0, 0.0003

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from estimators import rotation
-from estimators.magnetic import SPARING_PARAMETERS, TrackerFlag, locate, perpendicular_source, predict
+from estimators.magnetic import TrackerFlag, locate, perpendicular_source
+from estimators.magnetic.published import SPARING_PARAMETERS, predict
 from estimators.magnetic.relative.smoother import smooth_table
 from estimators.recording import Float
 from validation.protocol import Data, Figure, Protocol, Values

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from estimators import rotation
-from estimators.magnetic import SPARING_PARAMETERS, choose_coil
+from estimators.magnetic.published import SPARING_PARAMETERS, choose_coil
 from estimators.recording import Float
 from estimators.simulation.coils import ModuleErrors
 from validation.protocol import Data, Figure, Protocol, Values

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from estimators import rotation
-from estimators.magnetic import SPARING_PARAMETERS, RelativeFlag, locate, predict
+from estimators.magnetic import RelativeFlag, locate
+from estimators.magnetic.published import SPARING_PARAMETERS, predict
 from estimators.recording import Float
 from estimators.simulation.coils import ModuleErrors, SourceFaults
 from validation.protocol import Data, Figure, Protocol, Values

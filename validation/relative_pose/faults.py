@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.magnetic import SPARING_PARAMETERS, IronSphere, RelativeFlag
+from estimators.magnetic import IronSphere, RelativeFlag
+from estimators.magnetic.published import SPARING_PARAMETERS
 from estimators.magnetic.relative import layout as at
 from estimators.recording import Float
 from estimators.simulation.coils import Iron, ModuleErrors, RelativeScene, SourceFaults

@@ -6,7 +6,7 @@ import numpy as np
 
 from estimators import rotation
 from estimators.gait import FootParameters, find_stance, find_strides, smooth
-from estimators.magnetic import SHOE_PARAMETERS, shoe_source
+from estimators.magnetic.published import SHOE_PARAMETERS, shoe_source
 from estimators.recording import Float, SensorSignals
 from validation.protocol import Data, Figure, Protocol, Values
 from validation.relative_pose.runs import Run, mean_nees, rms, session

@@ -9,14 +9,8 @@ from numpy.typing import NDArray
 
 from estimators import rotation
 from estimators.conventions import GRAVITY_MPS2, SIDES, Side
-from estimators.kinetics import (
-    REPORT_SHARE,
-    GroundReaction,
-    ShoeKinetics,
-    ShoeParameters,
-    ShoePose,
-    analyse_shoe,
-)
+from estimators.kinetics import GroundReaction, ShoeKinetics, ShoeParameters, ShoePose, analyse_shoe
+from estimators.kinetics.published import REPORT_SHARE
 from estimators.recording import Float, Recording
 from estimators.simulation import FootTruth, GaitTruth, gait_preset, simulate_gait
 

@@ -5,15 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from estimators.balance import (
-    LiveMassCentre,
-    distance_between_feet,
-    pressure_only,
-    published_mass_centre,
-    smooth_mass_centre,
-    stride_balance,
-    total_reaction,
-)
+from estimators.balance import distance_between_feet, smooth_mass_centre, stride_balance
+from estimators.balance.published import LiveMassCentre, pressure_only, published_mass_centre, total_reaction
 from estimators.conventions import SIDES, Side
 from estimators.kinetics import GroundReaction, ShoeParameters, ground_reaction
 from estimators.recording import Float

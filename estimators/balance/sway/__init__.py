@@ -1,7 +1,6 @@
 """Standing on a trunk sensor: how much somebody sways, with uncertainty; eyes closed over open; functional reach."""
 
 from estimators.balance.sway._measures import (
-    HIGHEST_SWAY_HZ,
     SHORTEST_S,
     Ellipse,
     Reach,
@@ -11,11 +10,10 @@ from estimators.balance.sway._measures import (
     sway_ellipse,
     sway_measures,
 )
-from estimators.balance.sway._posture import posture, sway_acceleration, sway_lean
+from estimators.balance.sway._posture import posture, sway_acceleration
 from estimators.balance.sway._spectrum import SwayMeasure, SwaySpectrum
 
 __all__ = [
-    "HIGHEST_SWAY_HZ",
     "SHORTEST_S",
     "Ellipse",
     "Reach",
@@ -27,6 +25,5 @@ __all__ = [
     "romberg_ratio",
     "sway_acceleration",
     "sway_ellipse",
-    "sway_lean",
     "sway_measures",
 ]

@@ -1,10 +1,8 @@
 """The complementary Kalman filter with magnetic disturbance of Roetenberg (2006), chapters 2 and 3."""
 
 from estimators.orientation.roetenberg._estimator import (
-    PAGE,
-    PUBLISHED,
     RoetenbergEstimator,
     RoetenbergParameters,
 )
 
-__all__ = ["PAGE", "PUBLISHED", "RoetenbergEstimator", "RoetenbergParameters"]
+__all__ = ["RoetenbergEstimator", "RoetenbergParameters"]

@@ -13,7 +13,6 @@ from scipy.spatial.transform import Rotation, RotationSpline
 from estimators.errors import SetupError
 from estimators.recording import Float
 
-Blend = tuple[Float, Float]
 Poses = tuple[Rotation, Float, Rotation, Float]
 """Source attitude and place, sensor attitude and place, in the world."""
 

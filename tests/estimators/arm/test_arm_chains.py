@@ -7,12 +7,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from estimators import rotation
-from estimators.arm import (
+from estimators.arm import MODEL_ANGLES, BodyDimensions, segments_from_angles
+from estimators.arm.chains import chain_kernel as kernels
+from estimators.arm.published import (
     ARM_CHAIN_ENDS,
     KINEMATIC_METHODS,
-    MODEL_ANGLES,
     WRIST_JOINT_RAD,
-    BodyDimensions,
     LinkChain,
     arm_chain,
     arm_dual_quaternions,
@@ -36,13 +36,11 @@ from estimators.arm import (
     operation_count,
     screw,
     segment_transforms,
-    segments_from_angles,
     transform,
     transform_point,
     two_link_joint_angles,
     two_link_pose,
 )
-from estimators.arm.chains import chain_kernel as kernels
 from estimators.errors import SetupError, ShapeError
 
 L_U, L_F = 0.30, 0.25

@@ -5,16 +5,14 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from estimators import rotation
-from estimators.arm import (
+from estimators.arm import ArmModel, BodyDimensions, segments_from_angles
+from estimators.arm.published import (
     SIGN_TABLE,
     SINGULAR_MARGIN_RAD,
-    ArmModel,
-    BodyDimensions,
     continuous_shoulder_angles,
     elbow_angles,
     elbow_from_angles,
     mirrored,
-    segments_from_angles,
     shoulder_angles,
     shoulder_from_angles,
     trunk_angles,

@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 from estimators import rotation
-from estimators.arm import (
+from estimators.arm import ArmModel, BodyDimensions
+from estimators.arm.published import (
     SIGMA_CEILING_RAD,
-    ArmModel,
-    BodyDimensions,
     body_from_stature,
     evaluate_reference,
     joint_angle_sigma,
@@ -149,7 +148,8 @@ def test_hand_speed_is_the_derivative_of_the_hand_position():
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_sigma_matches_a_sampled_spread_and_grows_toward_the_singularity(side):
     """20,000 draws of the orientation error: the spread of the angles is the sigma to 3 percent."""
-    from estimators.arm import elbow_angles, segments_from_angles, shoulder_angles, wrist_angles
+    from estimators.arm import segments_from_angles
+    from estimators.arm.published import elbow_angles, shoulder_angles, wrist_angles
 
     rng = np.random.default_rng(33)
     elevation = np.radians(40.0)

@@ -10,14 +10,12 @@ from estimators.arm import (
     ArmModel,
     BodyDimensions,
     LengthSigma,
-    angular_velocity,
     arm_points,
-    joint_centres,
-    point_chain,
     point_covariance,
     point_motion,
     segments_from_angles,
 )
+from estimators.arm.published import angular_velocity, joint_centres, point_chain
 from estimators.conventions import PLACEMENTS
 from estimators.errors import SetupError, ShapeError
 from estimators.simulation import ArmScenario, MovementStyle, Schedule, simulate_arm

@@ -5,7 +5,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from estimators import rotation
-from estimators.arm import (
+from estimators.arm import frames_in_sequence, segments_from_angles, sequence_names
+from estimators.arm.published import (
     JOINTS,
     SEQUENCES,
     SINGULAR_MARGIN_RAD,
@@ -13,10 +14,7 @@ from estimators.arm import (
     angles_in_sequence,
     elbow_angles,
     elbow_from_angles,
-    frames_in_sequence,
     mirrored,
-    segments_from_angles,
-    sequence_names,
     shoulder_angles,
     shoulder_from_angles,
     singular_distances,

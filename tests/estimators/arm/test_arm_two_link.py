@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from estimators import rotation
-from estimators.arm import (
+from estimators.arm.published import (
     inverse_transform,
     transform,
     transform_point,

@@ -6,13 +6,9 @@ import numpy as np
 import pytest
 
 from estimators import rotation
-from estimators.arm import (
-    HeadingConstraintParameters,
-    JointHeadingConstraint,
-    mirrored,
-    segments_from_angles,
-)
+from estimators.arm import HeadingConstraintParameters, JointHeadingConstraint, segments_from_angles
 from estimators.arm._heading_kernel import predict_constraint
+from estimators.arm.published import mirrored
 from estimators.errors import SetupError, ShapeError
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
 

@@ -7,21 +7,23 @@ import numpy as np
 import pytest
 
 from estimators.balance import (
-    LiveMassCentre,
     MassCentreParameters,
     body_mass,
     combine_feet,
     distance_between_feet,
+    smooth_mass_centre,
+)
+from estimators.balance.mass_centre._kernel import forward
+from estimators.balance.mass_centre._smoother import _Records, _settings
+from estimators.balance.published import (
+    LiveMassCentre,
     least_squares_mass_centre,
     momentum_anchor,
     published_mass_centre,
-    smooth_mass_centre,
     standing,
     total_reaction,
     vertical_mass_centre,
 )
-from estimators.balance._mass_centre_kernel import forward
-from estimators.balance._mass_centre_smoother import _Records, _settings
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import SetupError, ShapeError
 from estimators.kinetics import ground_reaction

@@ -5,22 +5,21 @@ import pytest
 from scipy import stats
 
 from estimators import rotation
-from estimators.balance import (
-    base_of_support,
+from estimators.balance import base_of_support, sole_corners, stability_margin
+from estimators.balance.published import (
     body_segments,
     extrapolated_mass_centre,
     margin_to_edge,
     repeated_measures,
     segmental_mass_centre,
     sideways_margin,
-    sole_corners,
-    stability_margin,
     walking_work,
 )
 from estimators.body import body_from_stature
 from estimators.conventions import GRAVITY_MPS2, PLACEMENTS, SIDES
 from estimators.errors import SetupError, ShapeError
-from estimators.kinetics import ShoeGeometry, predicted_reaction
+from estimators.kinetics import ShoeGeometry
+from estimators.kinetics.published import predicted_reaction
 from validation.shoes.walk import analysed_walk, com_scenario
 
 

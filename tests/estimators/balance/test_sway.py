@@ -12,9 +12,9 @@ from estimators.balance.sway import (
     romberg_ratio,
     sway_acceleration,
     sway_ellipse,
-    sway_lean,
     sway_measures,
 )
+from estimators.balance.sway._posture import sway_lean
 from estimators.body import BodyDimensions
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import ShapeError

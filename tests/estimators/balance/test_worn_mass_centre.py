@@ -4,16 +4,9 @@ import numpy as np
 import pytest
 
 from estimators import rotation
-from estimators.balance import (
-    BodySegments,
-    WornBodyParameters,
-    WornMassCentre,
-    body_segments,
-    has_mass_centre,
-    mean_segments,
-    segmental_mass_centre,
-)
-from estimators.balance._segments import PAIRED, SEGMENTS
+from estimators.balance import BodySegments, WornBodyParameters, WornMassCentre, has_mass_centre
+from estimators.balance.mass_centre._segments import PAIRED, SEGMENTS
+from estimators.balance.published import body_segments, mean_segments, segmental_mass_centre
 from estimators.body import BodyDimensions
 from estimators.conventions import PLACEMENTS
 from estimators.errors import SetupError, ShapeError

@@ -7,15 +7,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from estimators import rotation, signals
-from estimators.calibration import (
-    LocalField,
-    MagnetometerCollector,
-    OnlineHardIron,
-    TriadCalibration,
-    circle_fit,
-    local_field,
-    odd_fields,
-)
+from estimators.calibration import LocalField, MagnetometerCollector, TriadCalibration, circle_fit, odd_fields
+from estimators.calibration.field.local_field import local_field
+from estimators.calibration.field.online_iron import OnlineHardIron
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import CalibrationError, ShapeError
 from estimators.simulation import SENSOR_PRESETS, ArmScenario, EarthField, Schedule, simulate_arm

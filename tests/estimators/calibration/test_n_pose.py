@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from estimators import rotation
-from estimators.calibration import OUTWARD_HEADING_RAD, n_pose
+from estimators.calibration import n_pose
+from estimators.calibration._mounting import OUTWARD_HEADING_RAD
 from estimators.conventions import GRAVITY_MPS2, PLACEMENTS
 from estimators.errors import ShapeError
 from estimators.orientation import OrientationFlag

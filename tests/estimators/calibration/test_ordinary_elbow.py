@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from estimators import rotation
-from estimators.arm import elbow_from_angles
+from estimators.arm.published import elbow_from_angles
 from estimators.calibration import elbow_from_movement
 from estimators.errors import ShapeError
 from tests.said import refuses

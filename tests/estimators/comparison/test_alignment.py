@@ -5,11 +5,11 @@ import itertools
 import numpy as np
 import pytest
 
-from estimators.comparison import align
 from estimators.comparison._alignment import (
     STRAY_PENALTY,
     accumulate,
     accumulate_numpy,
+    align,
     apply,
     local_cost,
     local_cost_numpy,

@@ -3,8 +3,12 @@
 import numpy as np
 import pytest
 
-from estimators.comparison import movement_units, spectral_arc_length
-from estimators.comparison._smoothness import noise_level, spectral_arc_length_uncertainty
+from estimators.comparison._smoothness import (
+    movement_units,
+    noise_level,
+    spectral_arc_length,
+    spectral_arc_length_uncertainty,
+)
 
 
 def bell(time_s, duration_s):

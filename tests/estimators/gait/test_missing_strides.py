@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from foot_walk import foot_walk
 
-from estimators.gait import StrideFlag, find_strides, guided_test, smooth, steady, summarise, turns
+from estimators.gait import find_strides, guided_test, smooth, steady, summarise, turns
+from estimators.gait._stride_flags import StrideFlag
 from estimators.recording import SensorSignals
 from tests.said import codes, sentence
 

@@ -5,7 +5,8 @@ import pytest
 from foot_walk import foot_walk
 
 from estimators.conventions import GRAVITY_MPS2
-from estimators.gait import FootFlag, StrideFlag, find_strides, guided_test, smooth, steady, summarise
+from estimators.gait import FootFlag, find_strides, guided_test, smooth, steady, summarise
+from estimators.gait._stride_flags import StrideFlag
 from estimators.recording import SensorSignals
 from tests.said import codes
 

@@ -4,8 +4,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from estimators.errors import SetupError, ShapeError
-from estimators.gait import foot_placement, steps_between
-from estimators.gait._placement import END_FACTOR_3, MIDDLE_FACTOR_3, RMS_FACTOR_3
+from estimators.gait import foot_placement
+from estimators.gait._placement import END_FACTOR_3, MIDDLE_FACTOR_3, RMS_FACTOR_3, steps_between
 from tests.said import refuses
 
 

@@ -6,7 +6,8 @@ import pytest
 from foot_walk import foot_walk
 
 from estimators.errors import ShapeError
-from estimators.gait import find_strides, force_events, smooth, steady, summarise, turns
+from estimators.gait import find_strides, smooth, steady, summarise, turns
+from estimators.gait._contact import force_events
 from estimators.recording import SensorSignals
 from estimators.simulation import gait_preset, simulate_gait
 from tests.said import codes

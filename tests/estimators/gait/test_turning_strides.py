@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from foot_walk import foot_walk
 
-from estimators.gait import StrideFlag, find_strides, smooth, steady, summarise, turning
+from estimators.gait import find_strides, smooth, steady, summarise
+from estimators.gait._stride_flags import StrideFlag
+from estimators.gait._summary import turning
 
 
 @pytest.fixture(scope="module")

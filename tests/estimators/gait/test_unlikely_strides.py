@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from foot_walk import foot_walk
 
-from estimators.gait import StrideFlag, find_strides, smooth, steady, summarise
-from estimators.gait._stride_flags import long_strides
+from estimators.gait import find_strides, smooth, steady, summarise
+from estimators.gait._stride_flags import StrideFlag, long_strides
 
 
 @pytest.fixture(scope="module")

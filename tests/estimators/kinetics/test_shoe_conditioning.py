@@ -7,10 +7,9 @@ import pytest
 
 from estimators import rotation
 from estimators.errors import CalibrationError, SetupError, ShapeError
-from estimators.kinetics import (
-    analyse_shoe,
+from estimators.kinetics import analyse_shoe, force_peaks
+from estimators.kinetics.published import (
     fill_gaps,
-    force_peaks,
     lag_s,
     on_one_time_base,
     over_cycles,

@@ -15,10 +15,12 @@ from estimators.kinetics import (
     ShoeParameters,
     ShoePose,
     analyse_shoe,
+    ground_reaction,
+)
+from estimators.kinetics.published import (
     ankle_load,
     calibrate_load_cell,
     environment_power,
-    ground_reaction,
     hinge_load,
     is_inside_sole,
     pressure_point,

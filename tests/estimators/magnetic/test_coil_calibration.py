@@ -5,14 +5,8 @@ import pytest
 
 from estimators import rotation
 from estimators.errors import CalibrationError, ShapeError
-from estimators.magnetic import (
-    Coil,
-    Source,
-    calibrate_coils,
-    calibrate_moments,
-    perpendicular_source,
-    predict,
-)
+from estimators.magnetic import Coil, Source, perpendicular_source
+from estimators.magnetic.published import calibrate_coils, calibrate_moments, predict
 
 DESIGNED = perpendicular_source(0.06)
 TRUE = Source(

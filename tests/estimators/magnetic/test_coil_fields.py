@@ -7,24 +7,20 @@ import pytest
 from scipy.special import ellipe, ellipk
 
 from estimators.errors import SetupError, ShapeError
-from estimators.magnetic import (
+from estimators.magnetic import Coil, IronSphere, Source, keep_away_distance_m, perpendicular_source
+from estimators.magnetic import _loop_kernel as kernel
+from estimators.magnetic.published import (
     MU0_TM_PER_A,
-    Coil,
-    IronSphere,
-    Source,
     axial_dipole_error,
     axial_reach_m,
     biot_savart,
     curvature_per_m2,
     dipole_field,
     dipole_gradient,
-    keep_away_distance_m,
     linearisation_error_percent,
-    perpendicular_source,
     range_m,
     required_moment_am2,
 )
-from estimators.magnetic import _loop_kernel as kernel
 
 RNG = np.random.default_rng(5)
 TILTED = Coil(50.0, 0.055, (0.01, 0.02, -0.03), (1.0, 2.0, 3.0))

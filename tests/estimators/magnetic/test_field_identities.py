@@ -4,15 +4,13 @@ import numpy as np
 import pytest
 
 from estimators import rotation
-from estimators.magnetic import (
-    Coil,
-    Source,
+from estimators.magnetic import Coil, Source, perpendicular_source
+from estimators.magnetic.published import (
     axial_dipole_error,
     biot_savart,
     choose_coil,
     closed_form,
     noise_covariance,
-    perpendicular_source,
     posterior_covariance,
     predict,
     update,

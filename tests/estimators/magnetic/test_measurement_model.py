@@ -5,13 +5,11 @@ import pytest
 
 from estimators import rotation
 from estimators.errors import SetupError, ShapeError
-from estimators.magnetic import (
-    Coil,
-    Source,
+from estimators.magnetic import Coil, Source, perpendicular_source
+from estimators.magnetic.published import (
     choose_coil,
     choose_current,
     noise_covariance,
-    perpendicular_source,
     posterior_covariance,
     predict,
     update,

@@ -6,15 +6,8 @@ import pytest
 from estimators import rotation
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import CalibrationError, ShapeError
-from estimators.magnetic import (
-    Coil,
-    Source,
-    calibrate_at_places,
-    calibrate_coils,
-    find_stops,
-    perpendicular_source,
-    predict,
-)
+from estimators.magnetic import Coil, Source, calibrate_at_places, find_stops, perpendicular_source
+from estimators.magnetic.published import calibrate_coils, predict
 
 DESIGNED = perpendicular_source(0.06)
 TRUE = Source(

@@ -13,9 +13,9 @@ from estimators.magnetic.relative import motion
 from estimators.magnetic.relative import pulse as pulses
 from estimators.magnetic.relative.parameters import read, to_settings
 from estimators.magnetic.relative.update import update_inclination, update_pulse
-from estimators.optical import OpticalInertialFilter
 from estimators.optical import _kernel as optical
 from estimators.optical import _layout as marked
+from estimators.optical.published import OpticalInertialFilter
 from estimators.simulation.coils import ModuleErrors, relative_motion, relative_scene
 from tests.estimators.magnetic.relative_scenes import SOURCE, as_chunk, closed_loop
 

@@ -9,13 +9,8 @@ import pytest
 
 from estimators import rotation
 from estimators.errors import SetupError, ShapeError
-from estimators.magnetic import (
-    SPARING_PARAMETERS,
-    RelativeFlag,
-    RelativePoseFilter,
-    Source,
-    perpendicular_source,
-)
+from estimators.magnetic import RelativeFlag, RelativePoseFilter, Source, perpendicular_source
+from estimators.magnetic.published import SPARING_PARAMETERS
 from estimators.magnetic.relative import layout as at
 from estimators.magnetic.relative import motion
 from estimators.magnetic.relative import pulse as pulses

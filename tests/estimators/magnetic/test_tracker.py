@@ -6,19 +6,21 @@ import pytest
 from estimators import rotation
 from estimators.errors import SetupError, ShapeError
 from estimators.magnetic import (
-    MU0_TM_PER_A,
     Coil,
     Source,
     TrackerFlag,
     bursts,
-    closed_form,
-    closed_form_published,
-    dipole_covariance,
     extract_pulses,
-    find_pulses,
     integrate_gyroscope,
     locate,
     perpendicular_source,
+)
+from estimators.magnetic.published import (
+    MU0_TM_PER_A,
+    closed_form,
+    closed_form_published,
+    dipole_covariance,
+    find_pulses,
     predict,
 )
 

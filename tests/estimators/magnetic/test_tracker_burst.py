@@ -19,11 +19,9 @@ from estimators.magnetic import (
     follow_bursts,
     integrate_gyroscope,
     locate,
-    locate_moving,
-    middle_tick,
     perpendicular_source,
-    pulse_covariance,
 )
+from estimators.magnetic.published import locate_moving, middle_tick, pulse_covariance
 from estimators.simulation.coils import ModuleErrors, burst_motion, fire_bursts, relative_scene
 
 EXACT = perpendicular_source()

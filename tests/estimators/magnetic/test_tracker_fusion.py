@@ -8,7 +8,8 @@ import pytest
 
 from estimators import rotation
 from estimators.errors import SetupError, ShapeError
-from estimators.magnetic import TrackerFusion, TrackerFusionChunk, perpendicular_source, smooth_tracker_fusion
+from estimators.magnetic import TrackerFusionChunk, perpendicular_source, smooth_tracker_fusion
+from estimators.magnetic.published import TrackerFusion
 from estimators.magnetic.tracker import fusion_fix as fix_kernel
 from estimators.magnetic.tracker import fusion_kernel as kernel
 from estimators.magnetic.tracker import fusion_layout as at

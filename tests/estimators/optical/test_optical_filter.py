@@ -8,18 +8,18 @@ import pytest
 from estimators import rotation
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import SetupError, ShapeError
-from estimators.optical import (
+from estimators.optical import Provenance
+from estimators.optical import _kernel as kernel
+from estimators.optical import _layout as at
+from estimators.optical.published import (
     FixedLagSmoother,
     OpticalChunk,
     OpticalInertialFilter,
     OpticalStart,
-    Provenance,
     gap_report,
     smooth_optical,
     smooth_with_lag,
 )
-from estimators.optical import _kernel as kernel
-from estimators.optical import _layout as at
 from validation.optical.scenes import PARAMETERS, STEP_S, Scene, free_motion
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from estimators import rotation
 from estimators.conventions import GRAVITY_MPS2
-from estimators.optical import (
+from estimators.optical.published import (
     OpticalChunk,
     OpticalInertialFilter,
     OpticalStart,

@@ -6,7 +6,8 @@ from scipy.interpolate import make_interp_spline
 
 from estimators import rotation
 from estimators.errors import ComparisonError, ContradictionError
-from estimators.optical import align_cluster, align_markers, fill_by_spline, fuse_markers
+from estimators.optical import fuse_markers
+from estimators.optical.published import align_cluster, align_markers, fill_by_spline
 from validation.optical.recording import OPTICAL_RECORDING
 from validation.optical.scenes import PARAMETERS, STEP_S, Scene, free_motion
 

@@ -5,7 +5,7 @@ import pytest
 
 from estimators import rotation
 from estimators.errors import ShapeError
-from estimators.orientation import estimate_lag, to_true_north
+from estimators.orientation.published import estimate_lag, to_true_north
 
 
 def test_east_declination_adds_to_the_heading():

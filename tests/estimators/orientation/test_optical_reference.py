@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from estimators import rotation
 from estimators.errors import ShapeError
-from estimators.orientation._optical_reference import (
+from estimators.orientation.published import (
     align_marker_frame,
     heading_offset,
     stick_angle_errors,

@@ -9,7 +9,8 @@ from pipeline_contract import PipelineContract
 
 from estimators import pipelines
 from estimators.balance import _live_balance_kernel as balance
-from estimators.balance import base_of_support, margin_to_edge
+from estimators.balance import base_of_support
+from estimators.balance.published import margin_to_edge
 from estimators.conventions import SIDES
 from estimators.orientation import OrientationFlag
 from estimators.pipelines import BodyDimensions, SessionSetup

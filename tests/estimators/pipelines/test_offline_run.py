@@ -8,7 +8,8 @@ import pytest
 from estimators import orientation, rotation, signals
 from estimators.calibration import DeviceCalibration, TriadCalibration
 from estimators.errors import SetupError
-from estimators.pipelines import SessionSetup, create, run, smooth_network, smoothed_chunk, step_through
+from estimators.pipelines import SessionSetup, create, run, smooth_network, step_through
+from estimators.pipelines._offline import smoothed_chunk
 
 
 @pytest.fixture(scope="module")

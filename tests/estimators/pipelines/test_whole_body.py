@@ -7,7 +7,8 @@ import pytest
 from pipeline_contract import PipelineContract
 
 from estimators import pipelines, signals
-from estimators.balance import MASS_SCALARS, mean_segments, segmental_mass_centre
+from estimators.balance import MASS_SCALARS
+from estimators.balance.published import mean_segments, segmental_mass_centre
 from estimators.errors import SetupError
 from estimators.orientation import OrientationFlag
 from estimators.pipelines import SessionSetup, create

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from estimators.errors import SetupError
-from estimators.simulation import ArmScenario, Schedule, dipole_field, faults, simulate_arm
+from estimators.simulation import ArmScenario, Schedule, faults, simulate_arm
+from estimators.simulation._sensors import dipole_field
 
 
 @pytest.fixture(scope="module")

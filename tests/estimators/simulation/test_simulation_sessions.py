@@ -177,7 +177,7 @@ def test_default_mounting_points_outward_in_the_n_pose():
 
 
 def test_the_rule_is_the_one_that_the_n_pose_calibration_expects():
-    from estimators.calibration import OUTWARD_HEADING_RAD
+    from estimators.calibration._mounting import OUTWARD_HEADING_RAD
 
     one = simulate_arm(
         ArmScenario(

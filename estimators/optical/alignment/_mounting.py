@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from estimators import rotation
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import ComparisonError
-from estimators.optical._alignment_signals import HALF_WIDTH_S, linear, repetition, triangle, without_ghosts
 from estimators.optical._attitude import level_attitude
 from estimators.optical._contract import OpticalStart
+from estimators.optical.alignment._signals import HALF_WIDTH_S, linear, repetition, triangle, without_ghosts
 from estimators.recording import Float
 from estimators.sentences import say
 

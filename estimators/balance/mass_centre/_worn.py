@@ -7,9 +7,9 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.balance import _worn_mass_centre_kernel as at
-from estimators.balance._body_levers import MIDDLE_TRUNK, body_levers, stand_in_of
-from estimators.balance._segments import BodySegments, mean_segments
+from estimators.balance.mass_centre import _worn_kernel as at
+from estimators.balance.mass_centre._body_levers import MIDDLE_TRUNK, body_levers, stand_in_of
+from estimators.balance.mass_centre._segments import BodySegments, mean_segments
 from estimators.body import HIP_HEIGHT_PER_STATURE, BodyDimensions
 from estimators.conventions import PLACEMENTS, SIDES
 from estimators.errors import SetupError, ShapeError

@@ -6,8 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimators import rotation
-from estimators.balance._body_levers import HEEL_BEHIND_ANKLE, HIP_HALF_WIDTH_PER_STATURE, stand_in_of
-from estimators.balance._segments import (
+from estimators.balance.mass_centre._body_levers import (
+    HEEL_BEHIND_ANKLE,
+    HIP_HALF_WIDTH_PER_STATURE,
+    stand_in_of,
+)
+from estimators.balance.mass_centre._segments import (
     FOOT_PER_STATURE,
     HEAD_PER_STATURE,
     SHANK_PER_STATURE,

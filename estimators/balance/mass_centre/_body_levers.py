@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from estimators.balance._segments import (
+from estimators.balance.mass_centre._segments import (
     FOOT_PER_STATURE,
     HEAD_PER_STATURE,
     SHANK_PER_STATURE,

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.balance._mass_centre import (
+from estimators.balance.mass_centre._kernel import STATES, forward
+from estimators.balance.mass_centre._published import (
     MassCentre,
     acceleration,
     momentum_anchor,
     vertical_mass_centre,
 )
-from estimators.balance._mass_centre_kernel import STATES, forward
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import SetupError, ShapeError
 from estimators.recording import Float

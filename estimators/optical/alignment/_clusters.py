@@ -8,7 +8,8 @@ import scipy
 from estimators import rotation
 from estimators.conventions import GRAVITY_MPS2
 from estimators.errors import ComparisonError
-from estimators.optical._alignment_signals import (
+from estimators.optical._attitude import strapdown
+from estimators.optical.alignment._signals import (
     HALF_WIDTH_S,
     correlations,
     evenly,
@@ -18,7 +19,6 @@ from estimators.optical._alignment_signals import (
     triangle,
     without_ghosts,
 )
-from estimators.optical._attitude import strapdown
 from estimators.recording import Float
 from estimators.sentences import say
 

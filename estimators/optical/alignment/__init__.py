@@ -1,0 +1,1 @@
+"""How a sensor's frame and clock lie to the markers on the same segment."""
