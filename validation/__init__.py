@@ -39,6 +39,7 @@ from validation.foot.recordings import (
     FOOT_STRIDES,
     FOOT_WALKS,
 )
+from validation.guidance import COUNT, CUES, PHASE
 from validation.inclination.consistency import CONSISTENCY
 from validation.inclination.offset import OFFSET_RECOVERY, STILL_SENSOR
 from validation.inclination.tasks import INCLINATION_TASKS
@@ -118,6 +119,9 @@ _PROTOCOLS = (
     REPETITIONS,
     ANY_REPETITIONS,
     ARM_SESSION,
+    PHASE,
+    COUNT,
+    CUES,
     FUNCTIONAL_CALIBRATION,
     JOINT_HEADINGS,
     INCLINATION_TASKS,

@@ -29,6 +29,9 @@ SLOW = {
     "orientation_honesty": 6,
     "disturbance_iron_cylinder": 20,
     "disturbance_steel_case": 20,
+    "guidance_phase": 10,
+    "guidance_count": 10,
+    "guidance_cues": 10,
     "foot_placement": 1,
     "foot_placement_conditions": 1,
     "ankle_dynamics": 2,
@@ -69,6 +72,20 @@ QUICK = {
     "magnetic_bench": 20,
 }
 SHORT: dict[str, set[str]] = {
+    "guidance_phase": {
+        "no rest between repetitions, median",
+        "no rest between repetitions, 95 %",
+        "mild impairment, median",
+        "mild impairment, 95 %",
+        "delay, median",
+        "delay, 95 %",
+    },
+    "guidance_cues": {
+        "cues that were right",
+        "false cues with pauses, tremor, stops or no rest, of 100",
+        # Of fifty 0.87 +- 0.3 s, which leaves it open.
+        "cue after the true deviation left its tolerance, 95 %",
+    },
     "magnetic_fusion_checks": {"back, flexion, forward over tracker alone, position"},
     "orientation_honesty": {
         *(

@@ -16,6 +16,8 @@ from validation import Figure, Protocol
 SHORT = {
     "broad_offline",
     "foot_rates_and_links",
+    "guidance_cues",
+    "guidance_phase",
     "magnetic_fusion_checks",
     "orientation_cuts",
     "orientation_honesty",
