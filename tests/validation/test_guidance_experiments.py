@@ -13,7 +13,7 @@ NEVER = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("protocol", (PHASE, COUNT, CUES), ids=lambda one: one.name)
+@pytest.mark.parametrize("protocol", [PHASE, COUNT, CUES], ids=lambda one: one.name)
 def test_an_experiment_measures_its_figures(protocol):
     values, _ = measured(protocol, [2], {})
     for name, value in values.items():
