@@ -4,15 +4,17 @@
 `Recording` is a whole one, with its own time stamps, as a file reader or the store gives it.
 """
 
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from enum import IntFlag
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from estimators.conventions import Placement
 from estimators.errors import ShapeError
+from estimators.samples import Samples
 
 Float = NDArray[np.float64]
 
@@ -32,7 +34,7 @@ class SampleQuality(IntFlag):
 
 
 @dataclass(frozen=True)
-class ImuChunk:
+class ImuChunk(Samples):
     """Consecutive ticks of S sensors at one fixed time step.
 
     Attributes
@@ -55,6 +57,9 @@ class ImuChunk:
         never bridged. None when no sensor of the network has a cell.
     """
 
+    TICK_AXIS: ClassVar[int] = 1
+    UNKNOWN_BITS: ClassVar[int] = SampleQuality.MISSING.value
+
     first_tick: int
     time_step_s: float
     gyroscope_radps: Float
@@ -71,29 +76,19 @@ class ImuChunk:
         return int(self.gyroscope_radps.shape[0])
 
     @property
-    def tick_count(self) -> int:
-        """Number of ticks K."""
-        return int(self.gyroscope_radps.shape[1])
-
-    @property
     def time_s(self) -> Float:
         """Time of each tick since the start of the session, shape (K,)."""
         ticks = np.arange(self.first_tick, self.first_tick + self.tick_count, dtype=np.float64)
         return ticks * self.time_step_s
 
-    def ticks(self, start: int, stop: int) -> "ImuChunk":
-        """Return the half-open range of ticks `[start, stop)`, counted within this chunk."""
-        magnetometer = None if self.magnetometer_t is None else self.magnetometer_t[:, start:stop]
-        return replace(
-            self,
-            first_tick=self.first_tick + start,
-            gyroscope_radps=self.gyroscope_radps[:, start:stop],
-            accelerometer_mps2=self.accelerometer_mps2[:, start:stop],
-            magnetometer_t=magnetometer,
-            quality=self.quality[:, start:stop],
-            coil_state=None if self.coil_state is None else self.coil_state[:, start:stop],
-            force_n=None if self.force_n is None else self.force_n[:, start:stop],
-            moment_nm=None if self.moment_nm is None else self.moment_nm[:, start:stop],
+    def sensors(self, rows: Sequence[int]) -> "ImuChunk":
+        """Return the sensors of these rows, in this order; of a chunk that holds what was measured and no more."""
+        picked = list(rows)
+        return self._twin(
+            {
+                name: value[picked] if isinstance(value, np.ndarray) else value
+                for name, value in vars(self).items()
+            }
         )
 
 

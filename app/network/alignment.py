@@ -338,13 +338,13 @@ def align_chunks(
             pieces.append(chunk)
             held += chunk.tick_count
         if held >= piece_ticks:
-            yield joined_chunks(pieces)
+            yield ImuChunk.join(pieces)
             pieces, held = [], 0
     rest = aligner.drain()
     if rest is not None:
         pieces.append(rest)
     if pieces:
-        yield joined_chunks(pieces)
+        yield ImuChunk.join(pieces)
 
 
 def align_all(packets: Iterable[Packet], hello: Mapping[str, Any] | Declaration) -> ImuChunk | None:
@@ -352,42 +352,5 @@ def align_all(packets: Iterable[Packet], hello: Mapping[str, Any] | Declaration)
     return _joined(list(align_chunks(packets, hello)))
 
 
-def joined_chunks(chunks: list[ImuChunk]) -> ImuChunk:
-    """Join consecutive chunks, at least one."""
-    if len(chunks) == 1:
-        return chunks[0]
-    first = chunks[0]
-    magnetometer = None
-    if first.magnetometer_t is not None:
-        magnetometer = np.concatenate(
-            [c.magnetometer_t for c in chunks if c.magnetometer_t is not None], axis=1
-        )
-    return ImuChunk(
-        first.first_tick,
-        first.time_step_s,
-        np.concatenate([c.gyroscope_radps for c in chunks], axis=1),
-        np.concatenate([c.accelerometer_mps2 for c in chunks], axis=1),
-        magnetometer,
-        np.concatenate([c.quality for c in chunks], axis=1),
-        coil_state=_joined_parts(chunks, [chunk.coil_state for chunk in chunks]),
-        force_n=_joined_parts(chunks, [chunk.force_n for chunk in chunks]),
-        moment_nm=_joined_parts(chunks, [chunk.moment_nm for chunk in chunks]),
-    )
-
-
-def _joined_parts(chunks: list[ImuChunk], parts: list[Float | None]) -> Float | None:
-    """Join what not every chunk has; those without it (nothing came, or none was worn then) give NaN."""
-    known = next((part for part in parts if part is not None), None)
-    if known is None:
-        return None
-    return np.concatenate(
-        [
-            np.full(chunk.quality.shape + known.shape[2:], np.nan) if part is None else part
-            for chunk, part in zip(chunks, parts, strict=True)
-        ],
-        axis=1,
-    )
-
-
 def _joined(pieces: list[ImuChunk]) -> ImuChunk | None:
-    return joined_chunks(pieces) if pieces else None
+    return ImuChunk.join(pieces) if pieces else None

@@ -17,6 +17,7 @@ from app.recordings.markers import COLUMNS, KIND, MOTION_STREAM, sound
 from app.recordings.models import Job, SignalChunk
 from app.recordings.signals import codecs
 from app.sentences import say
+from estimators.samples import Samples
 
 LONGEST_S: Final = 120.0
 """Of a stretch for curves."""
@@ -25,7 +26,7 @@ _NONE: Final = say("markers.none")
 
 
 @dataclass(frozen=True)
-class Motion:
+class Motion(Samples):
     """A stretch of fused motion.
 
     Attributes
@@ -46,10 +47,6 @@ class Motion:
     def three(self, name: str) -> NDArray[np.float32]:
         """Return x, y and z of a quantity in metres, shape (K, 3)."""
         return np.stack([self.column(f"{name}_{axis}_m") for axis in "xyz"], axis=1)
-
-    def every(self, step: int) -> "Motion":
-        """Return each n-th tick."""
-        return Motion(self.time_s[::step], self.values[::step])
 
 
 def newest(session: Session, session_id: str) -> str | None:

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from dataclasses import fields, replace
 from typing import Any, Final, cast
 
-import numpy as np
 from sqlalchemy import Engine, select
 from sqlalchemy.orm import Session
 
@@ -262,35 +261,9 @@ def frames(
         session, subject, session_id, action="session.frames", details={"result": result_id or "main"}
     )
     result = repository.result_of(session, found, result_id)
-    return thinned(read_frames(session, result.id, start_s, end_s), min(max_points or MAX_POINTS, MAX_POINTS))
-
-
-def thinned(frames_: Frames, max_points: int) -> Frames:
-    """Keep every n-th tick so that at most `max_points` are left; the tick interval grows with it.
-
-    Flags of the ticks left out are preserved by joining them into the tick before, so a gap stays visible.
-    """
-    stride = -(-frames_.tick_count // max(1, max_points))
-    if stride <= 1:
-        return frames_
-    # Whole multiples of the stride, so that the block's own tick number says its time exactly and
-    # neighbouring requests continue each other.
-    skip = -frames_.first_tick % stride
-    starts = np.arange(skip, frames_.tick_count, stride)
-    return Frames(
-        layout=frames_.layout,
-        first_tick=(frames_.first_tick + skip) // stride,
-        time_step_s=frames_.time_step_s * stride,
-        q_room_segment=frames_.q_room_segment[starts],
-        point_room_m=frames_.point_room_m[starts],
-        angle_rad=frames_.angle_rad[starts],
-        angle_sigma_rad=frames_.angle_sigma_rad[starts],
-        scalar=frames_.scalar[starts],
-        segment_flags=np.bitwise_or.reduceat(frames_.segment_flags, starts, axis=0),
-        angle_flags=np.bitwise_or.reduceat(frames_.angle_flags, starts, axis=0),
-        segment_sigma_rad=None if frames_.segment_sigma_rad is None else frames_.segment_sigma_rad[starts],
-        point_sigma_m=None if frames_.point_sigma_m is None else frames_.point_sigma_m[starts],
-    )
+    frames_ = read_frames(session, result.id, start_s, end_s)
+    most = max(1, min(max_points or MAX_POINTS, MAX_POINTS))
+    return frames_.every(-(-frames_.tick_count // most))
 
 
 def packet_log(engine: Engine, subject: Subject, session_id: str) -> Iterator[bytes]:
@@ -404,5 +377,4 @@ __all__ = [
     "queue_reprocess",
     "queue_reprocess_all",
     "result_out",
-    "thinned",
 ]

@@ -4,7 +4,7 @@ The scene is a tree of segments, so that a tick is one small message per segment
 relative to the parent, and a shoulder's place is given in the thorax.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -307,18 +307,4 @@ def thinned(frames: Frames, rate_hz: float = 60.0) -> Frames:
     rate_hz : float
         The result is at least as fast, if the frames are.
     """
-    step = max(1, int(1.0 / (frames.time_step_s * rate_hz) + 1e-6))
-    if step == 1:
-        return frames
-    return replace(
-        frames,
-        first_tick=round(frames.first_tick / step),
-        time_step_s=frames.time_step_s * step,
-        q_room_segment=frames.q_room_segment[::step],
-        point_room_m=frames.point_room_m[::step],
-        angle_rad=frames.angle_rad[::step],
-        angle_sigma_rad=frames.angle_sigma_rad[::step],
-        scalar=frames.scalar[::step],
-        segment_flags=frames.segment_flags[::step],
-        angle_flags=frames.angle_flags[::step],
-    )
+    return frames.every(max(1, int(1.0 / (frames.time_step_s * rate_hz) + 1e-6)))

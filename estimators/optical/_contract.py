@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from estimators.errors import ShapeError
 from estimators.optical import _layout as at
 from estimators.recording import Float
+from estimators.samples import Samples
 
 
 class Provenance(IntEnum):
@@ -52,7 +53,7 @@ class OpticalParameters:
 
 
 @dataclass(frozen=True)
-class OpticalChunk:
+class OpticalChunk(Samples):
     """Consecutive ticks: gyroscope and accelerometer, shape (K, 3), markers (K, 3) with NaN where none was seen.
 
     `marker_delay_s`, shape (K,), tells by how much a marker's frame is later than its tick; none by default. `noise`,
@@ -66,19 +67,6 @@ class OpticalChunk:
     marker_m: Float
     marker_delay_s: Float | None = None
     noise: Float | None = None
-
-    def ticks(self, start: int, stop: int) -> "OpticalChunk":
-        """Return the half-open range of ticks `[start, stop)`, counted within this chunk."""
-        part = slice(start, stop)
-        return OpticalChunk(
-            self.first_tick + start,
-            self.time_step_s,
-            self.gyroscope_radps[part],
-            self.accelerometer_mps2[part],
-            self.marker_m[part],
-            None if self.marker_delay_s is None else self.marker_delay_s[part],
-            None if self.noise is None else self.noise[part],
-        )
 
     def table(self) -> Float:
         """Return the samples as the compiled loop takes them, shape (K, 12)."""

@@ -10,7 +10,6 @@ from estimators.orientation._scoring import OrientationErrors, orientation_error
 from estimators.orientation._smoothers import (
     SmoothedChunk,
     Smoother,
-    sliced,
     smooth,
     smoothers,
     with_orientation,
@@ -93,7 +92,6 @@ __all__ = [
     "available",
     "create",
     "orientation_errors",
-    "sliced",
     "smooth",
     "smoothers",
     "with_orientation",

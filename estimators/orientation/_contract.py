@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from estimators.orientation._device_constants import DeviceConstants
 from estimators.recording import Float, ImuChunk
+from estimators.samples import Samples
 
 
 class OrientationFlag(IntFlag):
@@ -36,7 +37,7 @@ class OrientationFlag(IntFlag):
 
 
 @dataclass(frozen=True)
-class OrientationResult:
+class OrientationResult(Samples):
     """Orientation of S sensors over K ticks.
 
     Attributes
@@ -50,6 +51,8 @@ class OrientationResult:
     flags : ndarray of uint8, shape (S, K)
         `OrientationFlag` bits.
     """
+
+    TICK_AXIS: ClassVar[int] = 1
 
     q_earth_sensor: Float
     gyroscope_bias_radps: Float

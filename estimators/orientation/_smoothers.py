@@ -33,12 +33,6 @@ class SmoothedChunk(ImuChunk):
     orientation: OrientationResult
     constants: tuple[DeviceConstants, ...]
 
-    def ticks(self, start: int, stop: int) -> "SmoothedChunk":
-        """Return the half-open range of ticks `[start, stop)`, counted within this chunk."""
-        return with_orientation(
-            super().ticks(start, stop), sliced(self.orientation, start, stop), self.constants
-        )
-
 
 def with_orientation(
     chunk: ImuChunk, orientation: OrientationResult, constants: Sequence[DeviceConstants]
@@ -46,17 +40,6 @@ def with_orientation(
     """Put a chunk and its known orientation together."""
     measured = {field.name: getattr(chunk, field.name) for field in fields(ImuChunk)}
     return SmoothedChunk(**measured, orientation=orientation, constants=tuple(constants))
-
-
-def sliced(result: OrientationResult, start: int, stop: int) -> OrientationResult:
-    """Return the half-open range of ticks `[start, stop)` of a result."""
-    sigma = result.sigma_rad
-    return OrientationResult(
-        np.ascontiguousarray(result.q_earth_sensor[:, start:stop]),
-        np.ascontiguousarray(result.gyroscope_bias_radps[:, start:stop]),
-        None if sigma is None else np.ascontiguousarray(sigma[:, start:stop]),
-        np.ascontiguousarray(result.flags[:, start:stop]),
-    )
 
 
 class Smoother(OrientationEstimator):
@@ -101,7 +84,14 @@ class Smoother(OrientationEstimator):
             )
         self._guard.accept(chunk)
         self._constants = chunk.constants
-        return chunk.orientation
+        found = chunk.orientation
+        # Pieces of a session are views of it; compiled stages behind this one need arrays of their own.
+        return OrientationResult(
+            np.ascontiguousarray(found.q_earth_sensor),
+            np.ascontiguousarray(found.gyroscope_bias_radps),
+            None if found.sigma_rad is None else np.ascontiguousarray(found.sigma_rad),
+            np.ascontiguousarray(found.flags),
+        )
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return the next tick; all else is in the smoothed chunks."""
@@ -197,7 +187,6 @@ __all__ = [
     "SmoothedChunk",
     "Smoother",
     "TelemotionSmoother",
-    "sliced",
     "smooth",
     "smoothers",
     "with_orientation",

@@ -18,9 +18,10 @@ from estimators.calibration import DeviceCalibration as DeviceCalibration
 from estimators.calibration import FunctionalResult as FunctionalResult
 from estimators.conventions import Placement
 from estimators.errors import SetupError
-from estimators.orientation import DEFAULT
+from estimators.orientation import DEFAULT, OrientationFlag
 from estimators.orientation import DeviceConstants as DeviceConstants
 from estimators.recording import Float, ImuChunk
+from estimators.samples import Samples
 from estimators.sentences import CATALOGUE, for_json, say
 
 _LEGS: Final = ("thigh_", "shank_", "foot_")
@@ -134,7 +135,7 @@ class FrameLayout:
 
 
 @dataclass(frozen=True)
-class Frames:
+class Frames(Samples):
     """What the pipeline found for K consecutive ticks.
 
     Attributes
@@ -160,6 +161,8 @@ class Frames:
         One-sigma of each point's position along the room axes, NaN where the method tells none.
     """
 
+    UNKNOWN_BITS: ClassVar[int] = OrientationFlag.INVALID.value
+
     layout: FrameLayout
     first_tick: int
     time_step_s: float
@@ -172,11 +175,6 @@ class Frames:
     angle_flags: NDArray[np.uint8]
     segment_sigma_rad: Float | None = None
     point_sigma_m: Float | None = None
-
-    @property
-    def tick_count(self) -> int:
-        """Number of ticks K."""
-        return int(self.q_room_segment.shape[0])
 
     @property
     def time_s(self) -> Float:
@@ -192,11 +190,7 @@ class Frames:
         """
         if self.segment_sigma_rad is None or not self.layout.angles:
             return self
-        # Of every live packet: `replace` would set each field anew, six times as dear.
-        twin = object.__new__(type(self))
-        twin.__dict__.update(self.__dict__)
-        twin.__dict__["segment_sigma_rad"] = None
-        return twin
+        return self._twin({**self.__dict__, "segment_sigma_rad": None})
 
 
 class Pipeline(ABC):

@@ -71,17 +71,8 @@ def smoothed_chunk(chunk: ImuChunk, setup: SessionSetup) -> ImuChunk:
 
 def _sensor(pieces: Sequence[ImuChunk], s: int, setup: SessionSetup) -> ImuChunk:
     """Put the ticks of one sensor together, corrected by what is known of it."""
-    first, name = pieces[0], setup.placements[s]
-    field = None
-    if first.magnetometer_t is not None:
-        field = np.concatenate([p.magnetometer_t[s] for p in pieces if p.magnetometer_t is not None])[None]
-    chunk = replace(
-        first,
-        gyroscope_radps=np.concatenate([piece.gyroscope_radps[s] for piece in pieces])[None],
-        accelerometer_mps2=np.concatenate([piece.accelerometer_mps2[s] for piece in pieces])[None],
-        magnetometer_t=field,
-        quality=np.concatenate([piece.quality[s] for piece in pieces])[None],
-    )
+    name = setup.placements[s]
+    chunk = ImuChunk.join([piece.sensors([s]) for piece in pieces])
     if name in setup.devices:
         chunk = calibration.correct(chunk, [setup.devices[name]])
     if setup.calibration is not None and name in setup.calibration.accelerometer_bias_mps2:

@@ -26,7 +26,6 @@ from app.recordings.signals.chunks import (
     decode_packets,
     encode_frames,
     encode_packets,
-    slice_frames,
 )
 from app.recordings.signals.group_commit import GroupCommitWriter
 from app.recordings.signals.raw_packet import RawPacket
@@ -66,7 +65,7 @@ def recorded() -> tuple[list[RawPacket], list[Frames]]:
                 arrival_ns=1_700_000_000_000_000_000 + number * 50_000_000 + number * 7919 % 100_003,
             )
         )
-        part = slice_frames(frames, tick, tick + 5)
+        part = frames.ticks(tick, tick + 5)
         # As the pipeline gives them: arrays of their own.
         parts.append(
             replace(part, **{n: v.copy() for n, v in vars(part).items() if isinstance(v, np.ndarray)})

@@ -10,7 +10,6 @@ import numpy as np
 
 from app.errors import InvalidInput
 from app.kinds.magnetic.source_schemas import WORST_GAIN_SIGMA, CoilIn, SourceFindings, SourceStopOut
-from app.network.alignment import joined_chunks
 from app.sentences import say
 from estimators.conventions import Placement
 from estimators.errors import EstimationError
@@ -67,7 +66,7 @@ class Bench:
                 raise InvalidInput(say("bench.too_long"))
         if not chunks:
             raise InvalidInput(say("session.no_packets"))
-        chunk = joined_chunks(chunks)
+        chunk = ImuChunk.join(chunks)
         if chunk.coil_state is None or chunk.magnetometer_t is None:
             raise InvalidInput(say("bench.no_coils"))
         self.source = next(name for name in setup.placements if name == settings.source)

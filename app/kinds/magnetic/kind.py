@@ -14,7 +14,6 @@ from app.kinds.magnetic.known_sources import parameters_of
 from app.kinds.magnetic.safety import require_confirmed
 from app.kinds.magnetic.smoothing import SmoothedModules
 from app.kinds.walk.analysis import follow_feet
-from app.network.alignment import joined_chunks
 from app.network.declaration import Declaration
 from app.recordings.analysis.heading_line import HeadingLine
 from app.recordings.analysis.jobs import JobContext
@@ -29,6 +28,7 @@ from estimators.errors import EstimationError
 from estimators.magnetic import coil_state
 from estimators.orientation import DEFAULT
 from estimators.pipelines import FEET, GaitPipeline, RelativePosePipeline, SessionSetup, relative_feet
+from estimators.recording import ImuChunk
 
 logger = logging.getLogger(__name__)
 _WALK_FROM: Final = 0.8
@@ -58,7 +58,7 @@ class MagneticKind(SessionKind):
         if not pieces:
             return
         try:
-            relative = relative_feet(joined_chunks(pieces), setup)
+            relative = relative_feet(ImuChunk.join(pieces), setup)
             walking = replace(setup, pipeline=GaitPipeline.name, orientation_parameters={})
             follow_feet(context, walking, pieces, _WALK_FROM, relative)
         except (EstimationError, InvalidInput):

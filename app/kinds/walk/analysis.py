@@ -14,7 +14,7 @@ from app.recordings.analysis.offline import Analysis
 from app.recordings.analysis.result_rows import CHUNKS_A_COMMIT, layout_dict, new_result, write_frames
 from app.recordings.analysis.stamped import stored_recording
 from app.recordings.models import MotionSession, Result
-from app.recordings.signals.chunks import encode_frames, slice_frames
+from app.recordings.signals.chunks import encode_frames
 from app.sentences import CATALOGUE, say
 from estimators import pipelines
 from estimators.errors import EstimationError
@@ -88,9 +88,7 @@ def follow_feet(
     starts = range(0, frames.tick_count, _PIECE_TICKS)
     for first in range(0, len(starts), CHUNKS_A_COMMIT):
         group = starts[first : first + CHUNKS_A_COMMIT]
-        write_frames(
-            context, result_id, [encode_frames(slice_frames(frames, i, i + _PIECE_TICKS)) for i in group]
-        )
+        write_frames(context, result_id, [encode_frames(frames.ticks(i, i + _PIECE_TICKS)) for i in group])
     with unit_of_work(context.engine) as session:
         kind = kind_of(session, session.get_one(MotionSession, context.session_id).exercise_id)
         content = content_of(walk, shoes, kind, notes)

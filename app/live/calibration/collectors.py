@@ -21,7 +21,6 @@ from app.live.calibration.messages import (
     SensorProgress,
 )
 from app.live.calibration.pose import PoseCollector
-from app.network.alignment import joined_chunks
 from app.recordings.analysis.heading_line import HeadingReset
 from app.sentences import say
 from estimators.calibration import (
@@ -169,7 +168,7 @@ class PoseStep(Collector):
 
     def evaluate(self, pipeline: Pipeline) -> Outcome:
         """Evaluate the still seconds."""
-        pose = joined_chunks(self._held)
+        pose = ImuChunk.join(self._held)
         check_distinct(pose.gyroscope_radps, pose.accelerometer_mps2, self.placements)
         before = pipeline.setup.calibration
         details: dict[str, Any] = {"kind": self.wanted.kind}
@@ -251,7 +250,7 @@ class MovementSteps(Collector):
 
     def evaluate(self, pipeline: Pipeline) -> Outcome:
         """Evaluate rest and movements."""
-        chunk = joined_chunks(self._held)
+        chunk = ImuChunk.join(self._held)
         rest = self._held[0]
         check_distinct(rest.gyroscope_radps, rest.accelerometer_mps2, self.placements)
         movements = {

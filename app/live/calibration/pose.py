@@ -3,7 +3,6 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from app.network.alignment import joined_chunks
 from app.sentences import say
 from estimators.recording import Float, ImuChunk, SampleQuality
 
@@ -78,7 +77,7 @@ class PoseCollector:
         self.hint = say("live.good_still")
         if self._held_ticks * self._step_s < HOLD_S:
             return None
-        pose = joined_chunks(self._held)
+        pose = ImuChunk.join(self._held)
         self.end()
         return pose
 

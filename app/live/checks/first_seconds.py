@@ -10,7 +10,6 @@ from typing import Final
 import numpy as np
 
 from app.live.checks.plausibility import Check, Checked, check
-from app.network.alignment import joined_chunks
 from estimators.calibration import Finding, Hemisphere, RecordingCheck, in_words
 from estimators.recording import Float, ImuChunk
 
@@ -177,7 +176,7 @@ class FirstSeconds:
         return known is None or (known.severity, finding.severity) == ("warning", "refuse")
 
     def _checked(self, pieces: list[ImuChunk]) -> Checked:
-        return self._work(self._state, joined_chunks(pieces))
+        return self._work(self._state, ImuChunk.join(pieces))
 
 
 __all__ = ["ALL_SESSIONS", "CHECK_EVERY_S", "FIRST_CHECK_S", "CheckTurns", "FirstSeconds"]

@@ -14,7 +14,7 @@ from app.errors import Conflict
 from app.recordings import repository, service
 from app.recordings.models import Result, SignalChunk
 from app.recordings.schemas import AngleDifference, CurvePair, DifferencesOut
-from app.recordings.signals.chunks import frames_stream, layout_from_dict, slice_frames
+from app.recordings.signals.chunks import frames_stream, layout_from_dict
 from app.recordings.signals.store import read_frames
 from app.sentences import say
 from estimators import rotation
@@ -158,7 +158,7 @@ def _together(one: Frames, other: Frames) -> tuple[Frames, Frames]:
 
 
 def _cut(frames: Frames, first: int, stop: int) -> Frames:
-    return slice_frames(frames, first - frames.first_tick, max(first, stop) - frames.first_tick)
+    return frames.ticks(first - frames.first_tick, max(first, stop) - frames.first_tick)
 
 
 def _angle(one: Frames, other: Frames, name: str) -> tuple[Float, Float, NDArray[np.bool_]]:

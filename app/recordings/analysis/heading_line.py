@@ -11,7 +11,6 @@ from typing import Any, Final
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from app.network.alignment import joined_chunks
 from app.recordings.models import SessionEvent
 from app.sentences import say
 from estimators import pipelines
@@ -126,7 +125,7 @@ class HeadingLine:
 
     def _pose(self, piece: ImuChunk, first: int, stop: int) -> ImuChunk:
         if first < piece.first_tick and self._before is not None:
-            piece = joined_chunks([self._before, piece])
+            piece = ImuChunk.join([self._before, piece])
         begin = max(0, first - piece.first_tick)
         return piece.ticks(begin, max(begin + 1, stop - piece.first_tick))
 

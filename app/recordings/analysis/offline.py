@@ -5,7 +5,7 @@ rising sequence.
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 from sqlalchemy import func, select
@@ -13,7 +13,7 @@ from sqlalchemy import func, select
 from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput, NotFound
-from app.network.alignment import align_chunks, joined_chunks
+from app.network.alignment import align_chunks
 from app.network.packet import Packet
 from app.recordings.analysis.heading_line import HeadingLine
 from app.recordings.analysis.jobs import JobContext
@@ -100,21 +100,7 @@ def aligned(
         return
     rows = [sent.index(name) for name in placements]
     for piece in align_chunks(packets, hello, piece_ticks):
-        yield _picked(piece, rows)
-
-
-def _picked(chunk: ImuChunk, rows: list[int]) -> ImuChunk:
-    magnetometer = None if chunk.magnetometer_t is None else chunk.magnetometer_t[rows]
-    return replace(
-        chunk,
-        gyroscope_radps=chunk.gyroscope_radps[rows],
-        accelerometer_mps2=chunk.accelerometer_mps2[rows],
-        magnetometer_t=magnetometer,
-        quality=chunk.quality[rows],
-        coil_state=None if chunk.coil_state is None else chunk.coil_state[rows],
-        force_n=None if chunk.force_n is None else chunk.force_n[rows],
-        moment_nm=None if chunk.moment_nm is None else chunk.moment_nm[rows],
-    )
+        yield piece.sensors(rows)
 
 
 def estimated(
@@ -269,7 +255,7 @@ def beginning(context: JobContext, setup: SessionSetup, tick_count: int) -> ImuC
             break
     if not pieces:
         return None
-    chunk = joined_chunks(pieces)
+    chunk = ImuChunk.join(pieces)
     return chunk.ticks(0, min(tick_count, chunk.tick_count))
 
 
@@ -287,10 +273,10 @@ def stretches(context: JobContext, setup: SessionSetup, length_s: float) -> Iter
     for piece in whole(context, setup):
         pieces.append(piece)
         if sum(one.tick_count for one in pieces) * piece.time_step_s >= length_s:
-            yield joined_chunks(pieces)
+            yield ImuChunk.join(pieces)
             pieces = []
     if pieces:
-        yield joined_chunks(pieces)
+        yield ImuChunk.join(pieces)
 
 
 __all__ = [

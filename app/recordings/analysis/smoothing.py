@@ -5,7 +5,6 @@ from collections.abc import Iterable, Iterator, Mapping
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from app.network.alignment import joined_chunks
 from app.network.declaration import Declaration
 from app.patients.models import SensorDevice
 from app.recordings.models import MotionSession
@@ -56,12 +55,12 @@ class SmoothedSession:
             ticks += piece.tick_count
         if not first:
             return None
-        return self._with_orientation(joined_chunks(first), 0, ticks).ticks(0, min(ticks, tick_count))
+        return self._with_orientation(ImuChunk.join(first), 0, ticks).ticks(0, min(ticks, tick_count))
 
     def _with_orientation(self, piece: ImuChunk, start: int, stop: int) -> SmoothedChunk:
         if self._found is None:
             raise ValueError("a session without pieces has no orientation")
-        found = orientation.sliced(self._found, start, stop)
+        found = self._found.ticks(start, stop)
         return orientation.with_orientation(piece, found, self.constants)
 
 

@@ -6,7 +6,7 @@ bytes of its payload and every field of its header, so each packet can be made a
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import chain
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, Final
@@ -23,7 +23,6 @@ from app.recordings.signals.ranges import ranges_of
 from app.recordings.signals.raw_packet import COUNTS, WIDTH, RawPacket
 from app.sentences import say
 from estimators.pipelines._contract import FrameLayout, Frames
-from estimators.recording import Float
 
 if TYPE_CHECKING:
     # The wire format's messages name types of this room; at run time the arrow must not close a circle.
@@ -198,75 +197,23 @@ def layout_from_dict(stored: dict[str, Any]) -> FrameLayout:
 
 def merge_frames(parts: Sequence[Frames], layout: FrameLayout, time_step_s: float) -> Frames:
     """Join frames in time; ticks that no part covers are NaN, flagged 1 (invalid)."""
-    parts = sorted((p for p in parts if p.tick_count), key=lambda p: p.first_tick)
-    if not parts:
-        return _blank_frames(layout, 0, 0, time_step_s)
-    first, last = parts[0].first_tick, max(p.first_tick + p.tick_count for p in parts)
-    merged = _blank_frames(layout, first, last - first, parts[0].time_step_s)
-    for part in parts:
-        rows = slice(part.first_tick - first, part.first_tick - first + part.tick_count)
-        for name in _FRAME_ARRAYS:
-            getattr(merged, name)[rows] = getattr(part, name)
-    return replace(
-        merged,
-        segment_sigma_rad=_merged(
-            [(p.first_tick, p.segment_sigma_rad) for p in parts], merged, layout.segments
-        ),
-        point_sigma_m=_merged([(p.first_tick, p.point_sigma_m) for p in parts], merged, layout.points),
-    )
+    parts = [part for part in parts if part.tick_count]
+    return Frames.merge(parts) if parts else _no_frames(layout, time_step_s)
 
 
-def _merged(
-    sigmas: Sequence[tuple[int, Float | None]], merged: Frames, columns: tuple[str, ...]
-) -> Float | None:
-    """Join sigmas, each with its first tick, on the ticks of merged frames; None where no part has any."""
-    if all(sigma is None for _, sigma in sigmas):
-        return None
-    found = np.full((merged.tick_count, len(columns), 3), np.nan)
-    for first_tick, sigma in sigmas:
-        if sigma is not None:
-            at = first_tick - merged.first_tick
-            found[at : at + len(sigma)] = sigma
-    return found
-
-
-_FRAME_ARRAYS: Final = (
-    "q_room_segment",
-    "point_room_m",
-    "angle_rad",
-    "angle_sigma_rad",
-    "scalar",
-    "segment_flags",
-    "angle_flags",
-)
-
-
-def _blank_frames(layout: FrameLayout, first_tick: int, ticks: int, time_step_s: float) -> Frames:
+def _no_frames(layout: FrameLayout, time_step_s: float) -> Frames:
     segments, points, angles = len(layout.segments), len(layout.points), len(layout.angles)
     return Frames(
         layout=layout,
-        first_tick=first_tick,
+        first_tick=0,
         time_step_s=time_step_s,
-        q_room_segment=np.full((ticks, segments, 4), np.nan),
-        point_room_m=np.full((ticks, points, 3), np.nan),
-        angle_rad=np.full((ticks, angles), np.nan),
-        angle_sigma_rad=np.full((ticks, angles), np.nan),
-        scalar=np.full((ticks, len(layout.scalars)), np.nan),
-        segment_flags=np.ones((ticks, segments), np.uint8),
-        angle_flags=np.ones((ticks, angles), np.uint8),
-    )
-
-
-def slice_frames(frames: Frames, start: int, stop: int) -> Frames:
-    """Return the half-open range of rows `[start, stop)` of `frames`."""
-    start, stop = max(start, 0), min(stop, frames.tick_count)
-    return Frames(
-        layout=frames.layout,
-        first_tick=frames.first_tick + start,
-        time_step_s=frames.time_step_s,
-        **{name: getattr(frames, name)[start:stop] for name in _FRAME_ARRAYS},
-        segment_sigma_rad=None if frames.segment_sigma_rad is None else frames.segment_sigma_rad[start:stop],
-        point_sigma_m=None if frames.point_sigma_m is None else frames.point_sigma_m[start:stop],
+        q_room_segment=np.empty((0, segments, 4)),
+        point_room_m=np.empty((0, points, 3)),
+        angle_rad=np.empty((0, angles)),
+        angle_sigma_rad=np.empty((0, angles)),
+        scalar=np.empty((0, len(layout.scalars))),
+        segment_flags=np.empty((0, segments), np.uint8),
+        angle_flags=np.empty((0, angles), np.uint8),
     )
 
 
@@ -282,5 +229,4 @@ __all__ = [
     "frames_stream",
     "layout_from_dict",
     "merge_frames",
-    "slice_frames",
 ]

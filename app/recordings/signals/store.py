@@ -23,7 +23,6 @@ from app.recordings.signals.chunks import (
     frames_stream,
     layout_from_dict,
     merge_frames,
-    slice_frames,
 )
 from app.recordings.signals.ranges import SequenceRanges
 from app.recordings.signals.raw_packet import RawPacket
@@ -134,7 +133,7 @@ def iterate_frames(
         frames = decode_frames(chunk, layout)
         begin = 0 if first is None else first - frames.first_tick
         end = frames.tick_count if last is None else last - frames.first_tick
-        part = slice_frames(frames, begin, end)
+        part = frames.ticks(begin, end)
         if part.tick_count > 0:
             yield part
 

@@ -16,6 +16,7 @@ from estimators.magnetic.relative import run as kernel
 from estimators.magnetic.relative.parameters import read, to_settings
 from estimators.magnetic.relative.start import start_from_burst
 from estimators.recording import Float
+from estimators.samples import Samples
 
 _ARRAYS = ("nominal", "covariance", "memory", "counters", "ring")
 
@@ -45,7 +46,7 @@ class RelativeFlag(IntFlag):
 
 
 @dataclass(frozen=True)
-class RelativeChunk:
+class RelativeChunk(Samples):
     """Consecutive ticks of the two modules and of the coils.
 
     Attributes
@@ -69,26 +70,6 @@ class RelativeChunk:
     source_accelerometer_mps2: Float
     coil: NDArray[np.int64]
     current_a: Float
-
-    @property
-    def tick_count(self) -> int:
-        """Number of ticks K."""
-        return len(self.gyroscope_radps)
-
-    def ticks(self, start: int, stop: int) -> "RelativeChunk":
-        """Return the half-open range of ticks `[start, stop)`, counted within this chunk."""
-        part = slice(start, stop)
-        return RelativeChunk(
-            self.first_tick + start,
-            self.time_step_s,
-            self.gyroscope_radps[part],
-            self.accelerometer_mps2[part],
-            self.magnetometer_t[part],
-            self.source_gyroscope_radps[part],
-            self.source_accelerometer_mps2[part],
-            self.coil[part],
-            self.current_a[part],
-        )
 
     def table(self) -> Float:
         """Return the samples as the compiled loop takes them, shape (K, 17)."""
@@ -114,7 +95,7 @@ class RelativeChunk:
 
 
 @dataclass(frozen=True)
-class RelativeResult:
+class RelativeResult(Samples):
     """Pose over K ticks, and what the source is asked to do.
 
     Attributes

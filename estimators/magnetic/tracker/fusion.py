@@ -41,6 +41,7 @@ from estimators.errors import SetupError, ShapeError
 from estimators.magnetic.tracker import fusion_layout as at
 from estimators.magnetic.tracker.fusion_run import run
 from estimators.recording import Float
+from estimators.samples import Samples
 
 _ARRAYS = ("nominal", "covariance", "memory", "counters")
 _INVALID, _GATED = at.INVALID, at.GATED
@@ -88,7 +89,7 @@ _MAY_BE_ZERO |= {"floor_attitude_deg", "burst_motion_s"}
 
 
 @dataclass(frozen=True)
-class TrackerFusionChunk:
+class TrackerFusionChunk(Samples):
     """Consecutive ticks of both modules, with the tracker's fixes at the ticks that they are of.
 
     Attributes
@@ -122,19 +123,6 @@ class TrackerFusionChunk:
     fix_covariance: Float
     fix_velocity_mps: Float | None = None
     fix_velocity_effect: Float | None = None
-
-    @property
-    def tick_count(self) -> int:
-        """Number of ticks K."""
-        return len(self.gyroscope_radps)
-
-    def ticks(self, start: int, stop: int) -> "TrackerFusionChunk":
-        """Return the half-open range of ticks `[start, stop)`, counted within this chunk."""
-        found = {field.name: getattr(self, field.name) for field in fields(self)[2:]}
-        parts: dict[str, Any] = {
-            name: None if values is None else values[start:stop] for name, values in found.items()
-        }
-        return replace(self, first_tick=self.first_tick + start, **parts)
 
     def table(self) -> Float:
         """Return the samples as the compiled loop takes them, shape (K, 81)."""

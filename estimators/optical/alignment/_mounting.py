@@ -13,6 +13,7 @@ from estimators.optical._attitude import level_attitude
 from estimators.optical._contract import OpticalStart
 from estimators.optical.alignment._signals import HALF_WIDTH_S, linear, repetition, triangle, without_ghosts
 from estimators.recording import Float
+from estimators.samples import Samples
 from estimators.sentences import say
 
 _LONGEST_S, _STRIDE_S = 60.0, 5.0
@@ -48,7 +49,7 @@ class Mounting:
 
 
 @dataclass(frozen=True)
-class Accelerations:
+class Accelerations(Samples):
     """Of a marker and of its module, through one window, level axes with the heading of the module.
 
     Attributes
@@ -64,10 +65,6 @@ class Accelerations:
     seen: Float
     felt: Float
     arm: Float
-
-    def every(self, stride: int) -> "Accelerations":
-        """Return each n-th sample."""
-        return Accelerations(self.seen[::stride], self.felt[::stride], self.arm[::stride])
 
 
 @dataclass(frozen=True)

@@ -55,12 +55,9 @@ def smooth_modules(pieces: Sequence[ImuChunk], setup: SessionSetup) -> tuple[Rel
 def with_modules(chunk: ImuChunk, modules: Sequence[RelativeResult], start: int) -> ModulesChunk:
     """Put a chunk and the poses of its sensors together, which begin at row `start` of the results."""
     measured = {field.name: getattr(chunk, field.name) for field in fields(ImuChunk)}
-    rows = slice(start, start + chunk.tick_count)
-    return ModulesChunk(**measured, modules=tuple(_rows(one, rows) for one in modules))
-
-
-def _rows(result: RelativeResult, rows: slice) -> RelativeResult:
-    return RelativeResult(**{field.name: getattr(result, field.name)[rows] for field in fields(result)})
+    return ModulesChunk(
+        **measured, modules=tuple(one.ticks(start, start + chunk.tick_count) for one in modules)
+    )
 
 
 @dataclass(frozen=True)

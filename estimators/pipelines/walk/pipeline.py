@@ -99,17 +99,7 @@ class GaitPipeline(Pipeline):
             chunk = calibration.correct(
                 chunk, [self._setup.devices.get(name) for name in self._setup.placements]
             )
-        found = self._tracker.update(
-            replace(
-                chunk,
-                gyroscope_radps=chunk.gyroscope_radps[rows],
-                accelerometer_mps2=chunk.accelerometer_mps2[rows],
-                magnetometer_t=None if chunk.magnetometer_t is None else chunk.magnetometer_t[rows],
-                quality=chunk.quality[rows],
-                force_n=None,
-                moment_nm=None,
-            )
-        )
+        found = self._tracker.update(replace(chunk.sensors(rows), force_n=None, moment_nm=None))
         if self._shoes is not None:
             force, moment = chunk.force_n, chunk.moment_nm
             is_felt = force is not None and moment is not None

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from app.errors import PacketError
-from app.network.alignment import Aligner, align_all, align_chunks, joined_chunks
+from app.network.alignment import Aligner, align_all, align_chunks
 from app.network.clock import PacketClock, SkewEstimator
 from app.network.declaration import ClockEpoch, Declaration
 from app.network.packet import Packet, PacketFlag, decode_packet, encode_packet
@@ -51,7 +51,7 @@ def live(packets: list[Packet], declaration: Declaration = NETWORK) -> tuple[Imu
         chunks.append(rest)
     for before, after in pairwise(chunks):
         assert after.first_tick == before.first_tick + before.tick_count, "ticks are consecutive"
-    return joined_chunks(chunks), aligner, moments
+    return ImuChunk.join(chunks), aligner, moments
 
 
 def same(a: ImuChunk, b: ImuChunk) -> bool:
@@ -129,7 +129,7 @@ def test_off_line_equals_live_when_nothing_was_late() -> None:
     assert same(on_line, align_all(packets, NETWORK.to_dict()))
     pieces = list(align_chunks(packets, NETWORK, piece_ticks=37))
     assert len(pieces) > 10
-    assert same(on_line, joined_chunks(pieces))
+    assert same(on_line, ImuChunk.join(pieces))
 
 
 def test_the_sequence_number_may_wrap() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from app.live.checks.first_seconds import FirstSeconds
-from app.network.alignment import Aligner, joined_chunks
+from app.network.alignment import Aligner
 from app.network.clock import PacketClock
 from app.network.declaration import Declaration
 from app.network.packet import Channel, decode_packet, encode_packet
@@ -64,7 +64,7 @@ async def streamed(sent: ImuChunk, *, is_watched: bool) -> tuple[ImuChunk, list[
         watch.add(chunk)
         if watch._checking is not None:
             await watch._checking
-    return joined_chunks(chunks), found
+    return ImuChunk.join(chunks), found
 
 
 def test_what_is_cut_off_after_the_finding_is_flagged_and_widens_sigma(sent: ImuChunk) -> None:

@@ -11,7 +11,7 @@ from hypothesis.extra import numpy as hnp
 
 from app.recordings.signals import bit_columns as bits
 from app.recordings.signals import codecs
-from app.recordings.signals.chunks import EncodedChunk, decode_frames, encode_frames, slice_frames
+from app.recordings.signals.chunks import EncodedChunk, decode_frames, encode_frames
 from app.recordings.signals.frame_codec import FLOAT32_FRAMES_CODEC
 from estimators import pipelines
 from estimators.conventions import PLACEMENTS
@@ -139,7 +139,7 @@ def test_whole_numbers_among_measures_stay_whole() -> None:
 def test_parts_are_one_chunk() -> None:
     whole = still(20)
     whole.angle_rad[:] = np.random.default_rng(1).normal(size=(20, 2))
-    parts = [slice_frames(whole, start, start + 5) for start in range(0, 20, 5)]
+    parts = [whole.ticks(start, start + 5) for start in range(0, 20, 5)]
     joined, alone = encode_frames(*parts), encode_frames(whole)
     assert (joined.data, joined.scale, joined.ticks) == (alone.data, alone.scale, 20)
 
@@ -147,8 +147,8 @@ def test_parts_are_one_chunk() -> None:
 def test_a_part_without_sigmas_is_unknown_there() -> None:
     told = np.full((10, 1, 3), 0.02)
     whole = replace(still(10), segment_sigma_rad=told, point_sigma_m=told)
-    first = slice_frames(whole, 0, 5)
-    second = replace(slice_frames(whole, 5, 10), segment_sigma_rad=None, point_sigma_m=None)
+    first = whole.ticks(0, 5)
+    second = replace(whole.ticks(5, 10), segment_sigma_rad=None, point_sigma_m=None)
     read = decode_frames(encode_frames(first, second), LAYOUT)
     for sigma in (read.segment_sigma_rad, read.point_sigma_m):
         assert sigma is not None
@@ -225,7 +225,7 @@ def lived() -> Frames:
     )
     made = simulate_arm(scenario)
     frames, _ = pipelines.run(made.recording, made.setup, pose_s=(1.0, 3.5))
-    return slice_frames(replace(frames, segment_sigma_rad=None), 700, 1700)
+    return replace(frames, segment_sigma_rad=None).ticks(700, 1700)
 
 
 def test_a_session_hour_of_frames_takes_at_most_25_megabytes(lived: Frames) -> None:
@@ -233,14 +233,14 @@ def test_a_session_hour_of_frames_takes_at_most_25_megabytes(lived: Frames) -> N
     assert len(lived.layout.segments) == 17
     assert np.isfinite(lived.angle_rad).all()
     assert np.ptp(lived.angle_rad, axis=0).max() > 0.8
-    size = sum(len(encode_frames(slice_frames(lived, i, i + 100)).data) for i in range(0, 1000, 100))
+    size = sum(len(encode_frames(lived.ticks(i, i + 100)).data) for i in range(0, 1000, 100))
     megabytes_an_hour = size * 360 / 1e6
     assert 10.0 < megabytes_an_hour <= 25.0, megabytes_an_hour
 
 
 def test_what_is_replayed_is_within_a_tenth_of_sigma_of_what_was_live(lived: Frames) -> None:
     for start in range(0, 1000, 100):
-        live = slice_frames(lived, start, start + 100)
+        live = lived.ticks(start, start + 100)
         read = decode_frames(encode_frames(live), live.layout)
         assert np.isfinite(live.angle_sigma_rad).all()
         assert (np.abs(read.angle_rad - live.angle_rad) < live.angle_sigma_rad / 10.0).all()

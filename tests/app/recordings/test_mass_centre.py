@@ -15,7 +15,7 @@ from app.errors import InvalidInput, NotFound
 from app.ingest import readers
 from app.kinds.arm.mass_centre import mass_centre_of
 from app.recordings.models import Result
-from app.recordings.signals.chunks import encode_frames, frames_stream, slice_frames
+from app.recordings.signals.chunks import encode_frames, frames_stream
 from app.recordings.signals.packet_log import write_log
 from app.recordings.signals.rows import insert_chunk
 from app.viewer.figure.proportions import hip_height_m
@@ -68,7 +68,7 @@ def _store(engine: Engine, new_session: Any, setup: SessionSetup, frames: Frames
         session.add(result)
         session.flush()
         for start in range(0, frames.tick_count, 300):
-            chunk = encode_frames(slice_frames(frames, start, start + 300))
+            chunk = encode_frames(frames.ticks(start, start + 300))
             insert_chunk(session, session_id, frames_stream(result.id), start, chunk)
         return session_id, result.id
 

@@ -14,7 +14,7 @@ from app.errors import NotFound
 from app.recordings.columns import frames_table
 from app.recordings.models import Result
 from app.recordings.points import described, points_of
-from app.recordings.signals.chunks import decode_frames, encode_frames, frames_stream, slice_frames
+from app.recordings.signals.chunks import decode_frames, encode_frames, frames_stream
 from app.recordings.signals.rows import insert_chunk
 from estimators.arm import point_covariance
 from estimators.orientation import OrientationFlag
@@ -57,7 +57,7 @@ def stored(engine: Engine, new_session: Any, exact: tuple[SessionSetup, Frames])
         session.add(result)
         session.flush()
         for start in range(0, frames.tick_count, 1000):
-            chunk = encode_frames(slice_frames(frames, start, start + 1000))
+            chunk = encode_frames(frames.ticks(start, start + 1000))
             insert_chunk(session, session_id, frames_stream(result.id), start, chunk)
         return session_id, result.id
 
@@ -134,15 +134,15 @@ def test_reading_points_is_audited_and_closed_to_strangers(
 
 def test_stored_sigmas_are_coarse_and_may_be_absent(exact: tuple[SessionSetup, Frames]) -> None:
     _, frames = exact
-    chunk = encode_frames(slice_frames(frames, 0, 500))
+    chunk = encode_frames(frames.ticks(0, 500))
     back = decode_frames(chunk, frames.layout)
     assert back.segment_sigma_rad is not None
     np.testing.assert_allclose(back.segment_sigma_rad, frames.segment_sigma_rad[:500], rtol=1e-3)  # type: ignore[index]
-    unknown = encode_frames(replace(slice_frames(frames, 0, 500), segment_sigma_rad=None))
+    unknown = encode_frames(replace(frames.ticks(0, 500), segment_sigma_rad=None))
     assert decode_frames(unknown, frames.layout).segment_sigma_rad is None
     # An estimator that tells none costs nothing.
     blank = np.full_like(frames.segment_sigma_rad, np.nan)
-    assert len(encode_frames(slice_frames(replace(frames, segment_sigma_rad=blank), 0, 500)).data) == len(
+    assert len(encode_frames(replace(frames, segment_sigma_rad=blank).ticks(0, 500)).data) == len(
         unknown.data
     )
     assert len(chunk.data) < 1.1 * len(unknown.data)
@@ -150,7 +150,7 @@ def test_stored_sigmas_are_coarse_and_may_be_absent(exact: tuple[SessionSetup, F
 
 def test_files_have_columns_of_points(exact: tuple[SessionSetup, Frames]) -> None:
     setup, frames = exact
-    part = slice_frames(frames, 0, 400)
+    part = frames.ticks(0, 400)
     plain, full = frames_table(part), frames_table(part, setup.body)
     assert set(plain.column_names) < set(full.column_names)
     found = described(part, setup.body)
