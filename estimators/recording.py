@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.channels import CHANNELS
 from estimators.conventions import Placement
 from estimators.errors import ShapeError
 from estimators.samples import Samples
@@ -117,12 +118,10 @@ class SensorSignals:
 
     def __post_init__(self) -> None:
         samples = self.time_s.shape[0]
-        for name in ("gyroscope_radps", "accelerometer_mps2", "magnetometer_t", "force_n", "moment_nm"):
-            values = getattr(self, name)
-            if values is not None and values.shape != (samples, 3):
-                raise ShapeError(
-                    f"{name} has shape {values.shape}; {samples} time stamps need ({samples}, 3)"
-                )
+        for spec in CHANNELS:
+            values, shape = getattr(self, spec.field, None), (samples, spec.width)[: 1 + (spec.width > 1)]
+            if values is not None and values.shape != shape:
+                raise ShapeError(f"{spec.field} has shape {values.shape}; {samples} time stamps need {shape}")
         if not np.isfinite(self.time_s).all():
             raise ShapeError("time_s has stamps that are no finite numbers; drop these samples")
         if samples and not (np.diff(self.time_s) > 0).all():

@@ -39,8 +39,8 @@ def calibrate_source(options: CalibrateOptions) -> None:
     setup = SessionSetup(
         "relative_pose", declared.placements, declared.rate_hz, orientation_parameters=parameters
     )
-    if declared.clip_magnetometer_t is not None:
-        parameters["full_scale_t"] = declared.clip_magnetometer_t
+    if "magnetometer" in declared.full_scales:
+        parameters["full_scale_t"] = declared.full_scales["magnetometer"]
     ordered = sorted(reader.packets(), key=lambda pair: pair[0].sequence)
     try:
         bench = Bench(

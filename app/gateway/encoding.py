@@ -1,7 +1,8 @@
 """A recording as the packets that a device would send."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Final
 from zlib import crc32
 
 import numpy as np
@@ -10,27 +11,21 @@ from numpy.typing import NDArray
 from app.errors import InvalidInput
 from app.gateway.client import Delivery
 from app.network.messages import PROTOCOL_VERSION, HelloMessage
-from app.network.packet import Channel, encode_packet
-from estimators.conventions import GRAVITY_MPS2
+from app.network.packet import encode_packet
+from estimators.channels import CHANNELS, MOTION, Channel
 from estimators.recording import Recording
 from estimators.simulation.faults import DeliveryPlan, LinkFaults, plan_delivery
 
 _FULL_COUNTS = 32767.0
 _NO_LOAD = -32768.0 / _FULL_COUNTS
-_INERTIAL = Channel.GYROSCOPE | Channel.ACCELEROMETER
 EPOCH_US = 1_000_000_000
 """Device clock when the simulated device begins to measure; no device starts at zero."""
 
 
-@dataclass(frozen=True)
-class CountScales:
-    """Full scale of the device's 16-bit counts; by default 2000 deg/s, 16 g, 4.9 mT, 3 kN and 150 Nm."""
-
-    gyroscope_radps: float = float(np.deg2rad(2000.0))
-    accelerometer_mps2: float = 16.0 * GRAVITY_MPS2
-    magnetometer_t: float = 4.9e-3
-    force_n: float = 3000.0
-    moment_nm: float = 150.0
+FULL_SCALES: Final[Mapping[str, float]] = {
+    spec.name: spec.full_scale for spec in CHANNELS if spec.full_scale is not None
+}
+"""Largest value of the simulated device's 16-bit counts, SI, by channel."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +37,8 @@ class DeviceStream:
     placements : tuple of str
     rate_hz : float
     counts : ndarray of int16, shape (K, S, W)
-    scales : CountScales
+    full_scales : mapping of str to float
+        Of the counts, by channel; `FULL_SCALES` unless the device has others.
     ticks_per_packet : int
     device : str
     serials : tuple of str
@@ -54,11 +50,11 @@ class DeviceStream:
     placements: tuple[str, ...]
     rate_hz: float
     counts: NDArray[np.int16]
-    scales: CountScales
+    full_scales: Mapping[str, float] = field(default_factory=lambda: FULL_SCALES)
     ticks_per_packet: int = 5
     device: str = "telemotion simulator"
     serials: tuple[str, ...] = ()
-    channels: Channel = _INERTIAL | Channel.MAGNETOMETER
+    channels: Channel = Channel.GYROSCOPE | Channel.ACCELEROMETER | Channel.MAGNETOMETER
 
     @property
     def packet_count(self) -> int:
@@ -72,25 +68,19 @@ class DeviceStream:
 
     def hello(self, ticket: str) -> HelloMessage:
         """Return the first message of a connection."""
+        sent = [spec for spec in CHANNELS if self.channels & spec.bit and spec.scale_limit is not None]
+        declared = {f"{spec.name}_scale": self.full_scales[spec.name] / _FULL_COUNTS for spec in sent}
+        declared |= {f"clip_{spec.field}": self.full_scales[spec.name] for spec in MOTION[:2]}
         return HelloMessage(
             protocol_version=PROTOCOL_VERSION,
             ticket=ticket,
             placements=list(self.placements),
             rate_hz=self.rate_hz,
-            gyroscope_scale=self.scales.gyroscope_radps / _FULL_COUNTS,
-            accelerometer_scale=self.scales.accelerometer_mps2 / _FULL_COUNTS,
-            magnetometer_scale=self._scale(Channel.MAGNETOMETER, self.scales.magnetometer_t),
-            force_scale=self._scale(Channel.FORCE, self.scales.force_n),
-            moment_scale=self._scale(Channel.MOMENT, self.scales.moment_nm),
-            clip_gyroscope_radps=self.scales.gyroscope_radps,
-            clip_accelerometer_mps2=self.scales.accelerometer_mps2,
             device=self.device,
             serials=list(self.serials),
             firmware="1",
+            **declared,
         )
-
-    def _scale(self, channel: Channel, full: float) -> float | None:
-        return full / _FULL_COUNTS if self.channels & channel else None
 
     def packet(self, number: int, device_time_s: float | None = None) -> bytes:
         """Return packet `number`; its device time is even unless another is given."""
@@ -115,7 +105,7 @@ class DeviceStream:
 
 
 def stream_of(
-    recording: Recording, *, scales: CountScales | None = None, ticks_per_packet: int = 5
+    recording: Recording, *, full_scales: Mapping[str, float] = FULL_SCALES, ticks_per_packet: int = 5
 ) -> DeviceStream:
     """Turn a recording with one common, even time base into a device's stream.
 
@@ -123,7 +113,8 @@ def stream_of(
     ----------
     recording : Recording
         All sensors with the same number of samples; NaN becomes zeros, the sign of nothing measured.
-    scales : CountScales, optional
+    full_scales : mapping of str to float, optional
+        Of the counts, by channel.
     ticks_per_packet : int
         1 to 64; 5 to 10 are a good choice.
 
@@ -132,29 +123,28 @@ def stream_of(
     InvalidInput
         The sensors do not share their ticks; resample first (`estimators.signals.to_common_ticks`).
     """
-    scales = scales or CountScales()
     lengths = {signals.time_s.shape[0] for signals in recording.sensors.values()}
     if len(lengths) != 1:
         raise InvalidInput("The sensors of this recording do not share their ticks; resample it first.")
-    has_field = all(signals.magnetometer_t is not None for signals in recording.sensors.values())
-    has_loads = any(signals.force_n is not None for signals in recording.sensors.values())
-    mask = _INERTIAL | (Channel.MAGNETOMETER if has_field else Channel(0))
-    mask |= Channel.FORCE | Channel.MOMENT if has_loads else Channel(0)
+    sensors = list(recording.sensors.values())
+    sent = [
+        spec
+        for spec in CHANNELS
+        if spec.name in full_scales
+        and (all if spec in MOTION else any)(getattr(found, spec.field) is not None for found in sensors)
+    ]
     columns = []
-    for signals in recording.sensors.values():
-        channels = [
-            signals.gyroscope_radps / scales.gyroscope_radps,
-            signals.accelerometer_mps2 / scales.accelerometer_mps2,
-        ]
-        if has_field and signals.magnetometer_t is not None:
-            channels.append(signals.magnetometer_t / scales.magnetometer_t)
-        if has_loads:
-            # All sensors of a packet have the same channels: zeros for those without a cell.
-            nothing = np.zeros_like(signals.gyroscope_radps)
-            for load, full in ((signals.force_n, scales.force_n), (signals.moment_nm, scales.moment_nm)):
-                # A cell that gave nothing sends what no cell measures.
-                channels.append(nothing if load is None else np.where(np.isnan(load), _NO_LOAD, load / full))
-        table = np.concatenate(channels, axis=1)
+    for signals in sensors:
+        parts = []
+        for spec in sent:
+            values = getattr(signals, spec.field)
+            part = np.zeros((signals.time_s.size, spec.width))
+            # All sensors of a packet have the same channels: zeros for those without.
+            if values is not None:
+                part = values.reshape(part.shape) / full_scales[spec.name]
+            # A cell that gave nothing sends what no cell measures.
+            parts.append(part if spec in MOTION else np.where(np.isnan(part), _NO_LOAD, part))
+        table = np.concatenate(parts, axis=1)
         table[np.isnan(table).any(axis=1)] = 0.0
         columns.append(np.rint(np.where(table == _NO_LOAD, table, np.clip(table, -1.0, 1.0)) * _FULL_COUNTS))
     counts = np.stack(columns, axis=1).astype(np.int16)
@@ -162,10 +152,10 @@ def stream_of(
         recording.placements,
         recording.nominal_rate_hz,
         counts,
-        scales,
+        full_scales,
         ticks_per_packet,
         serials=_serials_of(recording),
-        channels=mask,
+        channels=Channel(sum(spec.bit for spec in sent)),
     )
 
 

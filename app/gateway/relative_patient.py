@@ -11,7 +11,8 @@ from app.gateway.client import Delivery
 from app.gateway.encoding import EPOCH_US
 from app.gateway.source import FixedBursts, SourceControl
 from app.network.messages import PROTOCOL_VERSION, HelloMessage
-from app.network.packet import Channel, encode_packet
+from app.network.packet import encode_packet
+from estimators.channels import Channel
 from estimators.conventions import Placement
 from estimators.magnetic import coil_state
 from estimators.pipelines import SessionSetup, relative_source

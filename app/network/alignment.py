@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from app.errors import PacketError
 from app.network.clock import PacketClock
 from app.network.declaration import Declaration
-from app.network.packet import Channel, Packet
+from app.network.packet import Packet
 from app.network.unpack import Unpacker
 from app.sentences import say
+from estimators.channels import CARRIED, INERTIAL, Channel, ChannelSpec
 from estimators.recording import Float, ImuChunk, SampleQuality
 from estimators.signals import bridge
 
@@ -25,8 +26,9 @@ BRIDGE_LIMIT_S = 0.200
 _SNAP_TICKS = 0.05
 """Device ticks this close to the common tick are taken as they are; others are interpolated."""
 _PIECE_TICKS = 1000
-_INERTIAL = int(Channel.GYROSCOPE | Channel.ACCELEROMETER)
-_RARE = int(Channel.COIL_STATE | Channel.FORCE | Channel.MOMENT)
+_CARRIED_BITS = sum(int(spec.bit) for spec in CARRIED)
+_CARRIED = {spec.field: spec for spec in CARRIED}
+_NOTHING: dict[str, Float] = {}
 
 
 @dataclass(frozen=True)
@@ -69,8 +71,7 @@ class Aligner:
         self._last_row: Float | None = None
         self._last_rows: Float | None = None
         """The last row and the one before it; None where the packet held only one row."""
-        self._last_coil: Float | None = None
-        self._last_loads: Float | None = None
+        self._last_carried = _NOTHING
         self.gaps: list[Gap] = []
         """Gaps found since the caller last emptied the list."""
         self.late_packets = 0
@@ -112,7 +113,7 @@ class Aligner:
         PacketError
             `missing_channels` when gyroscope or accelerometer is not in the packet.
         """
-        if packet.channels & _INERTIAL != _INERTIAL:
+        if packet.channels & INERTIAL != INERTIAL:
             raise PacketError(
                 say("packet.channels_missing"),
                 reason="missing_channels",
@@ -155,27 +156,23 @@ class Aligner:
         self._next_sequence = sequence + 1
         self._released_end_us = time_us + ticks * packet.tick_interval_us
         signals, quality = self._unpacker.unpack(packet)
-        coil = loads = None
-        if packet.channels & _RARE:
-            coil, loads = self._unpacker.coil_state(packet), self._unpacker.loads(packet)
+        carried = self._unpacker.carried(packet) if packet.channels & _CARRIED_BITS else _NOTHING
         position = time_us / self._step_us
         spacing = packet.tick_interval_us / self._step_us
         first = round(position)
         drift = (ticks - 1) * (spacing - 1.0)
         if abs(position - first) > _SNAP_TICKS or abs(position + drift - first) > _SNAP_TICKS:
             positions: Float = position + spacing * np.arange(ticks, dtype=np.float64)
-            return self._interpolate(positions, signals, quality, coil, loads)
+            return self._interpolate(positions, signals, quality, carried)
         skip = self._next_tick - first
         if skip >= ticks:
             return []
         if skip > 0:
             first, signals, quality = self._next_tick, signals[:, :, skip:], quality[:, skip:]
-            coil = None if coil is None else coil[:, skip:]
-            loads = None if loads is None else loads[:, skip:]
+            carried = {name: values[:, skip:] for name, values in carried.items()}
         pieces = self._fill(first, signals[:, :, :2]) if first > self._next_tick else []
-        pieces.append(self._chunk(first, signals, quality, coil, loads))
-        self._last_coil = None if coil is None else coil[:, -1:]
-        self._last_loads = None if loads is None else loads[:, -1:]
+        pieces.append(self._chunk(first, signals, quality, carried))
+        self._last_carried = _last(carried)
         self._next_tick = first + signals.shape[2]
         self._last_position = self._next_tick - 1.0
         self._last_row, self._last_rows = signals[:, :, -1], signals[:, :, -2:]
@@ -186,8 +183,7 @@ class Aligner:
         position: Float,
         signals: Float,
         quality: NDArray[np.uint8],
-        coil: Float | None,
-        loads: Float | None,
+        carried: dict[str, Float],
     ) -> list[ImuChunk]:
         """Place samples that lie between common ticks, at `position` ticks, shape (K,)."""
         pieces: list[ImuChunk] = []
@@ -199,16 +195,13 @@ class Aligner:
             position = np.concatenate([[self._last_position], position])
             signals = np.concatenate([last[:, :, np.newaxis], signals], axis=2)
             quality = np.concatenate([np.zeros_like(quality[:, :1]), quality], axis=1)
-            if coil is not None:
-                before = np.zeros_like(coil[:, :1]) if self._last_coil is None else self._last_coil
-                coil = np.concatenate([before, coil], axis=1)
-            if loads is not None:
-                held = np.full_like(loads[:, :1], np.nan) if self._last_loads is None else self._last_loads
-                loads = np.concatenate([held, loads], axis=1)
+            carried = {
+                name: np.concatenate([self._before(name, values), values], axis=1)
+                for name, values in carried.items()
+            }
         tick = np.arange(self._next_tick, int(np.floor(position[-1] + 1e-9)) + 1)
         self._last_position, self._last_row = float(position[-1]), signals[:, :, -1]
-        self._last_rows, self._last_coil = None, None if coil is None else coil[:, -1:]
-        self._last_loads = None if loads is None else loads[:, -1:]
+        self._last_rows, self._last_carried = None, _last(carried)
         if not tick.size:
             return pieces
         left = np.clip(np.searchsorted(position, tick, side="right") - 1, 0, max(0, position.shape[0] - 2))
@@ -224,14 +217,11 @@ class Aligner:
         nothing = np.isnan(values[0]).any(axis=2)
         values[:, nothing] = np.nan
         flags[nothing] = (flags[nothing] & ~np.uint8(SampleQuality.BRIDGED)) | np.uint8(SampleQuality.MISSING)
-        # A coil is on or off: its state is that of the nearest sample, never a mean.
-        nearest = np.where(weight[:, 0] < 0.5, left, right)
-        coil = None if coil is None else coil[:, nearest]
-        if loads is not None:
-            loads = (1.0 - weight) * loads[:, left] + weight * loads[:, right]
-            # A foot may have landed in a gap: forces are never bridged.
-            loads[:, wide] = np.nan
-        pieces.append(self._chunk(self._next_tick, values, flags, coil, loads))
+        carried = {
+            name: _at_ticks(_CARRIED[name], values, left, right, weight, wide)
+            for name, values in carried.items()
+        }
+        pieces.append(self._chunk(self._next_tick, values, flags, carried))
         self._next_tick += tick.size
         return pieces
 
@@ -283,8 +273,7 @@ class Aligner:
         first: int,
         signals: Float,
         quality: NDArray[np.uint8],
-        coil: Float | None = None,
-        loads: Float | None = None,
+        carried: dict[str, Float] = _NOTHING,
     ) -> ImuChunk:
         return ImuChunk(
             first,
@@ -293,10 +282,35 @@ class Aligner:
             signals[1],
             signals[2] if signals.shape[0] == 3 else None,
             quality,
-            coil_state=coil,
-            force_n=None if loads is None else loads[:, :, :3],
-            moment_nm=None if loads is None else loads[:, :, 3:],
+            **carried,
         )
+
+    def _before(self, name: str, values: Float) -> Float:
+        """Return the last value that was sent, shape (S, 1, ...)."""
+        resting = np.full_like(values[:, :1], _CARRIED[name].resting)
+        return self._last_carried.get(name, resting)
+
+
+def _last(carried: dict[str, Float]) -> dict[str, Float]:
+    return {name: values[:, -1:] for name, values in carried.items()} if carried else _NOTHING
+
+
+def _at_ticks(
+    spec: ChannelSpec,
+    values: Float,
+    left: NDArray[np.intp],
+    right: NDArray[np.intp],
+    weight: Float,
+    wide: NDArray[np.bool_],
+) -> Float:
+    """Return a carried channel at common ticks by its gap rule; `weight` of the right sample, shape (ticks, 1)."""
+    if spec.gap == "nearest":
+        return values[:, np.where(weight[:, 0] < 0.5, left, right)]
+    weight = weight if values.ndim == 3 else weight[:, 0]
+    found = (1.0 - weight) * values[:, left] + weight * values[:, right]
+    if spec.gap == "never":
+        found[:, wide] = np.nan
+    return found
 
 
 def _slope(rows: Float | None) -> Float | None:

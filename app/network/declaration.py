@@ -11,12 +11,14 @@ import numpy as np
 from app.errors import PacketError
 from app.network.messages import PROTOCOL_VERSION, HelloMessage
 from app.sentences import say
+from estimators.channels import CHANNELS
 from estimators.conventions import Placement
 from estimators.recording import Float
 
 SINGLE_SENSORS: Final = "orientation"
 WALKING: Final = "gait"
-_LEGS: Final = ("thigh_", "shank_", "foot_")
+_COUNTED: Final = tuple(spec for spec in CHANNELS if spec.scale_limit is not None)
+_CLIPPED: Final = tuple(spec for spec in CHANNELS if spec.clip_limit is not None)
 
 
 @dataclass(frozen=True)
@@ -72,10 +74,10 @@ class Declaration:
         Sensors in the order of the packets.
     rate_hz : float
         Tick rate of the device, also the common tick of the session.
-    gyroscope_scale, accelerometer_scale, magnetometer_scale, force_scale, moment_scale : float or None
-        rad/s, m/s^2, T, N and Nm per count for int16 packets; None when the device sends float32 only.
-    clip_gyroscope_radps, clip_accelerometer_mps2, clip_magnetometer_t : float or None
-        Full scale of the sensors; None when unknown.
+    scales : dict of str to float
+        SI value of a count in int16 packets, by name of the channel; a channel without is sent as float32.
+    full_scales : dict of str to float
+        By name of the channel, SI; one that is absent is unknown.
     serials : tuple of str
         Serial number of each sensor in the order of the placements; empty when the gateway tells none.
     is_stamped : bool
@@ -89,14 +91,8 @@ class Declaration:
 
     placements: tuple[Placement, ...]
     rate_hz: float
-    gyroscope_scale: float | None = None
-    accelerometer_scale: float | None = None
-    magnetometer_scale: float | None = None
-    force_scale: float | None = None
-    moment_scale: float | None = None
-    clip_gyroscope_radps: float | None = None
-    clip_accelerometer_mps2: float | None = None
-    clip_magnetometer_t: float | None = None
+    scales: Mapping[str, float] = field(default_factory=dict)
+    full_scales: Mapping[str, float] = field(default_factory=dict)
     device: str = ""
     firmware: str = ""
     serials: tuple[str, ...] = ()
@@ -112,14 +108,7 @@ class Declaration:
     @cached_property
     def countable_channels(self) -> int:
         """Channel mask of what may be sent as counts: the channels with a declared scale."""
-        scales = (
-            self.gyroscope_scale,
-            self.accelerometer_scale,
-            self.magnetometer_scale,
-            self.force_scale,
-            self.moment_scale,
-        )
-        return sum(1 << bit for bit, scale in enumerate(scales) if scale is not None)
+        return sum(int(spec.bit) for spec in CHANNELS if spec.name in self.scales)
 
     @property
     def sensor_count(self) -> int:
@@ -134,6 +123,9 @@ class Declaration:
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON types; `from_dict` reverses it."""
         stored = asdict(self)
+        scales, full_scales = stored.pop("scales"), stored.pop("full_scales")
+        stored |= {f"{spec.name}_scale": scales.get(spec.name) for spec in _COUNTED}
+        stored |= {f"clip_{spec.field}": full_scales.get(spec.name) for spec in _CLIPPED}
         stored["placements"], stored["serials"] = list(self.placements), list(self.serials)
         stored["clock_epochs"] = [asdict(epoch) for epoch in self.clock_epochs]
         stored["found_clips"] = [asdict(clips) | {"levels": list(clips.levels)} for clips in self.found_clips]
@@ -143,6 +135,8 @@ class Declaration:
     def from_dict(cls, stored: Mapping[str, Any]) -> "Declaration":
         """Rebuild from what the session stored."""
         values = {name: stored[name] for name in cls.__dataclass_fields__ if name in stored}
+        values["scales"] = _known({spec.name: stored.get(f"{spec.name}_scale") for spec in _COUNTED})
+        values["full_scales"] = _known({spec.name: stored.get(f"clip_{spec.field}") for spec in _CLIPPED})
         values["placements"] = tuple(values["placements"])
         values["serials"] = tuple(values.get("serials") or ())
         values["clock_epochs"] = tuple(ClockEpoch(**epoch) for epoch in values.get("clock_epochs") or ())
@@ -178,14 +172,8 @@ class Declaration:
         names = (
             "placements",
             "rate_hz",
-            "gyroscope_scale",
-            "accelerometer_scale",
-            "magnetometer_scale",
-            "force_scale",
-            "moment_scale",
-            "clip_gyroscope_radps",
-            "clip_accelerometer_mps2",
-            "clip_magnetometer_t",
+            "scales",
+            "full_scales",
         )
         return all(getattr(self, name) == getattr(other, name) for name in names)
 
@@ -193,8 +181,7 @@ class Declaration:
 def check_hello(hello: HelloMessage) -> Declaration:
     """Check what a gateway declares.
 
-    One count may be at most 0.1 rad/s, 1 m/s^2, 100 uT, 10 N or 1 Nm: above it, 16 bits would span more than any
-    sensor measures, so the unit is wrong.
+    One count and a full scale may be at most what `estimators.channels` says of the channel.
 
     Raises
     ------
@@ -212,16 +199,12 @@ def check_hello(hello: HelloMessage) -> Declaration:
         serials=check_serials(hello.serials, len(hello.placements)),
         device=hello.device,
         firmware=hello.firmware,
-        clip_gyroscope_radps=_check_positive("clip_gyroscope_radps", hello.clip_gyroscope_radps, 1e3),
-        clip_accelerometer_mps2=_check_positive(
-            "clip_accelerometer_mps2", hello.clip_accelerometer_mps2, 1e4
+        scales=_known(
+            {spec.name: _declared(hello, f"{spec.name}_scale", spec.scale_limit) for spec in _COUNTED}
         ),
-        clip_magnetometer_t=_check_positive("clip_magnetometer_t", hello.clip_magnetometer_t, 1.0),
-        gyroscope_scale=_check_positive("gyroscope_scale", hello.gyroscope_scale, 0.1),
-        accelerometer_scale=_check_positive("accelerometer_scale", hello.accelerometer_scale, 1.0),
-        magnetometer_scale=_check_positive("magnetometer_scale", hello.magnetometer_scale, 1e-4),
-        force_scale=_check_positive("force_scale", hello.force_scale, 10.0),
-        moment_scale=_check_positive("moment_scale", hello.moment_scale, 1.0),
+        full_scales=_known(
+            {spec.name: _declared(hello, f"clip_{spec.field}", spec.clip_limit) for spec in _CLIPPED}
+        ),
     )
 
 
@@ -260,9 +243,14 @@ def _check_rate(rate_hz: float) -> float:
     return rate_hz
 
 
-def _check_positive(name: str, value: float | None, limit: float) -> float | None:
+def _declared(hello: HelloMessage, name: str, limit: float | None) -> float | None:
+    value: float | None = getattr(hello, name)
     if value is None:
         return None
-    if not (math.isfinite(value) and 0.0 < value <= limit):
+    if not (math.isfinite(value) and value > 0.0 and (limit is None or value <= limit)):
         raise PacketError(say("hello.scale", field=name, value=value, limit=f"{limit:g}"), reason="scales")
     return value
+
+
+def _known(values: Mapping[str, float | None]) -> dict[str, float]:
+    return {name: value for name, value in values.items() if value is not None}

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from app.errors import PacketError
 from app.network.declaration import Declaration
-from app.network.messages import JsonPacket
+from app.network.messages import JsonPacket, JsonSensor
 from app.sentences import say
+from estimators.channels import CHANNELS, Channel, ChannelSpec
 
 MAGIC: Final = b"BNP1"
 HEADER_BYTES: Final = 32
@@ -36,19 +37,6 @@ _HEADER_WITHOUT_CRC: Final = struct.Struct("<4sBBHBBHIQI")
 _KNOWN_FLAGS: Final = 0b11
 
 
-class Channel(IntFlag):
-    """Bits of the channel mask, in payload order."""
-
-    GYROSCOPE = 1
-    ACCELEROMETER = 2
-    MAGNETOMETER = 4
-    FORCE = 8
-    MOMENT = 16
-    ORIENTATION = 32
-    COIL_STATE = 64
-    TEMPERATURE = 128
-
-
 class PacketFlag(IntFlag):
     """Bits of the flags byte."""
 
@@ -56,34 +44,13 @@ class PacketFlag(IntFlag):
     BACKFILLED = 2
 
 
-_WIDTHS: Final = {
-    Channel.GYROSCOPE: 3,
-    Channel.ACCELEROMETER: 3,
-    Channel.MAGNETOMETER: 3,
-    Channel.FORCE: 3,
-    Channel.MOMENT: 3,
-    Channel.ORIENTATION: 4,
-    Channel.COIL_STATE: 1,
-    Channel.TEMPERATURE: 1,
-}
-_KNOWN_MASK: Final = 0xFF
+_WIDTHS: Final = {spec.bit: spec.width for spec in CHANNELS}
+_KNOWN_MASK: Final = sum(_WIDTHS)
 _VALUES_PER_SENSOR: Final = tuple(
     sum(width for bit, width in _WIDTHS.items() if mask & bit) for mask in range(_KNOWN_MASK + 1)
 )
-_SCALED_CHANNELS: Final = (
-    (int(Channel.GYROSCOPE), "gyroscope_scale"),
-    (int(Channel.ACCELEROMETER), "accelerometer_scale"),
-    (int(Channel.MAGNETOMETER), "magnetometer_scale"),
-    (int(Channel.FORCE), "force_scale"),
-    (int(Channel.MOMENT), "moment_scale"),
-)
-_COUNTABLE_MASK: Final = 0b11111
-_OPTIONAL: Final = (
-    (Channel.MAGNETOMETER, "magnetometer"),
-    (Channel.FORCE, "force"),
-    (Channel.MOMENT, "moment"),
-    (Channel.COIL_STATE, "coil_state"),
-)
+_FLOAT32_ONLY: Final = sum(int(spec.bit) for spec in CHANNELS if spec.scale_limit is None)
+_IN_JSON: Final = tuple(spec for spec in CHANNELS if spec.field)
 
 
 @dataclass(slots=True)
@@ -262,35 +229,11 @@ def packet_from_json(message: JsonPacket, declaration: Declaration | None = None
     """
     if not 0 < len(message.sensors) <= MAX_SENSORS:
         raise _header_error(MAGIC, len(message.sensors), 1, 7, FLOAT32, 0, 0, 10_000)
-    mask = int(Channel.GYROSCOPE | Channel.ACCELEROMETER)
-    names = []
-    for channel, name in _OPTIONAL:
-        if getattr(message.sensors[0], name) is not None:
-            mask |= int(channel)
-            names.append(name)
-    ticks = len(message.sensors[0].gyroscope)
-    columns = []
-    for number, sensor in enumerate(message.sensors):
-        channels = [sensor.gyroscope, sensor.accelerometer]
-        for _, name in _OPTIONAL:
-            rows = getattr(sensor, name)
-            if name in names:
-                channels.append(rows or [])
-            elif rows is not None:
-                raise PacketError(say("packet.all_or_none", channel=name), reason="shape", sensor=number)
-        states = [[state] for state in channels.pop()] if "coil_state" in names else None
-        if any(len(rows) != ticks or any(len(row) != 3 for row in rows) for rows in channels) or (
-            states is not None and len(states) != ticks
-        ):
-            raise PacketError(
-                say("packet.shape", sensor=number, ticks=ticks),
-                reason="shape",
-                sensor=number,
-            )
-        parts = [np.asarray(rows, "<f8").reshape(-1, 3) for rows in channels]
-        if states is not None:
-            parts.append(np.asarray(states, "<f8").reshape(-1, 1))
-        columns.append(np.concatenate(parts, axis=1))
+    first = message.sensors[0]
+    sent = [spec for spec in _IN_JSON if getattr(first, spec.name) is not None]
+    mask = sum(int(spec.bit) for spec in sent)
+    ticks = len(first.gyroscope)
+    columns = [_rows_of(sensor, number, sent, ticks) for number, sensor in enumerate(message.sensors)]
     values = np.stack(columns, axis=1)
     if not (np.abs(values) <= VALUE_LIMIT).all():
         raise _value_error(values, message.sequence)
@@ -302,6 +245,26 @@ def packet_from_json(message: JsonPacket, declaration: Declaration | None = None
         channels=mask,
     )
     return decode_packet(data, declaration)
+
+
+def _rows_of(sensor: JsonSensor, number: int, sent: list[ChannelSpec], ticks: int) -> NDArray[np.float64]:
+    """Return one sensor's values side by side, shape (K, W)."""
+    parts = []
+    for spec in _IN_JSON:
+        rows = getattr(sensor, spec.name)
+        if spec not in sent:
+            if rows is not None:
+                raise PacketError(say("packet.all_or_none", channel=spec.name), reason="shape", sensor=number)
+            continue
+        rows = rows or []
+        if len(rows) != ticks or (spec.width > 1 and any(len(row) != spec.width for row in rows)):
+            raise PacketError(
+                say("packet.shape", sensor=number, ticks=ticks),
+                reason="shape",
+                sensor=number,
+            )
+        parts.append(np.asarray(rows, "<f8").reshape(-1, spec.width))
+    return np.concatenate(parts, axis=1)
 
 
 def _check_declared(
@@ -320,16 +283,16 @@ def _check_declared(
             sequence=sequence,
         )
     if encoding == INT16 and mask & ~declaration.countable_channels:
-        if mask & ~_COUNTABLE_MASK:
+        if mask & _FLOAT32_ONLY:
             raise PacketError(
                 say("packet.mask_scale", mask=f"{mask:#x}"),
                 reason="undeclared_scale",
                 sequence=sequence,
             )
-        for bit, name in _SCALED_CHANNELS:
-            if mask & bit and getattr(declaration, name) is None:
+        for spec in CHANNELS:
+            if mask & spec.bit and spec.name not in declaration.scales:
                 raise PacketError(
-                    say("packet.scale", field=name),
+                    say("packet.scale", field=f"{spec.name}_scale"),
                     reason="undeclared_scale",
                     sequence=sequence,
                 )

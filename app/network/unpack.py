@@ -4,8 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.network.declaration import Declaration
-from app.network.packet import FLOAT32, INT16, Channel, Packet, PacketFlag
+from app.network.packet import FLOAT32, INT16, Packet, PacketFlag
 from app.network.unpack_kernel import unpack
+from estimators.channels import CARRIED, MOTION, Channel
 from estimators.recording import Float, SampleQuality
 
 STUCK_LIMIT_S = 0.5
@@ -13,7 +14,7 @@ STUCK_LIMIT_S = 0.5
 moves the last bit."""
 _LARGEST_COUNT = 32767.0
 _BACKFILLED_QUALITY = int(SampleQuality.BACKFILLED)
-_MAGNETOMETER, _LOADS = int(Channel.MAGNETOMETER), int(Channel.FORCE | Channel.MOMENT)
+_MAGNETOMETER = int(Channel.MAGNETOMETER)
 _BACKFILLED, _CLIPPED = int(PacketFlag.BACKFILLED), int(PacketFlag.SATURATED)
 """Plain integers: an operation on a flag costs a microsecond, and every packet has several."""
 
@@ -34,26 +35,16 @@ class Unpacker:
     def __init__(self, declaration: Declaration, has_magnetometer: bool, clip_levels: Float) -> None:
         self._clip_levels = clip_levels
         self.channel_count = 3 if has_magnetometer else 2
-        scales = (
-            declaration.gyroscope_scale,
-            declaration.accelerometer_scale,
-            declaration.magnetometer_scale,
-        )
-        clips = [
-            np.inf if clip is None else 0.999 * clip
-            for clip in (declaration.clip_gyroscope_radps, declaration.clip_accelerometer_mps2)
-        ]
-        count_clips = [
-            min(clip, np.inf if scale is None else 32766.5 * scale)
-            for clip, scale in zip(clips, scales[:2], strict=True)
-        ]
+        scales = [declaration.scales.get(spec.name, np.nan) for spec in MOTION]
+        clips = [0.999 * declaration.full_scales.get(spec.name, np.inf) for spec in MOTION[:2]]
+        count_clips = np.fmin(clips, 32766.5 * np.array(scales[:2]))
         self._of_encoding = {
             FLOAT32: (np.ones(3), np.array(clips)),
-            INT16: (np.array(scales, dtype=float), np.array(count_clips)),
+            INT16: (np.array(scales), count_clips),
         }
-        self._load_scales = (declaration.force_scale, declaration.moment_scale)
-        self._same_loads = np.zeros(declaration.sensor_count, dtype=np.int64)
-        self._last_loads = np.full((declaration.sensor_count, 6), np.nan)
+        self._scales = declaration.scales
+        self._same_values: dict[str, NDArray[np.int64]] = {}
+        self._last_values: dict[str, Float] = {}
         self._stuck_ticks = max(2, round(STUCK_LIMIT_S * declaration.rate_hz))
         self._same_ticks = np.zeros(declaration.sensor_count, dtype=np.int64)
         self._last_sent = np.full((2, declaration.sensor_count, 3), np.nan)
@@ -93,50 +84,44 @@ class Unpacker:
         )
         return signals, quality
 
-    @staticmethod
-    def coil_state(packet: Packet) -> Float | None:
-        """Return what each sensor's coils did, shape (S, K), NaN where the sensor gave nothing; None without bit 6."""
-        sent = packet.channel(Channel.COIL_STATE)
-        if sent is None:
-            return None
-        state = np.array(sent[:, :, 0].T, dtype=np.float64)
-        inertial = packet.values[:, :, :6]
-        if not inertial.all():
-            state[~inertial.any(axis=2).T] = np.nan
-        return state
+    def carried(self, packet: Packet) -> dict[str, Float]:
+        """Return what the packet carries beyond inertial sensors and magnetometers, by field of `ImuChunk`.
 
-    def loads(self, packet: Packet) -> Float | None:
-        """Return force and moment of each sensor's load cell, shape (S, K, 6); None without bits 3 and 4.
-
-        NaN where a sensor gave nothing, a count is at its end, or all six values repeat a load to the last bit for
-        half a second: such a cell does not measure.
+        Returns
+        -------
+        dict of str to ndarray, shape (S, K) or (S, K, width)
+            NaN where a sensor gave nothing, a count is at its end, or all values of a cell repeat themselves, not zero,
+            to the last bit for half a second: such a cell does not measure.
         """
-        if not packet.channels & _LOADS:
-            return None
-        loads = np.full((packet.sensor_count, packet.tick_count, 6), np.nan)
-        for number, (channel, scale) in enumerate(
-            zip((Channel.FORCE, Channel.MOMENT), self._load_scales, strict=True)
-        ):
-            sent = packet.channel(channel)
-            if sent is None:
+        cells = {spec.cell for spec in CARRIED if spec.cell and packet.channels & spec.bit}
+        nothing = ~packet.values[:, :, :6].any(axis=2).T
+        found: dict[str, Float] = {}
+        for spec in CARRIED:
+            sent = packet.channel(spec.bit)
+            if sent is None and spec.cell not in cells:
                 continue
-            part = loads[:, :, 3 * number : 3 * number + 3]
-            part[:] = sent.transpose(1, 0, 2)
-            if packet.encoding == INT16:
-                part[np.abs(part) > _LARGEST_COUNT - 0.5] = np.nan
-                part *= 1.0 if scale is None else scale
-        loads[~packet.values[:, :, :6].any(axis=2).T] = np.nan
-        self._mark_stuck(loads)
-        return loads
+            values = np.full((packet.sensor_count, packet.tick_count, spec.width), np.nan)
+            if sent is not None:
+                values[:] = sent.transpose(1, 0, 2)
+                if packet.encoding == INT16:
+                    values[np.abs(values) > _LARGEST_COUNT - 0.5] = np.nan
+                    values *= self._scales.get(spec.name, 1.0)
+                values[nothing] = np.nan
+            found[spec.field] = values if spec.width > 1 else values[:, :, 0]
+        for cell in cells:
+            self._leave_out_stuck(cell, [found[spec.field] for spec in CARRIED if spec.cell == cell])
+        return found
 
-    def _mark_stuck(self, loads: Float) -> None:
-        """Leave out a load, not zero, that has stayed as it is to the last bit for long: nobody measured it."""
-        before = np.concatenate([self._last_loads[:, None], loads[:, :-1]], axis=1)
-        same = (loads == before).all(axis=2) & loads.any(axis=2)
-        self._last_loads = loads[:, -1].copy()
-        if not same.any():
-            self._same_loads[:] = 0
-            return
-        for k in range(loads.shape[1]):
-            self._same_loads = np.where(same[:, k], self._same_loads + 1, 0)
-            loads[self._same_loads >= self._stuck_ticks, k] = np.nan
+    def _leave_out_stuck(self, cell: str, parts: list[Float]) -> None:
+        values = np.concatenate(parts, axis=2)
+        sensors, ticks, width = values.shape
+        last = self._last_values.get(cell, np.full((sensors, width), np.nan))
+        same_ticks = self._same_values.get(cell, np.zeros(sensors, dtype=np.int64))
+        before = np.concatenate([last[:, None], values[:, :-1]], axis=1)
+        same = (values == before).all(axis=2) & values.any(axis=2)
+        self._last_values[cell] = values[:, -1]
+        for k in range(ticks) if same.any() else ():
+            same_ticks = np.where(same[:, k], same_ticks + 1, 0)
+            for part in parts:
+                part[same_ticks >= self._stuck_ticks, k] = np.nan
+        self._same_values[cell] = same_ticks if same.any() else np.zeros_like(same_ticks)

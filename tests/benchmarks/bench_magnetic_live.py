@@ -26,8 +26,9 @@ from app.gateway import ServiceClient
 from app.gateway.encoding import EPOCH_US
 from app.kinds.magnetic.schemas import MagneticSafetyIn
 from app.network.messages import PROTOCOL_VERSION, HelloMessage
-from app.network.packet import Channel, encode_packet
+from app.network.packet import encode_packet
 from app.recordings.schemas import SessionIn
+from estimators.channels import Channel
 from estimators.recording import ImuChunk
 from tests.benchmarks import bench_live as live
 from tests.benchmarks.bench_magnetic import PACKET_TICKS, RATE_HZ, session

@@ -9,16 +9,17 @@ from numpy.typing import NDArray
 
 from app.errors import RecordingFormatError
 from app.network.declaration import Declaration, check_placements
-from app.network.packet import Channel
 from app.recordings.signals.raw_packet import FLOAT32, RawPacket
 from app.sentences import say
+from estimators.channels import INERTIAL, Channel
 from estimators.conventions import PLACEMENTS, Placement
 from estimators.recording import Float, Recording, SensorSignals
 
 PACKET_S: Final = 0.05
 _EVEN: Final = 0.002
 """Ticks of one packet lie this close to their even spacing, in ticks; else each is its own packet."""
-_INERTIAL: Final = Channel.GYROSCOPE | Channel.ACCELEROMETER
+_CLIP_LABELS: Final = {"gyroscope": "gyroscope_clip_radps", "accelerometer": "accelerometer_clip_mps2"}
+"""Where a file's metadata says from which on a channel is cut off."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +98,7 @@ def stamped(packets: Iterable[RawPacket], declaration: Declaration) -> Recording
         if packet.shape_key == first.shape_key and packet.encoding == FLOAT32:
             heads.append((packet.device_time_us, packet.tick_interval_us, packet.tick_count))
             payload += packet.payload
-    if first is None or not heads or first.channel_mask & _INERTIAL != _INERTIAL:
+    if first is None or not heads or first.channel_mask & INERTIAL != INERTIAL:
         raise RecordingFormatError(say("log.no_packet"))
     start_us, interval_us, counts = np.array(heads, dtype=np.int64).T
     within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
@@ -119,15 +120,15 @@ def stamped(packets: Iterable[RawPacket], declaration: Declaration) -> Recording
             np.ascontiguousarray(columns[:, 3:6]),
             field if field is not None and np.isfinite(field).any() else None,
         )
-    clips = {
-        "gyroscope_clip_radps": declaration.clip_gyroscope_radps,
-        "accelerometer_clip_mps2": declaration.clip_accelerometer_mps2,
-    }
     return Recording(
         sensors,
         declaration.rate_hz,
         origin=declaration.device,
-        metadata={name: str(level) for name, level in clips.items() if level is not None},
+        metadata={
+            label: str(declaration.full_scales[name])
+            for name, label in _CLIP_LABELS.items()
+            if name in declaration.full_scales
+        },
     )
 
 
@@ -151,17 +152,16 @@ def packets_of(recording: Recording, *, any_name: bool = False) -> RecordingPack
     first = recording.sensors[ours[0]]
     if any(not np.array_equal(recording.sensors[name].time_s, first.time_s) for name in ours):
         raise RecordingFormatError(say("file.time_stamps_differ"))
-    clips = {
-        name: float(recording.metadata[name])
-        for name in ("gyroscope_clip_radps", "accelerometer_clip_mps2")
-        if name in recording.metadata
+    full_scales = {
+        name: float(recording.metadata[label])
+        for name, label in _CLIP_LABELS.items()
+        if label in recording.metadata
     }
     declaration = Declaration(
         placements=cast(tuple[Placement, ...], tuple(ours)) if any_name else check_placements(ours),
         rate_hz=recording.nominal_rate_hz,
         device=recording.origin[:100],
-        clip_gyroscope_radps=clips.get("gyroscope_clip_radps"),
-        clip_accelerometer_mps2=clips.get("accelerometer_clip_mps2"),
+        full_scales=full_scales,
         is_stamped=True,
     )
     left_out = tuple(name for name in recording.sensors if name not in ours)
@@ -197,7 +197,7 @@ def _wire_values(sensors: Sequence[SensorSignals]) -> tuple[NDArray[np.float32],
         values[:, row, :6] = inertial
         if sensor.magnetometer_t is not None and has_field:
             values[:, row, 6:] = np.nan_to_num(sensor.magnetometer_t, nan=0.0)
-    return values, int(_INERTIAL | (Channel.MAGNETOMETER if has_field else 0))
+    return values, int(INERTIAL | (Channel.MAGNETOMETER if has_field else 0))
 
 
 def _groups(time_us: np.ndarray, interval_us: int, ticks: int) -> Iterator[tuple[int, int]]:

@@ -76,7 +76,7 @@ class MagneticKind(SessionKind):
 
     def declared(self, parameters: Mapping[str, Any], network: Declaration) -> dict[str, Any]:
         """Return the parameters with where the magnetometers clip; what somebody set by hand stays."""
-        clip_t = network.clip_magnetometer_t
+        clip_t = network.full_scales.get("magnetometer")
         return dict(parameters) if clip_t is None else {"full_scale_t": clip_t, **parameters}
 
     def require_safe(self, session: Session, found: MotionSession, hours: float) -> None:

@@ -14,9 +14,10 @@ from app.live.session.runner import LiveSession
 from app.network.alignment import Aligner
 from app.network.clock import Admitted
 from app.network.declaration import FoundClips
-from app.network.packet import Channel, Packet
+from app.network.packet import Packet
 from app.recordings.analysis.offline import decoded
 from app.recordings.signals.store import read_packets_in_order
+from estimators.channels import Channel
 from estimators.recording import ImuChunk
 
 TAIL_S = 60.0

@@ -12,7 +12,12 @@ from app.network.packet import Packet, PacketFlag, decode_packet, encode_packet
 from estimators.recording import ImuChunk, SampleQuality
 
 SENSORS = ("sternum", "upper_arm_right", "forearm_right")
-NETWORK = Declaration(SENSORS, 100.0, 1e-3, 1e-2, 1e-8, clip_gyroscope_radps=30.0)
+NETWORK = Declaration(
+    SENSORS,
+    100.0,
+    {"gyroscope": 1e-3, "accelerometer": 1e-2, "magnetometer": 1e-8},
+    {"gyroscope": 30.0},
+)
 START_US = 5_000_000_000
 TICKS = 5
 

@@ -4,16 +4,17 @@ import numpy as np
 import pytest
 
 from app.errors import PacketError
-from app.gateway import CountScales, stream_of
+from app.gateway import FULL_SCALES, stream_of
 from app.kinds.walk.shoes import shoes_of
 from app.network.alignment import Aligner, align_all
 from app.network.clock import PacketClock
 from app.network.declaration import Declaration, check_hello
 from app.network.messages import JsonPacket
-from app.network.packet import INT16, Channel, Packet, decode_packet, encode_packet, packet_from_json
+from app.network.packet import INT16, Packet, decode_packet, encode_packet, packet_from_json
 from app.recordings.analysis.offline import decoded
 from app.recordings.signals.chunks import decode_packets, encode_packets
 from app.recordings.signals.raw_packet import RawPacket
+from estimators.channels import Channel
 from estimators.conventions import SHOE_PLACEMENTS
 from estimators.pipelines import SessionSetup
 from estimators.recording import ImuChunk, Recording, SensorSignals
@@ -126,7 +127,7 @@ def test_counts_have_their_scales_and_an_end() -> None:
     sensors["heel_left"].force_n[7, 2] = 5000.0
     device = stream_of(Recording(sensors, 100.0))
     declared = check_hello(device.hello("ticket"))
-    assert declared.force_scale == pytest.approx(CountScales().force_n / 32767)
+    assert declared.scales["force"] == pytest.approx(FULL_SCALES["force"] / 32767)
     assert Declaration.from_dict(declared.to_dict()) == declared
     sent = [decode_packet(device.packet(i), declared) for i in range(4)]
     assert sent[0].encoding == INT16
@@ -136,7 +137,7 @@ def test_counts_have_their_scales_and_an_end() -> None:
     np.testing.assert_allclose(found.force_n[0, kept], sensors["heel_left"].force_n[kept], atol=0.05)
     np.testing.assert_allclose(found.moment_nm[1], sensors["forefoot_left"].moment_nm, atol=0.003)
     assert np.isfinite(found.accelerometer_mps2).all()
-    bare = Declaration(SHOE.placements, 100.0, gyroscope_scale=0.001, accelerometer_scale=0.005)
+    bare = Declaration(SHOE.placements, 100.0, {"gyroscope": 0.001, "accelerometer": 0.005})
     with pytest.raises(PacketError) as raised:
         decode_packet(device.packet(0), bare)
     assert raised.value.details["reason"] == "undeclared_scale"

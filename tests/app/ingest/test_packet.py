@@ -14,15 +14,19 @@ from app.network.messages import HelloMessage, JsonPacket
 from app.network.packet import (
     FLOAT32,
     INT16,
-    Channel,
     PacketFlag,
     decode_packet,
     encode_packet,
     packet_from_json,
     with_flags,
 )
+from estimators.channels import Channel
 
-ARM = Declaration(("upper_arm_right", "forearm_right"), 100.0, 1e-3, 2e-3, 1e-8)
+ARM = Declaration(
+    ("upper_arm_right", "forearm_right"),
+    100.0,
+    {"gyroscope": 1e-3, "accelerometer": 2e-3, "magnetometer": 1e-8},
+)
 FIELDS = {"sensors": (4, "B"), "ticks": (5, "B"), "mask": (6, "H"), "encoding": (8, "B"), "flags": (9, "B")}
 FIELDS |= {"reserved": (10, "H"), "interval": (24, "I")}
 
@@ -110,7 +114,9 @@ def test_other_sensor_count_than_declared_is_refused() -> None:
 
 def test_counts_without_a_declared_scale_are_refused() -> None:
     with pytest.raises(PacketError) as caught:
-        decode_packet(packet(), Declaration(ARM.placements, 100.0, 1e-3, 1e-3))
+        decode_packet(
+            packet(), Declaration(ARM.placements, 100.0, {"gyroscope": 1e-3, "accelerometer": 1e-3})
+        )
     assert caught.value.details["reason"] == "undeclared_scale"
     values = np.zeros((1, 2, 6), dtype="<i2")
     force = encode_packet(values, sequence=0, device_time_us=0, tick_interval_us=10_000, channels=0b11000)
@@ -220,7 +226,7 @@ def test_a_declaration_survives_storing() -> None:
     assert Declaration.from_dict(stored.to_dict()) == stored
     assert stored.same_network(declared)
     other = check_hello(hello(gyroscope_scale=1e-3, clip_gyroscope_radps=34.9, clip_magnetometer_t=8e-4))
-    assert other.clip_magnetometer_t == 8e-4
+    assert other.full_scales["magnetometer"] == 8e-4
     assert not other.same_network(declared)
 
 

@@ -7,7 +7,7 @@ from sqlalchemy import Engine
 
 from app.accounts.subject import Subject
 from app.database.unit_of_work import unit_of_work
-from app.gateway import CountScales, DeviceStream
+from app.gateway import FULL_SCALES, DeviceStream
 from app.live import repository
 from app.live.manager import LiveManager
 from app.live.session.intake import Intake
@@ -24,7 +24,7 @@ def swaying(seconds: float) -> tuple[dict[str, object], DeviceStream]:
 
     What is estimated costs the same whatever moves; a simulated exercise would take longer than all that is measured.
     """
-    samples, sensors, scales = round(100.0 * seconds), len(PLACEMENTS), CountScales()
+    samples, sensors, scales = round(100.0 * seconds), len(PLACEMENTS), FULL_SCALES
     generator = np.random.default_rng(7)
     time_s = 0.01 * np.arange(samples)[:, None]
     tilt = 0.3 * np.sin(time_s + np.arange(sensors))
@@ -43,7 +43,7 @@ def swaying(seconds: float) -> tuple[dict[str, object], DeviceStream]:
         ),
         axis=-1,
     )
-    parts = (rate / scales.gyroscope_radps, force / scales.accelerometer_mps2, field / scales.magnetometer_t)
+    parts = (rate / scales["gyroscope"], force / scales["accelerometer"], field / scales["magnetometer"])
     counts = np.rint(np.concatenate(parts, axis=-1) * 32767.0).astype(np.int16)
     calibration = Calibration(
         dict.fromkeys(PLACEMENTS, (1.0, 0.0, 0.0, 0.0)),

@@ -9,8 +9,9 @@ from app.live.checks.first_seconds import FirstSeconds
 from app.network.alignment import Aligner
 from app.network.clock import PacketClock
 from app.network.declaration import Declaration
-from app.network.packet import Channel, decode_packet, encode_packet
+from app.network.packet import decode_packet, encode_packet
 from estimators import orientation
+from estimators.channels import Channel
 from estimators.recording import Float, ImuChunk, SampleQuality
 from validation.orientation.honesty_scenes import STEP_S, scene
 

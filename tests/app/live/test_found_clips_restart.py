@@ -15,8 +15,9 @@ from app.live.checks.plausibility import check
 from app.live.session.opening import Opener
 from app.live.session.runner import LiveSession
 from app.network.declaration import Declaration
-from app.network.packet import Channel, Packet, decode_packet, encode_packet
+from app.network.packet import Packet, decode_packet, encode_packet
 from app.recordings.signals.group_commit import GroupCommitWriter
+from estimators.channels import Channel
 from estimators.pipelines import Frames, SessionSetup
 from estimators.recording import Float, ImuChunk, SampleQuality
 from validation.orientation.honesty_scenes import STEP_S, scene

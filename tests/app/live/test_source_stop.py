@@ -2,7 +2,6 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -128,7 +127,9 @@ def test_the_device_tells_where_its_magnetometer_ends(
     pipeline: str, given: dict[str, Any], declared: float | None, used: float | None
 ) -> None:
     setup = SessionSetup(pipeline, PAIR, 100.0, orientation_parameters=given)
-    found = setup_for(setup, replace(Declaration(PAIR, 120.0), clip_magnetometer_t=declared))
+    found = setup_for(
+        setup, Declaration(PAIR, 120.0, full_scales={} if declared is None else {"magnetometer": declared})
+    )
     assert found.orientation_parameters.get("full_scale_t") == used
     assert found.rate_hz == 120.0
     if pipeline == "relative_pose":
