@@ -124,7 +124,16 @@ CHANNELS: Final = (
     ChannelSpec(Channel.ORIENTATION, "orientation", "", 4, "1", "never"),
     # A coil is on or off: its state is that of the nearest sample, never a mean.
     ChannelSpec(Channel.COIL_STATE, "coil_state", "coil_state", 1, "1", "nearest", resting=0.0),
-    ChannelSpec(Channel.TEMPERATURE, "temperature", "", 1, "°C", "never"),
+    ChannelSpec(
+        Channel.TEMPERATURE,
+        "temperature",
+        "temperature_degc",
+        1,
+        "°C",
+        "chord",
+        scale_limit=0.1,
+        full_scale=160.0,
+    ),
 )
 """In the order of their bits, which is that of the payload."""
 

@@ -56,6 +56,8 @@ class ImuChunk(Samples):
     force_n, moment_nm : ndarray, shape (S, K, 3), or None
         Of the ground on a load cell, about its centre, sensor axes; NaN where a cell gave nothing that can be used, and
         never bridged. None when no sensor of the network has a cell.
+    temperature_degc : ndarray, shape (S, K), or None
+        Inside each sensor; NaN where it gave nothing. None when the network sends none.
     """
 
     TICK_AXIS: ClassVar[int] = 1
@@ -70,6 +72,7 @@ class ImuChunk(Samples):
     coil_state: Float | None = field(default=None, kw_only=True)
     force_n: Float | None = field(default=None, kw_only=True)
     moment_nm: Float | None = field(default=None, kw_only=True)
+    temperature_degc: Float | None = field(default=None, kw_only=True)
 
     @property
     def sensor_count(self) -> int:
@@ -107,6 +110,8 @@ class SensorSignals:
         Sensor axes, tesla.
     force_n, moment_nm : ndarray, shape (N, 3), or None
         Of the ground on a load cell, about its centre, sensor axes.
+    temperature_degc : ndarray, shape (N,), or None
+        Inside the sensor.
     """
 
     time_s: Float
@@ -115,6 +120,7 @@ class SensorSignals:
     magnetometer_t: Float | None = None
     force_n: Float | None = None
     moment_nm: Float | None = None
+    temperature_degc: Float | None = None
 
     def __post_init__(self) -> None:
         samples = self.time_s.shape[0]

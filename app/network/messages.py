@@ -43,8 +43,9 @@ class HelloMessage(Schema):
     accelerometer_scale: float | None = None
     magnetometer_scale: float | None = None
     force_scale: float | None = None
-    """N per count, of the load cells of instrumented shoes; below Nm per count."""
+    """N per count, of the load cells of instrumented shoes; below Nm and °C per count."""
     moment_scale: float | None = None
+    temperature_scale: float | None = None
     clip_gyroscope_radps: float | None = None
     clip_accelerometer_mps2: float | None = None
     clip_magnetometer_t: float | None = None
@@ -80,6 +81,8 @@ class JsonSensor(Schema):
     moment: list[list[float]] | None = None
     coil_state: list[float] | None = None
     """Of a magnetic source, as in binary packets: 0 for nothing, 2.13 for the second coil at 1.3 A."""
+    temperature: list[float] | None = None
+    """Degrees Celsius inside the sensor."""
 
 
 class JsonPacket(Schema):
