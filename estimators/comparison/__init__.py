@@ -36,8 +36,8 @@ from estimators.comparison._contract import (
 )
 from estimators.comparison._judgement import judge_repetitions
 from estimators.comparison._measures import measure_label
-from estimators.comparison._repetitions import find_repetitions
 from estimators.comparison._template import build_template, near, phase_curves
+from estimators.comparison.repetitions import find_repetitions
 
 __all__ = [
     "PHASES",

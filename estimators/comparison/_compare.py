@@ -23,8 +23,8 @@ from estimators.comparison._measures import (
     repetition_measures,
     summarise,
 )
-from estimators.comparison._repetitions import find_repetitions
 from estimators.comparison._template import align_timing, alignment_scale, is_angle, near, phase_curves
+from estimators.comparison.repetitions import find_repetitions
 from estimators.errors import SetupError
 from estimators.recording import Float
 

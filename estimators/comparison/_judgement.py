@@ -7,8 +7,8 @@ import numpy as np
 from estimators.comparison._alignment import align, apply, resample
 from estimators.comparison._channels import fill_gaps
 from estimators.comparison._contract import PHASES, Repetition, Trajectory
-from estimators.comparison._cycles_kernel import walk
 from estimators.comparison._posture import posture
+from estimators.comparison.repetitions.cycles_kernel import walk
 from estimators.recording import Float
 from estimators.sentences import say
 

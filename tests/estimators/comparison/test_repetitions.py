@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
 
-from estimators.comparison import Repetition, Trajectory, _cycles, _home, find_repetitions, judge_repetitions
-from estimators.comparison._cycles_kernel import search
-from estimators.comparison._home import at_home
+from estimators.comparison import Repetition, Trajectory, find_repetitions, judge_repetitions
+from estimators.comparison.repetitions import cycles, home
+from estimators.comparison.repetitions.cycles_kernel import search
+from estimators.comparison.repetitions.home import at_home
 from estimators.errors import ComparisonError, SetupError
 
 
@@ -169,8 +170,8 @@ def test_work_grows_no_faster_than_the_session(planar, monkeypatch):
         searched.append(len(piece) * len(path))
         return search(piece, path, furthest, stray)
 
-    monkeypatch.setattr(_cycles, "search", counted)
-    monkeypatch.setattr(_home, "at_home", walk)
+    monkeypatch.setattr(cycles, "search", counted)
+    monkeypatch.setattr(home, "at_home", walk)
     work, walks = [], []
     for count in (30, 300):
         searched.clear()

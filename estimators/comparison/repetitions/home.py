@@ -12,9 +12,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.comparison._cycles import BACK, LEFT, OPEN, Explanation, closed_pieces, explained
-from estimators.comparison._cycles_kernel import stays_at_home
-from estimators.comparison._path import Path
+from estimators.comparison.repetitions.cycles import BACK, LEFT, OPEN, Explanation, closed_pieces, explained
+from estimators.comparison.repetitions.cycles_kernel import stays_at_home
+from estimators.comparison.repetitions.path import Path
 
 _TRIED: Final = 0.25
 """Share of the size beyond which leaving home was a try."""

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 import scipy
 
-from estimators.comparison._cycles_kernel import walk
+from estimators.comparison.repetitions.cycles_kernel import walk
 from estimators.recording import Float
 
 _FINE, _COARSE = 0.07, 0.15

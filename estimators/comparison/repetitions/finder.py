@@ -13,10 +13,10 @@ import numpy as np
 
 from estimators.comparison._channels import fill_gaps
 from estimators.comparison._contract import Repetition, Trajectory
-from estimators.comparison._cycles import Explanation, explain
-from estimators.comparison._home import at_home, most_likely, with_tries
-from estimators.comparison._path import Path, path_of, smoothed
 from estimators.comparison._posture import posture
+from estimators.comparison.repetitions.cycles import Explanation, explain
+from estimators.comparison.repetitions.home import at_home, most_likely, with_tries
+from estimators.comparison.repetitions.path import Path, path_of, smoothed
 from estimators.recording import Float
 
 _RATE_HZ = 60.0

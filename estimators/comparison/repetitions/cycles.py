@@ -14,8 +14,8 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from estimators.comparison._cycles_kernel import chain, search
-from estimators.comparison._path import Path
+from estimators.comparison.repetitions.cycles_kernel import chain, search
+from estimators.comparison.repetitions.path import Path
 from estimators.recording import Float
 
 LEFT, BACK = 0.35, 0.25
