@@ -1,14 +1,17 @@
 """A session's repetitions beside the template."""
 
+from dataclasses import dataclass
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.comparison._alignment import Alignment, align, apply
+from estimators.comparison._alignment import align, apply
+from estimators.comparison._beside import beside_template
 from estimators.comparison._channels import ArmChannels, arm_channels, mirror_template
 from estimators.comparison._contract import (
     PHASES,
     ComparisonResult,
-    Measure,
     Repetition,
     RepetitionResult,
     Template,
@@ -17,13 +20,12 @@ from estimators.comparison._contract import (
 from estimators.comparison._findings import write_findings
 from estimators.comparison._judgement import judge_repetitions
 from estimators.comparison._measures import (
-    BOUNDARY_SIGMA_S,
     SMALLEST_PATH,
     position_sigma,
     repetition_measures,
     summarise,
 )
-from estimators.comparison._template import align_timing, alignment_scale, is_angle, near, phase_curves
+from estimators.comparison._template import align_timing, alignment_scale, near, phase_curves
 from estimators.comparison.repetitions import find_repetitions
 from estimators.errors import SetupError
 from estimators.recording import Float
@@ -76,13 +78,8 @@ def compare(
     if template.side != side:
         template = mirror_template(template)
     found = repetitions if repetitions is not None else find_repetitions(source, side, start_s, end_s)
-    judged = judge_repetitions(source, found, side)
-    own = arm_channels(source, side)
-    scaled = arm_channels(source, side, template.reach_m / reach_m)
-    turning = is_turning(template)
-    results = [
-        _compare_one(source, own.cut(r), scaled.cut(r), r, template, side, reach_m, turning) for r in judged
-    ]
+    comparison = Comparison(source, template, reach_m)
+    results = [comparison.of(repetition) for repetition in judge_repetitions(source, found, side)]
     summary = summarise([list(r.measures) for r in results if r.repetition.is_kept])
     return ComparisonResult(
         channels=template.channels,
@@ -90,6 +87,63 @@ def compare(
         summary=summary,
         findings=write_findings(results, summary, template),
     )
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """One arm's movement beside a template of that arm: what an angle needs on its way to a measure.
+
+    Attributes
+    ----------
+    source : Trajectory
+    template : Template
+    reach_m : float
+        Upper arm plus forearm of the person measured.
+    """
+
+    source: Trajectory
+    template: Template
+    reach_m: float
+
+    @cached_property
+    def own(self) -> ArmChannels:
+        """The arm in the person's own size."""
+        return arm_channels(self.source, self.template.side)
+
+    @cached_property
+    def scaled(self) -> ArmChannels:
+        """The arm in the size of the template's person."""
+        return arm_channels(self.source, self.template.side, self.template.reach_m / self.reach_m)
+
+    @cached_property
+    def turning(self) -> bool:
+        """Whether the exercise turns the arm without moving the hand."""
+        return is_turning(self.template)
+
+    def of(self, repetition: Repetition) -> RepetitionResult:
+        """Return one repetition beside the template."""
+        template, own, scaled = self.template, self.own.cut(repetition), self.scaled.cut(repetition)
+        if len(own.time_s) < 2:
+            empty = np.full((PHASES, len(template.channels)), np.nan)
+            return RepetitionResult(repetition, (), empty, empty, np.linspace(0.0, PHASES - 1, PHASES), {})
+        curves = near(_on_template_channels(scaled, template), template.mean, template.channels)
+        alignment = align_timing(
+            curves, template.mean, alignment_scale(template.channels, template.tolerance)
+        )
+        aligned = apply(alignment, curves, PHASES)
+        sigma = _channel_sigma(scaled, template)
+        measures = repetition_measures(
+            self.source, own, repetition, template.side, self.reach_m, template.primary_channel, self.turning
+        )
+        measures.extend(beside_template(measures, aligned, sigma, alignment, repetition, template))
+        return RepetitionResult(
+            repetition=repetition,
+            measures=tuple(measures),
+            curves=curves,
+            aligned=aligned,
+            warp_template_phase=alignment.warp,
+            outside=_outside(aligned, template),
+        )
 
 
 def is_turning(template: Template) -> bool:
@@ -102,36 +156,6 @@ def is_turning(template: Template) -> bool:
     return len(path) == 0 or bool(np.ptp(path, axis=0).max() <= SMALLEST_PATH * template.reach_m)
 
 
-def _compare_one(
-    source: Trajectory,
-    own: ArmChannels,
-    scaled: ArmChannels,
-    repetition: Repetition,
-    template: Template,
-    side: str,
-    reach_m: float,
-    turning: bool,
-) -> RepetitionResult:
-    shape = (PHASES, len(template.channels))
-    if len(own.time_s) < 2:
-        empty = np.full(shape, np.nan)
-        return RepetitionResult(repetition, (), empty, empty, np.linspace(0.0, PHASES - 1, PHASES), {})
-    curves = near(_on_template_channels(scaled, template), template.mean, template.channels)
-    alignment = align_timing(curves, template.mean, alignment_scale(template.channels, template.tolerance))
-    aligned = apply(alignment, curves, PHASES)
-    measures = repetition_measures(source, own, repetition, side, reach_m, template.primary_channel, turning)
-    sigma = _channel_sigma(scaled, template, template.reach_m)
-    measures.extend(_beside_template(measures, aligned, sigma, alignment, repetition, template))
-    return RepetitionResult(
-        repetition=repetition,
-        measures=tuple(measures),
-        curves=curves,
-        aligned=aligned,
-        warp_template_phase=alignment.warp,
-        outside=_outside(aligned, template),
-    )
-
-
 def _on_template_channels(arm: ArmChannels, template: Template) -> Float:
     """Put the patient's curves in the order of the template, NaN where not measured."""
     measured = phase_curves(arm)
@@ -142,95 +166,16 @@ def _on_template_channels(arm: ArmChannels, template: Template) -> Float:
     return curves
 
 
-def _beside_template(
-    own: list[Measure],
-    aligned: Float,
-    sigma: Float,
-    alignment: Alignment,
-    repetition: Repetition,
-    template: Template,
-) -> list[Measure]:
-    """Measures that need the template: timing and shape apart, and the main ratio."""
-    found: list[Measure] = []
-
-    def add(name: str, group: str, value: float, unit: str, uncertainty: float) -> None:
-        found.append(Measure(name, group, float(value), unit, float(uncertainty), 1))
-
-    duration = repetition.end_s - repetition.start_s
-    ratio = duration / template.duration_s
-    relative = np.hypot(
-        np.sqrt(2) * BOUNDARY_SIGMA_S / duration, _finite(template.duration_sd_s) / template.duration_s
-    )
-    add("duration_ratio", "timing", ratio, "1", ratio * relative)
-    # A bound moved by one standard deviation shifts the phases by that share, on average half of it.
-    add(
-        "timing_deviation",
-        "timing",
-        100 * alignment.timing_deviation,
-        "%",
-        100 * 0.5 * BOUNDARY_SIGMA_S / duration,
-    )
-    name = f"range:{template.primary_channel}"
-    extent = next((m for m in own if m.name == name), None)
-    reference = template.measures.get(name, np.nan)
-    if extent is not None and reference > 0:
-        ratio = extent.value / reference
-        spread = np.hypot(
-            extent.uncertainty / reference, ratio * _finite(template.measure_sd.get(name)) / reference
-        )
-        add(f"range_ratio:{template.primary_channel}", "range", ratio, "1", spread)
-    found.extend(_shape_measures(aligned, sigma, template))
-    return found
-
-
-def _shape_measures(aligned: Float, sigma: Float, template: Template) -> list[Measure]:
-    """Measure what differs after alignment; `sigma` is the sensors' own uncertainty per channel."""
-    found: list[Measure] = []
-
-    def add(name: str, value: float, unit: str, uncertainty: float) -> None:
-        found.append(Measure(name, "shape", float(value), unit, float(uncertainty), 1))
-
-    difference = aligned - template.mean
-    relative = np.abs(difference / template.tolerance)
-    judged: NDArray[np.bool_] = np.asarray(np.isfinite(relative))
-    if judged.any():
-        unsure = np.broadcast_to(sigma / template.tolerance, relative.shape)[judged]
-        known = unsure[np.isfinite(unsure)]
-        mean_unsure = float(np.sqrt(np.mean(known**2))) if len(known) else np.nan
-        deviation = relative[judged]
-        add("shape_deviation", float(np.sqrt(np.mean(deviation**2))), "bands", mean_unsure)
-        wide, narrow = (float(np.mean(deviation <= 1 + step * mean_unsure)) for step in (1, -1))
-        half_width = 50 * (wide - narrow) if np.isfinite(mean_unsure) else np.nan
-        add("inside_band", 100 * float(np.mean(deviation <= 1)), "%", half_width)
-    primary = template.primary_channel
-    column = template.channels.index(primary)
-    error = np.abs(difference[:, column])
-    if np.isfinite(error).any():
-        unit = "rad" if is_angle(primary) else "m"
-        phase = int(np.nanargmax(error))
-        add(f"peak_deviation:{primary}", difference[phase, column], unit, sigma[column])
-        # Any phase within one sigma of the largest difference might be the true one.
-        rivals = np.flatnonzero(error >= error[phase] - sigma[column])
-        spread = float(np.std(rivals)) if np.isfinite(sigma[column]) else np.nan
-        add("peak_deviation_phase", phase, "%", spread)
-        add(f"shape_rms:{primary}", float(np.sqrt(np.nanmean(error**2))), unit, sigma[column])
-    return found
-
-
-def _channel_sigma(arm: ArmChannels, template: Template, reach_m: float) -> Float:
+def _channel_sigma(arm: ArmChannels, template: Template) -> Float:
     """Typical sensor uncertainty per template channel, shape (C,); NaN where unknown."""
     sigma = np.full(len(template.channels), np.nan)
     for column, name in enumerate(template.channels):
         if "." in name:
-            sigma[column] = position_sigma(arm, reach_m)
+            sigma[column] = position_sigma(arm, template.reach_m)
         elif name in arm.channels:
             own = arm.sigma[:, arm.channels.index(name)]
             sigma[column] = np.median(own[np.isfinite(own)]) if np.isfinite(own).any() else np.nan
     return sigma
-
-
-def _finite(value: float | None) -> float:
-    return value if value is not None and np.isfinite(value) else 0.0
 
 
 def _outside(aligned: Float, template: Template) -> dict[str, list[tuple[int, int]]]:
