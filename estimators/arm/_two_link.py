@@ -2,7 +2,7 @@
 
 Frames of the thesis, not ours: U is north-east-down at the shoulder, each module has x along its segment
 distally, and in the reference pose the arm points along x of U. R1 and R2 rotate upper-arm and forearm
-vectors into U. Kept for parity with the published system; the product uses `ArmModel`.
+vectors into U. For parity with the published system; the product uses `ArmModel`.
 """
 
 from typing import NamedTuple

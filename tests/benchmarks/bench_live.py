@@ -123,7 +123,10 @@ def without_pose(stream: DeviceStream, packet_count: int) -> DeviceStream:
     """Leave out the N-pose: the sessions begin calibrated, in the middle of the movement."""
     offset = stream.packet_count - packet_count
     return DeviceStream(
-        stream.placements, stream.rate_hz, stream.counts[offset * stream.ticks_per_packet :], stream.full_scales
+        stream.placements,
+        stream.rate_hz,
+        stream.counts[offset * stream.ticks_per_packet :],
+        stream.full_scales,
     )
 
 

@@ -82,7 +82,7 @@ def _static(seeds: Sequence[int], data: Data) -> Values:
             values[f"iron from the start, {state}, {title}"] = found
     followed = (FILTERS["compensated"][0], {"bias_walk_degps_per_sqrt_s": 0.01})
     found = [_drift(e) for e in _relative(beside, followed)]
-    values["iron from the start, warming sensor, compensated, told to follow"] = found
+    values["iron from the start, warming sensor, compensated, allowed to follow"] = found
     alone = _relative(beside, GYROSCOPE_ONLY)
     values["iron from the start, gyroscope only, at the end"] = [float(e[-1]) for e in alone]
     coming = [_cylinder(seed, 300.0, 10.0) for seed in seeds]
@@ -112,13 +112,13 @@ STATIC_IRON = Protocol(
     what="3.75 kg of iron at 5 cm: for ten minutes from the start, and coming from a metre away after ten seconds. "
     "Root mean square error after 10 s, of the first against the mean attitude of 3 to 10 s. A warming "
     "sensor's offset rises by up to a degree/s in the ten minutes: more than the filter expects unless it is "
-    "told (bias walk 0.01 degrees/s per root s).",
+    "allowed (bias walk 0.01 degrees/s per root s).",
     figures=(
         Figure("iron from the start, warm sensor, compensated", "deg", 0.6, 0.6, judged_by="median"),
         Figure("iron from the start, warm sensor, our filter", "deg", 0.6, 0.6),
         Figure("iron from the start, warming sensor, compensated", "deg", published=0.6),
         Figure(
-            "iron from the start, warming sensor, compensated, told to follow",
+            "iron from the start, warming sensor, compensated, allowed to follow",
             "deg",
             0.6,
             0.6,

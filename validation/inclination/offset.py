@@ -221,7 +221,7 @@ STILL_SENSOR = Protocol(
     title="V10 Ten minutes at rest without a rest update",
     source="Luinge and Veltink 2005, 4.2 (noise); method page S6, V10",
     what="A still sensor whose offset was measured over four seconds: inclination must hold, the offset of the "
-    "level axes must become known, and that of the vertical axis must be told as ever less known, since "
+    "level axes must become known, and that of the vertical axis must be reported as ever less known, since "
     "nothing shows it.",
     figures=(
         Figure("consistent filter, inclination", "deg", 0.3),

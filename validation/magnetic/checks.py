@@ -123,13 +123,13 @@ def _beside_iron(seed: int) -> dict[str, float]:
     after = time >= _IRON_S[1] + _APPROACH_S + _RECOVERY_S
     error = np.linalg.norm(pose.filtered.position_m - scene.position_m, axis=1)
     left = np.linalg.norm(pose.position_m - scene.position_m, axis=1)
-    told = (pose.filtered.flags & int(RelativeFlag.DISTURBED)) > 0
+    flagged = (pose.filtered.flags & int(RelativeFlag.DISTURBED)) > 0
     return {
         "iron at 15 cm, smoothed position": 1e3 * _rms(left[time >= _FROM_S]),
         "iron at 15 cm, smoothed position meanwhile": 1e3 * _rms(left[near]),
         "iron at 15 cm, forward position meanwhile": 1e3 * _rms(error[near]),
-        "iron at 15 cm, told": 100.0 * float(told[near].any()),
-        "iron at 15 cm, time told": 100.0 * float(told[near].mean()),
+        "iron at 15 cm, flagged": 100.0 * float(flagged[near].any()),
+        "iron at 15 cm, time flagged": 100.0 * float(flagged[near].mean()),
         "iron at 15 cm, forward position from 2 s after": 1e3 * _rms(error[after]),
     }
 
@@ -208,8 +208,8 @@ def _figures() -> tuple[Figure, ...]:
         Figure("iron at 15 cm, smoothed position", "mm", 2.0 * _ARM_SMOOTHED_MM),
         Figure("iron at 15 cm, smoothed position meanwhile", "mm"),
         Figure("iron at 15 cm, forward position meanwhile", "mm"),
-        Figure("iron at 15 cm, told", "%", 100.0, at_most=False),
-        Figure("iron at 15 cm, time told", "%"),
+        Figure("iron at 15 cm, flagged", "%", 100.0, at_most=False),
+        Figure("iron at 15 cm, time flagged", "%"),
         Figure("iron at 15 cm, forward position from 2 s after", "mm", _ARM_FORWARD_MM, judged_by="median"),
         *(
             Figure(

@@ -71,7 +71,7 @@ def _told_far(rng: np.random.Generator) -> tuple[float, float]:
     """Return how many poses (%) beyond 0.8 m and within 0.6 m are said to be out of range, with single samples."""
     shares = []
     for low, high in ((0.8, 1.0), (0.3, 0.6)):
-        told = []
+        flagged = []
         for p, q in zip(*_poses(rng, low, high, _POSES), strict=True):
             fix = locate(
                 EXACT,
@@ -81,14 +81,14 @@ def _told_far(rng: np.random.Generator) -> tuple[float, float]:
                 _SAMPLE_SIGMA_T,
                 direction=p,
             )
-            told.append(bool(fix.flags & TrackerFlag.OUT_OF_RANGE))
-        shares.append(100.0 * float(np.mean(told)))
+            flagged.append(bool(fix.flags & TrackerFlag.OUT_OF_RANGE))
+        shares.append(100.0 * float(np.mean(flagged)))
     return shares[0], shares[1]
 
 
 def _beside_iron(rng: np.random.Generator, away: float) -> tuple[int, int]:
     """Return how many poses have a distance more than a centimetre off, and how many of these are not usable."""
-    sphere, wrong, told = IronSphere(0.05), 0, 0
+    sphere, wrong, flagged = IronSphere(0.05), 0, 0
     for p, q in zip(*_poses(rng, 0.2, 0.6, _POSES), strict=True):
         side = rng.normal(size=3)
         iron = p + away * side / np.linalg.norm(side)
@@ -103,8 +103,8 @@ def _beside_iron(rng: np.random.Generator, away: float) -> tuple[int, int]:
         off = abs(float(np.linalg.norm(fix.position_m) - np.linalg.norm(p)))
         if off > 0.010 or not np.isfinite(off):
             wrong += 1
-            told += not fix.usable
-    return wrong, told
+            flagged += not fix.usable
+    return wrong, flagged
 
 
 def _checks(seeds: Sequence[int], data: Data) -> Values:
@@ -124,12 +124,14 @@ def _checks(seeds: Sequence[int], data: Data) -> Values:
             rows.setdefault(name, []).append(value)
         iron += [_beside_iron(rng, away) for away in _IRON_M]
     found = {name: np.array(values) for name, values in rows.items()}
-    for away, (wrong, told) in zip(_IRON_M, iron, strict=True):
+    for away, (wrong, flagged) in zip(_IRON_M, iron, strict=True):
         found[f"iron at {100 * away:.0f} cm, distances over 1 cm off"] = np.array(
             [100.0 * wrong / (_POSES * len(seeds))]
         )
-        found[f"iron at {100 * away:.0f} cm, of these told"] = np.array([100.0 * told / max(1.0, wrong)])
-    found["iron at 10 to 30 cm, distances over 1 cm off told"] = np.array(
+        found[f"iron at {100 * away:.0f} cm, of these flagged"] = np.array(
+            [100.0 * flagged / max(1.0, wrong)]
+        )
+    found["iron at 10 to 30 cm, distances over 1 cm off flagged"] = np.array(
         [100.0 * iron[:, 1].sum() / max(1.0, iron[:, 0].sum())]
     )
     return found
@@ -153,10 +155,10 @@ MAGNETIC_TRACKER_CHECKS = Protocol(
             for away in _IRON_M
             for figure in (
                 Figure(f"iron at {100 * away:.0f} cm, distances over 1 cm off", "%"),
-                Figure(f"iron at {100 * away:.0f} cm, of these told", "%"),
+                Figure(f"iron at {100 * away:.0f} cm, of these flagged", "%"),
             )
         ),
-        Figure("iron at 10 to 30 cm, distances over 1 cm off told", "%", 90.0, at_most=False),
+        Figure("iron at 10 to 30 cm, distances over 1 cm off flagged", "%", 90.0, at_most=False),
     ),
     measure=_checks,
 )

@@ -160,7 +160,7 @@ FOOT_DISTANCE = Protocol(
     name="com_foot_distance",
     title="Distance of the feet from the forces alone",
     source="Schepers 2009, sections 4.4 and 7.2 (recommendation); method page V11",
-    what="The feet start 180 mm apart, which is not told; found from the law of rotation. Mean error and standard "
+    what="The feet start 180 mm apart, which is not given; found from the law of rotation. Mean error and standard "
     "deviation over the seeds. The simulated feet have mass, which the law leaves out.",
     figures=(
         Figure("distance, mean error", "mm", 10.0),

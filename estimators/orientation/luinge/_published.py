@@ -1,6 +1,6 @@
 """Luinge and Veltink's filter in its published structure, signs and dimensions corrected (A4), compiled.
 
-Kept for parity with earlier work: the error lives in the sensor frame without being turned with it (E-5),
+For parity with earlier work: the error lives in the sensor frame without being turned with it (E-5),
 only the diagonal blocks of the covariance are carried (E-6), and the predicted acceleration is taken for
 independent of the orientation (E-7). The consistent form is in `_consistent`.
 """

@@ -16,7 +16,7 @@ from estimators.recording import Float
 from estimators.sentences import say
 
 WORST_SIGMA_RAD: Final = math.radians(12.0)
-"""Told worse than this, the mounting rule, which people keep to about ten degrees, stands."""
+"""Known worse than this, the mounting rule, which people keep to about ten degrees, stands."""
 
 _RATE_HZ: Final = 10.0
 """What the elbow tells takes so many poses a second; an hour of them is small."""

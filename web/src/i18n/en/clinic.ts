@@ -25,7 +25,7 @@ export const clinic = {
   'clinic.removeSecondNamed': 'Turn off two-step sign-in of {name}',
   'clinic.removeSecondTitle': 'Turn off two-step sign-in of {name}?',
   'clinic.removeSecondText':
-    'For somebody who lost their device and the recovery codes. Make sure that it is really them who asks. They are signed out everywhere, sign in with the password alone, and are told that you did this.',
+    'For somebody who lost their device and the recovery codes. Make sure that it is really them who asks. They are signed out everywhere, sign in with the password alone, and see that you did this.',
   'clinic.hasSecond': 'Two-step sign-in',
   'clinic.settings': 'Time zone',
   'clinic.zone': 'Time zone of the clinic',
