@@ -10,10 +10,10 @@ import typer
 from app.commands.options.recordings import CalibrateOptions
 from app.database.base import utc_now
 from app.errors import InvalidInput
-from app.ingest.readers import LogReader
 from app.kinds.magnetic.bench import Bench, coils_out, findings
 from app.kinds.magnetic.source_schemas import MagneticSourceIn
 from app.network.alignment import align_chunks
+from app.readers import LogReader
 from estimators.errors import SetupError
 from estimators.pipelines import SessionSetup
 

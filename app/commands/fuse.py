@@ -10,13 +10,13 @@ import numpy as np
 import typer
 from numpy.typing import NDArray
 
+from app import readers
 from app.commands.options.recordings import FuseOptions
 from app.errors import InvalidInput
-from app.ingest import readers
 from app.ingest.marker_fusion import fuse_tracks, motion_of, report_of
+from app.readers.markers.schemas import MarkerFileIn, MarkerReport
+from app.readers.tables.schemas import CsvMapping
 from app.recordings.marker_motion import csv_head, csv_lines
-from app.recordings.marker_schemas import MarkerFileIn, MarkerReport
-from app.recordings.table_schemas import CsvMapping
 from estimators import signals
 from estimators.optical import WITHHELD_M, OpticalFusion, OpticalResult, Provenance
 from estimators.recording import Float, Recording, SampleQuality

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any, cast
 import typer
 from pydantic import ValidationError
 
+from app import readers
 from app.errors import InvalidInput
-from app.ingest import readers
 
 if TYPE_CHECKING:
-    from app.ingest.readers import Guess, PipelineName, Preview
-    from app.recordings.table_schemas import CsvMapping
+    from app.readers import Guess, PipelineName, Preview
+    from app.readers.tables.schemas import CsvMapping
 
 
 def mapping_from(path: Path) -> "CsvMapping":
@@ -27,7 +27,7 @@ def mapping_from(path: Path) -> "CsvMapping":
     InvalidInput
         It is no JSON, or says something that is no mapping; with the signal and its columns.
     """
-    from app.recordings.table_schemas import CsvMapping
+    from app.readers.tables.schemas import CsvMapping
 
     try:
         content = json.loads(path.read_text("utf-8"))
@@ -117,7 +117,7 @@ def guessed_mapping(found: "Preview", written: Path | None) -> "CsvMapping | Non
         raise InvalidInput(f"{' '.join(guess.missing)}{options} {complete} with --mapping.")
     for line in guess.notes:
         typer.echo(f"note: {line}", err=True)
-    from app.recordings.table_schemas import CsvMapping
+    from app.readers.tables.schemas import CsvMapping
 
     return CsvMapping.model_validate(guess.mapping)
 

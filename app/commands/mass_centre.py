@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import typer
 
+from app import readers
 from app.errors import InvalidInput
-from app.ingest import readers
-from app.recordings.table_schemas import CsvMapping
+from app.readers.tables.schemas import CsvMapping
 from estimators import pipelines
 from estimators.balance import MASS_SCALARS, has_mass_centre
 from estimators.body import body_from_stature

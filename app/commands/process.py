@@ -6,9 +6,9 @@ from typing import Final
 
 import typer
 
+from app import readers
 from app.commands.mapping import guessed_mapping, mapping_from, previewed
 from app.errors import InvalidInput
-from app.ingest import readers
 
 _BURSTS: Final = "magnetic_bursts"
 

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import typer
 
+from app import readers
 from app.commands.mapping import guessed_mapping, mapping_from, previewed
 from app.errors import InvalidInput, TelemotionError
 from app.gateway import ServiceClient
-from app.ingest import readers
 from app.recordings.schemas import JobOut, UploadIn
 
 POLL_S = 0.5

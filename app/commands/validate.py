@@ -10,11 +10,11 @@ import numpy as np
 import typer
 
 import validation
+from app import readers
 from app.accuracy import AccuracyReport
 from app.accuracy.report import fresh_seed, make_report, renewed
 from app.errors import InvalidInput
-from app.ingest import readers
-from app.recordings.table_schemas import CsvMapping
+from app.readers.tables.schemas import CsvMapping
 from estimators.recording import Recording, SensorSignals
 from validation import ProtocolResult, Values
 

@@ -11,7 +11,7 @@ from scipy.interpolate import make_interp_spline
 
 from app.errors import TelemotionError
 from app.gateway import ServiceClient
-from app.recordings.marker_schemas import MarkerUploadIn
+from app.readers.markers.schemas import MarkerUploadIn
 from estimators import rotation
 from estimators.conventions import Placement
 from estimators.simulation import ArmScenario, simulate_arm

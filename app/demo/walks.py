@@ -11,7 +11,7 @@ from sqlalchemy import Engine
 from app.commands.upload import finished, send
 from app.demo.dating import date_back
 from app.gateway import ServiceClient
-from app.ingest.readers import write_instrumented_shoe
+from app.readers import write_instrumented_shoe
 from app.recordings.schemas import UploadIn
 from estimators.conventions import Side
 from estimators.simulation import Bout, FootStyle, Leg, gait_preset, simulate_gait

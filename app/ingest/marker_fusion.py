@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.errors import InvalidInput
-from app.ingest.readers import METRES, MarkerTracks
-from app.recordings.marker_schemas import (
+from app.readers import METRES, MarkerTracks
+from app.readers.markers.schemas import (
     MarkerCurves,
     MarkerFileIn,
     MarkerGap,

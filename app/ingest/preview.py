@@ -1,11 +1,11 @@
-"""What a table seems to be, from its beginning, before anything of it is uploaded or stored."""
+"""Which formats are read, and what a table seems to be, before anything of it is uploaded or stored."""
 
 from fastapi import APIRouter
 
+from app import readers
 from app.accounts.dependencies import CurrentSubject
-from app.ingest import readers
-from app.recordings.schemas import PreviewIn, TablePreview
-from app.recordings.table_schemas import GuessedMapping
+from app.readers.tables.schemas import GuessedMapping
+from app.recordings.schemas import FormatOut, PreviewIn, TablePreview
 
 router = APIRouter(prefix="/api", tags=["sessions"])
 _SHOWN_COLUMNS = 300
@@ -28,6 +28,25 @@ def preview_upload(wanted: PreviewIn, _: CurrentSubject) -> TablePreview:
             "missing": list(guess.missing) if guess else [],
         }
     )
+
+
+@router.get("/uploads/formats")
+def list_formats(_: CurrentSubject) -> list[FormatOut]:
+    """Return every file format that is read, those that hold any sensors first."""
+    return [
+        FormatOut.model_validate(
+            {
+                "name": one.name,
+                "title": one.title,
+                "description": one.description,
+                "endings": sorted(one.endings),
+                "pipeline": one.pipeline or None,
+                "asks_pipeline": one.asks_pipeline,
+                "needs_mapping": one.needs_mapping,
+            }
+        )
+        for one in readers.readers().values()
+    ]
 
 
 __all__ = ["router"]

@@ -12,14 +12,13 @@ from fastapi import APIRouter, Request
 from pydantic import ValidationError
 from sqlalchemy import Engine, select
 
+from app import readers
 from app.accounts.dependencies import CurrentSubject
 from app.accounts.subject import Subject
 from app.database.base import new_id
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput
-from app.ingest import readers
 from app.ingest._multipart import UploadReceiver, described, too_large
-from app.network.declaration import SINGLE_SENSORS, WALKING
 from app.recordings import repository, service
 from app.recordings.analysis.jobs import JobRunner
 from app.recordings.analysis.kinds import kinds
@@ -33,6 +32,8 @@ from estimators.conventions import Placement
 from estimators.pipelines import SessionSetup
 
 MULTIPART_SLACK_BYTES: Final = 1 << 20
+_ANY_BODY: Final = "qmt_mat"
+"""Announces what any whole-body recording has; the task replaces it by what the file holds."""
 
 router = APIRouter(prefix="/api", tags=["sessions"])
 
@@ -95,7 +96,7 @@ def parse_declaration(text: bytes) -> UploadIn:
                 for name, item in zip(fields, error.errors(), strict=True)
             ][:20],
         ) from error
-    if declaration.format == "csv" and declaration.csv is None:
+    if declaration.format and readers.reader_of(declaration.format).needs_mapping and declaration.csv is None:
         raise InvalidInput(say("upload.csv_needs_mapping"), field="csv")
     pose = declaration.calibration_pose_s
     if pose is not None and not 0 <= pose[0] < pose[1]:
@@ -188,26 +189,15 @@ def register(
 
 
 def pipeline_of(declaration: UploadIn) -> str:
-    """Return the pipeline of an upload: the formats of feet and of single sensors hold nothing else."""
-    if declaration.format == "broad":
-        return SINGLE_SENSORS
-    return WALKING if declaration.format in readers.WALKS else declaration.pipeline
+    """Return the pipeline of an upload: some formats hold nothing else."""
+    return (declaration.format and readers.reader_of(declaration.format).pipeline) or declaration.pipeline
 
 
 def _announced(declaration: UploadIn, path: Path) -> tuple[list[Placement], float]:
     """Return placements and rate as far as they are known without reading the whole file."""
-    if declaration.format == "packet_log":
-        log = readers.LogReader(path)
-        return list(log.declaration.placements), log.declaration.rate_hz
-    if declaration.csv is not None:
-        names = [signal.placement or signal.sensor or readers.SINGLE for signal in declaration.csv.signals]
-        return cast(list[Placement], list(dict.fromkeys(names))), declaration.csv.rate_hz or 100.0
-    if declaration.format == "broad":
-        return cast(list[Placement], [readers.SINGLE]), 100.0
-    if declaration.format in readers.WALKS:
-        return ["foot_left", "foot_right"], 100.0
-    # Those that any whole-body recording has; the task replaces them by what the file holds.
-    return list(readers.PLACEMENT_OF.values()), 100.0
+    source = readers.Source(path, declaration.file_name, declaration.csv)
+    placements, rate_hz = readers.reader_of(declaration.format or _ANY_BODY).announces(source)
+    return cast(list[Placement], list(placements)), rate_hz
 
 
 __all__ = [

@@ -8,12 +8,13 @@ from typing import Final
 
 from sqlalchemy import delete
 
+from app import readers
 from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import ImplausibleReadings, RecordingFormatError
-from app.ingest import readers
 from app.ingest.upload import pipeline_of, upload_folder
 from app.network.declaration import Declaration
+from app.network.raw_packet import RawPacket
 from app.recordings.analysis.jobs import JobContext
 from app.recordings.analysis.kinds import Wanted, kind_of, kinds
 from app.recordings.analysis.offline import Analysis, stretches
@@ -21,7 +22,6 @@ from app.recordings.analysis.reprocess import count_session, enqueue_comparison
 from app.recordings.models import MotionSession, SessionEvent, SignalChunk
 from app.recordings.schemas import UploadIn
 from app.recordings.signals.chunks import RAW_STREAM, EncodedChunk, encode_packets
-from app.recordings.signals.raw_packet import RawPacket
 from app.recordings.signals.rows import insert_chunk
 from app.sentences import CATALOGUE, say
 from estimators.calibration import STRETCH_S, RecordingCheck, in_words, same_signals
@@ -71,7 +71,7 @@ def _recognised(context: JobContext, declaration: UploadIn, path: Path) -> Uploa
     In the task, because a file from outside is opened in no process that serves others.
     """
     format = readers.guess(path, declaration.file_name)
-    if format == "csv" and declaration.csv is None:
+    if readers.reader_of(format).needs_mapping and declaration.csv is None:
         raise RecordingFormatError(say("upload.csv_needs_mapping"))
     found = declaration.model_copy(update={"format": format})
     with unit_of_work(context.engine) as session:

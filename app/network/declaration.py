@@ -15,7 +15,6 @@ from estimators.channels import CHANNELS
 from estimators.conventions import Placement
 from estimators.recording import Float
 
-SINGLE_SENSORS: Final = "orientation"
 WALKING: Final = "gait"
 _COUNTED: Final = tuple(spec for spec in CHANNELS if spec.scale_limit is not None)
 _CLIPPED: Final = tuple(spec for spec in CHANNELS if spec.clip_limit is not None)

@@ -11,8 +11,8 @@ from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
 from app.errors import InvalidInput, NotFound
+from app.readers.markers.schemas import MarkerMotionOut
 from app.recordings import repository
-from app.recordings.marker_schemas import MarkerMotionOut
 from app.recordings.markers import COLUMNS, KIND, MOTION_STREAM, sound
 from app.recordings.models import Job, SignalChunk
 from app.recordings.signals import codecs

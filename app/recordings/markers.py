@@ -19,8 +19,8 @@ from app.database.base import new_id, utc_now
 from app.database.unit_of_work import read_only
 from app.errors import Conflict, NotFound
 from app.pages import Page, rows_of
+from app.readers.markers.schemas import MarkerReport, MarkersOut, MarkerUploadIn
 from app.recordings import repository
-from app.recordings.marker_schemas import MarkerReport, MarkersOut, MarkerUploadIn
 from app.recordings.models import Job, MotionSession, SignalChunk
 from app.recordings.signals import codecs
 from app.recordings.signals.chunks import EncodedChunk

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from pydantic import Base64Bytes, Field
 
-from app.recordings.table_schemas import CsvMapping, GuessedMapping
+from app.readers.tables.schemas import CsvMapping, GuessedMapping
 from app.schemas import Flag, Schema, SessionState, Spoken
 from estimators.calibration import Calibration
 from estimators.conventions import Placement
@@ -202,6 +202,22 @@ class TablePreview(Spoken):
     """What a person must add."""
 
 
+class FormatOut(Schema):
+    """A file format that is read."""
+
+    name: str
+    title: str
+    description: str
+    endings: list[str]
+    """With the point; a file with another is looked into as well."""
+    pipeline: UploadedKind | None
+    """The only kind of session that such a file can be; None: it depends."""
+    asks_pipeline: bool
+    """Whether a person says what kind it is."""
+    needs_mapping: bool
+    """Whether a person says which column is what."""
+
+
 class UploadIn(Schema):
     """The JSON part `declaration` of an upload; the file is the other part."""
 
@@ -209,17 +225,12 @@ class UploadIn(Schema):
     exercise_id: str | None = None
     prescription_id: str | None = None
     purpose: Literal["exercise", "template"] = "exercise"
-    format: (
-        Literal[
-            "packet_log", "csv", "qmt_mat", "broad", "pyshoe", "gait_tracking", "gaitmap", "instrumented_shoe"
-        ]
-        | None
-    ) = None
-    """None: found from the file's name and beginning, as `telemotion process` does."""
+    format: str | None = Field(default=None, max_length=40)
+    """One of `GET /api/uploads/formats`; None: found from its name and beginning."""
     file_name: str = Field(default="", max_length=200)
     """What the file is called: says its format, and the side of a foot, where the file does not."""
     pipeline: UploadedKind = "arm"
-    """What a packet log or CSV file holds; `broad` is always a single sensor, the formats after it are walks."""
+    """What the file holds, where its format leaves that open."""
     with_legs: Flag = False
     """Also estimate sensors on the legs, for the centre of mass: they must be still and straight in the pose too."""
     csv: CsvMapping | None = None

@@ -10,6 +10,7 @@ from sqlalchemy.orm import Session
 from app.accounts.subject import Subject
 from app.database.unit_of_work import read_only
 from app.errors import Conflict, InvalidInput, NotFound
+from app.network.packet_log import write_log
 from app.pages import Page
 from app.patients.access import levels
 from app.patients.models import Patient
@@ -29,7 +30,6 @@ from app.recordings.schemas import (
     SessionOut,
 )
 from app.recordings.signals.chunks import layout_from_dict
-from app.recordings.signals.packet_log import write_log
 from app.recordings.signals.store import read_frames, read_packets
 from app.sentences import CATALOGUE, say
 from estimators import orientation, pipelines

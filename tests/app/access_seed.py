@@ -23,11 +23,11 @@ from app.exercises.schemas import TemplateIn
 from app.gateway.encoding import stream_of
 from app.ingest.upload import register, upload_folder
 from app.ingest.upload_task import upload
+from app.network.packet_log import log_entry, log_head
 from app.patients.models import Grant, Patient
 from app.recordings.analysis.jobs import run_job
 from app.recordings.models import Job, MagneticSource, MotionSession, SessionEvent
 from app.recordings.schemas import UploadIn
-from app.recordings.signals.packet_log import log_entry, log_head
 from app.settings import Settings
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
 

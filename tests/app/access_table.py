@@ -306,6 +306,7 @@ LINES: tuple[Line, ...] = (
         "signed_in",
         body={"file_name": "table.csv", "beginning": "dCxneXJfeAowLDEKMSwyCg=="},
     ),
+    Line("GET", "/api/uploads/formats", "signed_in"),
     Line("GET", "/api/estimators", "signed_in"),
     # --- live ---
     patient("POST", "/api/sessions/{session_id}/ticket", READ, body={"purpose": "live"}),

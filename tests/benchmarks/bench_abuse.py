@@ -33,9 +33,9 @@ from app.database.engine import create_from_url
 from app.database.unit_of_work import unit_of_work
 from app.errors import TelemotionError
 from app.gateway import DeviceStream, GatewayClient, ServiceClient
+from app.network.packet_log import log_entry, log_head
 from app.patients.models import Mounting
 from app.recordings.schemas import SessionIn
-from app.recordings.signals.packet_log import log_entry, log_head
 from app.viewer.wire import PROTOCOL
 from tests.app.ingest.test_unpacked import bomb
 from tests.benchmarks.bench_live import (

@@ -20,6 +20,7 @@ from app.database.base import new_id
 from app.database.engine import create_from_url
 from app.database.unit_of_work import unit_of_work
 from app.gateway import stream_of
+from app.network.raw_packet import RawPacket
 from app.recordings.models import MotionSession
 from app.recordings.signals.chunks import (
     decode_frames,
@@ -28,7 +29,6 @@ from app.recordings.signals.chunks import (
     encode_packets,
 )
 from app.recordings.signals.group_commit import GroupCommitWriter
-from app.recordings.signals.raw_packet import RawPacket
 from estimators import pipelines
 from estimators.conventions import PLACEMENTS
 from estimators.pipelines import Frames

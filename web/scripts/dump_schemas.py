@@ -18,13 +18,13 @@ from pydantic.json_schema import models_json_schema
 from app.edge.description import describe
 from app.live import messages
 from app.main import create_app
-from app.recordings import marker_schemas
+from app.readers.markers.schemas import MarkerUploadIn
 from app.recordings import schemas as recordings
 from app.sentences import ENGLISH
 from app.settings import Settings
 
 SENT_BY_BROWSERS = ("PlayerCommand", "CameraCommand")
-FORM_PARTS = (recordings.UploadIn, marker_schemas.MarkerUploadIn)
+FORM_PARTS = (recordings.UploadIn, MarkerUploadIn)
 """JSON parts of multipart forms, which OpenAPI shows as plain text."""
 SENT_TO_BROWSERS = (
     "LayoutMessage", "StateMessage", "HealthMessage", "EventMessage", "ErrorMessage", "PlayerState",

@@ -19,6 +19,7 @@ from app.assessment.models import Comparison
 from app.assessment.practice import list_prescriptions
 from app.exercises.models import Template, TemplateVersion
 from app.kinds.magnetic.safety import EVENT, WITHDRAWN
+from app.network.packet_log import write_log
 from app.pages import Page
 from app.patients.access import require_patient
 from app.patients.models import Patient
@@ -28,7 +29,6 @@ from app.recordings import service as recordings
 from app.recordings.markers import file_pieces, markers_of
 from app.recordings.models import MotionSession, SessionEvent
 from app.recordings.repository import results_of
-from app.recordings.signals.packet_log import write_log
 from app.recordings.signals.store import read_packets
 
 _MOST_EVENTS: Final = 100_000

@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+from app.readers.formats import names
+
 Port = Annotated[int, typer.Option(help="TCP port to listen on.", min=1, max=65535)]
 Server = Annotated[str, typer.Option(help="Address of the service.", envvar="TELEMOTION_SERVER")]
 Email = Annotated[
@@ -17,9 +19,7 @@ RecordingFile = Annotated[Path, typer.Argument(help="A recording file.", exists=
 OutFolder = Annotated[Path, typer.Option(help="Folder for the results; made when absent.")]
 RecordingFormat = Annotated[
     str,
-    typer.Option(
-        help="Of the recording: auto, packet_log, csv, qmt_mat, broad, pyshoe, gait_tracking or gaitmap."
-    ),
+    typer.Option(help=f"Of the recording: auto, {', '.join(names())}."),
 ]
 Rate = Annotated[float | None, typer.Option(help="Common tick rate in Hz; default: the recording's.")]
 Pose = Annotated[

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import typer
 
+from app import readers
 from app.errors import InvalidInput
-from app.ingest import readers
 from estimators import rotation
 from estimators.magnetic import Fix, TrackerFlag, TrackerFusionResult
 from estimators.pipelines import (

@@ -7,9 +7,9 @@ from typing import Any, cast, get_args
 import numpy as np
 import typer
 
+from app import readers
 from app.commands.processing.walk import analyse, write_walk
 from app.errors import InvalidInput
-from app.ingest import readers
 from app.kinds.walk.shoe_arrays import as_stored as shoes_as_stored
 from app.network.declaration import WALKING
 from app.sentences import say

@@ -17,8 +17,8 @@ from app.gateway.relative_patient import RelativeFaults, RelativePatient
 from app.gateway.source import FixedBursts
 from app.kinds.magnetic.schemas import MagneticSafetyIn
 from app.network.messages import ActuationPlanMessage
+from app.network.packet_log import log_entry, log_head
 from app.recordings.schemas import SessionIn
-from app.recordings.signals.packet_log import log_entry, log_head
 
 FASTEST: float = 2.0
 """Faster than this, what is asked for would come too late."""

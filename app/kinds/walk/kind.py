@@ -6,9 +6,9 @@ from typing import Final
 import numpy as np
 from sqlalchemy.orm import Session
 
-from app.ingest.readers import as_feet
 from app.kinds.walk.analysis import follow_feet
 from app.kinds.walk.shoes import store_shoes
+from app.readers import as_feet
 from app.recordings.analysis.kinds import SessionKind, Wanted
 from app.recordings.analysis.offline import Analysis, whole
 from app.recordings.analysis.still import still

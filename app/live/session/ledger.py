@@ -3,7 +3,7 @@
 import time
 from dataclasses import dataclass, field
 
-from app.recordings.signals.ranges import SequenceRanges
+from app.network.ranges import SequenceRanges
 
 REPORT_AFTER_S = 0.3
 """A hole younger than this may be mere reordering."""

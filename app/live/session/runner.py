@@ -33,11 +33,11 @@ from app.network.alignment import Aligner
 from app.network.clock import PacketClock, SkewEstimator
 from app.network.declaration import Declaration
 from app.network.packet import Packet, PacketFlag
+from app.network.ranges import SequenceRanges
+from app.network.raw_packet import RawPacket
 from app.recordings.analysis.kinds import kind_of
 from app.recordings.schemas import CalibrationOut
 from app.recordings.signals.group_commit import GroupCommitWriter
-from app.recordings.signals.ranges import SequenceRanges
-from app.recordings.signals.raw_packet import RawPacket
 from app.schemas import SessionState
 from app.sentences import CATALOGUE, say
 from estimators.calibration import Finding, Hemisphere

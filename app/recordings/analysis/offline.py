@@ -15,6 +15,7 @@ from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput, NotFound
 from app.network.alignment import align_chunks
 from app.network.packet import Packet
+from app.network.raw_packet import RawPacket
 from app.recordings.analysis.heading_line import HeadingLine
 from app.recordings.analysis.jobs import JobContext
 from app.recordings.analysis.result_rows import CHUNKS_A_COMMIT, new_result, write_frames
@@ -26,7 +27,6 @@ from app.recordings.signals.chunks import (
     EncodedChunk,
     encode_frames,
 )
-from app.recordings.signals.raw_packet import RawPacket
 from app.recordings.signals.store import Source, read_packets_in_order
 from app.sentences import CATALOGUE, say
 from estimators import pipelines

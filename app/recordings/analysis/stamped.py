@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from app.ingest.readers import stamped
 from app.network.declaration import Declaration
+from app.readers import stamped
 from app.recordings.signals.store import Source, read_packets_in_order
 from estimators.recording import ImuChunk, Recording, SampleQuality
 from estimators.signals import to_common_ticks

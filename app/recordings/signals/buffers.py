@@ -10,6 +10,8 @@ from typing import Any
 
 from app.database.base import new_id, utc_now
 from app.errors import TelemotionError
+from app.network.ranges import SequenceRanges
+from app.network.raw_packet import RawPacket
 from app.recordings.signals.chunks import (
     MAX_CHUNK_TICKS,
     EncodedChunk,
@@ -17,8 +19,6 @@ from app.recordings.signals.chunks import (
     encode_packets,
     frames_stream,
 )
-from app.recordings.signals.ranges import SequenceRanges
-from app.recordings.signals.raw_packet import RawPacket
 from estimators.pipelines._contract import Frames
 
 logger = logging.getLogger(__name__)

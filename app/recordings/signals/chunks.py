@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.errors import InvalidInput
+from app.network.ranges import ranges_of
+from app.network.raw_packet import COUNTS, WIDTH, RawPacket
 from app.recordings.models import SignalChunk
 from app.recordings.signals import codecs, frame_codec
 from app.recordings.signals.bit_columns import room_words
 from app.recordings.signals.packet_kernel import pack_packets, unpack_packets
-from app.recordings.signals.ranges import ranges_of
-from app.recordings.signals.raw_packet import COUNTS, WIDTH, RawPacket
 from app.sentences import say
 from estimators.pipelines._contract import FrameLayout, Frames
 

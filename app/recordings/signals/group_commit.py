@@ -32,6 +32,8 @@ from sqlalchemy import Engine, func, select
 from sqlalchemy.exc import DBAPIError, IntegrityError, SQLAlchemyError
 
 from app.errors import Conflict, TelemotionError, Unavailable
+from app.network.ranges import SequenceRanges
+from app.network.raw_packet import RawPacket
 from app.recordings.models import SignalChunk
 from app.recordings.signals.buffers import (
     Batch,
@@ -43,8 +45,6 @@ from app.recordings.signals.buffers import (
 )
 from app.recordings.signals.chunks import RAW_STREAM, check_packet
 from app.recordings.signals.metrics import WriterMetrics
-from app.recordings.signals.ranges import SequenceRanges
-from app.recordings.signals.raw_packet import RawPacket
 from app.recordings.signals.rows import AlreadyStoredError, write_batch, write_batches
 from app.recordings.signals.store import stored_ranges
 from app.sentences import say

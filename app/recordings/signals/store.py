@@ -13,6 +13,8 @@ from sqlalchemy import Connection, Engine, Select, select
 from sqlalchemy.orm import Session
 
 from app.errors import NotFound
+from app.network.ranges import SequenceRanges
+from app.network.raw_packet import RawPacket
 from app.recordings.models import Result, SignalChunk
 from app.recordings.signals.chunks import (
     MAX_CHUNK_TICKS,
@@ -24,8 +26,6 @@ from app.recordings.signals.chunks import (
     layout_from_dict,
     merge_frames,
 )
-from app.recordings.signals.ranges import SequenceRanges
-from app.recordings.signals.raw_packet import RawPacket
 from app.sentences import say
 from estimators.pipelines._contract import Frames
 

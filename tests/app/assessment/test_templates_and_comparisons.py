@@ -10,19 +10,19 @@ import numpy as np
 import pytest
 from sqlalchemy import Engine, select
 
+from app import readers
 from app.accounts.models import AuditEvent
 from app.assessment.comparisons import compare_task
 from app.assessment.models import Comparison, RepetitionMeasure
 from app.database.unit_of_work import read_only, unit_of_work
 from app.exercises.models import Exercise, TemplateVersion
-from app.ingest import readers
 from app.ingest.upload import register, upload_folder
 from app.ingest.upload_task import upload
+from app.network.packet_log import write_log
 from app.recordings.analysis.jobs import JobRunner, run_job
 from app.recordings.analysis.reprocess import reprocess
 from app.recordings.models import Job, MotionSession
 from app.recordings.schemas import UploadIn
-from app.recordings.signals.packet_log import write_log
 from app.settings import Settings
 from estimators.simulation import ArmScenario, MovementStyle, Schedule, SimulatedSession, simulate_arm
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from app import readers
 from app.cli import cli
 from app.errors import TelemotionError
-from app.ingest import readers
-from app.recordings.signals.packet_log import write_log
+from app.network.packet_log import write_log
 from estimators.recording import Recording, SensorSignals
 from validation.optical.scenes import Scene, free_motion
 

@@ -11,7 +11,7 @@ import scipy.io
 from typer.testing import CliRunner
 
 from app.cli import cli
-from app.ingest.readers import write_instrumented_shoe
+from app.readers import write_instrumented_shoe
 from estimators.simulation import gait_preset, simulate_gait
 
 FEET = Path(__file__).parents[2] / "data" / "feet"

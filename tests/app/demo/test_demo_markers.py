@@ -9,8 +9,8 @@ from app.demo.history import PAST, _options
 from app.demo.markers import HIDDEN_S, LATE_S, MARKER_M, write_markers
 from app.demo.people import PATIENTS
 from app.ingest.marker_fusion import fuse_tracks, report_of
-from app.ingest.readers import read_markers
-from app.recordings.marker_schemas import MarkerFileIn
+from app.readers import read_markers
+from app.readers.markers.schemas import MarkerFileIn
 from estimators import signals
 from estimators.simulation import simulate_arm
 

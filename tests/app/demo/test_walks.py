@@ -2,9 +2,9 @@
 
 import pytest
 
+from app import readers
 from app.commands.processing.walk import analyse
 from app.demo.walks import PAST_WALKS, WIDTH_M, _simulate
-from app.ingest import readers
 from estimators.pipelines import SessionSetup
 
 

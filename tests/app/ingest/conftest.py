@@ -7,10 +7,10 @@ from typing import Any
 import pytest
 from sqlalchemy import Engine
 
-from app.ingest import readers
+from app import readers
 from app.ingest.upload import register, upload_folder
+from app.network.packet_log import write_log
 from app.recordings.schemas import UploadIn
-from app.recordings.signals.packet_log import write_log
 from app.settings import Settings
 from estimators.simulation import ArmScenario, Schedule, SimulatedSession, simulate_arm
 from tests.app.ingest.uploads import ARM

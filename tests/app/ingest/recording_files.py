@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import scipy.io
 
-from app.ingest import readers
+from app import readers
 from estimators.simulation import SimulatedSession
 
 DATA = Path(__file__).parents[2] / "data"

@@ -12,9 +12,9 @@ from app.network.clock import PacketClock
 from app.network.declaration import Declaration
 from app.network.messages import JsonPacket
 from app.network.packet import Packet, decode_packet, encode_packet, packet_from_json
+from app.network.raw_packet import RawPacket
 from app.recordings.analysis.offline import decoded
 from app.recordings.signals.chunks import decode_packets, encode_packets
-from app.recordings.signals.raw_packet import RawPacket
 from estimators.channels import Channel
 from estimators.magnetic import coil_state, read_coil_state
 from estimators.recording import SampleQuality

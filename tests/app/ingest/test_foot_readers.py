@@ -3,8 +3,8 @@ import csv
 import numpy as np
 import pytest
 
+from app import readers
 from app.errors import RecordingFormatError
-from app.ingest import readers
 from tests.app.ingest.recording_files import FEET, G, gaitmap, gaitmap_rows, pyshoe, xio
 from tests.said import codes
 

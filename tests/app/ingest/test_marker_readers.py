@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from app.errors import RecordingFormatError
-from app.ingest.readers import read_c3d, read_markers
-from app.recordings.marker_schemas import MarkerUploadIn
+from app.readers import read_c3d, read_markers
+from app.readers.markers.schemas import MarkerUploadIn
 
 C3D = Path(__file__).parents[2] / "data" / "markers" / "three_points.c3d"
 

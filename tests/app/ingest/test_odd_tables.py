@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from typer.testing import CliRunner
 
+from app import readers
 from app.cli import cli
 from app.errors import InvalidInput, RecordingFormatError
-from app.ingest import readers
-from app.recordings.table_schemas import CsvMapping
+from app.readers.tables.schemas import CsvMapping
 from tests.app.ingest.odd_tables import FIELD_UT, FORCE, GYROSCOPE, TIME_S, odd_tables, refused_tables
 from tests.said import codes
 

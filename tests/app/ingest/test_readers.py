@@ -16,12 +16,12 @@ import scipy.io
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from app import readers
 from app.errors import ImplausibleReadings, InvalidInput, RecordingFormatError
-from app.ingest import readers
-from app.ingest.readers import accepting, packets_of
-from app.ingest.readers._units import check_accelerometer
-from app.recordings.signals.packet_log import log_entry, log_head, packet_message, write_log
-from app.recordings.table_schemas import CsvColumn, CsvMapping
+from app.network.packet_log import log_entry, log_head, packet_message, write_log
+from app.readers import accepting, packets_of
+from app.readers.tables.schemas import CsvColumn, CsvMapping
+from app.readers.units import check_accelerometer
 from estimators.recording import Recording, SensorSignals
 from estimators.signals import to_common_ticks
 from tests.app.ingest.recording_files import BROAD, broad_content
@@ -184,7 +184,7 @@ def test_an_incomplete_mapping_is_refused(tmp_path: Path) -> None:
 
 
 def test_an_endless_file_is_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("app.ingest.readers._csv.MAX_VALUES", 1000)
+    monkeypatch.setattr("app.readers.tables.columns.MAX_VALUES", 1000)
     with pytest.raises(RecordingFormatError, match="more than 52 rows for 19 columns"):
         readers.read(write_csv(tmp_path / "a.csv", real_recording()), csv=mapping())
 
@@ -361,9 +361,9 @@ def test_garbage_is_refused_by_every_reader(tmp_path: Path, format: str, content
 def test_the_format_is_told_from_the_file_or_asked_for(tmp_path: Path) -> None:
     path = tmp_path / "a.xyz"
     path.write_bytes(io.BytesIO(b"hello").getvalue())
-    with pytest.raises(RecordingFormatError, match="not recognised; choose it: packet_log"):
+    with pytest.raises(RecordingFormatError, match="not recognised; choose it: csv"):
         readers.read(path)
-    with pytest.raises(InvalidInput, match="no format docx; choose packet_log"):
+    with pytest.raises(InvalidInput, match="no format docx; choose csv"):
         readers.read(path, "docx")
 
 
@@ -372,7 +372,7 @@ import sys
 from pathlib import Path
 import numpy as np
 from app.errors import RecordingFormatError
-from app.ingest import readers
+from app import readers
 
 whole = Path(sys.argv[1]).read_bytes()
 damaged = Path(sys.argv[2])

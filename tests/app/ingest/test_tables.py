@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from app import readers
 from app.cli import cli
 from app.errors import InvalidInput, RecordingFormatError
-from app.ingest import readers
-from app.ingest.readers._csv_guess import guess_of_head
-from app.ingest.readers._table_head import head_of_file, read_head
-from app.recordings.table_schemas import CsvMapping
+from app.readers.tables.columns import read_columns, read_table
+from app.readers.tables.guess import guess_of_head
+from app.readers.tables.head import head_of_file, read_head
+from app.readers.tables.schemas import CsvMapping
 from tests.said import codes
 
 DATA = Path(__file__).parents[2] / "data" / "tables"
@@ -35,7 +36,7 @@ def test_a_table_is_found_and_its_mapping_guessed(name):
 def test_the_whole_table_is_read_from_its_first_row(name):
     head = head_of_file(DATA / name)
     numeric = [c for c, value in zip(head.columns, head.rows[0], strict=True) if value not in ("", "NaN")]
-    table, left_out = readers._csv.read_table(DATA / name, numeric, head)
+    table, left_out = read_table(DATA / name, numeric, head)
     assert left_out == 0
     for column in numeric:
         first = head.rows[0][head.columns.index(column)].replace(",", ".")
@@ -80,7 +81,7 @@ def test_a_word_among_numbers_is_refused_by_the_name_of_its_column(tmp_path):
     path = tmp_path / "words.csv"
     path.write_text("made by: nobody\n\nt,unused,a\n0,x,1\n1,y,2\n2,z,none\n")
     with pytest.raises(RecordingFormatError, match=r"the column a is not a number"):
-        readers._csv.read_columns(path, ["t", "a"], None)
+        read_columns(path, ["t", "a"], None)
 
 
 def test_names_above_several_columns_and_repeated_names():

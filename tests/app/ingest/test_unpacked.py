@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 import scipy.io
 
+from app import readers
 from app.errors import RecordingFormatError
-from app.ingest import readers
-from app.ingest.readers._unpacked import check_mat
+from app.readers.unpacked import check_mat
 
 GIB = 1 << 30
 

@@ -10,13 +10,13 @@ from typing import Any
 import pytest
 from sqlalchemy import Engine, select
 
+from app import readers
 from app.accounts.models import AuditEvent
 from app.database.unit_of_work import read_only
-from app.ingest import readers
 from app.ingest.upload import upload_folder
+from app.readers.tables.schemas import CsvMapping
 from app.recordings.analysis.jobs import JobRunner
 from app.recordings.models import MotionSession
-from app.recordings.table_schemas import CsvMapping
 from app.settings import Settings
 from tests.app.ingest.odd_tables import odd_tables
 from tests.app.ingest.uploads import declare

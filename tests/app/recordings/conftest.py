@@ -9,8 +9,8 @@ from sqlalchemy import Engine
 
 from app.database.base import new_id
 from app.database.unit_of_work import unit_of_work
+from app.network.raw_packet import RawPacket
 from app.recordings.models import MotionSession
-from app.recordings.signals.raw_packet import RawPacket
 from estimators.pipelines import SessionSetup
 
 PLACEMENTS = ("sternum", "upper_arm_right", "forearm_right")

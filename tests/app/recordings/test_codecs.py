@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
+from app.network.raw_packet import RawPacket
 from app.recordings.signals import codecs
 from app.recordings.signals.chunks import EncodedChunk, decode_packets, encode_packets
-from app.recordings.signals.raw_packet import RawPacket
 
 SHAPES = st.tuples(st.integers(1, 40), st.integers(1, 12))
 

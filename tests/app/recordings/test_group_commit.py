@@ -16,13 +16,13 @@ from app.database.engine import create_from_url
 from app.database.unit_of_work import unit_of_work
 from app.errors import Conflict, InvalidInput, Unavailable
 from app.network.packet import decode_packet
+from app.network.packet_log import packet_message
+from app.network.ranges import SequenceRanges
+from app.network.raw_packet import RawPacket
 from app.recordings.models import MotionSession, SessionEvent, SignalChunk
 from app.recordings.signals.chunks import decode_packets, encode_packets
 from app.recordings.signals.codecs import DamagedChunkError
 from app.recordings.signals.group_commit import GroupCommitWriter
-from app.recordings.signals.packet_log import packet_message
-from app.recordings.signals.ranges import SequenceRanges
-from app.recordings.signals.raw_packet import RawPacket
 from app.recordings.signals.store import read_packets, read_packets_in_order, stored_ranges
 
 Make = Callable[..., RawPacket]

@@ -18,9 +18,9 @@ from app.errors import TelemotionError
 from app.gateway.relative_patient import RelativePatient
 from app.network.declaration import check_hello
 from app.network.packet import decode_packet
+from app.network.packet_log import log_entry, log_head
+from app.network.raw_packet import RawPacket
 from app.recordings.signals.group_commit import GroupCommitWriter
-from app.recordings.signals.packet_log import log_entry, log_head
-from app.recordings.signals.raw_packet import RawPacket
 from estimators import pipelines
 from estimators.magnetic import perpendicular_source
 from estimators.pipelines import SessionSetup, relative_source

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from sqlalchemy import Engine, select
 
+from app import readers
 from app.accounts.models import AuditEvent
 from app.database.unit_of_work import read_only, unit_of_work
-from app.ingest import readers
 from app.ingest.marker_task import fuse
 from app.ingest.upload_task import _write_packets
 from app.recordings.analysis.jobs import JobContext, JobRunner, run_job

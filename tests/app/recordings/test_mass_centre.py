@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 from sqlalchemy import Engine, select
 
+from app import readers
 from app.accounts.models import AuditEvent
 from app.accounts.subject import Subject
 from app.commands import mass_centre as command
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput, NotFound
-from app.ingest import readers
 from app.kinds.arm.mass_centre import mass_centre_of
+from app.network.packet_log import write_log
 from app.recordings.models import Result
 from app.recordings.signals.chunks import encode_frames, frames_stream
-from app.recordings.signals.packet_log import write_log
 from app.recordings.signals.rows import insert_chunk
 from app.viewer.figure.proportions import hip_height_m
 from app.viewer.pose import track_from_frames

@@ -5,7 +5,7 @@ import itertools
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.recordings.signals.ranges import SequenceRanges
+from app.network.ranges import SequenceRanges
 
 SEQUENCES = st.lists(st.integers(0, 60), max_size=80)
 SPANS = st.lists(st.tuples(st.integers(0, 60), st.integers(0, 60)), max_size=30)

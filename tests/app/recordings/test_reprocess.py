@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from sqlalchemy import Engine, delete, select
 
+from app import readers
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import Conflict, NotFound
-from app.ingest import readers
 from app.patients.models import SensorDevice
 from app.recordings import repository, service
 from app.recordings.analysis.jobs import JobContext, JobDone, JobRunner, run_job

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from sqlalchemy import Engine, select
 
+from app import readers
 from app.accounts.models import AuditEvent
 from app.database.unit_of_work import read_only, unit_of_work
-from app.ingest import readers
 from app.patients.models import Mounting
 from app.recordings.analysis.jobs import run_job
 from app.recordings.analysis.reprocess import reprocess

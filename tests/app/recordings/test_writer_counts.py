@@ -14,11 +14,11 @@ import pytest
 from sqlalchemy import Engine, event, select
 
 from app.database.engine import create_from_url
+from app.network.ranges import SequenceRanges
+from app.network.raw_packet import RawPacket
 from app.recordings.models import MotionSession, SignalChunk
 from app.recordings.signals.buffers import Batch
 from app.recordings.signals.group_commit import GroupCommitWriter
-from app.recordings.signals.ranges import SequenceRanges
-from app.recordings.signals.raw_packet import RawPacket
 from app.recordings.signals.rows import write_batches
 from app.recordings.signals.store import read_packets
 from estimators.pipelines import FrameLayout, Frames

@@ -48,6 +48,7 @@ export const keys = {
     ['patients', id, 'walks', 'conditions', a, b] as const,
   comparison: (id: string) => ['comparisons', id] as const,
   estimators: ['estimators'] as const,
+  formats: ['formats'] as const,
   differences: (id: string, a: string, b: string) => ['sessions', id, 'differences', a, b] as const,
   calibrations: ['calibrations'] as const,
   accuracy: ['accuracy'] as const,
@@ -217,6 +218,8 @@ export const useComparison = (id: string | null) =>
   });
 export const useEstimators = () =>
   useGet<Wire.Estimator[]>(keys.estimators, '/api/estimators', { staleTime: Infinity });
+
+export const useFormats = () => useGet<Wire.Format[]>(keys.formats, '/api/uploads/formats', { staleTime: Infinity });
 
 export const useCalibrations = (enabled = true) =>
   useGet<Wire.CalibrationGuide[]>(keys.calibrations, '/api/calibrations', { staleTime: Infinity, enabled });

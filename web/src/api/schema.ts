@@ -1734,6 +1734,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/uploads/formats": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Formats
+         * @description Return every file format that is read, those that hold any sensors first.
+         */
+        get: operations["list_formats_api_uploads_formats_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/uploads/preview": {
         parameters: {
             query?: never;
@@ -2932,6 +2952,26 @@ export interface components {
             strides: components["schemas"]["StrideOut"][];
             /** Turning */
             turning?: components["schemas"]["WalkMeasure"][];
+        };
+        /**
+         * FormatOut
+         * @description A file format that is read.
+         */
+        FormatOut: {
+            /** Asks Pipeline */
+            asks_pipeline: boolean;
+            /** Description */
+            description: string;
+            /** Endings */
+            endings: string[];
+            /** Name */
+            name: string;
+            /** Needs Mapping */
+            needs_mapping: boolean;
+            /** Pipeline */
+            pipeline: ("arm" | "orientation" | "gait" | "balance") | null;
+            /** Title */
+            title: string;
         };
         /**
          * FrameLayoutOut
@@ -5059,7 +5099,7 @@ export interface components {
              * Format
              * @default null
              */
-            format?: ("packet_log" | "csv" | "qmt_mat" | "broad" | "pyshoe" | "gait_tracking" | "gaitmap" | "instrumented_shoe") | null;
+            format?: string | null;
             /**
              * Hemisphere
              * @default north
@@ -8436,6 +8476,29 @@ export interface operations {
             413: components["responses"]["Error413"];
             422: components["responses"]["Error422"];
             429: components["responses"]["Error429"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    list_formats_api_uploads_formats_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FormatOut"][];
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
             503: components["responses"]["Error503"];
         };
     };

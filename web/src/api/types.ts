@@ -60,6 +60,7 @@ export type Placement = NonNullable<Schemas['CsvColumn']['placement']>;
 export type Result = Schemas['ResultOut'];
 export type Calibration = Schemas['CalibrationOut'];
 export type Estimator = Schemas['EstimatorOut'];
+export type Format = Schemas['FormatOut'];
 export type ReprocessIn = Schemas['ReprocessIn'];
 export type Job = Schemas['JobOut'];
 export type UploadIn = Schemas['UploadIn'];

@@ -4,8 +4,8 @@ import { useMutation } from '@tanstack/react-query';
 import { useRef, useState, type FormEvent } from 'react';
 import { useSearchParams } from 'react-router';
 import { api, upload } from '../api/client';
-import { useEstimators, useExercises, useJob, usePatients, useSession } from '../api/queries';
-import type { GuessedMapping, Job, Placement, PreviewIn, TablePreview, UploadIn } from '../api/types';
+import { useEstimators, useExercises, useFormats, useJob, usePatients, useSession } from '../api/queries';
+import type { Format, GuessedMapping, Job, Placement, PreviewIn, TablePreview, UploadIn } from '../api/types';
 import { RadioCards } from '../components/forms/Choice';
 import { CsvMappingForm } from '../components/forms/CsvMappingForm';
 import { Problem } from '../components/Feedback';
@@ -15,7 +15,7 @@ import { LEG_PLACEMENTS } from '../lib/placements';
 import { beginningOf, complete, type Pipeline } from '../lib/csv';
 import { number } from '../lib/format';
 import { AnalysisWait, JobProgress } from './session/AnalysisWait';
-import { FileDrop, FormatChoice, type Format } from './upload/FilePart';
+import { FileDrop, FormatChoice } from './upload/FilePart';
 
 const PLACEMENTS: Placement[] = [
   'sternum',
@@ -31,16 +31,15 @@ const PLACEMENTS: Placement[] = [
   'shoulder_right',
   ...LEG_PLACEMENTS,
 ];
-const WALKS: readonly Format[] = ['gaitmap', 'instrumented_shoe', 'pyshoe', 'gait_tracking'];
 const PIPELINES: readonly Pipeline[] = ['arm', 'gait', 'orientation'];
-const TEXT = /\.(csv|tsv|txt|dat|asc)$/i;
 type Hemisphere = NonNullable<UploadIn['hemisphere']>;
 const HEMISPHERES: Hemisphere[] = ['north', 'south', 'unknown'];
 
-/** Null: only the contents say it, and the service reads those. */
-function formatOf(name: string): Format | null {
-  if (TEXT.test(name)) return 'csv';
-  return /\.tmlog$/i.test(name) ? 'packet_log' : null;
+/** The one format whose files alone end so; null: only the contents say it, and the service reads those. */
+function formatOf(name: string, formats: readonly Format[]): Format | null {
+  const isSo = (one: Format) => one.endings.some((ending) => name.toLowerCase().endsWith(ending));
+  const [first, second] = formats.filter(isSo);
+  return first && !second ? first : null;
 }
 
 export function UploadPage() {
@@ -49,16 +48,21 @@ export function UploadPage() {
   const exercises = useExercises();
   const estimators = useEstimators();
   const [file, setFile] = useState<File | null>(null);
-  const [format, setFormat] = useState<Format | null>(null);
+  const formats = useFormats();
+  const [chosenFormat, setFormat] = useState<string | null>(null);
   const [patientId, setPatientId] = useState<string | null>(search.get('patient'));
   const [exerciseId, setExerciseId] = useState<string | null>(null);
   const [wantedEstimator, setWantedEstimator] = useState<string | null>(null);
   const [mapping, setMapping] = useState<GuessedMapping | null>(null);
   const [pipeline, setPipeline] = useState<Pipeline>('arm');
   const [apartCm, setApartCm] = useState<number | null>(null);
-  const hasPipeline = format === 'csv' || format === 'packet_log';
-  const isWalk = (format !== null && WALKS.includes(format)) || (hasPipeline && pipeline === 'gait');
-  const isSingle = format === 'broad' || format === null || (hasPipeline && pipeline === 'orientation');
+  const format = formats.data?.find((one) => one.name === chosenFormat) ?? null;
+  const hasPipeline = format?.asks_pipeline ?? false;
+  const held = hasPipeline ? pipeline : format?.pipeline;
+  const isWalk = held === 'gait';
+  const isSingle = format === null || held === 'orientation';
+  const table = formats.data?.find((one) => one.needs_mapping);
+  const isTable = (name: string) => table?.endings.some((ending) => name.toLowerCase().endsWith(ending)) ?? false;
   const [knowsPose, setKnowsPose] = useState(false);
   const [pose, setPose] = useState<[number, number]>([0, 3]);
   const [withLegs, setWithLegs] = useState(false);
@@ -83,7 +87,7 @@ export function UploadPage() {
       } satisfies PreviewIn),
     onSuccess: (found, { turn }) => {
       if (turn !== newest.current) return;
-      setFormat(found.format as Format);
+      setFormat(found.format);
       setPipeline(found.pipeline);
       setMapping(found.mapping ?? { signals: [] });
     },
@@ -98,15 +102,15 @@ export function UploadPage() {
     send.reset();
     look.reset();
     setMapping(null);
-    setFormat(formatOf(chosen.name));
-    if (TEXT.test(chosen.name)) lookAt(chosen, null);
+    setFormat((isTable(chosen.name) ? table : formatOf(chosen.name, formats.data ?? []))?.name ?? null);
+    if (isTable(chosen.name)) lookAt(chosen, null);
   };
   const choosePipeline = (chosen: Pipeline) => {
     setPipeline(chosen);
-    if (format === 'csv' && file) lookAt(file, chosen);
+    if (format?.needs_mapping && file) lookAt(file, chosen);
   };
   const orientation = wantedEstimator ?? estimators.data?.[0]?.name;
-  const isMapped = format !== 'csv' || (mapping !== null && complete(mapping, pipeline) !== null);
+  const isMapped = !format?.needs_mapping || (mapping !== null && complete(mapping, pipeline) !== null);
   const isReady = file !== null && patientId !== null && orientation !== undefined && isMapped;
   const lacking =
     file === null
@@ -125,10 +129,10 @@ export function UploadPage() {
       patient_id: patientId,
       exercise_id: exerciseId,
       purpose: 'exercise',
-      format,
+      format: chosenFormat,
       file_name: file.name.slice(-200),
       pipeline: hasPipeline ? pipeline : 'arm',
-      csv: format === 'csv' && mapping ? complete(mapping, pipeline) : null,
+      csv: format?.needs_mapping && mapping ? complete(mapping, pipeline) : null,
       orientation,
       calibration_pose_s: knowsPose && !isWalk && !isSingle ? pose : null,
       feet_apart_m: isWalk && apartCm !== null ? apartCm / 100 : null,
@@ -148,12 +152,14 @@ export function UploadPage() {
     <Page narrow title={t('upload.heading')} lead={t('upload.lead')}>
       <form className="stack" onSubmit={submit}>
         <section className="card stack">
-          <FileDrop file={file} onFile={take} />
+          {formats.data && <FileDrop file={file} formats={formats.data} onFile={take} />}
+          {formats.error && <Problem error={formats.error} />}
           {file && !look.isPending && (
             <FormatChoice
               key={`${file.name} ${file.lastModified}`}
               value={format}
-              isRecognised={look.isSuccess || !TEXT.test(file.name)}
+              formats={formats.data ?? []}
+              isRecognised={look.isSuccess || !isTable(file.name)}
               onChange={setFormat}
             />
           )}
@@ -171,7 +177,7 @@ export function UploadPage() {
           )}
           {look.isPending && <p className="muted">{t('upload.looking')}</p>}
           {look.error && <Problem error={look.error} />}
-          {format === 'csv' && look.data && mapping && (
+          {format?.needs_mapping && look.data && mapping && (
             <>
               {look.data.missing.map((reason) => (
                 <p key={reason} className="alert-text">

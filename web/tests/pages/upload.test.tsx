@@ -1,4 +1,4 @@
-import { screen, within } from '@testing-library/react';
+import { screen, waitFor, within } from '@testing-library/react';
 import userEvent from '@testing-library/user-event';
 import { afterEach, describe, expect, it, vi } from 'vitest';
 import type { Job, TablePreview, UploadIn } from '../../src/api/types';
@@ -42,11 +42,30 @@ function takeUploads(answer: Job): UploadIn[] {
   return declared;
 }
 
+const held = { endings: ['.csv'], pipeline: null, asks_pipeline: false, needs_mapping: false, description: '' };
+const FORMATS = [
+  { ...held, name: 'csv', title: 'Table (CSV)', asks_pipeline: true, needs_mapping: true },
+  { ...held, name: 'packet_log', title: 'Packet log of a gateway', endings: ['.tmlog'], asks_pipeline: true },
+  { ...held, name: 'qmt_mat', title: 'Whole-body recording (.mat)', endings: ['.mat'] },
+  { ...held, name: 'gait_tracking', title: 'Walk with one foot sensor (x-io, CSV)', pipeline: 'gait' },
+  { ...held, name: 'gaitmap', title: 'Walk with both feet (gaitmap, CSV)', pipeline: 'gait' },
+  { ...held, name: 'pyshoe', title: 'Walk with one foot sensor (PyShoe, .mat)', endings: ['.mat'], pipeline: 'gait' },
+];
+
 const PAGE = {
+  '/api/uploads/formats': FORMATS,
   '/api/patients': [{ id: 'p', given_name: 'Amara', family_name: 'Okafor', may_treat: true }],
   '/api/exercises': [],
   '/api/estimators': [{ name: 'vqf', version: '1', title: 'VQF', description: '', parameters: [], is_offline: false }],
 };
+
+/** There once the formats are known. */
+const fileInput = (container: HTMLElement) =>
+  waitFor(() => {
+    const found = container.querySelector<HTMLInputElement>('input[type="file"]');
+    if (!found) throw new Error('no input yet');
+    return found;
+  });
 
 async function send(failed: Job) {
   const user = userEvent.setup();
@@ -55,7 +74,7 @@ async function send(failed: Job) {
     at: '/?patient=p',
     answers: { ...PAGE, '/api/jobs/j': failed },
   });
-  const input = view.container.querySelector('input[type="file"]') as HTMLInputElement;
+  const input = await fileInput(view.container);
   await user.upload(input, new File(['x'], 'walk.tmlog'));
   await user.click(screen.getByRole('button', { name: 'Upload' }));
   return { user, declared, alert: await screen.findByRole('alert') };
@@ -89,10 +108,7 @@ async function choose(found: TablePreview | [number, unknown]) {
     at: '/?patient=p',
     answers: { ...PAGE, 'POST /api/uploads/preview': found, '/api/jobs/j': job({ status: 'running' }) },
   });
-  await user.upload(
-    view.container.querySelector('input[type="file"]') as HTMLInputElement,
-    new File(['t,gyr_x'], 'box.csv'),
-  );
+  await user.upload(await fileInput(view.container), new File(['t,gyr_x'], 'box.csv'));
   return { user, declared };
 }
 
@@ -104,7 +120,7 @@ describe('a file that only its contents describe', () => {
       at: '/?patient=p',
       answers: { ...PAGE, '/api/jobs/j': job({ status: 'running' }) },
     });
-    const input = view.container.querySelector('input[type="file"]') as HTMLInputElement;
+    const input = await fileInput(view.container);
     await user.upload(input, new File(['x'], 'trial.mat'));
     expect(await screen.findByText('The contents are recognised once the file is uploaded.')).toBeTruthy();
     await user.click(screen.getByRole('button', { name: 'Upload' }));

@@ -281,12 +281,4 @@ export const walking = {
   'newSession.apart': 'Distance between the feet at the start (cm, optional)',
   'newSession.apartHelp':
     'Feet side by side: from the middle of one heel to the middle of the other. Step width needs this value.',
-  'upload.format.pyshoe': 'Walk with one foot sensor (PyShoe, .mat)',
-  'upload.format.pyshoe.text': 'One sensor on the right foot',
-  'upload.format.gait_tracking': 'Walk with one foot sensor (x-io, CSV)',
-  'upload.format.gait_tracking.text': 'One sensor on a foot, as the Gait-Tracking set writes it',
-  'upload.format.gaitmap': 'Walk with both feet (gaitmap, CSV)',
-  'upload.format.gaitmap.text': 'Sensors on both feet, as the gaitmap library writes them',
-  'upload.format.instrumented_shoe': 'Walk on instrumented shoes (CSV)',
-  'upload.format.instrumented_shoe.text': 'Inertial sensors and load cells under heel and forefoot',
 } as const;

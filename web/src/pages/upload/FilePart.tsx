@@ -2,25 +2,21 @@
 import { Button, FileButton } from '@mantine/core';
 import { IconCircleCheck, IconFileUpload } from '@tabler/icons-react';
 import { useState, type DragEvent } from 'react';
-import type { UploadIn } from '../../api/types';
+import type { Format } from '../../api/types';
 import { RadioCards } from '../../components/forms/Choice';
 import { t } from '../../i18n';
 import { bytes } from '../../lib/format';
 
-export type Format = NonNullable<UploadIn['format']>;
-const FORMATS = [
-  'packet_log',
-  'csv',
-  'qmt_mat',
-  'broad',
-  'gaitmap',
-  'instrumented_shoe',
-  'pyshoe',
-  'gait_tracking',
-] as const;
-
 /** Where the file is dropped or chosen. */
-export function FileDrop({ file, onFile }: { file: File | null; onFile: (file: File) => void }) {
+export function FileDrop({
+  file,
+  formats,
+  onFile,
+}: {
+  file: File | null;
+  formats: readonly Format[];
+  onFile: (file: File) => void;
+}) {
   const [isOver, setOver] = useState(false);
   const drop = (event: DragEvent) => {
     event.preventDefault();
@@ -50,7 +46,7 @@ export function FileDrop({ file, onFile }: { file: File | null; onFile: (file: F
       )}
       <FileButton
         onChange={(picked) => picked && onFile(picked)}
-        accept=".csv,.tsv,.txt,.dat,.asc,.mat,.hdf5,.tmlog,application/octet-stream,text/csv"
+        accept={[...new Set(formats.flatMap((one) => one.endings)), 'application/octet-stream', 'text/csv'].join(',')}
       >
         {(props) => (
           <Button variant={file ? 'default' : 'filled'} {...props}>
@@ -65,12 +61,14 @@ export function FileDrop({ file, onFile }: { file: File | null; onFile: (file: F
 /** What the file holds: one line where it is recognised (null: by the service, once it is sent), else all choices. */
 export function FormatChoice({
   value,
+  formats,
   isRecognised,
   onChange,
 }: {
   value: Format | null;
+  formats: readonly Format[];
   isRecognised: boolean;
-  onChange: (format: Format) => void;
+  onChange: (name: string) => void;
 }) {
   const [isOpen, setOpen] = useState(false);
   if (isRecognised && !isOpen) {
@@ -80,8 +78,7 @@ export function FormatChoice({
         <p>
           {value ? (
             <>
-              <span className="muted">{t('upload.recognised')}</span>{' '}
-              <span className="strong">{t(`upload.format.${value}`)}</span>
+              <span className="muted">{t('upload.recognised')}</span> <span className="strong">{value.title}</span>
             </>
           ) : (
             t('upload.recognisedLater')
@@ -96,13 +93,9 @@ export function FormatChoice({
   return (
     <RadioCards
       legend={t('upload.format')}
-      value={value ?? ''}
+      value={value?.name ?? ''}
       onChange={onChange}
-      options={FORMATS.map((one) => ({
-        value: one,
-        title: t(`upload.format.${one}`),
-        text: t(`upload.format.${one}.text`),
-      }))}
+      options={formats.map((one) => ({ value: one.name, title: one.title, text: one.description }))}
     />
   );
 }

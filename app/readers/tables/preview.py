@@ -1,19 +1,13 @@
 """What a file seems to be, from its name and its beginning: the format, and of a table how to read it."""
 
 from dataclasses import dataclass
-from pathlib import PurePath
-from typing import Final
+from pathlib import Path, PurePath
+from typing import cast
 
-from app.ingest.readers import _gait_tracking, _gaitmap, _instrumented_shoe
-from app.ingest.readers._csv_guess import Guess, PipelineName, guess_of_head, pipeline_for
-from app.ingest.readers._table_head import TableHead, head_of
-from app.ingest.readers._text import encoding_of
-
-_OF_MAKERS: Final = {
-    "gait_tracking": _gait_tracking.looks_like,
-    "instrumented_shoe": _instrumented_shoe.looks_like,
-    "gaitmap": _gaitmap.looks_like,
-}
+from app.readers.contract import Source
+from app.readers.registry import reader_of, recognised
+from app.readers.tables.guess import Guess, PipelineName, guess_of_head, pipeline_for
+from app.readers.tables.head import TableHead, head_of
 
 
 @dataclass(frozen=True)
@@ -23,7 +17,7 @@ class Preview:
     Attributes
     ----------
     format : str
-        Of `FORMATS`.
+        A name in `readers()`.
     pipeline : str
         What it seems to be for.
     head : TableHead or None
@@ -59,11 +53,11 @@ def preview_text(
     """
     stem = PurePath(name).stem
     head = head_of(start)
-    format = text_format(stem, start)
-    if format != "csv":
-        return Preview(format, "gait", head)
+    reader = reader_of(text_format(stem, start))
+    if not reader.needs_mapping:
+        return Preview(reader.name, cast(PipelineName, reader.pipeline or "arm"), head)
     found = guess_of_head(head, stem, pipeline, rate_hz)
-    return Preview(format, found.pipeline, head, found)
+    return Preview(reader.name, found.pipeline, head, found)
 
 
 def text_format(stem: str, start: bytes) -> str:
@@ -75,11 +69,10 @@ def text_format(stem: str, start: bytes) -> str:
         Its name without the ending.
     start : bytes
     """
-    if encoding_of(start).startswith("utf-8"):
-        for format, looks_like in _OF_MAKERS.items():
-            if looks_like(stem, start):
-                return format
-    return "csv"
+    source = Source(Path(f"{stem}.csv"))
+    # A cached property may be given: the file itself is not here.
+    vars(source)["start"] = start
+    return recognised(source)
 
 
 __all__ = ["Preview", "pipeline_for", "preview_text", "text_format"]

@@ -6,9 +6,10 @@ from typing import Any, Final
 import numpy as np
 
 from app.errors import RecordingFormatError
-from app.ingest.readers._mat import load_mat
-from app.ingest.readers._time import nominal_rate, seconds_of
-from app.ingest.readers._units import check_accelerometer, check_gyroscope
+from app.readers.contract import Reader, Source
+from app.readers.mat import load_mat
+from app.readers.tables.time import nominal_rate, seconds_of
+from app.readers.units import check_accelerometer, check_gyroscope
 from app.sentences import say
 from estimators.conventions import Placement
 from estimators.recording import Float, Recording, SensorSignals
@@ -87,6 +88,25 @@ def _signal(sensor: dict[str, Any], name: str, key: str, samples: int) -> Float:
             sensor=name,
         )
     return values
+
+
+class QmtReader(Reader):
+    """The whole-body recording of the qmt toolbox."""
+
+    title = "Whole-body recording (.mat)"
+    description = "MATLAB file with 16 named sensors; the arms and the trunk are used"
+    endings = frozenset({".mat"})
+    # Those that any whole-body recording has; what the file holds takes their place.
+    placements = tuple(PLACEMENT_OF.values())
+    is_last = True
+
+    def recognises(self, source: Source) -> bool:
+        """By its ending: what no other format of such files claims."""
+        return source.ending == ".mat"
+
+    def read(self, source: Source) -> Recording:
+        """Read it; there is no magnetometer."""
+        return read_qmt(source.path)
 
 
 __all__ = ["PLACEMENT_OF", "read_qmt"]

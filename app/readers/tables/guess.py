@@ -10,8 +10,9 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from app.ingest.readers._clock import CLOCK
-from app.ingest.readers._csv_names import (
+from app.readers.tables.clock import CLOCK
+from app.readers.tables.head import TableHead
+from app.readers.tables.names import (
     Named,
     is_orientation,
     named,
@@ -20,9 +21,8 @@ from app.ingest.readers._csv_names import (
     time_unit_of,
     words_of,
 )
-from app.ingest.readers._csv_units import Body, accelerometer_unit, gyroscope_unit, magnetometer_unit
-from app.ingest.readers._table_head import TableHead
-from app.ingest.readers._time import HIGHEST_HZ, LOWEST_HZ, UNIT_FACTORS, units_of
+from app.readers.tables.time import HIGHEST_HZ, LOWEST_HZ, UNIT_FACTORS, units_of
+from app.readers.tables.units import Body, accelerometer_unit, gyroscope_unit, magnetometer_unit
 from app.sentences import Sentence, say
 from estimators.conventions import PLACEMENTS
 

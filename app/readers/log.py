@@ -9,15 +9,15 @@ import numpy as np
 from pydantic import ValidationError
 
 from app.errors import PacketError, RecordingFormatError
-from app.ingest.readers._packets import stamped
 from app.network.alignment import align_all
 from app.network.clock import PacketClock
 from app.network.declaration import Declaration, check_hello
 from app.network.messages import PROTOCOL_VERSION, HelloMessage
 from app.network.packet import Packet, decode_packet
-from app.recordings.signals.packet_log import read_entries, read_head
-from app.recordings.signals.ranges import SequenceRanges
-from app.recordings.signals.raw_packet import RawPacket
+from app.network.packet_log import read_entries, read_head
+from app.network.ranges import SequenceRanges
+from app.network.raw_packet import RawPacket
+from app.readers.packets import stamped
 from app.sentences import say
 from estimators.recording import ImuChunk, Recording, SampleQuality, SensorSignals
 

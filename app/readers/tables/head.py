@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Final
 
 from app.errors import RecordingFormatError
-from app.ingest.readers._text import HEAD_BYTES, encoding_of, start_of, text_of
+from app.readers.tables.text import HEAD_BYTES, encoding_of, start_of, text_of
 from app.sentences import say
 
 _LINES: Final = 200

@@ -1,16 +1,11 @@
 """MATLAB files of versions 4 to 7, from strangers."""
 
 from pathlib import Path
-from typing import Any, Final
-
-import scipy
+from typing import Any
 
 from app.errors import RecordingFormatError
-from app.ingest.readers._unpacked import check_mat
+from app.readers.unpacked import check_mat
 from app.sentences import say
-
-PYSHOE_MARKS: Final = ("imu_data", "timestamps_all")
-"""Variables by which a walk of the PyShoe set is known."""
 
 
 def load_mat(path: Path, names: list[str], *, simplify: bool = False) -> dict[str, Any]:
@@ -21,6 +16,8 @@ def load_mat(path: Path, names: list[str], *, simplify: bool = False) -> dict[st
     RecordingFormatError
         The file cannot be read, or unpacks to too much.
     """
+    import scipy
+
     check_mat(path)
     try:
         content: dict[str, Any] = scipy.io.loadmat(path, variable_names=names, simplify_cells=simplify)
@@ -34,21 +31,20 @@ def load_mat(path: Path, names: list[str], *, simplify: bool = False) -> dict[st
     return content
 
 
-def mat_format(path: Path) -> str:
-    """Return which of the formats stored in such files one seems to have, by the names in it.
+def variables_of(path: Path) -> frozenset[str]:
+    """Return the names in a file.
 
     Raises
     ------
     RecordingFormatError
-        The file cannot be read.
+        It cannot be read.
     """
+    import scipy
+
     try:
-        names = {name for name, _, _ in scipy.io.whosmat(path)}
+        return frozenset(name for name, _, _ in scipy.io.whosmat(path))
     except Exception as error:
         raise RecordingFormatError(say("mat.unreadable")) from error
-    if set(PYSHOE_MARKS) <= names:
-        return "pyshoe"
-    return "broad" if "imu_gyr" in names else "qmt_mat"
 
 
-__all__ = ["PYSHOE_MARKS", "load_mat", "mat_format"]
+__all__ = ["load_mat", "variables_of"]

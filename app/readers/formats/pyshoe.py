@@ -10,12 +10,15 @@ from typing import Any, Final
 import numpy as np
 
 from app.errors import RecordingFormatError
-from app.ingest.readers._mat import PYSHOE_MARKS, load_mat
-from app.ingest.readers._time import nominal_rate, seconds_of
-from app.ingest.readers._units import check_accelerometer, check_foot_gyroscope, check_gyroscope
+from app.readers.contract import Reader, Source
+from app.readers.mat import load_mat
+from app.readers.tables.time import nominal_rate, seconds_of
+from app.readers.units import check_accelerometer, check_foot_gyroscope, check_gyroscope
 from app.sentences import say
 from estimators.recording import Float, Recording, SensorSignals
 
+MARKS: Final = ("imu_data", "timestamps_all")
+"""Variables by which a walk of this set is known."""
 GYROSCOPE_CLIP_RADPS: Final = 9.09
 """The set's gyroscopes clip at 9.1 to 9.7 rad/s; 1 % below the filter takes a sample for clipped."""
 _MIRROR: Final = np.array([1.0, -1.0])
@@ -36,8 +39,8 @@ def read_pyshoe(path: Path) -> Recording:
     RecordingFormatError
         Not a walk of this set.
     """
-    content = load_mat(path, [*PYSHOE_MARKS, "gt"])
-    missing = [name for name in PYSHOE_MARKS if name not in content]
+    content = load_mat(path, [*MARKS, "gt"])
+    missing = [name for name in MARKS if name not in content]
     if missing:
         raise RecordingFormatError(say("file.not_this_kind", missing=missing, kind="pyshoe"))
     time_s = seconds_of(_numbers(content["timestamps_all"], None).reshape(-1), "s", first_row=1)
@@ -71,6 +74,24 @@ def _numbers(values: Any, width: int | None) -> Float:
     if width is not None and (table.ndim != 2 or table.shape[1] != width):
         raise RecordingFormatError(say("file.array_shape", shape=str(table.shape), expected=f"(N, {width})"))
     return table
+
+
+class PyShoeReader(Reader):
+    """A walk of the PyShoe set."""
+
+    title = "Walk with one foot sensor (PyShoe, .mat)"
+    description = "One sensor on the right foot"
+    endings = frozenset({".mat"})
+    pipeline = "gait"
+    placements = ("foot_left", "foot_right")
+
+    def recognises(self, source: Source) -> bool:
+        """By the names of its variables."""
+        return set(MARKS) <= source.variables
+
+    def read(self, source: Source) -> Recording:
+        """Read one walk."""
+        return read_pyshoe(source.path)
 
 
 __all__ = ["read_pyshoe"]

@@ -4,9 +4,9 @@ from typing import Final
 
 import numpy as np
 
-from app.ingest.readers._clock import CLOCK, seconds_of_clock
-from app.ingest.readers._table_head import TableHead, split_line
-from app.ingest.readers._units import TO_SI, UNITS
+from app.readers.tables.clock import CLOCK, seconds_of_clock
+from app.readers.tables.head import TableHead, split_line
+from app.readers.units import TO_SI, UNITS
 from estimators.conventions import GRAVITY_MPS2
 from estimators.recording import Float
 

@@ -6,13 +6,15 @@ from typing import Any
 import numpy as np
 
 from app.errors import RecordingFormatError
-from app.ingest.readers._mat import load_mat
-from app.ingest.readers._units import check_accelerometer, check_gyroscope, check_magnetometer
-from app.ingest.readers._unpacked import check_hdf5
+from app.readers.contract import Reader, Source
+from app.readers.mat import load_mat
+from app.readers.units import check_accelerometer, check_gyroscope, check_magnetometer
+from app.readers.unpacked import check_hdf5
 from app.sentences import say
 from estimators.recording import Float, Recording, SensorSignals
 
 _NAMES = ["imu_gyr", "imu_acc", "imu_mag", "opt_quat", "movement", "sampling_rate"]
+_HDF5 = b"\x89HDF"
 
 
 def read_broad(path: Path) -> Recording:
@@ -68,7 +70,7 @@ def _table(values: Any, width: int) -> Float:
 
 def _is_hdf5(path: Path) -> bool:
     with path.open("rb") as file:
-        return file.read(4) == b"\x89HDF"
+        return file.read(4) == _HDF5
 
 
 def _hdf5(path: Path) -> dict[str, Any]:
@@ -84,6 +86,24 @@ def _hdf5(path: Path) -> dict[str, Any]:
     except (OSError, RuntimeError, KeyError) as error:
         raise RecordingFormatError(say("file.hdf5_unreadable")) from error
     return content
+
+
+class BroadReader(Reader):
+    """A trial of the BROAD benchmark."""
+
+    title = "BROAD trial (.mat, .hdf5)"
+    description = "One sensor with its optical truth"
+    endings = frozenset({".mat", ".hdf5"})
+    pipeline = "orientation"
+    placements = ("imu",)
+
+    def recognises(self, source: Source) -> bool:
+        """By its first bytes, or the names of its variables."""
+        return source.start.startswith(_HDF5) or "imu_gyr" in source.variables
+
+    def read(self, source: Source) -> Recording:
+        """Read one trial."""
+        return read_broad(source.path)
 
 
 __all__ = ["read_broad"]

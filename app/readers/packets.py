@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from app.errors import RecordingFormatError
 from app.network.declaration import Declaration, check_placements
-from app.recordings.signals.raw_packet import FLOAT32, RawPacket
+from app.network.raw_packet import FLOAT32, RawPacket
 from app.sentences import say
 from estimators.channels import INERTIAL, Channel
 from estimators.conventions import PLACEMENTS, Placement

@@ -16,7 +16,7 @@ from typing import Any, BinaryIO, Final
 
 from app.errors import RecordingFormatError
 from app.network.packet import MAX_PACKET_BYTES, encode_packet
-from app.recordings.signals.raw_packet import RawPacket
+from app.network.raw_packet import RawPacket
 from app.sentences import say
 
 MAGIC: Final = b"TML1"

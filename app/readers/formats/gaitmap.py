@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.errors import RecordingFormatError
-from app.ingest.readers._csv import MAX_VALUES
-from app.ingest.readers._units import TO_SI, check_accelerometer, check_foot_gyroscope, check_gyroscope
+from app.readers.contract import Reader, Source
+from app.readers.tables.columns import MAX_VALUES
+from app.readers.units import TO_SI, check_accelerometer, check_foot_gyroscope, check_gyroscope
 from app.sentences import say
 from estimators.conventions import SIDES
 from estimators.recording import Float, Recording, SensorSignals
@@ -83,16 +84,6 @@ def read_gaitmap(path: Path, name: str = "") -> Recording:
     )
 
 
-def looks_like(stem: str, start: bytes) -> bool:
-    """Return whether a CSV file begins with the columns of this set, and its name says a side where it must."""
-    lines = start[:8192].decode("utf-8", errors="replace").split("\n")[:2]
-    names = {name.strip() for line in lines for name in line.split(",") if not _is_number(name)}
-    # Other tables name their columns so too; with a column of time, or more, they are none of this set.
-    if not set(AXES) <= names or names - set(AXES) - _BESIDE:
-        return False
-    return {"left_sensor", "right_sensor"} <= names or any(side in stem.lower() for side in SIDES)
-
-
 def _table(path: Path) -> tuple[list[list[str]], Float]:
     """Return the header rows, without the index column, and the numbers."""
     try:
@@ -152,4 +143,28 @@ def _truth(folder: Path) -> dict[str, NDArray[Any]]:
     return found
 
 
-__all__ = ["AXES", "looks_like", "read_gaitmap"]
+class GaitmapReader(Reader):
+    """Foot recordings of the gaitmap library."""
+
+    title = "Walk with both feet (gaitmap, CSV)"
+    description = "Sensors on both feet, as the gaitmap library writes them"
+    endings = frozenset({".csv"})
+    pipeline = "gait"
+    placements = ("foot_left", "foot_right")
+
+    def recognises(self, source: Source) -> bool:
+        """By its columns, and a name that says a side where it must."""
+        names = {
+            name.strip() for line in source.first_lines for name in line.split(",") if not _is_number(name)
+        }
+        # Other tables name their columns so too; with a column of time, or more, they are none of this set.
+        if not set(AXES) <= names or names - set(AXES) - _BESIDE:
+            return False
+        return {"left_sensor", "right_sensor"} <= names or any(side in source.stem.lower() for side in SIDES)
+
+    def read(self, source: Source) -> Recording:
+        """Read sensor samples, and what lies beside them as truth."""
+        return read_gaitmap(source.path, source.name)
+
+
+__all__ = ["AXES", "read_gaitmap"]

@@ -12,9 +12,10 @@ from typing import Final
 import numpy as np
 
 from app.errors import RecordingFormatError
-from app.ingest.readers._csv import MAX_VALUES
-from app.ingest.readers._time import nominal_rate
-from app.ingest.readers._units import check_accelerometer, check_foot_gyroscope, check_gyroscope
+from app.readers.contract import Reader, Source
+from app.readers.tables.columns import MAX_VALUES
+from app.readers.tables.time import nominal_rate
+from app.readers.units import check_accelerometer, check_foot_gyroscope, check_gyroscope
 from app.sentences import say
 from estimators.conventions import GRAVITY_MPS2, SIDES
 from estimators.recording import Float, Recording, SensorSignals
@@ -111,11 +112,6 @@ def write_instrumented_shoe(recording: Recording, path: Path) -> None:
     )
 
 
-def looks_like(_stem: str, start: bytes) -> bool:
-    """Return whether the beginning of a CSV file has the columns of instrumented shoes."""
-    return _MARK.encode() in start[:8192].partition(b"\n")[0]
-
-
 def _table(path: Path) -> tuple[list[str], Float]:
     try:
         with path.open(newline="", encoding="utf-8") as file:
@@ -145,4 +141,22 @@ def _check_weight(sensors: dict[str, SensorSignals]) -> None:
         )
 
 
-__all__ = ["looks_like", "read_instrumented_shoe", "write_instrumented_shoe"]
+class InstrumentedShoeReader(Reader):
+    """A walk on two instrumented shoes."""
+
+    title = "Walk on instrumented shoes (CSV)"
+    description = "Inertial sensors and load cells under heel and forefoot"
+    endings = frozenset({".csv"})
+    pipeline = "gait"
+    placements = ("foot_left", "foot_right")
+
+    def recognises(self, source: Source) -> bool:
+        """By the column of a load cell."""
+        return _MARK in source.first_lines[0]
+
+    def read(self, source: Source) -> Recording:
+        """Read one walk."""
+        return read_instrumented_shoe(source.path)
+
+
+__all__ = ["read_instrumented_shoe", "write_instrumented_shoe"]

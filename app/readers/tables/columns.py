@@ -8,25 +8,23 @@ from pathlib import Path
 from typing import Any, BinaryIO, Final
 
 import numpy as np
-import pyarrow as pa
 from numpy.typing import NDArray
-from pyarrow import csv
 
 from app.errors import RecordingFormatError
-from app.ingest.readers._clock import CLOCK, seconds_of_clock
-from app.ingest.readers._csv_guess import SINGLE
-from app.ingest.readers._table_head import TableHead, head_of_file
-from app.ingest.readers._text import opened
-from app.ingest.readers._time import HIGHEST_HZ, LOWEST_HZ, UNIT_FACTORS, check_unit, nominal_rate
-from app.ingest.readers._time_mended import mended
-from app.ingest.readers._units import (
+from app.readers.tables.clock import CLOCK, seconds_of_clock
+from app.readers.tables.guess import SINGLE
+from app.readers.tables.head import TableHead, head_of_file
+from app.readers.tables.schemas import CsvColumn, CsvMapping
+from app.readers.tables.text import opened
+from app.readers.tables.time import HIGHEST_HZ, LOWEST_HZ, UNIT_FACTORS, check_unit, nominal_rate
+from app.readers.tables.time_mended import mended
+from app.readers.units import (
     TO_SI,
     UNITS,
     check_accelerometer,
     check_gyroscope,
     check_magnetometer,
 )
-from app.recordings.table_schemas import CsvColumn, CsvMapping
 from app.sentences import Sentence, say
 from estimators.recording import Float, Recording, SensorSignals
 
@@ -226,6 +224,9 @@ def read_table(
         raise RecordingFormatError(
             say("table.no_column", missing=missing[:9], present=shown), missing=missing[:40]
         )
+    # Only who reads a table waits for the library to be imported.
+    import pyarrow as pa
+
     try:
         return _read_with(path, wanted, head, ".", text)
     except pa.ArrowInvalid as error:
@@ -242,6 +243,9 @@ def read_table(
 def _read_with(
     path: Path, wanted: list[str], head: TableHead, decimal_point: str, text: str | None
 ) -> tuple[dict[str, NDArray[Any]], int]:
+    import pyarrow as pa
+    from pyarrow import csv
+
     parts: dict[str, list[Any]] = {name: [] for name in wanted}
     values = left_out = 0
 
@@ -315,7 +319,7 @@ class _SingleBlanks(io.RawIOBase):
         return len(taken)
 
 
-def _in_words(error: pa.ArrowInvalid, head: TableHead) -> RecordingFormatError:
+def _in_words(error: ValueError, head: TableHead) -> RecordingFormatError:
     text = str(error)
     if "conversion error" in text:
         at = re.search(r"In CSV column #(\d+)", text)

@@ -6,10 +6,11 @@ from typing import Final
 import numpy as np
 
 from app.errors import RecordingFormatError
-from app.ingest.readers._csv import read_columns
-from app.ingest.readers._time import nominal_rate
-from app.ingest.readers._time_mended import mended
-from app.ingest.readers._units import TO_SI, check_accelerometer, check_foot_gyroscope, check_gyroscope
+from app.readers.contract import Reader, Source
+from app.readers.tables.columns import read_columns
+from app.readers.tables.time import nominal_rate
+from app.readers.tables.time_mended import mended
+from app.readers.units import TO_SI, check_accelerometer, check_foot_gyroscope, check_gyroscope
 from app.sentences import say
 from estimators.recording import Recording, SensorSignals
 
@@ -53,12 +54,22 @@ def read_gait_tracking(path: Path) -> Recording:
     )
 
 
-def looks_like(_stem: str, start: bytes) -> bool:
-    """Return whether the beginning of a CSV file has the columns of this set."""
-    line = start[:4096].partition(b"\n")[0].decode("utf-8", errors="replace")
-    names = {name.strip() for name in line.lstrip("\ufeff").split(",")}
-    # Other recordings of these devices have more columns; those are no walks of this set.
-    return set(COLUMNS) == names
+class GaitTrackingReader(Reader):
+    """A walk of x-io's gait tracking set."""
+
+    title = "Walk with one foot sensor (x-io, CSV)"
+    description = "One sensor on a foot, as the Gait-Tracking set writes it"
+    endings = frozenset({".csv"})
+    pipeline = "gait"
+    placements = ("foot_left", "foot_right")
+
+    def recognises(self, source: Source) -> bool:
+        """By its columns: other recordings of these devices have more and are no walks of this set."""
+        return set(COLUMNS) == {name.strip() for name in source.first_lines[0].split(",")}
+
+    def read(self, source: Source) -> Recording:
+        """Read one walk."""
+        return read_gait_tracking(source.path)
 
 
-__all__ = ["COLUMNS", "looks_like", "read_gait_tracking"]
+__all__ = ["COLUMNS", "read_gait_tracking"]

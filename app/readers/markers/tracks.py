@@ -7,10 +7,10 @@ from typing import Final
 import numpy as np
 
 from app.errors import RecordingFormatError
-from app.ingest.readers._c3d import read_c3d
-from app.ingest.readers._csv import MAX_LINE_BYTES, read_columns
-from app.ingest.readers._time import HIGHEST_HZ, LOWEST_HZ, seconds_of
-from app.recordings.marker_schemas import MarkerFileIn
+from app.readers.markers.c3d import read_c3d
+from app.readers.markers.schemas import MarkerFileIn
+from app.readers.tables.columns import MAX_LINE_BYTES, read_columns
+from app.readers.tables.time import HIGHEST_HZ, LOWEST_HZ, seconds_of
 from app.sentences import say
 from estimators.optical import TURNS
 from estimators.recording import Float

@@ -1,0 +1,34 @@
+"""Our packet log: the hello and every packet as it came."""
+
+from typing import TYPE_CHECKING
+
+from app.readers.contract import Reader, Source
+
+if TYPE_CHECKING:
+    from estimators.recording import Recording
+
+
+class PacketLogReader(Reader):
+    """The log of a gateway, or the one that a session is downloaded as."""
+
+    title = "Packet log of a gateway"
+    description = "As downloaded from a session, or stored by a gateway (.tmlog)"
+    endings = frozenset({".tmlog"})
+    asks_pipeline = True
+
+    def recognises(self, source: Source) -> bool:
+        """By its first bytes."""
+        return source.start.startswith(b"TML1")
+
+    def read(self, source: Source) -> "Recording":
+        """Read it on the common tick of its session, or on the stamps of its file."""
+        from app.readers.log import read_packet_log
+
+        return read_packet_log(source.path)
+
+    def announces(self, source: Source) -> tuple[tuple[str, ...], float]:
+        """Return what its hello says."""
+        from app.readers.log import LogReader
+
+        declared = LogReader(source.path).declaration
+        return declared.placements, declared.rate_hz

@@ -1,0 +1,1 @@
+"""Marker tracks of optical systems: C3D files and tables."""
