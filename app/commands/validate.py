@@ -18,8 +18,6 @@ from app.readers.tables.schemas import CsvMapping
 from estimators.recording import Recording, SensorSignals
 from validation import ProtocolResult, Values
 
-_SETS = ("broad", "pyshoe", "gaitmap", "gait_tracking", "qmt_mat")
-
 
 def validate(
     names: list[str] | None,
@@ -149,17 +147,15 @@ def _recordings(folder: Path) -> dict[str, Recording]:
         if recording is not None:
             found[str(path.relative_to(folder).with_suffix(""))] = recording
     if not found:
-        raise InvalidInput(f"{folder} holds no recordings of {', '.join(_SETS)}")
+        raise InvalidInput(f"{folder} holds no recording")
     return found
 
 
 def _recording(path: Path) -> Recording | None:
     """Read a file of one of the sets, or a table that says itself what is in it; None of any other."""
     kind = readers.guess(path)
-    if kind in _SETS:
+    if not readers.reader_of(kind).needs_mapping:
         return readers.read(path, kind)
-    if kind != "csv":
-        return None
     guess = readers.preview_text(path.name, readers.start_of(path), "orientation").guess
     if guess is None or guess.missing or not guess.mapping["signals"]:
         return None

@@ -361,9 +361,9 @@ def test_garbage_is_refused_by_every_reader(tmp_path: Path, format: str, content
 def test_the_format_is_told_from_the_file_or_asked_for(tmp_path: Path) -> None:
     path = tmp_path / "a.xyz"
     path.write_bytes(io.BytesIO(b"hello").getvalue())
-    with pytest.raises(RecordingFormatError, match="not recognised; choose it: csv"):
+    with pytest.raises(RecordingFormatError, match="not recognised; choose it: apdm"):
         readers.read(path)
-    with pytest.raises(InvalidInput, match="no format docx; choose csv"):
+    with pytest.raises(InvalidInput, match="no format docx; choose apdm"):
         readers.read(path, "docx")
 
 

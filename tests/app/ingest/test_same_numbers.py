@@ -27,6 +27,7 @@ from estimators.pipelines import Frames
 from estimators.simulation import Bout, Leg, SimulatedSession, gait_preset, simulate_gait
 from tests.app.ingest.odd_tables import odd_tables
 from tests.app.ingest.recording_files import as_whole_body, broad_content, gaitmap, pyshoe, xio
+from tests.app.ingest.test_apdm import apdm
 from tests.app.ingest.uploads import session_of
 
 
@@ -89,6 +90,7 @@ CASES: dict[str, Callable[[Path, SimulatedSession], Path]] = {
     "gait_tracking": a_walk_with_repeated_stamps,
     "gaitmap": lambda folder, _: gaitmap(folder, truth=False),
     "instrumented_shoe": instrumented_shoes,
+    "apdm": lambda folder, simulated: apdm(folder / "arm.csv", simulated.recording),
     **{
         f"csv: {name}": an_odd_table(name)
         for name in (
