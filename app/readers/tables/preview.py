@@ -54,10 +54,10 @@ def preview_text(
     stem = PurePath(name).stem
     head = head_of(start)
     reader = reader_of(text_format(stem, start))
-    if not reader.needs_mapping:
-        return Preview(reader.name, cast(PipelineName, reader.pipeline or "arm"), head)
+    if reader.pipeline:
+        return Preview(reader.name, cast(PipelineName, reader.pipeline), head)
     found = guess_of_head(head, stem, pipeline, rate_hz)
-    return Preview(reader.name, found.pipeline, head, found)
+    return Preview(reader.name, found.pipeline, head, found if reader.needs_mapping else None)
 
 
 def text_format(stem: str, start: bytes) -> str:

@@ -68,6 +68,8 @@ def test_a_file_of_the_maker_is_read_as_it_stands() -> None:
     found = readers.read(DATA)
     assert list(found.sensors) == ["static", "upper", "middle", "lower"]
     assert found.nominal_rate_hz == pytest.approx(128.0)
+    seen = readers.preview_text(DATA.name, readers.start_of(DATA))
+    assert (seen.format, seen.pipeline, seen.guess) == ("apdm", "orientation", None)
     lines = DATA.read_text().splitlines()
     first = dict(zip(lines[2].split(","), lines[4].split(","), strict=True))
     upper = found.sensors["upper"]
