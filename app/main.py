@@ -57,7 +57,7 @@ from app.recordings.analysis.jobs import Handler, JobRunner
 from app.recordings.analysis.kinds import kind_routers, kinds
 from app.recordings.analysis.reprocess import reprocess
 from app.recordings.endpoints import router as sessions_router
-from app.recordings.point_endpoints import router as points_router
+from app.recordings.series_endpoints import router as series_router
 from app.recordings.service import queue_closing
 from app.recordings.signals.disk import DiskUse
 from app.recordings.signals.group_commit import GroupCommitWriter
@@ -218,7 +218,7 @@ def all_routers() -> list[APIRouter]:
         patients_router,
         exercises_router,
         sessions_router,
-        points_router,
+        series_router,
         *kind_routers(),
         replay_router,
         live_router,

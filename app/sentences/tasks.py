@@ -54,8 +54,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "session.nothing_to_estimate": "The session holds no packets that can be analysed.",
     "session.headings_left_out": "The directions set at {time_s:s} were not used. {reason}",
     "mass_centre.sensors": "The centre of mass needs sensors on both thighs and on the chest or the pelvis.",
-    "mass_centre.other_kind": "The sensors of this kind of session do not measure the centre of mass of the"
-    " body.",
+    "series.other_kind": "The sensors of this kind of session do not measure this.",
+    "series.unknown": "No session has {names:and}; there are {known:and}.",
     "walk.no_forces": "There are no forces. {reason}",
     "walk.no_forces_from": "There are no forces: no usable data came from the {places:place}.",
     "walk.no_forces_together": "There are no forces: the four load cells never measured at the same time.",

@@ -285,8 +285,7 @@ LINES: tuple[Line, ...] = (
     patient("GET", "/api/jobs/{job_id}", STATUS),
     patient("GET", "/api/sessions/{session_id}/frames", READ),
     patient("GET", "/api/sessions/{session_id}/layout", READ),
-    patient("GET", "/api/sessions/{session_id}/points", READ),
-    patient("GET", "/api/sessions/{session_id}/mass-centre", READ),
+    patient("GET", "/api/sessions/{session_id}/series", READ, query={"names": "arm_points"}),
     patient(
         "POST",
         "/api/sessions/{session_id}/markers",

@@ -1,4 +1,4 @@
-"""Every code of the audit trail has words: patients read the trail, and `session.points` says nothing to them."""
+"""Every code of the audit trail has words: patients read the trail, and `session.series` says nothing to them."""
 
 import ast
 import json
@@ -30,7 +30,7 @@ def written() -> set[str]:
 
 
 def test_every_audit_code_has_words():
-    assert {"patient.read", "session.points", "source.retire"} <= written(), (
+    assert {"patient.read", "session.series", "source.retire"} <= written(), (
         "the codes are not found any more"
     )
     assert sorted(written() - named()) == []

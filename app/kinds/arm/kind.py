@@ -4,6 +4,7 @@ from dataclasses import replace
 from typing import Final
 
 from app.kinds.arm.elbows import with_elbows
+from app.kinds.arm.series import SERIES
 from app.recordings.analysis.heading_line import HeadingLine, with_first_headings
 from app.recordings.analysis.kinds import SessionKind, Wanted
 from app.recordings.analysis.offline import Analysis, estimated, pieces_of, posed, smoothed
@@ -18,6 +19,7 @@ class ArmKind(SessionKind):
     """Arms and trunk."""
 
     pipeline = ArmPipeline
+    series = SERIES
 
     def analyse(self, wanted: Wanted) -> Analysis:
         """Find the pose where the setup has no calibration, then estimate; elbows and headings from all of it."""

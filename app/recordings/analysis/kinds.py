@@ -20,6 +20,7 @@ from sqlalchemy.orm import Session
 from app.accounts.subject import Subject
 from app.errors import InvalidInput
 from app.network.declaration import Declaration
+from app.recordings.analysis.curve import Series
 from app.recordings.analysis.heading_line import HeadingReset
 from app.recordings.analysis.jobs import JobContext
 from app.recordings.analysis.offline import Analysis
@@ -70,6 +71,8 @@ class SessionKind(ABC):
     """Why a guided calibration makes no sense; empty where it does."""
     estimator_refused: ClassVar[str] = ""
     """Why it is not estimated with other orientation estimators; empty where it is."""
+    series: ClassVar[tuple[Series, ...]] = ()
+    """Curves over time that its results have."""
     marks: ClassVar[Mapping[str, str]] = MappingProxyType({})
     """Labels of marks that its analysis reads, and what the time line says of each."""
 

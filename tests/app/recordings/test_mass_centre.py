@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from sqlalchemy import Engine, select
+from sqlalchemy.orm import Session
 
 from app import readers
 from app.accounts.models import AuditEvent
@@ -13,9 +14,10 @@ from app.accounts.subject import Subject
 from app.commands import mass_centre as command
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput, NotFound
-from app.kinds.arm.mass_centre import mass_centre_of
 from app.network.packet_log import write_log
+from app.recordings.analysis.series import series_of
 from app.recordings.models import Result
+from app.recordings.series_schemas import SeriesOut
 from app.recordings.signals.chunks import encode_frames, frames_stream
 from app.recordings.signals.rows import insert_chunk
 from app.viewer.figure.proportions import hip_height_m
@@ -78,26 +80,34 @@ def therapist(world: Any) -> Subject:
     return world.subjects["therapist"]
 
 
+def mass_centre_of(
+    session: Session, subject: Subject, ids: tuple[str, str], *stretch: float | None
+) -> SeriesOut:
+    session_id, result_id = ids
+    start_s, end_s, most = stretch
+    return series_of(session, subject, session_id, ["mass_centre"], result_id, start_s, end_s, int(most or 0))
+
+
 def test_curves_are_those_of_the_result(
     engine: Engine, stored: tuple[str, str], run: tuple[SessionSetup, Frames], therapist: Subject
 ) -> None:
     _, frames = run
     with unit_of_work(engine) as session:
-        found = mass_centre_of(session, therapist, *stored, None, None, 200)
-        part = mass_centre_of(session, therapist, *stored, 6.0, 8.0, 2000)
+        found = mass_centre_of(session, therapist, stored, None, None, 200)
+        part = mass_centre_of(session, therapist, stored, 6.0, 8.0, 2000)
     assert 90 < len(found.time_s) <= 200
-    assert found.reason == ""
-    assert [curve.name for curve in found.curves] == ["ahead", "left", "height"]
-    assert set(found.assumed) >= {"head", "hand_left", "foot_right"}
-    assert not set(found.assumed) & set(WORN)
+    assert found.reasons == {}
+    assert [curve.name for curve in found.curves] == list(MASS_SCALARS[:3])
+    assert set(found.unworn) >= {"head", "hand_left", "foot_right"}
+    assert not set(found.unworn) & set(WORN)
     at = np.searchsorted(frames.time_s, np.array(found.time_s) - 1e-6)
     for i, curve in enumerate(found.curves):
         own = frames.scalar[:, frames.layout.scalars.index(MASS_SCALARS[i])]
-        np.testing.assert_allclose(np.array(curve.value_m, dtype=float), own[at], atol=4e-5)
+        np.testing.assert_allclose(np.array(curve.value, dtype=float), own[at], atol=4e-5)
         sigma = frames.scalar[at, frames.layout.scalars.index(MASS_SCALARS[3 + i])]
-        np.testing.assert_allclose(np.array(curve.sigma_m, dtype=float), sigma, atol=2e-5)
-        assert curve.least_m == pytest.approx(np.nanmin(own), abs=5e-5)
-        assert curve.most_m == pytest.approx(np.nanmax(own), abs=5e-5)
+        np.testing.assert_allclose(np.array(curve.sigma, dtype=float), sigma, atol=2e-5)
+        assert curve.least == pytest.approx(np.nanmin(own), abs=5e-5)
+        assert curve.most == pytest.approx(np.nanmax(own), abs=5e-5)
     assert part.time_s[0] == pytest.approx(6.0)
     assert len(part.time_s) == 100
 
@@ -106,12 +116,14 @@ def test_reading_it_is_audited_and_closed_to_strangers(
     engine: Engine, stored: tuple[str, str], therapist: Subject, world: Any
 ) -> None:
     with unit_of_work(engine) as session:
-        mass_centre_of(session, therapist, *stored, 0.0, 1.0, 10)
+        mass_centre_of(session, therapist, stored, 0.0, 1.0, 10)
     with read_only(engine) as session:
-        event = session.scalars(select(AuditEvent).where(AuditEvent.action == "session.mass_centre")).one()
+        event = session.scalars(select(AuditEvent).where(AuditEvent.action == "session.series")).one()
         assert (event.patient_id, event.subject_id) == (world.patient_id, therapist.id)
+    with unit_of_work(engine) as session, pytest.raises(NotFound, match="arm_points and mass_centre"):
+        series_of(session, therapist, stored[0], ["mass_center"], stored[1], None, None, 10)
     with unit_of_work(engine) as session, pytest.raises(NotFound):
-        mass_centre_of(session, world.subjects["foreign_therapist"], *stored, None, None, 10)
+        mass_centre_of(session, world.subjects["foreign_therapist"], stored, None, None, 10)
 
 
 def test_without_leg_sensors_the_reason_is_told(engine: Engine, new_session: Any, therapist: Subject) -> None:
@@ -119,9 +131,9 @@ def test_without_leg_sensors_the_reason_is_told(engine: Engine, new_session: Any
     frames, setup = pipelines.run(made.recording, made.setup, (1.0, 4.0))
     ids = _store(engine, new_session, setup, frames)
     with unit_of_work(engine) as session:
-        found = mass_centre_of(session, therapist, *ids, None, None, 100)
+        found = mass_centre_of(session, therapist, ids, None, None, 100)
     assert found.curves == []
-    assert "both thighs" in found.reason
+    assert "both thighs" in found.reasons["mass_centre"]
 
 
 def test_uploads_keep_the_legs_when_asked() -> None:

@@ -6,14 +6,17 @@ from typing import Any
 import numpy as np
 import pytest
 from sqlalchemy import Engine, select
+from sqlalchemy.orm import Session
 
 from app.accounts.models import AuditEvent
 from app.accounts.subject import Subject
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import NotFound
+from app.recordings.analysis.series import series_of
 from app.recordings.columns import frames_table
 from app.recordings.models import Result
-from app.recordings.points import described, points_of
+from app.recordings.points import described
+from app.recordings.series_schemas import SeriesOut
 from app.recordings.signals.chunks import decode_frames, encode_frames, frames_stream
 from app.recordings.signals.rows import insert_chunk
 from estimators.arm import point_covariance
@@ -67,33 +70,46 @@ def therapist(world: Any) -> Subject:
     return world.subjects["therapist"]
 
 
+def points_of(session: Session, subject: Subject, ids: tuple[str, str], *stretch: float | None) -> SeriesOut:
+    session_id, result_id = ids
+    start_s, end_s, most = stretch
+    return series_of(session, subject, session_id, ["arm_points"], result_id, start_s, end_s, int(most or 0))
+
+
+def triple(found: SeriesOut, point: str) -> tuple[np.ndarray, np.ndarray]:
+    """Position and sigma, shape (3, K)."""
+    curves = {curve.name: curve for curve in found.curves}
+    chosen = [curves[f"{point}.{axis}"] for axis in "xyz"]
+    return tuple(np.array([getattr(one, name) for one in chosen], dtype=float) for name in ("value", "sigma"))
+
+
 @pytest.mark.slow
 def test_points_are_those_of_the_movement(
     engine: Engine, stored: tuple[str, str], exact: tuple[SessionSetup, Frames], therapist: Subject
 ) -> None:
     setup, frames = exact
     with unit_of_work(engine) as session:
-        found = points_of(session, therapist, *stored, None, None, 700)
+        found = points_of(session, therapist, stored, None, None, 700)
     stride = round((found.time_s[1] - found.time_s[0]) / frames.time_step_s)
     assert 300 < len(found.time_s) <= 700
     at = np.arange(0, frames.tick_count, stride)
     np.testing.assert_allclose(found.time_s, frames.time_s[at], atol=1e-4)
-    wrist = next(point for point in found.points if point.name == "wrist_right")
+    position, sigma = triple(found, "wrist_right")
+    moved = {curve.name: np.array(curve.value, dtype=float) for curve in found.curves}
     column = frames.layout.points.index("wrist_right")
     lost = (at >= GAP.start) & (at < GAP.stop)
-    position = np.array(wrist.position_m, dtype=float)
     assert np.isnan(position[:, lost]).all()
     # Of stored orientations: two segments of 0.3 m, each wrong by up to 2 * 2^-16 about an axis.
     np.testing.assert_allclose(position[:, ~lost].T, frames.point_room_m[at[~lost], column], atol=5e-5)
     # Speed and acceleration against differences of the exact path.
     path = frames.point_room_m[:, column]
     speed = np.linalg.norm(np.gradient(path, frames.time_step_s, axis=0), axis=1)
-    seen = np.array(wrist.speed_mps, dtype=float)
+    seen = moved["wrist_right.speed"]
     inner = np.isfinite(seen) & (np.abs(at - 930) > 80)
     assert speed.max() > 0.3
     np.testing.assert_allclose(seen[inner], speed[at[inner]], atol=0.01)
     force = np.linalg.norm(np.gradient(np.gradient(path, 0.01, axis=0), 0.01, axis=0), axis=1)
-    told = np.array(wrist.acceleration_mps2, dtype=float)
+    told = moved["wrist_right.acceleration"]
     assert np.corrcoef(told[inner], force[at[inner]])[0, 1] > 0.95
     # One-sigma as told by the covariance of the chain.
     spread = point_covariance(
@@ -104,32 +120,31 @@ def test_points_are_those_of_the_movement(
         points=["wrist_right"],
     ).covariance_m2[:, 0]
     expected = np.sqrt(np.diagonal(spread, axis1=-2, axis2=-1))
-    np.testing.assert_allclose(np.array(wrist.sigma_m, dtype=float)[:, ~lost].T, expected[~lost], rtol=2e-3)
+    np.testing.assert_allclose(sigma[:, ~lost].T, expected[~lost], rtol=2e-3)
 
 
 def test_a_part_is_the_same_as_in_the_whole(
     engine: Engine, stored: tuple[str, str], therapist: Subject
 ) -> None:
     with unit_of_work(engine) as session:
-        whole = points_of(session, therapist, *stored, 58.0, 63.0, 2000)
-        part = points_of(session, therapist, *stored, 59.5, 61.0, 2000)
+        whole = points_of(session, therapist, stored, 58.0, 63.0, 2000)
+        part = points_of(session, therapist, stored, 59.5, 61.0, 2000)
     assert len(part.time_s) == 150
     first = whole.time_s.index(part.time_s[0])
-    for one, other in zip(part.points, whole.points, strict=True):
-        assert one.speed_mps == pytest.approx(other.speed_mps[first : first + 150], abs=2e-5)
-        assert one.acceleration_mps2 == pytest.approx(other.acceleration_mps2[first : first + 150], abs=2e-5)
+    for one, other in zip(part.curves, whole.curves, strict=True):
+        assert one.value == pytest.approx(other.value[first : first + 150], abs=2e-5)
 
 
 def test_reading_points_is_audited_and_closed_to_strangers(
     engine: Engine, stored: tuple[str, str], therapist: Subject, world: Any
 ) -> None:
     with unit_of_work(engine) as session:
-        points_of(session, therapist, *stored, 0.0, 1.0, 10)
+        points_of(session, therapist, stored, 0.0, 1.0, 10)
     with read_only(engine) as session:
-        event = session.scalars(select(AuditEvent).where(AuditEvent.action == "session.points")).one()
+        event = session.scalars(select(AuditEvent).where(AuditEvent.action == "session.series")).one()
         assert (event.patient_id, event.subject_id) == (world.patient_id, therapist.id)
     with unit_of_work(engine) as session, pytest.raises(NotFound):
-        points_of(session, world.subjects["foreign_therapist"], *stored, None, None, 10)
+        points_of(session, world.subjects["foreign_therapist"], stored, None, None, 10)
 
 
 def test_stored_sigmas_are_coarse_and_may_be_absent(exact: tuple[SessionSetup, Frames]) -> None:

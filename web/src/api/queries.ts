@@ -38,7 +38,7 @@ export const keys = {
   sourceStops: (id: string) => ['sessions', id, 'source-stops'] as const,
   magneticSafety: (id: string) => ['sessions', id, 'magnetic-safety'] as const,
   sourceUse: (id: string, resultId: string | null) => ['sessions', id, 'source-use', resultId] as const,
-  massCentre: (id: string, resultId: string | null) => ['sessions', id, 'mass-centre', resultId] as const,
+  series: (id: string, names: string, resultId: string | null) => ['sessions', id, 'series', names, resultId] as const,
   markers: (id: string) => ['sessions', id, 'markers'] as const,
   markerMotion: (id: string, markersId: string, block: number) =>
     ['sessions', id, 'markers', markersId, block] as const,
@@ -430,10 +430,11 @@ export const useSourceUse = (id: string, resultId: string | null) =>
     withQuery(`/api/sessions/${id}/source-use`, { result_id: resultId }),
     { staleTime: 60_000 },
   );
-export const useMassCentre = (id: string, resultId: string | null) =>
-  useGet<Wire.MassCentre>(
-    keys.massCentre(id, resultId),
-    withQuery(`/api/sessions/${id}/mass-centre`, { result_id: resultId, max_points: 1000 }),
+/** Curves over time by the names of their series, between commas. */
+export const useSeries = (id: string, names: string, resultId: string | null) =>
+  useGet<Wire.Series>(
+    keys.series(id, names, resultId),
+    withQuery(`/api/sessions/${id}/series`, { names, result_id: resultId, max_points: 1000 }),
     { staleTime: 60_000 },
   );
 export const useGait = (id: string | null) =>

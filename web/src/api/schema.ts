@@ -1302,46 +1302,6 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/sessions/{session_id}/mass-centre": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /**
-         * Get Mass Centre
-         * @description Return the centre of mass against the ankles and the floor, how well it is known, and what is assumed.
-         */
-        get: operations["get_mass_centre_api_sessions__session_id__mass_centre_get"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/sessions/{session_id}/points": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /**
-         * Get Points
-         * @description Return elbows, wrists and hands with their uncertainty, speed and acceleration.
-         */
-        get: operations["get_points_api_sessions__session_id__points_get"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
     "/api/sessions/{session_id}/raw": {
         parameters: {
             query?: never;
@@ -1454,6 +1414,26 @@ export interface paths {
          * @description Return a joint in another rotation sequence, with its distance to the singularity.
          */
         get: operations["get_sequence_api_sessions__session_id__sequences_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/sessions/{session_id}/series": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Series
+         * @description Return curves of a result with their uncertainty; `names` between commas, such as `arm_points,mass_centre`.
+         */
+        get: operations["get_series_api_sessions__session_id__series_get"];
         put?: never;
         post?: never;
         delete?: never;
@@ -2620,6 +2600,26 @@ export interface components {
             time_unit?: "s" | "ms" | "us" | "ns" | "clock";
         };
         /**
+         * CurveOut
+         * @description One number over time; None where there is nothing.
+         */
+        CurveOut: {
+            /** Least */
+            least: number | null;
+            /** Most */
+            most: number | null;
+            /** Name */
+            name: string;
+            /** Series */
+            series: string;
+            /** Sigma */
+            sigma: (number | null)[] | null;
+            /** Unit */
+            unit: string;
+            /** Value */
+            value: (number | null)[];
+        };
+        /**
          * CurvePair
          * @description One joint angle of both results at the times of `DifferencesOut.time_s`; None where there is nothing.
          */
@@ -3558,42 +3558,6 @@ export interface components {
             text?: string;
         };
         /**
-         * MassCentreCurve
-         * @description One coordinate over time; None where there is nothing.
-         */
-        MassCentreCurve: {
-            /** Least M */
-            least_m: number | null;
-            /** Most M */
-            most_m: number | null;
-            /** Name */
-            name: string;
-            /** Sigma M */
-            sigma_m: (number | null)[];
-            /** Value M */
-            value_m: (number | null)[];
-        };
-        /**
-         * MassCentreOut
-         * @description The centre of mass of a result.
-         */
-        MassCentreOut: {
-            /** Assumed */
-            assumed: string[];
-            /** Curves */
-            curves: components["schemas"]["MassCentreCurve"][];
-            /** Reason */
-            reason: string;
-            /** Result Id */
-            result_id: string;
-            /** Sentences */
-            sentences?: {
-                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
-            };
-            /** Time S */
-            time_s: number[];
-        };
-        /**
          * Me
          * @description Who is signed in; the CSRF token goes back in `X-CSRF-Token` with every change.
          */
@@ -3935,34 +3899,6 @@ export interface components {
              * @constant
              */
             type?: "player_state";
-        };
-        /**
-         * PointCurve
-         * @description One point over time; None where there is nothing.
-         */
-        PointCurve: {
-            /** Acceleration Mps2 */
-            acceleration_mps2: (number | null)[];
-            /** Name */
-            name: string;
-            /** Position M */
-            position_m: (number | null)[][];
-            /** Sigma M */
-            sigma_m: (number | null)[][];
-            /** Speed Mps */
-            speed_mps: (number | null)[];
-        };
-        /**
-         * PointsOut
-         * @description Elbows, wrists and hands of a result.
-         */
-        PointsOut: {
-            /** Points */
-            points: components["schemas"]["PointCurve"][];
-            /** Result Id */
-            result_id: string;
-            /** Time S */
-            time_s: number[];
         };
         /**
          * PrescriptionIn
@@ -4416,6 +4352,28 @@ export interface components {
             singular_distance_deg: (number | null)[];
             /** Time S */
             time_s: number[];
+        };
+        /**
+         * SeriesOut
+         * @description Curves of a result.
+         */
+        SeriesOut: {
+            /** Curves */
+            curves: components["schemas"]["CurveOut"][];
+            /** Reasons */
+            reasons: {
+                [key: string]: string;
+            };
+            /** Result Id */
+            result_id: string;
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
+            /** Time S */
+            time_s: number[];
+            /** Unworn */
+            unworn: string[];
         };
         /**
          * SessionDetail
@@ -7743,72 +7701,6 @@ export interface operations {
             503: components["responses"]["Error503"];
         };
     };
-    get_mass_centre_api_sessions__session_id__mass_centre_get: {
-        parameters: {
-            query?: {
-                end_s?: number | null;
-                max_points?: number;
-                result_id?: string | null;
-                start_s?: number | null;
-            };
-            header?: never;
-            path: {
-                session_id: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["MassCentreOut"];
-                };
-            };
-            401: components["responses"]["Error401"];
-            403: components["responses"]["Error403"];
-            404: components["responses"]["Error404"];
-            409: components["responses"]["Error409"];
-            422: components["responses"]["Error422"];
-            503: components["responses"]["Error503"];
-        };
-    };
-    get_points_api_sessions__session_id__points_get: {
-        parameters: {
-            query?: {
-                end_s?: number | null;
-                max_points?: number;
-                result_id?: string | null;
-                start_s?: number | null;
-            };
-            header?: never;
-            path: {
-                session_id: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["PointsOut"];
-                };
-            };
-            401: components["responses"]["Error401"];
-            403: components["responses"]["Error403"];
-            404: components["responses"]["Error404"];
-            409: components["responses"]["Error409"];
-            422: components["responses"]["Error422"];
-            503: components["responses"]["Error503"];
-        };
-    };
     download_raw_api_sessions__session_id__raw_get: {
         parameters: {
             query?: never;
@@ -8001,6 +7893,40 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["SequenceOut"];
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            404: components["responses"]["Error404"];
+            409: components["responses"]["Error409"];
+            422: components["responses"]["Error422"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    get_series_api_sessions__session_id__series_get: {
+        parameters: {
+            query: {
+                end_s?: number | null;
+                max_points?: number;
+                names: string;
+                result_id?: string | null;
+                start_s?: number | null;
+            };
+            header?: never;
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SeriesOut"];
                 };
             };
             401: components["responses"]["Error401"];

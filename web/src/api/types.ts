@@ -108,7 +108,7 @@ export type MagneticSourceIn = Schemas['MagneticSourceIn'];
 export type SourceStops = Schemas['SourceStopsOut'];
 export type SourceCalibrationIn = Schemas['SourceCalibrationIn'];
 export type SourceUse = Schemas['SourceUseOut'];
-export type MassCentre = Schemas['MassCentreOut'];
+export type Series = Schemas['SeriesOut'];
 
 export type Gait = Schemas['GaitOut'];
 export type GaitFoot = Schemas['FootOut'];

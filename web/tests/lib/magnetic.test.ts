@@ -4,12 +4,12 @@ import {
   needsHand,
   pairOf,
   pulsesIn,
-  spreadOf,
   stateKeys,
   hasSigma,
   isStarting,
   sigmaOf,
 } from '../../src/kinds/magnetic/magnetic';
+import { spreadOf } from '../../src/lib/spread';
 
 describe('flags of a magnetic session', () => {
   it('says one thing while it starts, and what needs a hand first afterwards', () => {

@@ -1,27 +1,30 @@
 // What a session says of the centre of mass, and when it says that it cannot.
 import { cleanup, screen } from '@testing-library/react';
 import { afterEach, describe, expect, it } from 'vitest';
-import type { MassCentre } from '../../src/api/types';
+import type { Series } from '../../src/api/types';
 import { massChannels } from '../../src/lib/assessment/massCentre';
 import { MassFacts } from '../../src/pages/session/replay/MassFacts';
 import { renderPage } from './render';
 
 afterEach(cleanup);
 
-const at = '/api/sessions/s/mass-centre?result_id=r&max_points=1000';
+const at = '/api/sessions/s/series?names=mass_centre&result_id=r&max_points=1000';
 const curve = (name: string, low: number | null, high: number | null) => ({
-  name,
-  value_m: [low, high],
-  sigma_m: [0.012, null, 0.014],
-  least_m: low,
-  most_m: high,
+  series: 'mass_centre',
+  name: `centre_of_mass_${name}_m`,
+  unit: 'm',
+  value: [low, high],
+  sigma: [0.012, null, 0.014],
+  least: low,
+  most: high,
 });
-const found: MassCentre = {
+const found: Series = {
   result_id: 'r',
   time_s: [0, 1, 2],
   curves: [curve('ahead', -0.01, 0.05), curve('left', null, null), curve('height', 0.82, 0.96)],
-  assumed: ['head', 'hand_left'],
-  reason: '',
+  reasons: {},
+  unworn: ['head', 'hand_left'],
+  sentences: {},
 };
 
 describe('the centre of mass', () => {
@@ -37,7 +40,7 @@ describe('the centre of mass', () => {
   it('says why there is none', async () => {
     const reason = 'The centre of mass needs sensors on both thighs and on the chest or the pelvis.';
     renderPage(<MassFacts sessionId="s" resultId="r" />, {
-      answers: { [at]: { ...found, curves: [], assumed: [], reason } },
+      answers: { [at]: { ...found, curves: [], reasons: { mass_centre: reason } } },
     });
     expect(await screen.findByText(reason)).toBeTruthy();
   });

@@ -72,6 +72,7 @@ export const patient = {
   'audit.session.markers.export': 'downloaded camera markers of a session',
   'audit.session.markers.upload': 'added camera markers to a session',
   'audit.session.mass_centre': 'viewed the centre of mass of a session',
+  'audit.session.series': 'viewed curves of a session',
   'audit.session.points': 'viewed the path of the arm in a session',
   'audit.session.source_calibration': 'viewed the calibration of a magnetic source',
   'audit.session.source_stops': 'viewed when the magnetic source stood still',

@@ -66,13 +66,6 @@ export function pulsesIn(timeS: ArrayLike<number>, coil: ArrayLike<number>, curr
   return found;
 }
 
-/** Median and largest of what is known; null when nothing is. */
-export function spreadOf(values: readonly (number | null)[]): { median: number; worst: number } | null {
-  const known = values.filter((one): one is number => one !== null).sort((a, b) => a - b);
-  if (!known.length) return null;
-  return { median: known[Math.floor(known.length / 2)] ?? 0, worst: known[known.length - 1] ?? 0 };
-}
-
 /** The column with the standard deviation of a channel: distances have one of their own name, angles a part of theirs. */
 export function sigmaOf(channel: string): string {
   return /_distance_m$|^centre_of_mass_/.test(channel) ? channel.replace(/_m$/, '_sigma_m') : `${channel}.sigma`;

@@ -1,28 +1,28 @@
 // Where the centre of mass was, how well that is known, and what nobody measured.
 import { Fragment } from 'react';
-import { useMassCentre } from '../../../api/queries';
-import type { MassCentre } from '../../../api/types';
+import { useSeries } from '../../../api/queries';
+import type { Series } from '../../../api/types';
 import { Answer } from '../../../components/Feedback';
 import { t } from '../../../i18n';
 import { channelLabel, placementList } from '../../../lib/channels';
 import { quantity } from '../../../lib/format';
-import { spreadOf } from '../../../kinds/magnetic/magnetic';
+import { spreadOf } from '../../../lib/spread';
 
-function Found({ found }: { found: MassCentre }) {
+function Found({ found }: { found: Series }) {
   return (
     <>
       <dl className="facts">
         {found.curves.map((curve) => {
-          const spread = spreadOf(curve.sigma_m);
+          const spread = spreadOf(curve.sigma ?? []);
           return (
             <Fragment key={curve.name}>
-              <dt>{channelLabel(`centre_of_mass_${curve.name}_m`).text}</dt>
+              <dt>{channelLabel(curve.name).text}</dt>
               <dd className="number">
-                {curve.least_m === null || curve.most_m === null
+                {curve.least === null || curve.most === null
                   ? t('mass.unknown')
                   : t('mass.range', {
-                      low: quantity(curve.least_m, 'm'),
-                      high: quantity(curve.most_m, 'm'),
+                      low: quantity(curve.least, 'm'),
+                      high: quantity(curve.most, 'm'),
                       sigma: spread ? quantity(spread.median, 'm') : t('mass.unknown'),
                     })}
               </dd>
@@ -31,8 +31,8 @@ function Found({ found }: { found: MassCentre }) {
         })}
       </dl>
       <p className="muted small">
-        {found.assumed.length > 0
-          ? t('mass.assumed', { places: placementList(found.assumed) })
+        {found.unworn.length > 0
+          ? t('mass.assumed', { places: placementList(found.unworn) })
           : t('mass.nothingAssumed')}
       </p>
       <p className="muted small">{t('mass.how')}</p>
@@ -42,10 +42,12 @@ function Found({ found }: { found: MassCentre }) {
 
 /** What the result says of the centre of mass in numbers and words. */
 export function MassFacts({ sessionId, resultId }: { sessionId: string; resultId: string }) {
-  const found = useMassCentre(sessionId, resultId);
+  const found = useSeries(sessionId, 'mass_centre', resultId);
   return (
     <Answer of={found} lines={4}>
-      {(data) => (data.reason ? <p className="muted">{data.reason}</p> : <Found found={data} />)}
+      {(data) =>
+        data.reasons.mass_centre ? <p className="muted">{data.reasons.mass_centre}</p> : <Found found={data} />
+      }
     </Answer>
   );
 }

@@ -1,4 +1,4 @@
-"""HTTP of the centre of mass of a body with worn sensors."""
+"""HTTP of curves over time."""
 
 from typing import Annotated
 
@@ -6,26 +6,28 @@ from fastapi import APIRouter, Query
 
 from app.accounts.dependencies import CurrentSubject
 from app.database.dependencies import ReadSession
-from app.kinds.arm.mass_centre import mass_centre_of
-from app.kinds.arm.mass_centre_schemas import MassCentreOut
+from app.recordings.analysis.series import series_of
 from app.recordings.points import MAX_POINTS
+from app.recordings.series_schemas import SeriesOut
 from app.schemas import SessionTime
 
 router = APIRouter(prefix="/api", tags=["sessions"])
 
 
-@router.get("/sessions/{session_id}/mass-centre")
-def get_mass_centre(
+@router.get("/sessions/{session_id}/series")
+def get_series(
     session_id: str,
     session: ReadSession,
     subject: CurrentSubject,
+    names: Annotated[str, Query(max_length=200)],
     result_id: str | None = None,
     start_s: SessionTime | None = None,
     end_s: SessionTime | None = None,
     max_points: Annotated[int, Query(ge=2, le=MAX_POINTS)] = 1000,
-) -> MassCentreOut:
-    """Return the centre of mass against the ankles and the floor, how well it is known, and what is assumed."""
-    return mass_centre_of(session, subject, session_id, result_id, start_s, end_s, max_points)
+) -> SeriesOut:
+    """Return curves of a result with their uncertainty; `names` between commas, such as `arm_points,mass_centre`."""
+    wanted = [name for name in names.split(",") if name]
+    return series_of(session, subject, session_id, wanted, result_id, start_s, end_s, max_points)
 
 
 __all__ = ["router"]
