@@ -37,7 +37,7 @@ from app.network.packet_log import log_entry, log_head
 from app.patients.models import Mounting
 from app.recordings.schemas import SessionIn
 from app.viewer.wire import PROTOCOL
-from tests.app.ingest.test_unpacked import bomb
+from tests.app.readers.test_unpacked import bomb
 from tests.benchmarks.bench_live import (
     WARM_UP_S,
     client_frame,

@@ -18,8 +18,8 @@ from app.recordings.service import job_out
 from app.recordings.signals.store import read_frames
 from app.settings import Settings
 from estimators.simulation import SimulatedSession
-from tests.app.ingest.recording_files import as_csv, as_whole_body, broad_content
 from tests.app.ingest.uploads import ARM, declare, session_of
+from tests.app.readers.recording_files import as_csv, as_whole_body, broad_content
 
 
 @pytest.mark.parametrize("write", [as_csv, as_whole_body])

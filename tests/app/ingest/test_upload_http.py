@@ -18,8 +18,8 @@ from app.readers.tables.schemas import CsvMapping
 from app.recordings.analysis.jobs import JobRunner
 from app.recordings.models import MotionSession
 from app.settings import Settings
-from tests.app.ingest.odd_tables import odd_tables
 from tests.app.ingest.uploads import declare
+from tests.app.readers.odd_tables import odd_tables
 
 MIB = 1 << 20
 

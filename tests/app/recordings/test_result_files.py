@@ -16,7 +16,7 @@ from app.version import service_version
 from estimators import pipelines
 from estimators.orientation import OrientationFlag
 from estimators.pipelines import Frames, SessionSetup
-from tests.app.ingest.odd_tables import odd_tables
+from tests.app.readers.odd_tables import odd_tables
 
 
 @pytest.fixture(scope="module")

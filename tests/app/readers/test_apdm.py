@@ -9,6 +9,7 @@ import pytest
 from app import readers
 from app.errors import RecordingFormatError
 from estimators.recording import Recording, SensorSignals
+from estimators.simulation import SimulatedSession
 from tests.said import codes
 
 DATA = Path(__file__).parents[2] / "data" / "tables" / "opensense_imu.csv"
@@ -46,6 +47,11 @@ def apdm(path: Path, recording: Recording, units: tuple[str, str, str] = ("m/s^2
     lines = [",".join("" if np.isnan(value) else f"{value:.9g}" for value in row) for row in rows]
     path.write_text("\n".join([*head, ",".join(unit_row), *lines]) + "\n")
     return path
+
+
+def example(folder: Path, simulated: SimulatedSession) -> Path:
+    """Write the file of `test_same_numbers.py`: processed and uploaded, it gives the same numbers."""
+    return apdm(folder / "arm.csv", simulated.recording)
 
 
 def made(temperature: bool = True) -> Recording:

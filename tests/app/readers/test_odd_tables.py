@@ -13,7 +13,7 @@ from app import readers
 from app.cli import cli
 from app.errors import InvalidInput, RecordingFormatError
 from app.readers.tables.schemas import CsvMapping
-from tests.app.ingest.odd_tables import FIELD_UT, FORCE, GYROSCOPE, TIME_S, odd_tables, refused_tables
+from tests.app.readers.odd_tables import FIELD_UT, FORCE, GYROSCOPE, TIME_S, odd_tables, refused_tables
 from tests.said import codes
 
 ODD, REFUSED = odd_tables(), refused_tables()

@@ -5,7 +5,7 @@ import pytest
 
 from app import readers
 from app.errors import RecordingFormatError
-from tests.app.ingest.recording_files import FEET, G, gaitmap, gaitmap_rows, pyshoe, xio
+from tests.app.readers.recording_files import FEET, G, gaitmap, gaitmap_rows, pyshoe, xio
 from tests.said import codes
 
 
