@@ -156,7 +156,7 @@ def test_no_room_is_exempt_for_nothing(room):
         "context.progress(0.1, 'Reading the file')",
         "self._change('failed', 'The link broke.')",
         "self.hint = f'Hold {name} still.'",
-        "return MassCentreOut(reason='No sensors on the thighs.')",
+        "return SeriesOut(reason='No sensors on the thighs.')",
     ],
 )
 def test_plain_words_are_found(line):
