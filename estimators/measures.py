@@ -1,9 +1,9 @@
-"""Every measure of a walk by name: which part of it has it, and what a follow-up over sessions calls it."""
+"""Every measure by name: of what it is one, what a person calls it, and which are shown first."""
 
 from dataclasses import dataclass
 from typing import Final, Literal
 
-WalkPart = Literal["test", "foot", "both", "asymmetry", "balance"]
+Part = Literal["test", "foot", "both", "asymmetry", "balance", "sway", "repetition"]
 
 
 @dataclass(frozen=True)
@@ -13,24 +13,28 @@ class NamedMeasure:
     Attributes
     ----------
     name : str
-        As in `GaitSummary`, or as what measures it calls it; units travel with the values.
+        As what computes it calls it; units travel with the values.
     part : str
-        `foot`: of each foot; `both`: of the two together; `asymmetry`: left less right over their mean, of the measure
-        of a foot with this name; `balance`: of instrumented shoes; `test`: of a walking test.
+        Of a walk `foot`: of each foot; `both`: of the two together; `asymmetry`: left less right over their mean, of
+        the measure of a foot with this name; `balance`: of instrumented shoes; `test`: of a walking test. `sway`: of a
+        test of balance. `repetition`: of one repetition; a name with a colon at its end goes on with a channel.
     label : str
         What a person calls it where sessions are followed; empty where it is only compared.
+    is_main : bool
+        Shown at once, the others when asked for.
     """
 
     name: str
-    part: WalkPart
+    part: Part
     label: str = ""
+    is_main: bool = False
 
 
-WALK_MEASURES: Final = (
+MEASURES: Final = (
     NamedMeasure("test_time", "test", "Time of the test, whole walk"),
     NamedMeasure("test_distance", "test", "Distance, whole walk"),
-    NamedMeasure("speed", "foot", "Walking speed, steady strides"),
-    NamedMeasure("stride_length", "foot", "Stride length, steady strides"),
+    NamedMeasure("speed", "foot", "Walking speed, steady strides", is_main=True),
+    NamedMeasure("stride_length", "foot", "Stride length, steady strides", is_main=True),
     NamedMeasure("stride_length", "asymmetry", "Stride length, left compared with right"),
     NamedMeasure("step_time", "asymmetry", "Step time, left compared with right"),
     NamedMeasure("stance_share", "asymmetry", "Stance, left compared with right"),
@@ -48,15 +52,15 @@ WALK_MEASURES: Final = (
     NamedMeasure("margin", "balance", "Margin of stability, least of each second"),
     NamedMeasure("external_work", "balance"),
     NamedMeasure("pendulum_recovery", "balance"),
-    NamedMeasure("cadence", "foot", "Cadence"),
-    NamedMeasure("stance_share", "foot", "Stance, part of the stride"),
-    NamedMeasure("clearance", "foot", "Lift of the foot in swing"),
-    NamedMeasure("toe_out", "foot", "Toes turned outward"),
+    NamedMeasure("cadence", "foot", "Cadence", is_main=True),
+    NamedMeasure("step_time", "foot", is_main=True),
+    NamedMeasure("stance_share", "foot", "Stance, part of the stride", is_main=True),
+    NamedMeasure("swing_time", "foot", is_main=True),
+    NamedMeasure("clearance", "foot", "Lift of the foot in swing", is_main=True),
+    NamedMeasure("toe_out", "foot", "Toes turned outward", is_main=True),
+    NamedMeasure("circumduction", "foot", is_main=True),
     NamedMeasure("stride_time", "foot"),
-    NamedMeasure("step_time", "foot"),
     NamedMeasure("stance_time", "foot"),
-    NamedMeasure("swing_time", "foot"),
-    NamedMeasure("circumduction", "foot"),
     NamedMeasure("contact_pitch", "foot"),
     NamedMeasure("toe_off_pitch", "foot"),
     NamedMeasure("lateral_placement", "foot"),
@@ -66,13 +70,42 @@ WALK_MEASURES: Final = (
     NamedMeasure("force_loading", "foot"),
     NamedMeasure("force_valley", "foot"),
     NamedMeasure("force_push_off", "foot"),
+    NamedMeasure("ellipse_area", "sway", is_main=True),
+    NamedMeasure("sway_speed", "sway", is_main=True),
+    NamedMeasure("displacement_rms_forward", "sway", is_main=True),
+    NamedMeasure("displacement_rms_sideways", "sway", is_main=True),
+    NamedMeasure("path_length", "sway"),
+    NamedMeasure("acceleration_rms", "sway"),
+    NamedMeasure("acceleration_rms_forward", "sway"),
+    NamedMeasure("acceleration_rms_sideways", "sway"),
+    NamedMeasure("jerk_rms", "sway"),
+    NamedMeasure("median_frequency", "sway"),
+    NamedMeasure("frequency_95", "sway"),
+    NamedMeasure("duration", "repetition", "Duration"),
+    NamedMeasure("duration_ratio", "repetition", "Duration relative to the template"),
+    NamedMeasure("timing_deviation", "repetition", "Uneven timing"),
+    NamedMeasure("shape_deviation", "repetition", "Difference in shape"),
+    NamedMeasure("inside_band", "repetition", "Share inside the band"),
+    NamedMeasure("peak_deviation_phase", "repetition", "Phase of the largest difference"),
+    NamedMeasure("hand_path_ratio", "repetition", "Hand path relative to a straight line"),
+    NamedMeasure("peak_speed", "repetition", "Peak hand speed"),
+    NamedMeasure("peak_turning_speed", "repetition", "Peak turning speed"),
+    NamedMeasure("spectral_arc_length", "repetition", "Smoothness (SPARC)"),
+    NamedMeasure("movement_units", "repetition", "Movement units"),
+    NamedMeasure("range:", "repetition", "range of motion"),
+    NamedMeasure("range_ratio:", "repetition", "range relative to the template"),
+    NamedMeasure("peak_deviation:", "repetition", "largest difference"),
+    NamedMeasure("shape_rms:", "repetition", "difference in shape"),
+    NamedMeasure("compensation:", "repetition", "range"),
 )
 """In the order in which they are shown, the most telling first."""
 
 
-def measures_of(part: WalkPart) -> tuple[str, ...]:
-    """Return the names of the measures of a part of a walk, in the order in which they are shown."""
-    return tuple(one.name for one in WALK_MEASURES if one.part == part)
+def measures_of(part: Part, *, is_main: bool | None = None) -> tuple[str, ...]:
+    """Return the names of the measures of a part, in the order in which they are shown; all, or only one sort."""
+    return tuple(
+        one.name for one in MEASURES if one.part == part and (is_main is None or one.is_main == is_main)
+    )
 
 
-__all__ = ["WALK_MEASURES", "NamedMeasure", "WalkPart", "measures_of"]
+__all__ = ["MEASURES", "NamedMeasure", "Part", "measures_of"]

@@ -12,14 +12,16 @@ from app.kinds.walk.schemas import WalkContent, WalkMeasure
 from app.kinds.walk.stored import PIPELINE
 from app.recordings.models import MotionSession, Result
 from estimators.conventions import SIDES
-from estimators.measures import WALK_MEASURES
+from estimators.measures import MEASURES
 
 _PREFIX: Final = "walk:"
 
 
 def _lines() -> Iterator[tuple[str, str]]:
     """Yield the key and the label of every measure that is followed, the most telling first."""
-    for one in WALK_MEASURES:
+    for one in MEASURES:
+        if one.part == "repetition":
+            continue
         if one.label and one.part == "foot":
             yield from ((f"{one.name}:{side}", f"{one.label}, {side}") for side in SIDES)
         elif one.label:

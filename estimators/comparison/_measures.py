@@ -21,6 +21,7 @@ from estimators.comparison._smoothness import (
     spectral_arc_length,
     spectral_arc_length_uncertainty,
 )
+from estimators.measures import MEASURES
 from estimators.recording import Float
 
 BOUNDARY_SIGMA_S = 0.08
@@ -31,34 +32,15 @@ limit; a tremor of 5 Hz keeps 82 percent of its size."""
 SMALLEST_PATH = 0.10
 """Share of the reach below which the hand did not travel: path and speed then describe turning."""
 
-_MEASURE_LABELS = {
-    "duration": "Duration",
-    "duration_ratio": "Duration relative to the template",
-    "timing_deviation": "Uneven timing",
-    "shape_deviation": "Difference in shape",
-    "inside_band": "Share inside the band",
-    "peak_deviation_phase": "Phase of the largest difference",
-    "hand_path_ratio": "Hand path relative to a straight line",
-    "peak_speed": "Peak hand speed",
-    "peak_turning_speed": "Peak turning speed",
-    "spectral_arc_length": "Smoothness (SPARC)",
-    "movement_units": "Movement units",
-}
-_PREFIX_LABELS = {
-    "range": "range of motion",
-    "range_ratio": "range relative to the template",
-    "peak_deviation": "largest difference",
-    "shape_rms": "difference in shape",
-    "compensation": "range",
-}
+_LABELS = {one.name: one.label for one in MEASURES if one.part == "repetition"}
 
 
 def measure_label(name: str) -> str:
     """Return what a person calls a measure: `Elbow flexion, range of motion`."""
-    if name in _MEASURE_LABELS:
-        return _MEASURE_LABELS[name]
+    if name in _LABELS:
+        return _LABELS[name]
     prefix, _, channel = name.partition(":")
-    return f"{channel_label(channel)}, {_PREFIX_LABELS.get(prefix, prefix.replace('_', ' '))}"
+    return f"{channel_label(channel)}, {_LABELS.get(f'{prefix}:', prefix.replace('_', ' '))}"
 
 
 @dataclass(frozen=True)

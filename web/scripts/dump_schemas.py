@@ -1,7 +1,7 @@
-"""Write what the browser shares with the service: the wire types as one OpenAPI document, or the sentences.
+"""Write what the browser shares with the service: the wire types as one OpenAPI document, the sentences, or the measures.
 
-Run from the root of the tree: `python web/scripts/dump_schemas.py > web/src/api/openapi.json`, and with `sentences` for
-`web/src/i18n/en/sentences.json`. The REST part is the application's own OpenAPI; the messages of the sockets, which OpenAPI
+Run from the root of the tree: `python web/scripts/dump_schemas.py > web/src/api/openapi.json`, with `sentences` for
+`web/src/i18n/en/sentences.json`, and with `measures` for `web/src/api/measures.json`. The REST part is the application's own OpenAPI; the messages of the sockets, which OpenAPI
 does not cover, are added to its components.
 """
 
@@ -22,6 +22,7 @@ from app.readers.markers.schemas import MarkerUploadIn
 from app.recordings import schemas as recordings
 from app.sentences import ENGLISH
 from app.settings import Settings
+from estimators.measures import MEASURES, measures_of
 
 SENT_BY_BROWSERS = ("PlayerCommand", "CameraCommand")
 FORM_PARTS = (recordings.UploadIn, MarkerUploadIn)
@@ -56,7 +57,16 @@ def document() -> dict[str, Any]:
     return {"openapi": openapi["openapi"], "info": info, "paths": openapi["paths"], "components": components}
 
 
+def measures() -> dict[str, Any]:
+    """Return the names of measures by their part, in the order in which they are shown: the main ones, then all others."""
+    parts = dict.fromkeys(one.part for one in MEASURES)
+    return {
+        part: {"main": measures_of(part, is_main=True), "more": measures_of(part, is_main=False)} for part in parts
+    }
+
+
 if __name__ == "__main__":
-    shared = ENGLISH if sys.argv[1:] == ["sentences"] else document()
+    wanted = {"sentences": lambda: ENGLISH, "measures": measures}
+    shared = wanted.get("".join(sys.argv[1:]), document)()
     json.dump(shared, sys.stdout, indent=1, sort_keys=True, ensure_ascii=False)
     sys.stdout.write("\n")

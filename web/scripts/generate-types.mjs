@@ -1,5 +1,5 @@
 // Make src/api/schema.ts from src/api/openapi.json, or with --check say whether it is stale.
-// With PYTHON set (or ../.venv present) the document itself, and the service's English sentences, are dumped from the service first.
+// With PYTHON set (or ../.venv present) the document itself, the service's English sentences and its measures are dumped from the service first.
 import { execFileSync } from 'node:child_process';
 import { existsSync, readFileSync, writeFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
@@ -12,21 +12,21 @@ const check = process.argv.includes('--check');
 const python =
   process.env.PYTHON ?? (existsSync(here('../../.venv/bin/python')) ? here('../../.venv/bin/python') : null);
 
-const sentencesPath = here('../src/i18n/en/sentences.json');
+const shared = { sentences: 'i18n/en/sentences.json', measures: 'api/measures.json' };
 
 let document = existsSync(documentPath) ? readFileSync(documentPath, 'utf8') : '';
 if (python) {
   const dump = (...what) =>
     execFileSync(python, [here('dump_schemas.py'), ...what], { encoding: 'utf8', cwd: here('../..') });
   const fresh = dump();
-  const sentences = dump('sentences');
   if (check && fresh !== document) fail('api/openapi.json');
-  if (check && (!existsSync(sentencesPath) || readFileSync(sentencesPath, 'utf8') !== sentences))
-    fail('i18n/en/sentences.json');
   document = fresh;
-  if (!check) {
-    writeFileSync(documentPath, fresh);
-    writeFileSync(sentencesPath, sentences);
+  if (!check) writeFileSync(documentPath, fresh);
+  for (const [what, name] of Object.entries(shared)) {
+    const path = here(`../src/${name}`);
+    const dumped = dump(what);
+    if (!check) writeFileSync(path, dumped);
+    else if (!existsSync(path) || readFileSync(path, 'utf8') !== dumped) fail(name);
   }
 }
 

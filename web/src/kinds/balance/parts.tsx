@@ -3,10 +3,11 @@ import { Button, Group } from '@mantine/core';
 import { useMutation } from '@tanstack/react-query';
 import { useEffect, useState } from 'react';
 import { api } from '../../api/client';
+import measures from '../../api/measures.json';
 import { keys, useGet } from '../../api/queries';
 import type { Named } from '../../api/types';
 import { Answer, Notice, Problem } from '../../components/Feedback';
-import { t } from '../../i18n';
+import { t, tOr } from '../../i18n';
 import { placementLabel } from '../../lib/channels';
 import { number, position, quantity } from '../../lib/format';
 import type { KindParts, LiveProps, ReplayProps } from '../kind';
@@ -19,17 +20,8 @@ type Condition = Trial['condition'];
 const CONDITIONS = ['eyes_open_firm', 'eyes_closed_firm', 'eyes_open_foam', 'eyes_closed_foam', 'reach'] as const;
 const QUIET_S = 30;
 const REFRESH_MS = 250;
-const MAIN = ['ellipse_area', 'sway_speed', 'displacement_rms_forward', 'displacement_rms_sideways'] as const;
-const REST = [
-  'path_length',
-  'acceleration_rms',
-  'acceleration_rms_forward',
-  'acceleration_rms_sideways',
-  'jerk_rms',
-  'median_frequency',
-  'frequency_95',
-] as const;
-type Name = (typeof MAIN)[number] | (typeof REST)[number];
+const { main: MAIN, more: REST } = measures.sway;
+const label = (name: string) => tOr(`stand.measure.${name}`, name.replaceAll('_', ' '));
 
 function Tests({ session, isRecording, mayRecord }: LiveProps) {
   const [running, setRunning] = useState<{ condition: (typeof CONDITIONS)[number]; sinceMs: number } | null>(null);
@@ -221,7 +213,7 @@ const reachOf = (point: readonly number[]) => Math.hypot(point[0] ?? 0, point[1]
 
 function Numbers({ trials }: { trials: readonly Trial[] }) {
   const [isAll, setAll] = useState(false);
-  const names: readonly Name[] = isAll ? [...MAIN, ...REST] : MAIN;
+  const names: readonly string[] = isAll ? [...MAIN, ...REST] : MAIN;
   return (
     <section className="card" aria-labelledby="sway-numbers">
       <div className="card-head">
@@ -248,7 +240,7 @@ function Numbers({ trials }: { trials: readonly Trial[] }) {
           <tbody>
             {names.map((name) => (
               <tr key={name}>
-                <th scope="row">{t(`stand.measure.${name}`)}</th>
+                <th scope="row">{label(name)}</th>
                 {trials.map((one) => (
                   <td className="number" key={one.start_s}>
                     {measureText(measureOf(one, name))}
@@ -283,7 +275,7 @@ function Panel({ session, resultId, player, onSeek }: ReplayProps) {
                     {measures.map((one) => (
                       <li key={one.measure}>
                         {t('stand.rombergText', {
-                          measure: t(`stand.measure.${one.measure as Name}`),
+                          measure: label(one.measure),
                           ratio: measureText(one),
                         })}
                       </li>

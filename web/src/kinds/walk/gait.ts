@@ -1,20 +1,11 @@
 // A walk as its page shows it: measures in words and units, rows of the tables, the frame of the map.
 import type { Gait, GaitFoot, MeasureChange, WalkMeasure } from '../../api/types';
+import measures from '../../api/measures.json';
 import { tOr } from '../../i18n';
 import { number, quantity, uncertain } from '../../lib/format';
 
 /** Seen first; all others when asked for. */
-export const MAIN_MEASURES = [
-  'speed',
-  'stride_length',
-  'cadence',
-  'step_time',
-  'stance_share',
-  'swing_time',
-  'clearance',
-  'toe_out',
-  'circumduction',
-];
+export const MAIN_MEASURES: readonly string[] = measures.foot.main;
 
 /** A measure in plain words. */
 export function measureLabel(name: string): string {
@@ -49,7 +40,7 @@ export function measureNames(gait: Gait, all: boolean): string[] {
 
 const PARTS = ['feet', 'both', 'asymmetry', 'balance'] as const;
 type Part = (typeof PARTS)[number];
-const OF_BOTH = ['double_support', 'double_support_share', 'step_width', 'step_length_left', 'step_length_right'];
+const OF_BOTH: readonly string[] = [...measures.both.main, ...measures.both.more];
 
 /** What a comparison of conditions has, in the parts of its table; left and right of a measure beside each other. */
 export function partsOf(changes: readonly MeasureChange[]): [Part, MeasureChange[]][] {
