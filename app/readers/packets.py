@@ -188,14 +188,14 @@ def _whole_microseconds(time_s: Float) -> NDArray[np.int64]:
 
 def _wire_values(sensors: Sequence[SensorSignals]) -> tuple[NDArray[np.float32], int]:
     """Return what the packets hold, shape (N, S, 6 or 9), and the mask of its channels."""
-    has_field = sensors[0].magnetometer_t is not None
+    has_field = any(sensor.magnetometer_t is not None for sensor in sensors)
     width = 9 if has_field else 6
     values = np.zeros((sensors[0].time_s.size, len(sensors), width), dtype="<f4")
     for row, sensor in enumerate(sensors):
         inertial = np.concatenate([sensor.gyroscope_radps, sensor.accelerometer_mps2], axis=1)
         inertial[~np.isfinite(inertial).all(axis=1)] = 0.0
         values[:, row, :6] = inertial
-        if sensor.magnetometer_t is not None and has_field:
+        if sensor.magnetometer_t is not None:
             values[:, row, 6:] = np.nan_to_num(sensor.magnetometer_t, nan=0.0)
     return values, int(INERTIAL | (Channel.MAGNETOMETER if has_field else 0))
 

@@ -22,6 +22,7 @@ _CHANNEL: Final = re.compile(
     r"(?P<label>.+)/(?P<quantity>Acceleration|Angular Velocity|Magnetic Field|Temperature)"
     r"/(?P<axis>[XYZ]|Scalar) (?P<unit>.+)"
 )
+_CELSIUS: Final = frozenset({"deg C", "°C", "C"})
 _MARK: Final = b"/Angular Velocity/X"
 _PARTS: Final[dict[str, str]] = {
     "upper arm": "upper_arm",
@@ -131,15 +132,20 @@ def _sensor(label: str, columns: dict[str, Float], time_s: Float, rate_hz: float
         for axis, column in zip("XYZ", wanted, strict=True):
             if (name, axis) not in found:
                 raise RecordingFormatError(say("file.no_column", column=column), sensor=label)
-        unit = found[name, "X"][1]
-        if unit not in UNITS[quantity]:
-            raise RecordingFormatError(
-                say(
-                    "mapping.unit", unit=unit, quantity=quantity, columns=wanted, units=list(UNITS[quantity])
-                ),
-                sensor=label,
-            )
-        return np.stack([found[name, axis][0] for axis in "XYZ"], axis=1) * TO_SI[unit], unit
+        for unit in (found[name, axis][1] for axis in "XYZ"):
+            if unit not in UNITS[quantity]:
+                raise RecordingFormatError(
+                    say(
+                        "mapping.unit",
+                        unit=unit,
+                        quantity=quantity,
+                        columns=wanted,
+                        units=list(UNITS[quantity]),
+                    ),
+                    sensor=label,
+                )
+        axes = [values * TO_SI[unit] for values, unit in (found[name, axis] for axis in "XYZ")]
+        return np.stack(axes, axis=1), found[name, "X"][1]
 
     gyroscope, turned = triple("Angular Velocity", "gyroscope")
     accelerometer, forced = triple("Acceleration", "accelerometer")
@@ -149,7 +155,11 @@ def _sensor(label: str, columns: dict[str, Float], time_s: Float, rate_hz: float
     if ("Magnetic Field", "X") in found:
         field, unit = triple("Magnetic Field", "magnetometer")
         check_magnetometer(field, unit, label)
-    temperature, _ = found.get(("Temperature", "Scalar"), (None, ""))
+    temperature, unit = found.get(("Temperature", "Scalar"), (None, ""))
+    if temperature is not None and unit not in _CELSIUS:
+        raise RecordingFormatError(
+            say("file.no_column", column=f"{label}/Temperature/Scalar deg C"), sensor=label
+        )
     return SensorSignals(time_s, gyroscope, accelerometer, field, temperature_degc=temperature)
 
 

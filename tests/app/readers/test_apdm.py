@@ -124,3 +124,37 @@ def test_a_sensor_without_a_channel_is_refused_by_its_name(tmp_path: Path) -> No
     path.write_text(path.read_text().replace("Time,", "When,"))
     with pytest.raises(RecordingFormatError, match="Time"):
         readers.read(path, "apdm")
+
+
+def test_every_axis_has_the_unit_that_stands_below_its_name(tmp_path: Path) -> None:
+    recording = made(temperature=False)
+    path = apdm(tmp_path / "a.csv", recording)
+    path.write_text(path.read_text().replace("rad/s,rad/s,rad/s", "rad/s,deg/s,rad/s", 1))
+    found = readers.read(path).sensors["pelvis"].gyroscope_radps
+    np.testing.assert_allclose(
+        found, recording.sensors["pelvis"].gyroscope_radps * np.array([1.0, np.pi / 180.0, 1.0]), rtol=1e-7
+    )
+    path.write_text(path.read_text().replace("rad/s,deg/s,rad/s", "rad/s,rad/s,furlong", 1))
+    with pytest.raises(RecordingFormatError, match="furlong"):
+        readers.read(path)
+
+
+def test_a_temperature_in_another_unit_is_refused(tmp_path: Path) -> None:
+    path = apdm(tmp_path / "a.csv", made())
+    path.write_text(path.read_text().replace("deg C", "deg F"))
+    with pytest.raises(RecordingFormatError, match="Lumbar/Temperature/Scalar deg C"):
+        readers.read(path)
+
+
+@pytest.mark.parametrize("without", ["pelvis", "thigh_right"])
+def test_magnetometers_are_stored_whichever_sensor_has_none(tmp_path: Path, without: str) -> None:
+    recording = made(temperature=False)
+    sensors = dict(recording.sensors)
+    sensors[without] = replace(sensors[without], magnetometer_t=None)
+    read = readers.read(apdm(tmp_path / "a.csv", replace(recording, sensors=sensors)))
+    stored = readers.packets_of(read).as_stored().sensors
+    for name, sensor in read.sensors.items():
+        if name == without:
+            assert stored[name].magnetometer_t is None
+        else:
+            np.testing.assert_allclose(stored[name].magnetometer_t, sensor.magnetometer_t, rtol=1e-6)
