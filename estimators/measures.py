@@ -42,6 +42,7 @@ MEASURES: Final = (
     NamedMeasure("clearance", "asymmetry"),
     NamedMeasure("double_support_share", "both", "Both feet on the ground, part of the stride"),
     NamedMeasure("double_support", "both"),
+    NamedMeasure("walk_ratio", "both", "Walk ratio: length of a step over steps a second"),
     NamedMeasure("step_width", "both", "Step width"),
     NamedMeasure("step_length_left", "both"),
     NamedMeasure("step_length_right", "both"),

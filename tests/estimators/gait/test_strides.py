@@ -37,6 +37,23 @@ def test_events_and_lengths_of_simulated_feet(name):
         assert np.abs((strides.length_m - length) / strides.length_sigma_m).max() < 3.0
 
 
+def test_the_walk_ratio_is_step_length_over_step_rate():
+    for name in ("placement", "stroke"):
+        walk, feet = walked(name)
+        ratio = summarise(feet).both["walk_ratio"]
+        length_m, stride_s = [], []
+        for side, strides in feet.items():
+            truth = walk.truth.feet[side]
+            use = steady(strides)
+            length_m += np.linalg.norm(np.diff(truth.foothold_m[:, :2], axis=0), axis=1)[use].tolist()
+            stride_s += np.diff(truth.land_s)[use].tolist()
+        exact = np.mean(0.5 * np.array(length_m) * 0.5 * np.array(stride_s))
+        assert ratio.unit == "m s"
+        assert ratio.count == len(length_m)
+        assert abs(ratio.value - exact) < 2.0 * ratio.sigma + 0.005
+    assert "walk_ratio" not in summarise({"left": feet["left"]}).both
+
+
 def test_the_paretic_foot_shows():
     summary = summarise(walked("stroke")[1])
     left, right = summary.feet["left"], summary.feet["right"]
