@@ -107,6 +107,7 @@ def stamped(packets: Iterable[RawPacket], declaration: Declaration) -> Recording
     rises = np.r_[True, time_us[1:] > np.maximum.accumulate(time_us)[:-1]]
     time_s, values = (time_us[rises] - time_us[0]) * 1e-6, values[rises]
     has_field = bool(first.channel_mask & Channel.MAGNETOMETER)
+    has_temperature = bool(first.channel_mask & Channel.TEMPERATURE)
     sensors: dict[str, SensorSignals] = {}
     for row, name in enumerate(declaration.placements):
         measured = values[:, row, :6].any(axis=1)
@@ -119,6 +120,7 @@ def stamped(packets: Iterable[RawPacket], declaration: Declaration) -> Recording
             np.ascontiguousarray(columns[:, :3]),
             np.ascontiguousarray(columns[:, 3:6]),
             field if field is not None and np.isfinite(field).any() else None,
+            temperature_degc=columns[:, -1].copy() if has_temperature else None,
         )
     return Recording(
         sensors,
@@ -187,7 +189,10 @@ def _whole_microseconds(time_s: Float) -> NDArray[np.int64]:
 
 
 def _wire_values(sensors: Sequence[SensorSignals]) -> tuple[NDArray[np.float32], int]:
-    """Return what the packets hold, shape (N, S, 6 or 9), and the mask of its channels."""
+    """Return what the packets hold, shape (N, S, W), and the mask of its channels.
+
+    Temperature of all sensors or of none: no number says that there is none.
+    """
     has_field = any(sensor.magnetometer_t is not None for sensor in sensors)
     width = 9 if has_field else 6
     values = np.zeros((sensors[0].time_s.size, len(sensors), width), dtype="<f4")
@@ -197,7 +202,12 @@ def _wire_values(sensors: Sequence[SensorSignals]) -> tuple[NDArray[np.float32],
         values[:, row, :6] = inertial
         if sensor.magnetometer_t is not None:
             values[:, row, 6:] = np.nan_to_num(sensor.magnetometer_t, nan=0.0)
-    return values, int(INERTIAL | (Channel.MAGNETOMETER if has_field else 0))
+    mask = int(INERTIAL | (Channel.MAGNETOMETER if has_field else 0))
+    warmth = [sensor.temperature_degc for sensor in sensors if sensor.temperature_degc is not None]
+    if len(warmth) < len(sensors) or not np.isfinite(warmth).all():
+        return values, mask
+    column = np.stack(warmth, axis=1)[..., np.newaxis].astype("<f4")
+    return np.concatenate([values, column], axis=2), mask | int(Channel.TEMPERATURE)
 
 
 def _groups(time_us: np.ndarray, interval_us: int, ticks: int) -> Iterator[tuple[int, int]]:

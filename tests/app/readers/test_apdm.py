@@ -158,3 +158,17 @@ def test_magnetometers_are_stored_whichever_sensor_has_none(tmp_path: Path, with
             assert stored[name].magnetometer_t is None
         else:
             np.testing.assert_allclose(stored[name].magnetometer_t, sensor.magnetometer_t, rtol=1e-6)
+
+
+def test_a_session_stores_temperature_where_all_sensors_have_it(tmp_path: Path) -> None:
+    found = readers.read(apdm(tmp_path / "a.csv", made()))
+    stored = readers.packets_of(found).as_stored()
+    for name, sensor in found.sensors.items():
+        np.testing.assert_allclose(stored.sensors[name].temperature_degc, sensor.temperature_degc, rtol=1e-6)
+        np.testing.assert_allclose(stored.sensors[name].magnetometer_t, sensor.magnetometer_t, rtol=1e-6)
+    found.sensors["pelvis"].temperature_degc[3] = np.nan
+    without = readers.packets_of(found).as_stored()
+    assert all(sensor.temperature_degc is None for sensor in without.sensors.values())
+    np.testing.assert_array_equal(
+        without.sensors["pelvis"].magnetometer_t, stored.sensors["pelvis"].magnetometer_t
+    )
