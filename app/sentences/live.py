@@ -46,6 +46,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "viewer.protocol": "The page and the 3D view have different versions ({version}); reload the page.",
     "viewer.no_signal": "{place:place}: no signal",
     "viewer.source": "{place:place}: source",
+    "viewer.sensor": "{place:place}",
     "viewer.silent": "No data from the sensors",
     "viewer.distance": "{place:place}: {distance_m:cm}",
     "viewer.distance_about": "{place:place}: about {distance_m:cm}",

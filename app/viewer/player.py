@@ -219,8 +219,11 @@ class LivePlayer:
             self._scene.draw_ghost(phase, with_path=is_example)
 
     def _show_silence(self) -> None:
-        # Modules and feet say themselves that they go on without news; there is no figure to grey.
-        if self._last is None or self._last.modules is not None or self._last.feet is not None:
+        # Modules, feet and single sensors say themselves that they go on without news; there is no figure to grey.
+        if self._last is None:
+            return
+        others = self._last.modules, self._last.feet, self._last.sensors
+        if any(one is not None for one in others):
             return
         lost = np.ones_like(self._last.lost[-1:])
         silent = PoseTrack(

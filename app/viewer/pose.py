@@ -15,6 +15,7 @@ from app.viewer.layers.feet import FeetTrack, feet_of
 from app.viewer.layers.markers import MarkerTrack
 from app.viewer.layers.mass_node import mass_of
 from app.viewer.layers.modules import ModuleTrack, modules_of
+from app.viewer.layers.single_sensors import SensorTrack, sensors_of
 from estimators import rotation
 from estimators.body import BodyDimensions
 from estimators.conventions import SIDES, Side
@@ -80,6 +81,8 @@ class PoseTrack:
         The segment's sensor gives nothing now; the rotation is the last one known.
     modules : ModuleTrack or None
         Of a magnetic session: drawn instead of the figure.
+    sensors : SensorTrack or None
+        Of single sensors: drawn instead of the figure.
     feet : FeetTrack or None
         Of a walk: drawn instead of the figure.
     """
@@ -91,6 +94,7 @@ class PoseTrack:
     halo_m: Float32
     lost: NDArray[np.bool_]
     modules: ModuleTrack | None = None
+    sensors: SensorTrack | None = None
     feet: FeetTrack | None = None
     markers: MarkerTrack | None = None
     """Of markers beside a sensor: drawn instead of the figure."""
@@ -156,6 +160,7 @@ def track_from_frames(frames: Frames, body: BodyDimensions) -> PoseTrack:
         mass_m=mass,
         mass_spread_m=spread,
         modules=modules_of(frames),
+        sensors=sensors_of(frames),
         feet=feet_of(frames),
     )
 

@@ -19,6 +19,7 @@ from app.viewer.layers.feet_layer import FeetLayer
 from app.viewer.layers.markers_layer import MarkersLayer
 from app.viewer.layers.mass_node import MassNode
 from app.viewer.layers.modules import ModuleLayer, ModuleTrack
+from app.viewer.layers.single_sensors import SensorLayer, SensorTrack
 from app.viewer.pose import PARENT, SEGMENTS, PoseTrack
 from estimators.body import BodyDimensions
 from estimators.conventions import SIDES, Side
@@ -88,6 +89,7 @@ class BodyScene:
             self._ghost = GhostNode(server, ghost, body, ghost_side) if ghost is not None else None
         self._mass: MassNode | None = None
         self._modules: ModuleLayer | None = None
+        self._sensors: SensorLayer | None = None
         self._feet: FeetLayer | None = None
         self._markers: MarkersLayer | None = None
         self._lost = np.zeros(len(SEGMENTS), dtype=bool)
@@ -135,6 +137,9 @@ class BodyScene:
             if track.modules is not None:
                 self._draw_modules(track.modules, tick)
                 return
+            if track.sensors is not None:
+                self._draw_sensors(track.sensors, tick)
+                return
             if track.feet is not None:
                 self._draw_feet(track.feet, tick)
                 return
@@ -176,6 +181,13 @@ class BodyScene:
             self._solid.visible(False)
             self._modules = ModuleLayer(self._server, track.names)
         self._modules.show(track, tick)
+
+    def _draw_sensors(self, track: SensorTrack, tick: int) -> None:
+        """Show single sensors, and no figure: nobody says that they were worn."""
+        if self._sensors is None or self._sensors.names != track.names:
+            self._solid.visible(False)
+            self._sensors = SensorLayer(self._server, track)
+        self._sensors.show(track, tick)
 
     def draw_ghost(self, phase: float | None, *, with_path: bool = True) -> None:
         """Show the template at a phase from 0 to 100 (interpolated), or hide it.

@@ -14,6 +14,7 @@ from app.live.bus import Bus
 from app.viewer.camera import FIELD_OF_VIEW_RAD, Camera, Preset, around, preset
 from app.viewer.guard import SceneSecret, guarded
 from app.viewer.layers.nodes import theme_updates
+from app.viewer.layers.single_sensors import HEIGHT_M
 from app.viewer.player import LivePlayer, Player, ReplayPlayer
 from app.viewer.repository import Contents, ViewTarget
 from app.viewer.scene import BodyScene
@@ -150,12 +151,14 @@ class Stage:
 
 
 def _modules_extent(contents: Contents) -> tuple[float, float] | None:
-    """Return height of the middle and size of what a magnetic session shows; None for other sessions."""
+    """Return height of the middle and size of modules or single sensors; None for other sessions."""
     if contents.view != "modules":
         return None
-    modules = contents.track.modules if contents.track is not None else None
-    if modules is not None:
-        return modules.height_m, modules.size_m
+    track = contents.track
+    if track is not None and track.modules is not None:
+        return track.modules.height_m, track.modules.size_m
+    if track is not None and track.sensors is not None:
+        return HEIGHT_M, track.sensors.size_m
     # Live, before anything is known; feet go a step apart.
     return (0.1, 1.4) if contents.measured <= _ON_FEET else (1.15, 0.9)
 

@@ -17,6 +17,7 @@ class OrientationKind(SessionKind):
     """Single sensors. Nothing is worn: there is no pose, and the filters find what they need."""
 
     pipeline = OrientationPipeline
+    view = "modules"
 
     def analyse(self, wanted: Wanted) -> Analysis:
         """Estimate, smoothed where the setup names a smoother."""
