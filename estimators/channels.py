@@ -44,8 +44,8 @@ class ChannelSpec:
         SI, as people write it.
     gap : GapRule
         What stands between samples that are far apart: a curve with the slopes outside, the chord, the value of the
-        nearest sample, or never anything but NaN. The first two hold for the inertial channels and their
-        magnetometer, which one compiled call unpacks.
+        nearest sample, or never anything but NaN. A curve is drawn for the inertial channels alone; a state is the
+        nearest only off the common ticks, in ticks that nobody sent it is NaN.
     scale_limit : float, optional
         Largest value of one count; above it 16 bits would span more than any sensor measures, so the unit is wrong.
         None for a channel that is sent as float32 only.

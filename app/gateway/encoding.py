@@ -138,11 +138,11 @@ def stream_of(
         parts = []
         for spec in sent:
             values = getattr(signals, spec.field)
-            part = np.zeros((signals.time_s.size, spec.width))
-            # All sensors of a packet have the same channels: zeros for those without.
+            # All sensors of a packet have the same channels: zeros for those without a cell, elsewhere zero is a value.
+            part = np.full((signals.time_s.size, spec.width), 0.0 if spec.cell else np.nan)
             if values is not None:
                 part = values.reshape(part.shape) / full_scales[spec.name]
-            # A cell that gave nothing sends what no cell measures.
+            # What gave nothing sends what nothing measures.
             parts.append(part if spec in MOTION else np.where(np.isnan(part), _NO_LOAD, part))
         table = np.concatenate(parts, axis=1)
         table[np.isnan(table).any(axis=1)] = 0.0

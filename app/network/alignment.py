@@ -170,7 +170,7 @@ class Aligner:
         if skip > 0:
             first, signals, quality = self._next_tick, signals[:, :, skip:], quality[:, skip:]
             carried = {name: values[:, skip:] for name, values in carried.items()}
-        pieces = self._fill(first, signals[:, :, :2]) if first > self._next_tick else []
+        pieces = self._fill(first, signals[:, :, :2], carried) if first > self._next_tick else []
         pieces.append(self._chunk(first, signals, quality, carried))
         self._last_carried = _last(carried)
         self._next_tick = first + signals.shape[2]
@@ -225,11 +225,11 @@ class Aligner:
         self._next_tick += tick.size
         return pieces
 
-    def _fill(self, first: int, rows: Float | None) -> list[ImuChunk]:
+    def _fill(self, first: int, rows: Float | None, carried: dict[str, Float] = _NOTHING) -> list[ImuChunk]:
         """Fill from the next tick up to `first`: with a curve to the first of `rows` when the gap is short.
 
-        Gyroscope and accelerometer leave and reach it with the slopes of the rows outside, the magnetometer
-        follows the chord.
+        Gyroscope and accelerometer leave and reach it with the slopes of the rows outside, the magnetometer and
+        what of `carried` says so follow the chord.
         """
         start, count = self._next_tick, first - self._next_tick
         if count <= 0:
@@ -257,7 +257,20 @@ class Aligner:
         nothing = np.isnan(signals[0]).any(axis=2)
         signals[:, nothing] = np.nan
         quality[nothing] = SampleQuality.MISSING
-        return [self._chunk(start, signals, quality)]
+        left = np.zeros(count, dtype=np.intp)
+        chords = {
+            name: _at_ticks(
+                _CARRIED[name],
+                np.concatenate([self._before(name, values), values[:, :1]], axis=1),
+                left,
+                left + 1,
+                weight,
+                left == 0,
+            )
+            for name, values in carried.items()
+            if _CARRIED[name].gap == "chord"
+        }
+        return [self._chunk(start, signals, quality, chords)]
 
     def _missing(self, start: int, count: int) -> Iterator[ImuChunk]:
         assert self._unpacker is not None

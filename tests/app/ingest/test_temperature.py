@@ -52,6 +52,27 @@ def test_a_device_sends_it_as_counts_below_zero_as_well() -> None:
         sensor(rng, cold[:, np.newaxis])
 
 
+def test_a_sensor_without_a_thermometer_is_not_at_zero_degrees() -> None:
+    rng = np.random.default_rng(0)
+    warm = np.full(20, 31.0)
+    device = stream_of(Recording({"pelvis": sensor(rng, warm), "sternum": sensor(rng, None)}, 100.0))
+    declared = check_hello(device.hello("ticket"))
+    found = align_all(
+        [decode_packet(device.packet(number), declared) for number in range(device.packet_count)], declared
+    )
+    assert found is not None
+    np.testing.assert_allclose(found.temperature_degc[0], warm, atol=160.0 / 32767)
+    assert np.isnan(found.temperature_degc[1]).all()
+
+
+def test_a_short_gap_on_the_ticks_is_bridged_and_a_long_one_is_not() -> None:
+    rising = 30.0 + 0.1 * np.arange(10)[:, np.newaxis] * np.ones(2)
+    short = align_all([packet(0, rising[:TICKS]), packet(2, rising[TICKS:] + 0.5)], PAIR)
+    np.testing.assert_allclose(short.temperature_degc[0], 30.0 + 0.1 * np.arange(15), atol=1e-5)
+    long = align_all([packet(0, rising[:TICKS]), packet(9, rising[TICKS:])], PAIR)
+    assert np.isnan(long.temperature_degc[0, TICKS:-TICKS]).all()
+
+
 def test_json_says_the_same() -> None:
     one = packet(0, np.full((TICKS, 2), 31.5))
     sensors = [
