@@ -15,11 +15,11 @@ from app.accounts.refusals import RefusedSignIns
 from app.database.unit_of_work import read_only
 from app.edge.access_log import served
 from app.edge.readiness import Readiness
+from app.edge.registry import Histogram, Registry
 from app.ingest.websocket import metrics as ingest
 from app.live.bus import MemoryBus
 from app.live.manager import LiveManager
 from app.live.session.states import STREAMING
-from app.metrics import Histogram, Registry
 from app.recordings.analysis.jobs import JobDone, JobRunner
 from app.recordings.models import Job
 from app.recordings.signals.group_commit import GroupCommitWriter

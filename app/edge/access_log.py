@@ -8,8 +8,8 @@ from collections import Counter
 from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from app.edge.registry import Histogram
 from app.logs import request_id
-from app.metrics import Histogram
 
 logger = logging.getLogger("telemotion.access")
 

@@ -6,8 +6,8 @@ import ipaddress
 from fastapi import APIRouter, Request
 from fastapi.responses import PlainTextResponse
 
+from app.edge.registry import CONTENT_TYPE, Registry
 from app.errors import NotAllowed
-from app.metrics import CONTENT_TYPE, Registry
 from app.sentences import say
 from app.services import services_of
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from pydantic import SecretStr
 
+from app.edge.registry import Histogram, Registry
 from app.live.checks.health import LinkHealth
-from app.metrics import Histogram, Registry
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "operations.md"
 TOKEN = "0123456789abcdefghijklmnopqrstuvwxyz"

@@ -21,7 +21,7 @@ from typing import Any, Final
 from app.errors import Unavailable
 from app.sentences import say
 
-_PRELOADED: Final = ("app.lower_priority", "app.tables")
+_PRELOADED: Final = ("app.processes.lower_priority", "app.tables")
 _context = multiprocessing.get_context("forkserver")
 _context.set_forkserver_preload(list(_PRELOADED))
 
