@@ -4,7 +4,7 @@ import type { SessionKind } from './kind';
 
 /** By the path of their file. */
 export const FACTS = import.meta.glob<SessionKind>('./*/facts.ts', { eager: true, import: 'kind' });
-export const KINDS: readonly SessionKind[] = Object.values(FACTS);
+export const KINDS: readonly SessionKind[] = Object.values(FACTS).sort((one, other) => one.rank - other.rank);
 
 /** The kind of a session; one that this client does not know shows what arms do. */
 export function kindOf({ pipeline }: Pick<SessionDetail, 'pipeline'>): SessionKind {

@@ -1,6 +1,6 @@
 // What a kind of session shows that others do not. No page asks which kind a session is: it shows what the kind gives.
-import type { ComponentType } from 'react';
-import type { Exercise, Patient, Placement, SessionDetail, SessionState, StateMessage } from '../api/types';
+import type { ComponentType, ReactNode } from 'react';
+import type { Exercise, Patient, Placement, SessionDetail, SessionIn, SessionState, StateMessage } from '../api/types';
 import type { Near } from '../components/Viewer3D';
 import type { LivePlayer } from '../player/live';
 import type { ReplayPlayer } from '../player/replay';
@@ -27,11 +27,24 @@ export interface ReplayProps {
   onSeek: (sinceStartS: number) => void;
 }
 
+/** What every new session is asked for, before the questions of its kind. */
+export interface BeginProps {
+  patient: Patient;
+  pipeline: NonNullable<SessionIn['pipeline']>;
+  purpose: NonNullable<SessionIn['purpose']>;
+  /** The exercise with its prescription, and the field that chooses it. */
+  exercise: Pick<SessionIn, 'exercise_id' | 'prescription_id'>;
+  exerciseField: ReactNode;
+  kindField: ReactNode;
+}
+
 type Part<Props> = ComponentType<Props>;
 
 export interface SessionKind {
   /** The name the service gives it. */
   pipeline: string;
+  /** Its place in lists of kinds. */
+  rank: number;
   /** What a session without an exercise is called. */
   free: () => string;
   /** What the nearest point of view shows. */
@@ -44,18 +57,31 @@ export interface SessionKind {
   hasEstimators: boolean;
   /** Repetitions are compared with a template. */
   isCompared: boolean;
-  /** How it is offered for a new session, where nothing more is to be said than which sensors are worn. */
+  /** How it is offered for a new session. */
   begin?: {
     title: () => string;
     text: () => string;
-    worn: readonly { title: () => string; placements: readonly Placement[] }[];
+    /** Whether a therapist can record a template of it. */
+    isTemplate: boolean;
+    /** The exercises that are done with it. */
+    suits?: (movement: string | undefined) => boolean;
+    /** What can be worn, where that is all there is to choose; otherwise the kind has a form of its own. */
+    worn?: readonly { title: () => string; placements: readonly Placement[] }[];
   };
+  /** How it is offered for a file whose format does not say what it holds. */
+  upload?: { title: () => string; text: () => string };
+  /** Its sensors are on segments of a body. */
+  hasPlaces: boolean;
+  /** How far apart the feet stood at the start has to be said. */
+  asksFeetApart: boolean;
   /** What `telemotion simulate` needs besides, to try such a session. */
   simulated?: (session: SessionDetail) => string;
 }
 
 /** Its components; apart, so that a page that asks for a word does not load them. */
 export interface KindParts {
+  /** Its questions for a new session, inside a `BeginForm`. */
+  Begin?: Part<BeginProps>;
   live: {
     /** Before anything is connected. */
     First?: Part<LiveProps>;

@@ -31,10 +31,10 @@ export function placed(mapping: GuessedMapping, chosen: GuessedColumn, placement
   return { ...mapping, signals: mapping.signals.map((one) => (isSame(one) ? { ...one, placement } : one)) };
 }
 
-/** What keeps a mapping from being sent, as keys of the catalogue. Single sensors need no placement. */
+/** What keeps a mapping from being sent, as keys of the catalogue. Sensors on no body need no placement. */
 export function mappingProblems(
   mapping: GuessedMapping,
-  pipeline: Pipeline,
+  hasPlaces: boolean,
 ): (
   | 'csv.needSignals'
   | 'csv.needPlacement'
@@ -50,7 +50,7 @@ export function mappingProblems(
   if (!mapping.time_column && !mapping.rate_hz) problems.add('csv.needTime');
   const seen = new Set<string>();
   for (const signal of mapping.signals) {
-    if (!signal.placement && pipeline !== 'orientation') {
+    if (!signal.placement && hasPlaces) {
       problems.add('csv.needPlacement');
       continue;
     }
@@ -68,6 +68,6 @@ export function mappingProblems(
 }
 
 /** The mapping to send; null while something is missing. */
-export function complete(mapping: GuessedMapping, pipeline: Pipeline): CsvMapping | null {
-  return mappingProblems(mapping, pipeline).length === 0 ? (mapping as CsvMapping) : null;
+export function complete(mapping: GuessedMapping, hasPlaces: boolean): CsvMapping | null {
+  return mappingProblems(mapping, hasPlaces).length === 0 ? (mapping as CsvMapping) : null;
 }

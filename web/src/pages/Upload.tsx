@@ -11,6 +11,7 @@ import { CsvMappingForm } from '../components/forms/CsvMappingForm';
 import { Problem } from '../components/Feedback';
 import { Page } from '../components/Page';
 import { t } from '../i18n';
+import { KINDS, kindOf } from '../kinds';
 import { LEG_PLACEMENTS } from '../lib/placements';
 import { beginningOf, complete, type Pipeline } from '../lib/csv';
 import { number } from '../lib/format';
@@ -31,7 +32,6 @@ const PLACEMENTS: Placement[] = [
   'shoulder_right',
   ...LEG_PLACEMENTS,
 ];
-const PIPELINES: readonly Pipeline[] = ['arm', 'gait', 'orientation'];
 type Hemisphere = NonNullable<UploadIn['hemisphere']>;
 const HEMISPHERES: Hemisphere[] = ['north', 'south', 'unknown'];
 
@@ -59,8 +59,8 @@ export function UploadPage() {
   const format = formats.data?.find((one) => one.name === chosenFormat) ?? null;
   const hasPipeline = format?.asks_pipeline ?? false;
   const held = hasPipeline ? pipeline : format?.pipeline;
-  const isWalk = held === 'gait';
-  const isSingle = format === null || held === 'orientation';
+  const kind = kindOf({ pipeline: held ?? '' });
+  const hasPose = format !== null && kind.needsPose;
   const table = formats.data?.find((one) => one.needs_mapping);
   const isTable = (name: string) => table?.endings.some((ending) => name.toLowerCase().endsWith(ending)) ?? false;
   const [knowsPose, setKnowsPose] = useState(false);
@@ -110,7 +110,7 @@ export function UploadPage() {
     if (format?.needs_mapping && file) lookAt(file, chosen);
   };
   const orientation = wantedEstimator ?? estimators.data?.[0]?.name;
-  const isMapped = !format?.needs_mapping || (mapping !== null && complete(mapping, pipeline) !== null);
+  const isMapped = !format?.needs_mapping || (mapping !== null && complete(mapping, kind.hasPlaces) !== null);
   const isReady = file !== null && patientId !== null && orientation !== undefined && isMapped;
   const lacking =
     file === null
@@ -132,12 +132,12 @@ export function UploadPage() {
       format: chosenFormat,
       file_name: file.name.slice(-200),
       pipeline: hasPipeline ? pipeline : 'arm',
-      csv: format?.needs_mapping && mapping ? complete(mapping, pipeline) : null,
+      csv: format?.needs_mapping && mapping ? complete(mapping, kind.hasPlaces) : null,
       orientation,
-      calibration_pose_s: knowsPose && !isWalk && !isSingle ? pose : null,
-      feet_apart_m: isWalk && apartCm !== null ? apartCm / 100 : null,
+      calibration_pose_s: knowsPose && hasPose ? pose : null,
+      feet_apart_m: kind.asksFeetApart && apartCm !== null ? apartCm / 100 : null,
       hemisphere,
-      with_legs: withLegs && !isWalk && !isSingle,
+      with_legs: withLegs && hasPose,
       accept_implausible: accepts,
     };
     const form = new FormData();
@@ -168,11 +168,9 @@ export function UploadPage() {
               legend={t('upload.pipeline')}
               value={pipeline}
               onChange={choosePipeline}
-              options={PIPELINES.map((value) => ({
-                value,
-                title: t(`upload.pipeline.${value}`),
-                text: t(`upload.pipeline.${value}.text`),
-              }))}
+              options={KINDS.flatMap(({ pipeline: value, upload: offer }) =>
+                offer ? [{ value: value as Pipeline, title: offer.title(), text: offer.text() }] : [],
+              )}
             />
           )}
           {look.isPending && <p className="muted">{t('upload.looking')}</p>}
@@ -186,7 +184,7 @@ export function UploadPage() {
               ))}
               <CsvMappingForm
                 head={look.data}
-                pipeline={pipeline}
+                hasPlaces={kind.hasPlaces}
                 placements={PLACEMENTS}
                 value={mapping}
                 onChange={setMapping}
@@ -215,7 +213,7 @@ export function UploadPage() {
             value={exerciseId}
             onChange={setExerciseId}
           />
-          {isWalk ? (
+          {kind.asksFeetApart ? (
             <NumberInput
               label={t('newSession.apart')}
               description={t('newSession.apartHelp')}
@@ -235,7 +233,7 @@ export function UploadPage() {
                 onChange={setWantedEstimator}
                 description={estimators.data?.find((one) => one.name === orientation)?.description}
               />
-              {!isSingle && (
+              {hasPose && (
                 <>
                   <Switch
                     label={t('upload.withLegs')}
@@ -253,7 +251,7 @@ export function UploadPage() {
               )}
             </>
           )}
-          {knowsPose && !isWalk && !isSingle && (
+          {knowsPose && hasPose && (
             <Group>
               <NumberInput
                 label={t('upload.poseFrom')}

@@ -18,32 +18,32 @@ const WHOLE = [signal('a', 'gyroscope'), signal('a', 'accelerometer')];
 
 describe('what keeps a mapping from being sent', () => {
   it('is a placement on the body, which single sensors need not have', () => {
-    expect(mappingProblems(mapping(WHOLE), 'arm')).toEqual(['csv.needPlacement']);
-    expect(complete(mapping(WHOLE), 'arm')).toBeNull();
-    expect(complete(mapping(WHOLE), 'orientation')).toEqual(mapping(WHOLE));
+    expect(mappingProblems(mapping(WHOLE), true)).toEqual(['csv.needPlacement']);
+    expect(complete(mapping(WHOLE), true)).toBeNull();
+    expect(complete(mapping(WHOLE), false)).toEqual(mapping(WHOLE));
   });
   it('is a missing time, quantity, column, or one of them twice', () => {
-    expect(mappingProblems(mapping([], { time_column: null, rate_hz: 100 }), 'arm')).toEqual(['csv.needSignals']);
-    expect(mappingProblems(mapping(WHOLE.slice(0, 1), { time_column: null }), 'orientation')).toEqual([
+    expect(mappingProblems(mapping([], { time_column: null, rate_hz: 100 }), true)).toEqual(['csv.needSignals']);
+    expect(mappingProblems(mapping(WHOLE.slice(0, 1), { time_column: null }), false)).toEqual([
       'csv.needTime',
       'csv.needAccelerometer',
     ]);
-    expect(mappingProblems(mapping([...WHOLE, ...WHOLE]), 'orientation')).toEqual(['csv.twice']);
+    expect(mappingProblems(mapping([...WHOLE, ...WHOLE]), false)).toEqual(['csv.twice']);
     expect(
       mappingProblems(
         mapping([{ ...signal('a', 'gyroscope'), columns: ['x', '', 'z'] }, signal('a', 'accelerometer')]),
-        'orientation',
+        false,
       ),
     ).toEqual(['csv.needColumns']);
   });
   it('is a unit that neither heading nor numbers say', () => {
     const counts = mapping([signal('a', 'gyroscope'), { ...signal('a', 'accelerometer'), unit: null }]);
-    expect(mappingProblems(counts, 'orientation')).toEqual(['csv.needUnit']);
+    expect(mappingProblems(counts, false)).toEqual(['csv.needUnit']);
   });
   it('is not that two sensors have the same quantities', () => {
-    expect(
-      mappingProblems(mapping([...WHOLE, signal('b', 'gyroscope'), signal('b', 'accelerometer')]), 'orientation'),
-    ).toEqual([]);
+    expect(mappingProblems(mapping([...WHOLE, signal('b', 'gyroscope'), signal('b', 'accelerometer')]), false)).toEqual(
+      [],
+    );
   });
 });
 

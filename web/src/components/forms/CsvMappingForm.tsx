@@ -3,7 +3,7 @@ import { IconPlus, IconTrash } from '@tabler/icons-react';
 import type { GuessedColumn, GuessedMapping, Placement, TablePreview } from '../../api/types';
 import { t } from '../../i18n';
 import { placementLabel } from '../../lib/channels';
-import { mappingProblems, placed, type Pipeline, type Quantity, type Unit } from '../../lib/csv';
+import { mappingProblems, placed, type Quantity, type Unit } from '../../lib/csv';
 
 const UNITS: Record<Quantity, Unit[]> = {
   gyroscope: ['rad/s', 'deg/s', 'mdps'],
@@ -16,21 +16,22 @@ const FIXED = '';
 
 interface Props {
   head: Pick<TablePreview, 'columns' | 'rows' | 'skipped_lines' | 'notes'>;
-  pipeline: Pipeline;
+  /** Its sensors are on segments of a body. */
+  hasPlaces: boolean;
   placements: readonly Placement[];
   value: GuessedMapping;
   onChange: (mapping: GuessedMapping) => void;
 }
 
 /** Which column is what: a line a sensor and quantity, guessed by the service, corrected by hand. */
-export function CsvMappingForm({ head, pipeline, placements, value, onChange }: Props) {
+export function CsvMappingForm({ head, hasPlaces, placements, value, onChange }: Props) {
   const set = (index: number, change: Partial<GuessedColumn>) =>
     onChange({
       ...value,
       signals: value.signals.map((one, position) => (position === index ? { ...one, ...change } : one)),
     });
   const columns = head.columns.map((column) => ({ value: column, label: column }));
-  const problems = mappingProblems(value, pipeline);
+  const problems = mappingProblems(value, hasPlaces);
   return (
     <fieldset className="fieldset stack">
       <legend>{t('csv.title')}</legend>
@@ -111,14 +112,10 @@ export function CsvMappingForm({ head, pipeline, placements, value, onChange }: 
                 aria-label={`${name}: ${t('csv.placement')}`}
                 searchable
                 data={placements.map((one) => ({ value: one, label: placementLabel(one) }))}
-                clearable={pipeline === 'orientation'}
+                clearable={!hasPlaces}
                 value={signal.placement ?? null}
                 onChange={(placement) => onChange(placed(value, signal, placement as Placement | null))}
-                placeholder={
-                  pipeline === 'orientation'
-                    ? t('csv.single', { sensor: signal.sensor ?? '' })
-                    : t('csv.choosePlacement')
-                }
+                placeholder={!hasPlaces ? t('csv.single', { sensor: signal.sensor ?? '' }) : t('csv.choosePlacement')}
               />
               <Select
                 aria-label={`${name}: ${t('csv.quantity')}`}

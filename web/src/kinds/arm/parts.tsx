@@ -2,12 +2,14 @@
 import { t } from '../../i18n';
 import { JointCurves } from '../JointCurves';
 import type { KindParts, LiveProps } from '../kind';
+import { BeginArm } from './BeginArm';
 import { SessionActions } from './SessionActions';
 
 const Curves = (props: LiveProps) =>
   props.columns && <JointCurves {...props} id="angles" title={t('traces.title')} isTitleHidden />;
 
 export const parts: KindParts = {
+  Begin: BeginArm,
   live: { Curves },
   replay: { angles: () => t('traces.title'), Actions: SessionActions },
 };

@@ -6,11 +6,15 @@ import type { SessionKind } from '../kind';
 
 export const kind: SessionKind = {
   pipeline: 'relative_pose',
+  rank: 3,
   free: () => t('magnetic.kind'),
   near: 'modules',
   needsPose: false,
   isGuided: false,
   hasEstimators: false,
   isCompared: false,
+  begin: { title: () => t('magnetic.kind'), text: () => t('magnetic.kindText'), isTemplate: false },
+  hasPlaces: true,
+  asksFeetApart: false,
   simulated: (session) => `--relative ${simulatedMovement(wornPlacements(session))} --no-implants`,
 };

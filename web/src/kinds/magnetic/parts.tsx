@@ -5,6 +5,7 @@ import { t } from '../../i18n';
 import { JointCurves } from '../JointCurves';
 import type { KindParts, LiveProps, ReplayProps } from '../kind';
 import { WalkLink } from '../walk/views/WalkLink';
+import { BeginSource } from './BeginSource';
 import { LiveSource, SourceStart } from './LiveSource';
 import { SafetyCard } from './SafetyCard';
 import { SourceLegend } from './SourceLegend';
@@ -38,6 +39,7 @@ const Actions = ({ session }: { session: SessionDetail }) =>
   ) : null;
 
 export const parts: KindParts = {
+  Begin: BeginSource,
   live: {
     First: ({ session }) => <SafetyCard session={session} />,
     Start: ({ session, player }) => <SourceStart player={player} sensors={session.layout.segments.slice(1)} />,

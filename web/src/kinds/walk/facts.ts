@@ -1,13 +1,24 @@
 // Walks: feet, led through by a protocol, with forces where the shoes measure them.
 import { t } from '../../i18n';
+import { isWalk } from '../../lib/exercises';
 import type { SessionKind } from '../kind';
 
 export const kind: SessionKind = {
   pipeline: 'gait',
+  rank: 2,
   free: () => t('session.freeWalk'),
   near: 'feet',
   needsPose: false,
   isGuided: true,
   hasEstimators: true,
   isCompared: false,
+  begin: {
+    title: () => t('newSession.feet'),
+    text: () => t('newSession.feetText'),
+    isTemplate: true,
+    suits: isWalk,
+  },
+  upload: { title: () => t('upload.pipeline.gait'), text: () => t('upload.pipeline.gait.text') },
+  hasPlaces: true,
+  asksFeetApart: true,
 };

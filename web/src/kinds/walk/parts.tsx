@@ -4,6 +4,7 @@ import { Traces } from '../../charts/Traces';
 import { Notice } from '../../components/Feedback';
 import { t } from '../../i18n';
 import type { KindParts, LiveProps, ReplayProps } from '../kind';
+import { BeginWalk } from './BeginWalk';
 import { GuidedWalk } from './views/GuidedWalk';
 import { walkKind } from './guidedWalk';
 import { LiveWalk } from './views/LiveWalk';
@@ -39,6 +40,7 @@ const Side = ({ session, player, columns }: LiveProps) =>
 const Panel = ({ session }: ReplayProps) => <WalkPanel sessionId={session.id} patientId={session.patient_id} />;
 
 export const parts: KindParts = {
+  Begin: BeginWalk,
   live: { Guide, Curves, Side },
   Report: WalkSheets,
   replay: {
