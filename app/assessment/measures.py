@@ -13,7 +13,7 @@ from itertools import groupby
 from typing import Final
 
 import scipy
-from sqlalchemy import ColumnElement, func, select
+from sqlalchemy import ColumnElement, Subquery, func, select
 from sqlalchemy.orm import Session
 
 from app.assessment.models import Comparison, RepetitionMeasure
@@ -100,24 +100,7 @@ def session_values(
         conditions.append(MotionSession.exercise_id == exercise_id)
     if measures is not None:
         conditions.append(RepetitionMeasure.measure.in_(measures))
-    newest = (
-        select(
-            Comparison.id,
-            func.row_number()
-            .over(
-                partition_by=Comparison.session_id,
-                order_by=(
-                    (Comparison.result_id == MotionSession.main_result_id).desc(),
-                    Comparison.created_at.desc(),
-                    Comparison.id,
-                ),
-            )
-            .label("rank"),
-        )
-        .join(MotionSession, MotionSession.id == Comparison.session_id)
-        .where(MotionSession.patient_id.in_(patient_ids))
-        .subquery()
-    )
+    newest = _ranked_comparisons(patient_ids)
     at = func.coalesce(MotionSession.started_at, MotionSession.created_at)
     rows = session.execute(
         select(
@@ -162,6 +145,22 @@ def session_values(
         )
         for row in rows
     ]
+
+
+def _ranked_comparisons(patient_ids: Sequence[str]) -> Subquery:
+    """Return the comparisons of each session with their `rank`: 1 is that of its main result, the newest of these."""
+    order = (
+        (Comparison.result_id == MotionSession.main_result_id).desc(),
+        Comparison.created_at.desc(),
+        Comparison.id,
+    )
+    rank = func.row_number().over(partition_by=Comparison.session_id, order_by=order).label("rank")
+    return (
+        select(Comparison.id, rank)
+        .join(MotionSession, MotionSession.id == Comparison.session_id)
+        .where(MotionSession.patient_id.in_(patient_ids))
+        .subquery()
+    )
 
 
 def by_patient(values: Sequence[SessionValue]) -> dict[str, list[SessionValue]]:

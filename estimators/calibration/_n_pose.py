@@ -104,18 +104,9 @@ def n_pose(
     `heading_offset_rad` turns their z axis to its expected direction.
     """
     sensors = len(placements)
-    if q_earth_sensor.ndim != 3 or q_earth_sensor.shape[0] != sensors or q_earth_sensor.shape[2] != 4:
-        raise ShapeError(f"q_earth_sensor has shape {q_earth_sensor.shape}; it must be ({sensors}, K, 4)")
-    if flags is None:
-        flags = np.zeros(q_earth_sensor.shape[:2], dtype=np.uint8)
-    if flags.shape != q_earth_sensor.shape[:2]:
-        raise ShapeError(f"flags have shape {flags.shape}; they must be {q_earth_sensor.shape[:2]}")
+    flags = _checked_flags(q_earth_sensor, flags, sensors)
     bias = static_bias(
-        gyroscope_radps,
-        accelerometer_mps2,
-        time_step_s,
-        require_still=False,
-        names=placements,
+        gyroscope_radps, accelerometer_mps2, time_step_s, require_still=False, names=placements
     )
     verdict = Verdict()
     q_mean = np.stack(
@@ -144,17 +135,11 @@ def n_pose(
     q_sensor_segment: dict[Placement, tuple[float, float, float, float]] = {}
     for s, placement in enumerate(placements):
         if own_heading[s]:
-            if steepness_rad[s] > _STEEP_RAD:
-                raise CalibrationError(say("calibration.flat_no_compass", where=[placement]))
-            if steepness_rad[s] > _SLANTED_RAD:
-                verdict.lower(0.7, say("calibration.flat", where=[placement]))
+            _require_compass_for_steep(placement, float(steepness_rad[s]), verdict)
             offsets[placement] = wrapped(facing_rad + OUTWARD_HEADING_RAD[placement] - heading_rad[s])
         turn = rotation.about_z(offsets.get(placement, 0.0) - facing_rad)
         q_room_sensor = rotation.multiply(turn, q_mean[s])
-        q_room_segment = rotation.about_z(N_POSE_TURN_RAD.get(placement, 0.0))
-        if raised[s]:
-            level = 0.5 * math.pi if placement.endswith("left") else -0.5 * math.pi
-            q_room_segment = rotation.multiply(rotation.exp(np.array([level, 0.0, 0.0])), q_room_segment)
+        q_room_segment = _posed(placement, bool(raised[s]))
         w, x, y, z = rotation.positive(rotation.multiply(rotation.conjugate(q_room_sensor), q_room_segment))
         q_sensor_segment[placement] = (float(w), float(x), float(y), float(z))
         about_z = _PUT_ON_RAD if own_heading[s] else math.hypot(settled_rad[s, 2], facing_sigma_rad or 0.0)
@@ -178,6 +163,34 @@ def n_pose(
         reasons=tuple(verdict.reasons),
         mounting_sigma_rad=mounting_sigma_rad,
     )
+
+
+def _checked_flags(q_earth_sensor: Float, flags: NDArray[np.uint8] | None, sensors: int) -> NDArray[np.uint8]:
+    """Return the flags of orientations whose shape fits the placements; all sound where none are given."""
+    if q_earth_sensor.ndim != 3 or q_earth_sensor.shape[0] != sensors or q_earth_sensor.shape[2] != 4:
+        raise ShapeError(f"q_earth_sensor has shape {q_earth_sensor.shape}; it must be ({sensors}, K, 4)")
+    if flags is None:
+        flags = np.zeros(q_earth_sensor.shape[:2], dtype=np.uint8)
+    if flags.shape != q_earth_sensor.shape[:2]:
+        raise ShapeError(f"flags have shape {flags.shape}; they must be {q_earth_sensor.shape[:2]}")
+    return flags
+
+
+def _posed(placement: Placement, is_raised: bool) -> Float:
+    """Return the orientation of a segment in the pose, in a room whose x axis is where the patient faces."""
+    q_room_segment = rotation.about_z(N_POSE_TURN_RAD.get(placement, 0.0))
+    if is_raised:
+        level = 0.5 * math.pi if placement.endswith("left") else -0.5 * math.pi
+        q_room_segment = rotation.multiply(rotation.exp(np.array([level, 0.0, 0.0])), q_room_segment)
+    return q_room_segment
+
+
+def _require_compass_for_steep(placement: Placement, steepness_rad: float, verdict: Verdict) -> None:
+    """Judge a sensor whose own z axis must say its heading: nearly vertical it says none."""
+    if steepness_rad > _STEEP_RAD:
+        raise CalibrationError(say("calibration.flat_no_compass", where=[placement]))
+    if steepness_rad > _SLANTED_RAD:
+        verdict.lower(0.7, say("calibration.flat", where=[placement]))
 
 
 def _in_segment(q_room_segment: Float, sigma_rad: Float, about_z_rad: float) -> tuple[float, float, float]:

@@ -56,19 +56,8 @@ def calibrate_at_places(
     CalibrationError
         If there are too few places or they do not tell all unknowns, or no coils explain the pulses.
     """
-    position = np.asarray(position_m, dtype=np.float64)
-    pulses = np.asarray(pulses_t, dtype=np.float64)
+    position, pulses = _checked(source, position_m, pulses_t, place_sigma_m)
     coils, count = len(source.coils), len(position)
-    if position.shape != (count, 3) or pulses.shape != (count, coils, 3):
-        raise ShapeError(f"{count} places of {coils} coils need pulses of shape ({count}, {coils}, 3)")
-    if not (np.isfinite(position).all() and np.isfinite(pulses).all()):
-        raise ShapeError("places and pulses must be finite")
-    if count < _LEAST_PLACES:
-        raise CalibrationError(
-            f"{count} places; lay the sensor at {_LEAST_PLACES} or more, around the source"
-        )
-    if not place_sigma_m > 0.0:
-        raise ShapeError("place_sigma_m must be above zero")
     current = np.broadcast_to(np.asarray(current_a, dtype=np.float64), (count, coils))
     noise = np.sqrt(
         np.broadcast_to(np.asarray(sigma_t, dtype=np.float64), (count,))[:, None] ** 2
@@ -120,20 +109,8 @@ def calibrate_at_places(
     fit = scipy.optimize.least_squares(
         residuals, np.zeros(len(scale)), jac=slopes, x_scale=scale, max_nfev=_MOST_STEPS
     )
-    jacobian = np.asarray(fit.jac, dtype=np.float64) * scale
-    information = jacobian.T @ jacobian
-    size = np.sqrt(np.diag(information))
-    if (size == 0.0).any() or np.linalg.cond(information / np.outer(size, size)) > 1e9:
-        raise CalibrationError(
-            "the places do not tell where the coils are; take some nearer and on other sides of the source"
-        )
     freedom = 3 * count * coils + 3 * count - len(scale)
-    if 2.0 * fit.cost > freedom + 6.0 * np.sqrt(2.0 * freedom):
-        raise CalibrationError(
-            "no coils explain the pulses at these places: check the places and their order, look for iron near the"
-            f" bench, and repeat (residuals {np.sqrt(2.0 * fit.cost / freedom):.1f} times what is expected)"
-        )
-    covariance = np.linalg.inv(information) * np.outer(scale, scale)
+    covariance = _credible_covariance(np.asarray(fit.jac, dtype=np.float64), scale, float(fit.cost), freedom)
     found = source
     blocks = []
     for number in range(coils):
@@ -152,6 +129,43 @@ def calibrate_at_places(
         float(np.sqrt(np.mean(left**2))),
         float(np.sqrt(np.mean(np.sum(off**2, axis=1)))),
     )
+
+
+def _checked(
+    source: Source, position_m: ArrayLike, pulses_t: ArrayLike, place_sigma_m: float
+) -> tuple[Float, Float]:
+    """Return places (N, 3) and pulses (N, C, 3) that can be fitted."""
+    position = np.asarray(position_m, dtype=np.float64)
+    pulses = np.asarray(pulses_t, dtype=np.float64)
+    coils, count = len(source.coils), len(position)
+    if position.shape != (count, 3) or pulses.shape != (count, coils, 3):
+        raise ShapeError(f"{count} places of {coils} coils need pulses of shape ({count}, {coils}, 3)")
+    if not (np.isfinite(position).all() and np.isfinite(pulses).all()):
+        raise ShapeError("places and pulses must be finite")
+    if count < _LEAST_PLACES:
+        raise CalibrationError(
+            f"{count} places; lay the sensor at {_LEAST_PLACES} or more, around the source"
+        )
+    if not place_sigma_m > 0.0:
+        raise ShapeError("place_sigma_m must be above zero")
+    return position, pulses
+
+
+def _credible_covariance(slopes: Float, scale: Float, cost: float, freedom: int) -> Float:
+    """Return the covariance of the unknowns of a fit that found all of them and explains the pulses."""
+    jacobian = slopes * scale
+    information = jacobian.T @ jacobian
+    size = np.sqrt(np.diag(information))
+    if (size == 0.0).any() or np.linalg.cond(information / np.outer(size, size)) > 1e9:
+        raise CalibrationError(
+            "the places do not tell where the coils are; take some nearer and on other sides of the source"
+        )
+    if 2.0 * cost > freedom + 6.0 * np.sqrt(2.0 * freedom):
+        raise CalibrationError(
+            "no coils explain the pulses at these places: check the places and their order, look for iron near the"
+            f" bench, and repeat (residuals {np.sqrt(2.0 * cost / freedom):.1f} times what is expected)"
+        )
+    return np.asarray(np.linalg.inv(information) * np.outer(scale, scale))
 
 
 def _difference(function: Callable[[Float], Float], x: Float, columns: NDArray[np.int64]) -> Float:

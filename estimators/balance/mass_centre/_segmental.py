@@ -86,8 +86,7 @@ def segmental_mass_centre(
     dimensions = body or BodyDimensions()
     q, assumed = _complete(q_room_segment)
     ticks = next(iter(q.values())).shape[0]
-    stature = dimensions.stature_m
-    down = np.array([0.0, 0.0, -1.0])
+    stature, down = dimensions.stature_m, _DOWN
     hip = np.zeros((ticks, 3)) if hip_m is None else np.asarray(hip_m, dtype=np.float64)
     joints: dict[str, Float] = {"hip": hip}
     parts: dict[str, Float] = {}
@@ -102,18 +101,8 @@ def segmental_mass_centre(
             joints[f"{link.joint}_{side}"] = start = end
         return start
 
-    # The trunk bends between pelvis and thorax: its middle has the mean orientation of both.
-    q["middle_trunk"] = rotation.slerp(q["pelvis"], q["sternum"], np.full(ticks, 0.5))
-    base = hip
-    for name, part, share in (
-        ("pelvis", "lower_trunk", segments.trunk_share[2]),
-        ("middle_trunk", "middle_trunk", segments.trunk_share[1]),
-        ("sternum", "upper_trunk", segments.trunk_share[0]),
-    ):
-        length = share * dimensions.trunk_m
-        top = base + along(name, -length * down)
-        parts[part] = top + along(name, segments.centre_share[part] * length * down)
-        base = top
+    trunk, base = _trunk(q, segments, dimensions.trunk_m, hip)
+    parts |= trunk
     joints["neck"] = base
     head_m = HEAD_PER_STATURE * stature
     parts["head"] = base + along("head", -(1.0 - segments.centre_share["head"]) * head_m * down)
@@ -151,6 +140,30 @@ def segmental_mass_centre(
     for name, share in masses.items():
         position = position + share * parts[name]
     return SegmentalMassCentre(position, parts, joints, masses, assumed)
+
+
+_DOWN = np.array([0.0, 0.0, -1.0])
+
+
+def _trunk(
+    q: dict[str, Float], segments: BodySegments, trunk_m: float, hip_m: Float
+) -> tuple[dict[str, Float], Float]:
+    """Return the centres of the trunk's three parts and the neck, from the hips up.
+
+    The trunk bends between pelvis and thorax: its middle has the mean orientation of both.
+    """
+    middle = rotation.slerp(q["pelvis"], q["sternum"], np.full(len(hip_m), 0.5))
+    parts: dict[str, Float] = {}
+    base = hip_m
+    for turn, part, share in (
+        (q["pelvis"], "lower_trunk", segments.trunk_share[2]),
+        (middle, "middle_trunk", segments.trunk_share[1]),
+        (q["sternum"], "upper_trunk", segments.trunk_share[0]),
+    ):
+        length = share * trunk_m
+        base = base + rotation.rotate(turn, -length * _DOWN)
+        parts[part] = base + rotation.rotate(turn, segments.centre_share[part] * length * _DOWN)
+    return parts, base
 
 
 @dataclass(frozen=True)

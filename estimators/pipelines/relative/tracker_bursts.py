@@ -8,11 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators import orientation, rotation
+from estimators.conventions import Placement
 from estimators.errors import SetupError, ShapeError
 from estimators.magnetic import (
     BurstNoise,
     FollowedBurst,
     ModuleSignals,
+    Pulse,
     RelativePoseParameters,
     TrackerFusionChunk,
     TrackerFusionParameters,
@@ -132,23 +134,10 @@ def analyse_bursts(chunk: ImuChunk, setup: SessionSetup) -> tuple[BurstAnalysis,
             chunk.gyroscope_radps[row] - offsets[row],
             chunk.accelerometer_mps2[row],
         )
-        measured = (chunk.quality[index] & _NOT_MEASURED) == 0
-        pulses = extract_pulses(
-            np.where(measured[:, None], chunk.magnetometer_t[index], np.nan),
-            coil,
-            current,
-            integrate_gyroscope(np.nan_to_num(signals.gyroscope_radps), chunk.time_step_s),
-            before=max(4, round(_BASELINE_S / chunk.time_step_s)),
-            after=max(4, round(_BASELINE_S / chunk.time_step_s) - 1),
-            magnetometer_sigma_t=noise.magnetometer_sigma_t,
-            full_scale_t=full_scale_t,
-            reach=round(_REACH_S / chunk.time_step_s),
+        gathered = _bursts_of(
+            chunk, index, name, coil, current, signals, noise.magnetometer_sigma_t, full_scale_t
         )
-        gathered = bursts(pulses, longest=round(_LONGEST_S / chunk.time_step_s))
-        if not gathered:
-            raise SetupError(say("setup.no_burst", where=[name], longest_s=_LONGEST_S, pulses=len(pulses)))
         way = np.array(direction_between(settings.source, name))
-        empty = np.full((chunk.tick_count, 3), np.nan)
         filled, followed = follow_bursts(
             settings.coils,
             gathered,
@@ -161,9 +150,7 @@ def analyse_bursts(chunk: ImuChunk, setup: SessionSetup) -> tuple[BurstAnalysis,
                 signals.source_accelerometer_mps2,
                 q_world[row],
                 q_world[index],
-                empty,
-                np.full((chunk.tick_count, 4), np.nan),
-                np.full((chunk.tick_count, 6, 6), np.nan),
+                *(np.full((chunk.tick_count, *shape), np.nan) for shape in ((3,), (4,), (6, 6))),
             ),
             overrides,
             way if way.any() else None,
@@ -183,6 +170,43 @@ def analyse_bursts(chunk: ImuChunk, setup: SessionSetup) -> tuple[BurstAnalysis,
             )
         )
     return tuple(found)
+
+
+def _bursts_of(
+    chunk: ImuChunk,
+    index: int,
+    name: Placement,
+    coil: NDArray[np.int64],
+    current: Float,
+    signals: ModuleSignals,
+    sigma_t: float,
+    full_scale_t: float,
+) -> list[list[Pulse]]:
+    """Return the bursts that the magnetometer of a module felt.
+
+    Raises
+    ------
+    SetupError
+        If it felt none.
+    """
+    assert chunk.magnetometer_t is not None
+    measured = (chunk.quality[index] & _NOT_MEASURED) == 0
+    beside = max(4, round(_BASELINE_S / chunk.time_step_s))
+    pulses = extract_pulses(
+        np.where(measured[:, None], chunk.magnetometer_t[index], np.nan),
+        coil,
+        current,
+        integrate_gyroscope(np.nan_to_num(signals.gyroscope_radps), chunk.time_step_s),
+        before=beside,
+        after=max(4, round(_BASELINE_S / chunk.time_step_s) - 1),
+        magnetometer_sigma_t=sigma_t,
+        full_scale_t=full_scale_t,
+        reach=round(_REACH_S / chunk.time_step_s),
+    )
+    gathered = bursts(pulses, longest=round(_LONGEST_S / chunk.time_step_s))
+    if not gathered:
+        raise SetupError(say("setup.no_burst", where=[name], longest_s=_LONGEST_S, pulses=len(pulses)))
+    return gathered
 
 
 def _beside(on: NDArray[np.bool_]) -> NDArray[np.bool_]:

@@ -202,40 +202,24 @@ def simulate_arm(scenario: ArmScenario) -> SimulatedSession:
     # One instant before the first tick, for the mean rate of the first gyroscope sample.
     instants = np.arange(-1, ticks) / scenario.rate_hz
     motions, coordinates = person.at(instants), person.coordinates(instants)
-    errors = sensor_errors(scenario.errors)
     q_earth_room = rotation.about_z(scenario.facing_rad)
     field_room_t = rotation.rotate(rotation.conjugate(q_earth_room), scenario.earth_field.earth_t)
     sensors: dict[str, SensorSignals] = {}
     mountings: dict[Placement, Float] = {}
-    q_earth, biases, positions, velocities, accelerations = [], [], [], [], []
+    q_earth, biases, paths = [], [], []
     for placement in scenario.placements:
         q_segment_sensor, offset_m = scenario.mounting.draw(placement, scenario.body, scenario.seed)
         mountings[placement] = rotation.conjugate(q_segment_sensor)
         at, moving = instants, _on_skin(scenario, placement, motions[placement], coordinates)
         exact = _readings(moving, at, q_segment_sensor, offset_m, field_room_t, scenario.magnets)
         q_earth.append(rotation.multiply(q_earth_room, exact.q_room_sensor))
-        positions.append(exact.path.position)
-        velocities.append(exact.path.velocity)
-        accelerations.append(exact.path.acceleration)
+        paths.append(exact.path)
         if not scenario.clocks.is_common:
             at = _sample_times(scenario, placement, instants)
             moving = _on_skin(scenario, placement, person.at(at)[placement], person.coordinates(at))
             exact = _readings(moving, at, q_segment_sensor, offset_m, field_room_t, scenario.magnets)
-        rng = np.random.default_rng([scenario.seed, 7, PLACEMENTS.index(placement)])
-        stamps = instants[1:]
-        rate = exact.mean_rate_radps if errors.gyroscope_sampling == "mean" else exact.rate_radps
-        bias = errors.gyroscope.bias_over(stamps, rng)
-        gyroscope = errors.gyroscope.apply(rate, bias, rng)
-        accelerometer = errors.accelerometer.apply(
-            exact.specific_force_mps2, errors.accelerometer.bias_over(stamps, rng), rng
-        )
-        magnetometer = errors.magnetometer.apply(
-            exact.field_t, errors.magnetometer.bias_over(stamps, rng), rng
-        )
+        sensors[placement], bias = _measured(scenario, placement, exact, instants[1:])
         biases.append(bias)
-        sensors[placement] = SensorSignals(
-            stamps, gyroscope, accelerometer, magnetometer if scenario.has_magnetometer else None
-        )
     recording = Recording(
         sensors,
         scenario.rate_hz,
@@ -244,9 +228,10 @@ def simulate_arm(scenario: ArmScenario) -> SimulatedSession:
             "exercise": exercise.name,
             "side": scenario.side,
             "seed": str(scenario.seed),
-            "sensor_errors": errors.source,
+            "sensor_errors": sensor_errors(scenario.errors).source,
         },
     )
+    position, velocity, acceleration = (np.stack([path[order] for path in paths]) for order in range(3))
     truth = ArmTruth(
         _true_frames(scenario, motions, ticks),
         _on_ticks(performance, scenario.rate_hz),
@@ -254,9 +239,9 @@ def simulate_arm(scenario: ArmScenario) -> SimulatedSession:
         mountings,
         np.stack(q_earth),
         np.stack(biases),
-        np.stack(positions),
-        np.stack(velocities),
-        np.stack(accelerations),
+        position,
+        velocity,
+        acceleration,
         scenario.facing_rad,
     )
     setup = SessionSetup(
@@ -279,6 +264,23 @@ def _check(scenario: ArmScenario) -> None:
         raise SetupError(f"rate_hz is {scenario.rate_hz}; it must lie between 5 and 5000")
     if scenario.seed < 0:
         raise SetupError(f"seed is {scenario.seed}; it must not be negative")
+
+
+def _measured(
+    scenario: ArmScenario, placement: Placement, exact: TrueReadings, stamps_s: Float
+) -> tuple[SensorSignals, Float]:
+    """Return what a sensor with its errors reads, and the bias of its gyroscope, shape (K, 3)."""
+    errors = sensor_errors(scenario.errors)
+    rng = np.random.default_rng([scenario.seed, 7, PLACEMENTS.index(placement)])
+    rate = exact.mean_rate_radps if errors.gyroscope_sampling == "mean" else exact.rate_radps
+    bias = errors.gyroscope.bias_over(stamps_s, rng)
+    gyroscope = errors.gyroscope.apply(rate, bias, rng)
+    accelerometer = errors.accelerometer.apply(
+        exact.specific_force_mps2, errors.accelerometer.bias_over(stamps_s, rng), rng
+    )
+    magnetometer = errors.magnetometer.apply(exact.field_t, errors.magnetometer.bias_over(stamps_s, rng), rng)
+    field = magnetometer if scenario.has_magnetometer else None
+    return SensorSignals(stamps_s, gyroscope, accelerometer, field), bias
 
 
 def _readings(

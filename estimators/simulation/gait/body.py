@@ -1,7 +1,7 @@
 """The body above the feet: its centre of mass solves Newton and Euler for the given feet and pressure path."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -121,21 +121,12 @@ def move_body(
     parts = _foot_parts(style, feet)
     turns = upper_turns(style, footing, stride_s, time_s)
     upper_mass = style.mass_kg - 2.0 * style.foot_mass_kg
-    masses = {"pelvis": PELVIS_SHARE * upper_mass, "trunk": (1.0 - PELVIS_SHARE) * upper_mass}
-    still = Path(*(np.zeros((time_s.size, 3)) for _ in range(3)))
-    offsets = {
-        "pelvis": carried(still, turns["pelvis"], _PELVIS_OFFSET_M),
-        "trunk": carried(still, turns["trunk"], _TRUNK_OFFSET_M),
-    }
-    rates = {
-        "pelvis": _momentum_rate(masses["pelvis"], _PELVIS_GYRATION_M, turns["pelvis"]),
-        "trunk": _momentum_rate(masses["trunk"], TRUNK_GYRATION_M, turns["trunk"]),
-    }
+    carried_parts = _upper_parts(upper_mass, turns, time_s.size)
     height = com_height(style, footing, stride_s, time_s)
     lumbar_z = []
     for order in range(3):
         known = total_of(part.mass_kg * part.centre[order][:, 2] for part in parts.values())
-        known = known + total_of(masses[name] * offsets[name][order][:, 2] for name in masses)
+        known = known + total_of(part.mass_kg * part.centre[order][:, 2] for part in carried_parts.values())
         lumbar_z.append((style.mass_kg * height[order] - known) / upper_mass)
 
     share = _left_share(footing, time_s)
@@ -150,30 +141,15 @@ def move_body(
         between = wanted
         columns = []
         for axis in range(2):
-            alpha, beta = np.zeros(time_s.size), np.zeros(time_s.size)
             kappa = pressed[:, axis] * weight - between[:, axis] * (floor["left"] - floor["right"])
-            rolling = (0, 1)[axis == 0]
-            sign = 1.0 if axis == 0 else -1.0
-            for name, mass in masses.items():
-                lift = mass * (lumbar_z[2] + offsets[name].acceleration[:, 2] + GRAVITY_MPS2)
-                arm = mass * (lumbar_z[0] + offsets[name].position[:, 2] - plane_z)
-                alpha += arm
-                beta += lift
-                kappa += arm * offsets[name].acceleration[:, axis] - lift * offsets[name].position[:, axis]
-                kappa += sign * rates[name][:, rolling]
-            for part in parts.values():
-                lift = part.mass_kg * (part.centre.acceleration[:, 2] + GRAVITY_MPS2)
-                arm = part.mass_kg * (part.centre.position[:, 2] - plane_z)
-                kappa += arm * part.centre.acceleration[:, axis] - lift * part.centre.position[:, axis]
-                kappa += sign * part.momentum_rate_nm[:, rolling]
-            columns.append(_boundary_value(beta / alpha, -kappa / alpha, step_s))
+            columns.append(_lumbar_coordinate(axis, kappa, parts, carried_parts, lumbar_z, plane_z, step_s))
         lumbar = Path(
             *(np.column_stack((columns[0][order], columns[1][order], lumbar_z[order])) for order in range(3))
         )
         everything = dict(parts)
-        for name, mass in masses.items():
-            centre = Path(*(a + b for a, b in zip(lumbar, offsets[name], strict=True)))
-            everything[name] = RigidBody(mass, centre, turns[name], rates[name])
+        for name, part in carried_parts.items():
+            centre = Path(*(a + b for a, b in zip(lumbar, part.centre, strict=True)))
+            everything[name] = replace(part, centre=centre)
         com = _mean_path(everything)
         total = style.mass_kg * (com.acceleration + UPWARD_MPS2)
         wanted = _between(com, total, shares, sole_cop_m)
@@ -190,6 +166,51 @@ def move_body(
     twist = twist - total_of(cross(sole_cop_m[side], force[side])[:, 2] for side in SIDES)
     moments = {side: shares[side] * twist for side in SIDES}
     return BodyMotion(everything, com, lumbar, force, dict(sole_cop_m), moments)
+
+
+def _upper_parts(mass_kg: float, turns: Mapping[str, Turn], count: int) -> dict[str, RigidBody]:
+    """Return pelvis and trunk with their centres relative to the lumbar joint, which carries both."""
+    still = Path(*(np.zeros((count, 3)) for _ in range(3)))
+    found = {}
+    for name, share, offset, gyration in (
+        ("pelvis", PELVIS_SHARE, _PELVIS_OFFSET_M, _PELVIS_GYRATION_M),
+        ("trunk", 1.0 - PELVIS_SHARE, _TRUNK_OFFSET_M, TRUNK_GYRATION_M),
+    ):
+        mass, turn = share * mass_kg, turns[name]
+        centre = carried(still, turn, offset)
+        found[name] = RigidBody(mass, centre, turn, _momentum_rate(mass, gyration, turn))
+    return found
+
+
+def _lumbar_coordinate(
+    axis: int,
+    kappa: Float,
+    feet: Mapping[str, RigidBody],
+    upper: Mapping[str, RigidBody],
+    lumbar_z: Sequence[Float],
+    plane_z: Float,
+    step_s: float,
+) -> tuple[Float, Float, Float]:
+    """Return a horizontal coordinate of the lumbar joint from the moments about the other horizontal axis.
+
+    `kappa` starts as the moment of the ground; those of the parts are added here.
+    """
+    alpha, beta = np.zeros(plane_z.size), np.zeros(plane_z.size)
+    rolling = (0, 1)[axis == 0]
+    sign = 1.0 if axis == 0 else -1.0
+    for part in upper.values():
+        lift = part.mass_kg * (lumbar_z[2] + part.centre.acceleration[:, 2] + GRAVITY_MPS2)
+        arm = part.mass_kg * (lumbar_z[0] + part.centre.position[:, 2] - plane_z)
+        alpha += arm
+        beta += lift
+        kappa += arm * part.centre.acceleration[:, axis] - lift * part.centre.position[:, axis]
+        kappa += sign * part.momentum_rate_nm[:, rolling]
+    for part in feet.values():
+        lift = part.mass_kg * (part.centre.acceleration[:, 2] + GRAVITY_MPS2)
+        arm = part.mass_kg * (part.centre.position[:, 2] - plane_z)
+        kappa += arm * part.centre.acceleration[:, axis] - lift * part.centre.position[:, axis]
+        kappa += sign * part.momentum_rate_nm[:, rolling]
+    return _boundary_value(beta / alpha, -kappa / alpha, step_s)
 
 
 def _foot_parts(style: BodyStyle, feet: dict[Side, FootMotion]) -> dict[str, RigidBody]:

@@ -147,40 +147,12 @@ def simulate_gait(scenario: GaitScenario) -> SimulatedWalk:
         rng = np.random.default_rng([scenario.seed, 22, _role(name, number, scenario.first_foot)])
         q_segment_sensor = rotation.exp(scenario.mounting_sd_rad * rng.normal(size=3))
         mountings[name] = q_segment_sensor
-        q_room_sensor = rotation.multiply(turn.q, q_segment_sensor)
-        back = rotation.conjugate(q_room_sensor)
-        clean = [
-            rotate(back, turn.rate),
-            rotate(back, path.acceleration + UPWARD_MPS2),
-            rotate(back, np.broadcast_to(field_room_t, path.position.shape)),
-        ]
         side = name.rpartition("_")[2]
         load = loads[side].get(name.partition("_")[0]) if side in SIDES else None
-        if load is not None:
-            clean += [rotation.rotate(rotation.conjugate(q_segment_sensor), part) for part in load]
+        clean = _exact_readings(turn, path, q_segment_sensor, field_room_t, load)
         if scenario.anti_alias and every > 1:
             clean = [_anti_aliased(values, 0.4 / every) for values in clean]
-        rate, specific, magnetic, *wrench = (values[::every] for values in clean)
-        inertial = errors.inertial
-        measured_rate = inertial.gyroscope.apply(rate, inertial.gyroscope.bias_over(stamps, rng), rng)
-        measured_force = inertial.accelerometer.apply(
-            specific, inertial.accelerometer.bias_over(stamps, rng), rng
-        )
-        measured_field = inertial.magnetometer.apply(
-            magnetic, inertial.magnetometer.bias_over(stamps, rng), rng
-        )
-        force = moment = None
-        if wrench and scenario.has_load_cells:
-            measured = errors.load.apply(stamps, np.concatenate(wrench, axis=1), rng)
-            force, moment = measured[:, :3], measured[:, 3:]
-        sensors[name] = SensorSignals(
-            stamps,
-            measured_rate,
-            measured_force,
-            measured_field if scenario.has_magnetometer else None,
-            force,
-            moment,
-        )
+        sensors[name] = _measured(scenario, errors, stamps, [values[::every] for values in clean], rng)
     recording = Recording(
         sensors,
         rate_hz,
@@ -189,6 +161,46 @@ def simulate_gait(scenario: GaitScenario) -> SimulatedWalk:
     )
     truth = _truth(scenario, footing, feet_model, feet, body, loads, mountings, every)
     return SimulatedWalk(recording, truth)
+
+
+def _exact_readings(
+    turn: Turn,
+    path: Path,
+    q_segment_sensor: Float,
+    field_room_t: Float,
+    load: tuple[Float, Float] | None,
+) -> list[Float]:
+    """Return rate, specific force, field and, where loads are, force and moment in sensor axes, (N, 3) each."""
+    back = rotation.conjugate(rotation.multiply(turn.q, q_segment_sensor))
+    found = [
+        rotate(back, turn.rate),
+        rotate(back, path.acceleration + UPWARD_MPS2),
+        rotate(back, np.broadcast_to(field_room_t, path.position.shape)),
+    ]
+    if load is not None:
+        found += [rotation.rotate(rotation.conjugate(q_segment_sensor), part) for part in load]
+    return found
+
+
+def _measured(
+    scenario: GaitScenario, errors: ShoeErrors, stamps_s: Float, exact: list[Float], rng: np.random.Generator
+) -> SensorSignals:
+    """Return what a sensor with its errors reads."""
+    rate, specific, magnetic, *wrench = exact
+    inertial = errors.inertial
+    measured_rate = inertial.gyroscope.apply(rate, inertial.gyroscope.bias_over(stamps_s, rng), rng)
+    measured_force = inertial.accelerometer.apply(
+        specific, inertial.accelerometer.bias_over(stamps_s, rng), rng
+    )
+    measured_field = inertial.magnetometer.apply(
+        magnetic, inertial.magnetometer.bias_over(stamps_s, rng), rng
+    )
+    force = moment = None
+    if wrench and scenario.has_load_cells:
+        measured = errors.load.apply(stamps_s, np.concatenate(wrench, axis=1), rng)
+        force, moment = measured[:, :3], measured[:, 3:]
+    field = measured_field if scenario.has_magnetometer else None
+    return SensorSignals(stamps_s, measured_rate, measured_force, field, force, moment)
 
 
 def _role(name: str, number: int, first_foot: Side) -> int:
