@@ -32,9 +32,6 @@ from estimators.conventions import Placement
 from estimators.pipelines import SessionSetup
 
 MULTIPART_SLACK_BYTES: Final = 1 << 20
-_ANY_BODY: Final = "qmt_mat"
-"""Announces what any whole-body recording has; the task replaces it by what the file holds."""
-
 router = APIRouter(prefix="/api", tags=["sessions"])
 
 
@@ -196,7 +193,10 @@ def pipeline_of(declaration: UploadIn) -> str:
 def _announced(declaration: UploadIn, path: Path) -> tuple[list[Placement], float]:
     """Return placements and rate as far as they are known without reading the whole file."""
     source = readers.Source(path, declaration.file_name, declaration.csv)
-    placements, rate_hz = readers.reader_of(declaration.format or _ANY_BODY).announces(source)
+    # Where only the contents say the format, the most that any format holds; the task replaces it by what is there.
+    most = max(readers.readers().values(), key=lambda one: len(one.placements))
+    reader = readers.reader_of(declaration.format) if declaration.format else most
+    placements, rate_hz = reader.announces(source)
     return cast(list[Placement], list(placements)), rate_hz
 
 

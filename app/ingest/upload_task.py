@@ -85,7 +85,7 @@ def _store(context: JobContext, declaration: UploadIn, path: Path) -> list[str]:
     context.progress(0.01, say("progress.reading_file"))
     _forget_raw(context)
     notes: list[str] = []
-    if declaration.format == "packet_log":
+    if readers.reader_of(str(declaration.format)).holds_packets:
         log = readers.LogReader(path)
         size = path.stat().st_size
         stored_ticks = _write_packets(

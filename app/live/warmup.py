@@ -41,7 +41,7 @@ def usual() -> list[Kind]:
     return [FIRST, *((name, DEFAULT) for name in own)]
 
 
-def kind_of(setup: SessionSetup) -> Kind:
+def code_of(setup: SessionSetup) -> Kind:
     """Return the kind of session that a setup asks for."""
     asks = pipelines.available()[setup.pipeline].takes_estimator
     return setup.pipeline, setup.orientation if asks else DEFAULT
@@ -106,13 +106,13 @@ class Readiness:
         Unavailable
             That takes longer than a moment; it goes on meanwhile.
         """
-        done, _ = await asyncio.wait([self._of(kind_of(setup))], timeout=PATIENCE_S)
+        done, _ = await asyncio.wait([self._of(code_of(setup))], timeout=PATIENCE_S)
         if not done:
             raise Unavailable(PREPARING, retry_after_s=2, reason="preparing")
 
     def is_ready(self, setup: SessionSetup) -> bool:
         """Say whether a session with this setup can be opened at once, as far as is known."""
-        task = self._kinds.get(kind_of(setup))
+        task = self._kinds.get(code_of(setup))
         return task is not None and task.done()
 
     async def _one_by_one(self) -> None:

@@ -99,6 +99,8 @@ class Reader(ABC):
         Whether somebody must say which column is what.
     placements : tuple of str
         What it usually holds, registered until it is read.
+    holds_packets : bool
+        Packets as a gateway sent them, on the ticks of their session: stored as they are.
     is_last : bool
         Asked after the others: it takes what nobody else knows.
     """
@@ -110,6 +112,7 @@ class Reader(ABC):
     asks_pipeline: ClassVar[bool] = False
     needs_mapping: ClassVar[bool] = False
     placements: ClassVar[tuple[str, ...]] = ()
+    holds_packets: ClassVar[bool] = False
     is_last: ClassVar[bool] = False
 
     @property

@@ -1,5 +1,7 @@
 """The numpy twin of the compiled kernel: the same columns from the plain functions, for any recording."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -34,6 +36,11 @@ _PARTS = {
 _SINGULAR = np.uint8(128)
 
 
+def _by_placement(model: ArmModel, values: NDArray[Any] | None) -> dict[str, NDArray[Any]]:
+    """Return values of shape (K, G, ...) by segment; none where they were not given."""
+    return {} if values is None else {name: values[:, g] for g, name in enumerate(model.placements)}
+
+
 def evaluate_reference(
     model: ArmModel,
     q_room_segment: Float,
@@ -45,15 +52,11 @@ def evaluate_reference(
 ) -> ArmResult:
     """Do what `ArmModel.evaluate` does, slowly and in the open; same arguments, same result to rounding."""
     ticks = q_room_segment.shape[0]
-    columns: dict[str, Float] = {name: q_room_segment[:, g] for g, name in enumerate(model.placements)}
     flags = np.zeros(q_room_segment.shape[:2], np.uint8) if segment_flags is None else segment_flags
-    flag_of: dict[str, NDArray[np.uint8]] = {name: flags[:, g] for g, name in enumerate(model.placements)}
-    sigma_of: dict[str, Float] = {}
-    if sigma_room_rad is not None:
-        sigma_of = {name: sigma_room_rad[:, g] for g, name in enumerate(model.placements)}
-    omega_of: dict[str, Float] = {}
-    if angular_velocity_room_radps is not None:
-        omega_of = {name: angular_velocity_room_radps[:, g] for g, name in enumerate(model.placements)}
+    columns, flag_of = _by_placement(model, q_room_segment), _by_placement(model, flags)
+    sigma_of, omega_of = (
+        _by_placement(model, values) for values in (sigma_room_rad, angular_velocity_room_radps)
+    )
     centres = joint_centres(columns, model.body)
     previous = model.initial_previous() if previous_angle_rad is None else np.array(previous_angle_rad)
     angle = np.full((ticks, len(model.angles)), np.nan)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from estimators import rotation
 from estimators.calibration._contract import UNUSABLE_SCORE, Calibration
+from estimators.calibration._device import vector
 from estimators.calibration._mounting import FACING_ORDER, N_POSE_TURN_RAD, OUTWARD_HEADING_RAD
 from estimators.calibration._rest import (
     SWAY_RAD,
@@ -128,8 +129,8 @@ def n_pose(
         facing_rad, reference, facing_sigma_rad = _facing(
             placements, heading_rad, steepness_rad, own_heading, verdict
         )
-    told_rad = np.full((sensors, 3), np.nan) if sigma_rad is None else sigma_rad[:, -1]
-    settled_rad = np.where(np.isfinite(told_rad), told_rad, _SETTLED_RAD)
+    stated_rad = np.full((sensors, 3), np.nan) if sigma_rad is None else sigma_rad[:, -1]
+    settled_rad = np.where(np.isfinite(stated_rad), stated_rad, _SETTLED_RAD)
     mounting_sigma_rad: dict[Placement, tuple[float, float, float]] = {}
     offsets: dict[Placement, float] = {}
     q_sensor_segment: dict[Placement, tuple[float, float, float, float]] = {}
@@ -152,10 +153,7 @@ def n_pose(
         raise CalibrationError(say("calibration.pose_unusable", reasons=verdict.reasons))
     return Calibration(
         q_sensor_segment=q_sensor_segment,
-        gyroscope_bias_radps={
-            name: (float(b[0]), float(b[1]), float(b[2]))
-            for name, b in zip(placements, bias.gyroscope_bias_radps, strict=True)
-        },
+        gyroscope_bias_radps=dict(zip(placements, map(vector, bias.gyroscope_bias_radps), strict=True)),
         facing_rad=facing_rad,
         heading_offset_rad=offsets,
         method="t_pose" if arms == "sideways" else "n_pose",

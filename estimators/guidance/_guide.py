@@ -44,6 +44,33 @@ VALID_SHARE: Final = 0.8
 """Share of each target that a valid repetition attains unless the therapist says otherwise."""
 
 
+def _room_for(ready: GuidanceTemplate, rest_ticks: int, window_ticks: int) -> tuple[Memory, Work]:
+    """Return the memory of a guide that has seen nothing, and room for what it computes in a tick."""
+    model, channels = ready.model, len(ready.channels)
+    sizes, (steering, phases) = len(model.sizes), model.offset.shape
+    memory = Memory(
+        mass=np.zeros((sizes, phases)),
+        start=np.full(channels, np.nan),
+        last=np.full(channels, np.nan),
+        window=np.full((window_ticks, channels), np.nan),
+        rest=np.full((rest_ticks, channels), np.nan),
+        size_mean=np.full(sizes, 1.0 / sizes),
+        reached=np.zeros(steering),
+        quotient=np.zeros(len(model.target)),
+    )
+    work = Work(
+        sums=np.zeros((6, phases)),
+        moved=np.zeros((sizes, phases)),
+        line=np.zeros((2, phases)),
+        y=np.zeros(channels),
+        v=np.zeros(channels),
+        sigma=np.zeros(channels),
+        prior=np.zeros(sizes),
+        sorted=np.zeros(rest_ticks),
+    )
+    return memory, work
+
+
 class Guide:
     """Follows a patient along a template, counts, cues and stops; recorded and live give the same bits.
 
@@ -89,8 +116,6 @@ class Guide:
         self.stops = tuple(stops)
         self._orders = make_orders(ready, self.tick_s, self.rules, self.stops, pace or CuePace())
         self._said = make_said(self._orders)
-        model = ready.model
-        sizes, (steering, phases), channels = len(model.sizes), model.offset.shape, len(ready.channels)
         stride = max(1, round(1.0 / UPDATE_HZ / tick_s))
         rest_ticks = max(2, round(REST_S / tick_s))
         self._settings = filled(
@@ -109,27 +134,7 @@ class Guide:
         self._state = np.zeros(1, dtype=STATE)
         self._state["tick"] = -1
         self._state["p_rest"] = 1.0
-        unknown = np.full(channels, np.nan)
-        self._memory = Memory(
-            mass=np.zeros((sizes, phases)),
-            start=unknown.copy(),
-            last=unknown.copy(),
-            window=np.full((max(3, round(SLOPE_S / tick_s) + 1), channels), np.nan),
-            rest=np.full((rest_ticks, channels), np.nan),
-            size_mean=np.full(sizes, 1.0 / sizes),
-            reached=np.zeros(steering),
-            quotient=np.zeros(len(model.target)),
-        )
-        self._work = Work(
-            sums=np.zeros((6, phases)),
-            moved=np.zeros((sizes, phases)),
-            line=np.zeros((2, phases)),
-            y=np.zeros(channels),
-            v=np.zeros(channels),
-            sigma=np.zeros(channels),
-            prior=np.zeros(sizes),
-            sorted=np.zeros(rest_ticks),
-        )
+        self._memory, self._work = _room_for(ready, rest_ticks, max(3, round(SLOPE_S / tick_s) + 1))
 
     @property
     def start_posture(self) -> Float:

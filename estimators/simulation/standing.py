@@ -133,6 +133,28 @@ class StandingPerson:
     height_m: dict[Placement, float]
 
 
+def _measured(
+    model: SensorErrors,
+    time_s: Float,
+    q_before: Float,
+    q_now: Float,
+    acceleration_mps2: Float,
+    rate_hz: float,
+    rng: np.random.Generator,
+) -> SensorSignals:
+    """Return what a sensor reads that turned from one orientation to the other in each step, shape (K, 4) both."""
+    rate = rotation.log(rotation.multiply(rotation.conjugate(q_before), q_now))
+    back = rotation.conjugate(q_now)
+    force = rotation.rotate(back, acceleration_mps2 + np.array([0.0, 0.0, GRAVITY_MPS2]))
+    field = rotation.rotate(back, EarthField().earth_t)
+    return SensorSignals(
+        time_s,
+        model.gyroscope.apply(rate * rate_hz, model.gyroscope.bias_over(time_s, rng), rng),
+        model.accelerometer.apply(force, model.accelerometer.bias_over(time_s, rng), rng),
+        model.magnetometer.apply(field, model.magnetometer.bias_over(time_s, rng), rng),
+    )
+
+
 def simulate_standing(
     trials: Sequence[Stance | Lean],
     seed: int,
@@ -200,20 +222,9 @@ def simulate_standing(
         acceleration = (
             rotation.rotate(before, arm) - 2.0 * rotation.rotate(now, arm) + rotation.rotate(after, arm)
         ) / _HALF_STEP_S**2
-        q = rotation.multiply(now, q_segment_sensor)
-        rate = rotation.log(
-            rotation.multiply(rotation.conjugate(rotation.multiply(last, q_segment_sensor)), q)
-        )
-        back = rotation.conjugate(q)
-        force = rotation.rotate(back, acceleration + np.array([0.0, 0.0, GRAVITY_MPS2]))
-        field = rotation.rotate(back, EarthField().earth_t)
+        turns = rotation.multiply(last, q_segment_sensor), rotation.multiply(now, q_segment_sensor)
         own = np.random.default_rng([seed, 72, number])
-        sensors[placement] = SensorSignals(
-            time,
-            model.gyroscope.apply(rate * rate_hz, model.gyroscope.bias_over(time, own), own),
-            model.accelerometer.apply(force, model.accelerometer.bias_over(time, own), own),
-            model.magnetometer.apply(field, model.magnetometer.bias_over(time, own), own),
-        )
+        sensors[placement] = _measured(model, time, *turns, acceleration, rate_hz, own)
     recording = Recording(sensors, rate_hz, origin="simulation", metadata={"seed": str(seed)})
     return StandingPerson(recording, tuple(spans), lean_at(time), heights)
 

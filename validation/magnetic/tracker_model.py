@@ -173,6 +173,18 @@ def _updates(seeds: Sequence[int], data: Data) -> Values:
             values.append(float(np.mean(np.sum(after * solved, axis=1)) / 6.0))
         # In space: the reference is one draw and its axes have their own chance.
         left.append(float(np.sqrt(np.mean(np.sum(after[:, :3] ** 2, axis=1)))) / _REFERENCE_M)
+    return {
+        "one update, off the reference": _one(off),
+        "iterated update, NEES, largest": np.array(nees[5]),
+        "iterated update, NEES, least": np.array(nees[5]),
+        "single update, NEES": np.array(nees[1]),
+        "iterated update, position over reference": _one(float(np.mean(left))),
+        **_beside_iron(clean, prior, noise),
+    }
+
+
+def _beside_iron(clean: Float, prior: Float, noise: Float) -> Values:
+    """Return what a piece of iron near the sensor does to one update."""
     sphere = IronSphere.of_cylinder(0.05, 0.05)
     at = np.array([0.1, 0.1, 0.0])
     bent = clean + sphere.disturbance(BENCH.field(0, _CURRENT_A, at), _POINT - at)
@@ -187,11 +199,6 @@ def _updates(seeds: Sequence[int], data: Data) -> Values:
         nis.append(float(disturbed.nis))
         same = same and bool(np.array_equal(disturbed.covariance, undisturbed.covariance))
     return {
-        "one update, off the reference": _one(off),
-        "iterated update, NEES, largest": np.array(nees[5]),
-        "iterated update, NEES, least": np.array(nees[5]),
-        "single update, NEES": np.array(nees[1]),
-        "iterated update, position over reference": _one(float(np.mean(left))),
         "iron, largest position error over the prior": _one(float(np.min([s.max() for s in share]))),
         "iron, mean error over the undisturbed": _one(float(np.mean(share) / np.mean(plain))),
         "iron, normalised innovation": _one(min(nis)),

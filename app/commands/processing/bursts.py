@@ -62,7 +62,7 @@ def process_bursts(
     InvalidInput
         For another format or rate, or parameters that are no object.
     """
-    if format not in ("auto", "packet_log"):
+    if format != "auto" and not readers.reader_of(format).holds_packets:
         raise InvalidInput(f"bursts are in packet logs, which say what the coils do; {format} does not")
     if rate is not None:
         raise InvalidInput("pulses are found on the recording's own ticks: leave --rate out")

@@ -59,7 +59,7 @@ def estimate(measured: Recording, file: Path, out: Path, asked: Asked) -> None:
         raise InvalidInput(f"no estimator {orientation!r}; choose one of {', '.join(known)}")
     kind = pipelines.kind(asked.pipeline)
     shoes = shoes_as_stored(measured) if pipelines.has_shoes(measured) else None
-    if asked.format != "packet_log":
+    if not readers.reader_of(asked.format).holds_packets:
         # As an upload stores it: both are estimated from the same numbers.
         feet = measured if shoes is None else readers.as_feet(measured)
         prepared = readers.packets_of(feet, any_name=not kind.is_worn)

@@ -8,7 +8,7 @@ from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput
 from app.kinds.walk.shoes import load_shoes, shoes_of
-from app.kinds.walk.stored import content_of, kind_of, reasons_of, recording_of, store_walk
+from app.kinds.walk.stored import content_of, guided_kind_of, reasons_of, recording_of, store_walk
 from app.recordings.analysis.jobs import JobContext
 from app.recordings.analysis.offline import Analysis
 from app.recordings.analysis.result_rows import CHUNKS_A_COMMIT, layout_dict, new_result, write_frames
@@ -90,7 +90,7 @@ def follow_feet(
         group = starts[first : first + CHUNKS_A_COMMIT]
         write_frames(context, result_id, [encode_frames(frames.ticks(i, i + _PIECE_TICKS)) for i in group])
     with unit_of_work(context.engine) as session:
-        kind = kind_of(session, session.get_one(MotionSession, context.session_id).exercise_id)
+        kind = guided_kind_of(session, session.get_one(MotionSession, context.session_id).exercise_id)
         content = content_of(walk, shoes, kind, notes)
         store_walk(session, context.session_id, result_id, content)
         result = session.get_one(Result, result_id)

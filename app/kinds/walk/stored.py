@@ -233,7 +233,7 @@ def _test(walk: Walk, kind: GuidedKind) -> WalkTestOut | None:
     )
 
 
-def kind_of(session: Session, exercise_id: str | None) -> GuidedKind:
+def guided_kind_of(session: Session, exercise_id: str | None) -> GuidedKind:
     """Return which walking test an exercise is; any other is a walk."""
     exercise = session.get(Exercise, exercise_id) if exercise_id is not None else None
     found: dict[str, GuidedKind] = {kind: kind for kind in GUIDED_KINDS}
@@ -284,7 +284,7 @@ __all__ = [
     "PIPELINE",
     "content_of",
     "gait",
-    "kind_of",
+    "guided_kind_of",
     "recording_of",
     "store_walk",
     "walk_stream",

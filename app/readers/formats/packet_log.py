@@ -15,6 +15,7 @@ class PacketLogReader(Reader):
     description = "As downloaded from a session, or stored by a gateway (.tmlog)"
     endings = frozenset({".tmlog"})
     asks_pipeline = True
+    holds_packets = True
 
     def recognises(self, source: Source) -> bool:
         """By its first bytes."""

@@ -106,24 +106,15 @@ def segmental_mass_centre(
     joints["neck"] = base
     head_m = HEAD_PER_STATURE * stature
     parts["head"] = base + along("head", -(1.0 - segments.centre_share["head"]) * head_m * down)
+    arm, leg = _limbs(dimensions)
     for side in SIDES:
         sign = 1.0 if side == "left" else -1.0
         outward = np.array([0.0, sign, 0.0])
         shoulder = base + along(f"shoulder_{side}", 0.5 * dimensions.shoulder_width_m * outward)
         joints[f"shoulder_{side}"] = shoulder
-        arm = (
-            _Limb("upper_arm", "elbow", dimensions.upper_arm_m),
-            _Limb("forearm", "wrist", dimensions.forearm_m),
-            # The table's hand ends at the knuckle of the middle finger.
-            _Limb("hand", "knuckle", 0.5 * dimensions.hand_m),
-        )
         hang(arm, shoulder, side)
         start = hip + along("pelvis", HIP_HALF_WIDTH_PER_STATURE * stature * outward)
         joints[f"hip_{side}"] = start
-        leg = (
-            _Limb("thigh", "knee", THIGH_PER_STATURE * stature),
-            _Limb("shank", "ankle", SHANK_PER_STATURE * stature),
-        )
         start = hang(leg, start, side)
         foot_m = FOOT_PER_STATURE * stature
         ahead = (segments.centre_share["foot"] - HEEL_BEHIND_ANKLE) * foot_m
@@ -173,6 +164,21 @@ class _Limb:
     part: str
     joint: str
     length_m: float
+
+
+def _limbs(body: BodyDimensions) -> tuple[tuple[_Limb, ...], tuple[_Limb, ...]]:
+    """Return the parts of an arm and of a leg, from the trunk outwards."""
+    arm = (
+        _Limb("upper_arm", "elbow", body.upper_arm_m),
+        _Limb("forearm", "wrist", body.forearm_m),
+        # The table's hand ends at the knuckle of the middle finger.
+        _Limb("hand", "knuckle", 0.5 * body.hand_m),
+    )
+    leg = (
+        _Limb("thigh", "knee", THIGH_PER_STATURE * body.stature_m),
+        _Limb("shank", "ankle", SHANK_PER_STATURE * body.stature_m),
+    )
+    return arm, leg
 
 
 def _complete(given: Mapping[str, Float]) -> tuple[dict[str, Float], tuple[str, ...]]:

@@ -220,17 +220,13 @@ def simulate_arm(scenario: ArmScenario) -> SimulatedSession:
             exact = _readings(moving, at, q_segment_sensor, offset_m, field_room_t, scenario.magnets)
         sensors[placement], bias = _measured(scenario, placement, exact, instants[1:])
         biases.append(bias)
-    recording = Recording(
-        sensors,
-        scenario.rate_hz,
-        origin="simulation",
-        metadata={
-            "exercise": exercise.name,
-            "side": scenario.side,
-            "seed": str(scenario.seed),
-            "sensor_errors": sensor_errors(scenario.errors).source,
-        },
-    )
+    metadata = {
+        "exercise": exercise.name,
+        "side": scenario.side,
+        "seed": str(scenario.seed),
+        "sensor_errors": sensor_errors(scenario.errors).source,
+    }
+    recording = Recording(sensors, scenario.rate_hz, origin="simulation", metadata=metadata)
     position, velocity, acceleration = (np.stack([path[order] for path in paths]) for order in range(3))
     truth = ArmTruth(
         _true_frames(scenario, motions, ticks),
@@ -245,11 +241,7 @@ def simulate_arm(scenario: ArmScenario) -> SimulatedSession:
         scenario.facing_rad,
     )
     setup = SessionSetup(
-        pipeline="arm",
-        placements=scenario.placements,
-        rate_hz=scenario.rate_hz,
-        orientation=scenario.orientation,
-        body=scenario.body,
+        "arm", scenario.placements, scenario.rate_hz, orientation=scenario.orientation, body=scenario.body
     )
     return SimulatedSession(recording, truth, setup)
 

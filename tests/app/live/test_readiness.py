@@ -11,7 +11,7 @@ import pytest
 
 from app.errors import Unavailable
 from app.live import warmup
-from app.live.warmup import FIRST, Kind, Readiness, kind_of, usual
+from app.live.warmup import FIRST, Kind, Readiness, code_of, usual
 from estimators.pipelines import SessionSetup
 
 ARM = SessionSetup("arm", ("sternum", "upper_arm_right", "forearm_right"), 100.0)
@@ -52,7 +52,7 @@ def test_a_session_waits_for_its_own_kind_only(monkeypatch: pytest.MonkeyPatch) 
         assert refused.value.details["reason"] == "preparing"
         assert not ready.is_ready(ARM)
         # Another estimator is begun at once, not after the usual kinds.
-        held.gate(kind_of(OTHER)).set()
+        held.gate(code_of(OTHER)).set()
         await ready.require(OTHER)
         held.gate(FIRST).set()
         await ready_for(ready, ARM)
