@@ -82,6 +82,13 @@ async def observe(services: Services, stack: AsyncExitStack) -> Registry:
             Counter(str(one.state in STREAMING).lower() for one in services.get(LiveManager).sessions),
         ),
     )
+    admission = services.get(LiveManager).admission
+    registry.gauge(
+        "live_busy", "Share of a processor that the thread of live sessions uses.", lambda: admission.busy
+    )
+    registry.counter(
+        "live_refused_total", "Times a gateway was sent away from a full machine.", lambda: admission.refused
+    )
     registry.gauge("views", "3D scenes that stand.", lambda: services.get(Viewer).stage_count)
     registry.counter(
         "sign_ins_refused_total", "Sign-ins refused.", lambda: services.get(RefusedSignIns).refused
@@ -129,12 +136,11 @@ def _tasks(services: Services) -> dict[tuple[tuple[str, str], ...], float]:
 
 
 async def _watch(live: Any, latency: Histogram, lag: Histogram) -> None:
-    """Measure the event loop's lateness and take what the live sessions measured since the last turn."""
-    loop = asyncio.get_running_loop()
+    """Take what live sessions and their thread measured since the last turn."""
     while True:
-        due = loop.time() + _TURN_S
         await asyncio.sleep(_TURN_S)
-        lag.observe(max(0.0, loop.time() - due))
+        for value in live.admission.take_lags():
+            lag.observe(value)
         for session in live.sessions:
             for value in session.health.take_latencies():
                 latency.observe(value)

@@ -287,11 +287,16 @@ class GatewayClient:
                 return
             except (OSError, InvalidHandshake, ConnectionClosed, TimeoutError, Unavailable) as error:
                 await self._disconnect()
-                if time.monotonic() > deadline:
+                asked_s = 0.0
+                if isinstance(error, Unavailable):
+                    asked_s = float(error.details.get("retry_after_s", 0.0))
+                if time.monotonic() + asked_s > deadline:
+                    why = error.message if isinstance(error, Unavailable) else ""
                     raise Unavailable(
-                        f"The service could not be reached for {self._give_up_s:.0f} s.", retry_after_s=60
+                        f"The service could not be reached for {self._give_up_s:.0f} s. {why}".rstrip(),
+                        retry_after_s=60,
                     ) from error
-                await asyncio.sleep(wait_s * self._random.uniform(0.5, 1.0))
+                await asyncio.sleep(max(asked_s, wait_s * self._random.uniform(0.5, 1.0)))
                 wait_s = min(2.0 * wait_s, LONGEST_WAIT_S)
 
     async def _connect_once(self) -> None:

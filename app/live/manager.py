@@ -2,10 +2,11 @@
 
 import asyncio
 import logging
+import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any, Final, TypeVar
 from weakref import WeakValueDictionary
 
 from sqlalchemy import Engine
@@ -14,6 +15,7 @@ from app.errors import Conflict, TelemotionError, Unavailable
 from app.kinds.magnetic.safety import CONFIRMATION_HOURS
 from app.limits import Hold, Limits
 from app.live import repository
+from app.live.admission import FULL, WINDOW_S, Admission
 from app.live.bus import Bus, topic
 from app.live.checks.plausibility import CheckProcess
 from app.live.housekeeping import GOODBYE_CLOSE_S, IDLE_CLOSE_S, LONGEST_S, Housekeeping
@@ -24,11 +26,11 @@ from app.live.session.opening import Opener, check_network
 from app.live.session.runner import LiveSession
 from app.live.session.states import OPEN
 from app.live.session.stored import stored_state
-from app.live.warmup import Readiness, prepare_process
+from app.live.warmup import PREPARING, Readiness, prepare_process
 from app.network.declaration import Declaration
 from app.network.messages import HelloMessage
 from app.recordings.signals.group_commit import GroupCommitWriter
-from app.sentences import say
+from app.sentences import Sentence, say
 from estimators.calibration import Hemisphere
 from estimators.pipelines import SessionSetup
 
@@ -36,6 +38,8 @@ logger = logging.getLogger(__name__)
 
 Answer = TypeVar("Answer")
 _NOT_CLOSED = say("live.not_closed")
+QUIET_S: Final = 60.0
+"""A session from which nothing came for longer is not expected to stream at any moment."""
 
 
 class LiveManager:
@@ -95,8 +99,10 @@ class LiveManager:
         self._loop: asyncio.AbstractEventLoop | None = None
         self._is_stopping = False
         self._readiness = Readiness()
-        self._preparing: set[str] = set()
-        """Sessions whose gateway was sent away because the service is not ready for their kind."""
+        self._sent_away: dict[str, Sentence] = {}
+        """Sessions whose gateway is to come again later, and why."""
+        self.admission = Admission()
+        self._measuring: asyncio.Task[None] | None = None
         # One thread: the checks of many sockets at once must not outnumber the event loop for the interpreter.
         self._checks = ThreadPoolExecutor(1, thread_name_prefix="live-checks")
         self._check_process = CheckProcess()
@@ -118,14 +124,16 @@ class LiveManager:
                     repository.save_state, self.engine, stored.id, "link_lost", say("live.restarted")
                 )
         self._housekeeper = asyncio.create_task(self._housekeeping.run(), name="live housekeeping")
+        self._measuring = asyncio.create_task(self.admission.run(), name="live admission")
 
     async def stop(self) -> None:
         """Store what is known and let the gateways come back to the next service."""
         self._is_stopping = True
         self._readiness.end()
-        if self._housekeeper is not None:
-            self._housekeeper.cancel()
-            await asyncio.gather(self._housekeeper, return_exceptions=True)
+        for task in (self._housekeeper, self._measuring):
+            if task is not None:
+                task.cancel()
+                await asyncio.gather(task, return_exceptions=True)
         for intake in list(self._intakes.values()):
             intake.end(Unavailable(say("live.stopping"), reason="stopping"))
         await asyncio.gather(*self._closing.values(), return_exceptions=True)
@@ -158,7 +166,7 @@ class LiveManager:
         Conflict
             The session is closed.
         LimitReached, Unavailable
-            Too many sessions are live.
+            Too many sessions are live, or the machine carries no more.
         """
         if self._is_stopping:
             raise Unavailable(say("live.stopping"), retry_after_s=5)
@@ -170,6 +178,8 @@ class LiveManager:
                 raise Conflict(say("live.closed"), state="closing")
             session = self._sessions.get(stored.id)
             if session is None:
+                if stored.state == "created":
+                    self._admit(stored.id)
                 hold = self._limits.take("streams", subject)
                 try:
                     session = await self._opener.open(
@@ -208,14 +218,31 @@ class LiveManager:
                 # gateway still has packets to bring.
                 session.link_lost(say("live.connection_ended"))
 
+    def _admit(self, session_id: str) -> None:
+        """Let a session in that has not streamed yet, while there is room."""
+        now_s = time.monotonic()
+        measured = [one for one in self.sessions if now_s - one.opened_s > WINDOW_S]
+        streaming = sum(now_s - one.last_arrival_s < WINDOW_S for one in measured)
+        quiet = sum(now_s - one.last_arrival_s < QUIET_S for one in self.sessions) - streaming
+        try:
+            self.admission.require_room(streaming, quiet)
+        except Unavailable:
+            self._send_away(session_id, FULL)
+            raise
+        self._sent_away.pop(session_id, None)
+
     async def _prepared(self, session_id: str, setup: SessionSetup) -> None:
         try:
             await self._readiness.require(setup)
         except Unavailable:
-            self._preparing.add(session_id)
-            self._tell_stored(session_id)
+            self._send_away(session_id, PREPARING)
             raise
-        self._preparing.discard(session_id)
+        self._sent_away.pop(session_id, None)
+
+    def _send_away(self, session_id: str, why: Sentence) -> None:
+        """Show at the session why its gateway is to come again later."""
+        self._sent_away[session_id] = why
+        self._tell_stored(session_id)
 
     # --- people -----------------------------------------------------------------------------------------
 
@@ -271,6 +298,7 @@ class LiveManager:
             await self._save_failed(session_id, reason)
         finally:
             self._sessions.pop(session_id, None)
+            self._sent_away.pop(session_id, None)
             if session_id in self._holds:
                 self._holds.pop(session_id).release()
             if session is not None:
@@ -306,7 +334,7 @@ class LiveManager:
 
     def stored_state(self, stored: repository.StoredSession) -> StateMessage:
         """Return the state of a session that is not live here."""
-        return stored_state(stored, stored.id in self._preparing)
+        return stored_state(stored, self._sent_away.get(stored.id))
 
     async def check(self, work: Callable[[], Answer]) -> Answer:
         """Run a small database read in the thread reserved for checks of open sockets."""

@@ -10,6 +10,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "live.estimation_failed": "The live estimation failed. What the sensors send is stored and can be analysed"
     " afterwards.",
     "live.ticket_message": "The first message must be a JSON object with the field ticket.",
+    "live.full": "As many sessions are live as this machine carries without delay. The sensors connect by themselves"
+    " when another one ends.",
     "live.preparing": "The service is being prepared for this kind of session, which takes up to a minute"
     " after an installation or an update. The sensors connect by themselves when it is done.",
     "live.no_sensor_of_limb": "No sensor is worn on that limb; choose another.",

@@ -317,7 +317,7 @@ def main() -> int:
             sessions = []
             for email in (EMAIL, FOREIGN):
                 sessions += asyncio.run(open_sessions(port, patients[email], moving, 1, email))
-            sockets = open_sockets(port, moving, sessions)
+            sockets, _ = open_sockets(port, moving, sessions)
             children.append(spawn.Process(target=work_next_door, args=(foreign, waits), daemon=True))
             children[-1].start()
             print(f"running for {seconds:.0f} s ...", flush=True)

@@ -14,6 +14,7 @@ begins when it has read the packet.
 import argparse
 import asyncio
 import base64
+import json
 import os
 import platform
 import selectors
@@ -23,7 +24,7 @@ import struct
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -38,7 +39,7 @@ from estimators import pipelines
 from estimators.conventions import PLACEMENTS
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
 from tests.benchmarks.machine import processor
-from tests.benchmarks.service import free_port, make_patient, open_sessions, start_server
+from tests.benchmarks.service import free_port, make_patient, new_ticket, open_sessions, start_server
 
 LIMIT_MS = 50.0
 LIMIT_CORE = 0.85
@@ -74,6 +75,12 @@ class Socket:
         assert b" 101 " in head, head
         connection.sendall(client_frame(first.encode(), opcode=1))
         return cls(connection, session, path != "/ws/ingest", bytearray(rest))
+
+    def first_text(self) -> bytes:
+        """Wait for the first text message and return it."""
+        while not self.texts:
+            self.texts += [payload for opcode, payload in self.read() if opcode == 1]
+        return self.texts[0]
 
     def read(self) -> list[tuple[int, bytes]]:
         """Return the (opcode, payload) of what has come."""
@@ -130,14 +137,42 @@ def without_pose(stream: DeviceStream, packet_count: int) -> DeviceStream:
     )
 
 
-def open_sockets(port: int, stream: DeviceStream, sessions: list[dict[str, str]]) -> list[Socket]:
-    """Connect the gateway and the dashboard of every session."""
-    sockets = []
-    for number, one in enumerate(sessions):
-        hello = stream.hello(one["ingest"]).model_dump_json(exclude_none=True)
-        sockets.append(Socket.open(port, "/ws/ingest", number, hello))
-        sockets.append(Socket.open(port, f"/ws/live/{one['id']}", number, f'{{"ticket": "{one["live"]}"}}'))
-    return sockets
+PATIENCE_S = 30.0
+"""From the first hello on, gateways that are sent away come again as they are told."""
+
+
+def open_sockets(
+    port: int,
+    stream: DeviceStream,
+    sessions: list[dict[str, str]],
+    renew: Callable[[str], str] | None = None,
+) -> tuple[list[Socket], list[str]]:
+    """Connect the gateway and the dashboard of every session that is admitted; return them and the refusals' words.
+
+    `renew` gives a session's gateway a new ticket; without it nobody comes again.
+    """
+    sockets: list[Socket] = []
+    refusals = []
+    deadline = time.monotonic() + PATIENCE_S
+    for one in sessions:
+        number, ticket = len(sockets) // 2, one["ingest"]
+        while True:
+            hello = stream.hello(ticket).model_dump_json(exclude_none=True)
+            gateway = Socket.open(port, "/ws/ingest", number, hello)
+            answer = json.loads(gateway.first_text())
+            if answer["type"] != "error":
+                break
+            gateway.connection.close()
+            wait_s = answer["details"].get("retry_after_s", PATIENCE_S)
+            if renew is None or time.monotonic() + wait_s > deadline:
+                refusals.append(answer["message"])
+                break
+            time.sleep(wait_s)
+            ticket = renew(one["id"])
+        if answer["type"] != "error":
+            watcher = Socket.open(port, f"/ws/live/{one['id']}", number, f'{{"ticket": "{one["live"]}"}}')
+            sockets += [gateway, watcher]
+    return sockets, refusals
 
 
 @dataclass
@@ -318,13 +353,18 @@ def main() -> int:
             arguments.server_pid_file.write_text(str(process.pid))
         try:
             sessions = asyncio.run(open_sessions(port, patient_id, moving, arguments.sessions))
-            sockets = open_sockets(port, moving, sessions)
-            phases = np.random.default_rng(1).uniform(0, moving.packet_s, arguments.sessions)
+            sockets, refusals = open_sockets(
+                port, moving, sessions, lambda session: asyncio.run(new_ticket(port, session))
+            )
+            admitted = len(sockets) // 2
+            if refusals:
+                print(f"refused   {len(refusals)} of {len(sessions)} sessions: {refusals[0]}")
+            phases = np.random.default_rng(1).uniform(0, moving.packet_s, admitted)
             if arguments.together:
                 phases[:] = 0.0
             print(f"running for {arguments.seconds + WARM_UP_S:.0f} s ...", flush=True)
             outcome = run_load(sockets, frames, phases, moving.packet_s, psutil.Process(process.pid))
-            is_met = report(outcome, folder, arguments.sessions, arguments.seconds + WARM_UP_S, packet_count)
+            is_met = report(outcome, folder, admitted, arguments.seconds + WARM_UP_S, packet_count)
             if arguments.slow:
                 list_slow(outcome)
         finally:

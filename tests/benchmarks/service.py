@@ -127,6 +127,13 @@ async def open_sessions(
         return sessions
 
 
+async def new_ticket(port: int, session_id: str) -> str:
+    """Get a gateway's ticket once more."""
+    async with ServiceClient(f"http://127.0.0.1:{port}") as client:
+        await client.sign_in(EMAIL, PASSWORD)
+        return await client.ticket(session_id, "ingest")
+
+
 def free_port() -> int:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))

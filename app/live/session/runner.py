@@ -96,7 +96,7 @@ class LiveSession(CalibratedSession):
         self.ledger = SequenceLedger()
         self.skew = SkewEstimator()
         self.health = LinkHealth(declaration.placements, declaration.time_step_s)
-        self.last_arrival_s = time.monotonic()
+        self.opened_s = self.last_arrival_s = time.monotonic()
         self.duplicates = 0
         self.is_finished = False
         """Closed, and everything that came is stored."""

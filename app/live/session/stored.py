@@ -3,25 +3,25 @@
 from app.live.blocks import layout_message
 from app.live.messages import LayoutMessage, StateMessage
 from app.live.repository import StoredSession, calibration_of
-from app.live.warmup import PREPARING
 from app.recordings.schemas import CalibrationOut
+from app.sentences import Sentence
 from estimators import pipelines
 from estimators.pipelines import SessionSetup
 
 
-def stored_state(stored: StoredSession, is_preparing: bool) -> StateMessage:
+def stored_state(stored: StoredSession, sent_away: Sentence | None = None) -> StateMessage:
     """Return the state of a session that is not live here.
 
     Parameters
     ----------
     stored : StoredSession
-    is_preparing : bool
-        Its gateway was sent away because the service is not ready for its kind.
+    sent_away : Sentence, optional
+        Why its gateway is to come again later.
     """
     calibration = calibration_of(stored.setup)
     return StateMessage(
         state=stored.state,
-        reason=PREPARING if is_preparing else stored.state_reason,
+        reason=sent_away or stored.state_reason,
         session_time_s=0.0,
         recording_start_s=None,
         calibration=calibration and CalibrationOut.of(calibration),

@@ -1,0 +1,95 @@
+"""Who comes when the machine is full is sent away with a sentence, instead of everybody's frames coming late.
+
+Packets are taken, estimated and published by one thread, that of the event loop. Measured is what share of a processor
+it uses and how late it wakes. A session is admitted while that, with what sessions will use that are here but do not
+stream yet, leaves room for one more of the usual cost. A session that has streamed before is never sent away: its
+gateway holds packets that nobody else has.
+"""
+
+import asyncio
+import time
+from collections import deque
+from statistics import median
+from typing import Final
+
+from app.errors import Unavailable
+from app.sentences import say
+
+FULL: Final = say("live.full")
+TURN_S: Final = 0.25
+WINDOW_S: Final = 3.0
+"""What was used and how late the thread woke is judged over so long."""
+MOST_BUSY: Final = 0.85
+"""Share of a processor: queues grow without end at 1, and long before that in bursts."""
+LATE_S: Final = 0.25
+"""Where half of the turns come later, something else uses the machine up."""
+USUAL_COST: Final = 0.011
+"""Share of a processor for a session of 17 sensors at 100 Hz; what is measured counts as soon as something is."""
+LEAST_COST: Final = 0.002
+MOST_COST: Final = 0.03
+"""Few sessions cannot be distinguished from whatever else the thread does."""
+RETRY_S: Final = 10
+
+
+class Admission:
+    """Measures the event loop's thread and decides whether one more session fits; on that thread only."""
+
+    def __init__(self) -> None:
+        turns = round(WINDOW_S / TURN_S)
+        self.refused = 0
+        """Sessions sent away since the start; each time counts."""
+        self._turns: deque[tuple[float, float, float]] = deque(maxlen=turns)
+        self._lags: deque[float] = deque(maxlen=10 * turns)
+
+    async def run(self) -> None:
+        """Measure until cancelled."""
+        loop = asyncio.get_running_loop()
+        while True:
+            began_s, used_s = loop.time(), time.thread_time()
+            await asyncio.sleep(TURN_S)
+            lasted_s = loop.time() - began_s
+            self.note(lasted_s, time.thread_time() - used_s, max(0.0, lasted_s - TURN_S))
+
+    def note(self, lasted_s: float, used_s: float, late_s: float) -> None:
+        """Take one turn: how long it lasted, what it used of a processor, how late its end came."""
+        self._turns.append((lasted_s, used_s, late_s))
+        self._lags.append(late_s)
+
+    def take_lags(self) -> list[float]:
+        """Return how late the thread woke in the turns since the last call, seconds."""
+        lags = list(self._lags)
+        self._lags.clear()
+        return lags
+
+    @property
+    def busy(self) -> float:
+        """Share of a processor that the thread used of late."""
+        lasted_s = sum(lasted for lasted, _, _ in self._turns)
+        return sum(used for _, used, _ in self._turns) / lasted_s if lasted_s > 0.0 else 0.0
+
+    def require_room(self, streaming: int, quiet: int) -> None:
+        """Return when one more session fits.
+
+        Parameters
+        ----------
+        streaming : int
+            Sessions whose packets were measured already.
+        quiet : int
+            Sessions that are here and may stream at any moment.
+
+        Raises
+        ------
+        Unavailable
+            With when to try again.
+        """
+        busy = self.busy
+        cost = min(max(busy / streaming, LEAST_COST), MOST_COST) if streaming else USUAL_COST
+        is_late = (
+            len(self._turns) == self._turns.maxlen and median(late for _, _, late in self._turns) > LATE_S
+        )
+        if is_late or busy + (quiet + 1) * cost > MOST_BUSY:
+            self.refused += 1
+            raise Unavailable(FULL, retry_after_s=RETRY_S, reason="full")
+
+
+__all__ = ["FULL", "WINDOW_S", "Admission"]

@@ -1,0 +1,131 @@
+"""A full machine sends new sessions away with a sentence; who has streamed before comes in all the same."""
+
+import asyncio
+import time
+from typing import Any
+
+import pytest
+from sqlalchemy import Engine
+
+from app.database.unit_of_work import unit_of_work
+from app.errors import Unavailable
+from app.limits import Limits
+from app.live import repository
+from app.live.admission import FULL, MOST_BUSY, WINDOW_S, Admission
+from app.live.bus import MemoryBus
+from app.live.manager import LiveManager
+from app.live.session.intake import Intake
+from app.network.declaration import check_hello
+from app.network.packet import decode_packet
+from app.recordings import service
+from app.recordings.schemas import SessionIn
+from app.recordings.signals.group_commit import GroupCommitWriter
+from app.settings import Settings
+from tests.app.live.live_load import swaying
+
+
+def measured(busy: float, late_s: float = 0.0) -> Admission:
+    admission = Admission()
+    for _ in range(12):
+        admission.note(0.25, 0.25 * busy, late_s)
+    return admission
+
+
+def test_sessions_fit_until_the_thread_has_no_room_for_one_more() -> None:
+    admission = measured(0.8)
+    admission.require_room(streaming=80, quiet=0)
+    admission.require_room(streaming=80, quiet=3)
+    with pytest.raises(Unavailable) as refused:
+        admission.require_room(streaming=80, quiet=5)
+    assert refused.value.details["retry_after_s"] == 10
+    assert refused.value.details["reason"] == "full"
+    assert admission.refused == 1
+
+
+def test_the_first_sessions_of_a_machine_count_as_the_usual_ones() -> None:
+    admission = Admission()
+    admission.require_room(streaming=0, quiet=50)
+    with pytest.raises(Unavailable):
+        admission.require_room(streaming=0, quiet=100)
+
+
+def test_cheap_sessions_leave_room_for_more_and_a_busy_page_closes_no_door() -> None:
+    measured(0.3).require_room(streaming=100, quiet=100)
+    # One session beside an export: what the thread uses is not the session's cost.
+    measured(0.6).require_room(streaming=1, quiet=1)
+    with pytest.raises(Unavailable):
+        measured(MOST_BUSY).require_room(streaming=1, quiet=0)
+
+
+def test_a_thread_that_wakes_late_takes_nobody_however_little_it_uses() -> None:
+    with pytest.raises(Unavailable):
+        measured(0.1, late_s=0.5).require_room(streaming=1, quiet=0)
+    one_hiccup = measured(0.1)
+    one_hiccup.note(5.0, 0.1, 4.75)
+    one_hiccup.require_room(streaming=1, quiet=0)
+
+
+def test_it_recovers_within_its_window() -> None:
+    admission = measured(1.0, late_s=1.0)
+    for _ in range(round(WINDOW_S / 0.25)):
+        admission.note(0.25, 0.05, 0.0)
+    admission.require_room(streaming=10, quiet=0)
+
+
+def test_the_thread_is_measured() -> None:
+    async def story() -> Admission:
+        admission = Admission()
+        task = asyncio.create_task(admission.run())
+        for _ in range(3):
+            await asyncio.sleep(0.26)
+            sum(range(2_000_000))
+        task.cancel()
+        return admission
+
+    admission = asyncio.run(story())
+    assert 0.0 < admission.busy <= 1.05
+    assert len(admission.take_lags()) >= 2
+    assert admission.take_lags() == []
+
+
+def test_a_new_session_waits_outside_and_one_that_streamed_comes_back(
+    engine: Engine, settings: Settings, world: Any
+) -> None:
+    _, stream = swaying(1.0)
+    subject = world.subjects["therapist"]
+
+    def manage(busy: float) -> LiveManager:
+        limits = Limits({"streams": settings.limit_streams})
+        manager = LiveManager(engine, GroupCommitWriter(engine), MemoryBus(), lambda _: None, limits=limits)
+        turn(manager, busy)
+        return manager
+
+    def turn(manager: LiveManager, busy: float) -> None:
+        for _ in range(12):
+            manager.admission.note(0.25, 0.25 * busy, 0.0)
+
+    async def hello(manager: LiveManager, session_id: str) -> Intake:
+        ticket, _ = repository.give_ticket(engine, subject, session_id, "ingest")
+        message = stream.hello(ticket)
+        return await manager.open(message, check_hello(message))
+
+    async def story() -> None:
+        with unit_of_work(engine) as session:
+            wanted = SessionIn(patient_id=world.patient_id, placements=list(stream.placements))
+            made = service.create(session, subject, wanted).id
+        manager = manage(1.0)
+        with pytest.raises(Unavailable, match="as this machine carries"):
+            await hello(manager, made)
+        assert "as this machine carries" in (await manager.state(made)).reason
+        assert not manager.sessions
+        turn(manager, 0.1)
+        intake = await hello(manager, made)
+        assert (await manager.state(made)).reason != FULL
+        intake.receive(decode_packet(stream.packet(0), intake.declaration), time.monotonic(), time.time_ns())
+        await manager.live(made).saved()
+        # The link breaks, or the service restarts, and the machine is full now.
+        turn(manager, 1.0)
+        await hello(manager, made)
+        await hello(manage(1.0), made)
+
+    asyncio.run(story())
