@@ -118,7 +118,7 @@ accuracy: $(VENV)/installed ## Measure the accuracy page and docs/accuracy.md an
 	@$(BIN)/telemotion validate --seeds 50 --processes 2 --data $(DATA) --out app/accuracy/report.json --page docs/accuracy.md
 
 lock: ## Rewrite requirements.lock from pyproject.toml (needs uv)
-	uv pip compile --quiet --universal --generate-hashes --no-header --extra test --python-version 3.11 pyproject.toml -o requirements.lock
+	uv pip compile --quiet --universal --generate-hashes --no-strip-extras --no-header --extra test --python-version 3.11 pyproject.toml -o requirements.lock
 
 wheel: $(VENV)/installed web/dist/index.html ## Build a wheel that carries the browser client
 	@rm -rf app/static && cp -r web/dist app/static

@@ -2,9 +2,11 @@
 
 import re
 import subprocess
+from importlib import metadata
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
+EXTRAS = re.compile(r"(?P<name>[\w.-]+)\[(?P<extras>[^]]+)\]")
 
 
 def tracked(*patterns: str) -> list[Path]:
@@ -38,3 +40,17 @@ def test_test_data_names_its_origin_and_licence() -> None:
             assert "ORIGIN.md" in names, f"{folder.name} has no ORIGIN.md"
     total = sum(path.stat().st_size for path in tracked("tests/data"))
     assert total < 10e6, "test data is megabytes, not tens"
+
+
+def test_the_lock_names_the_extras_that_packages_ask_of_each_other() -> None:
+    # Without them pip looks at the newest release for the extra, and refuses it because it is not the locked one.
+    asked = {
+        (found["name"].lower().replace("_", "-"), found["extras"])
+        for installed in metadata.distributions()
+        for requirement in installed.requires or []
+        if "extra ==" not in requirement and (found := EXTRAS.match(requirement))
+    }
+    lock = (ROOT / "requirements.lock").read_text().splitlines()
+    pinned = [line.partition("==")[0] for line in lock if line[:1].isalnum()]
+    missing = [f"{name}[{extras}]" for name, extras in asked if name in pinned]
+    assert not missing, "make lock"

@@ -1,6 +1,7 @@
 """Nothing outside `app/kinds` asks which kind a session is: its folder there says what differs."""
 
 import ast
+import re
 from pathlib import Path
 
 import pytest
@@ -39,6 +40,19 @@ def test_nobody_outside_the_kinds_asks_for_one() -> None:
     paths = [path for path in sorted((ROOT / "app").rglob("*.py")) if "kinds" not in path.parts]
     found = {str(path.relative_to(ROOT)): lines for path in paths if (lines := asked(path))}
     assert set(found) == set(WITH_A_REASON), found
+
+
+def test_no_page_names_a_kind() -> None:
+    # `arm` is also a point of view, `orientation` also what is estimated.
+    names = "|".join(set(pipelines.available()) - {"arm", "orientation"})
+    client = ROOT / "web" / "src"
+    found = [
+        str(path.relative_to(client))
+        for path in client.rglob("*.ts*")
+        if path.relative_to(client).parts[0] not in ("kinds", "api", "i18n")
+        and re.search(rf"['\"]({names})['\"]", path.read_text())
+    ]
+    assert found == []
 
 
 def test_every_pipeline_has_its_kind() -> None:

@@ -6,6 +6,11 @@ import type { SessionKind } from './kind';
 export const FACTS = import.meta.glob<SessionKind>('./*/facts.ts', { eager: true, import: 'kind' });
 export const KINDS: readonly SessionKind[] = Object.values(FACTS).sort((one, other) => one.rank - other.rank);
 
+/** The kind with which an exercise is done. */
+export function kindFor(movement: string | undefined): SessionKind {
+  return KINDS.find((kind) => kind.begin?.suits?.(movement)) ?? KINDS[0]!;
+}
+
 /** The kind of a session; one that this client does not know shows what arms do. */
 export function kindOf({ pipeline }: Pick<SessionDetail, 'pipeline'>): SessionKind {
   const named = (name: string) => KINDS.find((kind) => kind.pipeline === name);

@@ -1,6 +1,15 @@
 // What a kind of session shows that others do not. No page asks which kind a session is: it shows what the kind gives.
 import type { ComponentType, ReactNode } from 'react';
-import type { Exercise, Patient, Placement, SessionDetail, SessionIn, SessionState, StateMessage } from '../api/types';
+import type {
+  Exercise,
+  Patient,
+  Placement,
+  SessionDetail,
+  SessionIn,
+  SessionState,
+  Side,
+  StateMessage,
+} from '../api/types';
 import type { Near } from '../components/Viewer3D';
 import type { LivePlayer } from '../player/live';
 import type { ReplayPlayer } from '../player/replay';
@@ -65,6 +74,8 @@ export interface SessionKind {
     isTemplate: boolean;
     /** The exercises that are done with it. */
     suits?: (movement: string | undefined) => boolean;
+    /** What is worn where nobody is asked: at home. */
+    usual?: (side: Side | null | undefined) => Placement[];
     /** What can be worn, where that is all there is to choose; otherwise the kind has a form of its own. */
     worn?: readonly { title: () => string; placements: readonly Placement[] }[];
   };

@@ -1,6 +1,7 @@
 // Walks: feet, led through by a protocol, with forces where the shoes measure them.
 import { t } from '../../i18n';
 import { isWalk } from '../../lib/exercises';
+import { FEET } from '../../lib/placements';
 import type { SessionKind } from '../kind';
 
 export const kind: SessionKind = {
@@ -17,6 +18,7 @@ export const kind: SessionKind = {
     text: () => t('newSession.feetText'),
     isTemplate: true,
     suits: isWalk,
+    usual: () => FEET,
   },
   upload: { title: () => t('upload.pipeline.gait'), text: () => t('upload.pipeline.gait.text') },
   hasPlaces: true,

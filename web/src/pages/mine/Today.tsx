@@ -10,13 +10,13 @@ import {
   usePrescriptions,
   useProgress,
 } from '../../api/queries';
-import type { Me, Prescription } from '../../api/types';
+import type { Me, Prescription, SessionIn } from '../../api/types';
 import { Answer, Empty } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { useSignedIn } from '../../components/account/useSignedIn';
 import { t } from '../../i18n';
 import { isWalk } from '../../lib/exercises';
-import { FEET, suggestedPlacements } from '../../lib/placements';
+import { kindFor } from '../../kinds';
 import { mainMeasure, plainProgress } from '../../lib/plain';
 import { weekText } from '../../lib/assessment/practice';
 import { isLive } from '../../lib/sessions';
@@ -34,6 +34,7 @@ function ExerciseCard({ prescription, patientId }: { prescription: Prescription;
   const create = useNewSession();
   const exercise = exercises.data?.find((one) => one.id === prescription.exercise_id);
   const isWalked = isWalk(exercise?.movement);
+  const kind = kindFor(exercise?.movement);
   const isDone = prescription.done_this_week >= prescription.times_per_week;
   const start = () =>
     create.mutate(
@@ -41,9 +42,8 @@ function ExerciseCard({ prescription, patientId }: { prescription: Prescription;
         patient_id: patientId,
         exercise_id: prescription.exercise_id,
         prescription_id: prescription.id,
-        ...(isWalked
-          ? { pipeline: 'gait' as const, placements: FEET }
-          : { placements: suggestedPlacements(patient.data?.affected_side) }),
+        pipeline: kind.pipeline as NonNullable<SessionIn['pipeline']>,
+        placements: kind.begin?.usual?.(patient.data?.affected_side) ?? [],
       },
       { onSuccess: (session) => void navigate(`/my/sessions/${session.id}/live`) },
     );

@@ -7,7 +7,7 @@ import { Answer } from '../../components/Feedback';
 import { RadioCards } from '../../components/forms/Choice';
 import { Page } from '../../components/Page';
 import { t } from '../../i18n';
-import { KINDS } from '../../kinds';
+import { KINDS, kindFor } from '../../kinds';
 import { BeginWorn } from '../../kinds/BeginForm';
 import type { BeginProps, SessionKind } from '../../kinds/kind';
 import { partsOf } from '../../kinds/parts';
@@ -25,7 +25,7 @@ function Form({ patient }: { patient: Patient }) {
   const offered = KINDS.flatMap(({ pipeline, begin }) =>
     begin && (begin.isTemplate || purpose !== 'template') ? [{ pipeline, begin }] : [],
   );
-  const pipeline = kind ?? (offered.find(({ begin }) => begin.suits?.(movement)) ?? offered[0]!).pipeline;
+  const pipeline = kind ?? kindFor(movement).pipeline;
   const Begin = partsOf({ pipeline }).Begin ?? BeginWorn;
   const prescription = purpose === 'exercise' ? prescribed.find((one) => one.exercise_id === exerciseId) : undefined;
   const names = new Map((exercises.data ?? []).map((one) => [one.id, one.name]));
