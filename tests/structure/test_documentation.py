@@ -51,3 +51,13 @@ def test_make_help_names_the_two_commands() -> None:
     text = (ROOT / "Makefile").read_text()
     assert re.search(r"^run:.*## ", text, re.MULTILINE)
     assert re.search(r"^test:.*## ", text, re.MULTILINE)
+
+
+def test_files_that_the_documentation_names_are_there() -> None:
+    folders = "tests|app|estimators|validation|web|migrations|docker"
+    named = re.compile(rf"(?<![\w/.])(?:{folders})/[\w/.-]+\.(?:py|tsx?|json|yaml)")
+    for page in [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]:
+        for path in named.findall(page.read_text()):
+            # NAME and KIND stand for a name of one's own.
+            if not re.search("NAME|KIND", path):
+                assert (ROOT / path).exists(), f"{page.name}: {path}"

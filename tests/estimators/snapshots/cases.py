@@ -235,18 +235,21 @@ def differences(found: dict[str, dict[str, Any]], name: str) -> dict[str, float]
     return result
 
 
-def main(wanted: str) -> None:
-    for name, case in CASES.items():
-        found = snapshot(case())
+def main(wanted: str, names: list[str]) -> None:
+    """Write snapshots or compare with them: of the named cases, of all when none is named."""
+    for name in names or CASES:
+        found = snapshot(CASES[name]())
         if wanted == "--write":
             SNAPSHOTS.mkdir(exist_ok=True)
             lines = [f"{json.dumps(path)}: {json.dumps(one)}" for path, one in found.items()]
             (SNAPSHOTS / f"{name}.json").write_text("{\n" + ",\n".join(lines) + "\n}\n")
             print(f"{name:<28} {len(found)} arrays written")
+        elif not (SNAPSHOTS / f"{name}.json").exists():
+            print(f"{name:<28} new: `--write {name}` writes it")
         else:
             worst = max(differences(found, name).items(), key=lambda item: item[1])
             print(f"{name:<28} {worst[1]:.3g} {worst[0]}")
 
 
 if __name__ == "__main__":
-    main((sys.argv[1:] or ["--compare"])[0])
+    main((sys.argv[1:] or ["--compare"])[0], sys.argv[2:])
