@@ -1,4 +1,4 @@
-// A new session: what every kind asks, the questions of its kind between, and the buttons.
+// The questions of a kind for a new session, and the buttons.
 import { Button, Group, Switch } from '@mantine/core';
 import { useState, type FormEvent, type ReactNode } from 'react';
 import { useNavigate } from 'react-router';
@@ -33,10 +33,8 @@ export function BeginForm(props: Props) {
     );
   };
   return (
-    <form className="card stack form-card" onSubmit={submit}>
+    <form className="stack" onSubmit={submit}>
       {create.error && <Problem error={create.error} />}
-      {props.exerciseField}
-      {props.kindField}
       {props.children}
       {props.note}
       <Group justify="flex-end">

@@ -1,5 +1,5 @@
 // What a kind of session shows that others do not. No page asks which kind a session is: it shows what the kind gives.
-import type { ComponentType, ReactNode } from 'react';
+import type { ComponentType } from 'react';
 import type {
   Exercise,
   Patient,
@@ -36,15 +36,13 @@ export interface ReplayProps {
   onSeek: (sinceStartS: number) => void;
 }
 
-/** What every new session is asked for, before the questions of its kind. */
+/** What was asked of every new session before the questions of its kind. */
 export interface BeginProps {
   patient: Patient;
   pipeline: NonNullable<SessionIn['pipeline']>;
   purpose: NonNullable<SessionIn['purpose']>;
-  /** The exercise with its prescription, and the field that chooses it. */
+  /** The exercise with its prescription. */
   exercise: Pick<SessionIn, 'exercise_id' | 'prescription_id'>;
-  exerciseField: ReactNode;
-  kindField: ReactNode;
 }
 
 type Part<Props> = ComponentType<Props>;
@@ -72,6 +70,8 @@ export interface SessionKind {
     text: () => string;
     /** Whether a therapist can record a template of it. */
     isTemplate: boolean;
+    /** It is no exercise. */
+    isApart?: boolean;
     /** The exercises that are done with it. */
     suits?: (movement: string | undefined) => boolean;
     /** What is worn where nobody is asked: at home. */

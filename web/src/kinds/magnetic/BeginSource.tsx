@@ -28,7 +28,6 @@ export function BeginSource(props: BeginProps) {
   return (
     <BeginForm
       {...props}
-      exerciseField={null}
       create={create}
       declared={isSafe(implants) && worn.sensors.length > 0 ? declared : null}
       note={!isSafe(implants) && !isForbidden(implants) && <p className="muted">{t('magnetic.askFirst')}</p>}

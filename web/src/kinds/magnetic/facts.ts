@@ -13,7 +13,7 @@ export const kind: SessionKind = {
   isGuided: false,
   hasEstimators: false,
   isCompared: false,
-  begin: { title: () => t('magnetic.kind'), text: () => t('magnetic.kindText'), isTemplate: false },
+  begin: { title: () => t('magnetic.kind'), text: () => t('magnetic.kindText'), isTemplate: false, isApart: true },
   hasPlaces: true,
   asksFeetApart: false,
   simulated: (session) => `--relative ${simulatedMovement(wornPlacements(session))} --no-implants`,

@@ -7,7 +7,7 @@ import { Answer } from '../../components/Feedback';
 import { RadioCards } from '../../components/forms/Choice';
 import { Page } from '../../components/Page';
 import { t } from '../../i18n';
-import { KINDS, kindFor } from '../../kinds';
+import { KINDS, kindFor, kindOf } from '../../kinds';
 import { BeginWorn } from '../../kinds/BeginForm';
 import type { BeginProps, SessionKind } from '../../kinds/kind';
 import { partsOf } from '../../kinds/parts';
@@ -42,14 +42,10 @@ function Form({ patient }: { patient: Patient }) {
         .map((one) => ({ value: one.id, label: one.name })),
     },
   ].filter((group) => group.items.length > 0);
+  // The choice of a kind is no part of the form that it changes: a keyboard stays on it.
   return (
-    <Begin
-      key={pipeline}
-      patient={patient}
-      pipeline={pipeline as BeginProps['pipeline']}
-      purpose={purpose}
-      exercise={{ exercise_id: exerciseId, prescription_id: prescription?.id ?? null }}
-      exerciseField={
+    <div className="card stack form-card">
+      {!kindOf({ pipeline }).begin?.isApart && (
         <Select
           label={t('newSession.exercise')}
           searchable
@@ -60,16 +56,21 @@ function Form({ patient }: { patient: Patient }) {
           nothingFoundMessage={t('newSession.noExercise')}
           maw={480}
         />
-      }
-      kindField={
-        <RadioCards<SessionKind['pipeline']>
-          legend={t('newSession.kind')}
-          value={pipeline}
-          onChange={setKind}
-          options={offered.map(({ pipeline: value, begin }) => ({ value, title: begin.title(), text: begin.text() }))}
-        />
-      }
-    />
+      )}
+      <RadioCards<SessionKind['pipeline']>
+        legend={t('newSession.kind')}
+        value={pipeline}
+        onChange={setKind}
+        options={offered.map(({ pipeline: value, begin }) => ({ value, title: begin.title(), text: begin.text() }))}
+      />
+      <Begin
+        key={pipeline}
+        patient={patient}
+        pipeline={pipeline as BeginProps['pipeline']}
+        purpose={purpose}
+        exercise={{ exercise_id: exerciseId, prescription_id: prescription?.id ?? null }}
+      />
+    </div>
   );
 }
 
