@@ -8,6 +8,7 @@ from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
 from app.assessment import repository
+from app.assessment.design.compiled import drawn_template, tolerance_scale_of
 from app.assessment.models import Comparison, RepetitionMeasure
 from app.assessment.practised import Practised, practised
 from app.assessment.presentation import (
@@ -34,7 +35,6 @@ from estimators.comparison import (
     comparison_from_bytes,
     comparison_to_bytes,
     mirror_template,
-    template_from_bytes,
 )
 from estimators.errors import ComparisonError, EstimationError
 
@@ -155,16 +155,16 @@ def _compute(
     result_id: str | None,
 ) -> _Work:
     result = recordings.result_of(session, found, result_id)
-    template = template_from_bytes(version.content)
+    scale = tolerance_scale_of(session, found, version.template_id)
     exercise = session.get(Exercise, found.exercise_id) if found.exercise_id else None
-    side = exercise.side if exercise is not None else template.side
+    template = drawn_template(version, None if exercise is None else exercise.side, scale)
     source = load_source(session, found, result)
     try:
-        compared = compare(source.moved, template, side, source.reach_m, source.start_s, source.end_s)
+        compared = compare(
+            source.moved, template, template.side, source.reach_m, source.start_s, source.end_s
+        )
     except EstimationError as error:
         raise InvalidInput(error.message) from error
-    if template.side != side:
-        template = mirror_template(template)
     return _Work(result.id, version.id, template, template_row.name, compared)
 
 
@@ -205,7 +205,8 @@ def detail(session: Session, subject: Subject, comparison_id: str) -> Comparison
     """Return a comparison with every repetition and curve."""
     found, template_row, version = repository.get_comparison(session, subject, comparison_id)
     compared = comparison_from_bytes(found.content)
-    template = template_from_bytes(version.content)
+    session_row = session.get_one(MotionSession, found.session_id)
+    template = drawn_template(version, scale=tolerance_scale_of(session, session_row, version.template_id))
     if template.channels != compared.channels:
         template = mirror_template(template)
     return ComparisonDetail(

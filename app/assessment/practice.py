@@ -20,6 +20,7 @@ from app.accounts.models import Clinic
 from app.accounts.subject import Subject
 from app.database.base import utc_now
 from app.exercises import repository as exercises
+from app.exercises.design import StopDesign
 from app.exercises.models import Prescription
 from app.exercises.schemas import PrescriptionIn, PrescriptionOut
 from app.recordings.models import MotionSession
@@ -247,7 +248,9 @@ def adherence(
 def _with_practice(
     session: Session, patient_id: str, rows: list[tuple[Prescription, str, str | None]], zone: tzinfo
 ) -> list[PrescriptionOut]:
-    start = week_start(utc_now(), zone)
+    now = utc_now()
+    today = now.astimezone(zone).date()
+    start = week_start(now, zone)
     done = done_since(session, [patient_id], start)[patient_id]
     shared = share_out([row[0] for row in rows], done, zone, from_monday=True)
     return [
@@ -260,6 +263,12 @@ def _with_practice(
             repetitions=row.repetitions,
             sets=row.sets,
             times_per_week=row.times_per_week,
+            days=row.days,
+            times=row.times,
+            tolerance_scale=row.tolerance_scale,
+            stops=[StopDesign.model_validate(one) for one in row.stops],
+            is_due_today=row.starts_at <= now and (not row.days or today.isoweekday() in row.days),
+            done_today=sum(1 for one in shared[row.id] if one.at.astimezone(zone).date() == today),
             starts_at=row.starts_at,
             ends_at=row.ends_at,
             done_this_week=len(shared[row.id]),

@@ -87,15 +87,17 @@ def phase_curves_out(template: Template, repetitions: Sequence[Float]) -> list[P
         if not np.isfinite(template.mean[:, column]).any():
             continue
         unit, factor = shown_unit(channel_unit(channel))
-        mean, tolerance = template.mean[:, column], template.tolerance[:, column]
+        mean = template.mean[:, column]
         curves.append(
             PhaseCurve(
                 channel=channel,
                 label=channel_label(channel),
                 unit=unit,
                 mean=curve_values(mean, factor),
-                low=curve_values(mean - tolerance, factor),
-                high=curve_values(mean + tolerance, factor),
+                low=curve_values(mean - template.below[:, column], factor),
+                high=curve_values(mean + template.above[:, column], factor),
+                width=curve_values(template.tolerance[:, column], factor),
+                is_judged=bool(template.counts[column]),
                 repetitions=[curve_values(curve[:, column], factor) for curve in repetitions],
             )
         )

@@ -4,10 +4,13 @@ A template made for one patient is that patient's data. A template of the clinic
 works there; a patient sees those that were prescribed to them or that they were compared with.
 """
 
+from collections.abc import Sequence
+
 from sqlalchemy import ColumnElement, false, func, or_, select, true
 from sqlalchemy.orm import Session, defer
 
 from app.accounts import audit
+from app.accounts.models import Account
 from app.accounts.subject import Subject
 from app.assessment.models import Comparison, RepetitionMeasure
 from app.errors import InvalidInput, NotAllowed, NotFound
@@ -21,6 +24,8 @@ from app.sentences import say
 NO_SUCH_TEMPLATE = say("template.not_found")
 NO_SUCH_COMPARISON = say("comparison.not_found")
 STAFF = frozenset({"administrator", "therapist", "integrator", "system"})
+MAKERS = frozenset({"therapist", "administrator", "system"})
+"""Roles that make and change templates."""
 
 
 def list_templates(
@@ -131,7 +136,7 @@ def add_version(
     InvalidInput
         The template is of another exercise or patient.
     """
-    if subject.role not in {"therapist", "administrator", "system"} or subject.account_id is None:
+    if subject.role not in MAKERS or subject.account_id is None:
         raise NotAllowed(say("template.create_not_allowed"))
     if patient_id is not None:
         require_patient(session, subject, patient_id, "treat")
@@ -149,23 +154,59 @@ def add_version(
         raise InvalidInput(say("template.other_exercise"), field="template_id")
     else:
         template.name = name
+    _publish(session, subject, template, version)
+    return template
+
+
+def treated_template(session: Session, subject: Subject, template_id: str) -> Template:
+    """Return a template that the subject may change.
+
+    Raises
+    ------
+    NotFound
+        No such template, or no right to know of it.
+    NotAllowed
+        Only people who treat change templates; of a patient's, those who treat that patient.
+    """
+    template = get_template(session, subject, template_id)
+    if subject.role not in MAKERS or subject.account_id is None:
+        raise NotAllowed(say("template.create_not_allowed"))
+    if template.patient_id is not None:
+        require_patient(session, subject, template.patient_id, "treat")
+    return template
+
+
+def add_drawn_version(
+    session: Session, subject: Subject, template: Template, version: TemplateVersion
+) -> TemplateVersion:
+    """Store a further version of a template that `treated_template` gave."""
+    _publish(session, subject, template, version)
+    return version
+
+
+def _publish(session: Session, subject: Subject, template: Template, version: TemplateVersion) -> None:
     last = session.scalar(
         select(func.max(TemplateVersion.number)).where(TemplateVersion.template_id == template.id)
     )
     version.template_id = template.id
     version.number = (last or 0) + 1
-    version.created_by = subject.account_id
+    version.created_by = str(subject.account_id)
     session.add(version)
     session.flush()
     audit.record(
         session,
         subject,
         "template.publish",
-        patient_id,
+        template.patient_id,
         version.id,
         {"template": template.id, "number": version.number, "source_session": version.source_session_id},
     )
-    return template
+
+
+def names_of_makers(session: Session, versions: Sequence[TemplateVersion]) -> dict[str, str]:
+    """Return the names of those who made versions, by account; access to the versions was checked."""
+    makers = select(Account).where(Account.id.in_({one.created_by for one in versions}))
+    return {account.id: account.display_name for account in session.scalars(makers)}
 
 
 def prescribed_version(session: Session, found: MotionSession) -> TemplateVersion | None:
@@ -240,6 +281,7 @@ def get_comparison(
 
 __all__ = [
     "add_comparison",
+    "add_drawn_version",
     "add_version",
     "exercise_of",
     "get_comparison",
@@ -247,5 +289,7 @@ __all__ = [
     "get_version",
     "list_comparisons",
     "list_templates",
+    "names_of_makers",
     "prescribed_version",
+    "treated_template",
 ]

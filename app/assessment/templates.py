@@ -8,6 +8,8 @@ from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
 from app.assessment import repository
+from app.assessment.design.compiled import design_of, drawn_template
+from app.assessment.design.rules import side_of, whole_design
 from app.assessment.presentation import phase_curves_out, repetition_out
 from app.errors import InvalidInput, NotAllowed, NotFound
 from app.exercises.models import Exercise, TemplateVersion
@@ -189,7 +191,7 @@ def store(
     template = repository.add_version(
         session, subject, template, exercise, wanted.patient_id, wanted.name, version
     )
-    return _detail(template, version, content)
+    return _detail(session, template, version, content)
 
 
 def _build_from(
@@ -233,23 +235,34 @@ def list_of(
     session: Session, subject: Subject, exercise_id: str | None, patient_id: str | None, page: Page
 ) -> list[TemplateOut]:
     """Return a page of the templates that the subject may use."""
+    found = repository.list_templates(session, subject, exercise_id, patient_id, page)
+    names = repository.names_of_makers(session, [one for _, versions in found for one in versions])
     return [
         TemplateOut(
             id=template.id,
             exercise_id=template.exercise_id,
             patient_id=template.patient_id,
             name=template.name,
+            tags=template.tags,
+            retired_at=template.retired_at,
             created_at=template.created_at,
-            versions=[version_out(version) for version in versions],
+            versions=[version_out(version, names) for version in versions],
         )
-        for template, versions in repository.list_templates(session, subject, exercise_id, patient_id, page)
+        for template, versions in found
     ]
 
 
 def detail(session: Session, subject: Subject, version_id: str) -> TemplateVersionDetail:
     """Return a version with its curves; single repetitions only to those who may read their recording."""
     template, version = repository.get_version(session, subject, version_id)
-    stored = template_from_bytes(version.content)
+    return detail_of(session, subject, template, version)
+
+
+def detail_of(
+    session: Session, subject: Subject, template: TemplateRow, version: TemplateVersion
+) -> TemplateVersionDetail:
+    """Return the same for a version that the subject was found to have access to."""
+    stored = drawn_template(version)
     repetitions = [
         Repetition(**{**repetition, "reason": CATALOGUE.restored(repetition["reason"])})
         for repetition in version.repetitions
@@ -259,7 +272,7 @@ def detail(session: Session, subject: Subject, version_id: str) -> TemplateVersi
         repetitions=[repetition_out(repetition) for repetition in repetitions],
         curves=phase_curves_out(stored, _repetition_curves(session, subject, version, stored, repetitions)),
     )
-    return _detail(template, version, content)
+    return _detail(session, template, version, content)
 
 
 def _repetition_curves(
@@ -291,23 +304,46 @@ def _repetition_curves(
     return curves
 
 
-def version_out(version: TemplateVersion) -> TemplateVersionOut:
-    """Return a version without its curves."""
+def version_out(version: TemplateVersion, names: Mapping[str, str]) -> TemplateVersionOut:
+    """Return a version without its curves; `names` of the people who made versions, by account."""
     return TemplateVersionOut(
         id=version.id,
         number=version.number,
         created_at=version.created_at,
         repetition_count=sum(1 for repetition in version.repetitions if repetition["is_kept"]),
         source_session_id=version.source_session_id,
+        reason=version.reason,
+        made_by=names[version.created_by],
     )
 
 
 def _detail(
-    template: TemplateRow, version: TemplateVersion, content: TemplateContent
+    session: Session, template: TemplateRow, version: TemplateVersion, content: TemplateContent
 ) -> TemplateVersionDetail:
+    recorded = template_from_bytes(version.content)
     return TemplateVersionDetail(
-        **version_out(version).model_dump(), template_id=template.id, name=template.name, content=content
+        **version_out(version, repository.names_of_makers(session, [version])).model_dump(),
+        template_id=template.id,
+        exercise_id=template.exercise_id,
+        patient_id=template.patient_id,
+        name=template.name,
+        side=side_of(recorded.side),
+        primary_channel=recorded.primary_channel,
+        reach_m=recorded.reach_m,
+        design=whole_design(design_of(version), recorded),
+        content=content,
     )
 
 
-__all__ = ["Source", "build", "content_of", "detail", "list_of", "load_source", "prepare", "preview", "store"]
+__all__ = [
+    "Source",
+    "build",
+    "content_of",
+    "detail",
+    "detail_of",
+    "list_of",
+    "load_source",
+    "prepare",
+    "preview",
+    "store",
+]

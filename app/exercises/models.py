@@ -3,7 +3,7 @@
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import JSON, Boolean, ForeignKey, Integer, LargeBinary, String, UniqueConstraint
+from sqlalchemy import JSON, Boolean, Float, ForeignKey, Integer, LargeBinary, String, UniqueConstraint
 from sqlalchemy.orm import Mapped, mapped_column
 
 from app.database.base import Base, Identified, UtcDateTime
@@ -34,6 +34,10 @@ class Template(Identified, Base):
     patient_id: Mapped[str | None] = mapped_column(ForeignKey("patient.id", ondelete="CASCADE"), index=True)
     """Set when it was made for one patient; such a template is patient data."""
     name: Mapped[str] = mapped_column(String(200))
+    tags: Mapped[list[str]] = mapped_column(JSON, default=list, server_default="[]")
+    """Words by which the library is searched."""
+    retired_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    """No longer offered for new prescriptions; those that have it go on."""
     created_by: Mapped[str] = mapped_column(ForeignKey("account.id"))
 
 
@@ -50,9 +54,13 @@ class TemplateVersion(Identified, Base):
     repetitions: Mapped[list[dict[str, Any]]] = mapped_column(JSON)
     """Start, end, accepted or dropped with its reason, per repetition."""
     tolerance_scale: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
-    """The therapist's widening of the band, per channel and phase."""
+    """The therapist's widening of the band when it was recorded, per channel; it is within `content`."""
     content: Mapped[bytes] = mapped_column(LargeBinary)
-    """`estimators.comparison.Template` in its own codec."""
+    """`estimators.comparison.Template` in its own codec: what was recorded, nothing of what was drawn."""
+    design: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict, server_default="{}")
+    """What the therapist drew on it: `TemplateDesign`; read it by `app.assessment.design`."""
+    reason: Mapped[str] = mapped_column(String(500), default="", server_default="")
+    """Why this version was made, in the therapist's words."""
     is_published: Mapped[bool] = mapped_column(Boolean, default=True)
     created_by: Mapped[str] = mapped_column(ForeignKey("account.id"))
 
@@ -68,6 +76,14 @@ class Prescription(Identified, Base):
     repetitions: Mapped[int] = mapped_column(Integer, default=10)
     sets: Mapped[int] = mapped_column(Integer, default=1)
     times_per_week: Mapped[int] = mapped_column(Integer, default=5)
+    days: Mapped[list[int]] = mapped_column(JSON, default=list, server_default="[]")
+    """Days of the week, 1 Monday to 7 Sunday; empty: any day."""
+    times: Mapped[list[str]] = mapped_column(JSON, default=list, server_default="[]")
+    """Times of these days by the clinic's clocks, `HH:MM`; empty: any time."""
+    tolerance_scale: Mapped[float] = mapped_column(Float, default=1.0, server_default="1.0")
+    """Factor on the whole band of the template for this patient."""
+    stops: Mapped[list[dict[str, Any]]] = mapped_column(JSON, default=list, server_default="[]")
+    """Stop rules of this patient besides those of the template: `StopDesign`."""
     prescribed_by: Mapped[str] = mapped_column(ForeignKey("account.id"))
     starts_at: Mapped[datetime] = mapped_column(UtcDateTime)
     ends_at: Mapped[datetime | None] = mapped_column(UtcDateTime)

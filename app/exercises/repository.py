@@ -1,5 +1,6 @@
 """Exercises and prescriptions: every query, who may, and the audit event it leaves."""
 
+from collections.abc import Sequence
 from datetime import datetime
 
 from sqlalchemy import or_, select
@@ -9,11 +10,13 @@ from app.accounts import audit
 from app.accounts.subject import Subject
 from app.database.base import new_id, utc_now
 from app.errors import InvalidInput, NotAllowed, NotFound
+from app.exercises.design import StopDesign
 from app.exercises.models import Exercise, Prescription, Template
 from app.exercises.schemas import ExerciseIn, PrescriptionIn
 from app.patients.access import require_patient
 from app.sentences import say
 from estimators.arm import MODEL_ANGLES
+from estimators.comparison import TRUNK_CHANNELS
 from estimators.gait import GUIDED_KINDS
 
 NO_SUCH_PRESCRIPTION = say("prescription.not_found")
@@ -169,6 +172,9 @@ def create_prescription(
     ends_at = _with_zone(body.ends_at, "ends_at")
     if ends_at is not None and ends_at <= starts_at:
         raise InvalidInput(say("prescription.ends_before_start"), field="ends_at")
+    days = sorted(set(body.days))
+    times = sorted(set(body.times))
+    _check_stops(body.stops, exercise)
     prescription = Prescription(
         id=new_id(),
         patient_id=patient_id,
@@ -176,7 +182,11 @@ def create_prescription(
         template_id=body.template_id,
         repetitions=body.repetitions,
         sets=body.sets,
-        times_per_week=body.times_per_week,
+        times_per_week=len(days) * max(1, len(times)) if days else body.times_per_week,
+        days=days,
+        times=times,
+        tolerance_scale=body.tolerance_scale,
+        stops=[one.model_dump(mode="json") for one in body.stops],
         prescribed_by=subject.account_id or subject.id,
         starts_at=starts_at,
         ends_at=ends_at,
@@ -214,6 +224,13 @@ def end_prescription(session: Session, subject: Subject, prescription_id: str) -
         prescription.starts_at = min(prescription.starts_at, now)
         prescription.ends_at = now
     audit.record(session, subject, "prescription.end", prescription.patient_id, prescription.id)
+
+
+def _check_stops(stops: Sequence[StopDesign], exercise: Exercise) -> None:
+    angles = {*joint_angles(exercise.side), *TRUNK_CHANNELS}
+    for number, one in enumerate(stops, start=1):
+        if (one.kind == "limit" and one.channel not in angles) or (one.kind != "limit" and one.limit <= 0.0):
+            raise InvalidInput(say("design.stop", number=number), field=f"stops.{number - 1}")
 
 
 def _with_zone(value: datetime | None, field: str) -> datetime | None:

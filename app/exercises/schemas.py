@@ -1,10 +1,11 @@
 """Wire types of exercises, templates and prescriptions."""
 
 from datetime import datetime
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
+from app.exercises.design import StopDesign, TemplateDesign
 from app.schemas import Moment, Schema, Spoken
 
 
@@ -47,7 +48,7 @@ class RepetitionOut(Spoken):
 
 
 class PhaseCurve(Schema):
-    """One channel over 101 phases: mean and tolerance band."""
+    """One channel over 101 phases: mean and tolerance band as the therapist drew it."""
 
     channel: str
     label: str
@@ -55,7 +56,11 @@ class PhaseCurve(Schema):
     mean: list[float | None]
     low: list[float | None]
     high: list[float | None]
-    """None at phases that were not measured (gaps, singular postures)."""
+    """None at phases that were not measured (gaps, singular postures), and of a limit also where it is free."""
+    width: list[float | None] = Field(default_factory=list)
+    """Half width of the band as it was recorded, to which a design's factors apply."""
+    is_judged: bool = True
+    """False for what is only watched: shown, never called outside."""
     repetitions: list[list[float | None]]
     """Every repetition's curve; dropped ones too, in the order of the repetitions."""
 
@@ -98,6 +103,10 @@ class TemplateVersionOut(Schema):
     created_at: datetime
     repetition_count: int
     source_session_id: str
+    reason: str
+    """Why this version was made; empty for the first."""
+    made_by: str
+    """Name of the person who made it."""
 
 
 class TemplateOut(Schema):
@@ -107,16 +116,37 @@ class TemplateOut(Schema):
     exercise_id: str
     patient_id: str | None
     name: str
+    tags: list[str]
+    retired_at: datetime | None
+    """Set when it is no longer offered for new prescriptions."""
     created_at: datetime
     versions: list[TemplateVersionOut]
 
 
 class TemplateVersionDetail(TemplateVersionOut):
-    """A version with its curves."""
+    """A version with its curves, and what was drawn on them."""
 
     template_id: str
+    exercise_id: str
+    patient_id: str | None
     name: str
+    side: Literal["left", "right"]
+    primary_channel: str
+    reach_m: float
+    """Upper arm plus forearm of the person recorded; each patient sees positions in their own size."""
+    design: TemplateDesign
+    """With the rules of the house written out where the therapist left them."""
     content: TemplateContent
+
+
+class TemplateVersionIn(Schema):
+    """Draw on a version: makes a further version of the same recording; versions never change."""
+
+    based_on: str = Field(max_length=32)
+    """Version whose recording is drawn on."""
+    design: TemplateDesign
+    reason: str = Field(min_length=1, max_length=500)
+    """Why, for whoever reads the history."""
 
 
 class PrescriptionIn(Schema):
@@ -127,6 +157,17 @@ class PrescriptionIn(Schema):
     repetitions: int = Field(default=10, ge=1, le=200)
     sets: int = Field(default=1, ge=1, le=20)
     times_per_week: int = Field(default=5, ge=1, le=28)
+    """Where `days` are given, it is their number times that of `times`, whatever is sent."""
+    days: list[Annotated[int, Field(ge=1, le=7)]] = Field(default_factory=list, max_length=7)
+    """Days of the week, 1 Monday to 7 Sunday; empty: any day."""
+    times: list[Annotated[str, Field(pattern=r"^([01]\d|2[0-3]):[0-5]\d$")]] = Field(
+        default_factory=list, max_length=4
+    )
+    """Times of these days by the clinic's clocks, `HH:MM`; empty: any time."""
+    tolerance_scale: float = Field(default=1.0, ge=0.5, le=3.0)
+    """Factor on the whole band of the template for this patient."""
+    stops: list[StopDesign] = Field(default_factory=list, max_length=20)
+    """Stop rules of this patient besides those of the template, named for the exercise's side."""
     starts_at: Moment | None = None
     ends_at: Moment | None = None
 
@@ -142,8 +183,16 @@ class PrescriptionOut(Schema):
     repetitions: int
     sets: int
     times_per_week: int
+    days: list[int]
+    times: list[str]
+    tolerance_scale: float
+    stops: list[StopDesign]
     starts_at: datetime
     ends_at: datetime | None
+    is_due_today: bool
+    """Whether today, by the clinic's clocks, is one of its days and it has begun; done or not."""
+    done_today: int
+    """Of the sessions of this week those of today."""
     done_this_week: int
     """Sessions since Monday, by the clinic's clocks, in which something valid was done; each counts once."""
     repetitions_this_week: int

@@ -18,6 +18,16 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "template.no_repetition": "There is no repetition {number} in this recording.",
     "template.no_angle": "No joint angle was measured in this session; calibrate the sensors on the patient"
     " and record again.",
+    "design.no_channel": "The template has no curve {name}; choose one of those that it shows.",
+    "design.main_counts": "{name} is the main angle of the exercise and always counts; it cannot be watched only.",
+    "design.phases": "Phases must follow each other, each with a name of its own and its start before its end; move"
+    " the border that lies over another.",
+    "design.knots": "The points of a band must be in order and at different phases, one band for each curve; load the"
+    " template again and draw anew.",
+    "design.stop": "Stop rule {number} cannot hold; give it an angle of the template and a limit above zero.",
+    "design.cue": "Cue {number} cannot hold; give it a curve of the template, phases in order and a tolerance"
+    " above zero.",
+    "template.no_base": "This version belongs to another template; reload the page and change the newest one.",
     "exercise.walk_angle": "A walk has no primary angle; leave it empty.",
     "exercise.angle": "The primary angle is not a joint angle of the {side:side} side; choose one from the"
     " list.",

@@ -9,7 +9,9 @@
 """
 
 from estimators.comparison._activity import moving_time
+from estimators.comparison._bands import FREE, Knot, NamedPhase, ToleranceCurve
 from estimators.comparison._channels import (
+    TRUNK_CHANNELS,
     ArmChannels,
     arm_channels,
     channel_label,
@@ -40,13 +42,18 @@ from estimators.comparison._template import build_template, near, phase_curves
 from estimators.comparison.repetitions import find_repetitions
 
 __all__ = [
+    "FREE",
     "PHASES",
+    "TRUNK_CHANNELS",
     "ArmChannels",
     "ComparisonResult",
+    "Knot",
     "Measure",
+    "NamedPhase",
     "Repetition",
     "RepetitionResult",
     "Template",
+    "ToleranceCurve",
     "Trajectory",
     "arm_channels",
     "build_template",

@@ -59,10 +59,12 @@ def _shape_measures(aligned: Float, sigma: Float, template: Template) -> list[Me
         found.append(Measure(name, "shape", float(value), unit, float(uncertainty), 1))
 
     difference = aligned - template.mean
-    relative = np.abs(difference / template.tolerance)
-    judged: NDArray[np.bool_] = np.asarray(np.isfinite(relative))
+    width = np.where(difference < 0.0, template.below, template.above)
+    relative = np.abs(difference / width)
+    # Where the therapist lets a channel do what it likes there is nothing to be inside of.
+    judged: NDArray[np.bool_] = np.isfinite(relative) & np.isfinite(width) & template.counts
     if judged.any():
-        unsure = np.broadcast_to(sigma / template.tolerance, relative.shape)[judged]
+        unsure = (sigma / width)[judged]
         known = unsure[np.isfinite(unsure)]
         mean_unsure = float(np.sqrt(np.mean(known**2))) if len(known) else np.nan
         deviation = relative[judged]

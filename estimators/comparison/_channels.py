@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.comparison._bands import Knot, ToleranceCurve
 from estimators.comparison._contract import Repetition, Template, Trajectory
 from estimators.conventions import Side
 from estimators.errors import ComparisonError, SetupError
@@ -186,12 +187,18 @@ def other_side(side: str) -> Side:
     return "left" if side == "right" else "right"
 
 
-def _mirrored_name(name: str) -> str:
+def mirrored_name(name: str) -> str:
+    """Return what a channel is called on the other side."""
     return re.sub(r"left|right", lambda found: other_side(found.group()), name)
 
 
 def _mirrored_signs(channels: tuple[str, ...]) -> Float:
-    return np.array([-1.0 if name in _MIRRORED_SIGN or name.endswith(".y") else 1.0 for name in channels])
+    return np.array([-1.0 if changes_sign(name) else 1.0 for name in channels])
+
+
+def changes_sign(name: str) -> bool:
+    """Return whether a channel has the opposite sign in a mirror: to the side, and turning of the trunk."""
+    return name in _MIRRORED_SIGN or name.endswith(".y")
 
 
 def mirror_trajectory(source: Trajectory) -> Trajectory:
@@ -202,21 +209,34 @@ def mirror_trajectory(source: Trajectory) -> Trajectory:
     """
     return replace(
         source,
-        channels=tuple(_mirrored_name(name) for name in source.channels),
+        channels=tuple(mirrored_name(name) for name in source.channels),
         values=source.values * _mirrored_signs(source.channels),
     )
 
 
 def mirror_template(template: Template) -> Template:
-    """Return the template for the other arm; see `mirror_trajectory` for the signs."""
+    """Return the template for the other arm; see `mirror_trajectory` for the signs.
+
+    What changes its sign has above where it had below.
+    """
     return replace(
         template,
-        channels=tuple(_mirrored_name(name) for name in template.channels),
+        tolerances=tuple(
+            ToleranceCurve(
+                mirrored_name(curve.channel),
+                tuple(Knot(k.phase, k.above, k.below) for k in curve.knots)
+                if changes_sign(curve.channel)
+                else curve.knots,
+            )
+            for curve in template.tolerances
+        ),
+        watched=tuple(mirrored_name(name) for name in template.watched),
+        channels=tuple(mirrored_name(name) for name in template.channels),
         mean=template.mean * _mirrored_signs(template.channels),
-        primary_channel=_mirrored_name(template.primary_channel),
+        primary_channel=mirrored_name(template.primary_channel),
         side=other_side(template.side),
-        measures={_mirrored_name(name): value for name, value in template.measures.items()},
-        measure_sd={_mirrored_name(name): value for name, value in template.measure_sd.items()},
+        measures={mirrored_name(name): value for name, value in template.measures.items()},
+        measure_sd={mirrored_name(name): value for name, value in template.measure_sd.items()},
     )
 
 

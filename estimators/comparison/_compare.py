@@ -179,11 +179,15 @@ def _channel_sigma(arm: ArmChannels, template: Template) -> Float:
 
 
 def _outside(aligned: Float, template: Template) -> dict[str, list[tuple[int, int]]]:
-    """Half-open phase intervals of the template where the patient is outside the band."""
+    """Half-open phase intervals of the template where the patient is outside the band, of channels that count."""
     outside: dict[str, list[tuple[int, int]]] = {}
     for column, name in enumerate(template.channels):
-        distance = np.abs(aligned[:, column] - template.mean[:, column])
-        beyond: NDArray[np.bool_] = np.isfinite(distance) & (distance > template.tolerance[:, column])
+        if not template.counts[column]:
+            continue
+        difference = aligned[:, column] - template.mean[:, column]
+        beyond: NDArray[np.bool_] = (difference > template.above[:, column]) | (
+            -difference > template.below[:, column]
+        )
         edges = np.flatnonzero(np.diff(np.concatenate([[False], beyond, [False]]).astype(np.int8)))
         runs = zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
         long_enough = [(start, end) for start, end in runs if end - start >= _SHORTEST_OUTSIDE]

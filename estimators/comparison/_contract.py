@@ -1,10 +1,14 @@
 """Types of the comparison: what goes in, what a template is, what comes out."""
 
+import itertools
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.comparison._bands import NamedPhase, ToleranceCurve
+from estimators.errors import SetupError
 from estimators.recording import Float
 
 PHASES = 101
@@ -51,17 +55,31 @@ class Repetition:
 class Template:
     """The mean of a therapist's repetitions with a tolerance band per channel and phase.
 
+    What was recorded and what the therapist drew on it stand apart: `tolerance` never changes, `tolerances` are factors
+    on it, and everybody who judges reads `below` and `above`.
+
     Attributes
     ----------
     channels : tuple of str
     mean, tolerance : ndarray, shape (101, C)
-        Band is `mean +- tolerance`.
+        The recorded band is `mean +- tolerance`: Student's t times the spread after alignment, not less than the floor.
     duration_s, duration_sd_s : float
     repetition_count : int
     primary_channel : str
         The channel whose range is the main measure.
     reach_m : float
         Upper arm plus forearm of the person who recorded it; positions are compared in units of it.
+    tolerances : tuple of ToleranceCurve
+        The therapist's factors on the band, at most one curve a channel; channels without one keep the recorded width.
+    watched : tuple of str
+        Channels that are shown and not judged. The primary channel always counts.
+    phases : tuple of NamedPhase
+        In order, none over another.
+
+    Raises
+    ------
+    SetupError
+        For a drawing that does not fit: a channel that the template has not, two curves of one, phases over each other.
     """
 
     channels: tuple[str, ...]
@@ -77,6 +95,51 @@ class Template:
     """The template's own value of each measure, for display beside the patient's."""
     measure_sd: dict[str, float] = field(default_factory=dict)
     """Standard deviation of each measure between the therapist's repetitions; NaN where unknown."""
+    tolerances: tuple[ToleranceCurve, ...] = ()
+    watched: tuple[str, ...] = ()
+    phases: tuple[NamedPhase, ...] = ()
+
+    def __post_init__(self) -> None:
+        named = [curve.channel for curve in self.tolerances]
+        if len(set(named)) != len(named) or {*named, *self.watched} - set(self.channels):
+            raise SetupError(
+                f"tolerances for {named}, only watched {self.watched}; each at most once, of {self.channels}"
+            )
+        if self.primary_channel in self.watched:
+            raise SetupError(f"{self.primary_channel} is the main channel, which always counts")
+        for one, following in itertools.pairwise(self.phases):
+            if following.start < one.end or following.name == one.name:
+                raise SetupError(f"the phases {one} and {following} lie over each other or have one name")
+
+    @cached_property
+    def below(self) -> Float:
+        """How far below its mean the therapist lets each channel go, rad and m, shape (101, C).
+
+        Infinite where free, NaN where the template has no value. Equation (11) of the guidance:
+        b± = max(t_{0.95,n-1} sqrt(1 + 1/n) sd, floor, 1.64 sigma) k±, of which `tolerance` is the maximum.
+        """
+        return self._band[0]
+
+    @cached_property
+    def above(self) -> Float:
+        """How far above; see `below`."""
+        return self._band[1]
+
+    @cached_property
+    def counts(self) -> NDArray[np.bool_]:
+        """Which channels are judged, shape (C,)."""
+        return np.array([name not in self.watched for name in self.channels], dtype=np.bool_)
+
+    @cached_property
+    def _band(self) -> tuple[Float, Float]:
+        below, above = self.tolerance.copy(), self.tolerance.copy()
+        phase = np.linspace(0.0, 1.0, PHASES)
+        for curve in self.tolerances:
+            column = self.channels.index(curve.channel)
+            down, up = curve.factors(phase)
+            below[:, column] *= down
+            above[:, column] *= up
+        return below, above
 
 
 @dataclass(frozen=True)

@@ -110,6 +110,8 @@ def _range(
     candidates: list[tuple[float, str]] = []
     for name in (n for n in template.measures if n.startswith("range:")):
         channel = name.removeprefix("range:")
+        if channel in template.watched:
+            continue
         difference = _difference(name, retained, summary, template)
         is_primary = channel == template.primary_channel
         if difference is None or difference.certainty < 1 or abs(difference.excess) < _LEAST_RANGE_RAD:
@@ -152,7 +154,7 @@ def _compensation(
 ) -> list[str]:
     """Say how the trunk helped the arm, the largest first; what has its sentence here leaves `outside`."""
     found: list[tuple[float, str]] = []
-    for channel in TRUNK_CHANNELS:
+    for channel in (name for name in TRUNK_CHANNELS if name not in template.watched):
         difference = _difference(f"compensation:{channel}", retained, summary, template)
         left = outside.get(channel)
         if (

@@ -61,11 +61,13 @@ def outside_band(retained: Sequence[RepetitionResult], template: Template) -> li
         if "." in channel or 2 * count <= len(retained):
             continue
         difference = np.stack([one.aligned[:, column] for one in retained]) - template.mean[:, column]
-        known = np.isfinite(difference).all(axis=0) & np.isfinite(template.tolerance[:, column])
+        known = np.isfinite(difference).all(axis=0)
+        mean = np.where(known, difference.mean(axis=0), 0.0)
+        width = np.where(mean < 0.0, template.below[:, column], template.above[:, column])
+        known &= np.isfinite(width)
         if not known.any():
             continue
-        mean = np.where(known, difference.mean(axis=0), 0.0)
-        beyond = np.where(known, np.abs(mean) - template.tolerance[:, column], -np.inf)
+        beyond = np.where(known, np.abs(mean) - width, -np.inf)
         phase = int(np.argmax(beyond))
         limit = _limit(retained, channel, difference[:, phase])
         if beyond[phase] <= 0.0 or abs(mean[phase]) <= limit:

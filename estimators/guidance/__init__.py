@@ -7,7 +7,6 @@
     chunk = guide.feed(*signals(trajectory(frames), ready))
 """
 
-from estimators.guidance._bands import FREE, Knot, ToleranceCurve, tolerance_band
 from estimators.guidance._contract import (
     KINDS,
     CountedRepetition,
@@ -18,13 +17,13 @@ from estimators.guidance._contract import (
 )
 from estimators.guidance._default_rules import DEFAULT_STOPS, PRAISE, SENTENCES, default_rules, range_limits
 from estimators.guidance._guide import Guide
+from estimators.guidance._mirror import mirror_cue_rule, mirror_stop_rule
 from estimators.guidance._orders import CuePace
 from estimators.guidance._rules import Cue, CueRule, Stopped, StopRule
 from estimators.guidance._template import prepare_template, signals, steers
 
 __all__ = [
     "DEFAULT_STOPS",
-    "FREE",
     "KINDS",
     "PRAISE",
     "SENTENCES",
@@ -36,15 +35,14 @@ __all__ = [
     "GuidanceParameters",
     "GuidanceTemplate",
     "Guide",
-    "Knot",
     "RepetitionKind",
     "StopRule",
     "Stopped",
-    "ToleranceCurve",
     "default_rules",
+    "mirror_cue_rule",
+    "mirror_stop_rule",
     "prepare_template",
     "range_limits",
     "signals",
     "steers",
-    "tolerance_band",
 ]

@@ -12,7 +12,6 @@ from estimators.comparison._channels import TRUNK_CHANNELS, check_side
 from estimators.comparison._template import FLOOR_ARM_RAD, FLOOR_REACH, FLOOR_TRUNK_RAD, is_angle
 from estimators.conventions import Side
 from estimators.errors import SetupError
-from estimators.guidance._bands import ToleranceCurve, tolerance_band
 from estimators.guidance._contract import GuidanceTemplate
 from estimators.guidance._records import Model
 from estimators.recording import Float
@@ -43,7 +42,6 @@ def prepare_template(
     side: Side,
     reach_m: float,
     *,
-    tolerances: Sequence[ToleranceCurve] = (),
     steering: Sequence[str] | None = None,
 ) -> GuidanceTemplate:
     """Make a template ready to guide one patient.
@@ -51,13 +49,11 @@ def prepare_template(
     Parameters
     ----------
     template : Template
-        One of the other side is mirrored.
+        One of the other side is mirrored; the band is the one that the therapist drew on it.
     side : {"left", "right"}
         The patient's acting side.
     reach_m : float
         The patient's upper arm plus forearm; positions are scaled from the template's person.
-    tolerances : sequence of ToleranceCurve
-        Named for the template as it is, before mirroring.
     steering : sequence of str, optional
         Channels that tell the phase, in the template's names. By default angles without a singularity and the wrist;
         the main channel always does. Compensation should not.
@@ -83,15 +79,8 @@ def prepare_template(
         raise SetupError(f"steering {chosen}; the template has {template.channels}")
     chosen.append(template.primary_channel)
     is_chosen = [name in chosen for name in template.channels]
-    below, above = tolerance_band(template, tolerances)
     if template.side != side:
-        mirrored = mirror_template(template)
-        turned = np.array(
-            [bool(np.any(a != b)) for a, b in zip(mirrored.mean.T, template.mean.T, strict=True)]
-        )
-        # What changes its sign has above where it had below.
-        below, above = np.where(turned, above, below), np.where(turned, below, above)
-        template = mirrored
+        template = mirror_template(template)
     scale = np.array([reach_m / template.reach_m if "." in name else 1.0 for name in template.channels])
     mean, width = template.mean * scale, template.tolerance * scale
     absolute = np.array([name.endswith(_SINGULAR) for name in template.channels])
@@ -126,8 +115,8 @@ def prepare_template(
         steering=tuple(template.channels[c] for c in columns),
         duration_s=template.duration_s,
         mean=mean,
-        below=below * scale,
-        above=above * scale,
+        below=template.below * scale,
+        above=template.above * scale,
         target_phase=phase,
         target_offset=height,
         model=model,

@@ -83,6 +83,7 @@ def patient(method: str, path: str, allowed: frozenset[str], **more: Any) -> Lin
 
 PATIENT = {"given_name": "New", "family_name": "Person"}
 ACCOUNT = {"email": "n@e.example", "display_name": "N", "role": "therapist", "password": "long enough one"}
+DRAWN = {"based_on": "{version_id}", "design": {}, "reason": "narrower"}
 EXERCISE = {
     "name": "New",
     "movement": "flexion",
@@ -344,6 +345,7 @@ LINES: tuple[Line, ...] = (
         status=201,
     ),
     patient("GET", "/api/template-versions/{version_id}", READ),
+    patient("POST", "/api/templates/{template_id}/versions", TREAT, body=DRAWN, status=201),
     patient("GET", "/api/sessions/{session_id}/comparisons", READ),
     patient(
         "POST",

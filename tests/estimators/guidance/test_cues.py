@@ -1,19 +1,19 @@
 """Cues against faults of known size and place, silence when unsure, and what stops."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
+from estimators.comparison import Knot, ToleranceCurve
 from estimators.errors import SetupError
 from estimators.guidance import (
     SENTENCES,
     CuePace,
     CueRule,
     Guide,
-    Knot,
     StopRule,
-    ToleranceCurve,
     default_rules,
     prepare_template,
     range_limits,
@@ -77,9 +77,8 @@ def test_band_of_the_therapist_is_the_tolerance():
     made = make_planar(repetitions=3)
     values, sigma = leaning(made, 1, np.radians(12.0))
     rule = CueRule("deviation", "guidance.sit_tall", LEAN)
-    wide = prepare_template(
-        template(), "right", template().reach_m, tolerances=[ToleranceCurve(LEAN, (Knot(0.0, 1.0, 9.0),))]
-    )
+    drawn = replace(template(), tolerances=(ToleranceCurve(LEAN, (Knot(0.0, 1.0, 9.0),)),))
+    wide = prepare_template(drawn, "right", template().reach_m)
     for made_ready, count in ((ready(), 1), (wide, 0)):
         chunk = Guide(made_ready, 0.01, rules=[rule]).feed(values, sigma)
         assert len([one for one in chunk.cues if one.rule]) == count
@@ -126,7 +125,7 @@ def test_plane_is_judged_at_equal_elevation():
     mean = np.column_stack([base.mean, np.full(101, np.radians(80.0))])
     tolerance = np.column_stack([base.tolerance, np.full(101, 0.087)])
     wide = prepare_template(
-        type(base)(**{**vars(base), "channels": channels, "mean": mean, "tolerance": tolerance}),
+        replace(base, channels=channels, mean=mean, tolerance=tolerance),
         "right",
         base.reach_m,
     )

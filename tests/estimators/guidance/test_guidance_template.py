@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estimators.comparison import mirror_template
+from estimators.comparison import FREE, Knot, NamedPhase, ToleranceCurve, mirror_template
 from estimators.errors import SetupError
-from estimators.guidance import FREE, Knot, ToleranceCurve, prepare_template, steers, tolerance_band
+from estimators.guidance import prepare_template, steers
 from tests.estimators.guidance.conftest import ready, template
 
 ELEVATION = "thorax_humerus_right_yxy_elevation"
@@ -65,7 +65,8 @@ def test_other_side_and_size():
 
 def test_band_is_piecewise_linear_and_apart_for_both_sides():
     curve = ToleranceCurve(ELEVATION, (Knot(0.2, 1.0, 2.0), Knot(0.4, 1.0, 4.0), Knot(0.6, 0.5, FREE)))
-    below, above = tolerance_band(template(), [curve])
+    drawn = replace(template(), tolerances=(curve,))
+    below, above = drawn.below, drawn.above
     column = template().channels.index(ELEVATION)
     own = template().tolerance[:, column]
     assert above[[0, 20, 30, 40], column] == pytest.approx(own[[0, 20, 30, 40]] * [2.0, 2.0, 3.0, 4.0])
@@ -77,8 +78,8 @@ def test_band_is_piecewise_linear_and_apart_for_both_sides():
 
 def test_band_turns_round_with_the_sign():
     curve = ToleranceCurve(LEAN, (Knot(0.0, 1.0, 3.0),))
-    here = prepare_template(template(), "right", 0.55, tolerances=[curve])
-    across = prepare_template(template(), "left", 0.55, tolerances=[curve])
+    drawn = replace(template(), tolerances=(curve,))
+    here, across = prepare_template(drawn, "right", 0.55), prepare_template(drawn, "left", 0.55)
     column = here.channels.index(LEAN)
     assert np.allclose(across.below[:, column], here.above[:, column])
     assert np.allclose(across.above[:, column], here.below[:, column])
@@ -98,4 +99,11 @@ def test_what_cannot_be_prepared_is_refused():
         with pytest.raises(SetupError):
             Knot(*wrong)
     with pytest.raises(SetupError):
-        tolerance_band(template(), [ToleranceCurve("nothing", (Knot(0.5),))])
+        replace(template(), tolerances=(ToleranceCurve("nothing", (Knot(0.5),)),))
+    with pytest.raises(SetupError):
+        replace(template(), watched=(template().primary_channel,))
+    with pytest.raises(SetupError):
+        replace(template(), phases=(NamedPhase("Out", 0.0, 0.5), NamedPhase("Back", 0.4, 1.0)))
+    for wrong_phase in (("", 0.0, 1.0), ("Out", 0.5, 0.5), ("Out", -0.1, 0.5)):
+        with pytest.raises(SetupError):
+            NamedPhase(*wrong_phase)

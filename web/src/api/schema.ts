@@ -1672,6 +1672,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/templates/{template_id}/versions": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Draw Version
+         * @description Draw phases, bands and rules on a version's recording: a further version, with who, when and why.
+         */
+        post: operations["draw_version_api_templates__template_id__versions_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/templates/preview": {
         parameters: {
             query?: never;
@@ -2600,6 +2620,73 @@ export interface components {
             time_unit?: "s" | "ms" | "us" | "ns" | "clock";
         };
         /**
+         * CueDesign
+         * @description When something is said, and what; `estimators.guidance.CueRule` says what each quantity means.
+         */
+        CueDesign: {
+            /**
+             * Against
+             * @default
+             */
+            against?: string;
+            /**
+             * Channel
+             * @default
+             */
+            channel?: string;
+            /**
+             * Hold S
+             * @default 0.25
+             */
+            hold_s?: number;
+            /**
+             * Is On
+             * @default true
+             */
+            is_on?: boolean;
+            /**
+             * Least
+             * @default 0
+             */
+            least?: number;
+            /**
+             * Phases
+             * @default [
+             *       0,
+             *       1
+             *     ]
+             */
+            phases?: [
+                number,
+                number
+            ];
+            /**
+             * Priority
+             * @default 1
+             */
+            priority?: number;
+            /**
+             * Quantity
+             * @enum {string}
+             */
+            quantity: "deviation" | "at_equal" | "range" | "fast" | "slow";
+            /** Sentence */
+            sentence: string;
+            /**
+             * Side
+             * @default both
+             * @enum {string}
+             */
+            side?: "below" | "both" | "above";
+            /** Tolerance */
+            tolerance?: number | null;
+            /**
+             * Words
+             * @default
+             */
+            words?: string;
+        };
+        /**
          * CurveOut
          * @description One number over time; None where there is nothing.
          */
@@ -3167,6 +3254,24 @@ export interface components {
             status: "queued" | "running" | "complete" | "failed";
         };
         /**
+         * KnotDesign
+         * @description How many times its recorded width the band has at one phase; straight lines between knots.
+         */
+        KnotDesign: {
+            /**
+             * Above
+             * @default 1
+             */
+            above?: number | null;
+            /**
+             * Below
+             * @default 1
+             */
+            below?: number | null;
+            /** Phase */
+            phase: number;
+        };
+        /**
          * LayoutMessage
          * @description First message after connecting, and again when the setup changes.
          */
@@ -3718,6 +3823,27 @@ export interface components {
             ticket: string;
         };
         /**
+         * PaceDesign
+         * @description How often something is said.
+         */
+        PaceDesign: {
+            /**
+             * Cue Every
+             * @default 1
+             */
+            cue_every?: number;
+            /**
+             * Praise Every
+             * @default 3
+             */
+            praise_every?: number;
+            /**
+             * Silence S
+             * @default 1.5
+             */
+            silence_s?: number;
+        };
+        /**
          * PairingCodeOut
          * @description A code that a gateway exchanges once for a device token; it is shown once.
          */
@@ -3820,13 +3946,18 @@ export interface components {
         };
         /**
          * PhaseCurve
-         * @description One channel over 101 phases: mean and tolerance band.
+         * @description One channel over 101 phases: mean and tolerance band as the therapist drew it.
          */
         PhaseCurve: {
             /** Channel */
             channel: string;
             /** High */
             high: (number | null)[];
+            /**
+             * Is Judged
+             * @default true
+             */
+            is_judged?: boolean;
             /** Label */
             label: string;
             /** Low */
@@ -3837,6 +3968,20 @@ export interface components {
             repetitions: (number | null)[][];
             /** Unit */
             unit: string;
+            /** Width */
+            width?: (number | null)[];
+        };
+        /**
+         * PhaseDesign
+         * @description A named stretch of the movement.
+         */
+        PhaseDesign: {
+            /** End */
+            end: number;
+            /** Name */
+            name: string;
+            /** Start */
+            start: number;
         };
         /**
          * PlayerCommand
@@ -3905,6 +4050,8 @@ export interface components {
          * @description Prescribe an exercise.
          */
         PrescriptionIn: {
+            /** Days */
+            days?: number[];
             /** Ends At */
             ends_at?: string | null;
             /** Exercise Id */
@@ -3921,13 +4068,22 @@ export interface components {
             sets?: number;
             /** Starts At */
             starts_at?: string | null;
+            /** Stops */
+            stops?: components["schemas"]["StopDesign"][];
             /** Template Id */
             template_id?: string | null;
+            /** Times */
+            times?: string[];
             /**
              * Times Per Week
              * @default 5
              */
             times_per_week?: number;
+            /**
+             * Tolerance Scale
+             * @default 1
+             */
+            tolerance_scale?: number;
         };
         /**
          * PrescriptionOut
@@ -3936,8 +4092,12 @@ export interface components {
         PrescriptionOut: {
             /** Active S This Week */
             active_s_this_week: number;
+            /** Days */
+            days: number[];
             /** Done This Week */
             done_this_week: number;
+            /** Done Today */
+            done_today: number;
             /** Ends At */
             ends_at: string | null;
             /** Exercise Id */
@@ -3946,6 +4106,8 @@ export interface components {
             exercise_name: string;
             /** Id */
             id: string;
+            /** Is Due Today */
+            is_due_today: boolean;
             /** Is Twice */
             is_twice: boolean;
             /** Repetitions */
@@ -3959,12 +4121,18 @@ export interface components {
              * Format: date-time
              */
             starts_at: string;
+            /** Stops */
+            stops: components["schemas"]["StopDesign"][];
             /** Template Id */
             template_id: string | null;
             /** Template Name */
             template_name: string | null;
+            /** Times */
+            times: string[];
             /** Times Per Week */
             times_per_week: number;
+            /** Tolerance Scale */
+            tolerance_scale: number;
         };
         /**
          * PreviewIn
@@ -4760,6 +4928,38 @@ export interface components {
             type?: "state";
         };
         /**
+         * StopDesign
+         * @description What stops or pauses the exercise. The pain button always does and needs no rule.
+         */
+        StopDesign: {
+            /**
+             * Channel
+             * @default
+             */
+            channel?: string;
+            /**
+             * Hold S
+             * @default 0.05
+             */
+            hold_s?: number;
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "limit" | "valid_count" | "attempt_count" | "time" | "lost" | "unsure" | "wrong_in_a_row";
+            /**
+             * Limit
+             * @default 0
+             */
+            limit?: number;
+            /**
+             * Side
+             * @default above
+             * @enum {string}
+             */
+            side?: "below" | "above";
+        };
+        /**
          * StrideOut
          * @description One stride, from a foothold to the next of the same foot; None where it is not known.
          */
@@ -4858,6 +5058,28 @@ export interface components {
             repetitions: components["schemas"]["RepetitionOut"][];
         };
         /**
+         * TemplateDesign
+         * @description Everything that a therapist draws on a template, named for the template's side.
+         */
+        TemplateDesign: {
+            /** Cues */
+            cues?: components["schemas"]["CueDesign"][] | null;
+            pace?: components["schemas"]["PaceDesign"];
+            /** Phases */
+            phases?: components["schemas"]["PhaseDesign"][];
+            /** Stops */
+            stops?: components["schemas"]["StopDesign"][] | null;
+            /** Tolerances */
+            tolerances?: components["schemas"]["ToleranceDesign"][];
+            /**
+             * Valid Share
+             * @default 0.8
+             */
+            valid_share?: number;
+            /** Watched */
+            watched?: string[];
+        };
+        /**
          * TemplateIn
          * @description Store a template (its first version) or, with `template_id`, a further version of it.
          */
@@ -4899,6 +5121,10 @@ export interface components {
             name: string;
             /** Patient Id */
             patient_id: string | null;
+            /** Retired At */
+            retired_at: string | null;
+            /** Tags */
+            tags: string[];
             /** Versions */
             versions: components["schemas"]["TemplateVersionOut"][];
         };
@@ -4920,7 +5146,7 @@ export interface components {
         };
         /**
          * TemplateVersionDetail
-         * @description A version with its curves.
+         * @description A version with its curves, and what was drawn on them.
          */
         TemplateVersionDetail: {
             content: components["schemas"]["TemplateContent"];
@@ -4929,18 +5155,47 @@ export interface components {
              * Format: date-time
              */
             created_at: string;
+            design: components["schemas"]["TemplateDesign"];
+            /** Exercise Id */
+            exercise_id: string;
             /** Id */
             id: string;
+            /** Made By */
+            made_by: string;
             /** Name */
             name: string;
             /** Number */
             number: number;
+            /** Patient Id */
+            patient_id: string | null;
+            /** Primary Channel */
+            primary_channel: string;
+            /** Reach M */
+            reach_m: number;
+            /** Reason */
+            reason: string;
             /** Repetition Count */
             repetition_count: number;
+            /**
+             * Side
+             * @enum {string}
+             */
+            side: "left" | "right";
             /** Source Session Id */
             source_session_id: string;
             /** Template Id */
             template_id: string;
+        };
+        /**
+         * TemplateVersionIn
+         * @description Draw on a version: makes a further version of the same recording; versions never change.
+         */
+        TemplateVersionIn: {
+            /** Based On */
+            based_on: string;
+            design: components["schemas"]["TemplateDesign"];
+            /** Reason */
+            reason: string;
         };
         /**
          * TemplateVersionOut
@@ -4954,8 +5209,12 @@ export interface components {
             created_at: string;
             /** Id */
             id: string;
+            /** Made By */
+            made_by: string;
             /** Number */
             number: number;
+            /** Reason */
+            reason: string;
             /** Repetition Count */
             repetition_count: number;
             /** Source Session Id */
@@ -4986,6 +5245,16 @@ export interface components {
             path: string;
             /** Ticket */
             ticket: string;
+        };
+        /**
+         * ToleranceDesign
+         * @description The band of one channel; channels without one keep the recorded band.
+         */
+        ToleranceDesign: {
+            /** Channel */
+            channel: string;
+            /** Knots */
+            knots: components["schemas"]["KnotDesign"][];
         };
         /**
          * TrialOut
@@ -8305,6 +8574,44 @@ export interface operations {
         requestBody: {
             content: {
                 "application/json": components["schemas"]["TemplateIn"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TemplateVersionDetail"];
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            404: components["responses"]["Error404"];
+            408: components["responses"]["Error408"];
+            409: components["responses"]["Error409"];
+            413: components["responses"]["Error413"];
+            422: components["responses"]["Error422"];
+            429: components["responses"]["Error429"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    draw_version_api_templates__template_id__versions_post: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description From /api/me; browsers send it with every change, devices do not. */
+                "X-CSRF-Token"?: string;
+            };
+            path: {
+                template_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["TemplateVersionIn"];
             };
         };
         responses: {

@@ -1,12 +1,10 @@
-"""The therapist's tolerance over channels and phases, equation (11)."""
+"""What a therapist draws on a template: named phases, and the tolerance of each channel over the phase."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from estimators.comparison import PHASES, Template
 from estimators.errors import SetupError
 from estimators.recording import Float
 
@@ -76,43 +74,25 @@ def _between(at: Float, factor: Float, phase: Float) -> Float:
     return np.where(share > 0.0, np.inf, line)
 
 
-def tolerance_band(template: Template, curves: Sequence[ToleranceCurve] = ()) -> tuple[Float, Float]:
-    """Return how far below and above its mean a template lets each channel go.
+@dataclass(frozen=True)
+class NamedPhase:
+    """A stretch of the movement that a therapist gave a name.
 
-    Parameters
+    Attributes
     ----------
-    template : Template
-        Its `tolerance` is the recorded width: Student's t times the spread after alignment, not less than the floor
-        nor than what the sensors themselves change.
-    curves : sequence of ToleranceCurve
-        At most one a channel; channels without one have the recorded width.
-
-    Returns
-    -------
-    below, above : ndarray, shape (101, C)
-        rad and m, infinite where free, NaN where the template has no value.
-
-    Raises
-    ------
-    SetupError
-        For a channel that the template has not, or two curves of one.
-
-    Notes
-    -----
-    Equation (11): b± = max(t_{0.95,n-1} sqrt(1 + 1/n) sd, floor, 1.64 sigma) k±, of which `build_template` makes the
-    maximum.
+    name : str
+        The therapist's word, for instance `Lift`.
+    start, end : float
+        0 to 1, start before end.
     """
-    named = [curve.channel for curve in curves]
-    if len(set(named)) != len(named) or set(named) - set(template.channels):
-        raise SetupError(f"tolerances for {named}; the template has {template.channels}, each at most once")
-    below, above = template.tolerance.copy(), template.tolerance.copy()
-    phase = np.linspace(0.0, 1.0, PHASES)
-    for curve in curves:
-        column = template.channels.index(curve.channel)
-        down, up = curve.factors(phase)
-        below[:, column] *= down
-        above[:, column] *= up
-    return below, above
+
+    name: str
+    start: float
+    end: float
+
+    def __post_init__(self) -> None:
+        if not self.name.strip() or not 0.0 <= self.start < self.end <= 1.0:
+            raise SetupError(f"{self}: a phase has a name, and its start before its end, both within 0 and 1")
 
 
-__all__ = ["FREE", "Knot", "ToleranceCurve", "tolerance_band"]
+__all__ = ["FREE", "Knot", "NamedPhase", "ToleranceCurve"]
