@@ -82,6 +82,12 @@ export const routes: RouteObject[] = [
             path: 'templates/record',
             lazy: async () => ({ Component: (await import('./pages/template/RecordTemplate')).RecordTemplatePage }),
           },
+          {
+            path: 'templates/versions/:versionId',
+            lazy: async () => ({
+              Component: (await import('./pages/template/editor/EditTemplate')).EditTemplatePage,
+            }),
+          },
           { path: 'exercises', lazy: async () => ({ Component: (await import('./pages/Exercises')).ExercisesPage }) },
           {
             path: 'exercises/:exerciseId',

@@ -378,6 +378,13 @@ export const useSaveTemplate = () =>
     (input: Wire.TemplateIn) => api.post<Wire.TemplateVersionDetail>('/api/templates', input),
     () => [['templates']],
   );
+/** What was drawn on a template, as its next version. */
+export const useDrawVersion = (templateId: string) =>
+  useChange(
+    (input: Wire.TemplateVersionIn) =>
+      api.post<Wire.TemplateVersionDetail>(`/api/templates/${templateId}/versions`, input),
+    () => [['templates']],
+  );
 
 const NO_IMPLANTS = { patient_has_no_implant: true, people_nearby_have_none: true };
 /** A session with a source, and the therapist's word about implants. Should the word be lost, its page asks again. */

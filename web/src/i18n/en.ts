@@ -3,6 +3,7 @@ import { balance } from '../kinds/balance/words';
 import { calibration } from './en/calibration';
 import { clinic } from './en/clinic';
 import { common } from './en/common';
+import { design } from './en/design';
 import { home } from './en/home';
 import { magnetic } from './en/magnetic';
 import { markers } from './en/markers';
@@ -19,6 +20,7 @@ export const en = {
   ...calibration,
   ...clinic,
   ...common,
+  ...design,
   ...home,
   ...magnetic,
   ...markers,

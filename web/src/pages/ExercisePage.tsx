@@ -1,5 +1,5 @@
 import { Button, Select } from '@mantine/core';
-import { IconRouteOff } from '@tabler/icons-react';
+import { IconPencil, IconRouteOff } from '@tabler/icons-react';
 import { useState } from 'react';
 import { Link, useParams, useSearchParams } from 'react-router';
 import { useExercises, usePatient, useTemplates, useTemplateVersion } from '../api/queries';
@@ -47,7 +47,7 @@ function TemplateCard({
         )}
       </div>
       <Answer of={version} lines={4} height={40}>
-        {({ content, repetition_count: count, number: versionNumber, created_at: at }) => (
+        {({ id, content, repetition_count: count, number: versionNumber, created_at: at, reason, made_by: madeBy }) => (
           <>
             <p className="muted small">
               {t('template.made', {
@@ -57,6 +57,16 @@ function TemplateCard({
                 seconds: number(content.duration_s, 1),
               })}
             </p>
+            {reason && <p className="small">{t('template.why', { by: madeBy, reason })}</p>}
+            <div>
+              <Button
+                component={Link}
+                to={`/templates/versions/${id}`}
+                leftSection={<IconPencil size={18} aria-hidden />}
+              >
+                {t('design.open')}
+              </Button>
+            </div>
             <PhaseLegend withOutside={false} patient={false} />
             <div className="template-curves">
               {pickCurves(content.curves, false, primary).map((curve) => (

@@ -1,0 +1,240 @@
+// A template as an instrument: the therapist draws what matters on the recorded curves, and saves it as the next version.
+import { Button, Group, Textarea } from '@mantine/core';
+import { useEffect, useMemo, useState } from 'react';
+import { useNavigate, useParams } from 'react-router';
+import { useDrawVersion, useTemplateVersion } from '../../../api/queries';
+import type { TemplateVersionDetail } from '../../../api/types';
+import { Answer, Problem } from '../../../components/Feedback';
+import { Page } from '../../../components/Page';
+import { t } from '../../../i18n';
+import {
+  designOf,
+  draftOf,
+  suggestedBorders,
+  withBand,
+  withBorder,
+  withoutPhase,
+  withPhases,
+  withSplit,
+  type Draft,
+} from '../../../lib/assessment/design';
+import { pickCurves } from '../../../lib/assessment/comparison';
+import { bodyLength, date } from '../../../lib/format';
+import '../../../styles/design.css';
+import { BandChart } from './BandChart';
+import { CueRules } from './CueRules';
+import { CurveList } from './CurveList';
+import { PhaseTable } from './PhaseTable';
+import { StopRules } from './StopRules';
+
+function suggested(draft: Draft, mean: readonly (number | null)[]): Draft {
+  const borders = suggestedBorders(mean);
+  const names =
+    borders.length === 1
+      ? [t('design.suggestedOut'), t('design.suggestedBack')]
+      : [t('design.suggestedOut'), t('design.suggestedHold'), t('design.suggestedBack')];
+  return withPhases(
+    draft,
+    names.map((name, index) => ({ name, end: borders[index] ?? 1 })),
+    () => 0,
+  );
+}
+
+/** The curve with its phases, and the list of curves beside it. */
+function Drawing({
+  version,
+  draft,
+  onDraft,
+}: {
+  version: TemplateVersionDetail;
+  draft: Draft;
+  onDraft: (change: (now: Draft) => Draft) => void;
+}) {
+  const { curves, repetitions } = version.content;
+  const [channel, setChannel] = useState(version.primary_channel);
+  const [selected, setSelected] = useState(0);
+  const left = useMemo(() => new Set(repetitions.flatMap((one, index) => (one.is_kept ? [] : [index]))), [repetitions]);
+  const curve = curves.find((one) => one.channel === channel) ?? pickCurves(curves, true, version.primary_channel)[0];
+  if (!curve) return null;
+  const main = curves.find((one) => one.channel === version.primary_channel) ?? curve;
+  const phase = Math.min(selected, draft.phases.length - 1);
+  return (
+    <section className="card" aria-label={curve.label}>
+      <div className="design-drawing">
+        <CurveList
+          curves={curves}
+          primary={version.primary_channel}
+          draft={draft}
+          selected={curve.channel}
+          onSelect={setChannel}
+          onWatched={(name, isWatched) =>
+            onDraft((now) => ({
+              ...now,
+              watched: isWatched ? [...now.watched, name] : now.watched.filter((one) => one !== name),
+            }))
+          }
+        />
+        <div className="design-curve">
+          <div className="card-head">
+            <h2>{curve.label}</h2>
+          </div>
+          <Legend />
+          <BandChart
+            curve={curve}
+            draft={draft}
+            left={left}
+            selected={phase}
+            onSelect={setSelected}
+            onBand={(at, edge, factor) => onDraft((now) => withBand(now, curve.channel, at, edge, factor))}
+            onBorder={(at, end) => onDraft((now) => withBorder(now, at, end))}
+          />
+          <p className="muted small">{t('design.help')}</p>
+          <PhaseTable
+            curve={curve}
+            draft={draft}
+            selected={phase}
+            onSelect={setSelected}
+            onBand={(at, edge, factor) => onDraft((now) => withBand(now, curve.channel, at, edge, factor))}
+            onName={(at, name) =>
+              onDraft((now) => ({
+                ...now,
+                phases: now.phases.map((one, index) => (index === at ? { ...one, name } : one)),
+              }))
+            }
+            onSplit={(at) =>
+              onDraft((now) => withSplit(now, at, t('design.phaseNumber', { number: now.phases.length + 1 })))
+            }
+            onRemove={(at) => onDraft((now) => withoutPhase(now, at))}
+            onSuggest={() => onDraft((now) => suggested(now, main.mean))}
+          />
+          <p className="muted small">{t('design.scaled', { reach: bodyLength(version.reach_m) })}</p>
+        </div>
+      </div>
+    </section>
+  );
+}
+
+function Legend() {
+  return (
+    <ul className="legend plain-list">
+      <li>
+        <svg width="34" height="14" aria-hidden>
+          <rect width="34" height="14" rx="3" className="band-area" />
+        </svg>
+        {t('design.legendBand')}
+      </li>
+      <li>
+        <svg width="34" height="14" aria-hidden>
+          <path d="M0 7h34" className="band-mean" />
+        </svg>
+        {t('design.legendMean')}
+      </li>
+      <li>
+        <svg width="34" height="14" aria-hidden>
+          <path d="M0 7h34" className="band-repetition" />
+        </svg>
+        {t('design.legendRepetition')}
+      </li>
+    </ul>
+  );
+}
+
+function Editor({
+  version,
+  onSaved,
+}: {
+  version: TemplateVersionDetail;
+  onSaved: (made: TemplateVersionDetail) => void;
+}) {
+  const start = useMemo(() => draftOf(version.design), [version]);
+  const [draft, setDraft] = useState(start);
+  const [reason, setReason] = useState('');
+  const save = useDrawVersion(version.template_id);
+  const isChanged = JSON.stringify(designOf(draft)) !== JSON.stringify(designOf(start));
+  useEffect(() => {
+    if (!isChanged) return;
+    const ask = (event: BeforeUnloadEvent) => event.preventDefault();
+    window.addEventListener('beforeunload', ask);
+    return () => window.removeEventListener('beforeunload', ask);
+  }, [isChanged]);
+  const { curves } = version.content;
+  const angles = pickCurves(curves, true, version.primary_channel).filter((one) => !one.channel.includes('.'));
+  return (
+    <div className="stack">
+      <Drawing version={version} draft={draft} onDraft={(change) => setDraft(change)} />
+      <StopRules
+        stops={draft.stops}
+        channels={angles.map((one) => one.channel)}
+        primary={version.primary_channel}
+        onChange={(stops) => setDraft((now) => ({ ...now, stops }))}
+      />
+      <CueRules draft={draft} curves={angles} onChange={(change) => setDraft((now) => ({ ...now, ...change }))} />
+      <form
+        className="card stack"
+        aria-labelledby="save"
+        onSubmit={(event) => {
+          event.preventDefault();
+          save.mutate({ based_on: version.id, design: designOf(draft), reason: reason.trim() }, { onSuccess: onSaved });
+        }}
+      >
+        <h2 id="save">{t('design.saveTitle')}</h2>
+        <Textarea
+          label={t('design.reason')}
+          description={t('design.reasonHelp')}
+          placeholder={t('design.reasonExample')}
+          autosize
+          minRows={2}
+          maxLength={500}
+          maw={640}
+          value={reason}
+          onChange={(event) => setReason(event.currentTarget.value)}
+        />
+        {save.error && <Problem error={save.error} />}
+        <Group>
+          <Button type="submit" size="lg" disabled={!isChanged || !reason.trim()} loading={save.isPending}>
+            {t('design.save', { number: version.number + 1 })}
+          </Button>
+          {isChanged && (
+            <Button variant="default" size="lg" onClick={() => setDraft(start)}>
+              {t('design.undo')}
+            </Button>
+          )}
+        </Group>
+        <p className="muted small">{t(isChanged ? 'design.saved' : 'design.unchanged')}</p>
+      </form>
+    </div>
+  );
+}
+
+export function EditTemplatePage() {
+  const { versionId = '' } = useParams();
+  const navigate = useNavigate();
+  const version = useTemplateVersion(versionId);
+  const found = version.data;
+  return (
+    <Page
+      title={found ? t('design.title', { name: found.name }) : t('design.open')}
+      lead={t('design.lead')}
+      crumbs={[
+        { to: '/exercises', text: t('nav.exercises') },
+        ...(found ? [{ to: exercisePath(found), text: found.name }] : []),
+      ]}
+    >
+      <Answer of={version} lines={8} height={44}>
+        {(data) => (
+          <>
+            <p className="muted">
+              {t('design.basedOn', { number: data.number, date: date(data.created_at), by: data.made_by })}
+              {data.reason && ` · ${data.reason}`}
+            </p>
+            <Editor key={data.id} version={data} onSaved={(made) => void navigate(exercisePath(made))} />
+          </>
+        )}
+      </Answer>
+    </Page>
+  );
+}
+
+function exercisePath(version: TemplateVersionDetail): string {
+  return `/exercises/${version.exercise_id}?version=${version.id}${version.patient_id ? `&patient=${version.patient_id}` : ''}`;
+}
