@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 from app.accounts.subject import Subject
 from app.assessment import repository
 from app.assessment.design.compiled import drawn_template, tolerance_scale_of
-from app.assessment.models import Comparison, RepetitionMeasure
+from app.assessment.models import ALL_REPETITIONS, Comparison, RepetitionMeasure
 from app.assessment.practised import Practised, practised
 from app.assessment.presentation import (
     phase_curves_out,
@@ -29,6 +29,7 @@ from app.recordings.analysis.jobs import JobContext
 from app.recordings.models import MotionSession, SessionEvent
 from app.sentences import say
 from estimators.comparison import (
+    TOGETHER,
     ComparisonResult,
     Template,
     compare,
@@ -40,7 +41,7 @@ from estimators.errors import ComparisonError, EstimationError
 
 logger = logging.getLogger(__name__)
 
-VERSION = "1"
+VERSION = "2"
 """Of the comparison method; stored with each comparison, changes whenever the numbers change."""
 
 
@@ -183,6 +184,17 @@ def _store(session: Session, subject: Subject, found: MotionSession, work: _Work
         for measure in repetition_comparison(one, work.template).measures
         if measure.value is not None
     ]
+    rows.extend(
+        RepetitionMeasure(
+            repetition=ALL_REPETITIONS,
+            measure=measure.measure,
+            value=measure.value,
+            uncertainty=measure.uncertainty,
+            unit=measure.unit,
+        )
+        for measure in summary
+        if measure.value is not None and measure.measure.startswith(TOGETHER)
+    )
     new = Comparison(
         session_id=found.id,
         result_id=work.result_id,

@@ -16,7 +16,7 @@ import scipy
 from sqlalchemy import ColumnElement, Subquery, func, select
 from sqlalchemy.orm import Session
 
-from app.assessment.models import Comparison, RepetitionMeasure
+from app.assessment.models import ALL_REPETITIONS, Comparison, RepetitionMeasure
 from app.recordings.models import MotionSession, Result
 
 BASELINE: Final = 3
@@ -32,7 +32,8 @@ class SessionValue:
     mean : float
         Over the repetitions, in the unit of the measure.
     spread : float or None
-        Standard deviation between repetitions; None for a single one.
+        Standard deviation between repetitions, None for a single one; of what only all of them together give, that of
+        the value.
     count : int
         Repetitions.
     """
@@ -114,6 +115,9 @@ def session_values(
             func.avg(RepetitionMeasure.value).label("mean"),
             func.avg(RepetitionMeasure.value * RepetitionMeasure.value).label("mean_square"),
             func.count().label("count"),
+            func.min(RepetitionMeasure.repetition).label("first"),
+            func.max(RepetitionMeasure.uncertainty).label("uncertainty"),
+            Comparison.repetition_count,
             Result.orientation,
             Result.orientation_version,
             Result.pipeline_version,
@@ -136,8 +140,10 @@ def session_values(
             measure=row.measure,
             unit=row.unit,
             mean=row.mean,
-            spread=_spread(row.mean, row.mean_square, row[9]),
-            count=row[9],
+            spread=row.uncertainty
+            if row.first == ALL_REPETITIONS
+            else _spread(row.mean, row.mean_square, row[9]),
+            count=row.repetition_count if row.first == ALL_REPETITIONS else row[9],
             orientation=row.orientation,
             orientation_version=row.orientation_version,
             pipeline_version=row.pipeline_version,

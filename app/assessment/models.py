@@ -1,11 +1,14 @@
 """Tables of comparisons."""
 
-from typing import Any
+from typing import Any, Final
 
 from sqlalchemy import JSON, Float, ForeignKey, Index, Integer, LargeBinary, String
 from sqlalchemy.orm import Mapped, mapped_column
 
 from app.database.base import Base, Identified
+
+ALL_REPETITIONS: Final = 0
+"""In the place of a repetition's number: a measure that only all repetitions together have."""
 
 
 class Comparison(Identified, Base):

@@ -15,7 +15,15 @@ of `estimators.comparison`:
 ``peak_speed``               of the hand                                             m/s
 ``peak_turning_speed``       for exercises that turn                                 deg/s
 ``spectral_arc_length``      smoothness, closer to zero is smoother                  1
+``log_dimensionless_jerk``   smoothness of the way out, closer to zero is smoother   1
 ``movement_units``           count of pushes                                         count
+``units_per_metre``          pushes over the way of the hand                         1/m
+``time_to_peak_speed``       of the way out                                          %
+``mean_speed``, ``mean_turning_speed``  over the repetition                          m/s, deg/s
+``joint_correlation``, ``joint_lag``, ``joint_common_share``  of shoulder and elbow  1, ms, %
+``path_residual``, ``path_turn``, ``path_scale``  hand's path laid on the template's m, deg, 1
+``multiple_correlation:<angle>``  of all repetitions together; stored as repetition 0  1
+``repetition_rms:<angle>``   the same: their distance from their mean                deg
 ===========================  ======================================================  ====
 
 The main measure of an exercise is ``range:<primary angle>``.
@@ -45,6 +53,10 @@ _SHOWN: Final[dict[str, tuple[str, float]]] = {
     "rad": ("deg", 180.0 / math.pi),
     "rad/s": ("deg/s", 180.0 / math.pi),
 }
+
+
+_OF_ONE: Final = {"joint_lag": ("ms", 1000.0)}
+"""Measures that are too small for the unit of their kind."""
 
 
 def shown_unit(unit: str) -> tuple[str, float]:
@@ -106,7 +118,7 @@ def phase_curves_out(template: Template, repetitions: Sequence[Float]) -> list[P
 
 def measure_out(measure: Measure, template: Template) -> MeasureValue:
     """Return a measure as clients see it, beside the template's own value."""
-    unit, factor = shown_unit(measure.unit)
+    unit, factor = _OF_ONE.get(measure.name) or shown_unit(measure.unit)
     return MeasureValue(
         measure=measure.name,
         label=measure_label(measure.name),
@@ -116,6 +128,7 @@ def measure_out(measure: Measure, template: Template) -> MeasureValue:
         count=measure.count,
         template_value=number(template.measures.get(measure.name, math.nan), factor),
         group=measure.group,
+        note=measure.note,
     )
 
 

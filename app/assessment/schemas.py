@@ -8,7 +8,7 @@ from app.patients.schemas import Side
 from app.schemas import Schema, Spoken
 
 
-class MeasureValue(Schema):
+class MeasureValue(Spoken):
     """One measure: never a number without its unit and what stands behind it."""
 
     measure: str
@@ -16,11 +16,14 @@ class MeasureValue(Schema):
     value: float | None
     unit: str
     uncertainty: float | None
-    """One standard deviation: between repetitions in a summary, of the estimate in a repetition."""
+    """One standard deviation: between repetitions in a summary (of what all of them together give: of that), of the
+    estimate in a repetition."""
     count: int
     template_value: float | None
     group: str
-    """timing, shape, range, smoothness, path or compensation."""
+    """timing, shape, range, smoothness, coordination, path or compensation."""
+    note: str = ""
+    """Why it is undefined, or what of it is; empty where nothing is to be said."""
 
 
 class RepetitionComparison(Schema):
@@ -61,7 +64,7 @@ class ComparisonDetail(ComparisonOut, Spoken):
     curves: list[PhaseCurve]
     """Template mean and band with every patient repetition, aligned in time, in `repetitions`."""
     findings: list[str]
-    """At most three plain sentences, the most important first."""
+    """Plain sentences, compensation first; beside what leaves the band at most three."""
 
 
 class CaseloadRow(Spoken):

@@ -39,11 +39,13 @@ from estimators.comparison._contract import (
 from estimators.comparison._judgement import judge_repetitions
 from estimators.comparison._measures import measure_label
 from estimators.comparison._template import build_template, near, phase_curves
+from estimators.comparison.measures.of_session import TOGETHER
 from estimators.comparison.repetitions import find_repetitions
 
 __all__ = [
     "FREE",
     "PHASES",
+    "TOGETHER",
     "TRUNK_CHANNELS",
     "ArmChannels",
     "ComparisonResult",

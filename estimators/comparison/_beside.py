@@ -5,9 +5,11 @@ from numpy.typing import NDArray
 
 from estimators.comparison._alignment import Alignment
 from estimators.comparison._contract import Measure, Repetition, Template
-from estimators.comparison._measures import BOUNDARY_SIGMA_S
+from estimators.comparison._measures import BOUNDARY_SIGMA_S, SMALLEST_PATH
 from estimators.comparison._template import is_angle
+from estimators.comparison.measures.paths import superimpose
 from estimators.recording import Float
+from estimators.sentences import say
 
 
 def beside_template(
@@ -48,7 +50,31 @@ def beside_template(
         )
         add(f"range_ratio:{template.primary_channel}", "range", ratio, "1", spread)
     found.extend(_shape_measures(aligned, sigma, template))
+    found.extend(_path_measures(aligned, sigma, template))
     return found
+
+
+def _path_measures(aligned: Float, sigma: Float, template: Template) -> list[Measure]:
+    """Measure the hand's path laid on the template's: what is left, and the turn and scale that were taken away."""
+    names = [f"wrist_{template.side}.{axis}" for axis in "xyz"]
+    if any(name not in template.channels for name in names):
+        return []
+    columns = [template.channels.index(name) for name in names]
+    known = np.isfinite(aligned[:, columns]).all(axis=1) & np.isfinite(template.mean[:, columns]).all(axis=1)
+    own, reference = aligned[known][:, columns], template.mean[known][:, columns]
+    least = SMALLEST_PATH * template.reach_m
+    if len(own) < 3 or min(np.ptp(own, axis=0).max(), np.ptp(reference, axis=0).max()) < least:
+        return []
+    found = superimpose(own, reference)
+    # A place that is wrong by sigma at one end turns and scales a path of that size by their ratio.
+    sigma_m = float(sigma[columns[0]])
+    relative = sigma_m / float(np.sqrt(np.mean(np.sum((own - own.mean(axis=0)) ** 2, axis=1))))
+    note = say("measure.straight_path") if found.is_straight else ""
+    return [
+        Measure("path_residual", "path", found.residual, "m", sigma_m, 1),
+        Measure("path_turn", "path", found.angle_rad, "rad", relative, 1, note),
+        Measure("path_scale", "path", found.scale, "1", found.scale * relative, 1),
+    ]
 
 
 def _shape_measures(aligned: Float, sigma: Float, template: Template) -> list[Measure]:

@@ -19,6 +19,8 @@ from estimators.sentences import ENGLISH, say
 TRUNK_CHANNELS = ("trunk_lean_forward_rad", "trunk_lean_lateral_rad", "trunk_axial_rotation_rad")
 """Scalars that show compensation with the trunk; the last two change sign in a mirror."""
 
+_HIKES = "shoulder_hike"
+
 LEG_SEGMENTS = ("thigh", "shank")
 """Their lean is a channel of repetitions, not of comparisons: no joint of the leg is measured."""
 
@@ -199,6 +201,11 @@ def _mirrored_signs(channels: tuple[str, ...]) -> Float:
 def changes_sign(name: str) -> bool:
     """Return whether a channel has the opposite sign in a mirror: to the side, and turning of the trunk."""
     return name in _MIRRORED_SIGN or name.endswith(".y")
+
+
+def is_compensation(channel: str) -> bool:
+    """Tell whether a channel shows how trunk or shoulder help the arm."""
+    return channel in TRUNK_CHANNELS or channel.startswith(_HIKES)
 
 
 def mirror_trajectory(source: Trajectory) -> Trajectory:

@@ -116,7 +116,7 @@ def template_from_bytes(data: bytes) -> Template:
 
 
 def _measure_header(measures: tuple[Measure, ...]) -> list[list[Any]]:
-    return [[m.name, m.group, m.unit, m.count] for m in measures]
+    return [[m.name, m.group, m.unit, m.count, *([for_json(m.note)] if m.note else [])] for m in measures]
 
 
 def _measure_array(measures: tuple[Measure, ...]) -> Float:
@@ -125,8 +125,16 @@ def _measure_array(measures: tuple[Measure, ...]) -> Float:
 
 def _measures(header: list[list[Any]], values: Float) -> tuple[Measure, ...]:
     return tuple(
-        Measure(name, group, float(value), unit, float(uncertainty), int(count))
-        for (name, group, unit, count), (value, uncertainty) in zip(header, values, strict=True)
+        Measure(
+            name,
+            group,
+            float(value),
+            unit,
+            float(uncertainty),
+            int(count),
+            CATALOGUE.restored(note[0]) if note else "",
+        )
+        for (name, group, unit, count, *note), (value, uncertainty) in zip(header, values, strict=True)
     )
 
 

@@ -26,6 +26,7 @@ from estimators.comparison._measures import (
     summarise,
 )
 from estimators.comparison._template import align_timing, alignment_scale, near, phase_curves
+from estimators.comparison.measures.of_session import likeness_measures
 from estimators.comparison.repetitions import find_repetitions
 from estimators.errors import SetupError
 from estimators.recording import Float
@@ -80,7 +81,11 @@ def compare(
     found = repetitions if repetitions is not None else find_repetitions(source, side, start_s, end_s)
     comparison = Comparison(source, template, reach_m)
     results = [comparison.of(repetition) for repetition in judge_repetitions(source, found, side)]
-    summary = summarise([list(r.measures) for r in results if r.repetition.is_kept])
+    retained = [one for one in results if one.repetition.is_kept]
+    summary = (
+        *summarise([list(one.measures) for one in retained]),
+        *likeness_measures([one.curves for one in retained], template.channels, template.primary_channel),
+    )
     return ComparisonResult(
         channels=template.channels,
         repetitions=tuple(results),

@@ -148,11 +148,13 @@ class Measure:
 
     name: str
     group: str
-    """timing, shape, range, smoothness, path or compensation."""
+    """timing, shape, range, smoothness, coordination, path or compensation."""
     value: float
     unit: str
     uncertainty: float
     count: int
+    note: str = ""
+    """Why it is undefined, a sentence for people; empty where it is not."""
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from estimators.comparison._channels import TRUNK_CHANNELS, channel_name, channel_unit
+from estimators.comparison._channels import channel_name, channel_unit, is_compensation
 from estimators.comparison._contract import Measure, RepetitionResult, Template
 from estimators.comparison._outside import Outside, outside_band
 from estimators.sentences import CATALOGUE, Sentence, say
@@ -18,9 +18,11 @@ from estimators.sentences import CATALOGUE, Sentence, say
 _MOST = 3
 _CONFIDENCE = 0.975
 _LEAST_RANGE_RAD = 0.087
+_LEAST_HIKE_M = 0.025
 _LEAST_SHARE = 0.15
 _LEAST_SMOOTHNESS = 0.2
-"""Inside the therapist's band, differences below 5 degrees, 15 percent or 0.2 of arc length are not worth a word."""
+"""Inside the therapist's band, differences below 5 degrees, 25 mm of a shoulder, 15 percent or 0.2 of arc length are
+not worth a word."""
 
 
 @dataclass(frozen=True)
@@ -152,22 +154,23 @@ def _compensation(
     template: Template,
     outside: dict[str, Outside],
 ) -> list[str]:
-    """Say how the trunk helped the arm, the largest first; what has its sentence here leaves `outside`."""
+    """Say how trunk and shoulder helped the arm, the largest first; what has its sentence here leaves `outside`."""
     found: list[tuple[float, str]] = []
-    for channel in (name for name in TRUNK_CHANNELS if name not in template.watched):
+    judged = [name for name in template.channels if name not in template.watched]
+    for channel in filter(is_compensation, judged):
         difference = _difference(f"compensation:{channel}", retained, summary, template)
         left = outside.get(channel)
         if (
             difference is not None
             and difference.certainty >= 1
-            and difference.excess > (0.0 if left is not None else _LEAST_RANGE_RAD)
+            and difference.excess > (0.0 if left is not None else _least(channel))
         ):
-            stated: list[str] = [_trunk_moved(channel, difference.excess)]
+            stated: list[str] = [_helped(channel, difference.excess)]
             if left is not None:
                 stated.append(say("findings.how_often", outside=left.count, count=left.of))
-            found.append((difference.excess, CATALOGUE.together(stated)))
+            found.append((difference.excess / _least(channel), CATALOGUE.together(stated)))
             outside.pop(channel, None)
-        elif left is not None:
+        elif left is not None and channel_unit(channel) == "rad":
             text = say(
                 "findings.outside",
                 channel=channel_name(channel),
@@ -175,9 +178,21 @@ def _compensation(
                 count=left.of,
                 beyond_rad=left.beyond,
             )
-            found.append((left.beyond, text))
+            found.append((left.beyond / _least(channel), text))
             outside.pop(channel)
     return [sentence for _, sentence in sorted(found, key=lambda item: -item[0])]
+
+
+def _least(channel: str) -> float:
+    return _LEAST_RANGE_RAD if channel_unit(channel) == "rad" else _LEAST_HIKE_M
+
+
+def _helped(channel: str, more: float) -> Sentence:
+    return (
+        say("findings.shoulder_rose", more_m=more)
+        if channel_unit(channel) == "m"
+        else _trunk_moved(channel, more)
+    )
 
 
 def _trunk_moved(channel: str, more_rad: float) -> Sentence:

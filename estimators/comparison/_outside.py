@@ -36,7 +36,7 @@ class Outside:
 
 
 def outside_band(retained: Sequence[RepetitionResult], template: Template) -> list[Outside]:
-    """Find the angles outside their band in more than half of the repetitions.
+    """Find what is outside its band in more than half of the repetitions.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def outside_band(retained: Sequence[RepetitionResult], template: Template) -> li
     Returns
     -------
     list of Outside
-        In the order of the template. Positions are left to the curves: they follow from the angles.
+        In the order of the template. Positions follow from the angles: only where no angle is outside are they named.
 
     Notes
     -----
@@ -55,10 +55,15 @@ def outside_band(retained: Sequence[RepetitionResult], template: Template) -> li
     exceed the 95 percent limit that the sensors (two standard deviations, common to all repetitions) and the
     spread between the repetitions (Student) leave it.
     """
+    angles = _leave(retained, template, positions=False)
+    return angles or _leave(retained, template, positions=True)
+
+
+def _leave(retained: Sequence[RepetitionResult], template: Template, *, positions: bool) -> list[Outside]:
     found = []
     for column, channel in enumerate(template.channels):
         count = sum(bool(one.outside.get(channel)) for one in retained)
-        if "." in channel or 2 * count <= len(retained):
+        if ("." in channel) is not positions or 2 * count <= len(retained):
             continue
         difference = np.stack([one.aligned[:, column] for one in retained]) - template.mean[:, column]
         known = np.isfinite(difference).all(axis=0)
@@ -85,7 +90,8 @@ def outside_band(retained: Sequence[RepetitionResult], template: Template) -> li
 
 
 def _limit(retained: Sequence[RepetitionResult], channel: str, differences: np.ndarray) -> float:
-    names = {f"range:{channel}", f"compensation:{channel}"}
+    # The residual of the path is known as well as any place of the hand.
+    names = {"path_residual"} if "." in channel else {f"range:{channel}", f"compensation:{channel}"}
     own = [m.uncertainty for one in retained for m in one.measures if m.name in names]
     known = [value for value in own if np.isfinite(value)]
     sensor = 2.0 * float(np.median(known)) if known else 0.0

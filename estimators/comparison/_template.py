@@ -10,6 +10,7 @@ from estimators.comparison._channels import TRUNK_CHANNELS, ArmChannels, arm_cha
 from estimators.comparison._contract import PHASES, Repetition, Template, Trajectory
 from estimators.comparison._judgement import judge_repetitions
 from estimators.comparison._measures import hand_travels, repetition_measures, summarise
+from estimators.comparison.measures.of_session import likeness_measures
 from estimators.errors import ComparisonError, SetupError
 from estimators.recording import Float
 from estimators.sentences import say
@@ -102,6 +103,9 @@ def build_template(
             for c, r in zip(cuts, retained, strict=True)
         ]
     )
+    alike = likeness_measures(
+        [near(one, curves[0], arm.channels) for one in curves], arm.channels, primary_channel
+    )
     durations = np.array([r.end_s - r.start_s for r in retained])
     return Template(
         channels=arm.channels,
@@ -113,7 +117,7 @@ def build_template(
         primary_channel=primary_channel,
         side=side,
         reach_m=float(reach_m),
-        measures={m.name: m.value for m in measured},
+        measures={m.name: m.value for m in (*measured, *alike)},
         measure_sd={m.name: m.uncertainty for m in measured},
     )
 

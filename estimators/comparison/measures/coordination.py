@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+import scipy
 
 from estimators.errors import ShapeError
 from estimators.recording import Float
@@ -57,20 +58,31 @@ def interjoint_coordination(
     both = np.stack([first_rad, second_rad])
     if len(first_rad) < 8 or not np.isfinite(both).all() or np.ptp(both, axis=1).min() < floor_rad:
         return None
-    correlation = _lagged(first_rad, second_rad, 0)
     largest = int(_LARGEST_LAG * len(first_rad))
-    lags = np.arange(-largest, largest + 1)
-    at_lags = [_lagged(first_rad, second_rad, int(lag)) for lag in lags]
-    lag = int(lags[int(np.nanargmax(at_lags))])
+    at_lags = _at_lags(first_rad, second_rad, largest)
+    correlation = float(at_lags[largest])
+    lag = int(np.nanargmax(at_lags)) - largest
     return Coordination(correlation, lag / rate_hz, 0.5 * (1.0 + abs(correlation)))
 
 
-def _lagged(first: Float, second: Float, lag: int) -> float:
-    """Return r of the first with the second `lag` samples later, where both are known."""
-    early, late = (first, second) if lag >= 0 else (second, first)
-    a, b = early[: len(early) - abs(lag)], late[abs(lag) :]
-    spread = float(a.std() * b.std())
-    return float(np.mean((a - a.mean()) * (b - b.mean())) / spread) if spread > 0 else float("nan")
+def _at_lags(first: Float, second: Float, largest: int) -> Float:
+    """Return r of the first with the second `lag` samples later, where both are known, for all lags to the largest."""
+    count = len(first)
+    a, b = first - first.mean(), second - second.mean()
+    lags = np.arange(-largest, largest + 1)
+    shared = count - np.abs(lags)
+    products = scipy.signal.correlate(b, a)[count - 1 + lags]
+    # Where the second is later, the end of the first has no partner, and the beginning of the second.
+    starts = (np.maximum(-lags, 0), np.maximum(lags, 0))
+    sums: list[Float] = []
+    squares: list[Float] = []
+    for values, start in zip((a, b), starts, strict=True):
+        for power, found in ((1, sums), (2, squares)):
+            total = np.concatenate([[0.0], np.cumsum(values**power)])
+            found.append(total[start + shared] - total[start])
+    spread = np.prod([square - part**2 / shared for square, part in zip(squares, sums, strict=True)], axis=0)
+    together = products - sums[0] * sums[1] / shared
+    return np.where(spread > 0, together / np.sqrt(np.where(spread > 0, spread, 1.0)), np.nan)
 
 
 @dataclass(frozen=True)

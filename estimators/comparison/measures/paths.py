@@ -67,8 +67,8 @@ def superimpose(path: Float, onto: Float) -> Superposition:
     turn = left @ (proper[:, None] * right)
     scale = float((singular * proper).sum() / size_x)
     left_over = max(size_y - scale**2 * size_x, 0.0)
-    spreads = [np.linalg.svd(one, compute_uv=False) for one in (x, y)]
-    is_straight = any(bool(s[1] < _STRAIGHT * s[0]) for s in spreads)
+    variances = [np.linalg.eigvalsh(one.T @ one) for one in (x, y)]
+    is_straight = any(bool(v[1] < _STRAIGHT**2 * v[2]) for v in variances)
     cosine = float(left[:, 0] @ right[0]) if is_straight else 0.5 * (float(np.trace(turn)) - 1.0)
     return Superposition(
         residual=float(np.sqrt(left_over / len(x))),

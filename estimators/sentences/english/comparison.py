@@ -50,6 +50,17 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "findings.smoother": "The movement was smoother than in the template (smoothness {value:number.1} against"
     " {reference:number.1}).",
     "findings.longer_way": "The path of the hand was {more:percent} longer than in the template.",
+    "findings.shoulder_rose": "Compensation: the shoulder rose {more_m:cm} more than in the template.",
+    "measure.no_stroke": "Undefined: the movement has no clear way out.",
+    "measure.no_peak": "Undefined: the speed has no peak on the way out.",
+    "measure.stroke_short": "Undefined: the way out took less than {least_s:s.1}.",
+    "measure.way_short": "Undefined: the hand moved less than {share:percent} of the reach.",
+    "measure.joint_still": "Undefined: shoulder or elbow moved less than {least_rad:deg} on the way out.",
+    "measure.unlike_angle": "Undefined: the repetitions differ by {rms_rad:deg.1} from their mean, too much for a"
+    " movement of {extent_rad:deg.1}.",
+    "measure.unlike_length": "Undefined: the repetitions differ by {rms_m:cm} from their mean, too much for a"
+    " movement of {extent_m:cm}.",
+    "measure.straight_path": "The path is straight: how far it is turned about itself cannot be known.",
     "compare.side_not_measured": "Nothing of the {side:side} arm was measured in this recording. Wear and calibrate"
     " its sensors, or compare the other side.",
     "compare.no_signal": "Neither the wrist nor an elbow or shoulder angle was measured on the {side:side} side."

@@ -112,7 +112,7 @@ class History:
         )
         session.add(comparison)
         session.flush()
-        for number, value in enumerate(values):
+        for number, value in enumerate(values, start=1):
             session.add(
                 RepetitionMeasure(
                     comparison_id=comparison.id,

@@ -245,6 +245,30 @@ def prescribe(therapist: Any, world: Any, template_id: str) -> str:
     return str(answer.json()["id"])
 
 
+def assert_further_measures(summary: dict[str, Any]) -> None:
+    """Slower, smaller, more of the trunk: what the other measures make of it, with units that people read."""
+    for name, unit, group in (
+        ("mean_speed", "m/s", "path"),
+        ("time_to_peak_speed", "%", "timing"),
+        ("units_per_metre", "1/m", "smoothness"),
+        ("log_dimensionless_jerk", "1", "smoothness"),
+        ("joint_correlation", "1", "coordination"),
+        ("joint_lag", "ms", "coordination"),
+        ("path_residual", "m", "path"),
+        ("path_turn", "deg", "path"),
+        ("path_scale", "1", "path"),
+    ):
+        found = summary[name]
+        assert (found["unit"], found["group"]) == (unit, group)
+        assert found["value"] is not None, name
+        assert found["uncertainty"] is not None, name
+    assert summary["mean_speed"]["value"] < 0.7 * summary["mean_speed"]["template_value"]
+    assert summary["path_scale"]["value"] > 1.1, "the smaller path is made larger"
+    alike = summary[MAIN.replace("range:", "multiple_correlation:")]
+    assert (alike["count"], alike["note"]) == (4, "")
+    assert 0.5 < alike["value"] <= 1.0
+
+
 def test_a_closed_session_is_compared_with_what_was_prescribed(
     therapist: Any,
     patient: Any,
@@ -286,6 +310,7 @@ def test_a_closed_session_is_compared_with_what_was_prescribed(
     assert (lean["unit"], lean["group"]) == ("deg", "compensation")
     assert lean["value"] == pytest.approx(true_range(patients, "trunk_lean_forward_rad"), abs=3.0)
     assert lean["value"] > lean["template_value"] + 5.0
+    assert_further_measures(summary)
     assert detail["findings"]
     for one in detail["repetitions"]:
         warp = one["warp_template_phase"]
@@ -309,6 +334,14 @@ def test_progress_takes_up_the_comparison(
     main = progress["measures"][0]
     assert (main["measure"], main["unit"]) == (MAIN, "deg")
     assert main["points"][0]["count"] == 4
+    alike = next(
+        one
+        for one in progress["measures"]
+        if one["measure"] == MAIN.replace("range:", "multiple_correlation:")
+    )
+    assert alike["points"][0]["count"] == 4, "of all repetitions together"
+    assert 0.5 < alike["points"][0]["value"] < 1.0
+    assert alike["points"][0]["low"] < alike["points"][0]["value"]
 
 
 def test_a_session_can_be_compared_on_demand(

@@ -3742,6 +3742,15 @@ export interface components {
             label: string;
             /** Measure */
             measure: string;
+            /**
+             * Note
+             * @default
+             */
+            note?: string;
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
             /** Template Value */
             template_value: number | null;
             /** Uncertainty */

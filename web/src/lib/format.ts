@@ -16,6 +16,8 @@ const UNITS: Record<string, DisplayUnit> = {
   metres: { factor: 1, suffix: ' m', digits: 0 },
   'm/s': { factor: 1, suffix: ' m/s', digits: 2 },
   s: { factor: 1, suffix: ' s', digits: 1 },
+  ms: { factor: 1, suffix: ' ms', digits: 0 },
+  '1/m': { factor: 1, suffix: ' per metre', digits: 1 },
   '%': { factor: 1, suffix: ' %', digits: 0 },
   percent: { factor: 1, suffix: ' %', digits: 0 },
   '1': { factor: 1, suffix: '', digits: 2 },

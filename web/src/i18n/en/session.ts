@@ -256,6 +256,7 @@ export const session = {
   'group.timing': 'Timing',
   'group.shape': 'Shape',
   'group.smoothness': 'Smoothness',
+  'group.coordination': 'Shoulder and elbow together',
   'group.path': 'Path of the hand',
   'group.compensation': 'Compensation',
   'phase.summary':

@@ -5,8 +5,17 @@ export interface ReportRow {
   progress: ProgressMeasure | null;
 }
 
-const GROUPS = ['range', 'timing', 'shape', 'smoothness', 'path', 'compensation'];
-const MOST_ROWS = 9;
+/** In the order in which they are shown. */
+export const MEASURE_GROUPS = [
+  'range',
+  'timing',
+  'shape',
+  'smoothness',
+  'coordination',
+  'path',
+  'compensation',
+] as const;
+const MOST_ROWS = 14;
 
 /** The measures for one page: of each group the first ones in turn, in the order of the groups. */
 export function reportRows(
@@ -15,7 +24,7 @@ export function reportRows(
   most = MOST_ROWS,
 ): ReportRow[] {
   const known = summary.filter((one) => typeof one.value === 'number' && !one.measure.startsWith('range_ratio:'));
-  const groups = GROUPS.map((group) => known.filter((one) => one.group === group));
+  const groups = MEASURE_GROUPS.map((group) => known.filter((one) => one.group === group));
   const chosen = new Set<MeasureValue>();
   for (let round = 0; chosen.size < most && groups.some((group) => group.length > round); round += 1) {
     for (const group of groups) {

@@ -10,6 +10,7 @@ import { Empty, Problem } from '../../../components/Feedback';
 import { t, tOr } from '../../../i18n';
 import { quantity, uncertain } from '../../../lib/format';
 import { outsideOf, pickCurves, primaryChannel } from '../../../lib/assessment/comparison';
+import { MEASURE_GROUPS } from '../../../lib/assessment/report';
 
 export interface ComparisonPanelProps {
   session: SessionDetail;
@@ -24,7 +25,6 @@ export interface ComparisonPanelProps {
 }
 
 const SHOWN_FIRST = 3;
-const GROUPS = ['range', 'timing', 'shape', 'smoothness', 'path', 'compensation'] as const;
 
 function Start({ session, resultId }: { session: SessionDetail; resultId: string }) {
   const templates = useTemplates(session.exercise_id ?? null, session.patient_id, session.exercise_id !== null);
@@ -87,7 +87,7 @@ function Measures({ measures }: { measures: readonly MeasureValue[] }) {
           <th scope="col">{t('compare.template')}</th>
         </tr>
       </thead>
-      {GROUPS.map((group) => {
+      {MEASURE_GROUPS.map((group) => {
         const rows = measures.filter((one) => one.group === group);
         if (rows.length === 0) return null;
         return (
@@ -101,8 +101,13 @@ function Measures({ measures }: { measures: readonly MeasureValue[] }) {
               <tr key={one.measure}>
                 <th scope="row">{one.label}</th>
                 <td className="number">
-                  {uncertain(one.value ?? null, one.uncertainty ?? null, one.unit)}{' '}
-                  <span className="muted small">{t('compare.count', { count: one.count })}</span>
+                  {one.count > 0 && typeof one.value === 'number' && (
+                    <>
+                      {uncertain(one.value, one.uncertainty ?? null, one.unit)}{' '}
+                      <span className="muted small">{t('compare.count', { count: one.count })}</span>
+                    </>
+                  )}
+                  {one.note ? <span className="measure-note muted small">{one.note}</span> : one.value === null && '–'}
                 </td>
                 <td className="number muted">{quantity(one.template_value, one.unit)}</td>
               </tr>

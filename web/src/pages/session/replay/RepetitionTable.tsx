@@ -11,7 +11,10 @@ const WANTED = [
   'timing_deviation',
   'shape_deviation',
   'inside_band',
+  'peak_speed',
   'spectral_arc_length',
+  'log_dimensionless_jerk',
+  'joint_correlation',
   'hand_path_ratio',
   'compensation:',
 ];
