@@ -17,7 +17,7 @@ from app.assessment.presentation import (
     summary_out,
 )
 from app.assessment.schemas import ComparisonDetail, ComparisonIn, ComparisonOut, MeasureValue
-from app.assessment.templates import load_source
+from app.assessment.sources import load_source
 from app.database.base import utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 from app.errors import InvalidInput, NotFound

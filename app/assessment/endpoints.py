@@ -9,7 +9,9 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request
 
 from app.accounts.dependencies import CurrentSubject
-from app.assessment import comparisons, templates
+from app.assessment import comparisons
+from app.assessment.design import recorded, shown
+from app.assessment.repository import TemplateSearch
 from app.assessment.schemas import ComparisonDetail, ComparisonIn, ComparisonOut
 from app.database.dependencies import ReadSession
 from app.database.unit_of_work import read_only, unit_of_work
@@ -33,9 +35,15 @@ def list_templates(
     page: WantedPage,
     exercise_id: Annotated[str | None, Query(max_length=32)] = None,
     patient_id: Annotated[str | None, Query(max_length=32)] = None,
+    words: Annotated[str, Query(max_length=200)] = "",
+    is_retired: bool = False,
 ) -> list[TemplateOut]:
-    """Return the clinic's templates and, with `patient_id`, those made for that patient."""
-    return templates.list_of(session, subject, exercise_id, patient_id, page)
+    """Return the clinic's templates and, with `patient_id`, those made for that patient.
+
+    `words` are looked for in names, exercises and tags. With `is_retired` those that are no longer offered come too.
+    """
+    wanted = TemplateSearch(exercise_id, patient_id, words, is_retired)
+    return shown.list_of(session, subject, wanted, page)
 
 
 @router.post("/templates/preview")
@@ -43,7 +51,7 @@ def preview_template(
     wanted: TemplatePreviewIn, session: ReadSession, subject: CurrentSubject
 ) -> TemplateContent:
     """Cut a recorded session into repetitions and average them, without storing anything."""
-    return templates.preview(session, subject, wanted)
+    return recorded.preview(session, subject, wanted)
 
 
 @router.post("/templates", status_code=201)
@@ -51,9 +59,9 @@ def create_template(wanted: TemplateIn, request: Request, subject: CurrentSubjec
     """Store a template, or with `template_id` a further version; versions never change."""
     engine = services_of(request).engine
     with read_only(engine) as session:
-        version, content = templates.prepare(session, subject, wanted)
+        version, content = recorded.prepare(session, subject, wanted)
     with unit_of_work(engine) as session:
-        return templates.store(session, subject, wanted, version, content)
+        return recorded.store(session, subject, wanted, version, content)
 
 
 @router.get("/template-versions/{version_id}")
@@ -61,7 +69,7 @@ def get_template_version(
     version_id: str, session: ReadSession, subject: CurrentSubject
 ) -> TemplateVersionDetail:
     """Return a version of a template with its curves."""
-    return templates.detail(session, subject, version_id)
+    return shown.detail(session, subject, version_id)
 
 
 @router.get("/sessions/{session_id}/comparisons")

@@ -5,7 +5,7 @@ from typing import Final, NamedTuple
 
 from sqlalchemy.orm import Session
 
-from app.assessment.templates import load_source
+from app.assessment.sources import load_source
 from app.errors import InvalidInput, NotFound
 from app.exercises.models import Exercise
 from app.kinds.walk.history import any_walk

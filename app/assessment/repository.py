@@ -4,9 +4,11 @@ A template made for one patient is that patient's data. A template of the clinic
 works there; a patient sees those that were prescribed to them or that they were compared with.
 """
 
+import json
 from collections.abc import Sequence
+from dataclasses import dataclass
 
-from sqlalchemy import ColumnElement, false, func, or_, select, true
+from sqlalchemy import ColumnElement, String, cast, false, func, or_, select, true
 from sqlalchemy.orm import Session, defer
 
 from app.accounts import audit
@@ -23,26 +25,53 @@ from app.sentences import say
 
 NO_SUCH_TEMPLATE = say("template.not_found")
 NO_SUCH_COMPARISON = say("comparison.not_found")
+
+
+@dataclass(frozen=True)
+class TemplateSearch:
+    """Which templates to list.
+
+    Attributes
+    ----------
+    exercise_id, patient_id : str or None
+    words : str
+        Each must be in the name of the template or of its exercise, or in a tag.
+    is_retired : bool
+        Whether those that are no longer offered are listed too.
+    """
+
+    exercise_id: str | None = None
+    patient_id: str | None = None
+    words: str = ""
+    is_retired: bool = False
+
+
 STAFF = frozenset({"administrator", "therapist", "integrator", "system"})
 MAKERS = frozenset({"therapist", "administrator", "system"})
 """Roles that make and change templates."""
 
 
 def list_templates(
-    session: Session, subject: Subject, exercise_id: str | None, patient_id: str | None, page: Page
+    session: Session, subject: Subject, wanted: TemplateSearch, page: Page
 ) -> list[tuple[Template, list[TemplateVersion]]]:
     """Return a page of the templates by name with their published versions, newest first.
 
     Those of the clinic that the subject may use and, with `patient_id`, those of that patient.
     """
+    patient_id = wanted.patient_id
     visible: ColumnElement[bool] = Template.patient_id.is_(None) & _usable(subject)
     if patient_id is not None:
         require_patient(session, subject, patient_id, "read")
         audit.record(session, subject, "template.list", patient_id)
         visible = or_(visible, Template.patient_id == patient_id)
     query = select(Template).where(Template.clinic_id == subject.clinic_id, visible)
-    if exercise_id is not None:
-        query = query.where(Template.exercise_id == exercise_id)
+    if wanted.exercise_id is not None:
+        query = query.where(Template.exercise_id == wanted.exercise_id)
+    # A patient goes on with what was prescribed, whether or not it is still offered.
+    if not wanted.is_retired and subject.role in STAFF:
+        query = query.where(Template.retired_at.is_(None))
+    for word in wanted.words.lower().split():
+        query = query.where(_holds(word))
     found = [template for (template,) in rows_of(session, query, (Template.name, Template.id), page)]
     versions = session.scalars(
         select(TemplateVersion)
@@ -52,6 +81,16 @@ def list_templates(
         .options(defer(TemplateVersion.content))
     ).all()
     return [(template, [v for v in versions if v.template_id == template.id]) for template in found]
+
+
+def _holds(word: str) -> ColumnElement[bool]:
+    """Return the condition that a word is in the name of a template or of its exercise, or in a tag."""
+    named = select(Exercise.id).where(
+        Exercise.id == Template.exercise_id, func.lower(Exercise.name).contains(word, autoescape=True)
+    )
+    # Tags are stored in small letters, and as JSON writes them.
+    tagged = cast(Template.tags, String).contains(json.dumps(word)[1:-1], autoescape=True)
+    return or_(func.lower(Template.name).contains(word, autoescape=True), tagged, named.exists())
 
 
 def get_template(session: Session, subject: Subject, template_id: str) -> Template:
@@ -280,6 +319,7 @@ def get_comparison(
 
 
 __all__ = [
+    "TemplateSearch",
     "add_comparison",
     "add_drawn_version",
     "add_version",

@@ -168,6 +168,8 @@ def create_prescription(
             or template.patient_id not in {None, patient_id}
         ):
             raise InvalidInput(say("prescription.no_such_template"), field="template_id")
+        if template.retired_at is not None:
+            raise InvalidInput(say("template.retired", name=template.name), field="template_id")
     starts_at = _with_zone(body.starts_at, "starts_at") or utc_now()
     ends_at = _with_zone(body.ends_at, "ends_at")
     if ends_at is not None and ends_at <= starts_at:

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from app.exercises.design import StopDesign, TemplateDesign
-from app.schemas import Moment, Schema, Spoken
+from app.schemas import Flag, Moment, Schema, Spoken, may_be_absent
 
 
 class ExerciseIn(Schema):
@@ -147,6 +147,30 @@ class TemplateVersionIn(Schema):
     design: TemplateDesign
     reason: str = Field(min_length=1, max_length=500)
     """Why, for whoever reads the history."""
+
+
+Tag = Annotated[str, Field(min_length=1, max_length=40)]
+
+
+class TemplateChange(Schema):
+    """Change what a template is called or where it is found; its versions stay as they are."""
+
+    name: str = may_be_absent(min_length=1, max_length=200)
+    tags: list[Tag] = may_be_absent(max_length=20)
+    """Words by which it is found; capitals do not count."""
+    is_retired: Flag = may_be_absent()
+    """Retired, it is not offered for new prescriptions; those that have it go on."""
+
+
+class TemplateCopyIn(Schema):
+    """Copy a version as a new template, mirrored where the exercise is of the other side."""
+
+    exercise_id: str | None = Field(default=None, max_length=32)
+    """None: the same exercise of the other side, which is added where the clinic has none."""
+    patient_id: str | None = Field(default=None, max_length=32)
+    """For this patient only; None: for the whole clinic, which a patient's template cannot become."""
+    name: str = Field(min_length=1, max_length=200)
+    reason: str = Field(min_length=1, max_length=500)
 
 
 class PrescriptionIn(Schema):

@@ -28,6 +28,8 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "design.cue": "Cue {number} cannot hold; give it a curve of the template, phases in order and a tolerance"
     " above zero.",
     "template.no_base": "This version belongs to another template; reload the page and change the newest one.",
+    "template.retired": "“{name}” is retired; restore it in the library, or choose another template.",
+    "template.other_angle": "{name} was not recorded in this template; choose an exercise with one of its angles.",
     "exercise.walk_angle": "A walk has no primary angle; leave it empty.",
     "exercise.angle": "The primary angle is not a joint angle of the {side:side} side; choose one from the"
     " list.",

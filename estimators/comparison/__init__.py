@@ -18,6 +18,7 @@ from estimators.comparison._channels import (
     channel_unit,
     mirror_template,
     mirror_trajectory,
+    mirrored_name,
     trajectory,
 )
 from estimators.comparison._codec import (
@@ -70,6 +71,7 @@ __all__ = [
     "measure_label",
     "mirror_template",
     "mirror_trajectory",
+    "mirrored_name",
     "moving_time",
     "near",
     "phase_curves",

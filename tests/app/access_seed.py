@@ -13,7 +13,8 @@ from sqlalchemy.orm import Session
 from app.accounts.credentials.passwords import Passwords
 from app.accounts.device_tokens import create_device_token
 from app.accounts.subject import Subject
-from app.assessment import comparisons, templates
+from app.assessment import comparisons
+from app.assessment.design import recorded
 from app.assessment.schemas import ComparisonIn
 from app.database.base import new_id, utc_now
 from app.database.engine import create_from_url
@@ -138,12 +139,12 @@ def _everything(
         session_id=session_id, exercise_id=exercise_id, patient_id=patient_id, name=f"template {mark}"
     )
     with unit_of_work(engine) as session:
-        version, content = templates.prepare(session, subject, wanted)
-        stored = templates.store(session, subject, wanted, version, content)
+        version, content = recorded.prepare(session, subject, wanted)
+        stored = recorded.store(session, subject, wanted, version, content)
     for_all = wanted.model_copy(update={"patient_id": None, "name": f"for all of {world.clinic_id}"})
     with unit_of_work(engine) as session:
-        version, content = templates.prepare(session, subject, for_all)
-        clinic_template = templates.store(session, subject, for_all, version, content)
+        version, content = recorded.prepare(session, subject, for_all)
+        clinic_template = recorded.store(session, subject, for_all, version, content)
     compared = comparisons.compare_session(
         engine, subject, session_id, ComparisonIn(template_version_id=stored.id)
     )

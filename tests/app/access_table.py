@@ -346,6 +346,20 @@ LINES: tuple[Line, ...] = (
     ),
     patient("GET", "/api/template-versions/{version_id}", READ),
     patient("POST", "/api/templates/{template_id}/versions", TREAT, body=DRAWN, status=201),
+    patient(
+        "PATCH", "/api/templates/{template_id}/entry", TREAT, body={"tags": ["arm"], "is_retired": False}
+    ),
+    patient(
+        "POST",
+        "/api/template-versions/{version_id}/copies",
+        TREAT,
+        body={
+            "patient_id": "{patient_id}",
+            "name": "Left",
+            "reason": "other arm",
+        },
+        status=201,
+    ),
     patient("GET", "/api/sessions/{session_id}/comparisons", READ),
     patient(
         "POST",

@@ -1,1 +1,1 @@
-"""What a therapist draws on a template: compiled for whoever judges, changed by whoever may."""
+"""Templates: recorded from a session, drawn on by a therapist, compiled for whoever judges, shown, in a library."""

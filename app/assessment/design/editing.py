@@ -3,7 +3,8 @@
 from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
-from app.assessment import repository, templates
+from app.assessment import repository
+from app.assessment.design import shown
 from app.assessment.design.compiled import apply_design
 from app.assessment.design.rules import check_rules
 from app.errors import InvalidInput
@@ -41,7 +42,7 @@ def draw(
         reason=wanted.reason.strip(),
     )
     repository.add_drawn_version(session, subject, template, version)
-    return templates.detail_of(session, subject, template, version)
+    return shown.detail_of(session, subject, template, version)
 
 
 __all__ = ["draw"]

@@ -13,7 +13,8 @@ from app.accounts.audit_reading import read_audit
 from app.accounts.consents import list_consents
 from app.accounts.device_tokens import list_device_tokens
 from app.accounts.subject import Subject
-from app.assessment import comparisons, templates
+from app.assessment import comparisons
+from app.assessment.design import shown
 from app.assessment.exports.movement import reading, write_movement
 from app.assessment.models import Comparison
 from app.assessment.practice import list_prescriptions
@@ -84,7 +85,7 @@ def write_archive(
     _json(archive, "access.json", access)
     for version_id in versions:
         with reading(engine) as session:
-            found = templates.detail(session, subject, version_id)
+            found = shown.detail(session, subject, version_id)
         name = "".join(letter if letter.isalnum() else "-" for letter in found.name)[:60]
         _json(archive, f"templates/{name}-{found.number}-{found.id[:8]}.json", _plain(found))
     for session_id in sessions:

@@ -1648,6 +1648,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/template-versions/{version_id}/copies": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Copy Template
+         * @description Copy a version as a new template, mirrored where the exercise is of the other side.
+         */
+        post: operations["copy_template_api_template_versions__version_id__copies_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/templates": {
         parameters: {
             query?: never;
@@ -1658,6 +1678,8 @@ export interface paths {
         /**
          * List Templates
          * @description Return the clinic's templates and, with `patient_id`, those made for that patient.
+         *
+         *     `words` are looked for in names, exercises and tags. With `is_retired` those that are no longer offered come too.
          */
         get: operations["list_templates_api_templates_get"];
         put?: never;
@@ -1670,6 +1692,26 @@ export interface paths {
         options?: never;
         head?: never;
         patch?: never;
+        trace?: never;
+    };
+    "/api/templates/{template_id}/entry": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        /**
+         * Change Template
+         * @description Rename, tag, retire or restore a template; its versions stay as they are.
+         */
+        patch: operations["change_template_api_templates__template_id__entry_patch"];
         trace?: never;
     };
     "/api/templates/{template_id}/versions": {
@@ -5053,6 +5095,18 @@ export interface components {
             skipped_lines: number;
         };
         /**
+         * TemplateChange
+         * @description Change what a template is called or where it is found; its versions stay as they are.
+         */
+        TemplateChange: {
+            /** Is Retired */
+            is_retired?: boolean;
+            /** Name */
+            name?: string;
+            /** Tags */
+            tags?: string[];
+        };
+        /**
          * TemplateContent
          * @description What a template looks like.
          */
@@ -5065,6 +5119,20 @@ export interface components {
             movement_onset_phases?: number[];
             /** Repetitions */
             repetitions: components["schemas"]["RepetitionOut"][];
+        };
+        /**
+         * TemplateCopyIn
+         * @description Copy a version as a new template, mirrored where the exercise is of the other side.
+         */
+        TemplateCopyIn: {
+            /** Exercise Id */
+            exercise_id?: string | null;
+            /** Name */
+            name: string;
+            /** Patient Id */
+            patient_id?: string | null;
+            /** Reason */
+            reason: string;
         };
         /**
          * TemplateDesign
@@ -8536,15 +8604,55 @@ export interface operations {
             503: components["responses"]["Error503"];
         };
     };
+    copy_template_api_template_versions__version_id__copies_post: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description From /api/me; browsers send it with every change, devices do not. */
+                "X-CSRF-Token"?: string;
+            };
+            path: {
+                version_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["TemplateCopyIn"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TemplateVersionDetail"];
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            404: components["responses"]["Error404"];
+            408: components["responses"]["Error408"];
+            409: components["responses"]["Error409"];
+            413: components["responses"]["Error413"];
+            422: components["responses"]["Error422"];
+            429: components["responses"]["Error429"];
+            503: components["responses"]["Error503"];
+        };
+    };
     list_templates_api_templates_get: {
         parameters: {
             query?: {
                 /** @description From the header `Link` of the page before; not to be made up. */
                 after?: string | null;
                 exercise_id?: string | null;
+                is_retired?: boolean;
                 /** @description Most rows of this page. */
                 limit?: number;
                 patient_id?: string | null;
+                words?: string;
             };
             header?: never;
             path?: never;
@@ -8593,6 +8701,44 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["TemplateVersionDetail"];
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            404: components["responses"]["Error404"];
+            408: components["responses"]["Error408"];
+            409: components["responses"]["Error409"];
+            413: components["responses"]["Error413"];
+            422: components["responses"]["Error422"];
+            429: components["responses"]["Error429"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    change_template_api_templates__template_id__entry_patch: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description From /api/me; browsers send it with every change, devices do not. */
+                "X-CSRF-Token"?: string;
+            };
+            path: {
+                template_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["TemplateChange"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TemplateOut"];
                 };
             };
             401: components["responses"]["Error401"];

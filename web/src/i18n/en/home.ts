@@ -119,8 +119,11 @@ export const home = {
   'mine.audit.session.source_stops': 'checked a device of the clinic',
   'mine.audit.source.calibrate': 'checked a device of the clinic',
   'mine.audit.source.retire': 'checked a device of the clinic',
+  'mine.audit.template.change': 'renamed or tagged an example',
   'mine.audit.template.list': 'viewed the examples',
   'mine.audit.template.preview': 'divided a session into repetitions',
   'mine.audit.template.publish': 'saved an example',
   'mine.audit.template.read': 'viewed an example',
+  'mine.audit.template.restore': 'offered an example again',
+  'mine.audit.template.retire': 'retired an example',
 } as const;

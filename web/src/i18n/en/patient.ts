@@ -123,10 +123,13 @@ export const patient = {
   'audit.session.ticket': 'connected to a session',
   'audit.session.view': 'opened the 3D view of a session',
   'audit.session.watch': 'watched a session live',
+  'audit.template.change': 'renamed or tagged a template',
   'audit.template.list': 'viewed the templates',
   'audit.template.preview': 'divided a session into repetitions',
   'audit.template.publish': 'saved a template',
   'audit.template.read': 'viewed a template',
+  'audit.template.restore': 'offered a template again',
+  'audit.template.retire': 'retired a template',
 
   'device.title': 'Gateways',
   'device.add': 'Add',

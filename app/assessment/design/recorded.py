@@ -8,80 +8,37 @@ from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
 from app.assessment import repository
-from app.assessment.design.compiled import design_of, drawn_template
-from app.assessment.design.rules import side_of, whole_design
+from app.assessment.design.shown import version_detail
 from app.assessment.presentation import phase_curves_out, repetition_out
-from app.errors import InvalidInput, NotAllowed, NotFound
+from app.assessment.sources import Source, load_source
+from app.errors import InvalidInput
 from app.exercises.models import Exercise, TemplateVersion
-from app.exercises.models import Template as TemplateRow
 from app.exercises.schemas import (
     TemplateContent,
     TemplateIn,
-    TemplateOut,
     TemplatePreviewIn,
     TemplateVersionDetail,
-    TemplateVersionOut,
 )
-from app.pages import Page
 from app.recordings import repository as recordings
 from app.recordings.models import MotionSession, Result
-from app.recordings.signals.store import read_frames
-from app.sentences import CATALOGUE, say
+from app.sentences import say
 from estimators.comparison import (
     ArmChannels,
     Repetition,
     Template,
-    Trajectory,
     arm_channels,
     build_template,
     find_repetitions,
     judge_repetitions,
     near,
     phase_curves,
-    template_from_bytes,
     template_to_bytes,
-    trajectory,
 )
 from estimators.errors import EstimationError
-from estimators.pipelines import SessionSetup
 from estimators.recording import Float
 from estimators.sentences import for_json
 
 BY_HAND = say("template.by_hand")
-
-
-@dataclass(frozen=True)
-class Source:
-    """A recorded session as comparisons see it.
-
-    Attributes
-    ----------
-    reach_m : float
-        Upper arm plus forearm of the person recorded, as the result was made with.
-    """
-
-    session_id: str
-    result_id: str
-    moved: Trajectory
-    reach_m: float
-    start_s: float | None
-    end_s: float | None
-
-
-def load_source(session: Session, found: MotionSession, result: Result) -> Source:
-    """Read a result's frames as a trajectory; access was checked."""
-    frames = read_frames(session, result.id)
-    if not frames.tick_count:
-        raise InvalidInput(say("result.no_frames"), field="result_id")
-    body = SessionSetup.from_dict(result.setup).body
-    return Source(
-        found.id,
-        result.id,
-        trajectory(frames),
-        body.upper_arm_m + body.forearm_m,
-        found.recording_start_s,
-        found.recording_end_s,
-    )
 
 
 @dataclass(frozen=True)
@@ -191,7 +148,7 @@ def store(
     template = repository.add_version(
         session, subject, template, exercise, wanted.patient_id, wanted.name, version
     )
-    return _detail(session, template, version, content)
+    return version_detail(session, template, version, content)
 
 
 def _build_from(
@@ -231,119 +188,4 @@ def content_of(built: Built) -> TemplateContent:
     )
 
 
-def list_of(
-    session: Session, subject: Subject, exercise_id: str | None, patient_id: str | None, page: Page
-) -> list[TemplateOut]:
-    """Return a page of the templates that the subject may use."""
-    found = repository.list_templates(session, subject, exercise_id, patient_id, page)
-    names = repository.names_of_makers(session, [one for _, versions in found for one in versions])
-    return [
-        TemplateOut(
-            id=template.id,
-            exercise_id=template.exercise_id,
-            patient_id=template.patient_id,
-            name=template.name,
-            tags=template.tags,
-            retired_at=template.retired_at,
-            created_at=template.created_at,
-            versions=[version_out(version, names) for version in versions],
-        )
-        for template, versions in found
-    ]
-
-
-def detail(session: Session, subject: Subject, version_id: str) -> TemplateVersionDetail:
-    """Return a version with its curves; single repetitions only to those who may read their recording."""
-    template, version = repository.get_version(session, subject, version_id)
-    return detail_of(session, subject, template, version)
-
-
-def detail_of(
-    session: Session, subject: Subject, template: TemplateRow, version: TemplateVersion
-) -> TemplateVersionDetail:
-    """Return the same for a version that the subject was found to have access to."""
-    stored = drawn_template(version)
-    repetitions = [
-        Repetition(**{**repetition, "reason": CATALOGUE.restored(repetition["reason"])})
-        for repetition in version.repetitions
-    ]
-    content = TemplateContent(
-        duration_s=stored.duration_s,
-        repetitions=[repetition_out(repetition) for repetition in repetitions],
-        curves=phase_curves_out(stored, _repetition_curves(session, subject, version, stored, repetitions)),
-    )
-    return _detail(session, template, version, content)
-
-
-def _repetition_curves(
-    session: Session,
-    subject: Subject,
-    version: TemplateVersion,
-    template: Template,
-    repetitions: list[Repetition],
-) -> list[Float]:
-    try:
-        found = recordings.get_session(session, subject, version.source_session_id, action="")
-        result = recordings.result_of(session, found, version.source_result_id)
-        arm = arm_channels(load_source(session, found, result).moved, template.side)
-    except (NotFound, NotAllowed, InvalidInput, EstimationError):
-        # The recording was deleted or is not this subject's to see; the template stands by itself.
-        return []
-    index = [arm.channels.index(name) if name in arm.channels else -1 for name in template.channels]
-    curves = []
-    for repetition in repetitions:
-        cut = arm.cut(repetition)
-        curve = np.full(template.mean.shape, np.nan)
-        if len(cut.time_s) >= 2:
-            measured = phase_curves(cut)
-            for column, source in enumerate(index):
-                if source >= 0:
-                    curve[:, column] = measured[:, source]
-            curve = near(curve, template.mean, template.channels)
-        curves.append(curve)
-    return curves
-
-
-def version_out(version: TemplateVersion, names: Mapping[str, str]) -> TemplateVersionOut:
-    """Return a version without its curves; `names` of the people who made versions, by account."""
-    return TemplateVersionOut(
-        id=version.id,
-        number=version.number,
-        created_at=version.created_at,
-        repetition_count=sum(1 for repetition in version.repetitions if repetition["is_kept"]),
-        source_session_id=version.source_session_id,
-        reason=version.reason,
-        made_by=names[version.created_by],
-    )
-
-
-def _detail(
-    session: Session, template: TemplateRow, version: TemplateVersion, content: TemplateContent
-) -> TemplateVersionDetail:
-    recorded = template_from_bytes(version.content)
-    return TemplateVersionDetail(
-        **version_out(version, repository.names_of_makers(session, [version])).model_dump(),
-        template_id=template.id,
-        exercise_id=template.exercise_id,
-        patient_id=template.patient_id,
-        name=template.name,
-        side=side_of(recorded.side),
-        primary_channel=recorded.primary_channel,
-        reach_m=recorded.reach_m,
-        design=whole_design(design_of(version), recorded),
-        content=content,
-    )
-
-
-__all__ = [
-    "Source",
-    "build",
-    "content_of",
-    "detail",
-    "detail_of",
-    "list_of",
-    "load_source",
-    "prepare",
-    "preview",
-    "store",
-]
+__all__ = ["build", "content_of", "prepare", "preview", "store"]

@@ -1,0 +1,142 @@
+"""Templates and their versions as clients see them."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from sqlalchemy.orm import Session
+
+from app.accounts.subject import Subject
+from app.assessment import repository
+from app.assessment.design.compiled import design_of, drawn_template
+from app.assessment.design.rules import side_of, whole_design
+from app.assessment.presentation import phase_curves_out, repetition_out
+from app.assessment.sources import load_source
+from app.errors import InvalidInput, NotAllowed, NotFound
+from app.exercises.models import Template as TemplateRow
+from app.exercises.models import TemplateVersion
+from app.exercises.schemas import TemplateContent, TemplateOut, TemplateVersionDetail, TemplateVersionOut
+from app.pages import Page
+from app.recordings import repository as recordings
+from app.sentences import CATALOGUE
+from estimators.comparison import (
+    Repetition,
+    Template,
+    arm_channels,
+    near,
+    phase_curves,
+    template_from_bytes,
+)
+from estimators.errors import EstimationError
+from estimators.recording import Float
+
+
+def list_of(
+    session: Session, subject: Subject, wanted: repository.TemplateSearch, page: Page
+) -> list[TemplateOut]:
+    """Return a page of the templates that the subject may use."""
+    found = repository.list_templates(session, subject, wanted, page)
+    names = repository.names_of_makers(session, [one for _, versions in found for one in versions])
+    return [template_out(template, versions, names) for template, versions in found]
+
+
+def template_out(
+    template: TemplateRow, versions: Sequence[TemplateVersion], names: Mapping[str, str]
+) -> TemplateOut:
+    """Return a template with its versions; `names` as for `version_out`."""
+    return TemplateOut(
+        id=template.id,
+        exercise_id=template.exercise_id,
+        patient_id=template.patient_id,
+        name=template.name,
+        tags=template.tags,
+        retired_at=template.retired_at,
+        created_at=template.created_at,
+        versions=[version_out(version, names) for version in versions],
+    )
+
+
+def detail(session: Session, subject: Subject, version_id: str) -> TemplateVersionDetail:
+    """Return a version with its curves; single repetitions only to those who may read their recording."""
+    template, version = repository.get_version(session, subject, version_id)
+    return detail_of(session, subject, template, version)
+
+
+def detail_of(
+    session: Session, subject: Subject, template: TemplateRow, version: TemplateVersion
+) -> TemplateVersionDetail:
+    """Return the same for a version that the subject was found to have access to."""
+    stored = drawn_template(version)
+    repetitions = [
+        Repetition(**{**repetition, "reason": CATALOGUE.restored(repetition["reason"])})
+        for repetition in version.repetitions
+    ]
+    content = TemplateContent(
+        duration_s=stored.duration_s,
+        repetitions=[repetition_out(repetition) for repetition in repetitions],
+        curves=phase_curves_out(stored, _repetition_curves(session, subject, version, stored, repetitions)),
+    )
+    return version_detail(session, template, version, content)
+
+
+def _repetition_curves(
+    session: Session,
+    subject: Subject,
+    version: TemplateVersion,
+    template: Template,
+    repetitions: list[Repetition],
+) -> list[Float]:
+    try:
+        found = recordings.get_session(session, subject, version.source_session_id, action="")
+        result = recordings.result_of(session, found, version.source_result_id)
+        arm = arm_channels(load_source(session, found, result).moved, template.side)
+    except (NotFound, NotAllowed, InvalidInput, EstimationError):
+        # The recording was deleted or is not this subject's to see; the template stands by itself.
+        return []
+    index = [arm.channels.index(name) if name in arm.channels else -1 for name in template.channels]
+    curves = []
+    for repetition in repetitions:
+        cut = arm.cut(repetition)
+        curve = np.full(template.mean.shape, np.nan)
+        if len(cut.time_s) >= 2:
+            measured = phase_curves(cut)
+            for column, source in enumerate(index):
+                if source >= 0:
+                    curve[:, column] = measured[:, source]
+            curve = near(curve, template.mean, template.channels)
+        curves.append(curve)
+    return curves
+
+
+def version_out(version: TemplateVersion, names: Mapping[str, str]) -> TemplateVersionOut:
+    """Return a version without its curves; `names` of the people who made versions, by account."""
+    return TemplateVersionOut(
+        id=version.id,
+        number=version.number,
+        created_at=version.created_at,
+        repetition_count=sum(1 for repetition in version.repetitions if repetition["is_kept"]),
+        source_session_id=version.source_session_id,
+        reason=version.reason,
+        made_by=names[version.created_by],
+    )
+
+
+def version_detail(
+    session: Session, template: TemplateRow, version: TemplateVersion, content: TemplateContent
+) -> TemplateVersionDetail:
+    """Return a version with curves that are at hand."""
+    recorded = template_from_bytes(version.content)
+    return TemplateVersionDetail(
+        **version_out(version, repository.names_of_makers(session, [version])).model_dump(),
+        template_id=template.id,
+        exercise_id=template.exercise_id,
+        patient_id=template.patient_id,
+        name=template.name,
+        side=side_of(recorded.side),
+        primary_channel=recorded.primary_channel,
+        reach_m=recorded.reach_m,
+        design=whole_design(design_of(version), recorded),
+        content=content,
+    )
+
+
+__all__ = ["detail", "detail_of", "list_of", "template_out", "version_detail", "version_out"]
