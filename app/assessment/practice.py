@@ -231,18 +231,30 @@ def adherence(
 
     Notes
     -----
-    More than prescribed in one exercise does not make up for none in another: each counts at most in full.
+    More than prescribed in one exercise does not make up for none in another: each counts at most in full. Where days
+    are named, a session is due on each of them that is over; otherwise they are due evenly over the week.
     """
     shared = share_out(prescriptions, done, zone)
     expected_total, done_total = 0.0, 0.0
     for prescription in prescriptions:
         start = max(prescription.starts_at, now - ADHERENCE_WINDOW)
         end = min(prescription.ends_at or now, now)
-        expected = prescription.times_per_week * max(0.0, (end - start) / timedelta(weeks=1))
+        expected = _expected(prescription, start, end, zone)
         count = sum(1 for one in shared[prescription.id] if start <= one.at <= end)
         expected_total += expected
         done_total += min(float(count), expected)
     return round(100.0 * done_total / expected_total, 1) if expected_total >= 1.0 else None
+
+
+def _expected(prescription: Prescription, start: datetime, end: datetime, zone: tzinfo) -> float:
+    """Return how many sessions were due between two moments."""
+    if not prescription.days:
+        return prescription.times_per_week * max(0.0, (end - start) / timedelta(weeks=1))
+    first, last = start.astimezone(zone).date(), end.astimezone(zone).date()
+    dates = (first + timedelta(days=number) for number in range(max(0, (last - first).days)))
+    return float(
+        max(1, len(prescription.times)) * sum(1 for day in dates if day.isoweekday() in prescription.days)
+    )
 
 
 def _with_practice(

@@ -221,3 +221,53 @@ def test_one_that_follows_another_is_no_duplicate(history, therapist, world) -> 
     past = {"starts_at": "2020-01-01T00:00:00Z", "ends_at": "2020-02-01T00:00:00Z"}
     answer = therapist.post(path, json={"exercise_id": world.exercise_id} | past)
     assert (answer.status_code, answer.json()["is_twice"]) == (201, False)
+
+
+def test_adherence_of_named_days_goes_by_the_days_that_are_over() -> None:
+    one = given("2026-06-01T00:00", 3)
+    one.days, one.times = [1, 3, 5], []
+    done = [Done(utc("2026-06-01T10:00"), "reach"), Done(utc("2026-06-03T10:00"), "reach")]
+    # Thursday 4 June: due were Monday and Wednesday; on Friday evening still only those, for Friday is not over.
+    assert adherence([one], done, utc("2026-06-04T08:00"), UTC) == 100.0
+    assert adherence([one], done, utc("2026-06-05T22:00"), UTC) == 100.0
+    assert adherence([one], done, utc("2026-06-06T08:00"), UTC) == 66.7
+    # In Auckland it is Saturday since Friday noon.
+    assert adherence([one], done, utc("2026-06-05T22:00"), AUCKLAND) == 66.7
+    one.times = ["09:00", "17:00"]
+    assert adherence([one], done, utc("2026-06-06T08:00"), UTC) == 33.3
+
+
+def test_days_times_and_limits_are_prescribed(history, therapist, patient, world, now) -> None:
+    path = f"/api/patients/{world.patient_id}/prescriptions"
+    body = {
+        "exercise_id": world.exercise_id,
+        "template_id": history.template_id,
+        "times_per_week": 28,
+        "days": [7, 1, 7],
+        "times": ["17:30", "09:00"],
+        "tolerance_scale": 1.5,
+        "stops": [{"kind": "limit", "channel": "thorax_humerus_right_yxy_elevation", "limit": 1.5}],
+        "starts_at": "2026-06-15T00:00:00Z",
+    }
+    answer = therapist.post(path, json=body)
+    assert answer.status_code == 201, answer.text
+    made = answer.json()
+    assert (made["days"], made["times"], made["times_per_week"]) == ([1, 7], ["09:00", "17:30"], 4)
+    assert (made["tolerance_scale"], made["stops"][0]["limit"]) == (1.5, 1.5)
+    # 00:30 on Monday.
+    record(history, "2026-06-15T00:10", 12, 90.0)
+    (row,) = prescriptions(patient, world)
+    assert (row["is_due_today"], row["done_today"]) == (True, 1)
+    later = {**body, "starts_at": "2026-06-15T00:20:00Z"}
+    tuesday = therapist.post(path, json={**later, "days": [2]}).json()
+    assert (tuesday["is_due_today"], tuesday["done_today"], tuesday["is_twice"]) == (False, 0, True)
+    anyday = therapist.post(path, json={**later, "days": [], "times": ["09:00"]}).json()
+    assert (anyday["is_due_today"], anyday["times_per_week"]) == (True, 28)
+    for wrong in (
+        {"days": [0]},
+        {"times": ["24:00"]},
+        {"tolerance_scale": 9.0},
+        {"stops": [{"kind": "limit", "channel": "thorax_humerus_left_yxy_elevation", "limit": 1.0}]},
+        {"stops": [{"kind": "time", "limit": 0.0}]},
+    ):
+        assert therapist.post(path, json={**body, **wrong}).status_code == 422, wrong

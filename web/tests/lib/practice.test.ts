@@ -1,5 +1,5 @@
 import { expect, it } from 'vitest';
-import { activeText, weekText } from '../../src/lib/assessment/practice';
+import { activeText, scheduleText, weekText } from '../../src/lib/assessment/practice';
 
 const week = (done: number, of: number, repetitions = 0, active = 0) => ({
   done_this_week: done,
@@ -26,4 +26,11 @@ it('rounds time once', () => {
   expect(activeText(59.6)).toBe('1 min active');
   expect(activeText(89)).toBe('1 min active');
   expect(activeText(91)).toBe('2 min active');
+});
+
+it('says the days and times of a prescription', () => {
+  expect(scheduleText({ days: [1, 3, 5], times: ['09:00', '17:30'] })).toBe('Mon, Wed and Fri at 09:00 and 17:30');
+  expect(scheduleText({ days: [7], times: [] })).toBe('Sun');
+  expect(scheduleText({ days: [1, 2, 3, 4, 5, 6, 7], times: [] })).toBe('Every day');
+  expect(scheduleText({ days: [], times: [] })).toBe('');
 });

@@ -1,6 +1,27 @@
 // What was done of a prescription this week, in words.
 import type { Prescription } from '../../api/types';
-import { t } from '../../i18n';
+import { formatLocale, t } from '../../i18n';
+
+/** Days of the week as the service numbers them: 1 is Monday. */
+export const DAYS = [1, 2, 3, 4, 5, 6, 7] as const;
+/** A Monday. */
+const MONDAY_MS = Date.UTC(2024, 0, 1, 12);
+const DAY_MS = 86_400_000;
+
+/** The name of a day of the week, e.g. `Mon` or `Monday`. */
+export function dayName(day: number, length: 'short' | 'long'): string {
+  const at = new Date(MONDAY_MS + (day - 1) * DAY_MS);
+  return new Intl.DateTimeFormat(formatLocale(), { weekday: length, timeZone: 'UTC' }).format(at);
+}
+
+const listed = (words: readonly string[]) => new Intl.ListFormat(formatLocale(), { type: 'conjunction' }).format(words);
+
+/** For instance `Mon, Wed and Fri at 09:00 and 17:30`; empty where any day will do. */
+export function scheduleText({ days, times }: Pick<Prescription, 'days' | 'times'>): string {
+  if (days.length === 0) return '';
+  const on = days.length === DAYS.length ? t('practice.daily') : listed(days.map((one) => dayName(one, 'short')));
+  return times.length ? t('practice.at', { days: on, times: listed(times) }) : on;
+}
 
 type Week = Pick<Prescription, 'done_this_week' | 'times_per_week' | 'repetitions_this_week' | 'active_s_this_week'>;
 

@@ -1,17 +1,16 @@
-import { Button, Group, Modal, NumberInput, Select, SimpleGrid } from '@mantine/core';
+import { Button, Modal } from '@mantine/core';
 import { useDisclosure } from '@mantine/hooks';
 import { IconPlus, IconRouteOff } from '@tabler/icons-react';
-import { useState, type FormEvent } from 'react';
 import { Link } from 'react-router';
-import { useEndPrescription, useExercises, usePrescribe, usePrescriptions, useTemplates } from '../../api/queries';
+import { useEndPrescription, useExercises, usePrescriptions } from '../../api/queries';
 import type { Patient, Prescription } from '../../api/types';
 import { Confirm } from '../../components/forms/Confirm';
-import { DateField, isDateOrEmpty } from '../../components/forms/DateField';
-import { Answer, Notice, Problem } from '../../components/Feedback';
+import { Answer, Problem } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { isWalk, movementOf } from '../../lib/exercises';
-import { date } from '../../lib/format';
-import { weekText } from '../../lib/assessment/practice';
+import { date, number } from '../../lib/format';
+import { scheduleText, weekText } from '../../lib/assessment/practice';
+import { PrescribeForm } from './PrescribeForm';
 
 /** The dose in words: sets, repetitions, times a week. A walk is walked once in a session. */
 export function doseText(
@@ -25,114 +24,6 @@ export function doseText(
       ? t('prescription.setsOf', { sets, repetitions })
       : t('prescription.repetitions', { count: repetitions });
   return t('prescription.dose', { dose, perWeek });
-}
-
-const NO_TEMPLATE = 'none';
-
-function PrescribeForm({ patient, onDone }: { patient: Patient; onDone: () => void }) {
-  const exercises = useExercises();
-  const present = usePrescriptions(patient.id);
-  const [exerciseId, setExerciseId] = useState<string | null>(null);
-  const [templateId, setTemplateId] = useState<string | null>(null);
-  const [repetitions, setRepetitions] = useState(10);
-  const [sets, setSets] = useState(1);
-  const [perWeek, setPerWeek] = useState(5);
-  const [endsAt, setEndsAt] = useState('');
-  const templates = useTemplates(exerciseId, patient.id, exerciseId !== null);
-  const prescribe = usePrescribe(patient.id);
-  const choices = templates.data ?? [];
-  const isWalked = isWalk(movementOf(exercises.data, exerciseId));
-  const chosen = templateId ?? choices[0]?.id ?? NO_TEMPLATE;
-  const submit = (event: FormEvent) => {
-    event.preventDefault();
-    if (!exerciseId || !isDateOrEmpty(endsAt)) return;
-    prescribe.mutate(
-      {
-        exercise_id: exerciseId,
-        template_id: chosen === NO_TEMPLATE ? null : chosen,
-        repetitions: isWalked ? 1 : repetitions,
-        sets: isWalked ? 1 : sets,
-        times_per_week: perWeek,
-        ends_at: endsAt ? new Date(`${endsAt}T23:59:59`).toISOString() : null,
-      },
-      { onSuccess: onDone },
-    );
-  };
-  return (
-    <form className="stack" onSubmit={submit}>
-      {prescribe.error && <Problem error={prescribe.error} />}
-      {exercises.error && <Problem error={exercises.error} />}
-      <Select
-        label={t('prescription.exercise')}
-        placeholder={t('prescription.chooseExercise')}
-        required
-        withAsterisk={false}
-        searchable
-        data={(exercises.data ?? []).map((one) => ({ value: one.id, label: one.name }))}
-        value={exerciseId}
-        onChange={(value) => {
-          setExerciseId(value);
-          setTemplateId(null);
-        }}
-        data-autofocus
-      />
-      {present.data?.some((one) => one.exercise_id === exerciseId) && <Notice>{t('prescription.twice')}</Notice>}
-      {exerciseId && templates.data && !isWalked && (
-        <Select
-          label={t('prescription.template')}
-          description={choices.length ? t('prescription.templateHelp') : t('prescription.noTemplateHelp')}
-          data={[
-            ...choices.map((one) => ({ value: one.id, label: one.name })),
-            { value: NO_TEMPLATE, label: t('prescription.without') },
-          ]}
-          value={chosen}
-          onChange={setTemplateId}
-        />
-      )}
-      <SimpleGrid cols={isWalked ? 1 : 3}>
-        {!isWalked && (
-          <>
-            <NumberInput
-              label={t('prescription.repetitionsLabel')}
-              min={1}
-              max={200}
-              value={repetitions}
-              onChange={(value) => setRepetitions(Number(value) || 1)}
-            />
-            <NumberInput
-              label={t('prescription.setsLabel')}
-              min={1}
-              max={20}
-              value={sets}
-              onChange={(value) => setSets(Number(value) || 1)}
-            />
-          </>
-        )}
-        <NumberInput
-          maw={200}
-          label={t('prescription.perWeekLabel')}
-          min={1}
-          max={28}
-          value={perWeek}
-          onChange={(value) => setPerWeek(Number(value) || 1)}
-        />
-      </SimpleGrid>
-      <DateField
-        label={t('prescription.until')}
-        description={t('prescription.untilHelp')}
-        value={endsAt}
-        onChange={setEndsAt}
-      />
-      <Group justify="flex-end">
-        <Button variant="default" onClick={onDone}>
-          {t('action.cancel')}
-        </Button>
-        <Button type="submit" disabled={!exerciseId} loading={prescribe.isPending}>
-          {t('prescription.prescribe')}
-        </Button>
-      </Group>
-    </form>
-  );
 }
 
 function Line({ prescription, patient }: { prescription: Prescription; patient: Patient }) {
@@ -155,6 +46,18 @@ function Line({ prescription, patient }: { prescription: Prescription; patient: 
         )}
       </div>
       {exercises.data && <div>{doseText(prescription, isTest)}</div>}
+      {prescription.days.length > 0 && <div>{scheduleText(prescription)}</div>}
+      {(prescription.tolerance_scale !== 1 || prescription.stops.length > 0) && (
+        <div className="small">
+          {[
+            prescription.tolerance_scale !== 1 &&
+              t('prescription.band', { percent: number(100 * prescription.tolerance_scale) }),
+            prescription.stops.length > 0 && t('prescription.limits', { count: prescription.stops.length }),
+          ]
+            .filter(Boolean)
+            .join(' · ')}
+        </div>
+      )}
       <div className="small week">
         <span className="dots" aria-hidden>
           {Array.from({ length: Math.min(14, prescription.times_per_week) }, (_, index) => (
@@ -223,6 +126,7 @@ export function PrescriptionPanel({ patient }: { patient: Patient }) {
       <Modal
         opened={isOpen}
         onClose={dialog.close}
+        size="lg"
         title={t('prescription.dialogTitle')}
         closeButtonProps={{ 'aria-label': t('action.close') }}
       >

@@ -5,6 +5,7 @@ import type { StopDesign } from '../../../api/types';
 import { t } from '../../../i18n';
 import { channelLabel } from '../../../lib/channels';
 import { quantity } from '../../../lib/format';
+import '../../../styles/design.css';
 import { unitOf } from './words';
 
 const COUNTS = ['valid_count', 'attempt_count', 'time', 'wrong_in_a_row'] as const;
@@ -35,6 +36,51 @@ export function StopRules({ stops, channels, primary, onChange }: Props) {
         <h2 id="stops">{t('design.stops')}</h2>
         <p className="muted">{t('design.stopsLead')}</p>
       </div>
+      <LimitRows stops={stops} channels={channels} primary={primary} onChange={onChange} />
+      <ul className="plain-list stop-rows">
+        {COUNTS.map((kind) => {
+          const index = stops.findIndex((one) => one.kind === kind);
+          const rule = stops[index];
+          const factor = kind === 'time' ? 1 / MINUTE_S : 1;
+          return (
+            <li key={kind} className="stop-count">
+              <Switch
+                size="md"
+                label={t(`design.stop.${kind}`)}
+                checked={rule !== undefined}
+                onChange={(event) =>
+                  onChange(
+                    event.currentTarget.checked
+                      ? [...stops, { kind, limit: START[kind], hold_s: 0 }]
+                      : stops.filter((one) => one.kind !== kind),
+                  )
+                }
+              />
+              {rule && (
+                <NumberInput
+                  w={110}
+                  min={1}
+                  max={kind === 'time' ? 120 : 500}
+                  aria-label={t('design.stopValue', { rule: t(`design.stop.${kind}`) })}
+                  value={Math.round((rule.limit ?? 0) * factor * 10) / 10}
+                  onChange={(value) => Number(value) > 0 && set(index, { limit: Number(value) / factor })}
+                />
+              )}
+            </li>
+          );
+        })}
+      </ul>
+      <p className="muted small">{t('design.stopAlways', { lost: hold('lost'), unsure: hold('unsure') })}</p>
+    </section>
+  );
+}
+
+/** Limits of angles, each with its side and value; other stop rules are kept as they are. */
+export function LimitRows({ stops, channels, primary, onChange }: Props) {
+  const set = (index: number, change: Partial<StopDesign>) =>
+    onChange(stops.map((one, place) => (place === index ? { ...one, ...change } : one)));
+  return (
+    <>
       <ul className="plain-list stop-rows">
         {stops.map((one, index) =>
           one.kind === 'limit' ? (
@@ -90,41 +136,7 @@ export function StopRules({ stops, channels, primary, onChange }: Props) {
           {t('design.addLimit')}
         </Button>
       </div>
-      <ul className="plain-list stop-rows">
-        {COUNTS.map((kind) => {
-          const index = stops.findIndex((one) => one.kind === kind);
-          const rule = stops[index];
-          const factor = kind === 'time' ? 1 / MINUTE_S : 1;
-          return (
-            <li key={kind} className="stop-count">
-              <Switch
-                size="md"
-                label={t(`design.stop.${kind}`)}
-                checked={rule !== undefined}
-                onChange={(event) =>
-                  onChange(
-                    event.currentTarget.checked
-                      ? [...stops, { kind, limit: START[kind], hold_s: 0 }]
-                      : stops.filter((one) => one.kind !== kind),
-                  )
-                }
-              />
-              {rule && (
-                <NumberInput
-                  w={110}
-                  min={1}
-                  max={kind === 'time' ? 120 : 500}
-                  aria-label={t('design.stopValue', { rule: t(`design.stop.${kind}`) })}
-                  value={Math.round((rule.limit ?? 0) * factor * 10) / 10}
-                  onChange={(value) => Number(value) > 0 && set(index, { limit: Number(value) / factor })}
-                />
-              )}
-            </li>
-          );
-        })}
-      </ul>
-      <p className="muted small">{t('design.stopAlways', { lost: hold('lost'), unsure: hold('unsure') })}</p>
-    </section>
+    </>
   );
 }
 
