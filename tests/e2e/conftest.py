@@ -79,8 +79,11 @@ class Service:
 
 
 @contextmanager
-def serving(folder: Path) -> Iterator[Service]:
-    """Start a service on a database in this folder; stop it in the end, whatever became of it."""
+def serving(folder: Path, base_url: str | None = None) -> Iterator[Service]:
+    """Start a service on a database in this folder; stop it in the end, whatever became of it.
+
+    `base_url` is the address that browsers use where that is not its own.
+    """
     assert (ROOT / "web" / "dist" / "index.html").exists(), "build the browser client first: make web"
     port = free_port()
     address = f"http://127.0.0.1:{port}"
@@ -91,7 +94,7 @@ def serving(folder: Path) -> Iterator[Service]:
     environment = {
         **os.environ,
         "TELEMOTION_DEMO": "true",
-        "TELEMOTION_BASE_URL": address,
+        "TELEMOTION_BASE_URL": base_url or address,
         "TELEMOTION_DATABASE_URL": url,
         "TELEMOTION_DATA_DIR": str(folder),
         "TELEMOTION_LOG_LEVEL": "warning",

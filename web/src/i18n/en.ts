@@ -11,6 +11,7 @@ import { motion } from './en/motion';
 import { patient } from './en/patient';
 import { report } from './en/report';
 import { research } from './en/research';
+import { sensors } from './en/sensors';
 import { session } from './en/session';
 import { sources } from './en/sources';
 import { walking } from './en/walking';
@@ -28,6 +29,7 @@ export const en = {
   ...patient,
   ...report,
   ...research,
+  ...sensors,
   ...session,
   ...sources,
   ...walking,

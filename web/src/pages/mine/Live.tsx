@@ -9,7 +9,7 @@ import {
   IconRun,
 } from '@tabler/icons-react';
 import { useMutation, useQueryClient } from '@tanstack/react-query';
-import { useState } from 'react';
+import { lazy, Suspense, useState } from 'react';
 import { Link, useParams } from 'react-router';
 import { api } from '../../api/client';
 import { keys, useSession } from '../../api/queries';
@@ -25,8 +25,11 @@ import { useLivePlayer, useSnapshot } from '../../player/hooks';
 import type { LivePlayer } from '../../player/live';
 import { StepPicture } from '../../pictures/StepPicture';
 import { useCalibrating } from '../calibration/CalibrationPanel';
+import { sendRest } from '../../sensors/registry';
 import { isRecording, momentOf, type Moment } from './moment';
 import { PlainProblem } from './PlainProblem';
+
+const ConnectSensors = lazy(() => import('../../sensors/ConnectSensors'));
 
 const LIVE = { mode: 'live' } as const;
 const EMPTY_PERCENT = 15;
@@ -106,6 +109,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
     mutationFn: async (what: 'record' | 'end') => {
       if (what === 'record') return api.post<unknown>(`/api/sessions/${session.id}/record`);
       if (records) await api.post<unknown>(`/api/sessions/${session.id}/stop`);
+      await sendRest(session.id);
       return api.post<unknown>(`/api/sessions/${session.id}/close`);
     },
     onSettled: () => client.invalidateQueries({ queryKey: keys.session(session.id) }),
@@ -201,7 +205,13 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
         )}
         {problem && <PlainProblem error={problem} />}
       </section>
-      {moment === 'putOn' && <PutOn session={session} />}
+      <Suspense fallback={null}>
+        <ConnectSensors
+          session={session}
+          isWaiting={moment === 'putOn' || moment === 'silent'}
+          box={moment === 'putOn' && <PutOn session={session} />}
+        />
+      </Suspense>
       {moment !== 'putOn' && MOVING.includes(moment) && (
         <>
           {moment !== 'lost' && moment !== 'silent' && <Sensors health={snapshot.health} />}

@@ -1,0 +1,87 @@
+// The page's handle on its gateway: one a session, whatever page of the session is shown.
+import { api, ApiError, socketUrl } from '../../api/client';
+import type { Sample } from './grid';
+import type { FromWorker, ToWorker } from './messages';
+import type { RecorderState } from './recorder';
+import type { StoredNetwork } from './store';
+
+const PATH = '/ws/ingest';
+
+export interface GatewaySnapshot {
+  recorder: RecorderState | null;
+  /** Why this browser cannot store at all. */
+  broken: string;
+}
+
+export class BrowserGateway {
+  readonly network: StoredNetwork;
+  readonly #worker: Worker;
+  readonly #listeners = new Set<() => void>();
+  #snapshot: GatewaySnapshot = { recorder: null, broken: '' };
+
+  constructor(network: StoredNetwork) {
+    this.network = network;
+    this.#worker = new Worker(new URL('./gateway.worker.ts', import.meta.url), { type: 'module' });
+    this.#worker.onmessage = (event: MessageEvent<FromWorker>) => this.#take(event.data);
+    this.#worker.onerror = (event) => this.#say({ broken: event.message || 'worker' });
+    this.#post({ type: 'begin', network, url: socketUrl(PATH) });
+    addEventListener('pagehide', this.#flush);
+    document.addEventListener('visibilitychange', this.#flush);
+  }
+
+  /** `timeMs` as events stamp it: since the page was opened. */
+  add(sensor: number, timeMs: number, sample: Sample): void {
+    // Counted from 1970 it runs on when the page is opened again.
+    this.#post({ type: 'sample', sensor, timeMs: performance.timeOrigin + timeMs, sample });
+  }
+
+  leave(sensor: number): void {
+    this.#post({ type: 'leave', sensor });
+  }
+
+  finish(isGoodbye: boolean): void {
+    this.#post({ type: 'finish', isGoodbye });
+  }
+
+  close(): void {
+    removeEventListener('pagehide', this.#flush);
+    document.removeEventListener('visibilitychange', this.#flush);
+    this.#post({ type: 'close' });
+  }
+
+  subscribe = (listener: () => void): (() => void) => {
+    this.#listeners.add(listener);
+    return () => this.#listeners.delete(listener);
+  };
+
+  getSnapshot = (): GatewaySnapshot => this.#snapshot;
+
+  readonly #flush = () => this.#post({ type: 'flush' });
+
+  #post(message: ToWorker): void {
+    this.#worker.postMessage(message);
+  }
+
+  #say(change: Partial<GatewaySnapshot>): void {
+    this.#snapshot = { ...this.#snapshot, ...change };
+    for (const listener of this.#listeners) listener();
+  }
+
+  #take(message: FromWorker): void {
+    if (message.type === 'state') this.#say({ recorder: message.state });
+    else if (message.type === 'broken') this.#say({ broken: message.reason });
+    else void this.#ticket(message.number);
+  }
+
+  async #ticket(number: number): Promise<void> {
+    try {
+      const path = `/api/sessions/${this.network.sessionId}/ticket`;
+      const { ticket } = await api.post<{ ticket: string }>(path, { purpose: 'ingest' });
+      this.#post({ type: 'ticket', number, ticket });
+    } catch (error) {
+      const refusal =
+        error instanceof ApiError ? { code: error.code, reason: error.message } : { code: '', reason: String(error) };
+      this.#post({ type: 'noTicket', number, refusal });
+    }
+  }
+}

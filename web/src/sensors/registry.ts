@@ -1,0 +1,27 @@
+// Which session this page measures for, known without loading what measures.
+
+export interface Measuring {
+  sessionId: string;
+  /** Resolves when all that was measured is safe with the service, or the time is over; says whether it is. */
+  settled: (withinMs: number) => Promise<boolean>;
+  stop: () => void;
+}
+
+let measuring: Measuring | null = null;
+
+export function setMeasuring(one: Measuring | null): void {
+  // One at a time: what measured before ends.
+  if (one) measuring?.stop();
+  measuring = one;
+}
+
+export function measuringFor(sessionId: string): Measuring | null {
+  return measuring?.sessionId === sessionId ? measuring : null;
+}
+
+const SETTLED_MS = 20_000;
+
+/** Before a session is ended: wait until what this page has measured for it is sent. */
+export async function sendRest(sessionId: string): Promise<void> {
+  await measuringFor(sessionId)?.settled(SETTLED_MS);
+}
