@@ -25,7 +25,6 @@ export class FakeService {
   };
 
   ticket = (): Promise<string> =>
-    // eslint-disable-next-line @typescript-eslint/prefer-promise-reject-errors
     this.isReachable ? Promise.resolve('ticket') : Promise.reject({ code: 'offline', reason: '' });
 
   breakLink(): void {
