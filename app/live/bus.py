@@ -5,7 +5,7 @@ another view. Recordings do not go over the bus. `MemoryBus` serves one process;
 `Bus` can carry the same topics between machines.
 
 Topics: `session/{id}/frames` (`estimators.pipelines.Frames`), and `session/{id}/state`, `/health`, `/event`,
-`/layout` (messages of `app.live.messages`).
+`/layout`, `/guidance` (messages of `app.live.messages`).
 """
 
 import asyncio

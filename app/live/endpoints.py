@@ -12,6 +12,7 @@ from app.kinds.magnetic.schemas import MagneticSafetyOut
 from app.live import repository
 from app.live.calibration.endpoints import router as calibration_router
 from app.live.calibration.messages import CalibrationIn
+from app.live.guidance.endpoints import router as guidance_router
 from app.live.manager import LiveManager
 from app.live.messages import StateMessage
 from app.live.next_session import router as device_router
@@ -125,4 +126,5 @@ async def _live(request: Request, subject: Subject, session_id: str, action: Act
 router = APIRouter()
 router.include_router(steering_router)
 router.include_router(calibration_router)
+router.include_router(guidance_router)
 router.include_router(device_router)

@@ -18,6 +18,7 @@ from app.live import repository
 from app.live.admission import FULL, WINDOW_S, Admission
 from app.live.bus import Bus, topic
 from app.live.checks.plausibility import CheckProcess
+from app.live.guidance.desk import GuidanceDesk
 from app.live.housekeeping import GOODBYE_CLOSE_S, IDLE_CLOSE_S, LONGEST_S, Housekeeping
 from app.live.messages import StateMessage
 from app.live.patience import Patience
@@ -258,6 +259,19 @@ class LiveManager:
         if session is None:
             raise Conflict(say("live.not_connected"))
         return session
+
+    def guidance(self, session_id: str) -> GuidanceDesk:
+        """Return the guidance of a live session.
+
+        Raises
+        ------
+        Conflict
+            No gateway has connected to it here.
+        """
+        found = self.live(session_id).guidance
+        if found is None:
+            raise Conflict(say("live.not_connected"))
+        return found
 
     async def close(self, session_id: str, reason: str) -> StateMessage:
         """Close a session: store everything, then have it analysed. Closing twice is closing once.

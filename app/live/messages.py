@@ -23,6 +23,7 @@ from typing import Literal
 from pydantic import Field
 
 from app.live.calibration.messages import CalibrationMessage
+from app.live.guidance.messages import GuidanceMessage
 from app.network.messages import (
     PROTOCOL_VERSION,
     AcknowledgeMessage,
@@ -151,6 +152,7 @@ __all__ = [
     "ErrorMessage",
     "EventMessage",
     "GoodbyeMessage",
+    "GuidanceMessage",
     "HealthMessage",
     "HelloMessage",
     "JsonPacket",

@@ -99,7 +99,7 @@ async def _subject_of_ticket(websocket: WebSocket, services: Services, session_i
 async def _serve(
     websocket: WebSocket, live: LiveManager, stored: repository.StoredSession, check: Check
 ) -> None:
-    names = ("layout", "state", "health", "event", "calibration")
+    names = ("layout", "state", "health", "event", "calibration", "guidance")
     with (
         live.bus.subscribe(topic(stored.id, "frames"), size=FRAMES_KEPT) as frames,
         live.bus.subscribe(*(topic(stored.id, name) for name in names), size=MESSAGES_KEPT) as messages,
@@ -109,6 +109,8 @@ async def _serve(
             first = [session.layout(), session.state_message(), session.health_message()]
             if session.calibration_message is not None:
                 first.append(session.calibration_message)
+            if session.guidance is not None:
+                first.append(session.guidance.message)
         else:
             layout = await asyncio.to_thread(stored_layout, stored)
             first = [layout, live.stored_state(stored)]

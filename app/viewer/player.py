@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 
 from app.live.bus import Bus, topic
+from app.live.guidance.messages import GuidanceMessage
 from app.live.messages import PlayerCommand, PlayerState, StateMessage
 from app.viewer.figure.ghost import GhostClock
 from app.viewer.layers.feet_live import LiveCourse
@@ -31,6 +32,9 @@ LIVE_TRAIL_RATE_HZ: Final = 20.0
 _PICTURES_A_TRAIL: Final = 5
 _TOGETHER_S: Final = 0.12
 """A command whose time differs by less is not a jump; the two clocks are just not the same."""
+_FOLLOWS: Final = 0.25
+"""Share of the way to the patient's phase that the example goes with each picture."""
+_NEW_REPETITION: Final = 50.0
 SILENCE_S: Final = 1.0
 """Without frames for so long, everything measured is shown as lost: nothing freezes silently."""
 
@@ -147,6 +151,8 @@ class LivePlayer:
         self._course = LiveCourse()
         self._is_posed = False
         self._chunks = 0
+        self._guided: GuidanceMessage | None = None
+        self._shown_phase = 0.0
 
     def command(self, command: PlayerCommand) -> None:
         """Live views have nothing to steer; the ghost is switched by the view itself."""
@@ -170,7 +176,7 @@ class LivePlayer:
         # States have a queue of their own: on a busy machine frames would push the few of them out.
         with (
             self._bus.subscribe(frames_topic, size=8) as subscription,
-            self._bus.subscribe(state_topic) as states,
+            self._bus.subscribe(state_topic, topic(self._session_id, "guidance")) as states,
         ):
             pending: list[Frames] = []
             while True:
@@ -183,6 +189,8 @@ class LivePlayer:
                 for _, message in states.take():
                     if isinstance(message, StateMessage):
                         self._follow(message)
+                    elif isinstance(message, GuidanceMessage):
+                        self._guided = message
                 if pending:
                     await self._show(pending[-1])
                     pending.clear()
@@ -215,8 +223,20 @@ class LivePlayer:
         self._scene.draw(track, tick, trail)
         if self._ghost_clock is not None:
             is_example = self._is_posed and not self._is_calibrating
-            phase = self._ghost_clock.phase(float(track.time_s[tick]), warp=False) if is_example else None
+            time_s = float(track.time_s[tick])
+            phase = self._ghost_phase(self._ghost_clock, time_s) if is_example else None
             self._scene.draw_ghost(phase, with_path=is_example)
+
+    def _ghost_phase(self, clock: GhostClock, time_s: float) -> float:
+        """Return where the example stands, 0 to 100: with the patient while it is followed, else by its own clock."""
+        wanted = None if self._guided is None else self._guided.ghost_phase
+        if wanted is None:
+            self._shown_phase = clock.phase(time_s, warp=False)
+        else:
+            ahead = 100.0 * wanted - self._shown_phase
+            # A new repetition begins at the start again; everything else is a way to go, not a jump.
+            self._shown_phase += ahead if ahead < -_NEW_REPETITION else _FOLLOWS * ahead
+        return self._shown_phase
 
     def _show_silence(self) -> None:
         # Modules, feet and single sensors say themselves that they go on without news; there is no figure to grey.

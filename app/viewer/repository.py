@@ -7,10 +7,11 @@ from sqlalchemy import Engine, select
 from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
+from app.assessment.design.prescribed import exercise_side, prescribed_version
 from app.assessment.models import Comparison
 from app.database.unit_of_work import read_only
 from app.errors import Conflict, InvalidInput, NotFound
-from app.exercises.models import Exercise, Prescription, Template, TemplateVersion
+from app.exercises.models import Template, TemplateVersion
 from app.patients.access import require_patient
 from app.patients.models import Patient
 from app.recordings import marker_motion
@@ -114,7 +115,7 @@ def find_target(engine: Engine, subject: Subject, session_id: str, wanted: ViewI
         if version_id is not None:
             _template_version(session, subject, version_id)
         else:
-            version_id = _prescribed_version(session, found)
+            version_id = prescribed_version(session, found)
         return ViewTarget(wanted.mode, found.id, found.patient_id, result_id, version_id)
 
 
@@ -163,7 +164,7 @@ def load_contents(engine: Engine, target: ViewTarget) -> Contents:
                 raise InvalidInput(say("result.no_movement"))
             measured = measured_segments(frames)
             track = track_from_frames(thinned(frames), setup.body)
-        side = _side(session, found, patient, measured)
+        side = exercise_side(session, found, measured)
         ghost, clock = _ghost(session, target, found, setup.body, side)
         return Contents(
             body=setup.body,
@@ -193,29 +194,6 @@ def _template_version(session: Session, subject: Subject, version_id: str) -> Te
         except NotFound:
             raise NotFound(NO_SUCH_TEMPLATE) from None
     return version
-
-
-def _prescribed_version(session: Session, found: MotionSession) -> str | None:
-    if found.prescription_id is None:
-        return None
-    return session.scalar(
-        select(TemplateVersion.id)
-        .join(Prescription, Prescription.template_id == TemplateVersion.template_id)
-        .where(Prescription.id == found.prescription_id, TemplateVersion.is_published)
-        .order_by(TemplateVersion.number.desc())
-        .limit(1)
-    )
-
-
-def _side(session: Session, found: MotionSession, patient: Patient, measured: frozenset[str]) -> Side:
-    """Return the arm of the exercise; if it carries no sensor and the other does, the other."""
-    exercise = session.get(Exercise, found.exercise_id) if found.exercise_id else None
-    named = exercise.side if exercise is not None else patient.affected_side
-    side: Side = "left" if named == "left" else "right"
-    other: Side = "right" if side == "left" else "left"
-    if f"upper_arm_{side}" not in measured and f"upper_arm_{other}" in measured:
-        return other
-    return side
 
 
 def _ghost(

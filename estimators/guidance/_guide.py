@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from typing import Any, Final
+from typing import Any, Final, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.compiling import Kernel
 from estimators.errors import SetupError, ShapeError
 from estimators.guidance._contract import (
     KINDS,
@@ -135,6 +136,11 @@ class Guide:
         self._state["tick"] = -1
         self._state["p_rest"] = 1.0
         self._memory, self._work = _room_for(ready, rest_ticks, max(3, round(SLOPE_S / tick_s) + 1))
+
+    @staticmethod
+    def prepare() -> None:
+        """Compile or load what `feed` runs, so that the first ticks do not wait for it; blocks."""
+        cast(Kernel, run).prepare()
 
     @property
     def start_posture(self) -> Float:

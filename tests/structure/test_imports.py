@@ -50,7 +50,16 @@ ALLOWED = {
     "kinds/magnetic": FOUNDATION
     | {"accounts", "patients", "exercises", "recordings", "network", "kinds/walk"},
     "live": FOUNDATION
-    | {"accounts", "patients", "exercises", "recordings", "network", "ingest", "kinds/magnetic"},
+    | {
+        "accounts",
+        "patients",
+        "exercises",
+        "recordings",
+        "network",
+        "ingest",
+        "kinds/magnetic",
+        "assessment",
+    },
     "assessment": FOUNDATION
     | {
         "time_zones",

@@ -28,7 +28,7 @@ SENT_BY_BROWSERS = ("PlayerCommand", "CameraCommand")
 FORM_PARTS = (recordings.UploadIn, MarkerUploadIn)
 """JSON parts of multipart forms, which OpenAPI shows as plain text."""
 SENT_TO_BROWSERS = (
-    "LayoutMessage", "StateMessage", "HealthMessage", "EventMessage", "ErrorMessage", "PlayerState",
+    "LayoutMessage", "StateMessage", "HealthMessage", "GuidanceMessage", "EventMessage", "ErrorMessage", "PlayerState",
     "CalibrationMessage"
 )
 

@@ -11,6 +11,7 @@ from app.live import repository
 from app.live.bus import Bus
 from app.live.calibration.device_rows import with_known_devices
 from app.live.checks.plausibility import CheckProcess
+from app.live.guidance.opening import guide_session
 from app.live.session.rebuild import rebuild
 from app.live.session.runner import LiveSession
 from app.live.session.states import OPEN
@@ -109,6 +110,7 @@ class Opener:
             trouble = await asyncio.to_thread(rebuild, session, self.engine)
             if trouble is not None:
                 session.line.stop(trouble)
+        await asyncio.to_thread(guide_session, session, self.engine, self.bus)
         return session
 
 

@@ -24,6 +24,7 @@ from app.live.checks.force_watch import ForceWatch
 from app.live.checks.health import LinkHealth
 from app.live.checks.plausibility import Check, check
 from app.live.checks.stray_source import StraySource
+from app.live.guidance.desk import GuidanceDesk
 from app.live.messages import AcknowledgeMessage, HealthMessage, LayoutMessage, StateMessage
 from app.live.session.actuation import Actuation
 from app.live.session.estimation import EstimationLine
@@ -105,6 +106,7 @@ class LiveSession(CalibratedSession):
         self._saved_declaration = declaration
         self._backlog_ticks = BACKLOG_S * declaration.rate_hz
         self.line = EstimationLine(pipeline, self._after, self._fail)
+        self.guidance: GuidanceDesk | None = None
 
         def tell(kind: str, at_s: float, placement: str, text: str) -> None:
             self.add_event(kind, at_s, placement=placement, text=text)
@@ -189,6 +191,8 @@ class LiveSession(CalibratedSession):
         frames = frames.as_stored_live()
         if self._bus.has_listeners(self._topics["frames"]):
             self._bus.publish(self._topics["frames"], PublishedFrames(frames, time.time()))
+        if self.guidance is not None:
+            self.guidance.see(frames, is_counting=self.state == "recording", is_live=arrival_s is not None)
         if arrival_s is not None:
             self.health.latencies_s.append(time.monotonic() - arrival_s)
         if self.actuation is not None and self.machine.state in STREAMING:

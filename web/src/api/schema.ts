@@ -1142,6 +1142,32 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/sessions/{session_id}/guidance": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Guidance
+         * @description Return how the guidance of a live session stands.
+         */
+        get: operations["get_guidance_api_sessions__session_id__guidance_get"];
+        put?: never;
+        /**
+         * Command Guidance
+         * @description Pause, resume, stop, or stop because it hurts, at once; the answer says how it stands then.
+         *
+         *     A stop ends what is counted and said; the session is ended by `close`.
+         */
+        post: operations["command_guidance_api_sessions__session_id__guidance_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/sessions/{session_id}/jobs": {
         parameters: {
             query?: never;
@@ -3226,6 +3252,88 @@ export interface components {
              * @enum {string}
              */
             time_unit?: "s" | "ms" | "us" | "ns" | "clock";
+        };
+        /**
+         * GuidanceCommandIn
+         * @description What a patient asks of the guidance.
+         */
+        GuidanceCommandIn: {
+            /**
+             * Command
+             * @enum {string}
+             */
+            command: "pause" | "resume" | "pain" | "stop";
+        };
+        /**
+         * GuidanceCounts
+         * @description Finished repetitions of a session, each counted once.
+         */
+        GuidanceCounts: {
+            /**
+             * Partial
+             * @default 0
+             */
+            partial?: number;
+            /**
+             * Valid
+             * @default 0
+             */
+            valid?: number;
+            /**
+             * Wrong
+             * @default 0
+             */
+            wrong?: number;
+        };
+        /**
+         * GuidanceMessage
+         * @description Live socket: how the patient follows the template; on connecting, on every change, and while something moves.
+         */
+        GuidanceMessage: {
+            /**
+             * Cause
+             * @default
+             * @enum {string}
+             */
+            cause?: "" | "person" | "pain" | "limit" | "valid_count" | "attempt_count" | "time" | "lost" | "unsure" | "wrong_in_a_row";
+            counts: components["schemas"]["GuidanceCounts"];
+            /**
+             * Cue
+             * @default
+             */
+            cue?: string;
+            /**
+             * Cue Number
+             * @default 0
+             */
+            cue_number?: number;
+            /** Ghost Phase */
+            ghost_phase?: number | null;
+            /** Goal */
+            goal?: number | null;
+            /** Last */
+            last?: ("valid" | "partial" | "wrong") | null;
+            /** Phase */
+            phase?: number | null;
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
+            /** Sigma */
+            sigma?: number | null;
+            /**
+             * Status
+             * @enum {string}
+             */
+            status: "off" | "waiting" | "ready" | "moving" | "paused" | "stopped" | "failed";
+            /** Time S */
+            time_s: number;
+            /**
+             * Type
+             * @default guidance
+             * @constant
+             */
+            type?: "guidance";
         };
         /**
          * HealthMessage
@@ -7705,6 +7813,72 @@ export interface operations {
             404: components["responses"]["Error404"];
             409: components["responses"]["Error409"];
             422: components["responses"]["Error422"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    get_guidance_api_sessions__session_id__guidance_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["GuidanceMessage"];
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            404: components["responses"]["Error404"];
+            409: components["responses"]["Error409"];
+            422: components["responses"]["Error422"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    command_guidance_api_sessions__session_id__guidance_post: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description From /api/me; browsers send it with every change, devices do not. */
+                "X-CSRF-Token"?: string;
+            };
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["GuidanceCommandIn"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["GuidanceMessage"];
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            404: components["responses"]["Error404"];
+            408: components["responses"]["Error408"];
+            409: components["responses"]["Error409"];
+            413: components["responses"]["Error413"];
+            422: components["responses"]["Error422"];
+            429: components["responses"]["Error429"];
             503: components["responses"]["Error503"];
         };
     };

@@ -94,6 +94,7 @@ export type SensorHealth = Schemas['SensorHealth'];
 export type EventMessage = Schemas['EventMessage'];
 export type ErrorMessage = Schemas['ErrorMessage'];
 export type CalibrationMessage = Schemas['CalibrationMessage'];
+export type GuidanceMessage = Schemas['GuidanceMessage'];
 export type CalibrationGuide = Schemas['CalibrationGuide'];
 export type CalibrationStep = Schemas['CalibrationStep'];
 export type CalibrationIn = Schemas['CalibrationIn'];
@@ -102,7 +103,13 @@ export type SensorProgress = Schemas['SensorProgress'];
 export type SensorFinding = Schemas['SensorFinding'];
 export type Differences = Schemas['DifferencesOut'];
 export type LiveMessage =
-  LayoutMessage | StateMessage | HealthMessage | EventMessage | CalibrationMessage | ErrorMessage;
+  | LayoutMessage
+  | StateMessage
+  | HealthMessage
+  | EventMessage
+  | CalibrationMessage
+  | GuidanceMessage
+  | ErrorMessage;
 export type PlayerCommand = Schemas['PlayerCommand'];
 export type CameraCommand = Schemas['CameraCommand'];
 export type PlayerState = Schemas['PlayerState'];

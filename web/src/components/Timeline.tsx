@@ -33,6 +33,10 @@ const SHOWN_EVENTS = new Set([
   'error',
   'calibration',
   'implausible',
+  'cue',
+  'pain',
+  'guidance_pause',
+  'guidance_stop',
 ]);
 
 export function Timeline({ player, repetitions, events, onRepetition }: TimelineProps) {

@@ -141,6 +141,13 @@ export const session = {
   'event.calibration': 'Calibration',
   'event.device_calibration': 'A sensor was calibrated in the hand',
   'event.error': 'Error',
+  'event.repetition': 'Repetition',
+  'event.cue': 'Cue',
+  'event.pain': 'Stopped by the patient: it hurts',
+  'event.guidance_pause': 'Exercise paused',
+  'event.guidance_resume': 'Exercise goes on',
+  'event.guidance_stop': 'Exercise stopped',
+  'event.guidance_failed': 'Guidance ended',
   'event.implausible': 'Implausible readings',
 
   'analysis.title': 'The session is being analysed',

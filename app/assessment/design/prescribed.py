@@ -1,0 +1,96 @@
+"""Which template a session follows, on which side, and how often: what its prescription says."""
+
+from dataclasses import dataclass, replace
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from app.assessment.design.compiled import Guidance, guidance_of
+from app.exercises.design import StopDesign
+from app.exercises.models import Exercise, Prescription, TemplateVersion
+from app.patients.models import Patient
+from app.recordings.models import MotionSession
+from estimators.conventions import Side
+from estimators.guidance import StopRule
+from estimators.pipelines import SessionSetup
+
+
+@dataclass(frozen=True)
+class PrescribedGuidance:
+    """What a session is guided by.
+
+    Attributes
+    ----------
+    guidance : Guidance
+        Its stop rules end the exercise at the prescribed number of valid repetitions, unless the therapist has
+        another rule for that.
+    goal : int
+        Valid repetitions that are prescribed.
+    """
+
+    guidance: Guidance
+    goal: int
+
+
+def prescribed_guidance(session: Session, session_id: str) -> PrescribedGuidance | None:
+    """Return what a session is guided by; None without a prescription that has a template.
+
+    For the service's own work: access to the session was checked.
+
+    Raises
+    ------
+    SetupError
+        If the template does not move enough to be followed.
+    """
+    found = session.get(MotionSession, session_id)
+    version_id = None if found is None else prescribed_version(session, found)
+    if found is None or version_id is None:
+        return None
+    version = session.get_one(TemplateVersion, version_id)
+    prescription = session.get_one(Prescription, found.prescription_id)
+    setup = SessionSetup.from_dict(found.setup)
+    guidance = guidance_of(
+        version,
+        exercise_side(session, found, frozenset(setup.placements)),
+        setup.body.upper_arm_m + setup.body.forearm_m,
+        scale=prescription.tolerance_scale,
+        more_stops=[StopDesign.model_validate(one) for one in prescription.stops],
+    )
+    goal = prescription.repetitions * prescription.sets
+    if not any(rule.kind in ("valid_count", "attempt_count") for rule in guidance.stops):
+        guidance = replace(guidance, stops=(*guidance.stops, StopRule("valid_count", limit=float(goal))))
+    return PrescribedGuidance(guidance, goal)
+
+
+def prescribed_version(session: Session, found: MotionSession) -> str | None:
+    """Return the newest version of the template that a session was prescribed with; None without one."""
+    if found.prescription_id is None:
+        return None
+    return session.scalar(
+        select(TemplateVersion.id)
+        .join(Prescription, Prescription.template_id == TemplateVersion.template_id)
+        .where(Prescription.id == found.prescription_id, TemplateVersion.is_published)
+        .order_by(TemplateVersion.number.desc())
+        .limit(1)
+    )
+
+
+def exercise_side(session: Session, found: MotionSession, measured: frozenset[str]) -> Side:
+    """Return the arm of the exercise; if it carries no sensor and the other does, the other.
+
+    Parameters
+    ----------
+    measured : frozenset of str
+        Segments that carry a sensor.
+    """
+    exercise = session.get(Exercise, found.exercise_id) if found.exercise_id else None
+    patient = session.get_one(Patient, found.patient_id)
+    named = exercise.side if exercise is not None else patient.affected_side
+    side: Side = "left" if named == "left" else "right"
+    other: Side = "right" if side == "left" else "left"
+    if f"upper_arm_{side}" not in measured and f"upper_arm_{other}" in measured:
+        return other
+    return side
+
+
+__all__ = ["PrescribedGuidance", "exercise_side", "prescribed_guidance", "prescribed_version"]
