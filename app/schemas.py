@@ -1,8 +1,9 @@
 """Base of the wire types: strict names, no unknown fields; and what their words for people say."""
 
+import re
 from collections.abc import Mapping
 from datetime import date, datetime
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Final, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StrictBool, model_validator
 
@@ -13,6 +14,9 @@ SessionState = Literal[
     "created", "calibrating", "ready", "recording", "link_lost", "closing", "analysed", "failed"
 ]
 """Of a session, in the order in which it usually goes through them."""
+
+
+_BROKEN: Final = re.compile("[\0\ud800-\udfff]")
 
 
 class Schema(BaseModel):
@@ -42,7 +46,7 @@ def is_whole_text(value: Any) -> bool:
         Lists are taken to hold one kind of thing: one that begins with a number is not looked through.
     """
     if isinstance(value, str):
-        return "\0" not in value and not any("\ud800" <= character <= "\udfff" for character in value)
+        return _BROKEN.search(value) is None
     if isinstance(value, dict):
         return all(is_whole_text(name) and is_whole_text(part) for name, part in value.items())
     if isinstance(value, list | tuple) and value and not isinstance(value[0], int | float):

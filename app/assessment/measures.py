@@ -12,14 +12,14 @@ from datetime import datetime
 from itertools import groupby
 from typing import Final
 
-import scipy
 from sqlalchemy import ColumnElement, Subquery, func, select
 from sqlalchemy.orm import Session
 
 from app.assessment.models import ALL_REPETITIONS, Comparison, RepetitionMeasure
 from app.recordings.models import MotionSession, Result
+from estimators.comparison.measures import FEWEST_SESSIONS, detectable_change
 
-BASELINE: Final = 3
+BASELINE: Final = FEWEST_SESSIONS
 """Sessions needed before it can be said how much one differs from another without any change."""
 
 
@@ -62,7 +62,7 @@ class Change:
     difference : float or None
         Mean of the later sessions minus mean of the baseline; None without a baseline or a later session.
     minimal_detectable : float or None
-        Smallest difference of two sessions that is unlikely to be chance; None without a baseline.
+        Smallest difference from the baseline that is unlikely to be chance; None without a baseline.
     """
 
     difference: float | None
@@ -79,7 +79,7 @@ class Change:
 def session_values(
     session: Session,
     patient_ids: Sequence[str],
-    exercise_id: str | None = None,
+    exercise_id: str | Sequence[str] | None = None,
     measures: Sequence[str] | None = None,
 ) -> list[SessionValue]:
     """Return every session's values, oldest first within each patient; access was checked.
@@ -88,8 +88,8 @@ def session_values(
     ----------
     session : Session
     patient_ids : sequence of str
-    exercise_id : str, optional
-        Only sessions of this exercise.
+    exercise_id : str or sequence of str, optional
+        Only sessions of this exercise, or of these.
     measures : sequence of str, optional
         Only these; all when absent.
     """
@@ -98,10 +98,9 @@ def session_values(
         MotionSession.purpose == "exercise",
     ]
     if exercise_id is not None:
-        conditions.append(MotionSession.exercise_id == exercise_id)
-    if measures is not None:
-        conditions.append(RepetitionMeasure.measure.in_(measures))
-    newest = _ranked_comparisons(patient_ids)
+        wanted = [exercise_id] if isinstance(exercise_id, str) else exercise_id
+        conditions.append(MotionSession.exercise_id.in_(wanted))
+    found = _over_repetitions(patient_ids, measures)
     at = func.coalesce(MotionSession.started_at, MotionSession.created_at)
     rows = session.execute(
         select(
@@ -110,26 +109,18 @@ def session_values(
             MotionSession.id.label("session_id"),
             MotionSession.started_at,
             MotionSession.created_at,
-            RepetitionMeasure.measure,
-            func.min(RepetitionMeasure.unit).label("unit"),
-            func.avg(RepetitionMeasure.value).label("mean"),
-            func.avg(RepetitionMeasure.value * RepetitionMeasure.value).label("mean_square"),
-            func.count().label("count"),
-            func.min(RepetitionMeasure.repetition).label("first"),
-            func.max(RepetitionMeasure.uncertainty).label("uncertainty"),
+            found,
             Comparison.repetition_count,
             Result.orientation,
             Result.orientation_version,
             Result.pipeline_version,
             Comparison.template_version_id,
         )
-        .join(newest, (newest.c.id == RepetitionMeasure.comparison_id) & (newest.c.rank == 1))
-        .join(Comparison, Comparison.id == RepetitionMeasure.comparison_id)
+        .join(Comparison, Comparison.id == found.c.comparison_id)
         .join(Result, Result.id == Comparison.result_id)
         .join(MotionSession, MotionSession.id == Comparison.session_id)
         .where(*conditions)
-        .group_by(MotionSession.id, RepetitionMeasure.measure, Result.id, Comparison.id)
-        .order_by(MotionSession.patient_id, at, MotionSession.id, RepetitionMeasure.measure)
+        .order_by(MotionSession.patient_id, at, MotionSession.id, found.c.measure)
     )
     return [
         SessionValue(
@@ -142,8 +133,8 @@ def session_values(
             mean=row.mean,
             spread=row.uncertainty
             if row.first == ALL_REPETITIONS
-            else _spread(row.mean, row.mean_square, row[9]),
-            count=row.repetition_count if row.first == ALL_REPETITIONS else row[9],
+            else _spread(row.mean, row.mean_square, row.repetitions),
+            count=row.repetition_count if row.first == ALL_REPETITIONS else row.repetitions,
             orientation=row.orientation,
             orientation_version=row.orientation_version,
             pipeline_version=row.pipeline_version,
@@ -151,6 +142,28 @@ def session_values(
         )
         for row in rows
     ]
+
+
+def _over_repetitions(patient_ids: Sequence[str], measures: Sequence[str] | None) -> Subquery:
+    """Return each measure of the comparison that counts of each session, drawn together before anything is joined."""
+    newest = _ranked_comparisons(patient_ids)
+    drawn = (
+        select(
+            RepetitionMeasure.comparison_id,
+            RepetitionMeasure.measure,
+            func.min(RepetitionMeasure.unit).label("unit"),
+            func.avg(RepetitionMeasure.value).label("mean"),
+            func.avg(RepetitionMeasure.value * RepetitionMeasure.value).label("mean_square"),
+            func.count().label("repetitions"),
+            func.min(RepetitionMeasure.repetition).label("first"),
+            func.max(RepetitionMeasure.uncertainty).label("uncertainty"),
+        )
+        .join(newest, (newest.c.id == RepetitionMeasure.comparison_id) & (newest.c.rank == 1))
+        .group_by(RepetitionMeasure.comparison_id, RepetitionMeasure.measure)
+    )
+    if measures is not None:
+        drawn = drawn.where(RepetitionMeasure.measure.in_(measures))
+    return drawn.subquery()
 
 
 def _ranked_comparisons(patient_ids: Sequence[str]) -> Subquery:
@@ -196,7 +209,7 @@ def pooled_spread(values: Sequence[SessionValue]) -> float | None:
 
 
 def minimal_detectable_change(baseline: Sequence[SessionValue]) -> float | None:
-    """Return how much two sessions must differ before it is unlikely (5 percent) to be chance.
+    """Return how far a session must be from the mean of the baseline before that is unlikely (5 percent) to be chance.
 
     Parameters
     ----------
@@ -210,18 +223,13 @@ def minimal_detectable_change(baseline: Sequence[SessionValue]) -> float | None:
 
     Notes
     -----
-    MDC95 = 1.96 sqrt(2) SEM, with the standard error of measurement SEM from repeated sessions (test and
-    retest): their standard deviation. Haley and Fragala-Pinkham (2006), Physical Therapy 86(5), 735-743; Weir
-    (2005), Journal of Strength and Conditioning Research 19(1), 231-240. They know the SEM from many people;
-    here it comes from a few sessions of one, so Student's quantile with n - 1 degrees of freedom stands in the
-    place of 1.96, which it approaches: with 1.96 and three sessions, one unchanged patient in six would be
-    said to have changed. The spread between repetitions of one day is not used: they resemble each other more
-    than sessions do, and would call a different day a real change.
+    t sd sqrt(1 + 1/k) of the means of k baseline sessions (`estimators.comparison.measures.detectable_change`). The
+    spread between repetitions of one day is not used: they resemble each other more than sessions do, and would call
+    a different day a real change. A mean of several later sessions is judged by the same limit, which is then on the
+    safe side.
     """
-    if len(baseline) < BASELINE:
-        return None
-    error_of_measurement = statistics.stdev(value.mean for value in baseline)
-    return float(scipy.stats.t.ppf(0.975, len(baseline) - 1)) * math.sqrt(2.0) * error_of_measurement
+    limit = detectable_change([value.mean for value in baseline])
+    return limit if math.isfinite(limit) else None
 
 
 def change(values: Sequence[SessionValue]) -> Change:
@@ -255,18 +263,21 @@ def recent_change(values: Sequence[SessionValue]) -> Change:
     return Change(_mean(recent[-half:]) - _mean(recent[:half]), limit)
 
 
-def session_change(values: Sequence[SessionValue], index: int) -> Change:
-    """Compare one session with the baseline, the first three.
+def session_changes(values: Sequence[SessionValue]) -> list[Change]:
+    """Compare each session with the baseline, the first three; one of the baseline itself has no difference.
 
     Parameters
     ----------
     values : sequence of SessionValue
         Of one measure, oldest first.
-    index : int
-        Of the session; one of the baseline itself has no difference.
     """
-    later = [values[index]] if index >= BASELINE else []
-    return change([*values[:BASELINE], *later])
+    first, later = values[:BASELINE], values[BASELINE:]
+    limit = minimal_detectable_change(first)
+    before = [Change(None, limit)] * len(first)
+    if limit is None:
+        return before
+    middle = _mean(first)
+    return [*before, *(Change(value.mean - middle, limit) for value in later)]
 
 
 def _mean(values: Sequence[SessionValue]) -> float:

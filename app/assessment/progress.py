@@ -2,6 +2,8 @@
 meanwhile.
 """
 
+from collections import defaultdict
+from collections.abc import Mapping
 from itertools import pairwise
 
 from sqlalchemy import select
@@ -9,12 +11,14 @@ from sqlalchemy.orm import Session
 
 from app.accounts import audit
 from app.accounts.subject import Subject
+from app.assessment.course.bands import bands_of, other_side_values, walked_other_side
 from app.assessment.measures import (
+    BASELINE,
     Change,
     SessionValue,
     change,
     pooled_spread,
-    session_change,
+    session_changes,
     session_values,
 )
 from app.assessment.schemas import Progress, ProgressEvent, ProgressMeasure, ProgressPoint
@@ -22,6 +26,7 @@ from app.assessment.walk_progress import walk_label, walk_order, walk_values
 from app.errors import NotFound
 from app.exercises.models import Exercise, Prescription, Template, TemplateVersion
 from app.patients.access import require_patient
+from app.patients.models import Patient
 from app.sentences import Sentence, say
 from estimators.comparison import measure_label
 from estimators.gait import GUIDED_KINDS
@@ -53,30 +58,43 @@ def progress(session: Session, subject: Subject, patient_id: str, exercise_id: s
     values = session_values(session, [patient_id], exercise_id)
     walked = walk_values(session, patient_id, exercise_id)
     if walked and (not values or walked[-1].at >= values[-1].at):
-        return _of_walks(session, patient_id, walked)
+        return _of_walks(session, patient, walked)
     if exercise_id is None and values:
         exercise_id = values[-1].exercise_id
         values = [value for value in values if value.exercise_id == exercise_id]
     exercise = session.get(Exercise, exercise_id) if exercise_id else None
     first = main_measure(exercise) if exercise else ""
-    measures = sorted({value.measure for value in values}, key=lambda name: (name != first, name))
+    measures = _by_measure(values)
+    names = sorted(measures, key=lambda name: (name != first, name))
+    others = other_side_values(session, patient, exercise)
     return Progress(
         exercise_id=exercise_id,
-        measures=[_measure([v for v in values if v.measure == name]) for name in measures],
+        measures=[_measure(patient, measures[name], others) for name in names],
         events=_events(session, patient_id, exercise_id, values),
     )
 
 
-def _of_walks(session: Session, patient_id: str, values: list[SessionValue]) -> Progress:
+def _of_walks(session: Session, patient: Patient, values: list[SessionValue]) -> Progress:
     """Return the progress of the walks of one kind; of all kinds, that of the newest."""
     exercise_id = values[-1].exercise_id
     values = [value for value in values if value.exercise_id == exercise_id]
-    names = sorted({value.measure for value in values}, key=walk_order)
+    measures = _by_measure(values)
+    others = walked_other_side(patient, values)
     return Progress(
         exercise_id=exercise_id,
-        measures=[_measure([v for v in values if v.measure == name], walk_label(name)) for name in names],
-        events=_events(session, patient_id, exercise_id, values),
+        measures=[
+            _measure(patient, measures[name], others, walk_label(name))
+            for name in sorted(measures, key=walk_order)
+        ],
+        events=_events(session, patient.id, exercise_id, values),
     )
+
+
+def _by_measure(values: list[SessionValue]) -> dict[str, list[SessionValue]]:
+    found: dict[str, list[SessionValue]] = defaultdict(list)
+    for value in values:
+        found[value.measure].append(value)
+    return found
 
 
 def main_measure(exercise: Exercise) -> str:
@@ -89,23 +107,33 @@ def main_measure(exercise: Exercise) -> str:
     return f"range:{exercise.primary_angle}"
 
 
-def _measure(values: list[SessionValue], label: str | None = None) -> ProgressMeasure:
+def _measure(
+    patient: Patient,
+    values: list[SessionValue],
+    others: Mapping[str, SessionValue],
+    label: str | None = None,
+) -> ProgressMeasure:
     moved = change(values)
     pooled = pooled_spread(values)
     return ProgressMeasure(
         measure=values[0].measure,
         label=label or measure_label(values[0].measure),
         unit=values[0].unit,
-        points=[_point(value, pooled, session_change(values, index)) for index, value in enumerate(values)],
+        points=[
+            _point(value, pooled, one) for value, one in zip(values, session_changes(values), strict=True)
+        ],
         change=moved.difference,
         minimal_detectable_change=moved.minimal_detectable,
         is_real_change=moved.is_real,
+        baseline_sessions=min(len(values), BASELINE),
+        bands=bands_of(patient, values[-1], others),
     )
 
 
 def _point(value: SessionValue, pooled: float | None, moved: Change) -> ProgressPoint:
     low, high = band(value, pooled)
-    return ProgressPoint(
+    # Thousands of them, made of what the database holds: nothing is left to be checked.
+    return ProgressPoint.model_construct(
         session_id=value.session_id,
         at=value.at,
         value=value.mean,

@@ -110,6 +110,24 @@ class ProgressPoint(Schema):
     """Whether that is more than the minimal detectable change."""
 
 
+class ProgressBand(Spoken):
+    """What the values of a measure are shown beside."""
+
+    kind: Literal["other_side", "norm"]
+    low: float
+    high: float
+    """Of the other side mean and one standard deviation between its repetitions; of a norm as its text says."""
+    text: str
+    """What it is; of a norm with its source."""
+    value: float | None = None
+    """Of the other side, in its newest session."""
+    symmetry_ratio: float | None = None
+    """ln(affected side / other side) of the newest sessions; None where one may be nothing (below two sigma)."""
+    symmetry_ratio_sigma: float | None = None
+    symmetry_angle_percent: float | None = None
+    """(45 deg - atan(left / right)) / 90 deg; 0 is alike."""
+
+
 class ProgressMeasure(Schema):
     """One measure over the sessions."""
 
@@ -120,9 +138,12 @@ class ProgressMeasure(Schema):
     change: float | None
     """The later sessions, at most the last three, against the first three; None with fewer than four."""
     minimal_detectable_change: float | None
-    """At 95 percent, of test and retest, from the spread between the first three sessions; None before."""
+    """At 95 percent, of test and retest, from the spread between the baseline sessions; None before there are three."""
     is_real_change: bool | None
     """None while there are too few sessions to tell."""
+    baseline_sessions: int
+    """Of the first three, those that there are: fewer than three are too few to tell a change from chance."""
+    bands: list[ProgressBand]
 
 
 class ProgressEvent(Spoken):

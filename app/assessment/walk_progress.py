@@ -1,16 +1,17 @@
 """Measures of a patient's walks over sessions: the same values that progress shows of repetitions of an arm."""
 
+import zlib
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Final
 
+from pydantic import TypeAdapter
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from app.assessment.measures import SessionValue
-from app.kinds.walk.history import walk_content
-from app.kinds.walk.schemas import WalkContent, WalkMeasure
 from app.kinds.walk.stored import PIPELINE
-from app.recordings.models import MotionSession, Result
+from app.recordings.models import WALK_STREAM, MotionSession, Result, SignalChunk
 from estimators.conventions import SIDES
 from estimators.measures import MEASURES
 
@@ -32,6 +33,47 @@ _LABELS: Final = dict(_lines())
 _ORDER: Final = list(_LABELS)
 
 
+@dataclass(frozen=True)
+class _Measure:
+    measure: str
+    value: float | None
+    spread: float | None
+    count: int
+    unit: str
+
+
+@dataclass(frozen=True)
+class _Foot:
+    side: str
+    measures: list[_Measure]
+
+
+@dataclass(frozen=True)
+class _Balance:
+    measures: list[_Measure]
+
+
+@dataclass(frozen=True)
+class _Test:
+    kind: str
+    time_s: float
+    distance_m: float
+
+
+@dataclass(frozen=True)
+class _Followed:
+    """The part of `WalkContent` that is followed over sessions; strides, paths and curves are skipped when read."""
+
+    feet: list[_Foot]
+    both: list[_Measure]
+    asymmetry: list[_Measure]
+    test: _Test | None = None
+    balance: _Balance | None = None
+
+
+_READER: Final = TypeAdapter(_Followed)
+
+
 def walk_values(session: Session, patient_id: str, exercise_id: str | None = None) -> list[SessionValue]:
     """Return the values of every analysed walk, oldest first; access was checked.
 
@@ -46,11 +88,28 @@ def walk_values(session: Session, patient_id: str, exercise_id: str | None = Non
     -------
     list of SessionValue
         Means over the strides that count, with their spread and number; results of a walking test stand alone.
+
+    Notes
+    -----
+    One statement for all walks, and of each only its measures are read: strides and curves are nine tenths of it.
     """
     at = func.coalesce(MotionSession.started_at, MotionSession.created_at)
     wanted = (
-        select(MotionSession, Result)
+        select(
+            MotionSession.id,
+            MotionSession.exercise_id,
+            MotionSession.started_at,
+            MotionSession.created_at,
+            Result.orientation,
+            Result.orientation_version,
+            Result.pipeline_version,
+            SignalChunk.data,
+        )
         .join(Result, Result.id == MotionSession.main_result_id)
+        .join(
+            SignalChunk,
+            (SignalChunk.session_id == MotionSession.id) & (SignalChunk.stream == WALK_STREAM + Result.id),
+        )
         .where(
             MotionSession.patient_id == patient_id,
             MotionSession.purpose == "exercise",
@@ -61,11 +120,8 @@ def walk_values(session: Session, patient_id: str, exercise_id: str | None = Non
     if exercise_id is not None:
         wanted = wanted.where(MotionSession.exercise_id == exercise_id)
     found = []
-    for walked, result in session.execute(wanted):
-        content = walk_content(session, walked)
-        if content is None:
-            continue
-        for name, one in _chosen(content).items():
+    for row in session.execute(wanted):
+        for name, one in _chosen(_READER.validate_json(zlib.decompress(row.data))).items():
             if one.value is None:
                 continue
             # Parts of one are shown in per cent.
@@ -73,17 +129,17 @@ def walk_values(session: Session, patient_id: str, exercise_id: str | None = Non
             found.append(
                 SessionValue(
                     patient_id=patient_id,
-                    exercise_id=walked.exercise_id,
-                    session_id=walked.id,
-                    at=walked.started_at or walked.created_at,
+                    exercise_id=row.exercise_id,
+                    session_id=row.id,
+                    at=row.started_at or row.created_at,
                     measure=_PREFIX + name,
                     unit=unit,
                     mean=factor * one.value,
                     spread=None if one.spread is None else factor * one.spread,
                     count=one.count,
-                    orientation=result.orientation,
-                    orientation_version=result.orientation_version,
-                    pipeline_version=result.pipeline_version,
+                    orientation=row.orientation,
+                    orientation_version=row.orientation_version,
+                    pipeline_version=row.pipeline_version,
                     template_version_id="",
                 )
             )
@@ -100,8 +156,8 @@ def walk_order(measure: str) -> int:
     return _ORDER.index(measure.removeprefix(_PREFIX))
 
 
-def _chosen(content: WalkContent) -> dict[str, WalkMeasure]:
-    found: dict[str, WalkMeasure] = {}
+def _chosen(content: _Followed) -> dict[str, _Measure]:
+    found: dict[str, _Measure] = {}
     test = content.test
     if test is not None and test.kind == "timed_up_and_go":
         found["test_time"] = _single("test_time", test.time_s, "s")
@@ -110,13 +166,13 @@ def _chosen(content: WalkContent) -> dict[str, WalkMeasure]:
     for foot in content.feet:
         found |= {f"{one.measure}:{foot.side}": one for one in foot.measures}
     found |= {f"uneven:{one.measure}": one for one in content.asymmetry}
-    balance = [] if content.balance is None else content.balance.measures
-    found |= {one.measure: one for one in [*content.both, *balance]}
+    balance = content.balance
+    found |= {one.measure: one for one in (*content.both, *(balance.measures if balance else ()))}
     return {key: one for key, one in found.items() if key in _LABELS}
 
 
-def _single(name: str, value: float, unit: str) -> WalkMeasure:
-    return WalkMeasure(measure=name, value=value, sigma=None, spread=None, count=1, unit=unit)
+def _single(name: str, value: float, unit: str) -> _Measure:
+    return _Measure(measure=name, value=value, spread=None, count=1, unit=unit)
 
 
 __all__ = ["walk_label", "walk_order", "walk_values"]

@@ -43,6 +43,12 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "caseload.no_template": "An exercise is prescribed without a template to compare with.",
     "caseload.failed": "The last session failed.",
     "caseload.lost": "The last session lost {share:percent} of its packets.",
+    "progress.other_side": {
+        "one": "Other side ({side:side}), newest session, 1 repetition",
+        "other": "Other side ({side:side}), newest session, mean of {count}",
+    },
+    "progress.norm_confidence": "Healthy people of {first} to {last} years, mean with its 95 % interval ({source})",
+    "progress.norm_means": "Means of healthy men and women of {first} to {last} years ({source})",
     "progress.template": "Template {name}, version {number}",
     "progress.prescribed": "Prescribed: {dose}",
     "progress.estimator": "Estimator {estimator} {version}, pipeline {pipeline}",

@@ -1,6 +1,6 @@
 """Measures of movement with their undefined cases: of one stroke, between joints, between curves, between sessions."""
 
-from estimators.comparison.measures.change import detectable_change, pooled_detectable_change
+from estimators.comparison.measures.change import FEWEST_SESSIONS, detectable_change, pooled_detectable_change
 from estimators.comparison.measures.coordination import (
     Coordination,
     MultipleCorrelation,
@@ -17,6 +17,7 @@ from estimators.comparison.measures.strokes import (
 from estimators.comparison.measures.symmetry import symmetry_angle, symmetry_ratio
 
 __all__ = [
+    "FEWEST_SESSIONS",
     "Coordination",
     "MultipleCorrelation",
     "Superposition",

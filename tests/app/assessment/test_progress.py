@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from app.assessment import caseload
-from app.assessment.measures import change, minimal_detectable_change, session_change, session_values
+from app.assessment.measures import change, minimal_detectable_change, session_changes, session_values
 from app.assessment.practice import Done, adherence
 from app.assessment.progress import dose
 from app.database.base import new_id, utc_now
@@ -44,9 +44,11 @@ def test_detectable_change_follows_its_formula(history):
         history.session(age, [mean - 0.5, mean + 0.5])
     values = values_of(history)
     quantile = 4.302653
-    expected = quantile * math.sqrt(2) * np.std([1.0, 1.3, 1.1], ddof=1)
+    expected = quantile * math.sqrt(1 + 1 / 3) * np.std([1.0, 1.3, 1.1], ddof=1)
     assert minimal_detectable_change(values) == pytest.approx(expected, rel=1e-6)
     assert minimal_detectable_change(values[:2]) is None
+    baseline = [replace(values[0], mean=mean) for mean in (50.0, 54.0, 52.0)]
+    assert minimal_detectable_change(baseline) == pytest.approx(9.94, abs=0.005)
 
 
 def test_change_is_last_three_against_first_three(history):
@@ -60,8 +62,8 @@ def test_change_is_last_three_against_first_three(history):
     assert change(values[:4]).difference == pytest.approx(3.95), "the fourth against the first three"
     for few in (1, 2, 3):
         assert (change(values[:few]).difference, change(values[:few]).is_real) == (None, None)
-    assert session_change(values, 5).difference == pytest.approx(0.75)
-    assert session_change(values, 2) == change(values[:3])
+    assert session_changes(values)[5].difference == pytest.approx(0.75)
+    assert session_changes(values)[2] == change(values[:3])
 
 
 def test_unchanged_patients_are_seldom_called_changed(history):

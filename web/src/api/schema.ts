@@ -4321,6 +4321,35 @@ export interface components {
             measures: components["schemas"]["ProgressMeasure"][];
         };
         /**
+         * ProgressBand
+         * @description What the values of a measure are shown beside.
+         */
+        ProgressBand: {
+            /** High */
+            high: number;
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "other_side" | "norm";
+            /** Low */
+            low: number;
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
+            /** Symmetry Angle Percent */
+            symmetry_angle_percent?: number | null;
+            /** Symmetry Ratio */
+            symmetry_ratio?: number | null;
+            /** Symmetry Ratio Sigma */
+            symmetry_ratio_sigma?: number | null;
+            /** Text */
+            text: string;
+            /** Value */
+            value?: number | null;
+        };
+        /**
          * ProgressEvent
          * @description Something pinned to the time axis.
          */
@@ -4347,6 +4376,10 @@ export interface components {
          * @description One measure over the sessions.
          */
         ProgressMeasure: {
+            /** Bands */
+            bands: components["schemas"]["ProgressBand"][];
+            /** Baseline Sessions */
+            baseline_sessions: number;
             /** Change */
             change: number | null;
             /** Is Real Change */

@@ -3,8 +3,11 @@ import { useMemo } from 'react';
 import type uPlot from 'uplot';
 import type { ProgressEvent, ProgressMeasure } from '../api/types';
 import { t } from '../i18n';
-import { date, dateTime, difference, displayUnit, quantity, span, tick } from '../lib/format';
+import { date, dateTime, difference, displayUnit, number, quantity, span, tick } from '../lib/format';
 import { axis, Plot, themeColour, type PlotOptions } from './Plot';
+
+/** Sessions that show how much one differs from another. */
+export const BASELINE = 3;
 
 const seconds = (at: string) => new Date(at).getTime() / 1000;
 
@@ -14,15 +17,46 @@ export function changeText({
   is_real_change: isReal,
   unit,
   limit,
+  baseline,
 }: {
   change?: number | null;
   is_real_change?: boolean | null;
   unit: string;
   limit: number | null | undefined;
+  /** Baseline sessions that there are; fewer than three are too few. */
+  baseline?: number;
 }): string {
+  if (baseline !== undefined && baseline < BASELINE)
+    return t('progress.fewBaseline', { count: baseline, of: BASELINE });
   if (change === null || change === undefined || isReal === null || isReal === undefined) return t('progress.tooFew');
   const words = { change: difference(change, unit), limit: span(limit, unit) };
   return isReal ? t('progress.changeReal', words) : t('progress.changeNotReal', words);
+}
+
+/** The same of all sessions of a measure. */
+export const verdictOf = (measure: ProgressMeasure): string =>
+  changeText({ ...measure, limit: measure.minimal_detectable_change, baseline: measure.baseline_sessions });
+
+/** The other side, and published values: across the whole picture, behind everything else. */
+function across(plot: uPlot, bands: ProgressMeasure['bands'], factor: number): void {
+  const { ctx, bbox } = plot;
+  ctx.save();
+  for (const band of bands) {
+    const top = plot.valToPos(band.high * factor, 'y', true);
+    const bottom = plot.valToPos(band.low * factor, 'y', true);
+    const height = Math.max(bottom - top, 2);
+    ctx.fillStyle = themeColour(band.kind === 'norm' ? '--tm-band-norm' : '--tm-band-other');
+    ctx.fillRect(bbox.left, top, bbox.width, height);
+    ctx.strokeStyle = themeColour('--tm-muted');
+    ctx.setLineDash(band.kind === 'norm' ? [2, 5] : [10, 5]);
+    ctx.beginPath();
+    for (const y of [top, top + height]) {
+      ctx.moveTo(bbox.left, y);
+      ctx.lineTo(bbox.left + bbox.width, y);
+    }
+    ctx.stroke();
+  }
+  ctx.restore();
 }
 
 function pins(plot: uPlot, events: readonly ProgressEvent[]): void {
@@ -47,6 +81,39 @@ function pins(plot: uPlot, events: readonly ProgressEvent[]): void {
   ctx.restore();
 }
 
+/** What each band is, with its source; of the other side how alike the two are. */
+export function BandLegend({ bands, unit }: { bands: ProgressMeasure['bands']; unit: string }) {
+  if (bands.length === 0) return null;
+  return (
+    <ul className="band-legend plain-list small muted">
+      {bands.map((band) => (
+        <li key={band.kind}>
+          <span className={`band-key band-key-${band.kind}`} aria-hidden />
+          {band.text}: {quantity(band.low, unit)} – {quantity(band.high, unit)}
+          {typeof band.symmetry_ratio === 'number' && (
+            <>
+              {'. '}
+              {symmetryText(band.symmetry_ratio, band.symmetry_ratio_sigma ?? 0, band.symmetry_angle_percent ?? null)}
+            </>
+          )}
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+/** Less or more than the other side in per cent, when that is more than twice its uncertainty. */
+export function symmetryText(ratio: number, sigma: number, angle: number | null): string {
+  const of = Math.exp(ratio);
+  const words = {
+    percent: number(Math.abs(100 * (of - 1))),
+    sigma: number(100 * of * sigma),
+    angle: number(angle, 1),
+  };
+  if (Math.abs(ratio) <= 2 * sigma) return t('progress.alike', words);
+  return t(ratio < 0 ? 'progress.lessThanOther' : 'progress.moreThanOther', words);
+}
+
 /** Room of a date under the axis. */
 const DATE_PX = 76;
 
@@ -60,7 +127,7 @@ export function ProgressChart({
   height?: number;
 }) {
   const unit = displayUnit(measure.unit);
-  const { points } = measure;
+  const { points, bands } = measure;
   const firstS = points[0] ? seconds(points[0].at) : 0;
   const lastS = points.at(-1) ? seconds(points.at(-1)?.at ?? '') : 1;
   const within = useMemo(
@@ -75,10 +142,12 @@ export function ProgressChart({
       scales: {
         x: { time: true, range: [firstS - 43_200, lastS + 43_200] },
         y: {
-          range: (_, low, high) => {
+          range: (_, least, most) => {
+            const low = Math.min(least, ...bands.map((band) => band.low * unit.factor));
+            const high = Math.max(most, ...bands.map((band) => band.high * unit.factor));
             // A spread of little meaning must not fill the picture.
-            const least = unit.suffix === '°' ? 10 : 0;
-            const pad = Math.max((high - low) * 0.18, (least - (high - low)) / 2, 1e-3);
+            const span = unit.suffix === '°' ? 10 : 0;
+            const pad = Math.max((high - low) * 0.18, (span - (high - low)) / 2, 1e-3);
             return [low - pad, high + pad];
           },
         },
@@ -126,9 +195,9 @@ export function ProgressChart({
         },
       ],
       bands: [{ series: [2, 1], fill: () => themeColour('--tm-accent-band') }],
-      hooks: { drawClear: [(plot) => pins(plot, within)] },
+      hooks: { drawClear: [(plot) => across(plot, bands, unit.factor), (plot) => pins(plot, within)] },
     }),
-    [unit, within, firstS, lastS],
+    [unit, within, bands, firstS, lastS],
   );
   const data = useMemo<uPlot.AlignedData>(
     () => [
@@ -145,8 +214,9 @@ export function ProgressChart({
         options={options}
         data={data}
         height={height}
-        label={`${t('trend.summary', { label: measure.label, count: points.length, first: quantity(points[0]?.value, measure.unit), last: quantity(points.at(-1)?.value, measure.unit) })}. ${changeText({ ...measure, limit: measure.minimal_detectable_change })}`}
+        label={`${t('trend.summary', { label: measure.label, count: points.length, first: quantity(points[0]?.value, measure.unit), last: quantity(points.at(-1)?.value, measure.unit) })}. ${verdictOf(measure)}`}
       />
+      <BandLegend bands={bands} unit={measure.unit} />
       {within.length > 0 && (
         <ol className="pins small muted">
           {within.map((event) => (

@@ -96,6 +96,8 @@ describe('plain words', () => {
     change,
     minimal_detectable_change: 0.1,
     is_real_change,
+    baseline_sessions: 3,
+    bands: [],
   });
   it('tells a change only when it is larger than chance', () => {
     expect(plainProgress(measure(0.14, true))).toMatch(/8° more/);

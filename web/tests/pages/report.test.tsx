@@ -39,6 +39,8 @@ describe('rows of the report', () => {
       change: 1,
       minimal_detectable_change: 0.5,
       is_real_change: true,
+      baseline_sessions: 3,
+      bands: [],
     };
     expect(reportRows([measure('duration', 'timing')], [over])[0]?.progress).toBe(over);
   });
@@ -82,13 +84,15 @@ describe('what changed', () => {
     change: 28,
     minimal_detectable_change: 12,
     is_real_change: true,
+    baseline_sessions: 3,
+    bands: [],
   });
   const four = over([point('a', null, null), point('b', null, null), point('c', null, null), point('d', 28, true)]);
 
   it('is said of the session that is reported, in percentage points', () => {
     expect(verdict(four, 'd')).toBe('+28 percentage points, a real change');
     expect(verdictText(four, 'd')).toMatch(
-      /^\+28 percentage points against the first three sessions: a real change, larger than the 12 percentage points/,
+      /^\+28 percentage points against the first three sessions: a real change, larger than the minimal detectable change of 12 percentage points/,
     );
     expect(verdict(four, 'a')).toBe('one of the first three');
   });

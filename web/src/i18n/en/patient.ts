@@ -211,10 +211,18 @@ export const patient = {
   'progress.lastSession': { one: 'last session, {count} repetition', other: 'last session, mean of {count}' },
   'progress.tooFew':
     'Not enough sessions to tell whether it changes: the first three show how much one session differs from another, the fourth is compared with them.',
+  'progress.fewBaseline': {
+    one: 'Too few sessions to tell whether it changes: {count} of {of} for the baseline. The sessions after it are compared with it.',
+    other:
+      'Too few sessions to tell whether it changes: {count} of {of} for the baseline. The sessions after it are compared with it.',
+  },
+  'progress.alike': 'Both sides alike within the uncertainty ({sigma} %; symmetry angle {angle} %)',
+  'progress.lessThanOther': 'The affected side is {percent} % ± {sigma} less (symmetry angle {angle} %)',
+  'progress.moreThanOther': 'The affected side is {percent} % ± {sigma} more (symmetry angle {angle} %)',
   'progress.changeReal':
-    '{change} against the first three sessions: a real change, larger than the {limit} that sessions can differ by chance.',
+    '{change} against the first three sessions: a real change, larger than the minimal detectable change of {limit}.',
   'progress.changeNotReal':
-    '{change} against the first three sessions: not more than the {limit} that sessions can differ by chance.',
+    '{change} against the first three sessions: not more than the minimal detectable change of {limit}.',
   'progress.emptyTitle': 'No results yet',
   'progress.emptyText': 'Progress appears here after the first session that is compared with a template.',
   'progress.more': { one: 'Show {count} more measure', other: 'Show {count} more measures' },

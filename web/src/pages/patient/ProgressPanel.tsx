@@ -4,7 +4,7 @@ import { useState } from 'react';
 import { Link } from 'react-router';
 import { usePrescriptions, useProgress } from '../../api/queries';
 import type { Progress, ProgressMeasure } from '../../api/types';
-import { changeText, ProgressChart } from '../../charts/ProgressChart';
+import { BandLegend, ProgressChart, verdictOf } from '../../charts/ProgressChart';
 import { Answer, Empty } from '../../components/Feedback';
 import { t } from '../../i18n';
 import { quantity } from '../../lib/format';
@@ -23,11 +23,13 @@ function Measure({ measure, events }: { measure: ProgressMeasure; events: Progre
             <span className="muted small"> {t('progress.lastSession', { count: last.count })}</span>
           </span>
         )}
-        <p className={measure.is_real_change ? 'strong' : 'muted'}>
-          {changeText({ ...measure, limit: measure.minimal_detectable_change })}
-        </p>
+        <p className={measure.is_real_change ? 'strong' : 'muted'}>{verdictOf(measure)}</p>
       </div>
-      {measure.points.length > 1 && <ProgressChart measure={measure} events={events} />}
+      {measure.points.length > 1 ? (
+        <ProgressChart measure={measure} events={events} />
+      ) : (
+        <BandLegend bands={measure.bands} unit={measure.unit} />
+      )}
     </div>
   );
 }

@@ -1,6 +1,6 @@
 import type { MeasureValue, ProgressMeasure } from '../../api/types';
 import { PaperProgress } from '../../charts/PaperChart';
-import { changeText } from '../../charts/ProgressChart';
+import { BASELINE, changeText } from '../../charts/ProgressChart';
 import { SideMark } from '../../components/Marks';
 import { t } from '../../i18n';
 import { dateTime, difference, duration, quantity, uncertain } from '../../lib/format';
@@ -8,9 +8,6 @@ import { mainMeasure } from '../../lib/plain';
 import { reportRows } from '../../lib/assessment/report';
 import type { ReportProps } from './ReportPage';
 import { Sheet } from './Sheet';
-
-/** Sessions that the others are compared with. */
-const BASELINE = 3;
 
 const pointOf = (measure: ProgressMeasure | null, sessionId: string) =>
   measure?.points.find((one) => one.session_id === sessionId) ?? null;

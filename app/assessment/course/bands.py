@@ -1,0 +1,132 @@
+"""What a patient's values are shown beside: the other side of the same patient, and published values."""
+
+import re
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from app.assessment.course.norms import norm_of
+from app.assessment.measures import SessionValue, session_values
+from app.assessment.schemas import ProgressBand
+from app.exercises.models import Exercise
+from app.patients.models import Patient
+from app.sentences import say
+from estimators.comparison.measures import symmetry_angle, symmetry_ratio
+from estimators.conventions import SIDES
+
+_SIDE = re.compile("left|right")
+
+
+def other_side_values(
+    session: Session, patient: Patient, exercise: Exercise | None
+) -> dict[str, SessionValue]:
+    """Return the newest value of each measure on the unaffected side, by the name it has on the affected one.
+
+    Parameters
+    ----------
+    session : Session
+    patient : Patient
+        Access was checked.
+    exercise : Exercise or None
+        The one whose progress is asked for. Its twin is the exercise of the same movement for the other side.
+
+    Returns
+    -------
+    dict of str to SessionValue
+        Empty unless the exercise is one of the affected side and its twin was practised.
+    """
+    if exercise is None or exercise.side not in SIDES or patient.affected_side != exercise.side:
+        return {}
+    twins = session.scalars(
+        select(Exercise.id).where(
+            Exercise.clinic_id == exercise.clinic_id,
+            Exercise.movement == exercise.movement,
+            Exercise.side == _mirrored(exercise.side),
+            Exercise.primary_angle == _mirrored(exercise.primary_angle),
+        )
+    ).all()
+    if not twins:
+        return {}
+    values = session_values(session, [patient.id], twins)
+    return {_mirrored(value.measure): value for value in values}
+
+
+def walked_other_side(patient: Patient, values: Sequence[SessionValue]) -> dict[str, SessionValue]:
+    """Return the newest value of each measure of the unaffected foot, by the name it has of the affected one.
+
+    Parameters
+    ----------
+    patient : Patient
+    values : sequence of SessionValue
+        Of walks, oldest first.
+    """
+    side = patient.affected_side
+    if side not in SIDES:
+        return {}
+    return {
+        _mirrored(value.measure): value for value in values if value.measure.endswith(f":{_mirrored(side)}")
+    }
+
+
+def bands_of(
+    patient: Patient, newest: SessionValue, others: Mapping[str, SessionValue]
+) -> list[ProgressBand]:
+    """Return what a measure is shown beside.
+
+    Parameters
+    ----------
+    patient : Patient
+    newest : SessionValue
+        Of the measure.
+    others : mapping of str to SessionValue
+        From `other_side_values` or `walked_other_side`.
+    """
+    found = []
+    other = others.get(newest.measure)
+    if other is not None:
+        found.append(_other_side(patient.affected_side or "", newest, other))
+    norm = norm_of(newest.measure, patient.birth_date, newest.at.date())
+    if norm is not None:
+        first, last = norm.ages
+        if norm.meaning == "confidence":
+            text = say("progress.norm_confidence", first=first, last=last, source=norm.source)
+        else:
+            text = say("progress.norm_means", first=first, last=last, source=norm.source)
+        found.append(ProgressBand(kind="norm", low=norm.low, high=norm.high, text=text))
+    return found
+
+
+def _other_side(affected: str, newest: SessionValue, other: SessionValue) -> ProgressBand:
+    spread = other.spread or 0.0
+    sigma = max(_standard_error(newest), _standard_error(other))
+    ratio = symmetry_ratio(newest.mean, other.mean, sigma)
+    left, right = (newest, other) if affected == "left" else (other, newest)
+    angle = symmetry_angle(left.mean, right.mean, sigma)
+    known = np.isfinite(ratio)
+    return ProgressBand(
+        kind="other_side",
+        low=other.mean - spread,
+        high=other.mean + spread,
+        text=say("progress.other_side", side=_mirrored(affected), count=other.count),
+        value=other.mean,
+        symmetry_ratio=ratio if known else None,
+        symmetry_ratio_sigma=float(
+            np.hypot(_standard_error(newest) / newest.mean, _standard_error(other) / other.mean)
+        )
+        if known
+        else None,
+        symmetry_angle_percent=100.0 * angle if known else None,
+    )
+
+
+def _standard_error(value: SessionValue) -> float:
+    return 0.0 if value.spread is None else value.spread / float(np.sqrt(max(value.count, 1)))
+
+
+def _mirrored(name: str) -> str:
+    return _SIDE.sub(lambda found: "right" if found.group() == "left" else "left", name)
+
+
+__all__ = ["bands_of", "other_side_values", "walked_other_side"]
