@@ -1,6 +1,7 @@
 """What compiled filters share: records, small linear algebra, and the error-state core that models are written on."""
 
 from estimators.kernels._angles import arcsine, far_direction, turn
+from estimators.kernels._borrowing import borrowing
 from estimators.kernels._error_state import BASE, Matrix, absorb, attitude_seen, inject, predict, turn_by_rate
 from estimators.kernels._linear import invert_symmetric, mirror, skew
 from estimators.kernels._records import (
@@ -24,6 +25,7 @@ __all__ = [
     "absorb",
     "arcsine",
     "attitude_seen",
+    "borrowing",
     "bundle",
     "far_direction",
     "filled",

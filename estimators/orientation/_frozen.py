@@ -3,7 +3,7 @@
 import math
 from typing import Final
 
-from estimators._kernels import kernel
+from estimators.kernels import borrowing
 from estimators.recording import Float
 
 SAMPLE_FROZEN, FIELD_FROZEN = 1, 2
@@ -41,7 +41,7 @@ should have moved, the longest such time that was none of a freeze, and its chan
 meanwhile; the same of the whole sensor; the last change of rate; and keys of the last samples."""
 
 
-@kernel("float64(float64[::1], float64[:], float64[:])")
+@borrowing("float64(float64[::1], float64[:], float64[:])")
 def _block(m: Float, rate: Float, force: Float) -> float:
     """Return for how many samples the sensor has repeated a block of some samples, or zero."""
     key = norm = 0.0
@@ -67,7 +67,7 @@ def _block(m: Float, rate: Float, force: Float) -> float:
     return float(m[_MATCHES])
 
 
-@kernel("void(float64[::1])", inlined=True)
+@borrowing("void(float64[::1])", inlined=True)
 def forget(m: Float) -> None:
     """Begin anew after a sample that is missing; what is usual stays known."""
     for i in range(9):
@@ -77,7 +77,7 @@ def forget(m: Float) -> None:
     m[_LAG] = m[_MATCHES] = m[_CHANGE] = m[_CHANGE + 1] = m[_CHANGE + 2] = 0.0
 
 
-@kernel("UniTuple(float64, 2)(float64[::1], float64[:], float64[:], float64[:], boolean, float64)")
+@borrowing("UniTuple(float64, 2)(float64[::1], float64[:], float64[:], float64[:], boolean, float64)")
 def frozen(
     m: Float, rate: Float, force: Float, field: Float, has_field: bool, step_s: float
 ) -> tuple[float, float]:

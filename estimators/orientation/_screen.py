@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators._kernels import kernel
+from estimators.kernels import borrowing
 from estimators.orientation import _frozen
 from estimators.orientation._frozen import forget, frozen
 from estimators.recording import Float, ImuChunk, SampleQuality
@@ -36,7 +36,7 @@ _SAMPLE, _FIELD = 1, 2
 _NO_FIELD: Final = np.empty((0, 0, 3))
 
 
-@kernel("void(uint8[::1], int64, float64, int64)")
+@borrowing("void(uint8[::1], int64, float64, int64)")
 def _mark_back(wild: NDArray[np.uint8], last: int, count: float, verdict: int) -> None:
     """Mark the last `count` ticks up to and with `last`, as far as they are not marked yet."""
     k, first = last, max(0, last + 1 - int(count))
@@ -45,7 +45,7 @@ def _mark_back(wild: NDArray[np.uint8], last: int, count: float, verdict: int) -
         k -= 1
 
 
-@kernel(
+@borrowing(
     "int64(float64[:, :, :], float64[:, :, :], float64[:, :, :], uint8[:, :], float64, boolean, float64[:, ::1],"
     "uint8[:, ::1])"
 )

@@ -5,8 +5,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators._kernels import exponential, kernel, multiply, normalized
-from estimators.kernels import Record, step
+from estimators._kernels import exponential, multiply, normalized
+from estimators.kernels import Record, borrowing
 from estimators.orientation.telemotion._records import (
     BIAS,
     DELAY,
@@ -30,7 +30,7 @@ _GRAVITY_AVERAGE = 70.0
 """Blocks at rest over which the norm of gravity is averaged at most."""
 
 
-@step()
+@borrowing()
 def predict(p: Float, sums: Record, settings: Record, ticks: float) -> None:
     """Carry the covariance over a block of `ticks`: P <- F P F' + Q (house note, 5.3, 5.4).
 
@@ -95,7 +95,7 @@ def predict(p: Float, sums: Record, settings: Record, ticks: float) -> None:
             p[STATES * j + i] = p[STATES * i + j]
 
 
-@kernel("void(float64[::1], float64[::1], float64[:, ::1], int64[:, ::1], float64[:, ::1], int64)")
+@borrowing("void(float64[::1], float64[::1], float64[:, ::1], int64[:, ::1], float64[:, ::1], int64)")
 def absorb(p: Float, error: Float, rows: Float, index: NDArray[np.int64], value: Float, entries: int) -> None:
     """Take three scalar measurements, one after the other, into `error` and `p`.
 
@@ -156,7 +156,7 @@ def absorb(p: Float, error: Float, rows: Float, index: NDArray[np.int64], value:
             row[j] -= one * (x * first[j]) + two * (y * second[j]) + three * (z * third[j])
 
 
-@step()
+@borrowing()
 def move(memory: Record, settings: Record, ticks: float) -> None:
     """Carry nominal velocity and position; at rest learn the norm of gravity."""
     time_s = ticks * settings.step_s
@@ -172,7 +172,7 @@ def move(memory: Record, settings: Record, ticks: float) -> None:
         memory.velocity[a] += change
 
 
-@step()
+@borrowing()
 def hold_place(
     p: Float,
     error: Float,
@@ -203,7 +203,7 @@ def hold_place(
     absorb(p, error, rows, index, value, 1)
 
 
-@step()
+@borrowing()
 def see_field(
     p: Float,
     error: Float,
@@ -234,7 +234,7 @@ def see_field(
     absorb(p, error, rows, index, value, 8 if share > 0.0 else 7)
 
 
-@step()
+@borrowing()
 def inject(memory: Record, error: Float) -> None:
     """Move the error into the estimate and clear it (house note, 5.11)."""
     tw, tx, ty, tz = exponential(error[TURN], error[TURN + 1], error[TURN + 2])

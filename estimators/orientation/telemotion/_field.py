@@ -5,8 +5,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators._kernels import kernel, multiply, normalized, wrapped
-from estimators.kernels import Record, step
+from estimators._kernels import multiply, normalized, wrapped
+from estimators.kernels import Record, borrowing
 from estimators.orientation.telemotion._block import absorb
 from estimators.orientation.telemotion._records import FIELD, IRON, START, STATES, TURN
 from estimators.recording import Float
@@ -31,7 +31,7 @@ _FOUND = 3 * _TABLE
 WORK = _FOUND + 5 * HYPOTHESES
 
 
-@step()
+@borrowing()
 def field_variance(p: Float, memory: Record, settings: Record, time_s: float, rest: bool) -> float:
     """Weigh the block's field by its residual, now and of late; return the variance of each component.
 
@@ -77,7 +77,7 @@ def field_variance(p: Float, memory: Record, settings: Record, time_s: float, re
     return float(noise * noise / time_s * doubt)
 
 
-@step()
+@borrowing()
 def iron_changed(memory: Record, settings: Record, time_s: float) -> bool:
     """Say whether the residual has become a magnet's on the sensor: still in it while turning in the room."""
     gain = -math.expm1(-time_s / settings.iron_window_s)
@@ -112,7 +112,7 @@ def iron_changed(memory: Record, settings: Record, time_s: float) -> bool:
     return True
 
 
-@step()
+@borrowing()
 def restless(memory: Record, settings: Record, time_s: float, rest: bool) -> bool:
     """Say whether the field changed at the first rest before it was trusted: somebody moves iron about.
 
@@ -143,7 +143,7 @@ def restless(memory: Record, settings: Record, time_s: float, rest: bool) -> boo
     return True
 
 
-@step()
+@borrowing()
 def open_iron(
     p: Float,
     error: Float,
@@ -169,7 +169,7 @@ def open_iron(
     memory.opened += 1
 
 
-@kernel("int64(int64)")
+@borrowing("int64(int64)")
 def _moved_state(i: int) -> int:
     """Return the error state in place `i` of those that a hypothesis moves."""
     if i < 3:
@@ -181,7 +181,7 @@ def _moved_state(i: int) -> int:
     return START + i - 8
 
 
-@kernel("float64(float64[::1], int64, int64, float64, float64, float64)")
+@borrowing("float64(float64[::1], int64, int64, float64, float64, float64)")
 def _suppose(table: Float, first: int, row: int, target: float, own: float, wide: float) -> float:
     """Replace the prior variance `wide` of one state by `own`; return the change of the log likelihood.
 
@@ -208,7 +208,7 @@ def _suppose(table: Float, first: int, row: int, target: float, own: float, wide
     return float(0.5 * (math.log(wide / own * variance / total) - innovation * innovation * inverse))
 
 
-@step()
+@borrowing()
 def find_north(p: Float, memory: Record, settings: Record, odds: Float, work: Float) -> None:
     """Weigh nine hypotheses on hard iron and start place; set CORRECTION and HEADING_VARIANCE.
 

@@ -3,7 +3,7 @@
 import math
 
 from estimators._kernels import wrapped
-from estimators.kernels import Record, step
+from estimators.kernels import Record, borrowing
 from estimators.orientation.telemotion._start import SAME_FIELD
 
 _ESTABLISHED_S = 20.0
@@ -11,7 +11,7 @@ _ESTABLISHED_S = 20.0
 _LEAST_S = 3.0
 
 
-@step()
+@borrowing()
 def outlasted(memory: Record, time_s: float, rest: bool) -> bool:
     """Weigh the block's field for the first one or for another; say whether the other has now lasted longer.
 
@@ -45,7 +45,7 @@ def outlasted(memory: Record, time_s: float, rest: bool) -> bool:
     return True
 
 
-@step()
+@borrowing()
 def doubt(memory: Record) -> float:
     """Return what the other field adds to the variance of the heading: its odds are the share of time it had."""
     if memory.other_s == 0.0 or memory.start_moving == 0.0 or memory.support_s >= _ESTABLISHED_S:

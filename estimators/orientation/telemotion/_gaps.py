@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from estimators._kernels import exponential, multiply, normalized
-from estimators.kernels import Record, step
+from estimators.kernels import Record, borrowing
 from estimators.recording import Float
 
 _CURVE_S = 0.014
@@ -16,7 +16,7 @@ _UNSEEN_S = 0.1
 """A gap this long may hide a change of rate as large as the spread of the rate before it."""
 
 
-@step()
+@borrowing()
 def _turn_coast(memory: Record, gx: float, gy: float, gz: float, step_s: float) -> None:
     """Turn the shown attitude by one raw rate."""
     wx = gx - memory.bias[0] + memory.gain[0] * gx + memory.gain[3] * gy + memory.gain[6] * gz
@@ -28,7 +28,7 @@ def _turn_coast(memory: Record, gx: float, gy: float, gz: float, step_s: float) 
     q[0], q[1], q[2], q[3] = normalized(w, x, y, z)
 
 
-@step()
+@borrowing()
 def coast(memory: Record, sample: Record, usable: bool, ticks: float, step_s: float) -> None:
     """Turn the shown attitude inside a gap: by the given sample, or by the last rate and its change (4.5)."""
     if usable:
@@ -45,7 +45,7 @@ def coast(memory: Record, sample: Record, usable: bool, ticks: float, step_s: fl
     )
 
 
-@step()
+@borrowing()
 def store_field(into: Float, sample: Record) -> None:
     """Store the field of a sample; without one its first component is NaN."""
     for a in range(3):
@@ -54,7 +54,7 @@ def store_field(into: Float, sample: Record) -> None:
         into[0] = np.nan
 
 
-@step()
+@borrowing()
 def remember(memory: Record, sample: Record) -> None:
     """Store a measured sample and its difference from the one before."""
     for a in range(3):
@@ -65,7 +65,7 @@ def remember(memory: Record, sample: Record) -> None:
     store_field(memory.last_field, sample)
 
 
-@step()
+@borrowing()
 def went_on(last: Float, slope: Float, second: Float, now: Float, sloped: bool, gap: int) -> None:
     """Make the first sample after a gap the last one measured, with its slope."""
     for a in range(3):
@@ -73,7 +73,7 @@ def went_on(last: Float, slope: Float, second: Float, now: Float, sloped: bool, 
         last[a] = second[a]
 
 
-@step()
+@borrowing()
 def _between(
     last: Float, slope: Float, after: Float, now: Float, sloped: bool, t: float, length: float, out: Float
 ) -> None:
@@ -86,7 +86,7 @@ def _between(
         out[a] = first + late * (second - first) + rise_last * slope[a] + rise_after * slope_after
 
 
-@step()
+@borrowing()
 def filled(memory: Record, now: Record, place: int, gap: float, sloped: bool, sample: Record) -> None:
     """Make sample `place` of `gap` between the last one and the one set aside (house note, 4.3).
 
@@ -105,7 +105,7 @@ def filled(memory: Record, now: Record, place: int, gap: float, sloped: bool, sa
         sample.field[a] = first + t * (second - first) if sample.has_field else 0.0
 
 
-@step()
+@borrowing()
 def after_gap(memory: Record, sample: Record) -> None:
     """Make the sample that was set aside when the gap ended."""
     # Component by component here as elsewhere in this filter: assigning arrays costs a start fifty more compilations.
@@ -117,7 +117,7 @@ def after_gap(memory: Record, sample: Record) -> None:
     sample.has_field = math.isfinite(memory.after_field[0])
 
 
-@step()
+@borrowing()
 def set_aside(memory: Record, sample: Record) -> None:
     """Store the first sample after a gap until the next gives its slope."""
     for a in range(3):
@@ -126,7 +126,7 @@ def set_aside(memory: Record, sample: Record) -> None:
     store_field(memory.after_field, sample)
 
 
-@step()
+@borrowing()
 def doubt_filling(memory: Record, now: Record, sloped: bool, settings: Record, gap: float) -> None:
     """Add the error of a filled gap to the block's noise (house note, 4.4).
 
@@ -148,7 +148,7 @@ def doubt_filling(memory: Record, now: Record, sloped: bool, settings: Record, g
         memory.gap_speed_variance[a] += share * ((second - first) * time_s) ** 2
 
 
-@step()
+@borrowing()
 def gap_variance(memory: Record, ticks: float, share: float, step_s: float) -> float:
     """Return the variance per axis that a gap of `ticks` has added to the shown attitude."""
     time_s = ticks * step_s

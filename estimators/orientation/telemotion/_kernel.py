@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators._kernels import exponential, kernel, multiply
-from estimators.kernels import Record, step
+from estimators.kernels import Record, borrowing
 from estimators.orientation._contract import OrientationFlag
 from estimators.orientation._strapdown_steps import Estimates, Ticks, run_signature
 from estimators.orientation.telemotion._block import hold_place, inject, move, predict, see_field
@@ -63,7 +63,7 @@ _UNKNOWN = 1.0
 """Variance of a heading while there is a field that is not yet met."""
 
 
-@step()
+@borrowing()
 def end_block(
     p: Float,
     memory: Record,
@@ -131,7 +131,7 @@ def end_block(
         keep_shown(memory, memory.q, before)
 
 
-@step()
+@borrowing()
 def advance(
     p: Float,
     memory: Record,
@@ -150,7 +150,7 @@ def advance(
         end_block(p, memory, tick, settings, rows, index, value, work)
 
 
-@step()
+@borrowing()
 def fill_gap(
     p: Float,
     memory: Record,
@@ -178,6 +178,144 @@ def fill_gap(
     memory.gap = memory.pending = 0
 
 
+@borrowing()
+def follow(
+    ticks: Ticks,
+    s: int,
+    settings: Record,
+    memory: Record,
+    p: Float,
+    out: Estimates,
+    rows: Float,
+    index: NDArray[np.int64],
+    value: Float,
+    work: Float,
+    samples: NDArray[np.void],
+    q: Float,
+) -> None:
+    """Filter the ticks of sensor `s`, whose record and covariance are `memory` and `p`; the last six are room."""
+    sample, filling, quality = samples[0], samples[1], ticks.quality
+    step_s, block_ticks = settings.step_s, int(settings.block_ticks)
+    for k in range(quality.shape[1]):
+        tick = memory.tick
+        memory.tick += 1
+        grade = quality[s, k]
+        usable = read(ticks, s, k, sample, memory)
+        bridged = (grade & _SAMPLE_BRIDGED) != 0
+        measured = usable and not bridged
+        take_back(memory, settings)
+        coasting = False
+        if memory.phase == RUNNING:
+            memory.since_start += 1
+            if measured and memory.gap == 0:
+                remember(memory, sample)
+                watch_rest(memory, sample, settings)
+                integrate(memory, memory, sample, settings)
+                if (tick + 1) % block_ticks == 0:
+                    end_block(p, memory, tick, settings, rows, index, value, work)
+            elif measured and memory.pending:
+                fill_gap(p, memory, tick - 1, sample, True, filling, settings, rows, index, value, work)
+                remember(memory, sample)
+                advance(p, memory, tick, sample, settings, rows, index, value, work)
+            elif measured:
+                set_aside(memory, sample)
+                memory.pending = 1
+                coast(memory, sample, True, 1.0, step_s)
+                coasting = True
+            else:
+                if memory.pending:
+                    fill_gap(
+                        p,
+                        memory,
+                        tick - 1,
+                        sample,
+                        False,
+                        filling,
+                        settings,
+                        rows,
+                        index,
+                        value,
+                        work,
+                    )
+                if memory.gap == 0:
+                    for i in range(4):
+                        memory.coast[i] = memory.q[i]
+                memory.gap += 1
+                if memory.gap > settings.coast_ticks:
+                    for i in range(4):
+                        memory.q[i] = memory.coast[i]
+                    memory.phase = IDLE
+                else:
+                    coast(memory, sample, usable, float(memory.gap), step_s)
+                    coasting = True
+        elif usable:
+            if memory.phase == IDLE:
+                begin(memory, sample)
+                remember(memory, sample)
+                memory.slope_rate[:] = 0.0
+                memory.slope_force[:] = 0.0
+            else:
+                memory.since_start += 1
+                remember(memory, sample)
+            collect(p, memory, sample, settings)
+        else:
+            memory.phase = IDLE
+            memory.gap += 1
+        flag = _BRIDGED if bridged else 0
+        if sample.saturated:
+            flag |= _SATURATED
+        for a in range(3):
+            out.bias[s, k, a] = memory.bias[a]
+        if memory.phase == IDLE:
+            out.flags[s, k] = flag | _INVALID | _NO_HEADING
+            for i in range(4):
+                out.q[s, k, i] = memory.shown[i]
+            for a in range(3):
+                out.sigma_rad[s, k, a] = math.pi
+            continue
+        if coasting:
+            shown(memory, memory.coast, q)
+        else:
+            shown(memory, memory.q, q)
+        if settings.lead_s != 0.0:
+            tw, tx, ty, tz = exponential(
+                settings.lead_s * (memory.last_rate[0] - memory.bias[0]),
+                settings.lead_s * (memory.last_rate[1] - memory.bias[1]),
+                settings.lead_s * (memory.last_rate[2] - memory.bias[2]),
+            )
+            q[0], q[1], q[2], q[3] = multiply(q[0], q[1], q[2], q[3], tw, tx, ty, tz)
+        for i in range(4):
+            out.q[s, k, i] = memory.shown[i] = q[i]
+        added = 0.0
+        if coasting:
+            added = gap_variance(memory, float(memory.gap + memory.pending), settings.gap_share, step_s)
+            if not measured:
+                flag |= _BRIDGED
+        level = 1.0 + min(memory.disturbance, _WORST_LEVEL)
+        for a in range(3):
+            variance = added + memory.offset[a] ** 2
+            if a < 2:
+                variance += memory.tilt_variance[a] + settings.tilt_floor
+            else:
+                variance += memory.heading_variance + settings.heading_floor * level
+            out.sigma_rad[s, k, a] = min(math.sqrt(max(variance, 1e-12)), math.pi)
+        if usable:
+            norm = math.sqrt(sample.force[0] ** 2 + sample.force[1] ** 2 + sample.force[2] ** 2)
+            if abs(norm - memory.gravity) > settings.force_tolerance:
+                flag |= _ACCELERATION
+        # A third of the time at least; after that only while the uncertainty is large.
+        age = memory.since_start / settings.convergence_ticks
+        largest = max(out.sigma_rad[s, k, 0], out.sigma_rad[s, k, 1], out.sigma_rad[s, k, 2])
+        unsure = largest > _UNSURE or memory.start_moving > 0.0
+        if age < _SETTLING or (age < 1.0 and unsure):
+            flag |= _CONVERGING
+        if sample.has_field and memory.misfit > _DISTURBED:
+            flag |= _DISTURBANCE
+        if memory.field_known == 0 or out.sigma_rad[s, k, 2] > settings.heading_lost:
+            flag |= _NO_HEADING
+        out.flags[s, k] = flag
+
+
 @kernel(run_signature(SETTINGS, STATE))
 def run(
     ticks: Ticks,
@@ -189,129 +327,9 @@ def run(
     """Filter K ticks of S sensors; `state` and `covariance` (S, STATES, STATES) are carried on."""
     rows, index, value = np.zeros((7, STATES)), np.zeros((3, 8), dtype=np.int64), np.zeros((3, 8))
     samples, work, q = np.zeros(2, SAMPLE), np.zeros(WORK), np.zeros(4)
-    sample, filling, settings, quality = samples[0], samples[1], settings_of_all[0], ticks.quality
-    step_s, block_ticks = settings.step_s, int(settings.block_ticks)
     flat = covariance.reshape(covariance.shape[0], STATES * STATES)
-    for s in range(quality.shape[0]):
-        memory, p = state[s], flat[s]
-        for k in range(quality.shape[1]):
-            tick = memory.tick
-            memory.tick += 1
-            grade = quality[s, k]
-            usable = read(ticks, s, k, sample, memory)
-            bridged = (grade & _SAMPLE_BRIDGED) != 0
-            measured = usable and not bridged
-            take_back(memory, settings)
-            coasting = False
-            if memory.phase == RUNNING:
-                memory.since_start += 1
-                if measured and memory.gap == 0:
-                    remember(memory, sample)
-                    watch_rest(memory, sample, settings)
-                    integrate(memory, memory, sample, settings)
-                    if (tick + 1) % block_ticks == 0:
-                        end_block(p, memory, tick, settings, rows, index, value, work)
-                elif measured and memory.pending:
-                    fill_gap(p, memory, tick - 1, sample, True, filling, settings, rows, index, value, work)
-                    remember(memory, sample)
-                    advance(p, memory, tick, sample, settings, rows, index, value, work)
-                elif measured:
-                    set_aside(memory, sample)
-                    memory.pending = 1
-                    coast(memory, sample, True, 1.0, step_s)
-                    coasting = True
-                else:
-                    if memory.pending:
-                        fill_gap(
-                            p,
-                            memory,
-                            tick - 1,
-                            sample,
-                            False,
-                            filling,
-                            settings,
-                            rows,
-                            index,
-                            value,
-                            work,
-                        )
-                    if memory.gap == 0:
-                        for i in range(4):
-                            memory.coast[i] = memory.q[i]
-                    memory.gap += 1
-                    if memory.gap > settings.coast_ticks:
-                        for i in range(4):
-                            memory.q[i] = memory.coast[i]
-                        memory.phase = IDLE
-                    else:
-                        coast(memory, sample, usable, float(memory.gap), step_s)
-                        coasting = True
-            elif usable:
-                if memory.phase == IDLE:
-                    begin(memory, sample)
-                    remember(memory, sample)
-                    memory.slope_rate[:] = 0.0
-                    memory.slope_force[:] = 0.0
-                else:
-                    memory.since_start += 1
-                    remember(memory, sample)
-                collect(p, memory, sample, settings)
-            else:
-                memory.phase = IDLE
-                memory.gap += 1
-            flag = _BRIDGED if bridged else 0
-            if sample.saturated:
-                flag |= _SATURATED
-            for a in range(3):
-                out.bias[s, k, a] = memory.bias[a]
-            if memory.phase == IDLE:
-                out.flags[s, k] = flag | _INVALID | _NO_HEADING
-                for i in range(4):
-                    out.q[s, k, i] = memory.shown[i]
-                for a in range(3):
-                    out.sigma_rad[s, k, a] = math.pi
-                continue
-            if coasting:
-                shown(memory, memory.coast, q)
-            else:
-                shown(memory, memory.q, q)
-            if settings.lead_s != 0.0:
-                tw, tx, ty, tz = exponential(
-                    settings.lead_s * (memory.last_rate[0] - memory.bias[0]),
-                    settings.lead_s * (memory.last_rate[1] - memory.bias[1]),
-                    settings.lead_s * (memory.last_rate[2] - memory.bias[2]),
-                )
-                q[0], q[1], q[2], q[3] = multiply(q[0], q[1], q[2], q[3], tw, tx, ty, tz)
-            for i in range(4):
-                out.q[s, k, i] = memory.shown[i] = q[i]
-            added = 0.0
-            if coasting:
-                added = gap_variance(memory, float(memory.gap + memory.pending), settings.gap_share, step_s)
-                if not measured:
-                    flag |= _BRIDGED
-            level = 1.0 + min(memory.disturbance, _WORST_LEVEL)
-            for a in range(3):
-                variance = added + memory.offset[a] ** 2
-                if a < 2:
-                    variance += memory.tilt_variance[a] + settings.tilt_floor
-                else:
-                    variance += memory.heading_variance + settings.heading_floor * level
-                out.sigma_rad[s, k, a] = min(math.sqrt(max(variance, 1e-12)), math.pi)
-            if usable:
-                norm = math.sqrt(sample.force[0] ** 2 + sample.force[1] ** 2 + sample.force[2] ** 2)
-                if abs(norm - memory.gravity) > settings.force_tolerance:
-                    flag |= _ACCELERATION
-            # A third of the time at least; after that only while the uncertainty is large.
-            age = memory.since_start / settings.convergence_ticks
-            largest = max(out.sigma_rad[s, k, 0], out.sigma_rad[s, k, 1], out.sigma_rad[s, k, 2])
-            unsure = largest > _UNSURE or memory.start_moving > 0.0
-            if age < _SETTLING or (age < 1.0 and unsure):
-                flag |= _CONVERGING
-            if sample.has_field and memory.misfit > _DISTURBED:
-                flag |= _DISTURBANCE
-            if memory.field_known == 0 or out.sigma_rad[s, k, 2] > settings.heading_lost:
-                flag |= _NO_HEADING
-            out.flags[s, k] = flag
+    for s in range(ticks.quality.shape[0]):
+        follow(ticks, s, settings_of_all[0], state[s], flat[s], out, rows, index, value, work, samples, q)
 
 
 __all__ = ["run"]

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from estimators._kernels import exponential, multiply, normalized
-from estimators.kernels import Record, step
+from estimators.kernels import Record, borrowing
 from estimators.orientation._strapdown_steps import Ticks
 from estimators.recording import Float, SampleQuality
 
@@ -21,7 +21,7 @@ _SMALL_OFFSET = 1e-8
 """Squared angle below which half of it is its sine, to 1e-13."""
 
 
-@step()
+@borrowing()
 def shown(memory: Record, q: Float, out: Float) -> None:
     """Set `out` to Exp(OFFSET) CORRECTION q."""
     w, x, y, z = multiply(
@@ -45,7 +45,7 @@ def shown(memory: Record, q: Float, out: Float) -> None:
     out[0], out[1], out[2], out[3] = normalized(w, x, y, z)
 
 
-@step()
+@borrowing()
 def keep_shown(memory: Record, q: Float, before: Float) -> None:
     """Choose OFFSET so that the output stays at `before` although the estimate has been corrected."""
     c = memory.correction
@@ -58,7 +58,7 @@ def keep_shown(memory: Record, q: Float, before: Float) -> None:
     memory.offset[0], memory.offset[1], memory.offset[2] = scale * x, scale * y, scale * z
 
 
-@step()
+@borrowing()
 def take_back(memory: Record, settings: Record) -> None:
     """Let the output approach the estimate for one tick."""
     size = math.sqrt(memory.offset[0] ** 2 + memory.offset[1] ** 2 + memory.offset[2] ** 2)
@@ -71,7 +71,7 @@ def take_back(memory: Record, settings: Record) -> None:
         memory.offset[a] *= keep
 
 
-@step()
+@borrowing()
 def at_clip(memory: Record, largest: float, kind: int) -> bool:
     """Learn the clip level of the gyroscope (`kind` 0) or accelerometer (1); say whether it is touched.
 
@@ -91,13 +91,13 @@ def at_clip(memory: Record, largest: float, kind: int) -> bool:
     return bool(largest >= memory.clip_level[kind] * (1.0 - _NEAR_CLIP))
 
 
-@step()
+@borrowing()
 def largest_of(vector: Float) -> float:
     """Return the size of the largest component."""
     return float(max(abs(vector[0]), abs(vector[1]), abs(vector[2])))
 
 
-@step()
+@borrowing()
 def read(ticks: Ticks, s: int, k: int, sample: Record, memory: Record) -> bool:
     """Put one tick into `sample`; say whether gyroscope and accelerometer can be used."""
     quality = ticks.quality[s, k]

@@ -2,8 +2,8 @@
 
 import math
 
-from estimators._kernels import Scalars4, exponential, kernel, multiply, normalized, rotate
-from estimators.kernels import Record, step
+from estimators._kernels import Scalars4, exponential, multiply, normalized, rotate
+from estimators.kernels import Record, borrowing
 from estimators.orientation.telemotion._records import BIAS, STATES
 from estimators.recording import Float
 
@@ -15,7 +15,7 @@ _MOST_DOUBT = 1000.0
 """So that a bias that has jumped is found again within a minute of rest."""
 
 
-@kernel("UniTuple(float64, 4)(float64, float64, float64)")
+@borrowing("UniTuple(float64, 4)(float64, float64, float64)")
 def to_vertical(x: float, y: float, z: float) -> Scalars4:
     """Return the smallest rotation that turns a vector, of any length but zero, to the z axis."""
     norm = math.sqrt(x * x + y * y + z * z)
@@ -27,7 +27,7 @@ def to_vertical(x: float, y: float, z: float) -> Scalars4:
     return normalized(w, y / norm, -x / norm, 0.0)
 
 
-@step()
+@borrowing()
 def watch_rest(memory: Record, sample: Record, settings: Record) -> None:
     """Carry the exponential means and variances of rate and force, and how long they have been still."""
     gain = settings.rest_gain
@@ -51,7 +51,7 @@ def watch_rest(memory: Record, sample: Record, settings: Record) -> None:
     memory.rest_s = memory.rest_s + settings.step_s if still else 0.0
 
 
-@step()
+@borrowing()
 def begin_rest(memory: Record, sample: Record) -> None:
     """Let the means start at this sample."""
     for axis in range(3):
@@ -60,7 +60,7 @@ def begin_rest(memory: Record, sample: Record) -> None:
     memory.rate_spread = memory.force_spread = memory.rest_s = 0.0
 
 
-@step()
+@borrowing()
 def rest_variance(p: Float, memory: Record, settings: Record, time_s: float) -> float:
     """Return the variance of a block's mean rate at rest as a measurement of the bias; learn how a rest sways.
 
@@ -83,7 +83,7 @@ def rest_variance(p: Float, memory: Record, settings: Record, time_s: float) -> 
     return float(doubt * (settings.rest_bias + settings.rest_sway_s * memory.rest_sway) / time_s)
 
 
-@step()
+@borrowing()
 def integrate(
     memory: Record,
     sums: Record,
@@ -157,7 +157,7 @@ def integrate(
         memory.clipped = 0
 
 
-@step()
+@borrowing()
 def clear_sums(sums: Record) -> None:
     """Begin a block."""
     sums.sum_rotation[:] = 0.0
@@ -174,7 +174,7 @@ def clear_sums(sums: Record) -> None:
     sums.count = sums.field_count = 0
 
 
-@step()
+@borrowing()
 def level(memory: Record) -> None:
     """Turn attitude and sums so that the mean specific force since the start points up."""
     tw, tx, ty, tz = to_vertical(memory.sum_force[0], memory.sum_force[1], memory.sum_force[2])

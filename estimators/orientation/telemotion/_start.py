@@ -2,8 +2,8 @@
 
 import math
 
-from estimators._kernels import kernel, multiply, normalized, wrapped
-from estimators.kernels import Record, step
+from estimators._kernels import multiply, normalized, wrapped
+from estimators.kernels import Record, borrowing
 from estimators.orientation.telemotion._records import (
     BIAS,
     COLLECTING,
@@ -41,19 +41,19 @@ _SHOWN_TILT = math.radians(5.0)
 _SHOWN_HEADING = math.radians(15.0)
 
 
-@kernel("boolean(float64[::1])")
+@borrowing("boolean(float64[::1])")
 def upright(p: Float) -> bool:
     """Say whether the tilt is known well enough for what the field then says of heading to be nearly linear."""
     return bool(p[0] + p[STATES + 1] < _LINEAR_TILT)
 
 
-@step()
+@borrowing()
 def young(memory: Record, settings: Record) -> bool:
     """Say whether a start in movement is not yet over."""
     return bool(memory.start_moving > 0.0 and memory.since_start < settings.convergence_ticks)
 
 
-@step()
+@borrowing()
 def begin(memory: Record, sample: Record) -> None:
     """Start to collect; what was shown before the gap is taken up without a way back."""
     clear_sums(memory)
@@ -70,7 +70,7 @@ def begin(memory: Record, sample: Record) -> None:
     memory.heading_variance = _SHOWN_HEADING**2
 
 
-@step()
+@borrowing()
 def face_north(memory: Record) -> None:
     """Set the correction of the start frame to the field summed up so far."""
     half = 0.5 * math.atan2(memory.sum_field[0], memory.sum_field[1])
@@ -78,7 +78,7 @@ def face_north(memory: Record) -> None:
     memory.correction[1] = memory.correction[2] = 0.0
 
 
-@step()
+@borrowing()
 def meet_field(memory: Record, p: Float, settings: Record) -> None:
     """Take the block's mean field as the first there is; its uncertainty is the prior's."""
     for a in range(3):
@@ -89,7 +89,7 @@ def meet_field(memory: Record, p: Float, settings: Record) -> None:
     face_north(memory)
 
 
-@step()
+@borrowing()
 def forget_field(memory: Record, p: Float, settings: Record) -> None:
     """Give hard iron and the field at the start their priors again; FIELD is met anew."""
     for i in range(FIELD, STATES):
@@ -107,7 +107,7 @@ def forget_field(memory: Record, p: Float, settings: Record) -> None:
     memory.disturbance = 0.0
 
 
-@step()
+@borrowing()
 def _turn_from_known(memory: Record) -> float:
     """Return by which angle the field of the sums is turned about the vertical from the known; NaN if it is another."""
     if memory.field_known == 0 or 2 * memory.field_count < memory.count:
@@ -123,7 +123,7 @@ def _turn_from_known(memory: Record) -> float:
     return float(wrapped(math.atan2(y, x) - math.atan2(by, bx)))
 
 
-@step()
+@borrowing()
 def _tie_heading(p: Float, memory: Record, variance: float) -> None:
     """Make the heading as uncertain as by a known field of this variance, seen at the tilt as it is.
 
@@ -141,13 +141,13 @@ def _tie_heading(p: Float, memory: Record, variance: float) -> None:
     p[STATES * z + z] = variance + by_x * p[STATES * z + TURN] + by_y * p[STATES * z + TURN + 1]
 
 
-@kernel("boolean(float64[::1])")
+@borrowing("boolean(float64[::1])")
 def lost(p: Float) -> bool:
     """Say whether the heading is too uncertain for what the field says of it to be linear."""
     return bool(p[(STATES + 1) * (TURN + 2)] > _LINEAR_HEADING)
 
 
-@step()
+@borrowing()
 def find_heading(p: Float, memory: Record, settings: Record, rest: bool) -> bool:
     """Find a lost heading by the block's field, once this is the known one; say whether it is found.
 
@@ -172,7 +172,7 @@ def find_heading(p: Float, memory: Record, settings: Record, rest: bool) -> bool
     return True
 
 
-@step()
+@borrowing()
 def _moves(p: Float, memory: Record, settings: Record) -> bool:
     """Say whether the first samples are those of a moving sensor.
 
@@ -191,7 +191,7 @@ def _moves(p: Float, memory: Record, settings: Record) -> bool:
     return bool(turning > known or max(push * push, spread) > settings.rest_force)
 
 
-@step()
+@borrowing()
 def _start_variances(p: Float, memory: Record, settings: Record) -> tuple[float, float]:
     """Return the variances of tilt and of speed of a start in movement.
 
@@ -224,7 +224,7 @@ def _start_variances(p: Float, memory: Record, settings: Record) -> tuple[float,
     return min(tilt, _LARGEST_TILT), speed
 
 
-@step()
+@borrowing()
 def collect(
     p: Float,
     memory: Record,
@@ -300,7 +300,7 @@ def collect(
     return True
 
 
-@kernel("void(float64[::1], float64, float64, float64)")
+@borrowing("void(float64[::1], float64, float64, float64)")
 def forget_motion(p: Float, tilt: float, heading: float, speed: float) -> None:
     """Give attitude, velocity and position these variances, apart from all else."""
     for i in range(BIAS):

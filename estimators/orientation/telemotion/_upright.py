@@ -3,7 +3,7 @@
 import math
 
 from estimators._kernels import exponential, multiply, normalized, rotate
-from estimators.kernels import Record, step
+from estimators.kernels import Record, borrowing
 from estimators.orientation.telemotion._records import BIAS, STATES, TURN
 from estimators.orientation.telemotion._samples import to_vertical
 from estimators.orientation.telemotion._start import forget_field, forget_motion
@@ -22,7 +22,7 @@ _BIAS_SPOILT = math.radians(1.0) ** 2
 """What a wrong tilt may have made of the bias; one that is known to be larger than usual is not forgotten."""
 
 
-@step()
+@borrowing()
 def contradiction(p: Float, memory: Record, error: Float, settings: Record, time_s: float) -> float:
     """Add the block's force to the window; once that is full, return by which angle it contradicts the tilt, or zero.
 
@@ -61,7 +61,7 @@ def contradiction(p: Float, memory: Record, error: Float, settings: Record, time
     return 0.0
 
 
-@step()
+@borrowing()
 def start_over(p: Float, memory: Record, settings: Record, off: float) -> None:
     """Level the attitude on the window, which contradicts it by the angle `off`, and forget what followed from it.
 
