@@ -13,6 +13,7 @@ from app.assessment.models import ALL_REPETITIONS, Comparison, RepetitionMeasure
 from app.assessment.practised import Practised, practised
 from app.assessment.presentation import (
     phase_curves_out,
+    phases_out,
     repetition_comparison,
     summary_out,
 )
@@ -225,6 +226,7 @@ def detail(session: Session, subject: Subject, comparison_id: str) -> Comparison
         **_out(found, template_row.name).model_dump(),
         repetitions=[repetition_comparison(one, template) for one in compared.repetitions],
         curves=phase_curves_out(template, [one.aligned for one in compared.repetitions]),
+        phases=phases_out(template),
         findings=list(compared.findings),
     )
 

@@ -36,6 +36,7 @@ from typing import Final
 import numpy as np
 
 from app.assessment.schemas import MeasureValue, RepetitionComparison
+from app.exercises.design import PhaseDesign
 from app.exercises.schemas import PhaseCurve, RepetitionOut
 from estimators.comparison import (
     ComparisonResult,
@@ -116,6 +117,11 @@ def phase_curves_out(template: Template, repetitions: Sequence[Float]) -> list[P
     return curves
 
 
+def phases_out(template: Template) -> list[PhaseDesign]:
+    """Return the phases that the therapist named."""
+    return [PhaseDesign(name=one.name, start=one.start, end=one.end) for one in template.phases]
+
+
 def measure_out(measure: Measure, template: Template) -> MeasureValue:
     """Return a measure as clients see it, beside the template's own value."""
     unit, factor = _OF_ONE.get(measure.name) or shown_unit(measure.unit)
@@ -154,6 +160,7 @@ __all__ = [
     "measure_out",
     "number",
     "phase_curves_out",
+    "phases_out",
     "repetition_comparison",
     "repetition_out",
     "shown_unit",

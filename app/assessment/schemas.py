@@ -3,6 +3,9 @@
 from datetime import datetime
 from typing import Literal
 
+from pydantic import Field
+
+from app.exercises.design import PhaseDesign
 from app.exercises.schemas import PhaseCurve, RepetitionOut
 from app.patients.schemas import Side
 from app.schemas import Schema, Spoken
@@ -63,6 +66,8 @@ class ComparisonDetail(ComparisonOut, Spoken):
     repetitions: list[RepetitionComparison]
     curves: list[PhaseCurve]
     """Template mean and band with every patient repetition, aligned in time, in `repetitions`."""
+    phases: list[PhaseDesign] = Field(default_factory=list)
+    """As the therapist named them on the template."""
     findings: list[str]
     """Plain sentences, compensation first; beside what leaves the band at most three."""
 

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from app.exercises.design import StopDesign, TemplateDesign
+from app.exercises.design import PhaseDesign, StopDesign, TemplateDesign
 from app.schemas import Flag, Moment, Schema, Spoken, may_be_absent
 
 
@@ -71,6 +71,8 @@ class TemplateContent(Schema):
     duration_s: float
     repetitions: list[RepetitionOut]
     curves: list[PhaseCurve]
+    phases: list[PhaseDesign] = Field(default_factory=list)
+    """As the therapist named them."""
     movement_onset_phases: list[int] = Field(default_factory=list)
 
 

@@ -168,6 +168,7 @@ def _compensation(
             stated: list[str] = [_helped(channel, difference.excess)]
             if left is not None:
                 stated.append(say("findings.how_often", outside=left.count, count=left.of))
+                stated.extend(_where(left))
             found.append((difference.excess / _least(channel), CATALOGUE.together(stated)))
             outside.pop(channel, None)
         elif left is not None and channel_unit(channel) == "rad":
@@ -178,7 +179,7 @@ def _compensation(
                 count=left.of,
                 beyond_rad=left.beyond,
             )
-            found.append((left.beyond / _least(channel), text))
+            found.append((left.beyond / _least(channel), CATALOGUE.together([text, *_where(left)])))
             outside.pop(channel)
     return [sentence for _, sentence in sorted(found, key=lambda item: -item[0])]
 
@@ -210,21 +211,25 @@ def _beyond(one: Outside) -> Sentence:
     return say("findings.beyond_angle", channel=name, beyond_rad=one.beyond)
 
 
+def _where(one: Outside) -> list[str]:
+    """Say in which of the therapist's phases; nothing where none was named."""
+    return [say("findings.in_phases", phases=list(one.phases))] if one.phases else []
+
+
 def _left_band(outside: dict[str, Outside], template: Template) -> list[str]:
     """Say which angles left the band: the main one with its phases, the others together."""
     sentences: list[str] = []
     main = outside.get(template.primary_channel)
     if main is not None:
-        sentences.append(
-            say(
-                "findings.outside_mostly",
-                channel=channel_name(main.channel),
-                outside=main.count,
-                count=main.of,
-                start=main.start / 100.0,
-                end=main.end / 100.0,
-            )
+        stated = say(
+            "findings.outside_mostly",
+            channel=channel_name(main.channel),
+            outside=main.count,
+            count=main.of,
+            start=main.start / 100.0,
+            end=main.end / 100.0,
         )
+        sentences.append(CATALOGUE.together([stated, *_where(main)]))
     others = sorted((one for one in outside.values() if one is not main), key=lambda one: -one.beyond)
     if others:
         angles = [_beyond(one) for one in others]

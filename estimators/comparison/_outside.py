@@ -5,10 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
-from estimators.comparison._contract import RepetitionResult, Template
+from estimators.comparison._contract import PHASES, RepetitionResult, Template
 
 _CONFIDENCE = 0.975
+_LEAST_OF_PHASE = 0.25
 
 
 @dataclass(frozen=True)
@@ -25,6 +27,8 @@ class Outside:
         shared by most, those of the mean curve.
     beyond : float
         How far the mean curve is beyond the band where it is farthest, rad or m.
+    phases : tuple of str
+        The therapist's names of the phases that hold a quarter or more of it.
     """
 
     channel: str
@@ -33,6 +37,7 @@ class Outside:
     start: int
     end: int
     beyond: float
+    phases: tuple[str, ...] = ()
 
 
 def outside_band(retained: Sequence[RepetitionResult], template: Template) -> list[Outside]:
@@ -84,9 +89,27 @@ def _leave(retained: Sequence[RepetitionResult], template: Template, *, position
         shared = np.flatnonzero(often > len(retained) / 2)
         phases = shared if len(shared) else np.flatnonzero(beyond > 0.0)
         found.append(
-            Outside(channel, count, len(retained), int(phases[0]), int(phases[-1]), float(beyond[phase]))
+            Outside(
+                channel,
+                count,
+                len(retained),
+                int(phases[0]),
+                int(phases[-1]),
+                float(beyond[phase]),
+                _names(phases, template),
+            )
         )
     return found
+
+
+def _names(places: NDArray[np.intp], template: Template) -> tuple[str, ...]:
+    """Name the phases that hold a quarter or more of these places, in order."""
+    share = places / (PHASES - 1)
+    return tuple(
+        one.name
+        for one in template.phases
+        if np.mean((share >= one.start) & (share <= one.end)) >= _LEAST_OF_PHASE
+    )
 
 
 def _limit(retained: Sequence[RepetitionResult], channel: str, differences: np.ndarray) -> float:

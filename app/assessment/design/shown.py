@@ -9,7 +9,7 @@ from app.accounts.subject import Subject
 from app.assessment import repository
 from app.assessment.design.compiled import design_of, drawn_template
 from app.assessment.design.rules import side_of, whole_design
-from app.assessment.presentation import phase_curves_out, repetition_out
+from app.assessment.presentation import phase_curves_out, phases_out, repetition_out
 from app.assessment.sources import load_source
 from app.errors import InvalidInput, NotAllowed, NotFound
 from app.exercises.models import Template as TemplateRow
@@ -73,6 +73,7 @@ def detail_of(
     content = TemplateContent(
         duration_s=stored.duration_s,
         repetitions=[repetition_out(repetition) for repetition in repetitions],
+        phases=phases_out(stored),
         curves=phase_curves_out(stored, _repetition_curves(session, subject, version, stored, repetitions)),
     )
     return version_detail(session, template, version, content)

@@ -32,6 +32,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
         "other": "{channel:channel}: outside the band in {outside:number} of {count:number} repetitions, by up to"
         " {beyond_rad:deg}.",
     },
+    "findings.in_phases": "Mostly in: {phases:and}.",
     "findings.outside_mostly": {
         "one": "{channel:channel}: outside the band, mostly between {start:points} and {end:percent} of the"
         " movement.",

@@ -72,7 +72,8 @@ def test_a_fault_is_found_in_the_phase_that_was_narrowed_and_not_elsewhere():
         # Beyond 0.021 of 0.04 rad: within sqrt(2 ln 1.9) = 1.13 widths of 4 %, +-4.5 % around the phase.
         assert 17 <= start <= 23
         assert 27 <= end <= 33
-    assert any("trunk" in str(sentence).lower() for sentence in result.findings)
+    (said,) = [str(sentence) for sentence in result.findings if "trunk" in str(sentence).lower()]
+    assert said.endswith("Mostly in: Lift.")
     # The other side of the mean has its own limit.
     low = replace(recorded, tolerances=(narrowed(FORWARD, 0.1, 0.4, 0.4, 1.0),))
     assert all(FORWARD not in one for one in outside(low, source)[1])

@@ -180,11 +180,26 @@ export const useAudit = (id: string, enabled = true) =>
 export const useAccounts = (enabled = true) => useAll<Wire.Account>(keys.accounts, '/api/accounts', { enabled });
 export const useClinic = () => useGet<Wire.Clinic>(keys.clinic, '/api/clinic');
 export const useExercises = () => useGet<Wire.Exercise[]>(keys.exercises, '/api/exercises', { staleTime: 60_000 });
-export const useTemplates = (exerciseId: string | null, patientId: string | null, enabled = true) =>
+export const useTemplates = (
+  exerciseId: string | null,
+  patientId: string | null,
+  enabled = true,
+  withRetired = false,
+) =>
   useAll<Wire.Template>(
-    keys.templates(exerciseId, patientId),
-    withQuery('/api/templates', { exercise_id: exerciseId, patient_id: patientId }),
+    [...keys.templates(exerciseId, patientId), withRetired],
+    withQuery('/api/templates', {
+      exercise_id: exerciseId,
+      patient_id: patientId,
+      is_retired: withRetired ? 'true' : null,
+    }),
     { enabled },
+  );
+/** Templates of the clinic whose name, exercise or tags hold all the words. */
+export const useTemplateSearch = (words: string, withRetired: boolean) =>
+  usePages<Wire.Template>(
+    ['templates', 'search', words, withRetired],
+    withQuery('/api/templates', { words, is_retired: withRetired ? 'true' : null }),
   );
 export const useTemplateVersion = (id: string | null) =>
   useGet<Wire.TemplateVersionDetail>(keys.templateVersion(id ?? ''), `/api/template-versions/${id}`, {
@@ -384,6 +399,19 @@ export const useDrawVersion = (templateId: string) =>
     (input: Wire.TemplateVersionIn) =>
       api.post<Wire.TemplateVersionDetail>(`/api/templates/${templateId}/versions`, input),
     () => [['templates']],
+  );
+/** Rename, tag, retire or restore a template. */
+export const useChangeTemplate = (id: string) =>
+  useChange(
+    (input: Wire.TemplateChange) => api.patch<Wire.Template>(`/api/templates/${id}/entry`, input),
+    () => [['templates']],
+  );
+/** Copy a version as a new template; without an exercise, for the other side. */
+export const useCopyVersion = (versionId: string) =>
+  useChange(
+    (input: Wire.TemplateCopyIn) =>
+      api.post<Wire.TemplateVersionDetail>(`/api/template-versions/${versionId}/copies`, input),
+    () => [['templates'], keys.exercises],
   );
 
 const NO_IMPLANTS = { patient_has_no_implant: true, people_nearby_have_none: true };

@@ -2516,6 +2516,8 @@ export interface components {
             findings: string[];
             /** Id */
             id: string;
+            /** Phases */
+            phases?: components["schemas"]["PhaseDesign"][];
             /** Repetition Count */
             repetition_count: number;
             /** Repetitions */
@@ -5258,6 +5260,8 @@ export interface components {
             duration_s: number;
             /** Movement Onset Phases */
             movement_onset_phases?: number[];
+            /** Phases */
+            phases?: components["schemas"]["PhaseDesign"][];
             /** Repetitions */
             repetitions: components["schemas"]["RepetitionOut"][];
         };

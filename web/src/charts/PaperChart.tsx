@@ -1,7 +1,7 @@
 // Charts for paper: drawn as vectors, sharp at any size, in the colours of the sheet they stand on.
-import type { CycleCurve, PhaseCurve, ProgressMeasure } from '../api/types';
+import type { CycleCurve, PhaseCurve, PhaseDesign, ProgressMeasure } from '../api/types';
 import { t } from '../i18n';
-import type { OutsideStretch } from '../lib/assessment/comparison';
+import { bandEdges, type OutsideStretch } from '../lib/assessment/comparison';
 import { date, displayUnit, quantity } from '../lib/format';
 import { extent, niceTicks } from './scales';
 
@@ -104,20 +104,31 @@ export function joined(stretches: readonly { from: number; until: number }[]): {
   return found;
 }
 
+const LETTER = 7;
+
+/** A name that fits into so many points; the beginning of it where it does not. */
+function fitted(name: string, room: number): string {
+  const letters = Math.floor(room / LETTER);
+  return name.length <= letters ? name : `${name.slice(0, Math.max(1, letters - 1))}…`;
+}
+
 /** One channel over the phases: template with band, every repetition that counts, thick and barred where it leaves the band. */
 export function PaperPhases({
   curve,
   left,
   outside = [],
+  phases = [],
 }: {
   curve: PhaseCurve;
   left: ReadonlySet<number>;
   outside?: readonly OutsideStretch[];
+  phases?: readonly PhaseDesign[];
 }) {
   const unit = displayUnit(curve.unit);
   const scaled = (values: Values) => values.map((value) => (value === null ? null : value * unit.factor));
-  const low = scaled(curve.low);
-  const high = scaled(curve.high);
+  const edges = bandEdges(curve);
+  const low = scaled(edges.low);
+  const high = scaled(edges.high);
   const mean = scaled(curve.mean);
   const repetitions = curve.repetitions.map(scaled).filter((_, index) => !left.has(index));
   const range = extent(low, high, mean, ...repetitions) ?? [0, 1];
@@ -140,6 +151,14 @@ export function PaperPhases({
         xTicks={[0, 25, 50, 75, 100].map((phase) => ({ at: at.x(phase), text: `${phase} %` }))}
       />
       <path className="paper-band" d={bandOf(low, high, at.x, at.y)} />
+      {phases.map(({ name, start, end }) => (
+        <g key={start} className="paper-phase">
+          {start > 0 && <path d={`M${at.x(100 * start).toFixed(1)} ${TOP}V${at.height - BOTTOM}`} />}
+          <text x={at.x(50 * (start + end))} y={TOP - 2} textAnchor="middle">
+            {fitted(name, at.x(100 * end) - at.x(100 * start))}
+          </text>
+        </g>
+      ))}
       {repetitions.map((values, index) => (
         <path key={index} className="paper-line" d={pathOf(values, at.x, at.y)} />
       ))}

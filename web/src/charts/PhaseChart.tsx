@@ -1,10 +1,11 @@
 // One channel over the phases of a movement: the template with its band, every repetition, red where it leaves the band.
 import { useEffect, useMemo, useRef } from 'react';
 import type uPlot from 'uplot';
-import type { PhaseCurve } from '../api/types';
+import type { PhaseCurve, PhaseDesign } from '../api/types';
 import { t } from '../i18n';
 import { displayUnit, quantity, tick } from '../lib/format';
-import { axis, Plot, themeColour, type PlotOptions } from './Plot';
+import { bandEdges } from '../lib/assessment/comparison';
+import { axis, CHART_FONT, Plot, themeColour, type PlotOptions } from './Plot';
 import { extent } from './scales';
 
 export interface PhaseChartProps {
@@ -19,6 +20,8 @@ export interface PhaseChartProps {
   bandScale?: number;
   onPhase?: (phase: number, repetition: number | null) => void;
   height?: number;
+  /** As the therapist named them. */
+  phases?: readonly PhaseDesign[];
   /** Phase of the moment that is played, asked for every picture; null where there is none. */
   phaseNow?: () => number | null;
 }
@@ -31,6 +34,7 @@ interface Drawn {
   selected: number | null;
   offset: number;
   onPhase: PhaseChartProps['onPhase'];
+  phases: readonly PhaseDesign[];
 }
 
 function strokeFor(drawn: { current: Drawn }, repetition: number): string {
@@ -82,6 +86,29 @@ function paintOutside(plot: uPlot, drawn: Drawn): void {
   ctx.restore();
 }
 
+/** Write the names of the phases along the upper edge, with a dotted line where each begins. */
+function paintPhases(plot: uPlot, phases: readonly PhaseDesign[]): void {
+  const { ctx, bbox } = plot;
+  const ratio = window.devicePixelRatio || 1;
+  ctx.save();
+  ctx.strokeStyle = ctx.fillStyle = themeColour('--tm-muted');
+  ctx.font = CHART_FONT.replace(/^\d+/, String(13 * ratio));
+  ctx.textAlign = 'center';
+  ctx.lineWidth = ratio;
+  ctx.setLineDash([2 * ratio, 4 * ratio]);
+  for (const { name, start, end } of phases) {
+    const [from, until] = [plot.valToPos(100 * start, 'x', true), plot.valToPos(100 * end, 'x', true)];
+    if (start > 0) {
+      ctx.beginPath();
+      ctx.moveTo(from, bbox.top);
+      ctx.lineTo(from, bbox.top + bbox.height);
+      ctx.stroke();
+    }
+    ctx.fillText(name, (from + until) / 2, bbox.top + 14 * ratio, until - from - 6 * ratio);
+  }
+  ctx.restore();
+}
+
 /** The repetition whose curve passes nearest to a point of the plot. */
 function nearest(plot: uPlot, phase: number, top: number, drawn: Drawn): number | null {
   const index = Math.max(0, Math.min(100, Math.round(phase)));
@@ -101,6 +128,7 @@ function nearest(plot: uPlot, phase: number, top: number, drawn: Drawn): number 
 
 const PHASES = Array.from({ length: 101 }, (_, phase) => phase);
 const OFFSET = 3;
+const NO_PHASES: readonly PhaseDesign[] = [];
 
 export function PhaseChart({
   curve,
@@ -110,11 +138,12 @@ export function PhaseChart({
   bandScale = 1,
   onPhase,
   height = 240,
+  phases = NO_PHASES,
   phaseNow,
 }: PhaseChartProps) {
   const unit = displayUnit(curve.unit);
-  const drawn = useRef<Drawn>({ outside, left, selected, offset: OFFSET, onPhase });
-  drawn.current = { outside, left, selected, offset: OFFSET, onPhase };
+  const drawn = useRef<Drawn>({ outside, left, selected, offset: OFFSET, onPhase, phases });
+  drawn.current = { outside, left, selected, offset: OFFSET, onPhase, phases };
   const count = curve.repetitions.length;
   const scaled = unit.factor;
   const isClickable = onPhase !== undefined;
@@ -158,7 +187,7 @@ export function PhaseChart({
       ],
       bands: [{ series: [2, 1], fill: () => themeColour('--tm-neutral-band') }],
       hooks: {
-        draw: [(plot: uPlot) => paintOutside(plot, drawn.current)],
+        draw: [(plot: uPlot) => (paintPhases(plot, drawn.current.phases), paintOutside(plot, drawn.current))],
         ready: isClickable
           ? [
               (plot: uPlot) => {
@@ -183,10 +212,11 @@ export function PhaseChart({
           (value, phase) => (curve.mean[phase] ?? NaN) + ((value ?? NaN) - (curve.mean[phase] ?? NaN)) * bandScale,
         ),
       );
+    const edges = bandEdges(curve);
     return [
       PHASES,
-      band(curve.low),
-      band(curve.high),
+      band(edges.low),
+      band(edges.high),
       ...curve.repetitions.map(show),
       show(curve.mean),
     ] as uPlot.AlignedData;

@@ -10,6 +10,7 @@ import { Answer, Empty, Problem } from '../components/Feedback';
 import { Page } from '../components/Page';
 import { t } from '../i18n';
 import { channelLabel } from '../lib/channels';
+import { TemplateLibrary } from './template/TemplateLibrary';
 import { isWalk, primaryAngles, usualAngle } from '../lib/exercises';
 
 const MOVEMENTS = [
@@ -155,6 +156,7 @@ export function ExercisesPage() {
           )
         }
       </Answer>
+      <TemplateLibrary exercises={exercises.data ?? []} />
       <Modal
         opened={isOpen}
         onClose={dialog.close}

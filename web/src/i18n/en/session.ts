@@ -337,7 +337,6 @@ export const session = {
   'template.version': '{name}, version {number}',
   'template.versionOf': 'Version {number}, {date}',
   'template.made': 'Version {number} of {date}: {count} repetitions, {seconds} s each on average',
-  'template.why': '{by}: “{reason}”',
   'template.emptyClinicTitle': 'No template for the whole clinic yet',
   'template.emptyClinicText':
     'Templates that belong to one patient are found on the patient’s page, under what is prescribed.',

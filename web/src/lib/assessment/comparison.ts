@@ -1,4 +1,18 @@
 import type { ComparisonDetail, PhaseCurve } from '../../api/types';
+import { extent } from '../../charts/scales';
+
+type Values = readonly (number | null)[];
+
+/**
+ * Both edges of a curve's band for drawing: where the therapist left it free it reaches to the rim of all that is drawn,
+ * and a gap in the recording stays a gap.
+ */
+export function bandEdges(curve: PhaseCurve): { low: (number | null)[]; high: (number | null)[] } {
+  const rim = extent(curve.mean, curve.low, curve.high, ...curve.repetitions) ?? [0, 1];
+  const edge = (values: Values, free: number) =>
+    values.map((value, index) => value ?? (typeof curve.width?.[index] === 'number' ? free : null));
+  return { low: edge(curve.low, rim[0]), high: edge(curve.high, rim[1]) };
+}
 
 export interface OutsideStretch {
   /** Position in the comparison's repetitions. */

@@ -2,6 +2,7 @@
 import type { ComparisonDetail } from '../../api/types';
 import type { TemplateAt } from '../../charts/Traces';
 import { displayUnit } from '../format';
+import { bandEdges } from './comparison';
 import { repetitionAt, templateValueAt } from './warp';
 
 export function templateOver(
@@ -9,7 +10,7 @@ export function templateOver(
   templateDurationS: number | null,
   isWarped: boolean,
 ): TemplateAt {
-  const curves = new Map(comparison.curves.map((curve) => [curve.channel, curve]));
+  const curves = new Map(comparison.curves.map((curve) => [curve.channel, { ...curve, ...bandEdges(curve) }]));
   const repetitions = comparison.repetitions.map((one) => ({ ...one.repetition, warp: one.warp_template_phase }));
   return (channel, timeS) => {
     const curve = curves.get(channel);

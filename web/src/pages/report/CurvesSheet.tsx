@@ -49,7 +49,7 @@ export function CurvesSheet({ session, patient, comparison }: ReportProps & { co
                 {curve.label}
                 {convention && <span className="paper-convention">{convention}</span>}
               </figcaption>
-              <PaperPhases curve={curve} left={left} outside={stretches} />
+              <PaperPhases curve={curve} left={left} outside={stretches} phases={comparison.phases} />
               <p className="paper-note">
                 {outside === 0
                   ? t('compare.inside')

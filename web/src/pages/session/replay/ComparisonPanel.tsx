@@ -140,6 +140,7 @@ function Curve({
       <h3>{curve.label}</h3>
       <PhaseChart
         curve={curve}
+        phases={comparison.phases}
         outside={outside}
         left={left}
         selected={selected}
@@ -151,7 +152,7 @@ function Curve({
         }}
       />
       {stretches.length === 0 ? (
-        <p className="muted small">{t('compare.inside')}</p>
+        <p className="muted small">{t(curve.is_judged === false ? 'design.isWatched' : 'compare.inside')}</p>
       ) : (
         <details className="as-table">
           <summary>{t('compare.outsideCount', { count: stretches.length })}</summary>
