@@ -52,10 +52,14 @@ def _block(m: Float, rate: Float, force: Float) -> float:
     at, lag = int(m[_NEXT]), int(m[_LAG])
     m[_NEXT] = (at + 1) % _KEYS
     if lag == 0 or abs(m[_KEY + (at - lag) % _KEYS] - key) > _SAME:
-        lag = 0
-        for candidate in range(2, _KEYS):
-            if lag == 0 and abs(m[_KEY + (at - candidate) % _KEYS] - key) <= _SAME:
-                lag = candidate
+        lag = alike = 0
+        # Hardly any sample is like one of these: looked for in the order of memory, several at a time.
+        for place in range(_KEYS):
+            alike += abs(m[_KEY + place] - key) <= _SAME
+        if alike:
+            for candidate in range(2, _KEYS):
+                if lag == 0 and abs(m[_KEY + (at - candidate) % _KEYS] - key) <= _SAME:
+                    lag = candidate
         m[_LAG], m[_MATCHES], m[_BLOCK_RATE] = lag, 0.0, 0.0
     m[_KEY + at] = key
     if lag == 0:

@@ -69,14 +69,19 @@ def predict(p: Float, sums: Record, settings: Record, ticks: float) -> None:
             p[_T0 + j] += x * source
             p[_T1 + j] += y * source
             p[_T2 + j] += z * source
+    # Of these rows only what stands above the diagonal: the rest is copied from there.
     for i in range(BIAS):
         row = STATES * i
         for a in range(3):
             p[row + POSITION + a] += time_s * p[row + VELOCITY + a]
+        if i >= POSITION:
+            continue
         tx, ty, tz = p[row + TURN], p[row + TURN + 1], p[row + TURN + 2]
         p[row + VELOCITY] += sz * ty - sy * tz
         p[row + VELOCITY + 1] += sx * tz - sz * tx
         p[row + VELOCITY + 2] += sy * tx - sx * ty
+        if i >= VELOCITY:
+            continue
         for a in range(3):
             total = 0.0
             for c in range(3):

@@ -196,8 +196,9 @@ def _suppose(table: Float, first: int, row: int, target: float, own: float, wide
     inverse = 1.0 / total
     for i in range(_SUB):
         table[at_shift + i] += table[at_row + i] * inverse * innovation
-    for i in range(_SUB):
-        if i != row:
+    # Turn about x and y is only shifted, and once the start place is looked at, so is the iron.
+    for i in range(2, _SUB):
+        if i != row and (row < 8 or i < 5 or i >= 8):
             factor = table[at_row + i] * inverse
             for j in range(_SUB):
                 table[first + _SUB * i + j] -= factor * table[at_row + j]
