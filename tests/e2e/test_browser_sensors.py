@@ -101,3 +101,63 @@ def test_the_phone_stores_every_sample_once_over_a_broken_link(
     assert difference_deg.max() < 0.3
     assert error_deg < 3.0
     assert patient.faults_outside_the_view() == []
+
+
+def test_bluetooth_sensors_store_every_sample_and_come_back(
+    patient: Visitor, service: Service, relay: Relay, therapist: httpx.Client
+) -> None:
+    worn = home.wearer(("upper_arm_right", "forearm_right"), MOVEMENT_S)
+    session_id = home.new_session(therapist, worn.placements)
+    page = patient.page
+    page.goto(f"{relay.address}/my/sessions/{session_id}/live")
+    page.evaluate("samples => emulateDots({rateHz: 60, samples})", worn.samples.round(7).tolist())
+    page.get_by_role("button", name="Bluetooth sensors").click()
+    for place in ("Right upper arm", "Right forearm"):
+        page.get_by_role("button", name=f"Connect: {place}").click()
+    status = page.locator(".sensor-status")
+    expect(status).to_contain_text("battery 83 %")
+    exercise(page, relay, MOVEMENT_S - 5.0, 3.0)
+    patient.picture("dots-measuring-390")
+    page.evaluate("emulated.dots[1].isAway = true; emulated.dots[1].leave()")
+    expect(status).to_contain_text("lost, is being looked for", timeout=3000)
+    patient.picture("dots-lost-390")
+    page.evaluate("emulated.dots[1].isAway = false")
+    expect(status).not_to_contain_text("lost", timeout=8000)
+    page.wait_for_function("count => emulated.emitted === count", arg=len(worn.samples), timeout=60_000)
+    page.get_by_role("button", name="I have finished").click()
+    expect(page.get_by_role("heading", name="Your result is ready")).to_be_visible(timeout=60_000)
+
+    first = int(page.evaluate("emulated.first"))
+    numbers, values = home.stored_samples(therapist, session_id)
+    assert np.array_equal(numbers, np.arange(numbers[0], numbers[0] + numbers.size))
+    is_missing = (values == 0.0).all(axis=2)
+    assert not is_missing[20:, 0].any()
+    # Gone at most as long as it took to be found again, and nothing else is missing.
+    lost = np.flatnonzero(is_missing[20:, 1])
+    assert 0 < lost.size < 8.0 * home.RATE_HZ
+    assert lost[-1] - lost[0] + 1 == lost.size
+    # What is stored lies on the lines between the samples, later by the quickest message of each sensor.
+    ticks = np.arange(len(worn.samples))
+    for sensor in range(2):
+        shown = np.flatnonzero(~is_missing[:, sensor])[200:]
+        errors = [
+            np.abs(
+                np.interp(numbers[shown] - first - delay_ticks, ticks, worn.samples[:, sensor, 0])
+                - values[shown, sensor, 0]
+            )
+            for delay_ticks in np.arange(0.0, 3.0, 0.05)
+        ]
+        best = errors[int(np.argmin([np.median(one) for one in errors]))]
+        print(
+            f"sensor {sensor}: median error {np.median(best):.4f} rad/s, 99 % {np.quantile(best, 0.99):.4f}"
+        )
+        assert np.quantile(best, 0.99) < 0.05
+
+    offset = int(numbers[0] - first)
+    other = apart(home.stream_by_gateway(relay.address, worn, offset, home.STILL_S - 4.0))
+    by_page, page_rad = home.angles_of(therapist, session_id, ELEVATION)
+    by_gateway, gateway_rad = home.angles_of(therapist, other, ELEVATION)
+    _, mine, its = np.intersect1d(by_page, by_gateway, return_indices=True)
+    difference_deg = np.rad2deg(np.sqrt(np.mean((page_rad[mine] - gateway_rad[its]) ** 2)))
+    print(f"{ELEVATION}: {difference_deg:.2f} deg rms from the gateway's")
+    assert difference_deg < 0.5
