@@ -4,6 +4,7 @@ import { brotliCompressSync, gzipSync } from 'node:zlib';
 import react from '@vitejs/plugin-react';
 import type { Plugin } from 'vite';
 import { defineConfig } from 'vitest/config';
+import { shell } from './scripts/shell';
 
 const service = process.env.TELEMOTION_SERVICE ?? 'http://127.0.0.1:8000';
 
@@ -30,7 +31,7 @@ function packed(): Plugin {
 const LIBRARIES: readonly [string, RegExp][] = [['react', /node_modules\/(react|react-dom|react-router|scheduler)\//]];
 
 export default defineConfig({
-  plugins: [react(), packed()],
+  plugins: [react(), shell(), packed()],
   build: {
     // The content security policy allows files of our own origin only: nothing may be inlined as data.
     assetsInlineLimit: 0,

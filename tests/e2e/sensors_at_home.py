@@ -26,6 +26,15 @@ STILL_S = 14.0
 """The simulated person stands so long: time for a real page to be pressed."""
 EMULATED = Path(__file__).with_name("emulated.js").read_text()
 
+WAITING = """new Promise(done => {
+    const asked = indexedDB.open('telemotion-sensors');
+    asked.onsuccess = () => {
+        const count = asked.result.transaction('packets').objectStore('packets').count();
+        count.onsuccess = () => { asked.result.close(); done(count.result); };
+    };
+})"""
+"""How many packets are on the device."""
+
 
 @dataclass(frozen=True)
 class Wearer:

@@ -161,3 +161,47 @@ def test_bluetooth_sensors_store_every_sample_and_come_back(
     difference_deg = np.rad2deg(np.sqrt(np.mean((page_rad[mine] - gateway_rad[its]) ** 2)))
     print(f"{ELEVATION}: {difference_deg:.2f} deg rms from the gateway's")
     assert difference_deg < 0.5
+
+
+def test_a_page_that_is_loaded_again_without_a_link_has_lost_nothing(
+    patient: Visitor, service: Service, relay: Relay, therapist: httpx.Client
+) -> None:
+    worn = home.wearer(("upper_arm_right",), 60.0)
+    session_id = home.new_session(therapist, worn.placements)
+    page = patient.page
+    assert page.evaluate("navigator.serviceWorker.ready.then(() => true)")
+    page.goto(f"{relay.address}/my/sessions/{session_id}/live")
+    page.get_by_role("button", name="This phone").click()
+    page.evaluate("samples => emulatePhone({rateHz: 60, samples})", worn.samples[:, 0].round(7).tolist())
+    page.get_by_role("button", name="Measure with this phone").click()
+    expect(page.get_by_role("button", name="I am standing still")).to_be_visible()
+    relay.break_link()
+    expect(page.locator(".sensor-status")).to_contain_text("will be sent later", timeout=8000)
+    page.wait_for_timeout(3000)
+    first, emitted = page.evaluate("[emulated.first, emulated.emitted]")
+    page.goto(relay.address)
+    # The client itself is there without a link; nothing of the patient is.
+    expect(page.locator("#root")).not_to_be_empty()
+    kept = page.evaluate(
+        "caches.keys().then(async names => (await Promise.all(names.map(async name =>"
+        " (await (await caches.open(name)).keys()).map(one => new URL(one.url).pathname)))).flat())"
+    )
+    assert kept
+    assert all(
+        path in {"/", "/mark.svg", "/manifest.webmanifest"} or path.startswith("/assets/") for path in kept
+    )
+    patient.picture("without-link-390")
+    relay.mend()
+    page.goto(relay.address)
+    expect(page.get_by_role("heading", level=1, name="Hello")).to_be_visible()
+    tries = 40
+    while page.evaluate(home.WAITING) > 0 and (tries := tries - 1):
+        page.wait_for_timeout(500)
+    assert page.evaluate(home.WAITING) == 0
+    expect(page.locator(".sensor-unsent")).to_have_count(0)
+    numbers, values = home.stored_samples(therapist, session_id)
+    sent = numbers - int(first)
+    assert np.array_equal(sent, np.arange(sent[0], sent[0] + sent.size))
+    # The packet that was being filled when the page went holds a tenth of a second at most.
+    assert sent[-1] >= int(emitted) - 8
+    np.testing.assert_allclose(values, worn.samples[sent], atol=2e-4)

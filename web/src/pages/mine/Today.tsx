@@ -1,6 +1,7 @@
 // The patient's first page: what to do today, one large button each, plain words.
 import { Button } from '@mantine/core';
 import { IconCircleCheckFilled, IconMoodHappy, IconPlayerPlayFilled } from '@tabler/icons-react';
+import { lazy, Suspense } from 'react';
 import { Link, useNavigate } from 'react-router';
 import {
   useExercises,
@@ -21,6 +22,8 @@ import { mainMeasure, plainProgress } from '../../lib/plain';
 import { weekText } from '../../lib/assessment/practice';
 import { isLive } from '../../lib/sessions';
 import { PlainProblem } from './PlainProblem';
+
+const Unsent = lazy(() => import('../../sensors/Unsent'));
 
 function doseWords({ sets, repetitions }: Prescription, isWalked: boolean): string {
   if (isWalked) return t('mine.walk');
@@ -98,6 +101,9 @@ function Today({ me, patientId }: { me: Me; patientId: string }) {
       }
     >
       <div className="stack">
+        <Suspense fallback={null}>
+          <Unsent />
+        </Suspense>
         {running && (
           <section className="card mine-card">
             <div>

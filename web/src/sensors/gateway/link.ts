@@ -53,6 +53,7 @@ interface Fault {
   code: string;
   message: string;
   closing: boolean;
+  details?: { reason?: string };
 }
 
 const FIRST_WAIT_MS = 250;
@@ -67,6 +68,11 @@ const DRAIN_MS = 20;
 /** Refusals that another try with a fresh ticket may mend. */
 const PASSING = new Set(['', 'offline', 'unavailable', 'too_many_attempts', 'limit_reached', 'internal', 'unknown']);
 const OVER = new Set(['closing', 'analysed', 'failed']);
+
+/** Another device that took over is a conflict as an ended session is one: the reason tells them apart. */
+function refusalOf({ code, message, details }: Fault): Refusal {
+  return { code: details?.reason === 'superseded' ? 'superseded' : code, reason: message };
+}
 
 export class Link {
   readonly #options: LinkOptions;
@@ -204,8 +210,7 @@ export class Link {
       this.#watched();
       const message = JSON.parse(event.data) as Acknowledge | Fault;
       if (message.type === 'acknowledge') void this.#acknowledged(message);
-      else if (message.type === 'error' && message.closing)
-        this.#refused({ code: message.code, reason: message.message });
+      else if (message.type === 'error' && message.closing) this.#refused(refusalOf(message));
     };
     socket.onclose = () => this.#lost();
   }

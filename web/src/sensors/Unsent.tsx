@@ -1,0 +1,84 @@
+// What an earlier exercise left on this device: sent as soon as there is a connection, and said until it is.
+import { useCallback, useEffect, useState, useSyncExternalStore } from 'react';
+import { useSignedIn } from '../components/account/useSignedIn';
+import { Confirm } from '../components/forms/Confirm';
+import { t } from '../i18n';
+import { BrowserGateway } from './gateway/browserGateway';
+import { PacketStore, type StoredNetwork } from './gateway/store';
+import { measuringFor } from './registry';
+import { secondsText } from './SensorStatus';
+import { registerShell } from './shell';
+import './sensors.css';
+
+/** The sessions that have packets here and are not measured by this page at this moment. */
+async function leftovers(accountId: string): Promise<StoredNetwork[]> {
+  if (typeof indexedDB === 'undefined') return [];
+  const store = await PacketStore.open();
+  const found: StoredNetwork[] = [];
+  for (const network of await store.sessions(accountId)) {
+    if (measuringFor(network.sessionId)) continue;
+    if ((await store.count(network.sessionId)) > 0) found.push(network);
+    else await store.remove(network.sessionId);
+  }
+  store.close();
+  return found;
+}
+
+async function forget(sessionId: string): Promise<void> {
+  const store = await PacketStore.open();
+  await store.remove(sessionId);
+  store.close();
+}
+
+function Sending({ network, onDone }: { network: StoredNetwork; onDone: () => void }) {
+  const [gateway, setGateway] = useState<BrowserGateway | null>(null);
+  useEffect(() => {
+    const made = new BrowserGateway(network);
+    setGateway(made);
+    return () => made.close();
+  }, [network]);
+  const nothing = useCallback(() => () => undefined, []);
+  const recorder = useSyncExternalStore(gateway?.subscribe ?? nothing, () => gateway?.getSnapshot().recorder ?? null);
+  const isSent = recorder !== null && recorder.link.connections > 0 && recorder.waiting === 0;
+  useEffect(() => {
+    if (isSent) onDone();
+  }, [isSent, onDone]);
+  if (!recorder || recorder.waiting === 0) return null;
+  const seconds = secondsText(recorder.waitingS);
+  const { status, code } = recorder.link;
+  const isOver = status === 'ended' || (status === 'refused' && (code === 'conflict' || code === 'not_found'));
+  return (
+    <section className="card sensor-unsent" data-waiting={recorder.waiting}>
+      <h2>{t('sensors.unsent')}</h2>
+      <p role="status">
+        {isOver
+          ? t('sensors.unsentOver', { seconds })
+          : t(status === 'open' ? 'sensors.unsentSending' : 'sensors.unsentWaiting', { seconds })}
+      </p>
+      {status === 'refused' && !isOver && <p role="alert">{recorder.link.reason}</p>}
+      {isOver && (
+        <Confirm
+          label={t('sensors.unsentDelete')}
+          title={t('sensors.unsentDeleteTitle')}
+          text={t('sensors.unsentDeleteText')}
+          confirm={t('sensors.unsentDelete')}
+          onConfirm={() => void forget(network.sessionId).then(onDone)}
+        />
+      )}
+    </section>
+  );
+}
+
+/** For the patient's first page; shows nothing while nothing is left. */
+export default function Unsent() {
+  const me = useSignedIn();
+  const [left, setLeft] = useState<StoredNetwork[]>([]);
+  const look = useCallback(() => {
+    // A browser that stores nothing has nothing left.
+    leftovers(me.account_id).then(setLeft, () => setLeft([]));
+  }, [me.account_id]);
+  useEffect(look, [look]);
+  useEffect(registerShell, []);
+  const [first] = left;
+  return first ? <Sending key={first.sessionId} network={first} onDone={look} /> : null;
+}
