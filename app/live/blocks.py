@@ -87,7 +87,7 @@ def encode_block(frames: Frames, published_at_s: float | None = None) -> bytes:
 
 
 def layout_message(
-    session_id: str, layout: FrameLayout, rate_hz: float, delay_ticks: int = 0
+    session_id: str, layout: FrameLayout, rate_hz: float, delay_ticks: float = 0
 ) -> LayoutMessage:
     """Return the message that names the columns."""
     return LayoutMessage(

@@ -53,21 +53,23 @@ def get_layout(
 ) -> LayoutMessage:
     """Return the columns of a result's frames."""
     found = repository.get_session(session, subject, session_id, action="session.layout")
+    rate_hz, delay_s = _timing(session, found, result_id)
     return layout_message(
-        session_id,
-        service.layout_of(session, found, result_id),
-        float(found.setup["rate_hz"]),
-        _delay_ticks(session, found, result_id),
+        session_id, service.layout_of(session, found, result_id), rate_hz, delay_s * rate_hz
     )
 
 
-def _delay_ticks(session: Session, found: MotionSession, result_id: str | None) -> int:
-    """Return by how much the frames of a result are late: those that were made live may be."""
+def _timing(session: Session, found: MotionSession, result_id: str | None) -> tuple[float, float]:
+    """Return how many frames a second a result keeps, and by how much they are late: live ones may be."""
+    rate_hz = float(found.setup["rate_hz"])
     try:
-        kind = repository.result_of(session, found, result_id).kind
+        result = repository.result_of(session, found, result_id)
+        kind, kept_hz = result.kind, rate_hz / result.stride
     except NotFound:
-        kind = "live"
-    return pipelines.create(SessionSetup.from_dict(found.setup)).delay_ticks if kind == "live" else 0
+        kind, kept_hz = "live", rate_hz
+    if kind != "live":
+        return kept_hz, 0.0
+    return kept_hz, pipelines.create(SessionSetup.from_dict(found.setup)).delay_ticks / rate_hz
 
 
 __all__ = ["router"]

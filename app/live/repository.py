@@ -211,6 +211,7 @@ def begin_stream(
                 orientation_version=version,
                 setup=pipeline.setup.to_dict(),
                 layout=layout_dict(pipeline.layout),
+                stride=kind_of(pipeline.setup).live_stride(pipeline.setup.rate_hz),
                 status="running",
             )
             session.add(result)

@@ -115,6 +115,8 @@ class Result(Identified, Base):
     setup: Mapped[dict[str, Any]] = mapped_column(JSON)
     layout: Mapped[dict[str, Any]] = mapped_column(JSON)
     """`FrameLayout` of the stored frames."""
+    stride: Mapped[int] = mapped_column(Integer, default=1)
+    """Every so many ticks of the session have a stored frame: those whose number it divides."""
     status: Mapped[str] = mapped_column(String(20), default="running")
     """running, complete, failed."""
     progress: Mapped[float] = mapped_column(Float, default=0.0)

@@ -44,7 +44,7 @@ def described(frames: Frames, body: BodyDimensions) -> DescribedPoints:
     Parameters
     ----------
     frames : Frames
-        Consecutive ticks at full rate.
+        Consecutive ticks.
     body : BodyDimensions
         Of the setup the frames were made with.
 
@@ -74,7 +74,10 @@ def described(frames: Frames, body: BodyDimensions) -> DescribedPoints:
 def ticks_between(
     session: Session, result: Result, step_s: float, start_s: float | None, end_s: float | None
 ) -> tuple[int, int]:
-    """Return first tick and end of what a result holds of the half-open session time `[start_s, end_s)`."""
+    """Return first tick and end of what a result holds of the half-open session time `[start_s, end_s)`.
+
+    Ticks are those that are stored, `step_s` apart.
+    """
     first = 0 if start_s is None else int(np.ceil(start_s / step_s - 1e-6))
     stop = result_ticks(session, result)
     if end_s is not None:
@@ -83,13 +86,13 @@ def ticks_between(
 
 
 def result_ticks(session: Session, result: Result) -> int:
-    """Return the end of the last chunk of a result, in ticks."""
+    """Return the end of the last chunk of a result, in ticks that are stored."""
     end = session.scalar(
         select(func.max(SignalChunk.sequence + SignalChunk.ticks)).where(
             SignalChunk.session_id == result.session_id, SignalChunk.stream == frames_stream(result.id)
         )
     )
-    return int(end or 0)
+    return int(end or 0) // result.stride
 
 
 __all__ = ["MAX_POINTS", "DescribedPoints", "described", "result_ticks", "ticks_between"]

@@ -22,6 +22,7 @@ from app.recordings.schemas import ViewIn
 from app.recordings.signals.store import read_frames
 from app.sentences import say
 from app.viewer.figure.ghost import Ghost, GhostClock, ghost_from_template
+from app.viewer.fluent import fluent
 from app.viewer.layers.markers import markers_of
 from app.viewer.pose import (
     SEGMENTS,
@@ -163,7 +164,7 @@ def load_contents(engine: Engine, target: ViewTarget) -> Contents:
             if frames.tick_count == 0:
                 raise InvalidInput(say("result.no_movement"))
             measured = measured_segments(frames)
-            track = track_from_frames(thinned(frames), setup.body)
+            track = track_from_frames(fluent(thinned(frames)), setup.body)
         side = exercise_side(session, found, measured)
         ghost, clock = _ghost(session, target, found, setup.body, side)
         return Contents(

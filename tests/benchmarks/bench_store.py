@@ -1,8 +1,9 @@
 """What storing costs: `python -m tests.benchmarks.bench_store`.
 
-Sessions of 17 nine-axis sensors at 100 Hz, 5 ticks a packet, with the frames that the live pipeline finds of them.
-Printed are microseconds of processor time of this thread for a second of one session, by part, bytes an hour, and
-what it costs to read it back.
+Fifty sessions of 17 nine-axis sensors at 100 Hz, 5 ticks a packet, with the frames that the live pipeline finds of
+them. Printed are microseconds of processor time of this thread for a second of one session, by part, with every tick's
+frames and with those that a live session of the arms keeps; what it costs to read them back; megabytes an hour by
+stream, and what the database's file grew by.
 """
 
 import tempfile
@@ -20,8 +21,9 @@ from app.database.base import new_id
 from app.database.engine import create_from_url
 from app.database.unit_of_work import unit_of_work
 from app.gateway import stream_of
+from app.kinds.arm.kind import KIND
 from app.network.raw_packet import RawPacket
-from app.recordings.models import MotionSession
+from app.recordings.models import MotionSession, Result
 from app.recordings.signals.chunks import (
     decode_frames,
     decode_packets,
@@ -31,12 +33,14 @@ from app.recordings.signals.chunks import (
 from app.recordings.signals.group_commit import GroupCommitWriter
 from estimators import pipelines
 from estimators.conventions import PLACEMENTS
-from estimators.pipelines import Frames
+from estimators.pipelines import Frames, SessionSetup
 from estimators.simulation import ArmScenario, Schedule, simulate_arm
 from tests.benchmarks.machine import processor
 from tests.benchmarks.service import make_patient
 
-SESSIONS, SECONDS, PACKETS_A_SECOND = 20, 20, 20
+SESSIONS, SECONDS, PACKETS_A_SECOND = 50, 20, 20
+RATE_HZ = 100.0
+STRIDE = KIND.live_stride(RATE_HZ)
 
 
 def recorded() -> tuple[list[RawPacket], list[Frames]]:
@@ -84,53 +88,60 @@ def cost_us(work: Callable[[int], Any]) -> float:
     return median(times)
 
 
-def sessions_of(url: str, patient_id: str, engine: Any) -> list[str]:
-    """Make the sessions' rows."""
+def sessions_of(url: str, patient_id: str, engine: Any, stride: int) -> list[tuple[str, str]]:
+    """Make the sessions' rows; return the ids of each and of its live result."""
     with unit_of_work(engine) as session:
         from app.patients.models import Patient
 
         clinic_id = session.get_one(Patient, patient_id).clinic_id
-        found = [
-            MotionSession(
-                id=new_id(), clinic_id=clinic_id, patient_id=patient_id, setup={}, created_by="x" * 32
+        setup = SessionSetup("arm", PLACEMENTS, RATE_HZ).to_dict()
+        pairs = [(new_id(), new_id()) for _ in range(SESSIONS)]
+        fields = {"clinic_id": clinic_id, "patient_id": patient_id, "setup": setup, "created_by": "x" * 32}
+        session.add_all(MotionSession(id=session_id, **fields) for session_id, _ in pairs)
+        session.flush()
+        version = {
+            "pipeline": "arm",
+            "pipeline_version": "1",
+            "orientation": "vqf",
+            "orientation_version": "1",
+        }
+        session.add_all(
+            Result(
+                id=result_id,
+                session_id=session_id,
+                kind="live",
+                setup=setup,
+                layout={},
+                stride=stride,
+                **version,
             )
-            for _ in range(SESSIONS)
-        ]
-        session.add_all(found)
-        return [one.id for one in found]
+            for session_id, result_id in pairs
+        )
+        return pairs
 
 
-def main() -> int:
-    packets, parts = recorded()
+def second_of(items: list[Any], second: int) -> list[Any]:
+    """Return the packets, or their frames, of a second."""
+    return items[second * PACKETS_A_SECOND : (second + 1) * PACKETS_A_SECOND]
 
-    def second_of(items: list[Any], second: int) -> list[Any]:
-        return items[second * PACKETS_A_SECOND : (second + 1) * PACKETS_A_SECOND]
 
-    print(f"machine   {processor()}; {SESSIONS} sessions, {SECONDS} s, 17 sensors at 100 Hz\n")
-    rows = [
-        ("pack packets", cost_us(lambda s: encode_packets(second_of(packets, s)))),
-        ("pack frames", cost_us(lambda s: encode_frames(*second_of(parts, s)))),
-    ]
-    raw = [encode_packets(second_of(packets, s)) for s in range(SECONDS)]
-    kept = [encode_frames(*second_of(parts, s)) for s in range(SECONDS)]
+def stored(packets: list[RawPacket], parts: list[Frames], stride: int) -> tuple[float, float, float]:
+    """Store all sessions; return us a session second to take and to commit, and MB a session hour of the file."""
     with tempfile.TemporaryDirectory(prefix="telemotion-bench-") as name:
         url, patient_id = make_patient(Path(name))
         engine = create_from_url(url)
-        sessions = sessions_of(url, patient_id, engine)
+        sessions = sessions_of(url, patient_id, engine, stride)
         writer = GroupCommitWriter(engine)
-        for session_id in sessions:
+        for session_id, _ in sessions:
             writer.open_session(session_id)
-
-        def take(second: int) -> None:
-            for session_id in sessions:
-                for packet, part in zip(second_of(packets, second), second_of(parts, second), strict=True):
-                    writer.append_packet(session_id, packet)
-                    writer.append_frames(session_id, "0" * 32, part)
-
+        before = file_bytes(Path(name))
         taken, committed = [], []
         for second in range(SECONDS):
             start = time.thread_time_ns()
-            take(second)
+            for session_id, result_id in sessions:
+                for packet, part in zip(second_of(packets, second), second_of(parts, second), strict=True):
+                    writer.append_packet(session_id, packet)
+                    writer.append_frames(session_id, result_id, part)
             middle = time.thread_time_ns()
             # A tenth of the sessions a commit, as they fall due in service.
             due = writer._take_due(everything=True)
@@ -140,17 +151,44 @@ def main() -> int:
             committed.append((time.thread_time_ns() - middle) / 1e3 / SESSIONS)
         assert writer.metrics.packets_stored == SESSIONS * SECONDS * PACKETS_A_SECOND
         engine.dispose()
-    rows += [
-        ("take packets and frames (event loop)", median(taken)),
-        ("commit, packing included", median(committed)),
-        ("read packets back", cost_us(lambda s: decode_packets(raw[s]))),
-        ("read frames back", cost_us(lambda s: decode_frames(kept[s], parts[0].layout))),
-    ]
-    for title, value in rows:
-        print(f"{title:<40}{value:9.0f} us a session second")
-    for title, chunks in (("packets", raw), ("frames", kept)):
-        size = sum(len(chunk.data) for chunk in chunks) / SECONDS * 3600 / 1e6
-        print(f"{title:<40}{size:9.1f} MB a session hour")
+        grown = (file_bytes(Path(name)) - before) / SESSIONS / SECONDS * 3600 / 1e6
+    return median(taken), median(committed), grown
+
+
+def file_bytes(folder: Path) -> int:
+    """Return the size of the database; its journal is a buffer, not a store."""
+    return sum(path.stat().st_size for path in folder.glob("*.db"))
+
+
+def main() -> int:
+    packets, parts = recorded()
+    print(f"machine   {processor()}; {SESSIONS} sessions, {SECONDS} s, 17 sensors at 100 Hz\n")
+    raw = [encode_packets(second_of(packets, s)) for s in range(SECONDS)]
+    pack_raw = cost_us(lambda s: encode_packets(second_of(packets, s)))
+    print(f"{'':<34}{'every tick':>14}{f'every {STRIDE}th':>14}")
+    columns = []
+    for stride in (1, STRIDE):
+        kept = [encode_frames(*second_of(parts, s), stride=stride) for s in range(SECONDS)]
+        pack = cost_us(lambda s, n=stride: encode_frames(*second_of(parts, s), stride=n))
+        take, commit, grown = stored(packets, parts, stride)
+        sizes = [sum(len(chunk.data) for chunk in chunks) / SECONDS * 3600 / 1e6 for chunks in (raw, kept)]
+        columns.append(
+            {
+                "pack packets, us": pack_raw,
+                "pack frames, us": pack,
+                "take packets and frames, us": take,
+                "commit, packing included, us": commit,
+                "taken and committed, us": take + commit,
+                "read packets back, us": cost_us(lambda s: decode_packets(raw[s])),
+                "read frames back, us": cost_us(lambda s, k=kept: decode_frames(k[s], parts[0].layout)),
+                "packets, MB an hour": sizes[0],
+                "frames, MB an hour": sizes[1],
+                "both, MB an hour": sum(sizes),
+                "the file, MB an hour": grown,
+            }
+        )
+    for title in columns[0]:
+        print(f"{title:<34}" + "".join(f"{column[title]:14.1f}" for column in columns))
     return 0
 
 

@@ -20,6 +20,7 @@ class ArmKind(SessionKind):
     """Arms and trunk."""
 
     pipeline = ArmPipeline
+    live_frames_hz = 25.0
     series = SERIES
 
     def analyse(self, wanted: Wanted) -> Analysis:

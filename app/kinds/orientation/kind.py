@@ -18,6 +18,7 @@ class OrientationKind(SessionKind):
 
     pipeline = OrientationPipeline
     view = "modules"
+    live_frames_hz = 25.0
 
     def analyse(self, wanted: Wanted) -> Analysis:
         """Estimate, smoothed where the setup names a smoother."""

@@ -236,8 +236,10 @@ class LiveSession(CalibratedSession):
         self._publish_state()
 
     def store_frames(self, frames: Frames) -> None:
-        """Store frames unless that was done before a restart."""
-        if frames.first_tick >= self._unstored_tick:
+        """Store frames except the ticks that were stored before a restart."""
+        if frames.first_tick < self._unstored_tick:
+            frames = frames.ticks(self._unstored_tick - frames.first_tick, frames.tick_count)
+        if frames.tick_count:
             with contextlib.suppress(Conflict, Unavailable):
                 # A session that cannot be stored hears of it once, from `on_store_failure`.
                 self._writer.append_frames(self.id, self.result_id, frames.as_stored_live())

@@ -6,16 +6,16 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
 from app.errors import Conflict
 from app.recordings import repository, service
-from app.recordings.models import Result, SignalChunk
+from app.recordings.models import Result
+from app.recordings.points import result_ticks
 from app.recordings.schemas import AngleDifference, CurvePair, DifferencesOut
-from app.recordings.signals.chunks import frames_stream, layout_from_dict
-from app.recordings.signals.store import read_frames
+from app.recordings.signals.chunks import layout_from_dict
+from app.recordings.signals.store import read_frames, stored_step_s
 from app.sentences import say
 from estimators import rotation
 from estimators.orientation import OrientationFlag
@@ -31,7 +31,7 @@ _LEFT_OUT: Final = np.uint8(OrientationFlag.INVALID | OrientationFlag.SINGULAR |
 def differences(
     session: Session, subject: Subject, session_id: str, result_a: str, result_b: str, max_points: int
 ) -> DifferencesOut:
-    """Compare two results of a session tick by tick.
+    """Compare two results of a session tick by tick, of the ticks that both keep.
 
     Parameters
     ----------
@@ -72,15 +72,17 @@ def _compare(session: Session, first: Result, second: Result, max_points: int) -
     layouts = [layout_from_dict(result.layout) for result in (first, second)]
     angles = _shared(layouts[0].angles, layouts[1].angles)
     segments = _shared(layouts[0].segments, layouts[1].segments)
-    rate_hz = float(first.setup["rate_hz"])
-    ticks = max(1, *(_ticks(session, result) for result in (first, second)))
+    step_s = max(stored_step_s(result) for result in (first, second))
+    rate_hz = 1.0 / step_s
+    end_s = max(result_ticks(session, one) * stored_step_s(one) for one in (first, second))
+    ticks = max(1, round(end_s * rate_hz))
     stride = max(1, -(-ticks // max_points))
     sums = {name: _Sum() for name in (*angles, *segments)}
     times: list[float] = []
     curves: dict[str, tuple[list[float | None], list[float | None]]] = {name: ([], []) for name in angles}
     for start_s in np.arange(0.0, ticks / rate_hz, PIECE_S):
         pair = [read_frames(session, r.id, float(start_s), float(start_s) + PIECE_S) for r in (first, second)]
-        one, other = _together(*pair)
+        one, other = _together(*(frames.every(round(step_s / frames.time_step_s)) for frames in pair))
         if not one.tick_count:
             continue
         for name in angles:
@@ -105,16 +107,6 @@ def _compare(session: Session, first: Result, second: Result, max_points: int) -
         time_s=times,
         curves=[CurvePair(name=name, a_deg=a, b_deg=b) for name, (a, b) in curves.items()],
     )
-
-
-def _ticks(session: Session, result: Result) -> int:
-    """Return the end of the last chunk of a result, in ticks."""
-    end = session.scalar(
-        select(func.max(SignalChunk.sequence + SignalChunk.ticks)).where(
-            SignalChunk.session_id == result.session_id, SignalChunk.stream == frames_stream(result.id)
-        )
-    )
-    return int(end or 0)
 
 
 @dataclass

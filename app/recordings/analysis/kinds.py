@@ -71,6 +71,9 @@ class SessionKind(ABC):
     """Why a guided calibration makes no sense; empty where it does."""
     estimator_refused: ClassVar[str] = ""
     """Why it is not estimated with other orientation estimators; empty where it is."""
+    live_frames_hz: ClassVar[float | None] = None
+    """How many live frames a second are stored at least; None for all. Few are enough where the analysis finds
+    everything again from the packets and no column tells of a single tick, as a pulse or a contact does."""
     series: ClassVar[tuple[Series, ...]] = ()
     """Curves over time that its results have."""
     marks: ClassVar[Mapping[str, str]] = MappingProxyType({})
@@ -98,6 +101,10 @@ class SessionKind(ABC):
     def declared(self, parameters: Mapping[str, Any], network: Declaration) -> dict[str, Any]:
         """Return the estimator's parameters with what the gateway declared of its devices."""
         return dict(parameters)
+
+    def live_stride(self, rate_hz: float) -> int:
+        """Return of how many ticks one live frame is stored."""
+        return 1 if self.live_frames_hz is None else max(1, int(rate_hz / self.live_frames_hz + 1e-6))
 
     def require_safe(self, session: Session, found: MotionSession, hours: float) -> None:  # noqa: B027 - as above
         """Refuse to stream a session that nobody has confirmed to be safe within `hours`.

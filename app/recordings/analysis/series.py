@@ -13,7 +13,7 @@ from app.recordings.analysis.curve import Curve
 from app.recordings.analysis.kinds import kinds
 from app.recordings.points import ticks_between
 from app.recordings.series_schemas import CurveOut, SeriesOut
-from app.recordings.signals.store import read_frames
+from app.recordings.signals.store import read_frames, stored_step_s
 from app.sentences import say
 from estimators.conventions import PLACEMENTS
 from estimators.pipelines import SessionSetup
@@ -70,7 +70,7 @@ def series_of(
         for name in dict.fromkeys(names)
     }
     wanted = [own[name] for name, reason in reasons.items() if not reason]
-    step_s = 1.0 / setup.rate_hz
+    step_s = stored_step_s(result)
     first, stop = ticks_between(session, result, step_s, start_s, end_s)
     stride = max(1, -(-(stop - first) // max_points))
     margin = max((round(one.margin_s / step_s) for one in wanted), default=0)

@@ -50,7 +50,7 @@ def calibrate_still(pipeline: Pipeline, sensors: int) -> None:
         pipeline.step(replace(chunk, first_tick=chunk.first_tick + 400)) for chunk in still(sensors, 20)
     ]
     # As it is stored and replayed.
-    data, scale = frame_codec.pack(frames)
+    data, _, scale = frame_codec.pack(frames)
     frame_codec.unpack(frame_codec.FRAMES_CODEC, data, scale, 20, pipeline.layout)
 
 

@@ -2,7 +2,7 @@
 
 import logging
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Future
 from dataclasses import dataclass, field
 from itertools import chain, groupby
@@ -39,6 +39,8 @@ class Batch:
     raw: list[tuple[int, EncodedChunk]] = field(default_factory=list)
     frames: list[tuple[str, EncodedChunk]] = field(default_factory=list)
     is_encoded: bool = False
+    strides: Mapping[str, int] = field(default_factory=dict)
+    """By result, how many ticks lie from one stored frame to the next; of others every tick is stored."""
 
     @property
     def is_empty(self) -> bool:
@@ -62,8 +64,9 @@ class Batch:
             self.raw.append((next_chunk, encode_packets(packets)))
             next_chunk += 1
         self.frames = [
-            (frames_stream(result_id), encode_frames(*parts))
+            (frames_stream(result_id), encode_frames(*parts, stride=stride))
             for result_id, parts in _frame_groups(self.frame_parts)
+            if _has_kept(parts, stride := self.strides.get(result_id, 1))
         ]
         self.is_encoded = True
         return next_chunk
@@ -83,6 +86,8 @@ class OpenSession:
         A batch whose commit failed; it goes first, unchanged, not before `repeat_at_s`.
     head_start_s : float
         The first chunk is so much shorter: sessions that begin together must not be due together.
+    strides : dict
+        See `Batch`.
     """
 
     session_id: str
@@ -104,6 +109,7 @@ class OpenSession:
     repeat_at_s: float = 0.0
     attempts: int = 0
     head_start_s: float = 0.0
+    strides: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def is_empty(self) -> bool:
@@ -148,6 +154,7 @@ class OpenSession:
             batch, self.repeat = self.repeat, None
             return batch
         batch = Batch(self.packets, self.frame_parts, self.events, self.waiting, self.size)
+        batch.strides = self.strides
         self.packets, self.frame_parts, self.events, self.waiting = [], [], [], []
         self.size, self.oldest_s, self.is_urgent = 0, None, False
         return batch
@@ -205,6 +212,12 @@ def _frame_groups(parts: list[tuple[str, Frames]]) -> Iterable[tuple[str, list[F
         following = first + ticks
     if group:
         yield group_result, group
+
+
+def _has_kept(parts: list[Frames], stride: int) -> bool:
+    """Whether a tick of consecutive frames has a number that the stride divides."""
+    first, last = parts[0].first_tick, parts[-1].first_tick + len(parts[-1].segment_flags) - 1
+    return last // stride * stride >= first
 
 
 def event_row(

@@ -162,19 +162,22 @@ def frames_stream(result_id: str) -> str:
     return f"frames/{result_id}"
 
 
-def encode_frames(*parts: Frames) -> EncodedChunk:
-    """Encode frames of consecutive ticks as one chunk; its sequence is the first tick.
+def encode_frames(*parts: Frames, stride: int = 1) -> EncodedChunk:
+    """Encode frames of consecutive ticks as one chunk; its sequence is the first tick that is kept.
+
+    Sequence and `ticks` count ticks of the session whatever the stride: their sum is where the next chunk may begin.
 
     Parameters
     ----------
     parts : Frames
         At least one; several are of one layout, each beginning where the one before ends.
+    stride : int
+        See `frame_codec.pack`.
     """
-    data, scale = frame_codec.pack(parts)
-    first = parts[0]
+    data, count, scale = frame_codec.pack(parts, stride)
     return EncodedChunk(
-        start_ns=round(first.first_tick * first.time_step_s * 1e9),
-        ticks=sum([part.segment_flags.shape[0] for part in parts]),
+        start_ns=round(scale["first_tick"] * scale["time_step_s"] * 1e9),
+        ticks=count * stride,
         codec=frame_codec.FRAMES_CODEC,
         scale=scale,
         crc=codecs.checksum(data),

@@ -105,15 +105,19 @@ def _kind_of(scalar: str) -> int:
     return kernel.OTHER
 
 
-def pack(parts: Sequence[Frames]) -> tuple[bytes, dict[str, Any]]:
-    """Return frames of consecutive ticks as bytes, and what `unpack` needs besides.
+def pack(parts: Sequence[Frames], stride: int = 1) -> tuple[bytes, int, dict[str, Any]]:
+    """Return frames of consecutive ticks as bytes, how many they are, and what `unpack` needs besides.
 
     Parameters
     ----------
     parts : sequence of Frames
         At least one, of one layout, each beginning where the one before ends.
+    stride : int
+        Only ticks whose number it divides are kept; at least one must be among the parts. Flags of the others are
+        joined into the kept tick before them, or after them at the start, so that no gap is lost.
     """
     first = parts[0]
+    ticks = sum(map(len, map(_FLAGS[0], parts)))
     has_sigma = has_point_sigma = False
     for part in parts:
         # Looked at no longer than needed: most live frames have none.
@@ -122,7 +126,6 @@ def pack(parts: Sequence[Frames]) -> tuple[bytes, dict[str, Any]]:
         if part.point_sigma_m is not None and not has_point_sigma:
             has_point_sigma = bool(np.isfinite(part.point_sigma_m).any())
     columns = columns_of(first.layout, has_sigma, has_point_sigma)
-    ticks = sum(map(len, map(_FLAGS[0], parts)))
     table = np.empty((ticks, len(columns.kinds)))
     for name, (place, shape) in columns.parts.items():
         values = list(map(_FIELDS[name], parts))
@@ -136,10 +139,14 @@ def pack(parts: Sequence[Frames]) -> tuple[bytes, dict[str, Any]]:
     flags = np.empty((ticks, segments + len(first.layout.angles)), np.uint8)
     np.concatenate(list(map(_FLAGS[0], parts)), out=flags[:, :segments])
     np.concatenate(list(map(_FLAGS[1], parts)), out=flags[:, segments:])
-    words = np.empty(room_words(ticks, table.shape[1] + flags.shape[1]), np.uint32)
+    lead = -first.first_tick % stride
+    if stride > 1:
+        table = table[lead::stride].copy()
+        flags = np.bitwise_or.reduceat(flags, [0, *range(lead + stride, ticks, stride)], axis=0)
+    words = np.empty(room_words(len(table), table.shape[1] + flags.shape[1]), np.uint32)
     used = kernel.pack_frames(words, table, table.view(np.uint64), columns.kinds, columns.pairs, flags)
     scale = {
-        "first_tick": first.first_tick,
+        "first_tick": first.first_tick + lead,
         "time_step_s": first.time_step_s,
         "floats": table.shape[1],
         "flags": flags.shape[1],
@@ -148,11 +155,18 @@ def pack(parts: Sequence[Frames]) -> tuple[bytes, dict[str, Any]]:
         scale["segment_sigma"] = True
     if has_point_sigma:
         scale["point_sigma"] = True
-    return words[:used].tobytes(), scale
+    if stride > 1:
+        scale["stride"] = stride
+    return words[:used].tobytes(), len(table), scale
+
+
+def stride_of(scale: dict[str, Any]) -> int:
+    """Return how many ticks of the session lie from one frame of a chunk to the next."""
+    return int(scale.get("stride", 1))
 
 
 def unpack(codec: str, data: bytes, scale: dict[str, Any], ticks: int, layout: FrameLayout) -> Frames:
-    """Restore frames.
+    """Restore frames; of a chunk with a stride they have the ticks of that coarser grid.
 
     Raises
     ------
@@ -160,7 +174,8 @@ def unpack(codec: str, data: bytes, scale: dict[str, Any], ticks: int, layout: F
         When the codec is unknown or the bytes are not those of such frames.
     """
     columns = columns_of(layout, bool(scale.get("segment_sigma")), bool(scale.get("point_sigma")))
-    segments = len(layout.segments)
+    segments, stride = len(layout.segments), stride_of(scale)
+    ticks //= stride
     shapes = (ticks, len(columns.kinds)), (ticks, segments + len(layout.angles))
     if (shapes[0][1], shapes[1][1]) != (scale["floats"], scale["flags"]):
         raise codecs.DamagedChunkError(say("stored.layout"))
@@ -179,12 +194,12 @@ def unpack(codec: str, data: bytes, scale: dict[str, Any], ticks: int, layout: F
     values = {name: table[:, place].reshape(ticks, *shape) for name, (place, shape) in columns.parts.items()}
     return Frames(
         layout=layout,
-        first_tick=scale["first_tick"],
-        time_step_s=scale["time_step_s"],
+        first_tick=scale["first_tick"] // stride,
+        time_step_s=scale["time_step_s"] * stride,
         segment_flags=flags[:, :segments],
         angle_flags=flags[:, segments:],
         **values,
     )
 
 
-__all__ = ["FLOAT32_FRAMES_CODEC", "FRAMES_CODEC", "pack", "unpack"]
+__all__ = ["FLOAT32_FRAMES_CODEC", "FRAMES_CODEC", "pack", "stride_of", "unpack"]

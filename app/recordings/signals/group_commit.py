@@ -46,7 +46,7 @@ from app.recordings.signals.buffers import (
 from app.recordings.signals.chunks import RAW_STREAM, check_packet
 from app.recordings.signals.metrics import WriterMetrics
 from app.recordings.signals.rows import AlreadyStoredError, write_batch, write_batches
-from app.recordings.signals.store import stored_ranges
+from app.recordings.signals.store import stored_ranges, strides_of
 from app.sentences import say
 from estimators.pipelines._contract import Frames
 
@@ -147,6 +147,7 @@ class GroupCommitWriter:
                     SignalChunk.session_id == session_id, SignalChunk.stream == RAW_STREAM
                 )
             )
+            strides = strides_of(connection, session_id)
         opened = OpenSession(
             session_id=session_id,
             seen=durable.copy(),
@@ -155,6 +156,7 @@ class GroupCommitWriter:
             on_failure=on_failure,
             next_chunk=0 if last is None else last + 1,
             head_start_s=self._chunk_s * next(self._shares),
+            strides=strides,
         )
         with self._lock:
             known = self._sessions.get(session_id)
@@ -188,7 +190,10 @@ class GroupCommitWriter:
             return True
 
     def append_frames(self, session_id: str, result_id: str, frames: Frames) -> bool:
-        """Take frames of a result; False when they were refused because the queue is half full."""
+        """Take frames of a result, all ticks of them; False when they were refused because the queue is half full.
+
+        Stored are those that the stride of the result keeps.
+        """
         size = (
             frames.q_room_segment.nbytes + frames.point_room_m.nbytes + 2 * frames.angle_rad.nbytes
         ) // 2 + 256

@@ -9,7 +9,7 @@ from heapq import heappop, heappush
 from typing import Any
 
 import numpy as np
-from sqlalchemy import Connection, Engine, Select, select
+from sqlalchemy import Connection, Engine, Executable, select
 from sqlalchemy.orm import Session
 
 from app.errors import NotFound
@@ -26,6 +26,7 @@ from app.recordings.signals.chunks import (
     layout_from_dict,
     merge_frames,
 )
+from app.recordings.signals.frame_codec import stride_of
 from app.sentences import say
 from estimators.pipelines._contract import Frames
 
@@ -87,7 +88,7 @@ def _read_chunk(source: Source, session_id: str, number: int) -> list[RawPacket]
     return decode_packets(EncodedChunk(*row))
 
 
-def _fetch(source: Source, query: Select[Any]) -> Sequence[Any]:
+def _fetch(source: Source, query: Executable) -> Sequence[Any]:
     if isinstance(source, Engine):
         with source.execution_options(read_only=True).connect() as connection:
             return connection.execute(query).all()
@@ -107,10 +108,24 @@ def stored_ranges(source: Source, session_id: str) -> SequenceRanges:
     return found
 
 
+def strides_of(source: Source, session_id: str) -> dict[str, int]:
+    """Return the stride of each result of a session."""
+    rows = _fetch(source, select(Result.id, Result.stride).where(Result.session_id == session_id))
+    return {str(result_id): int(stride) for result_id, stride in rows}
+
+
+def stored_step_s(result: Result) -> float:
+    """Return the time from one stored frame of a result to the next."""
+    return result.stride / float(result.setup["rate_hz"])
+
+
 def iterate_frames(
     session: Session, result: Result, start_s: float | None = None, end_s: float | None = None
 ) -> Iterable[Frames]:
-    """Yield a result's frames of the half-open session time `[start_s, end_s)`, chunk by chunk, in order."""
+    """Yield a result's frames of the half-open session time `[start_s, end_s)`, chunk by chunk, in order.
+
+    Their ticks are those of the grid that is stored: `stored_step_s` apart.
+    """
     layout = layout_from_dict(result.layout)
     query = (
         select(SignalChunk)
@@ -121,16 +136,17 @@ def iterate_frames(
         .order_by(SignalChunk.sequence)
         .execution_options(yield_per=16)
     )
-    step_s = 1.0 / float(result.setup["rate_hz"])
+    step_s, stride = stored_step_s(result), result.stride
     first = None if start_s is None else int(np.ceil(start_s / step_s - 1e-6))
     last = None if end_s is None else int(np.ceil(end_s / step_s - 1e-6))
     if first is not None:
         # The sequence is the first tick and a chunk never exceeds this many ticks.
-        query = query.where(SignalChunk.sequence > first - MAX_CHUNK_TICKS)
+        query = query.where(SignalChunk.sequence > first * stride - MAX_CHUNK_TICKS)
     if last is not None:
-        query = query.where(SignalChunk.sequence < last)
+        query = query.where(SignalChunk.sequence < last * stride)
     for chunk in session.scalars(query):
-        frames = decode_frames(chunk, layout)
+        # A chunk may be finer than its result says, never coarser.
+        frames = decode_frames(chunk, layout).every(stride // stride_of(chunk.scale))
         begin = 0 if first is None else first - frames.first_tick
         end = frames.tick_count if last is None else last - frames.first_tick
         part = frames.ticks(begin, end)
@@ -151,7 +167,15 @@ def read_frames(
         raise NotFound(say("result.not_found"))
     layout = layout_from_dict(result.layout)
     parts = list(iterate_frames(session, result, start_s, end_s))
-    return merge_frames(parts, layout, 1.0 / float(result.setup["rate_hz"]))
+    return merge_frames(parts, layout, stored_step_s(result))
 
 
-__all__ = ["iterate_frames", "read_frames", "read_packets", "read_packets_in_order", "stored_ranges"]
+__all__ = [
+    "iterate_frames",
+    "read_frames",
+    "read_packets",
+    "read_packets_in_order",
+    "stored_ranges",
+    "stored_step_s",
+    "strides_of",
+]

@@ -193,8 +193,9 @@ def test_a_killed_server_loses_nothing_acknowledged(
             assert "recording" in kinds
             for result in session.results:
                 _, tick = await frames_of(client, made.id, result.id)
-                assert np.array_equal(tick, np.arange(tick.size)), "frames of every tick, live ones too"
-                assert tick.size == simulated.truth.frames.tick_count
+                # Of what was shown live, every fourth tick is stored; across both restarts none is missing.
+                stride = 4 if result.kind == "live" else 1
+                assert np.array_equal(tick, np.arange(0, simulated.truth.frames.tick_count, stride))
 
     asyncio.run(run())
     for acknowledged, stored in acknowledged_at_kill:
