@@ -106,13 +106,7 @@ export type SensorProgress = Schemas['SensorProgress'];
 export type SensorFinding = Schemas['SensorFinding'];
 export type Differences = Schemas['DifferencesOut'];
 export type LiveMessage =
-  | LayoutMessage
-  | StateMessage
-  | HealthMessage
-  | EventMessage
-  | CalibrationMessage
-  | GuidanceMessage
-  | ErrorMessage;
+  LayoutMessage | StateMessage | HealthMessage | EventMessage | CalibrationMessage | GuidanceMessage | ErrorMessage;
 export type PlayerCommand = Schemas['PlayerCommand'];
 export type CameraCommand = Schemas['CameraCommand'];
 export type PlayerState = Schemas['PlayerState'];

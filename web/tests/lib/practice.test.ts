@@ -1,5 +1,5 @@
 import { expect, it } from 'vitest';
-import { activeText, scheduleText, weekText } from '../../src/lib/assessment/practice';
+import { activeText, isOpenToday, scheduleText, weekText } from '../../src/lib/assessment/practice';
 
 const week = (done: number, of: number, repetitions = 0, active = 0) => ({
   done_this_week: done,
@@ -33,4 +33,25 @@ it('says the days and times of a prescription', () => {
   expect(scheduleText({ days: [7], times: [] })).toBe('Sun');
   expect(scheduleText({ days: [1, 2, 3, 4, 5, 6, 7], times: [] })).toBe('Every day');
   expect(scheduleText({ days: [], times: [] })).toBe('');
+});
+
+it('is due on its days, once for each of its times', () => {
+  const of = (change: object) =>
+    isOpenToday({
+      days: [1, 3],
+      times: [],
+      is_due_today: true,
+      done_today: 0,
+      done_this_week: 0,
+      times_per_week: 2,
+      ...change,
+    });
+  expect(of({})).toBe(true);
+  expect(of({ done_today: 1, done_this_week: 1 })).toBe(false);
+  expect(of({ times: ['09:00', '17:00'], done_today: 1 })).toBe(true);
+  expect(of({ is_due_today: false })).toBe(false);
+  // What was missed on Monday is not made up by a full week elsewhere: Wednesday stays due.
+  expect(of({ done_this_week: 5 })).toBe(true);
+  expect(of({ days: [], done_this_week: 1 })).toBe(true);
+  expect(of({ days: [], done_this_week: 2, is_due_today: true })).toBe(false);
 });

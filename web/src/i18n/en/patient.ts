@@ -260,6 +260,8 @@ export const patient = {
   'mine.setsOf': '{sets} rounds, {repetitions} times each',
   'mine.left': { one: 'One session left this week', other: '{count} sessions left this week' },
   'mine.doneForWeek': 'Done for this week',
+  'mine.doneToday': 'Nothing more for today',
+  'mine.onDays': 'Your days: {days}',
   'mine.nothingTitle': 'Nothing to do today',
   'mine.nothingText': 'Your therapist has not given you exercises yet. They will appear here.',
   'mine.how': 'How it is going',

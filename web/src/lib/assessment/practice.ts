@@ -23,6 +23,19 @@ export function scheduleText({ days, times }: Pick<Prescription, 'days' | 'times
   return times.length ? t('practice.at', { days: on, times: listed(times) }) : on;
 }
 
+type Due = Pick<Prescription, 'days' | 'times' | 'is_due_today' | 'done_today' | 'done_this_week' | 'times_per_week'>;
+
+/** Whether as much was done this week as is prescribed. */
+export function isDoneForWeek(one: Pick<Prescription, 'done_this_week' | 'times_per_week'>): boolean {
+  return one.done_this_week >= one.times_per_week;
+}
+
+/** Whether it is still to be done today: on its days once for each of its times, otherwise until the week is full. */
+export function isOpenToday(one: Due): boolean {
+  if (!one.days?.length) return !isDoneForWeek(one);
+  return one.is_due_today && one.done_today < Math.max(1, one.times.length);
+}
+
 type Week = Pick<Prescription, 'done_this_week' | 'times_per_week' | 'repetitions_this_week' | 'active_s_this_week'>;
 
 /** Time of exercise: seconds below a minute, else whole minutes. */

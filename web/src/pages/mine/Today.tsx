@@ -19,7 +19,7 @@ import { t } from '../../i18n';
 import { isWalk } from '../../lib/exercises';
 import { kindFor } from '../../kinds';
 import { mainMeasure, plainProgress } from '../../lib/plain';
-import { weekText } from '../../lib/assessment/practice';
+import { isDoneForWeek, isOpenToday, scheduleText, weekText } from '../../lib/assessment/practice';
 import { isLive } from '../../lib/sessions';
 import { PlainProblem } from './PlainProblem';
 
@@ -38,7 +38,7 @@ function ExerciseCard({ prescription, patientId }: { prescription: Prescription;
   const exercise = exercises.data?.find((one) => one.id === prescription.exercise_id);
   const isWalked = isWalk(exercise?.movement);
   const kind = kindFor(exercise?.movement);
-  const isDone = prescription.done_this_week >= prescription.times_per_week;
+  const isDone = !isOpenToday(prescription);
   const start = () =>
     create.mutate(
       {
@@ -59,8 +59,10 @@ function ExerciseCard({ prescription, patientId }: { prescription: Prescription;
         <p className="small">{weekText(prescription)}</p>
         <p className="muted">
           {isDone
-            ? t('mine.doneForWeek')
-            : t('mine.left', { count: prescription.times_per_week - prescription.done_this_week })}
+            ? isDoneForWeek(prescription)
+              ? t('mine.doneForWeek')
+              : t('mine.onDays', { days: scheduleText(prescription) })
+            : t('mine.left', { count: Math.max(1, prescription.times_per_week - prescription.done_this_week) })}
         </p>
       </div>
       <Button
@@ -86,8 +88,8 @@ function Today({ me, patientId }: { me: Me; patientId: string }) {
   const sessions = usePatientSessions(patientId);
   const progress = useProgress(patientId, null);
   const running = sessions.data?.find((one) => isLive(one.state));
-  const due = (prescriptions.data ?? []).filter((one) => one.done_this_week < one.times_per_week);
-  const done = (prescriptions.data ?? []).filter((one) => one.done_this_week >= one.times_per_week);
+  const due = (prescriptions.data ?? []).filter(isOpenToday);
+  const done = (prescriptions.data ?? []).filter((one) => !isOpenToday(one));
   return (
     <Page
       narrow
@@ -96,7 +98,7 @@ function Today({ me, patientId }: { me: Me; patientId: string }) {
         prescriptions.data && prescriptions.data.length > 0
           ? due.length > 0
             ? t('mine.today', { count: due.length })
-            : t('mine.allDone')
+            : t(done.every(isDoneForWeek) ? 'mine.allDone' : 'mine.doneToday')
           : undefined
       }
     >
