@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from estimators._kernels import exponential, multiply, normalized
-from estimators.kernels import Record, borrowing
+from estimators._kernels import multiply, normalized
+from estimators.kernels import Record, borrowing, turn
 from estimators.orientation._strapdown_steps import Ticks
 from estimators.recording import Float, SampleQuality
 
@@ -17,8 +17,6 @@ _NEAR_CLIP = 1e-3
 _CLIP_SAMPLES = 6
 _LEAST_RANGE = (4.0, 18.0)
 """Smaller values, rad/s and m/s^2, are no device's limit: the smallest ranges are 245 deg/s and 2 g."""
-_SMALL_OFFSET = 1e-8
-"""Squared angle below which half of it is its sine, to 1e-13."""
 
 
 @borrowing()
@@ -37,10 +35,7 @@ def shown(memory: Record, q: Float, out: Float) -> None:
     ox, oy, oz = memory.offset[0], memory.offset[1], memory.offset[2]
     size = ox * ox + oy * oy + oz * oz
     if size > 0.0:
-        if size < _SMALL_OFFSET:
-            tw, tx, ty, tz = 1.0, 0.5 * ox, 0.5 * oy, 0.5 * oz
-        else:
-            tw, tx, ty, tz = exponential(ox, oy, oz)
+        tw, tx, ty, tz = turn(ox, oy, oz)
         w, x, y, z = multiply(tw, tx, ty, tz, w, x, y, z)
     out[0], out[1], out[2], out[3] = normalized(w, x, y, z)
 

@@ -2,8 +2,8 @@
 
 import math
 
-from estimators._kernels import Scalars4, exponential, multiply, normalized, rotate
-from estimators.kernels import Record, borrowing
+from estimators._kernels import Scalars4, multiply, normalized, rotate
+from estimators.kernels import Record, borrowing, turn
 from estimators.orientation.telemotion._records import BIAS, STATES
 from estimators.recording import Float
 
@@ -106,7 +106,7 @@ def integrate(
     wx = gx - memory.bias[0] + memory.gain[0] * gx + memory.gain[3] * gy + memory.gain[6] * gz
     wy = gy - memory.bias[1] + memory.gain[1] * gx + memory.gain[4] * gy + memory.gain[7] * gz
     wz = gz - memory.bias[2] + memory.gain[2] * gx + memory.gain[5] * gy + memory.gain[8] * gz
-    tw, tx, ty, tz = exponential(wx * step_s, wy * step_s, wz * step_s)
+    tw, tx, ty, tz = turn(wx * step_s, wy * step_s, wz * step_s)
     w, x, y, z = multiply(memory.q[0], memory.q[1], memory.q[2], memory.q[3], tw, tx, ty, tz)
     w, x, y, z = normalized(w, x, y, z)
     memory.q[0], memory.q[1], memory.q[2], memory.q[3] = w, x, y, z
