@@ -1,20 +1,23 @@
 """The caseload: one line a patient, with at most one reason to look, sorted by it.
 
-Reasons, the most urgent first: `declining` (the main measure fell by more than the minimal detectable change),
-`link_lost` (a session is open and nothing comes from its sensors), `not_practising`, `bad_data` (the last
-session failed or lost more than a tenth of its packets), `no_template`. That somebody streams is no worry: it
-stands beside the reason in `live_state` and ranks nobody.
+Reasons, the most urgent first: `pain` (the last session was stopped because it hurt), `declining` (the main measure
+fell by more than the minimal detectable change), `link_lost` (a session is open and nothing comes from its sensors),
+`compensation` (trunk or shoulder did more than in the template), `few_repetitions` (fewer than half of the prescribed
+ones were valid), `not_practising`, `bad_data` (the last session failed or lost more than a tenth of its packets),
+`no_template`. That somebody streams is no worry: it stands beside the reason in `live_state` and ranks nobody. Each
+line offers one next action, which follows from these.
 """
 
 from collections import defaultdict
 from dataclasses import dataclass
 from datetime import datetime, timedelta, tzinfo
-from typing import Any, Literal
+from typing import Any, Final, Literal, get_args
 
 from sqlalchemy import func, or_, select
 from sqlalchemy.orm import Session
 
 from app.accounts.subject import Subject
+from app.assessment.course.attention import Last, last_sessions
 from app.assessment.measures import SessionValue, by_patient, pooled_spread, recent_change, session_values
 from app.assessment.practice import ADHERENCE_WINDOW, WHEN, Done, adherence, done_since, last_done, zone_of
 from app.assessment.progress import band, dose, main_measure
@@ -29,8 +32,31 @@ from app.recordings.models import MotionSession
 from app.sentences import say
 from estimators.comparison import measure_label
 
-Reason = Literal["declining", "link_lost", "not_practising", "bad_data", "no_template", ""]
-ORDER: tuple[Reason, ...] = ("declining", "link_lost", "not_practising", "bad_data", "no_template", "")
+Reason = Literal[
+    "pain",
+    "declining",
+    "link_lost",
+    "compensation",
+    "few_repetitions",
+    "not_practising",
+    "bad_data",
+    "no_template",
+    "",
+]
+ORDER: Final[tuple[Reason, ...]] = get_args(Reason)
+Action = Literal[
+    "watch", "open_live", "replay", "progress", "contact", "record_template", "prescribe", "open"
+]
+_ACTIONS: Final[dict[Reason, Action]] = {
+    "pain": "replay",
+    "declining": "progress",
+    "link_lost": "open_live",
+    "compensation": "replay",
+    "few_repetitions": "replay",
+    "not_practising": "contact",
+    "bad_data": "replay",
+    "no_template": "record_template",
+}
 LiveState = Literal["streaming", "link_lost"]
 
 LIVE_STATES = ("calibrating", "ready", "recording", "link_lost")
@@ -100,6 +126,7 @@ def caseload(session: Session, subject: Subject, default_zone: str, page: Page) 
     values = by_patient(
         session_values(session, ids, measures=sorted({main_measure(e) for e in mains.values()}))
     )
+    lasts = last_sessions(session, [one.last for one in sessions.values() if one.last is not None])
     lines = []
     for patient in patients:
         exercise = mains.get(patient.id)
@@ -111,7 +138,7 @@ def caseload(session: Session, subject: Subject, default_zone: str, page: Page) 
             and value.measure == main_measure(exercise)
         ]
         given, found = prescriptions[patient.id], sessions[patient.id]
-        reason, text = _reason([p for p, _ in given], found, own, with_version, now)
+        reason, text = _reason(given, found, own, with_version, now, lasts.get(patient.id))
         lines.append(_Line(patient, given, found, own, exercise, reason, text))
     lines.sort(key=lambda line: line.place)
     shown = page.cut(lines, lambda line: line.place)
@@ -142,21 +169,47 @@ def _row(line: _Line, done: list[Done], now: datetime, zone: tzinfo) -> Caseload
         adherence_percent=adherence([p for p, _ in line.prescriptions], done, now, zone),
         reason=line.reason,
         reason_text=line.text,
+        action=_action(line),
+        action_session_id=_action_session(line),
     )
 
 
+def _action(line: _Line) -> Action:
+    """Return the one thing to do next: with whom moves now, with what the reason is, or with what is lacking."""
+    if line.sessions.live_state == "streaming":
+        return "watch"
+    if line.reason == "bad_data" and line.sessions.last is not None and line.sessions.last.state == "failed":
+        return "contact"
+    return _ACTIONS.get(line.reason) or ("open" if line.prescriptions else "prescribe")
+
+
+def _action_session(line: _Line) -> str | None:
+    action = _action(line)
+    if action in {"watch", "open_live"}:
+        return line.sessions.live_id
+    return line.sessions.last.id if action == "replay" and line.sessions.last is not None else None
+
+
 def _reason(
-    prescriptions: list[Prescription],
+    given: list[tuple[Prescription, Exercise]],
     sessions: _Sessions,
     values: list[SessionValue],
     with_version: set[str],
     now: datetime,
+    last: Last | None,
 ) -> tuple[Reason, str]:
+    prescriptions = [prescription for prescription, _ in given]
+    if last is not None and last.has_pain:
+        return "pain", say("caseload.pain")
     moved = recent_change(values)
     if moved.is_real and moved.difference is not None and moved.difference < 0.0:
         return "declining", say("caseload.declining")
     if sessions.live_state == "link_lost":
         return "link_lost", say("caseload.link_lost")
+    if last is not None and last.compensation:
+        return "compensation", last.compensation
+    if last is not None and (text := last.too_few(given)):
+        return "few_repetitions", text
     quiet = _quiet_for(prescriptions, sessions, now)
     if quiet is not None:
         return "not_practising", say("caseload.not_practising", count=quiet.days)

@@ -11,6 +11,7 @@ from sqlalchemy.orm import Session
 
 from app.accounts import audit
 from app.accounts.subject import Subject
+from app.assessment.course.attention import PAIN
 from app.assessment.course.bands import bands_of, other_side_values, walked_other_side
 from app.assessment.measures import (
     BASELINE,
@@ -27,6 +28,7 @@ from app.errors import NotFound
 from app.exercises.models import Exercise, Prescription, Template, TemplateVersion
 from app.patients.access import require_patient
 from app.patients.models import Patient
+from app.recordings.models import SessionEvent
 from app.sentences import Sentence, say
 from estimators.comparison import measure_label
 from estimators.gait import GUIDED_KINDS
@@ -165,7 +167,7 @@ def _events(
 ) -> list[ProgressEvent]:
     if exercise_id is None:
         return []
-    events = _estimator_events(values)
+    events = [*_estimator_events(values), *_pain_events(session, values)]
     used = {value.template_version_id for value in values}
     versions = session.execute(
         select(TemplateVersion.id, TemplateVersion.created_at, TemplateVersion.number, Template)
@@ -198,6 +200,15 @@ def _estimator_events(values: list[SessionValue]) -> list[ProgressEvent]:
             text = say("progress.estimator", estimator=new[0], version=new[1], pipeline=new[2])
             events.append(ProgressEvent(at=after.at, kind="estimator", text=text))
     return events
+
+
+def _pain_events(session: Session, values: list[SessionValue]) -> list[ProgressEvent]:
+    """Mark the sessions that were stopped because it hurt."""
+    at = {value.session_id: value.at for value in values}
+    hurt = session.scalars(
+        select(SessionEvent.session_id).where(SessionEvent.session_id.in_(at), SessionEvent.kind == PAIN)
+    )
+    return [ProgressEvent(at=at[one], kind="pain", text=say("progress.pain")) for one in sorted(set(hurt))]
 
 
 def dose(prescription: Prescription, movement: str) -> Sentence:

@@ -93,8 +93,24 @@ class CaseloadRow(Spoken):
     trend_low: list[float]
     trend_high: list[float]
     adherence_percent: float | None
-    reason: Literal["declining", "link_lost", "not_practising", "bad_data", "no_template", ""]
+    reason: Literal[
+        "pain",
+        "declining",
+        "link_lost",
+        "compensation",
+        "few_repetitions",
+        "not_practising",
+        "bad_data",
+        "no_template",
+        "",
+    ]
     reason_text: str
+    action: Literal[
+        "watch", "open_live", "replay", "progress", "contact", "record_template", "prescribe", "open"
+    ]
+    """The one thing to do next."""
+    action_session_id: str | None
+    """Of `watch`, `open_live` and `replay`."""
 
 
 class ProgressPoint(Schema):
@@ -155,7 +171,7 @@ class ProgressEvent(Spoken):
     """Something pinned to the time axis."""
 
     at: datetime
-    kind: Literal["template", "estimator", "prescription"]
+    kind: Literal["template", "estimator", "prescription", "pain"]
     text: str
 
 

@@ -34,6 +34,10 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     "exercise.angle": "The primary angle is not a joint angle of the {side:side} side; choose one from the"
     " list.",
     "comparison.no_template": "No template is prescribed, so there was no comparison.",
+    "caseload.pain": "The last session was stopped because it hurt.",
+    "caseload.compensation_angle": "{channel:channel}: {more_rad:deg} more than in the template.",
+    "caseload.compensation_length": "{channel:channel}: {more_m:cm} more than in the template.",
+    "caseload.few_repetitions": "{valid} of {count} prescribed repetitions were valid in the last session.",
     "caseload.declining": "The range has decreased by more than sessions differ by chance.",
     "caseload.link_lost": "A session is open, but no data comes from the sensors.",
     "caseload.not_practising": {
@@ -49,6 +53,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     },
     "progress.norm_confidence": "Healthy people of {first} to {last} years, mean with its 95 % interval ({source})",
     "progress.norm_means": "Means of healthy men and women of {first} to {last} years ({source})",
+    "progress.pain": "Stopped because it hurt",
     "progress.template": "Template {name}, version {number}",
     "progress.prescribed": "Prescribed: {dose}",
     "progress.estimator": "Estimator {estimator} {version}, pipeline {pipeline}",

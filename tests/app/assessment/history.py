@@ -41,6 +41,8 @@ class History:
             )
             session.add(version)
         self.template_id, self.version_id = template.id, version.id
+        self.summary = []
+        """Of the comparisons that are made from now on."""
 
     def prescribe(self, days_ago, times_per_week=5, template=True, patient_id=None):
         return self.prescribe_at(utc_now() - timedelta(days=days_ago), times_per_week, template, patient_id)
@@ -107,7 +109,7 @@ class History:
             template_version_id=self.version_id,
             version="1",
             repetition_count=len(values),
-            summary={},
+            summary={"measures": self.summary},
             content=b"",
         )
         session.add(comparison)

@@ -15,6 +15,7 @@ from app.assessment.progress import dose
 from app.database.base import new_id, utc_now
 from app.database.unit_of_work import read_only, unit_of_work
 from app.exercises.models import Prescription
+from app.recordings.models import SessionEvent
 
 from .history import MEASURE, History, reason_declining
 
@@ -200,9 +201,41 @@ def reason_no_template(history):
     history.prescribe(2, template=False)
 
 
+def reason_pain(history):
+    session_id = history.session(1, [1.0, 1.1])
+    with unit_of_work(history.engine) as session:
+        session.add(SessionEvent(session_id=session_id, kind="pain", time_s=20.0))
+
+
+def leaned(value, uncertainty=1.0, unit="deg", measure="compensation:trunk_lean_forward_rad"):
+    return {
+        "measure": measure,
+        "label": "",
+        "group": "compensation",
+        "value": value,
+        "template_value": 4.0 if unit == "deg" else 0.01,
+        "unit": unit,
+        "uncertainty": uncertainty,
+        "count": 4,
+    }
+
+
+def reason_compensation(history):
+    history.summary = [leaned(14.0)]
+    history.session(1, [1.0, 1.1])
+
+
+def reason_few_repetitions(history):
+    history.prescribe(2)
+    history.session(1, [1.0, 1.1], valid_repetitions=4)
+
+
 @pytest.mark.parametrize(
     ("reason", "arrange"),
     [
+        ("pain", reason_pain),
+        ("compensation", reason_compensation),
+        ("few_repetitions", reason_few_repetitions),
         ("declining", reason_declining),
         ("link_lost", reason_link_lost),
         ("not_practising", reason_not_practising),
@@ -215,6 +248,62 @@ def test_each_reason_to_look(history, therapist, world, reason, arrange):
     row = line(therapist, world)
     assert row["reason"] == reason
     assert row["reason_text"]
+    assert (
+        row["action"]
+        == {
+            "pain": "replay",
+            "compensation": "replay",
+            "few_repetitions": "replay",
+            "declining": "progress",
+            "link_lost": "open_live",
+            "not_practising": "contact",
+            "bad_data": "replay",
+            "no_template": "record_template",
+        }[reason]
+    )
+    assert (row["action_session_id"] is not None) is (row["action"] in {"replay", "open_live"})
+
+
+@pytest.mark.parametrize(
+    ("summary", "said"),
+    [
+        ([leaned(8.9)], None),
+        ([leaned(14.0, uncertainty=12.0)], None),
+        ([leaned(14.0, uncertainty=None)], "caseload.compensation_angle"),
+        ([leaned(0.06, 0.005, "m", "compensation:shoulder_hike_right_m")], "caseload.compensation_length"),
+        ([leaned(0.03, 0.005, "m", "compensation:shoulder_hike_right_m")], None),
+        ([leaned(None)], None),
+    ],
+)
+def test_compensation_within_its_uncertainty_is_no_reason(history, therapist, world, summary, said):
+    """Ten degrees more known to twelve over root four are no more than chance."""
+    history.summary = summary
+    history.session(1, [1.0, 1.1])
+    row = line(therapist, world)
+    assert row["reason"] == ("compensation" if said else "")
+    if said:
+        assert row["sentences"]["reason_text"]["code"] == said
+
+
+def test_half_of_the_prescribed_repetitions_are_enough(history, therapist, world):
+    history.prescribe(2)
+    history.session(1, [1.0, 1.1], valid_repetitions=5)
+    assert line(therapist, world)["reason"] == ""
+
+
+def test_pain_is_pinned_to_the_axis(history, therapist, world):
+    reason_pain(history)
+    found = therapist.get(f"/api/patients/{world.patient_id}/progress").json()
+    assert "pain" in {event["kind"] for event in found["events"]}
+
+
+def test_each_line_offers_one_action(history, therapist, world):
+    assert line(therapist, world)["action"] == "prescribe"
+    history.prescribe(1)
+    assert line(therapist, world)["action"] == "open"
+    session_id = history.session(0, state="recording")
+    row = line(therapist, world)
+    assert (row["action"], row["action_session_id"]) == ("watch", session_id)
 
 
 def test_the_most_urgent_reason_wins_and_sorts(history, therapist, world):

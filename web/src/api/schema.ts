@@ -2397,6 +2397,13 @@ export interface components {
          * @description One line of the caseload.
          */
         CaseloadRow: {
+            /**
+             * Action
+             * @enum {string}
+             */
+            action: "watch" | "open_live" | "replay" | "progress" | "contact" | "record_template" | "prescribe" | "open";
+            /** Action Session Id */
+            action_session_id: string | null;
             /** Adherence Percent */
             adherence_percent: number | null;
             /** Affected Side */
@@ -2423,7 +2430,7 @@ export interface components {
              * Reason
              * @enum {string}
              */
-            reason: "declining" | "link_lost" | "not_practising" | "bad_data" | "no_template" | "";
+            reason: "pain" | "declining" | "link_lost" | "compensation" | "few_repetitions" | "not_practising" | "bad_data" | "no_template" | "";
             /** Reason Text */
             reason_text: string;
             /** Sentences */
@@ -4365,7 +4372,7 @@ export interface components {
              * Kind
              * @enum {string}
              */
-            kind: "template" | "estimator" | "prescription";
+            kind: "template" | "estimator" | "prescription" | "pain";
             /** Sentences */
             sentences?: {
                 [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];

@@ -1,9 +1,12 @@
 // Small signs that never rely on colour: each has a shape and a word.
 import {
   IconArrowDownRight,
+  IconArrowsDiagonal,
   IconBroadcast,
   IconCalendarOff,
+  IconMoodSad,
   IconPlugConnectedX,
+  IconRepeatOff,
   IconRouteOff,
   IconWifiOff,
 } from '@tabler/icons-react';
@@ -26,8 +29,11 @@ export function SideMark({ side }: { side: Side | null }) {
 }
 
 const REASONS = {
+  pain: { Icon: IconMoodSad, tone: 'tag-alert' },
   declining: { Icon: IconArrowDownRight, tone: 'tag-alert' },
   link_lost: { Icon: IconPlugConnectedX, tone: 'tag-alert' },
+  compensation: { Icon: IconArrowsDiagonal, tone: '' },
+  few_repetitions: { Icon: IconRepeatOff, tone: '' },
   bad_data: { Icon: IconWifiOff, tone: '' },
   not_practising: { Icon: IconCalendarOff, tone: '' },
   no_template: { Icon: IconRouteOff, tone: '' },

@@ -11,7 +11,7 @@ import { Page } from '../components/Page';
 import { useSignedIn } from '../components/account/useSignedIn';
 import { t } from '../i18n';
 import { day, number, quantity } from '../lib/format';
-import { matches, type CaseloadFilter } from '../lib/assessment/caseload';
+import { actionPath, matches, type CaseloadFilter } from '../lib/assessment/caseload';
 import { ArchivedPatients } from './patient/ArchivedPatients';
 
 function Practised({ percent }: { percent: number | null }) {
@@ -45,12 +45,9 @@ function Row({ row }: { row: CaseloadRow }) {
             {row.reason_text && <span className="reason-text">{row.reason_text}</span>}
           </>
         )}
-        {row.live_session_id && row.live_state && (
+        {row.live_session_id && row.live_state && row.reason !== 'link_lost' && (
           <div className="live-now">
-            {row.reason !== 'link_lost' && <LiveMark state={row.live_state} />}
-            <Button component={Link} to={`/sessions/${row.live_session_id}/live`} size="sm" className="above">
-              {t(row.live_state === 'streaming' ? 'caseload.watch' : 'caseload.openSession')}
-            </Button>
+            <LiveMark state={row.live_state} />
           </div>
         )}
       </td>
@@ -77,6 +74,18 @@ function Row({ row }: { row: CaseloadRow }) {
       <td data-label={t('caseload.last')}>{day(row.last_session_at ?? null)}</td>
       <td data-label={t('caseload.due')} className="wide">
         {row.due || <span className="muted">{t('caseload.nothingDue')}</span>}
+      </td>
+      <td className="wide next-action">
+        <Button
+          component={Link}
+          to={actionPath(row)}
+          size="sm"
+          variant={row.reason === '' && row.action !== 'watch' ? 'default' : 'filled'}
+          className="above"
+          aria-label={t('caseload.actionOf', { action: t(`caseload.action.${row.action}`), name })}
+        >
+          {t(`caseload.action.${row.action}`)}
+        </Button>
       </td>
     </tr>
   );
@@ -173,6 +182,7 @@ function Rows({ rows, of }: { rows: CaseloadRow[]; of: ReturnType<typeof useCase
               <th scope="col">{t('caseload.practised')}</th>
               <th scope="col">{t('caseload.last')}</th>
               <th scope="col">{t('caseload.due')}</th>
+              <th scope="col">{t('caseload.next')}</th>
             </tr>
           </thead>
           <tbody>

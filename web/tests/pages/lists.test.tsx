@@ -35,6 +35,8 @@ const row = (name: string, reason = '') => ({
   adherence_percent: null,
   reason,
   reason_text: '',
+  action: 'open',
+  action_session_id: null,
   live_session_id: null,
   live_state: null,
 });

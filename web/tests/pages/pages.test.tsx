@@ -27,6 +27,8 @@ const row = (change: Partial<CaseloadRow>): CaseloadRow => ({
   adherence_percent: 54,
   reason: '',
   reason_text: '',
+  action: 'open',
+  action_session_id: null,
   ...change,
 });
 
@@ -42,9 +44,17 @@ describe('caseload', () => {
             affected_side: 'left',
             reason: 'declining',
             reason_text: 'The range fell.',
+            action: 'progress',
           }),
           row({}),
-          row({ patient_id: 'r', given_name: 'Noor', live_session_id: 's', live_state: 'streaming' }),
+          row({
+            patient_id: 'r',
+            given_name: 'Noor',
+            live_session_id: 's',
+            live_state: 'streaming',
+            action: 'watch',
+            action_session_id: 's',
+          }),
         ],
       },
     });
@@ -53,6 +63,9 @@ describe('caseload', () => {
     const first = within(lines[0] as HTMLElement);
     expect(first.getByRole('link', { name: 'Tomasz Lind' })).toHaveProperty('pathname', '/patients/q');
     expect(first.getByText('Declining')).toBeTruthy();
+    expect(first.getByRole('link', { name: 'See progress: Tomasz Lind' })).toHaveProperty('pathname', '/patients/q');
+    // The patient's name leads to the patient; beside it a line offers one thing to do.
+    for (const line of lines) expect(within(line).getAllByRole('link')).toHaveLength(2);
     expect(first.getByText('Left side affected')).toBeTruthy();
     expect(first.getByRole('img').textContent).toMatch(/2 sessions, from 50° to 58°/);
     // Who exercises now has a line and a filter of their own: the sentence and the filter count the same people.
@@ -74,11 +87,7 @@ describe('caseload', () => {
     const lines = (await screen.findAllByRole('row'))
       .slice(1)
       .map((line) => (line.children[1] as HTMLElement).textContent);
-    expect(lines).toEqual([
-      'DecliningSignal lostOpen the session',
-      'DecliningLive nowWatch live',
-      'Signal lostOpen the session',
-    ]);
+    expect(lines).toEqual(['DecliningSignal lost', 'DecliningLive now', 'Signal lost']);
   });
 
   it('tells in a demonstration how far its past sessions are, and elsewhere nothing', async () => {
