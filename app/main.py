@@ -19,6 +19,7 @@ from app.accounts.pairing import PairingBook
 from app.accounts.refusals import RefusedSignIns
 from app.accuracy import router as accuracy_router
 from app.assessment.comparisons import compare_task
+from app.assessment.course.endpoints import router as course_router
 from app.assessment.design.endpoints import router as design_router
 from app.assessment.endpoints import router as assessment_router
 from app.assessment.patient_endpoints import router as follow_up_router
@@ -230,6 +231,7 @@ def all_routers() -> list[APIRouter]:
         markers_router,
         assessment_router,
         design_router,
+        course_router,
         follow_up_router,
         accuracy_router,
         demonstration_router,

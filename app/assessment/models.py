@@ -42,3 +42,14 @@ class RepetitionMeasure(Base):
     value: Mapped[float] = mapped_column(Float)
     uncertainty: Mapped[float | None] = mapped_column(Float)
     unit: Mapped[str] = mapped_column(String(12))
+
+
+class CourseNote(Identified, Base):
+    """Words of a therapist about a course of therapy; the newest stand in the report, earlier ones stay."""
+
+    __tablename__ = "course_note"
+
+    patient_id: Mapped[str] = mapped_column(ForeignKey("patient.id", ondelete="CASCADE"), index=True)
+    exercise_id: Mapped[str] = mapped_column(ForeignKey("exercise.id"))
+    text: Mapped[str] = mapped_column(String(4000))
+    written_by: Mapped[str] = mapped_column(String(32))

@@ -177,6 +177,14 @@ LINES: tuple[Line, ...] = (
     ),
     patient("GET", "/api/patients/{patient_id}/export", READ),
     patient("GET", "/api/patients/{patient_id}/progress", READ),
+    patient("GET", "/api/patients/{patient_id}/course", READ, query={"exercise_id": "{exercise_id}"}),
+    patient(
+        "POST",
+        "/api/patients/{patient_id}/course-notes",
+        TREAT,
+        body={"exercise_id": "{exercise_id}", "text": "Reaches further."},
+        status=201,
+    ),
     patient("GET", "/api/patients/{patient_id}/grants", READ),
     patient(
         "POST",

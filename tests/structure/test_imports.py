@@ -61,6 +61,7 @@ ALLOWED = {
         "assessment",
     },
     "assessment": FOUNDATION
+    | {"version"}
     | {
         "time_zones",
         "accounts",

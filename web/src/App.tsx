@@ -71,6 +71,10 @@ export const routes: RouteObject[] = [
             lazy: async () => ({ Component: (await import('./kinds/walk/ConditionsPage')).ConditionsPage }),
           },
           {
+            path: 'patients/:patientId/report',
+            lazy: async () => ({ Component: (await import('./pages/report/CoursePage')).CoursePage }),
+          },
+          {
             path: 'sessions/:sessionId/estimators',
             lazy: async () => ({ Component: (await import('./pages/session/replay/EstimatorsPage')).EstimatorsPage }),
           },

@@ -14,6 +14,7 @@ from app.accounts.consents import list_consents
 from app.accounts.device_tokens import list_device_tokens
 from app.accounts.subject import Subject
 from app.assessment import comparisons
+from app.assessment.course.report import notes_of
 from app.assessment.design import shown
 from app.assessment.exports.movement import reading, write_movement
 from app.assessment.models import Comparison
@@ -122,6 +123,7 @@ def _master(session: Session, subject: Subject, patient: Patient, default_zone: 
         "prescriptions": [
             _plain(one) for one in list_prescriptions(session, subject, patient.id, default_zone)
         ],
+        "course_notes": [_plain(one) for one in notes_of(session, patient.id)],
         "templates": [
             {"name": name, "version": number, "made_at": made.isoformat()}
             for name, number, made in session.execute(

@@ -19,6 +19,8 @@ export const keys = {
   patients: ['patients'] as const,
   archived: ['patients', 'archived'] as const,
   patient: (id: string) => ['patients', id] as const,
+  course: (id: string, exerciseId: string) => ['patients', id, 'course', exerciseId] as const,
+  version: ['version'] as const,
   progress: (id: string, exerciseId: string | null) => ['patients', id, 'progress', exerciseId] as const,
   patientSessions: (id: string) => ['patients', id, 'sessions'] as const,
   prescriptions: (id: string) => ['patients', id, 'prescriptions'] as const,
@@ -165,6 +167,19 @@ export const useProgress = (id: string, exerciseId: string | null) =>
   useGet<Wire.Progress>(
     keys.progress(id, exerciseId),
     withQuery(`/api/patients/${id}/progress`, { exercise_id: exerciseId }),
+  );
+export const useCourse = (id: string, exerciseId: string | null) =>
+  useGet<Wire.Course>(
+    keys.course(id, exerciseId ?? ''),
+    withQuery(`/api/patients/${id}/course`, { exercise_id: exerciseId }),
+    { enabled: exerciseId !== null },
+  );
+/** Version of the software that answers. */
+export const useVersion = () => useGet<{ version: string }>(keys.version, '/api/health');
+export const useWriteCourseNote = (id: string) =>
+  useChange(
+    (input: Wire.CourseNoteIn) => api.post<Wire.CourseNote>(`/api/patients/${id}/course-notes`, input),
+    () => [['patients', id, 'course']],
   );
 export const usePatientSessions = (id: string, enabled = true) =>
   usePages<Wire.Session>(keys.patientSessions(id), `/api/patients/${id}/sessions`, { enabled: enabled && id !== '' });

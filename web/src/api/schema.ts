@@ -648,6 +648,46 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/patients/{patient_id}/course": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Read Course
+         * @description Return what a course of therapy in one exercise was, with the therapist's words.
+         */
+        get: operations["read_course_api_patients__patient_id__course_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/patients/{patient_id}/course-notes": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Create Course Note
+         * @description Store the therapist's words for the report; earlier ones stay stored.
+         */
+        post: operations["create_course_note_api_patients__patient_id__course_notes_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/patients/{patient_id}/device-tokens": {
         parameters: {
             query?: never;
@@ -2636,6 +2676,70 @@ export interface components {
              * @enum {string}
              */
             purpose: "treatment" | "research" | "home_streaming";
+        };
+        /**
+         * CourseNoteIn
+         * @description Words of the therapist for the report; they take the place of earlier ones, which stay stored.
+         */
+        CourseNoteIn: {
+            /** Exercise Id */
+            exercise_id: string;
+            /** Text */
+            text: string;
+        };
+        /**
+         * CourseNoteOut
+         * @description The words, who wrote them and when.
+         */
+        CourseNoteOut: {
+            /**
+             * Created At
+             * Format: date-time
+             */
+            created_at: string;
+            /** Exercise Id */
+            exercise_id: string;
+            /** Id */
+            id: string;
+            /** Text */
+            text: string;
+            /** Written By */
+            written_by: string;
+        };
+        /**
+         * CourseOut
+         * @description What a course of therapy in one exercise was; its measures are those of progress.
+         */
+        CourseOut: {
+            /** Active S */
+            active_s: number;
+            /** Adherence Percent */
+            adherence_percent: number | null;
+            /** Exercise Id */
+            exercise_id: string;
+            /** Exercise Name */
+            exercise_name: string;
+            /** First At */
+            first_at: string | null;
+            /** First Comparison Id */
+            first_comparison_id: string | null;
+            /** Last At */
+            last_at: string | null;
+            /** Last Comparison Id */
+            last_comparison_id: string | null;
+            note: components["schemas"]["CourseNoteOut"] | null;
+            /** Prescribed */
+            prescribed: string[];
+            /** Sentences */
+            sentences?: {
+                [key: string]: components["schemas"]["SentenceOut"] | (components["schemas"]["SentenceOut"] | string)[];
+            };
+            /** Service Version */
+            service_version: string;
+            /** Session Count */
+            session_count: number;
+            /** Valid Repetitions */
+            valid_repetitions: number;
         };
         /**
          * CsvColumn
@@ -6933,6 +7037,74 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["ConsentOut"][];
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            404: components["responses"]["Error404"];
+            408: components["responses"]["Error408"];
+            409: components["responses"]["Error409"];
+            413: components["responses"]["Error413"];
+            422: components["responses"]["Error422"];
+            429: components["responses"]["Error429"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    read_course_api_patients__patient_id__course_get: {
+        parameters: {
+            query: {
+                exercise_id: string;
+            };
+            header?: never;
+            path: {
+                patient_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CourseOut"];
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            404: components["responses"]["Error404"];
+            409: components["responses"]["Error409"];
+            422: components["responses"]["Error422"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    create_course_note_api_patients__patient_id__course_notes_post: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description From /api/me; browsers send it with every change, devices do not. */
+                "X-CSRF-Token"?: string;
+            };
+            path: {
+                patient_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["CourseNoteIn"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CourseNoteOut"];
                 };
             };
             401: components["responses"]["Error401"];

@@ -27,6 +27,9 @@ export type ConsentIn = Schemas['ConsentIn'];
 export type AuditEntry = Schemas['AuditOut'];
 export type Ticket = Schemas['TicketOut'];
 
+export type Course = Schemas['CourseOut'];
+export type CourseNoteIn = Schemas['CourseNoteIn'];
+export type CourseNote = Schemas['CourseNoteOut'];
 export type CaseloadRow = Schemas['CaseloadRow'];
 export type Demonstration = Schemas['HistoryOut'];
 export type Patient = Schemas['PatientOut'];

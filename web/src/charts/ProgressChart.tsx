@@ -4,10 +4,8 @@ import type uPlot from 'uplot';
 import type { ProgressEvent, ProgressMeasure } from '../api/types';
 import { t } from '../i18n';
 import { date, dateTime, difference, displayUnit, number, quantity, span, tick } from '../lib/format';
+import { BASELINE } from '../lib/assessment/baseline';
 import { axis, Plot, themeColour, type PlotOptions } from './Plot';
-
-/** Sessions that show how much one differs from another. */
-export const BASELINE = 3;
 
 const seconds = (at: string) => new Date(at).getTime() / 1000;
 

@@ -103,6 +103,8 @@ export const patient = {
   'audit.prescription.create': 'prescribed an exercise',
   'audit.prescription.end': 'ended a prescription',
   'audit.prescription.list': 'viewed the prescriptions',
+  'audit.course.read': 'viewed the report of the course',
+  'audit.course.note': 'wrote into the report of the course',
   'audit.progress.read': 'viewed the progress',
   'audit.session.calibrate': 'calibrated the sensors',
   'audit.session.close': 'ended a session',

@@ -107,6 +107,11 @@ export function ProgressPanel({ patientId, mayTreat }: { patientId: string; mayT
           />
         )}
       </div>
+      {progress.data?.exercise_id && progress.data.measures.length > 0 && (
+        <p>
+          <Link to={`/patients/${patientId}/report?exercise=${progress.data.exercise_id}`}>{t('course.open')}</Link>
+        </p>
+      )}
       <Answer of={progress} lines={6} height={50}>
         {(data) => <Measures progress={data} patientId={patientId} mayTreat={mayTreat} />}
       </Answer>

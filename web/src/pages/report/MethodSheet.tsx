@@ -1,3 +1,4 @@
+import { useVersion } from '../../api/queries';
 import type { Estimator, Exercise, TemplateVersionDetail } from '../../api/types';
 import { t } from '../../i18n';
 import { channelLabel, placementLabel } from '../../lib/channels';
@@ -14,6 +15,7 @@ interface MethodProps extends ReportProps {
 
 /** Sheet 3: how it was measured, how good the data is, how the numbers are meant. */
 export function MethodSheet({ session, patient, comparison, template, estimators, exercise }: MethodProps) {
+  const version = useVersion().data?.version;
   const result = session.results.find((one) => one.id === (comparison?.result_id ?? session.main_result_id)) ?? null;
   const estimator = estimators.find((one) => one.name === result?.orientation);
   const all = session.packets_stored + session.packets_missing;
@@ -77,6 +79,7 @@ export function MethodSheet({ session, patient, comparison, template, estimators
       number={comparison && comparison.repetitions.length > 0 ? 3 : 2}
       session={session}
       patient={patient}
+      version={version}
     >
       <dl className="paper-method">
         {lines.map(([name, value]) => (

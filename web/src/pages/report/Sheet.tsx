@@ -10,8 +10,17 @@ export function Sheet({
   number,
   session,
   patient,
+  version,
   children,
-}: { title: string; number: number; children: ReactNode } & Pick<ReportProps, 'session' | 'patient'>) {
+}: {
+  title: string;
+  number: number;
+  children: ReactNode;
+  /** Absent of a course, which is many sessions. */
+  session?: ReportProps['session'];
+  /** Of the software that made the report. */
+  version?: string | undefined;
+} & Pick<ReportProps, 'patient'>) {
   const id = useId();
   const me = useSignedIn();
   return (
@@ -28,7 +37,9 @@ export function Sheet({
         <span>{me.clinic_name}</span>
         <span>{t('report.made', { date: date(new Date(), new Date(0)), name: me.display_name })}</span>
         <span>
-          {t('report.session', { id: session.id.slice(0, 8) })} · {t('report.page', { number })}
+          {session && <>{t('report.session', { id: session.id.slice(0, 8) })} · </>}
+          {version && <>{t('report.software', { version })} · </>}
+          {t('report.page', { number })}
         </span>
       </footer>
     </section>

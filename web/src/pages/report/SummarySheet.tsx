@@ -1,10 +1,11 @@
 import type { MeasureValue, ProgressMeasure } from '../../api/types';
 import { PaperProgress } from '../../charts/PaperChart';
-import { BASELINE, changeText } from '../../charts/ProgressChart';
+import { changeText } from '../../charts/ProgressChart';
 import { SideMark } from '../../components/Marks';
 import { t } from '../../i18n';
 import { dateTime, difference, duration, quantity, uncertain } from '../../lib/format';
 import { mainMeasure } from '../../lib/plain';
+import { BASELINE } from '../../lib/assessment/baseline';
 import { reportRows } from '../../lib/assessment/report';
 import type { ReportProps } from './ReportPage';
 import { Sheet } from './Sheet';
@@ -125,7 +126,8 @@ export function SummarySheet(props: ReportProps) {
               <tr key={value.measure}>
                 <th scope="row">{value.label}</th>
                 <td className="number" data-label={t('report.thisSession')}>
-                  {uncertain(value.value ?? null, value.uncertainty ?? null, value.unit)}
+                  {uncertain(value.value ?? null, value.uncertainty ?? null, value.unit)}{' '}
+                  <span className="paper-count">{t('report.n', { count: value.count })}</span>
                 </td>
                 <td className="number" data-label={t('compare.template')}>
                   {quantity(value.template_value, value.unit)}

@@ -1,0 +1,2 @@
+/** Sessions that show how much one differs from another. */
+export const BASELINE = 3;

@@ -1,0 +1,38 @@
+// The rows of the report of a course: baseline, newest session, change, and what may be said of it.
+import type { ProgressMeasure } from '../../api/types';
+import { BASELINE } from './baseline';
+
+export interface CourseRow {
+  measure: ProgressMeasure;
+  /** Mean of the first sessions, at most three. */
+  baseline: number;
+  baselineSessions: number;
+  newest: number;
+  newestCount: number;
+  sessions: number;
+}
+
+const MOST_ROWS = 14;
+
+/** What is told first: the main measure as it comes, then compensation, then whatever changed for sure. */
+export function courseRows(measures: readonly ProgressMeasure[], most = MOST_ROWS): CourseRow[] {
+  const rank = (one: ProgressMeasure, index: number) =>
+    index === 0 ? 0 : one.measure.startsWith('compensation:') ? 1 : one.is_real_change ? 2 : 3;
+  return measures
+    .filter((one) => one.points.length > 0)
+    .map((measure, index) => ({ measure, rank: rank(measure, index), index }))
+    .sort((a, b) => a.rank - b.rank || a.index - b.index)
+    .slice(0, most)
+    .map(({ measure }) => {
+      const first = measure.points.slice(0, BASELINE);
+      const last = measure.points.at(-1);
+      return {
+        measure,
+        baseline: first.reduce((sum, point) => sum + point.value, 0) / first.length,
+        baselineSessions: first.length,
+        newest: last?.value ?? NaN,
+        newestCount: last?.count ?? 0,
+        sessions: measure.points.length,
+      };
+    });
+}

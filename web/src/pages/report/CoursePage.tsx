@@ -1,0 +1,234 @@
+// The report of a course of therapy: what was done and what changed, the therapist's words, and the first beside the newest session.
+import { Button } from '@mantine/core';
+import { IconPrinter } from '@tabler/icons-react';
+import { useParams, useSearchParams } from 'react-router';
+import { useComparison, useCourse, usePatient, useProgress } from '../../api/queries';
+import type { ComparisonDetail, Course, Patient, Progress } from '../../api/types';
+import { PaperPhases, PaperProgress } from '../../charts/PaperChart';
+import { Answer, Empty } from '../../components/Feedback';
+import { Page } from '../../components/Page';
+import { t } from '../../i18n';
+import { outsideOf, pickCurves, primaryChannel } from '../../lib/assessment/comparison';
+import { BASELINE } from '../../lib/assessment/baseline';
+import { courseRows, type CourseRow } from '../../lib/assessment/course';
+import { activeText } from '../../lib/assessment/practice';
+import { date, difference, number, quantity, span } from '../../lib/format';
+import { CourseWords } from './CourseWords';
+import { Sheet } from './Sheet';
+
+const EPOCH = new Date(0);
+
+interface CourseProps {
+  patient: Patient;
+  course: Course;
+  progress: Progress;
+}
+
+function verdict({ measure }: CourseRow): string {
+  if (measure.baseline_sessions < BASELINE) return t('course.few', { count: measure.baseline_sessions, of: BASELINE });
+  if (typeof measure.change !== 'number') return t('report.unjudged');
+  const change = difference(measure.change, measure.unit);
+  if (typeof measure.is_real_change !== 'boolean') return change;
+  return `${change}, ${t(measure.is_real_change ? 'course.real' : 'course.chance')}`;
+}
+
+function Rows({ rows }: { rows: CourseRow[] }) {
+  const cells = ['course.baseline', 'course.newestValue', 'course.change', 'course.limit', 'course.n'] as const;
+  return (
+    <table className="paper-table">
+      <caption>{t('course.table')}</caption>
+      <thead>
+        <tr>
+          <th scope="col">{t('compare.measure')}</th>
+          {cells.map((cell) => (
+            <th scope="col" key={cell}>
+              {t(cell)}
+            </th>
+          ))}
+        </tr>
+      </thead>
+      <tbody>
+        {rows.map((row) => (
+          <tr key={row.measure.measure}>
+            <th scope="row">{row.measure.label}</th>
+            <td className="number" data-label={t('course.baseline')}>
+              {quantity(row.baseline, row.measure.unit)}
+            </td>
+            <td className="number" data-label={t('course.newestValue')}>
+              {quantity(row.newest, row.measure.unit)}{' '}
+              <span className="paper-count">{t('report.n', { count: row.newestCount })}</span>
+            </td>
+            <td className={row.measure.is_real_change ? 'strong' : ''} data-label={t('course.change')}>
+              {verdict(row)}
+            </td>
+            <td className="number" data-label={t('course.limit')}>
+              {span(row.measure.minimal_detectable_change, row.measure.unit)}
+            </td>
+            <td className="number" data-label={t('course.n')}>
+              {number(row.sessions)}
+            </td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}
+
+function Summary({ patient, course, progress }: CourseProps) {
+  const rows = courseRows(progress.measures);
+  const main = rows[0]?.measure;
+  const facts: [string, string][] = [
+    [t('exercise.one'), course.exercise_name],
+    ...(course.first_at && course.last_at
+      ? [
+          [
+            t('course.period'),
+            t('course.periodText', { first: date(course.first_at, EPOCH), last: date(course.last_at, EPOCH) }),
+          ] as [string, string],
+        ]
+      : []),
+    [
+      t('course.done'),
+      t('course.doneText', {
+        count: course.session_count,
+        repetitions: number(course.valid_repetitions),
+        active: activeText(course.active_s),
+      }),
+    ],
+    ...(typeof course.adherence_percent === 'number'
+      ? [[t('course.adherence'), `${number(course.adherence_percent)} %`] as [string, string]]
+      : []),
+    ...(course.prescribed.length > 0
+      ? [[t('course.prescribed'), course.prescribed.join('; ')] as [string, string]]
+      : []),
+  ];
+  return (
+    <Sheet title={t('course.title')} number={1} patient={patient} version={course.service_version}>
+      <dl className="paper-facts">
+        {facts.map(([name, value]) => (
+          <div key={name}>
+            <dt>{name}</dt>
+            <dd>{value}</dd>
+          </div>
+        ))}
+      </dl>
+      <CourseWords patient={patient} course={course} />
+      {main && main.points.length > 1 && (
+        <figure className="paper-figure">
+          <figcaption>{main.label}</figcaption>
+          <PaperProgress measure={main} sessionId={main.points.at(-1)?.session_id ?? ''} />
+          {main.bands.map((band) => (
+            <p key={band.kind} className="paper-note">
+              {t('course.beside')}: {band.text}: {quantity(band.low, main.unit)} – {quantity(band.high, main.unit)}
+            </p>
+          ))}
+        </figure>
+      )}
+      {rows.length > 0 ? <Rows rows={rows} /> : <p>{t('progress.emptyText')}</p>}
+      <p className="paper-note">{t('course.tableHelp')}</p>
+      {progress.events.length > 0 && (
+        <>
+          <h3>{t('course.meanwhile')}</h3>
+          <ul className="paper-findings paper-small">
+            {progress.events.map((event) => (
+              <li key={`${event.at}${event.text}`}>
+                {date(event.at, EPOCH)}: {event.text}
+              </li>
+            ))}
+          </ul>
+        </>
+      )}
+    </Sheet>
+  );
+}
+
+function Ends({ comparison, title }: { comparison: ComparisonDetail; title: string }) {
+  const left = new Set(comparison.repetitions.flatMap((one, index) => (one.repetition.is_kept ? [] : [index])));
+  const curves = pickCurves(comparison.curves, false, primaryChannel(comparison.summary));
+  return (
+    <div className="paper-end">
+      <h3>
+        {title} <span className="paper-count">{t('report.n', { count: comparison.repetition_count })}</span>
+      </h3>
+      {curves.map((curve) => (
+        <figure key={curve.channel} className="paper-figure">
+          <figcaption>{curve.label}</figcaption>
+          <PaperPhases curve={curve} left={left} outside={outsideOf(comparison, curve.channel)} />
+        </figure>
+      ))}
+      <ul className="paper-findings paper-small">
+        {comparison.findings.map((finding) => (
+          <li key={finding}>{finding}</li>
+        ))}
+      </ul>
+    </div>
+  );
+}
+
+function Curves({ patient, course }: Omit<CourseProps, 'progress'>) {
+  const first = useComparison(course.first_comparison_id);
+  const newest = useComparison(course.last_comparison_id);
+  if (!newest.data || !first.data) return null;
+  const isOne = course.first_comparison_id === course.last_comparison_id;
+  const ends = isOne ? [newest.data] : [first.data, newest.data];
+  const dates = isOne ? [course.last_at] : [course.first_at, course.last_at];
+  const words = isOne ? (['course.newest'] as const) : (['course.first', 'course.newest'] as const);
+  return (
+    <Sheet title={t('course.curves')} number={2} patient={patient} version={course.service_version}>
+      <p className="paper-note">{t('report.legendOutside')}</p>
+      <div className="paper-ends">
+        {ends.map((one, index) => (
+          <Ends
+            key={one.id}
+            comparison={one}
+            title={t(words[index] ?? 'course.newest', { date: date(dates[index] ?? one.created_at, EPOCH) })}
+          />
+        ))}
+      </div>
+    </Sheet>
+  );
+}
+
+export function CoursePage() {
+  const { patientId = '' } = useParams();
+  const [search] = useSearchParams();
+  const exerciseId = search.get('exercise');
+  const patient = usePatient(patientId);
+  const course = useCourse(patientId, exerciseId);
+  const progress = useProgress(patientId, exerciseId);
+  const name = patient.data ? `${patient.data.given_name} ${patient.data.family_name}` : '';
+  return (
+    <Page
+      compact
+      title={t('course.title')}
+      lead={course.data ? `${name} · ${course.data.exercise_name}` : undefined}
+      crumbs={[{ to: '/', text: t('nav.caseload') }, ...(name ? [{ to: `/patients/${patientId}`, text: name }] : [])]}
+      actions={
+        <Button leftSection={<IconPrinter size={19} aria-hidden />} onClick={() => window.print()}>
+          {t('report.print')}
+        </Button>
+      }
+    >
+      {exerciseId === null ? (
+        <Empty title={t('course.noExercise')} />
+      ) : (
+        <Answer of={patient} lines={8} height={40}>
+          {(who) => (
+            <Answer of={course} lines={8} height={40}>
+              {(found) => (
+                <Answer of={progress} lines={8} height={40}>
+                  {(over) => (
+                    <div className="papers">
+                      <Summary patient={who} course={found} progress={over} />
+                      <Curves patient={who} course={found} />
+                    </div>
+                  )}
+                </Answer>
+              )}
+            </Answer>
+          )}
+        </Answer>
+      )}
+    </Page>
+  );
+}
