@@ -75,7 +75,7 @@ function Row({ row }: { row: CaseloadRow }) {
       <td data-label={t('caseload.due')} className="wide">
         {row.due || <span className="muted">{t('caseload.nothingDue')}</span>}
       </td>
-      <td className="wide next-action">
+      <td className="wide">
         <Button
           component={Link}
           to={actionPath(row)}
