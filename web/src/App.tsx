@@ -1,16 +1,24 @@
+import { lazy, Suspense } from 'react';
 import { createBrowserRouter, type RouteObject } from 'react-router';
 import { OwnPages, StaffPages } from './components/ByRole';
 import { Shell } from './components/Shell';
 import { useSignedIn } from './components/account/useSignedIn';
-import { CaseloadPage } from './pages/Caseload';
 import { CrashPage } from './pages/Crash';
 import { NotFoundPage } from './pages/NotFound';
 import { SignInPage } from './pages/SignIn';
 import { TodayPage } from './pages/mine/Today';
 
+// A patient never needs it.
+const CaseloadPage = lazy(async () => ({ default: (await import('./pages/Caseload')).CaseloadPage }));
+
 function Home() {
   const me = useSignedIn();
-  return me.role === 'patient' ? <TodayPage /> : <CaseloadPage />;
+  if (me.role === 'patient') return <TodayPage />;
+  return (
+    <Suspense fallback={null}>
+      <CaseloadPage />
+    </Suspense>
+  );
 }
 
 // Pages that are not the first to be seen come in pieces of their own.

@@ -1,8 +1,8 @@
 // A patient measures without a gateway: with this phone in a strap, or with Bluetooth sensors. One choice, then one tap.
 import { Button, UnstyledButton } from '@mantine/core';
-import { IconBluetooth, IconDeviceMobile } from '@tabler/icons-react';
+import { IconBluetooth, IconDeviceMobile, IconRouter } from '@tabler/icons-react';
 import { useMutation } from '@tanstack/react-query';
-import { type ReactNode, useState } from 'react';
+import { lazy, type ReactNode, Suspense, useState } from 'react';
 import { useNavigate } from 'react-router';
 import { api } from '../api/client';
 import type { Placement, SessionDetail, SessionIn } from '../api/types';
@@ -17,7 +17,9 @@ import { SensorStatus } from './SensorStatus';
 import './sensors.css';
 import { useRun } from './useRun';
 
-type Way = 'phone' | 'bluetooth';
+type Way = 'phone' | 'bluetooth' | 'box';
+
+const NewBox = lazy(() => import('./NewBox'));
 
 /** Where a phone can be worn in this session: one upper arm is all that a single sensor tells of. */
 function phonePlace(session: SessionDetail): Placement | null {
@@ -36,8 +38,9 @@ function Fault({ error }: { error: unknown }) {
 }
 
 const WAYS = [
-  { way: 'phone', Icon: IconDeviceMobile },
+  { way: 'phone', Icon: IconDeviceMobile, IconRouter },
   { way: 'bluetooth', Icon: IconBluetooth },
+  { way: 'box', Icon: IconRouter },
 ] as const;
 
 function Choice({ ways, onChoose }: { ways: readonly Way[]; onChoose: (way: Way) => void }) {
@@ -198,13 +201,18 @@ export default function ConnectSensors({
     return (
       <>
         {box}
-        <Choice ways={place ? ['phone', 'bluetooth'] : ['bluetooth']} onChoose={setWay} />
+        <Choice ways={place ? ['phone', 'bluetooth', 'box'] : ['bluetooth', 'box']} onChoose={setWay} />
       </>
     );
   return (
     <section className="card stack">
       <h2>{t(`sensors.${way}`)}</h2>
       {way === 'phone' && place && <WithPhone session={session} place={place} onRun={setRun} />}
+      {way === 'box' && (
+        <Suspense fallback={null}>
+          <NewBox patientId={session.patient_id} onDone={() => setWay(null)} />
+        </Suspense>
+      )}
       {way === 'bluetooth' && <WithBluetooth session={session} onRun={setRun} />}
       <Button
         variant="subtle"

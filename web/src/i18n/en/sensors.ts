@@ -5,6 +5,13 @@ export const sensors = {
   'sensors.phoneText': 'In a strap around your upper arm.',
   'sensors.bluetooth': 'Bluetooth sensors',
   'sensors.bluetoothText': 'Sensors that this device connects to by itself, without a box.',
+  'sensors.box': 'A new box',
+  'sensors.boxText': 'Connect a box that you have not used before.',
+  'sensors.boxSteps':
+    'Switch on the box. Then press the button: you get a code that the box scans, or that you type on it. From then on it joins your exercises by itself.',
+  'sensors.boxHelp': 'Let the box scan the picture, or type the code on it. It works once, until {time}.',
+  'sensors.boxLabel': 'Box at home',
+  'sensors.boxGo': 'Show the code',
   'sensors.back': 'Measure with something else',
   'sensors.phoneStrap':
     'Put the phone into its strap on the outside of your {place}, halfway between shoulder and elbow.',

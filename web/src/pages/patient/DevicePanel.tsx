@@ -3,33 +3,13 @@ import { useDisclosure } from '@mantine/hooks';
 import { IconKey, IconPlus } from '@tabler/icons-react';
 import { useState, type FormEvent } from 'react';
 import { useAddDeviceToken, useDeviceTokens, usePairingCode, useRevokeDeviceToken } from '../../api/queries';
-import type { DeviceToken, PairingCode, Patient } from '../../api/types';
+import type { DeviceToken, Patient } from '../../api/types';
 import { Confirm } from '../../components/forms/Confirm';
 import { CopyBox } from '../../components/CopyBox';
 import { Answer, Notice, Problem } from '../../components/Feedback';
-import { QrCode } from '../../components/account/QrCode';
+import { Pairing } from '../../components/account/Pairing';
 import { t } from '../../i18n';
-import { clockTime, date } from '../../lib/format';
-
-/** The code that the gateway exchanges for its token, to type and to scan. */
-function Pairing({ made, onDone }: { made: PairingCode; onDone: () => void }) {
-  const readable = `${made.code.slice(0, 4)} ${made.code.slice(4)}`;
-  return (
-    <div className="stack">
-      <p>{t('device.pairHelp', { time: clockTime(made.expires_at) })}</p>
-      <p className="pairing-code number" aria-label={t('device.pairCode')}>
-        {readable}
-      </p>
-      <QrCode
-        text={`telemotion:pair?server=${encodeURIComponent(window.location.origin)}&code=${made.code}`}
-        label={t('device.pairQr')}
-      />
-      <Group justify="flex-end">
-        <Button onClick={onDone}>{t('action.close')}</Button>
-      </Group>
-    </div>
-  );
-}
+import { date } from '../../lib/format';
 
 function NewToken({ patient, onDone }: { patient: Patient; onDone: () => void }) {
   const add = useAddDeviceToken(patient.id);
