@@ -98,6 +98,17 @@ def rehearsal_of(kind: CalibrationKind, scenario: ArmScenario | None = None, see
     return Rehearsal(made.recording, wanted, start_s=POSE_S - 1.0 if is_reset else 0.5, first_pose=is_reset)
 
 
+async def _settled(
+    service: ServiceClient, session_id: str, kind: CalibrationKind, within_s: float
+) -> CalibrationMessage | None:
+    for _ in range(round(within_s / _POLL_S)):
+        found = await service.calibration_state(session_id)
+        if found is not None and found.kind == kind and found.phase in ("done", "redo"):
+            return found
+        await asyncio.sleep(_POLL_S)
+    return None
+
+
 async def rehearse(
     service: ServiceClient,
     patient_id: str,
@@ -152,17 +163,9 @@ async def rehearse(
             message = await service.calibration(created.id, "next")
             say(message.hint or "evaluating")
 
-    async def settled(tries: int) -> CalibrationMessage | None:
-        for _ in range(tries):
-            found = await service.calibration_state(created.id)
-            if found is not None and found.kind == shown.wanted.kind and found.phase in ("done", "redo"):
-                return found
-            await asyncio.sleep(_POLL_S)
-        return None
-
     async def linger() -> None:
         """Stay connected: what is looked at once a second would be cancelled with the connection."""
-        await settled(round(_LINGER_S / _POLL_S))
+        await _settled(service, created.id, shown.wanted.kind, _LINGER_S)
 
     sender = GatewayClient(service.ingest_url, partial(service.ticket, created.id), device.hello, pace=speed)
     milestones = [Milestone(0.4, pose)] if shown.first_pose else []
@@ -172,7 +175,7 @@ async def rehearse(
         end_s = max(float(sensor.time_s[-1]) for sensor in shown.recording.sensors.values())
         milestones.append(Milestone(end_s - _LEFT_S, linger))
     await sender.run(device.deliveries(device.plan()), milestones=milestones, goodbye=False)
-    found = await settled(round(_LATEST_S / _POLL_S))
+    found = await _settled(service, created.id, shown.wanted.kind, _LATEST_S)
     if found is None:
         raise Conflict("The calibration came to no end.", session_id=created.id)
     say(f"{found.phase}, score {found.score}" + "".join(f"; {reason}" for reason in found.reasons))

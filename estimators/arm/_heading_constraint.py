@@ -21,7 +21,7 @@ from typing import Any, Final, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.arm._heading_kernel import MEMORY, PARAMETERS, STATES, constrain
+from estimators.arm._heading_kernel import MEMORY, PARAMETERS, STATES, Carried, Corrections, constrain
 from estimators.errors import SetupError, ShapeError
 
 Float = NDArray[np.float64]
@@ -216,7 +216,7 @@ class JointHeadingConstraint:
             finite &= usable
         known = np.zeros_like(finite) if referenced is None else referenced
         offset, sigma, correction, residual = (np.empty((ticks, count)) for _ in range(4))
-        informed = np.empty((ticks, count), dtype=np.uint8)
+        found = Corrections(offset, sigma, correction, np.empty((ticks, count), dtype=np.uint8), residual)
         constrain(
             np.ascontiguousarray(q_parent, dtype=np.float64),
             np.ascontiguousarray(q_child, dtype=np.float64),
@@ -227,17 +227,12 @@ class JointHeadingConstraint:
             self.time_step_s,
             self._axes,
             self._parameters,
-            self._state,
-            self._covariance,
-            self._last_relative,
-            self._memory,
-            offset,
-            sigma,
-            correction,
-            informed,
-            residual,
+            Carried(self._state, self._covariance, self._last_relative, self._memory),
+            found,
         )
-        return HeadingConstraintResult(offset, sigma, correction, informed.astype(np.bool_), residual)
+        return HeadingConstraintResult(
+            offset, sigma, correction, found.is_informed.astype(np.bool_), residual
+        )
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return everything that the next update depends on, as arrays."""

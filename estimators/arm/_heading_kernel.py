@@ -15,11 +15,15 @@ Measured is that this is nought, with M = R_parent' Rz(offset) R_child and unit 
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numba import types
 from numpy.typing import NDArray
 
-from estimators._kernels import kernel
+from estimators._kernels import kernel, multiply
+from estimators.arm._angle_kernel import matrix_of
+from estimators.kernels import VOID, bundle, step
 
 Float = NDArray[np.float64]
 Integer = NDArray[np.int64]
@@ -41,20 +45,6 @@ MEMORY = 3
 _GATE = 3.0
 _UNKNOWN_VARIANCE = math.pi**2 / 3.0
 """Variance of a heading about which nothing is known."""
-
-
-@kernel("void(f8[::1], f8[:, ::1])")
-def _matrix(q: Float, out: Float) -> None:
-    w, x, y, z = q[0], q[1], q[2], q[3]
-    out[0, 0] = 1.0 - 2.0 * (y * y + z * z)
-    out[0, 1] = 2.0 * (x * y - w * z)
-    out[0, 2] = 2.0 * (x * z + w * y)
-    out[1, 0] = 2.0 * (x * y + w * z)
-    out[1, 1] = 1.0 - 2.0 * (x * x + z * z)
-    out[1, 2] = 2.0 * (y * z - w * x)
-    out[2, 0] = 2.0 * (x * z - w * y)
-    out[2, 1] = 2.0 * (y * z + w * x)
-    out[2, 2] = 1.0 - 2.0 * (x * x + y * y)
 
 
 @kernel("UniTuple(f8, 2)(f8[:, ::1], f8[:, ::1], f8, i8, i8)")
@@ -155,9 +145,94 @@ def _correct(p: Float, x: Float, row: Float, value: float, noise: float, is_sens
     return normalised
 
 
+@step()
+def _forget_posture(p: Float, x: Float, keep: float) -> None:
+    """Let the posture go by the factor `keep`."""
+    x[7] *= keep
+    for i in range(STATES):
+        p[7, i] *= keep
+    for i in range(STATES):
+        p[i, 7] *= keep
+
+
+@step()
+def _bound(p: Float) -> None:
+    """Let the heading be known no worse than one about which nothing is known."""
+    if p[0, 0] > _UNKNOWN_VARIANCE:
+        shrink = math.sqrt(_UNKNOWN_VARIANCE / p[0, 0])
+        for i in range(STATES):
+            p[0, i] *= shrink
+        for i in range(STATES):
+            p[i, 0] *= shrink
+
+
+@step()
+def _measure(
+    a: Float,
+    b: Float,
+    axes: Integer,
+    par: Float,
+    interval: float,
+    x: Float,
+    p: Float,
+    last: Float,
+    memory: Float,
+) -> None:
+    """Take one pair of orientations that can be used."""
+    relative, parent, child = np.empty(4), np.empty((3, 3)), np.empty((3, 3))
+    turned = multiply(a[0], -a[1], -a[2], -a[3], b[0], b[1], b[2], b[3])
+    for i in range(4):
+        relative[i] = turned[i]
+    travel = _travelled(relative, last)
+    keep = math.exp(-travel / par[POSTURE_TRAVEL] - interval / par[POSTURE_TIME])
+    _forget_posture(p, x, keep)
+    p[7, 7] += par[POSTURE] ** 2 * (1.0 - keep * keep)
+    p[0, 0] += par[TRAVEL_WALK] ** 2 * travel
+    matrix_of(a, parent)
+    matrix_of(b, child)
+    row = np.empty(STATES)
+    value = predict_constraint(parent, child, x[0], axes[0], axes[1], x, row)
+    is_sensitive = abs(row[0]) >= par[LEAST_SENSITIVITY]
+    _correct(p, x, row, value, par[NOISE] ** 2, is_sensitive)
+    memory[INFORMED] = 1.0 if is_sensitive else 0.0
+    memory[RESIDUAL] = value
+
+
+@step()
+def _draw_to_zero(par: Float, interval: float, x: Float, p: Float) -> None:
+    """Measure that both magnetometers, which are trusted, share one heading."""
+    alone = np.zeros(STATES)
+    alone[0] = 1.0
+    _correct(p, x, alone, x[0], par[REFERENCE] ** 2 * par[REFERENCE_TIME] / interval, True)
+
+
+class Carried(NamedTuple):
+    """What J joints carry from tick to tick: state (J, 8), covariance (J, 8, 8), relative (J, 4), memory (J, 3)."""
+
+    state: Float
+    covariance: Float
+    last_relative: Float
+    memory: Float
+
+
+class Corrections(NamedTuple):
+    """What `constrain` fills, each (K, J)."""
+
+    offset_rad: Float
+    sigma_rad: Float
+    correction_rad: Float
+    is_informed: Flags
+    residual_rad: Float
+
+
+_TABLE, _CUBE = types.float64[:, ::1], types.float64[:, :, ::1]
+_CARRIED = bundle(Carried, _TABLE, _CUBE, _TABLE, _TABLE)
+_FILLED = bundle(Corrections, _TABLE, _TABLE, _TABLE, types.uint8[:, ::1], _TABLE)
+_MASK, _WHOLE = types.boolean[:, ::1], types.int64
+
+
 @kernel(
-    "void(f8[:, :, ::1], f8[:, :, ::1], b1[:, ::1], b1[:, ::1], i8, i8, f8, i8[:, ::1], f8[:, ::1], f8[:, ::1],"
-    "f8[:, :, ::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], u1[:, ::1], f8[:, ::1])"
+    VOID(_CUBE, _CUBE, _MASK, _MASK, _WHOLE, _WHOLE, types.float64, _WHOLE[:, ::1], _TABLE, _CARRIED, _FILLED)
 )
 def constrain(
     q_parent: Float,
@@ -169,72 +244,37 @@ def constrain(
     step_s: float,
     axes: Integer,
     parameters: Float,
-    state: Float,
-    covariance: Float,
-    last_relative: Float,
-    memory: Float,
-    offset: Float,
-    sigma: Float,
-    correction: Float,
-    informed: Flags,
-    residual: Float,
+    carried: Carried,
+    out: Corrections,
 ) -> None:
-    """Fill the outputs, each (K, J), and carry state (J, 8), covariance (J, 8, 8) and memory (J, 3) on.
+    """Fill the corrections of K ticks and carry the joints on.
 
     `axes` (J, 2): number of the parent's and of the child's axis that stay at right angles.
     """
     interval = stride * step_s
-    row, relative = np.empty(STATES), np.empty(4)
-    alone = np.zeros(STATES)
-    alone[0] = 1.0
-    parent, child = np.empty((3, 3)), np.empty((3, 3))
     for j in range(q_parent.shape[1]):
-        par, x, p = parameters[j], state[j], covariance[j]
+        par, x, p = parameters[j], carried.state[j], carried.covariance[j]
+        memory = carried.memory[j]
         slew_keep = math.exp(-step_s / par[SLEW_TIME])
         for k in range(q_parent.shape[0]):
             if (first_tick + k) % stride == 0:
                 _predict(p, x, par, interval)
-                memory[j, INFORMED] = 0.0
-                memory[j, RESIDUAL] = math.nan
-                a, b = q_parent[k, j], q_child[k, j]
+                memory[INFORMED] = 0.0
+                memory[RESIDUAL] = math.nan
                 if usable[k, j]:
-                    relative[0] = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
-                    relative[1] = a[0] * b[1] - a[1] * b[0] - a[2] * b[3] + a[3] * b[2]
-                    relative[2] = a[0] * b[2] + a[1] * b[3] - a[2] * b[0] - a[3] * b[1]
-                    relative[3] = a[0] * b[3] - a[1] * b[2] + a[2] * b[1] - a[3] * b[0]
-                    travel = _travelled(relative, last_relative[j])
-                    keep = math.exp(-travel / par[POSTURE_TRAVEL] - interval / par[POSTURE_TIME])
-                    x[7] *= keep
-                    for i in range(STATES):
-                        p[7, i] *= keep
-                    for i in range(STATES):
-                        p[i, 7] *= keep
-                    p[7, 7] += par[POSTURE] ** 2 * (1.0 - keep * keep)
-                    p[0, 0] += par[TRAVEL_WALK] ** 2 * travel
-                    _matrix(a, parent)
-                    _matrix(b, child)
-                    value = predict_constraint(parent, child, x[0], axes[j, 0], axes[j, 1], x, row)
-                    is_sensitive = abs(row[0]) >= par[LEAST_SENSITIVITY]
-                    _correct(p, x, row, value, par[NOISE] ** 2, is_sensitive)
-                    memory[j, INFORMED] = 1.0 if is_sensitive else 0.0
-                    memory[j, RESIDUAL] = value
+                    last = carried.last_relative[j]
+                    _measure(q_parent[k, j], q_child[k, j], axes[j], par, interval, x, p, last, memory)
                     if referenced[k, j]:
-                        noise = par[REFERENCE] ** 2 * par[REFERENCE_TIME] / interval
-                        _correct(p, x, alone, x[0], noise, True)
+                        _draw_to_zero(par, interval, x, p)
                 else:
                     p[0, 0] += par[GAP_WALK] ** 2 * interval
-                if p[0, 0] > _UNKNOWN_VARIANCE:
-                    shrink = math.sqrt(_UNKNOWN_VARIANCE / p[0, 0])
-                    for i in range(STATES):
-                        p[0, i] *= shrink
-                    for i in range(STATES):
-                        p[i, 0] *= shrink
-            lag = (1.0 - slew_keep) * (x[0] - memory[j, APPLIED])
+                _bound(p)
+            lag = (1.0 - slew_keep) * (x[0] - memory[APPLIED])
             most = par[SLEW_RATE] * step_s
-            memory[j, APPLIED] += min(max(lag, -most), most)
-            offset[k, j] = x[0]
-            correction[k, j] = memory[j, APPLIED]
-            behind = x[0] - memory[j, APPLIED]
-            sigma[k, j] = math.sqrt(p[0, 0] + behind * behind + par[FLOOR] ** 2)
-            informed[k, j] = np.uint8(memory[j, INFORMED])
-            residual[k, j] = memory[j, RESIDUAL]
+            memory[APPLIED] += min(max(lag, -most), most)
+            behind = x[0] - memory[APPLIED]
+            out.offset_rad[k, j] = x[0]
+            out.correction_rad[k, j] = memory[APPLIED]
+            out.sigma_rad[k, j] = math.sqrt(p[0, 0] + behind * behind + par[FLOOR] ** 2)
+            out.is_informed[k, j] = np.uint8(memory[INFORMED])
+            out.residual_rad[k, j] = memory[RESIDUAL]

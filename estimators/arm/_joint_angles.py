@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from estimators import rotation
-from estimators.arm._kernel import (
+from estimators.arm._angle_kernel import (
     AXIAL_CENTRE_RAD,
     FLEXION_CENTRE_RAD,
     PLANE_CENTRE_RAD,

@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.arm._kernel import evaluate_kernel
+from estimators.arm._kernel import Columns, Filled, Segments, evaluate_kernel
 from estimators.arm._names import MODEL_ANGLES, MODEL_POINTS, MODEL_SCALARS, MODEL_SEGMENTS
 from estimators.body import (
     EYE_HEIGHT_PER_STATURE,
@@ -118,11 +118,13 @@ class ArmModel:
         self.points = tuple(name for name in MODEL_POINTS if _has_point(name, worn))
         self.angles = tuple(name for name in MODEL_ANGLES if _has_angle(name, worn))
         self.scalars = tuple(name for name in MODEL_SCALARS if _has_scalar(name, worn))
-        self._lengths = model_lengths(body)
-        self._source = np.array([worn.index(s) if s in worn else -1 for s in MODEL_SEGMENTS], dtype=np.int64)
-        self._point_column = _columns(MODEL_POINTS, self.points)
-        self._angle_column = _columns(MODEL_ANGLES, self.angles)
-        self._scalar_column = _columns(MODEL_SCALARS, self.scalars)
+        self._columns = Columns(
+            _columns(MODEL_SEGMENTS, worn),
+            model_lengths(body),
+            _columns(MODEL_POINTS, self.points),
+            _columns(MODEL_ANGLES, self.angles),
+            _columns(MODEL_SCALARS, self.scalars),
+        )
 
     @staticmethod
     def initial_previous() -> Float:
@@ -192,22 +194,11 @@ class ArmModel:
             previous,
         )
         evaluate_kernel(
-            q,
-            omega,
-            sigma,
-            flags,
-            self._source,
-            self._lengths,
+            Segments(q, omega, sigma, flags),
+            self._columns,
             self.time_step_s,
             previous,
-            self._point_column,
-            self._angle_column,
-            self._scalar_column,
-            result.point_room_m,
-            result.angle_rad,
-            result.angle_sigma_rad,
-            result.scalar,
-            result.angle_flags,
+            Filled(*result[:5]),
         )
         return result
 

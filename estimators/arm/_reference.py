@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators import rotation
+from estimators.arm._angle_kernel import SINGULAR_MARGIN_RAD
 from estimators.arm._joint_angles import (
     continuous_hinge_angles,
     continuous_shoulder_angles,
@@ -14,7 +15,6 @@ from estimators.arm._joint_angles import (
     trunk_angles,
     wrist_angles,
 )
-from estimators.arm._kernel import SINGULAR_MARGIN_RAD
 from estimators.arm._model import ArmModel, ArmResult
 from estimators.arm._names import MODEL_ANGLES, MODEL_SCALARS, Joint, angle_name
 from estimators.arm._uncertainty import joint_angle_sigma

@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from estimators import rotation
+from estimators.arm._angle_kernel import SINGULAR_MARGIN_RAD
 from estimators.arm._joint_angles import mirrored
-from estimators.arm._kernel import SINGULAR_MARGIN_RAD
 from estimators.arm._names import Joint
 from estimators.conventions import SIDES, Side
 from estimators.errors import SetupError, ShapeError

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from estimators import rotation
-from estimators.arm._kernel import SINGULAR_MARGIN_RAD
+from estimators.arm._angle_kernel import SINGULAR_MARGIN_RAD
 from estimators.arm.chains.chain_kernel import walk_two_links
 
 Float = NDArray[np.float64]

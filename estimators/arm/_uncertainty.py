@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators import rotation
+from estimators.arm._angle_kernel import SIGMA_CEILING_RAD
 from estimators.arm._joint_angles import elbow_angles, mirrored, shoulder_angles, wrist_angles
-from estimators.arm._kernel import SIGMA_CEILING_RAD
 from estimators.arm._names import Joint
 from estimators.conventions import Side
 

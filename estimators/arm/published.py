@@ -1,5 +1,6 @@
 """The published kinematics of the arm, and the plain numpy parts of the live kernel: for experiments and tests."""
 
+from estimators.arm._angle_kernel import SIGMA_CEILING_RAD, SINGULAR_MARGIN_RAD
 from estimators.arm._joint_angles import (
     SIGN_TABLE,
     SignConvention,
@@ -14,7 +15,6 @@ from estimators.arm._joint_angles import (
     wrist_angles,
     wrist_from_angles,
 )
-from estimators.arm._kernel import SIGMA_CEILING_RAD, SINGULAR_MARGIN_RAD
 from estimators.arm._motion import angular_velocity
 from estimators.arm._points import point_chain
 from estimators.arm._reference import evaluate_reference

@@ -136,6 +136,23 @@ def find_positions(
     return tuple(rests), tuple(turns)
 
 
+def _refuse_gaps(
+    parts: Sequence[Rest | FullTurn], gyroscope_radps: Float, accelerometer_mps2: Float, rate_hz: float
+) -> None:
+    for part in parts:
+        within = slice(part.start, part.stop)
+        if not (np.isfinite(gyroscope_radps[within]).all() and np.isfinite(accelerometer_mps2[within]).all()):
+            raise CalibrationError(
+                say("six_position.gap", start_s=part.start / rate_hz, stop_s=part.stop / rate_hz)
+            )
+
+
+def _scale_of(turns: Sequence[FullTurn], measured_rad: Sequence[Float]) -> Float:
+    """Return the scale of a gyroscope, shape (3, 3), that makes turns of the angles measured for them."""
+    angles = np.stack([2.0 * np.pi * turn.turns * _direction(f"+{turn.axis}") for turn in turns])
+    return np.linalg.lstsq(angles, np.stack(measured_rad), rcond=None)[0].T.astype(np.float64)
+
+
 def ferraris(
     gyroscope_radps: Float,
     accelerometer_mps2: Float,
@@ -184,13 +201,7 @@ def ferraris(
         rests = found_rests if rests is None else rests
         turns = found_turns if turns is None else turns
     _require(rests, turns)
-    parts: tuple[Rest | FullTurn, ...] = (*rests, *turns)
-    for part in parts:
-        within = slice(part.start, part.stop)
-        if not (np.isfinite(gyroscope_radps[within]).all() and np.isfinite(accelerometer_mps2[within]).all()):
-            raise CalibrationError(
-                say("six_position.gap", start_s=part.start / rate_hz, stop_s=part.stop / rate_hz)
-            )
+    _refuse_gaps((*rests, *turns), gyroscope_radps, accelerometer_mps2, rate_hz)
     force, rate = (
         np.stack([_mean_on(face, rests, values) for face in FACES])
         for values in (accelerometer_mps2, gyroscope_radps)
@@ -213,10 +224,7 @@ def ferraris(
         measured[replace(turn, error=error)] = angle
     turns = best_turns(tuple(measured))
     refuse_doubted(turns)
-    angles = np.stack([2.0 * np.pi * turn.turns * _direction(f"+{turn.axis}") for turn in turns])
-    rate_scale = np.linalg.lstsq(angles, np.stack([measured[turn] for turn in turns]), rcond=None)[
-        0
-    ].T.astype(np.float64)
+    rate_scale = _scale_of(turns, [measured[turn] for turn in turns])
     gyroscope = TriadCalibration(
         matrix(_inverse(rate_scale, "gyroscope")), vector(rate_bias), matrix(per_force)
     )

@@ -124,27 +124,23 @@ def n_pose(
     if (raised & own_heading).any():
         raise CalibrationError(say("calibration.level_arms"))
     if facing_rad is None:
-        # A steep sensor tells no facing, and a raised arm's own is no witness either.
+        # A steep sensor shows no facing, and neither does a raised arm's own.
         steepness_rad = np.where(raised, 0.5 * np.pi, steepness_rad)
         facing_rad, reference, facing_sigma_rad = _facing(
             placements, heading_rad, steepness_rad, own_heading, verdict
         )
     stated_rad = np.full((sensors, 3), np.nan) if sigma_rad is None else sigma_rad[:, -1]
     settled_rad = np.where(np.isfinite(stated_rad), stated_rad, _SETTLED_RAD)
-    mounting_sigma_rad: dict[Placement, tuple[float, float, float]] = {}
     offsets: dict[Placement, float] = {}
-    q_sensor_segment: dict[Placement, tuple[float, float, float, float]] = {}
     for s, placement in enumerate(placements):
         if own_heading[s]:
             _require_compass_for_steep(placement, float(steepness_rad[s]), verdict)
             offsets[placement] = wrapped(facing_rad + OUTWARD_HEADING_RAD[placement] - heading_rad[s])
-        turn = rotation.about_z(offsets.get(placement, 0.0) - facing_rad)
-        q_room_sensor = rotation.multiply(turn, q_mean[s])
-        q_room_segment = _posed(placement, bool(raised[s]))
-        w, x, y, z = rotation.positive(rotation.multiply(rotation.conjugate(q_room_sensor), q_room_segment))
-        q_sensor_segment[placement] = (float(w), float(x), float(y), float(z))
-        about_z = _PUT_ON_RAD if own_heading[s] else math.hypot(settled_rad[s, 2], facing_sigma_rad or 0.0)
-        mounting_sigma_rad[placement] = _in_segment(q_room_segment, settled_rad[s], about_z)
+    q_room_segment = [_posed(placement, bool(raised[s])) for s, placement in enumerate(placements)]
+    about_z = [
+        _PUT_ON_RAD if own_heading[s] else math.hypot(settled_rad[s, 2], facing_sigma_rad or 0.0)
+        for s in range(sensors)
+    ]
     if offsets:
         verdict.lower(_ASSUMED_SCORE, say("calibration.put_on", where=list(offsets), sigma_rad=_PUT_ON_RAD))
     if reference is not None:
@@ -152,15 +148,28 @@ def n_pose(
     if verdict.score < UNUSABLE_SCORE:
         raise CalibrationError(say("calibration.pose_unusable", reasons=verdict.reasons))
     return Calibration(
-        q_sensor_segment=q_sensor_segment,
+        q_sensor_segment={
+            placement: _seat(q_mean[s], offsets.get(placement, 0.0) - facing_rad, q_room_segment[s])
+            for s, placement in enumerate(placements)
+        },
         gyroscope_bias_radps=dict(zip(placements, map(vector, bias.gyroscope_bias_radps), strict=True)),
         facing_rad=facing_rad,
         heading_offset_rad=offsets,
         method="t_pose" if arms == "sideways" else "n_pose",
         score=verdict.score,
         reasons=tuple(verdict.reasons),
-        mounting_sigma_rad=mounting_sigma_rad,
+        mounting_sigma_rad={
+            placement: _in_segment(q_room_segment[s], settled_rad[s], about_z[s])
+            for s, placement in enumerate(placements)
+        },
     )
+
+
+def _seat(q_earth_sensor: Float, turn_rad: float, q_room_segment: Float) -> tuple[float, float, float, float]:
+    """Return `q_sensor_segment` of a sensor whose earth frame is turned into the room by this angle."""
+    q_room_sensor = rotation.multiply(rotation.about_z(turn_rad), q_earth_sensor)
+    w, x, y, z = rotation.positive(rotation.multiply(rotation.conjugate(q_room_sensor), q_room_segment))
+    return float(w), float(x), float(y), float(z)
 
 
 def _checked_flags(q_earth_sensor: Float, flags: NDArray[np.uint8] | None, sensors: int) -> NDArray[np.uint8]:

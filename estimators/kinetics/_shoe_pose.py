@@ -1,5 +1,6 @@
 """Orientation of heel and forefoot and position of the shoe, stride by stride, with drift taken out at rest."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -65,6 +66,26 @@ class ShoePose:
         )
 
 
+def _stride_by_stride(
+    core: NDArray[np.int64],
+    samples: int,
+    height_m: float,
+    stride_of: Callable[[slice, Float], tuple[Float, Float]],
+) -> tuple[Float, Float]:
+    """Return velocity and position, (N, 3), of a shoe that rests in each core and moves as said between two."""
+    position, velocity = np.zeros((samples, 3)), np.zeros((samples, 3))
+    at = np.array([0.0, 0.0, height_m])
+    position[: core[0, 1]] = at
+    for number in range(len(core) - 1):
+        rest, next_rest = core[number, 1] - 1, core[number + 1, 0]
+        stride = slice(rest, next_rest + 1)
+        velocity[stride], position[stride] = stride_of(stride, at)
+        at = position[next_rest].copy()
+        position[next_rest : core[number + 1, 1]] = at
+    position[core[-1, 1] :] = at
+    return velocity, position
+
+
 def shoe_pose(
     heel: tuple[Float, Float],
     forefoot: tuple[Float, Float],
@@ -119,35 +140,25 @@ def shoe_pose(
     specific[:, 2] -= excess
     acceleration = specific - [0.0, 0.0, GRAVITY_MPS2]
     samples = heel[0].shape[0]
-    position = np.zeros((samples, 3))
-    velocity = np.zeros((samples, 3))
-    core = contact.core
-    at = np.array([0.0, 0.0, shoe.sensor_height_m])
-    position[: core[0, 1]] = at
-    for number in range(len(core) - 1):
-        rest, next_rest = core[number, 1] - 1, core[number + 1, 0]
-        stride = slice(rest, next_rest + 1)
+
+    def stride_of(stride: slice, at: Float) -> tuple[Float, Float]:
         if mode == "flat":
-            moved = _between_rests(acceleration[stride], at, step_s, is_level)
-        else:
-            moved = _with_rolling(
-                acceleration[stride],
-                at,
-                step_s,
-                q_heel[stride],
-                rate_heel[stride],
-                contact.heel[stride],
-                shoe,
-                mode == "published",
-                is_level,
-            )
-        velocity[stride], position[stride] = moved
-        at = position[next_rest].copy()
-        end = core[number + 1, 1]
-        position[next_rest:end] = at
-    position[core[-1, 1] :] = at
+            return _between_rests(acceleration[stride], at, step_s, is_level)
+        return _with_rolling(
+            acceleration[stride],
+            at,
+            step_s,
+            q_heel[stride],
+            rate_heel[stride],
+            contact.heel[stride],
+            shoe,
+            mode == "published",
+            is_level,
+        )
+
+    velocity, position = _stride_by_stride(contact.core, samples, shoe.sensor_height_m, stride_of)
     is_known = np.zeros(samples, dtype=np.bool_)
-    is_known[core[0, 0] : core[-1, 1]] = True
+    is_known[contact.core[0, 0] : contact.core[-1, 1]] = True
     hinge = position + rotation.rotate(q_heel, shoe.hinge_point_m)
     return ShoePose(
         q_heel,

@@ -6,7 +6,7 @@ unknowns of its own, three of them orientation, three how far the sensor was fro
 """
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
@@ -64,50 +64,10 @@ def calibrate_at_places(
         + _FIELD_GAIN**2 * np.sum(pulses**2, axis=2) / 3.0
     )
     q = np.stack([_orientation(source, *one) for one in zip(position, current, pulses, strict=True)])
-    numbers: NDArray[np.int64] = np.broadcast_to(np.arange(coils), (count, coils))
-    own = PER_COIL * coils
-
-    def residuals(x: Float) -> Float:
-        trial = source
-        for number in range(coils):
-            trial = changed(trial, number, x[PER_COIL * number : PER_COIL * (number + 1)])
-        turn, off = x[own:].reshape(2, count, 3)
-        there = np.broadcast_to((position + off)[:, None], (count, coils, 3))
-        seen = rotation.rotate(
-            rotation.conjugate(rotation.multiply(q, rotation.exp(turn)))[:, None],
-            trial.field(numbers, current, there),
-        )
-        left = (seen - pulses) / noise[:, :, None]
-        return np.concatenate([left.reshape(-1), off.reshape(-1) / place_sigma_m])
-
-    scale = np.concatenate(
-        [
-            np.tile([0.02, 0.01, 0.01, 0.01, 0.01, 0.01], coils),
-            np.full(3 * count, _TURN_SCALE),
-            np.full(3 * count, _PLACE_SCALE),
-        ]
-    )
-
-    def slopes(x: Float) -> Float:
-        """Differentiate in twelve steps: a residual knows one coil and one place only."""
-        table = np.zeros((3 * count * coils + 3 * count, len(scale)))
-        rows = np.arange(3 * count * coils).reshape(count, coils, 3)
-        typed = 3 * count * coils + np.arange(3 * count).reshape(count, 3)
-        for p in range(PER_COIL):
-            columns = PER_COIL * np.arange(coils) + p
-            table[rows, columns[:, None]] = _difference(residuals, x, columns)[: rows.size].reshape(
-                rows.shape
-            )
-        for p in range(6):
-            columns = own + 3 * count * (p // 3) + 3 * np.arange(count) + p % 3
-            slope = _difference(residuals, x, columns)
-            table[rows, columns[:, None, None]] = slope[: rows.size].reshape(rows.shape)
-            if p >= 3:
-                table[typed[:, p - 3], columns] = slope[typed[:, p - 3]]
-        return table
-
+    unknowns = _Unknowns(source, position, q, current, pulses, noise, place_sigma_m)
+    scale = unknowns.scale
     fit = scipy.optimize.least_squares(
-        residuals, np.zeros(len(scale)), jac=slopes, x_scale=scale, max_nfev=_MOST_STEPS
+        unknowns.residuals, np.zeros(len(scale)), jac=unknowns.slopes, x_scale=scale, max_nfev=_MOST_STEPS
     )
     freedom = 3 * count * coils + 3 * count - len(scale)
     covariance = _credible_covariance(np.asarray(fit.jac, dtype=np.float64), scale, float(fit.cost), freedom)
@@ -122,13 +82,77 @@ def calibrate_at_places(
             "a coil is connected the other way round; exchange its wires or the sign of its turns"
         )
     left = fit.fun[: 3 * count * coils].reshape(count, coils, 3) * noise[:, :, None]
-    off = fit.x[own + 3 * count :].reshape(count, 3)
+    off = fit.x[PER_COIL * coils + 3 * count :].reshape(count, 3)
     return stated(
         replace(found, model=source.model),
         blocks,
         float(np.sqrt(np.mean(left**2))),
         float(np.sqrt(np.mean(np.sum(off**2, axis=1)))),
     )
+
+
+@dataclass(frozen=True)
+class _Unknowns:
+    """The coils, and turn and place of the sensor at every place, against the pulses that were measured there."""
+
+    source: Source
+    position_m: Float
+    q_source_sensor: Float
+    current_a: Float
+    pulses_t: Float
+    sigma_t: Float
+    place_sigma_m: float
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Number of places and of coils."""
+        return len(self.position_m), len(self.source.coils)
+
+    @property
+    def scale(self) -> Float:
+        """Return how large each unknown may be expected to be: those of the coils, turns, places."""
+        count, coils = self.shape
+        return np.concatenate(
+            [
+                np.tile([0.02, 0.01, 0.01, 0.01, 0.01, 0.01], coils),
+                np.full(3 * count, _TURN_SCALE),
+                np.full(3 * count, _PLACE_SCALE),
+            ]
+        )
+
+    def residuals(self, x: Float) -> Float:
+        """Return what the unknowns leave of the pulses, then of the places, in sigmas."""
+        count, coils = self.shape
+        trial = self.source
+        for number in range(coils):
+            trial = changed(trial, number, x[PER_COIL * number : PER_COIL * (number + 1)])
+        turn, off = x[PER_COIL * coils :].reshape(2, count, 3)
+        numbers: NDArray[np.int64] = np.broadcast_to(np.arange(coils), (count, coils))
+        there = np.broadcast_to((self.position_m + off)[:, None], (count, coils, 3))
+        seen = rotation.rotate(
+            rotation.conjugate(rotation.multiply(self.q_source_sensor, rotation.exp(turn)))[:, None],
+            trial.field(numbers, self.current_a, there),
+        )
+        left = (seen - self.pulses_t) / self.sigma_t[:, :, None]
+        return np.concatenate([left.reshape(-1), off.reshape(-1) / self.place_sigma_m])
+
+    def slopes(self, x: Float) -> Float:
+        """Differentiate in twelve steps: a residual knows one coil and one place only."""
+        count, coils = self.shape
+        table = np.zeros((3 * count * coils + 3 * count, len(x)))
+        rows = np.arange(3 * count * coils).reshape(count, coils, 3)
+        typed = 3 * count * coils + np.arange(3 * count).reshape(count, 3)
+        for p in range(PER_COIL):
+            columns = PER_COIL * np.arange(coils) + p
+            slope = _difference(self.residuals, x, columns)
+            table[rows, columns[:, None]] = slope[: rows.size].reshape(rows.shape)
+        for p in range(6):
+            columns = PER_COIL * coils + 3 * count * (p // 3) + 3 * np.arange(count) + p % 3
+            slope = _difference(self.residuals, x, columns)
+            table[rows, columns[:, None, None]] = slope[: rows.size].reshape(rows.shape)
+            if p >= 3:
+                table[typed[:, p - 3], columns] = slope[typed[:, p - 3]]
+        return table
 
 
 def _checked(

@@ -90,6 +90,25 @@ class OpticalFusion:
     lagged: OpticalResult | None
 
 
+def _smoothed(stretches: list[Stretch]) -> tuple[list[Stretch], list[OpticalResult], float]:
+    """Smooth every stretch, again with wider markers where they fit worse than stated; returns by how much."""
+    results = [stretch.smoothed() for stretch in stretches]
+    scale = _sigma_scale(results)
+    if scale <= 1.2:
+        return stretches, results, 1.0
+    stretches = [replace(s, parameters=_scaled(s.parameters, scale)) for s in stretches]
+    return stretches, [stretch.smoothed() for stretch in stretches], scale
+
+
+def _after(result: OpticalResult, delay_s: Float, rate_radps: Float) -> Float:
+    """Return where the marker is so much later than each tick; shapes (K, 1), (K, 3)."""
+    turning = rotation.rotate(
+        result.q_room_sensor, np.cross(rate_radps - result.rate_bias_radps, result.lever_arm_m)
+    )
+    moved = delay_s * (result.velocity_mps + turning)
+    return np.asarray(result.marker_m + moved + 0.5 * delay_s**2 * result.acceleration_mps2)
+
+
 def fuse_markers(
     camera_time_s: Float,
     marker_m: Float,
@@ -162,14 +181,7 @@ def fuse_markers(
         raise (why or error) from error
     reasons += stated
     first = stretches[0].first
-    spacing = max(float(np.median(np.diff(camera_time_s))), 0.7 * time_step_s)
-    results = [stretch.smoothed() for stretch in stretches]
-    scale = _sigma_scale(results)
-    if scale > 1.2:
-        stretches = [replace(s, parameters=_scaled(s.parameters, scale)) for s in stretches]
-        results = [stretch.smoothed() for stretch in stretches]
-    else:
-        scale = 1.0
+    stretches, results, scale = _smoothed(stretches)
     stretches, results, walk = _with_walks(stretches, results)
     if walk > 1.0:
         reasons.append(say("markers.walk", times=walk))
@@ -177,11 +189,7 @@ def fuse_markers(
     result = _joined(stretches, results, first, total)
     filtered = _joined(stretches, [stretch.filtered() for stretch in stretches], first, total)
     part = slice(first, first + total)
-    turning = rotation.rotate(
-        result.q_room_sensor, np.cross(gyroscope_radps[part] - result.rate_bias_radps, result.lever_arm_m)
-    )
-    d = delay[part, None]
-    there = result.marker_m + d * (result.velocity_mps + turning) + 0.5 * d**2 * result.acceleration_mps2
+    there = _after(result, delay[part, None], gyroscope_radps[part])
     # What the clocks may be apart moves a marker along its path.
     clocks = np.hypot(found.offset_sigma_s, (ticks[part] - found.reference_s)[:, None] * found.drift_sigma)
     result, filtered = _with_clocks(result, clocks), _with_clocks(filtered, clocks)
@@ -193,6 +201,7 @@ def fuse_markers(
     last = results[0].lever_arm_m[-1], results[0].lever_arm_sigma_m[-1]
     check_result(residual, result.provenance, last[0], lever_arm_m is not None)
     accepted = result.provenance == Provenance.MEASURED
+    spacing = max(float(np.median(np.diff(camera_time_s))), 0.7 * time_step_s)
     return OpticalFusion(
         first,
         time_step_s,

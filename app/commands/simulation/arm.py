@@ -98,6 +98,17 @@ Alongside = Callable[[DeviceStream, ArmScenario, str], Coroutine[Any, Any, None]
 """Runs beside a stream until its end, given the device, what is simulated and the session."""
 
 
+def _faults_of(options: Options, scenario: ArmScenario) -> LinkFaults:
+    return LinkFaults(
+        loss_fraction=options.loss_percent / 100.0,
+        duplicate_fraction=options.duplicates_percent / 100.0,
+        reorder_fraction=options.reordered_percent / 100.0,
+        break_count=options.breaks,
+        # A calibration pose that a break cuts short is held again: not what is to be shown.
+        breaks_from_s=scenario.schedule.n_pose_s + READY_WITHIN_S,
+    )
+
+
 async def stream(
     service: ServiceClient,
     options: Options,
@@ -137,15 +148,7 @@ async def stream(
             use_mounting=False,
         )
     )
-    faults = LinkFaults(
-        loss_fraction=options.loss_percent / 100.0,
-        duplicate_fraction=options.duplicates_percent / 100.0,
-        reorder_fraction=options.reordered_percent / 100.0,
-        break_count=options.breaks,
-        # A calibration pose that a break cuts short is held again: not what is to be shown.
-        breaks_from_s=scenario.schedule.n_pose_s + READY_WITHIN_S,
-    )
-    plan = device.plan(faults, options.seed)
+    plan = device.plan(_faults_of(options, scenario), options.seed)
 
     async def calibrate() -> None:
         say("holding the N-pose")
@@ -163,15 +166,14 @@ async def stream(
         await _reached(service, created.id, end_s - CATCH_UP_SLACK_S)
         await service.steer(created.id, "stop")
 
-    gateway = GatewayClient(
-        service.ingest_url, lambda: service.ticket(created.id), device.hello, pace=options.speed
-    )
     end_s = float(device.packet_count * device.packet_s)
     beside = None
     if alongside is not None:
         beside = asyncio.create_task(alongside(device, scenario, created.id), name="alongside")
     try:
-        report = await gateway.run(
+        report = await GatewayClient(
+            service.ingest_url, lambda: service.ticket(created.id), device.hello, pace=options.speed
+        ).run(
             device.deliveries(plan),
             breaks_s=[(float(start), float(end)) for start, end in plan.breaks_s],
             milestones=[

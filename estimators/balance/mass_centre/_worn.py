@@ -122,16 +122,7 @@ class WornMassCentre:
         segments: BodySegments | None = None,
         parameters: WornBodyParameters | None = None,
     ) -> None:
-        worn = tuple(placements)
-        unknown = [name for name in worn if name not in PLACEMENTS]
-        if unknown or len(set(worn)) != len(worn):
-            raise SetupError(f"placements must be different ones of {', '.join(PLACEMENTS)}; got {worn}")
-        if not has_mass_centre(worn):
-            raise SetupError(
-                "a centre of mass needs sensors on both thighs and on the sternum or the pelvis; worn: "
-                + (", ".join(worn) or "none")
-            )
-        self.placements = worn
+        self.placements = worn = _checked(placements)
         self.assumed = tuple(name for name in PLACEMENTS if name not in worn)
         c = parameters or WornBodyParameters()
         known = body_levers(segments or mean_segments(), body or BodyDimensions())
@@ -271,6 +262,19 @@ def _carrier(name: str, worn: Sequence[str]) -> str:
     """Return the worn segment with which one moves."""
     way = _way(name, worn)
     return stand_in_of(way[-1]) if way else name
+
+
+def _checked(placements: Sequence[str]) -> tuple[str, ...]:
+    worn = tuple(placements)
+    unknown = [name for name in worn if name not in PLACEMENTS]
+    if unknown or len(set(worn)) != len(worn):
+        raise SetupError(f"placements must be different ones of {', '.join(PLACEMENTS)}; got {worn}")
+    if not has_mass_centre(worn):
+        raise SetupError(
+            "a centre of mass needs sensors on both thighs and on the sternum or the pelvis; worn: "
+            + (", ".join(worn) or "none")
+        )
+    return worn
 
 
 __all__ = [

@@ -15,7 +15,7 @@ from estimators.calibration._n_pose import n_pose
 from estimators.calibration._placement import MisplacedError, check_sides
 from estimators.calibration._rest import Verdict, mean_orientation, wrapped
 from estimators.calibration._static import static_bias
-from estimators.calibration.movement.functional_arm import ArmMovements, arm_frames
+from estimators.calibration.movement.functional_arm import ArmFrames, ArmMovements, arm_frames
 from estimators.calibration.movement.functional_verdicts import JudgedSession, limb_of, upper_arm_of
 from estimators.calibration.movement.joint_axes import AxisEstimate, heading_between, principal_axis
 from estimators.conventions import SIDES, Placement, Side
@@ -147,12 +147,11 @@ class _Session(JudgedSession):
         sides = [side for side in SIDES if self._can(side, movements)]
         if not sides:
             raise CalibrationError(say("calibration.no_arm_moved"))
-        self.q_rest = np.stack(
-            [
-                mean_orientation(self.q[s, rest], self.flags[s, rest], p, Verdict(), seated=assisted)
-                for s, p in enumerate(self.placements)
-            ]
-        )
+        rests = [
+            mean_orientation(self.q[s, rest], self.flags[s, rest], p, Verdict(), seated=assisted)
+            for s, p in enumerate(self.placements)
+        ]
+        self.q_rest = np.stack(rests)
         self.check_segments(sides, movements)
         raises = self._raises(sides, movements, assisted)
         stated, facing_sigma = self._facing(raises, assisted)
@@ -167,19 +166,13 @@ class _Session(JudgedSession):
         for side in sides:
             arm = self._arm(side, movements, offsets)
             frames = arm_frames(arm, assisted=assisted, rest_pronation_rad=rest_pronation_rad)
-            self.axes += [frames.flexion, frames.pronation]
-            self.judge_ranges((frames.flexion, frames.pronation), assisted)
+            self._judge_arm(side, frames, assisted)
             for placement, (q, s) in frames.segments.items():
                 w, x, y, z = (float(v) for v in q)
                 q_sensor_segment[placement] = (w, x, y, z)
                 sigma[placement] = s
                 about_x, about_y, about_z = (float(v) for v in frames.sigma_rad[placement])
                 mounting_sigma[placement] = (about_x, about_y, about_z)
-            if frames.disagreement_rad > _CONTRADICTION_RAD:
-                self.verdict.lower(
-                    _CONTRADICTION_RAD / frames.disagreement_rad,
-                    say("calibration.contradiction", side=side, angle_rad=frames.disagreement_rad),
-                )
         self.judge_sigma(sigma, facing_sigma)
         self.judge_trunk(facing, facing_sigma)
         score = self.verdict.score * base.score
@@ -200,6 +193,15 @@ class _Session(JudgedSession):
             mounting_sigma_rad=mounting_sigma,
         )
         return FunctionalResult(calibration, tuple(self.axes), sigma, facing_sigma)
+
+    def _judge_arm(self, side: Side, frames: ArmFrames, assisted: bool) -> None:
+        self.axes += [frames.flexion, frames.pronation]
+        self.judge_ranges((frames.flexion, frames.pronation), assisted)
+        if frames.disagreement_rad > _CONTRADICTION_RAD:
+            self.verdict.lower(
+                _CONTRADICTION_RAD / frames.disagreement_rad,
+                say("calibration.contradiction", side=side, angle_rad=frames.disagreement_rad),
+            )
 
     def _can(self, side: Side, movements: Mapping[str, tuple[int, int]]) -> bool:
         worn = {f"upper_arm_{side}", f"forearm_{side}"} <= set(self.placements)

@@ -3,11 +3,11 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from estimators import rotation
 from estimators.gait.foot import kernel
 from estimators.gait.foot import layout as at
+from estimators.gait.foot.kernel import FootState, FootTicks, Trace
 from estimators.gait.foot.parameters import FootParameters
 from estimators.recording import Float
 
@@ -78,88 +78,35 @@ def start_state(accelerometer_mps2: Float, gyroscope_bias_radps: Float) -> Float
     return x
 
 
-_KEPT = ("prior", "prior_p", "steps", "row_count", "rows", "gains", "ratios", "spread")
-
-
 class Records:
-    """What `forward` leaves behind for the way back, for up to `most` samples."""
+    """The trace that `forward` leaves behind for the way back, of up to `most` samples."""
 
     def __init__(self, most: int) -> None:
-        self.prior = np.zeros((most, at.STATE))
-        self.prior_p = np.zeros((most, at.ERRORS, at.ERRORS))
-        self.steps = np.zeros((most, at.STEP))
-        self.row_count = np.zeros(most, dtype=np.int64)
-        self.rows = np.zeros((most, at.MOST_ROWS, at.ERRORS))
-        self.gains = np.zeros((most, at.MOST_ROWS, at.ERRORS))
-        self.ratios = np.zeros((most, at.MOST_ROWS))
-        self.posterior = np.zeros((most, at.STATE))
-        self.spread = np.zeros((most, 6))
-        self._scratch = np.zeros(at.ERRORS)
-
-    def forward(
-        self,
-        place: slice,
-        step_s: Float,
-        gyroscope_radps: Float,
-        accelerometer_mps2: Float,
-        sigma_mps: Float,
-        bits: NDArray[np.uint8],
-        force_variance: Float,
-        rate_variance: Float,
-        field: Float,
-        settings: Float,
-        memory: Float,
-        x: Float,
-        p: Float,
-    ) -> None:
-        """Run the filter and record into `place`."""
-        kernel.forward(
-            step_s,
-            gyroscope_radps,
-            accelerometer_mps2,
-            sigma_mps,
-            bits,
-            force_variance,
-            settings,
-            rate_variance,
-            field,
-            memory,
-            x,
-            p,
-            self._scratch,
-            self.prior[place],
-            self.prior_p[place],
-            self.steps[place],
-            self.row_count[place],
-            self.rows[place],
-            self.gains[place],
-            self.ratios[place],
-            self.posterior[place],
-            self.spread[place],
+        self.trace = Trace(
+            prior=np.zeros((most, at.STATE)),
+            prior_p=np.zeros((most, at.ERRORS, at.ERRORS)),
+            steps=np.zeros((most, at.STEP)),
+            row_count=np.zeros(most, dtype=np.int64),
+            rows=np.zeros((most, at.MOST_ROWS, at.ERRORS)),
+            gains=np.zeros((most, at.MOST_ROWS, at.ERRORS)),
+            ratios=np.zeros((most, at.MOST_ROWS)),
+            posterior=np.zeros((most, at.STATE)),
+            spread=np.zeros((most, 6)),
         )
+
+    def forward(self, place: slice, samples: FootTicks, settings: Float, state: FootState) -> None:
+        """Run the filter and record into `place`."""
+        kernel.forward(samples, settings, state, Trace._make(values[place] for values in self.trace))
 
     def move_to_front(self, start: int, stop: int) -> None:
         """Keep the records `[start, stop)` only, at the start of the arrays."""
-        for name in _KEPT:
-            values = getattr(self, name)
-            values[: stop - start] = values[start:stop]
+        for name, values in self.trace._asdict().items():
+            if name != "posterior":
+                values[: stop - start] = values[start:stop]
 
     def backward(self, first: int, wanted: int, stop: int, adjoint: Float, smooth: Float) -> None:
         """Go back over the records `[first, stop)`, smooth `[first, wanted)`, and update the adjoint."""
-        kernel.backward(
-            first,
-            wanted,
-            stop,
-            self.prior,
-            self.prior_p,
-            self.steps,
-            self.row_count,
-            self.rows,
-            self.gains,
-            self.ratios,
-            adjoint,
-            smooth,
-        )
+        kernel.backward(first, wanted, stop, self.trace, adjoint, smooth)
 
 
 def rate_of(time_s: Float) -> float:

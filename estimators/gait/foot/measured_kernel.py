@@ -4,9 +4,10 @@ import math
 
 import numpy as np
 
-from estimators._kernels import kernel, rotate, wrapped
+from estimators._kernels import Scalars3, kernel, rotate, wrapped
 from estimators.gait.foot import layout as at
 from estimators.gait.foot.step_kernel import matrix_of
+from estimators.kernels import step
 from estimators.recording import Float
 
 _N = at.ERRORS
@@ -19,6 +20,48 @@ _F_VERTICAL, _F_KNOWN = at.FIELD_VERTICAL, at.FIELD_KNOWN
 _S_STANDSTILL, _S_FLAT = at.S_STANDSTILL, at.S_FLAT
 _S_HEIGHT_SIGMA, _S_HEIGHT_SCALE, _S_HEIGHT_GATE = at.S_HEIGHT_SIGMA, at.S_HEIGHT_SCALE, at.S_HEIGHT_GATE
 _S_FIELD_SIGMA, _S_FIELD_TOLERANCE = at.S_FIELD_SIGMA, at.S_FIELD_TOLERANCE
+
+
+@step()
+def _stance_rows(
+    x: Float, rate: Scalars3, sigma_mps: float, matrix: Float, rows: Float, residual: Float, variance: Float
+) -> None:
+    """Write eq. (13): the contact point stands, so the sensor moves with omega x r."""
+    bx = rate[1] * x[_R + 2] - rate[2] * x[_R + 1]
+    by = rate[2] * x[_R] - rate[0] * x[_R + 2]
+    bz = rate[0] * x[_R + 1] - rate[1] * x[_R]
+    u = rotate(x[_Q], x[_Q + 1], x[_Q + 2], x[_Q + 3], bx, by, bz)
+    for i in range(3):
+        rows[i, :] = 0.0
+        rows[i, _EV + i] = 1.0
+        after, before = (i + 1) % 3, (i + 2) % 3
+        # [u] has u_before to the right of the diagonal with a minus sign, cyclically.
+        rows[i, _EQ + after] = -u[before]
+        rows[i, _EQ + before] = u[after]
+        m0, m1, m2 = matrix[3 * i], matrix[3 * i + 1], matrix[3 * i + 2]
+        rows[i, _ER] = -(m1 * rate[2] - m2 * rate[1])
+        rows[i, _ER + 1] = -(m2 * rate[0] - m0 * rate[2])
+        rows[i, _ER + 2] = -(m0 * rate[1] - m1 * rate[0])
+        residual[i] = u[i] - x[_V + i]
+        variance[i] = sigma_mps * sigma_mps
+
+
+@step()
+def _heading_seen(x: Float, field: Float, memory: Float, tolerance: float) -> float:
+    """Return how far the field points off where it first did; NaN where it is the first or another field."""
+    b = rotate(x[_Q], x[_Q + 1], x[_Q + 2], x[_Q + 3], field[0], field[1], field[2])
+    strength = math.sqrt(b[0] * b[0] + b[1] * b[1] + b[2] * b[2])
+    heading = math.atan2(b[1], b[0])
+    if memory[_F_KNOWN] == 0.0:
+        memory[_F_KNOWN] = 1.0
+        memory[_F_HEADING] = heading
+        memory[_F_STRENGTH] = strength
+        memory[_F_VERTICAL] = b[2]
+        return math.nan
+    limit = tolerance * memory[_F_STRENGTH]
+    if abs(strength - memory[_F_STRENGTH]) < limit and abs(b[2] - memory[_F_VERTICAL]) < limit:
+        return wrapped(memory[_F_HEADING] - heading)
+    return math.nan
 
 
 @kernel(
@@ -43,25 +86,8 @@ def measured_rows(
     matrix_of(x[_Q], x[_Q + 1], x[_Q + 2], x[_Q + 3], matrix)
     rate = (gyroscope[0] - x[_BG], gyroscope[1] - x[_BG + 1], gyroscope[2] - x[_BG + 2])
     if bits & _STANCE:
-        # eq. (13): the contact point stands, so the sensor moves with omega x r.
-        bx = rate[1] * x[_R + 2] - rate[2] * x[_R + 1]
-        by = rate[2] * x[_R] - rate[0] * x[_R + 2]
-        bz = rate[0] * x[_R + 1] - rate[1] * x[_R]
-        u = rotate(x[_Q], x[_Q + 1], x[_Q + 2], x[_Q + 3], bx, by, bz)
-        for i in range(3):
-            rows[count, :] = 0.0
-            rows[count, _EV + i] = 1.0
-            after, before = (i + 1) % 3, (i + 2) % 3
-            # [u] has u_before to the right of the diagonal with a minus sign, cyclically.
-            rows[count, _EQ + after] = -u[before]
-            rows[count, _EQ + before] = u[after]
-            m0, m1, m2 = matrix[3 * i], matrix[3 * i + 1], matrix[3 * i + 2]
-            rows[count, _ER] = -(m1 * rate[2] - m2 * rate[1])
-            rows[count, _ER + 1] = -(m2 * rate[0] - m0 * rate[2])
-            rows[count, _ER + 2] = -(m0 * rate[1] - m1 * rate[0])
-            residual[count] = u[i] - x[_V + i]
-            variance[count] = sigma_mps * sigma_mps
-            count += 1
+        _stance_rows(x, rate, sigma_mps, matrix, rows, residual, variance)
+        count = 3
     if bits & _STANDSTILL:
         for i in range(3):
             rows[count, :] = 0.0
@@ -80,23 +106,13 @@ def measured_rows(
             variance[count] = (s[_S_HEIGHT_SIGMA] * loose) ** 2
             count += 1
     if bits & _HEADING:
-        b = rotate(x[_Q], x[_Q + 1], x[_Q + 2], x[_Q + 3], field[0], field[1], field[2])
-        strength = math.sqrt(b[0] * b[0] + b[1] * b[1] + b[2] * b[2])
-        heading = math.atan2(b[1], b[0])
-        if memory[_F_KNOWN] == 0.0:
-            memory[_F_KNOWN] = 1.0
-            memory[_F_HEADING] = heading
-            memory[_F_STRENGTH] = strength
-            memory[_F_VERTICAL] = b[2]
-        else:
-            limit = s[_S_FIELD_TOLERANCE] * memory[_F_STRENGTH]
-            is_alike = abs(strength - memory[_F_STRENGTH]) < limit and abs(b[2] - memory[_F_VERTICAL]) < limit
-            if is_alike:
-                rows[count, :] = 0.0
-                rows[count, _EQ + 2] = 1.0
-                residual[count] = wrapped(memory[_F_HEADING] - heading)
-                variance[count] = s[_S_FIELD_SIGMA] ** 2
-                count += 1
+        off = _heading_seen(x, field, memory, s[_S_FIELD_TOLERANCE])
+        if not math.isnan(off):
+            rows[count, :] = 0.0
+            rows[count, _EQ + 2] = 1.0
+            residual[count] = off
+            variance[count] = s[_S_FIELD_SIGMA] ** 2
+            count += 1
     return count
 
 

@@ -10,6 +10,7 @@ from estimators.gait._stance import Windows
 from estimators.gait.foot import layout as at
 from estimators.gait.foot.filter import Records, root, settings_of, start_covariance, start_state
 from estimators.gait.foot.judged import JudgedSamples
+from estimators.gait.foot.kernel import FootState, FootTicks
 from estimators.gait.foot.lost_places import LostPlace, begin_anew, gap_lengths, long_gap_ticks
 from estimators.gait.foot.parameters import FootParameters
 from estimators.gait.foot.samples import BRIDGED, CLIPPED, MISSING, FootSamples
@@ -156,18 +157,18 @@ class FootStream:
             found.be_wary(slice(start - self._origin, upto - self._origin), is_measured)
         self._records.forward(
             slice(self._base + place.start, self._base + place.stop),
-            np.full(stop - start, 1.0 / self.rate_hz),
-            samples.gyroscope[raw],
-            samples.force[raw],
-            found.inputs[0, place],
-            found.bits[place],
-            found.inputs[2, place],
-            found.rate_variance[place],
-            samples.field[raw],
+            FootTicks(
+                np.full(stop - start, 1.0 / self.rate_hz),
+                samples.gyroscope[raw],
+                samples.force[raw],
+                found.inputs[0, place],
+                found.bits[place],
+                found.inputs[2, place],
+                found.rate_variance[place],
+                samples.field[raw],
+            ),
             self._settings,
-            self._memory,
-            self._x,
-            self._p,
+            FootState(self._memory, self._x, self._p),
         )
 
     def _release(self, boundary: int, upto: int) -> tuple[Float, NDArray[np.uint8]]:
@@ -184,7 +185,7 @@ class FootStream:
             place = slice(count - given, count)
             flags[place] = self._smooth(known, boundary, upto, values[place])
             self._base += given
-            if self._base + self.lag + 2 * self.block > len(self._records.spread):
+            if self._base + self.lag + 2 * self.block > len(self._records.trace.spread):
                 self._records.move_to_front(self._base, self._base + boundary - upto)
                 self._base = 0
             self._found.forget(given)
@@ -200,7 +201,7 @@ class FootStream:
         base, sigma = self._base, values[:, at.STATE : at.STATE + 6]
         self._records.backward(base, base + given, base + boundary - first, np.zeros(at.ERRORS), state)
         values[:, : at.STATE] = state
-        sigma[:] = root(self._records.spread[base : base + given])
+        sigma[:] = root(self._records.trace.spread[base : base + given])
         kind = self.samples.kind[self.samples.place(first, upto)]
         is_level = np.asarray((sigma[:, 3:5] < _TILT_KNOWN_RAD).all(axis=1))
         stands, last = self._believed(first, self._found.stands(given), is_level)

@@ -22,6 +22,7 @@ from estimators.gait.foot.filter import (
     start_state,
 )
 from estimators.gait.foot.gaps import FilledSignals, fill_gaps
+from estimators.gait.foot.kernel import FootState, FootTicks
 from estimators.gait.foot.parameters import FootParameters, with_clips
 from estimators.recording import Float, SensorSignals
 from estimators.sentences import say
@@ -201,7 +202,7 @@ class _Run:
                 self._forward(records, piece, *mark)
             count = piece.stop - piece.start
             records.backward(0, count, count, adjoint, self.smooth[piece])
-            self.spread[piece] = records.spread[:count]
+            self.spread[piece] = records.trace.spread[:count]
         first = self.smooth[0]
         retained = slice(at.V, at.PIVOT)
         self.x[retained] = first[retained]
@@ -209,18 +210,18 @@ class _Run:
     def _forward(self, records: Records, piece: slice, x: Float, p: Float, memory: Float) -> None:
         records.forward(
             slice(0, piece.stop - piece.start),
-            self.step_s[piece],
-            self.gyroscope[piece],
-            self.accelerometer[piece],
-            self.sigma_mps[piece],
-            self.bits[piece],
-            self.force_variance[piece],
-            self.rate_variance[piece],
-            self.field[piece] if len(self.field) else NO_FIELD,
+            FootTicks(
+                self.step_s[piece],
+                self.gyroscope[piece],
+                self.accelerometer[piece],
+                self.sigma_mps[piece],
+                self.bits[piece],
+                self.force_variance[piece],
+                self.rate_variance[piece],
+                self.field[piece] if len(self.field) else NO_FIELD,
+            ),
             self.settings,
-            memory,
-            x,
-            p,
+            FootState(memory, x, p),
         )
 
     def trajectory(self) -> FootTrajectory:

@@ -184,11 +184,7 @@ def _solve(
     turned = None
     if started:
         turned = rotation.multiply(rotation.conjugate(nominal[at.ATTITUDE : at.ATTITUDE + 4]), rows[:, 6:10])
-    off = settings[at.START_OFF_TICKS]
-    sigma = math.sqrt(
-        settings[at.FIELD_SIGMA] ** 2 * (1.0 / settings[at.START_ON_TICKS] + 1.0 / off)
-        + 0.7 * off * (settings[at.RATE_SIGMA] * settings[at.TIME_STEP] * settings[at.EARTH_FIELD]) ** 2
-    )
+    sigma = _field_sigma(settings)
     direction = np.asarray(parameters.mounting_direction, dtype=np.float64)
 
     def found(moved: Float | None, share: float = 1.0) -> Fix:
@@ -226,7 +222,15 @@ def _solve(
             wrong, moved = nominal[at.VELOCITY : at.VELOCITY + 3].copy(), None
             fix = found(moved)
             loose = math.sqrt(float(np.diagonal(covariance)[_VELOCITY].max()))
-    weaker, stronger = found(moved, 1.0 - _STEP), found(moved, 1.0 + _STEP)
+    by_strength = _by_strength(fix, found(moved, 1.0 - _STEP), found(moved, 1.0 + _STEP))
+    # Beside a common error of the velocity: how unevenly the pulses share it.
+    within = min(loose, _RESTART_VELOCITY_MPS) * float(back.std())
+    fix.covariance[:3, :3] += within**2 * np.eye(3)
+    return _Burst(fix, ago_s, here - wrong * ago_s, *by_strength)
+
+
+def _by_strength(fix: Fix, weaker: Fix, stronger: Fix) -> tuple[Float, float, float]:
+    """Return how a fix moves with the strength of the source, (6,), and score and information about it."""
     turn = rotation.multiply(rotation.conjugate(weaker.q_source_sensor), stronger.q_source_sensor)
     slope = -np.concatenate([stronger.position_m - weaker.position_m, rotation.log(turn)]) / (2.0 * _STEP)
     score = -(stronger.chi_square - weaker.chi_square) / (4.0 * _STEP)
@@ -237,11 +241,17 @@ def _solve(
         and information > 0.0
     ):
         # Another minimum: by the third power of the distance.
-        slope, score, information = np.r_[-fix.position_m / 3.0, np.zeros(3)], 0.0, 0.0
-    # Beside a common error of the velocity: how unevenly the pulses share it.
-    within = min(loose, _RESTART_VELOCITY_MPS) * float(back.std())
-    fix.covariance[:3, :3] += within**2 * np.eye(3)
-    return _Burst(fix, ago_s, here - wrong * ago_s, slope, score, information)
+        return np.r_[-fix.position_m / 3.0, np.zeros(3)], 0.0, 0.0
+    return slope, score, information
+
+
+def _field_sigma(settings: Float) -> float:
+    """Return the standard deviation of a pulse of the start."""
+    off = settings[at.START_OFF_TICKS]
+    return math.sqrt(
+        settings[at.FIELD_SIGMA] ** 2 * (1.0 / settings[at.START_ON_TICKS] + 1.0 / off)
+        + 0.7 * off * (settings[at.RATE_SIGMA] * settings[at.TIME_STEP] * settings[at.EARTH_FIELD]) ** 2
+    )
 
 
 def _gain(

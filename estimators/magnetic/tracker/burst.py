@@ -90,6 +90,20 @@ class BurstPath:
         back = rotation.multiply(rotation.conjugate(q_source_sensor), source)
         return rotation.multiply(rotation.multiply(back, q_source_sensor), self.sensor_turn)
 
+    def slopes(self, jacobian: Float) -> tuple[Float, Float]:
+        """Turn slopes of the pulses, (N, 3, 6), into those by errors of pose and velocity at the tick.
+
+        Returns
+        -------
+        by_pose : ndarray, shape (3 N, 6)
+            The known turns come before and after the errors.
+        by_velocity : ndarray, shape (3 N, 3)
+        """
+        back = np.swapaxes(rotation.to_matrix(self.sensor_turn), -1, -2)
+        by_pose = np.concatenate([jacobian[..., :3] @ self.source_turn, jacobian[..., 3:] @ back], -1)
+        by_velocity = (by_pose[..., :3] * self.delay_s[:, None, None]).reshape(-1, 3)
+        return by_pose.reshape(-1, 6), by_velocity
+
 
 @dataclass(frozen=True)
 class CarriedFix:
@@ -218,6 +232,7 @@ def locate_moving(
     sigma_t = float(np.sqrt(np.trace(noise_alone) / len(spread)))
     coil, current = np.array([p.coil for p in burst]), np.array([p.current_a for p in burst])
     pulses = np.stack([p.field_sensor_t for p in burst])
+    saturated = any(p.saturated for p in burst)
     velocity = np.array(velocity_mps, dtype=np.float64)
     place, q = np.array(position_m, dtype=np.float64), np.array(q_source_sensor, dtype=np.float64)
     # By the orientation that is given, not the one that is found: a filter's is better than a burst's.
@@ -234,7 +249,7 @@ def locate_moving(
             last_position_m=position_m,
             moved_m=moved,
             q_turned=turned,
-            saturated=any(p.saturated for p in burst),
+            saturated=saturated,
             limits=bounds,
             start=(place, q),
         )
@@ -243,34 +258,30 @@ def locate_moving(
         place, q = fix.position_m, fix.q_source_sensor
     assert fix is not None
     seen = predict(source, coil, current, place + moved, rotation.multiply(q, turned))
-    # Turned into errors of the pose at the tick: the known turns come before and after them.
-    back = np.swapaxes(rotation.to_matrix(path.sensor_turn), -1, -2)
-    jacobian = np.concatenate([seen.jacobian[..., :3] @ path.source_turn, seen.jacobian[..., 3:] @ back], -1)
-    by_velocity = (jacobian[..., :3] * path.delay_s[:, None, None]).reshape(-1, 3)
-    rows = jacobian.reshape(-1, 6)
+    rows, by_velocity = path.slopes(seen.jacobian)
     off = (seen.field_sensor_t - pulses).ravel()
     # `locate` weighs all values alike: one step more, with their whole covariance.
     weighed = np.linalg.solve(spread, rows).T
     covariance = np.linalg.inv(weighed @ rows)
     gain = covariance @ weighed
     step = gain @ off
-    place, q = place - step[:3], rotation.multiply(q, rotation.exp(-step[3:]))
-    allowed = (
-        spread if velocity_covariance is None else spread + by_velocity @ velocity_covariance @ by_velocity.T
-    )
+    allowed = spread
+    if velocity_covariance is not None:
+        allowed = spread + by_velocity @ velocity_covariance @ by_velocity.T
     chi_square = _misfit(off, rows, allowed)
     flags = fix.flags & ~TrackerFlag.DISTURBED
     if chi_square > most_chi_square(bounds, len(pulses)):
         flags |= TrackerFlag.DISTURBED
+    weighed_fix = replace(
+        fix,
+        position_m=place - step[:3],
+        q_source_sensor=rotation.positive(rotation.multiply(q, rotation.exp(-step[3:]))),
+        covariance=np.asarray(0.5 * (covariance + covariance.T)),
+        chi_square=chi_square,
+        flags=flags,
+    )
     return CarriedFix(
-        replace(
-            fix,
-            position_m=place,
-            q_source_sensor=rotation.positive(q),
-            covariance=np.asarray(0.5 * (covariance + covariance.T)),
-            chi_square=chi_square,
-            flags=flags,
-        ),
+        weighed_fix,
         velocity,
         np.asarray(gain @ by_velocity),
         np.asarray(gain @ (spread - noise_alone) @ gain.T),

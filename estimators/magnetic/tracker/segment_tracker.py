@@ -142,11 +142,7 @@ def locate(
         flags |= TrackerFlag.OUT_OF_RANGE
     if not np.isfinite(pulses).all():
         return _nothing(flags, ratio)
-    firsts = [int(np.flatnonzero(numbers == c)[0]) if (numbers == c).any() else -1 for c in range(3)]
-    if min(firsts) < 0:
-        raise ShapeError("a fix needs a pulse of each of the first three coils")
-    aligned = rotation.rotate(turn[firsts], pulses[firsts])
-    seed = closed_form(source, aligned.T, currents[firsts])
+    seed = _seed(source, numbers, currents, turn, pulses)
     if not seed.strength > 0.0 or not np.isfinite(seed.position_m).all():
         return _nothing(flags | TrackerFlag.WRONG_ORDER, ratio)
     if seed.determinant < 0.0:
@@ -321,6 +317,17 @@ def _choose(
         place = np.asarray(last, dtype=np.float64)
         return min([best, *rivals], key=lambda s: float(np.linalg.norm(s[1][:3] - place))), False
     return best, True
+
+
+def _seed(
+    source: Source, coil: NDArray[np.int64], current_a: Float, q_turned: Float, pulses_t: Float
+) -> ClosedForm:
+    """Return the closed form of the first pulses of the first three coils."""
+    firsts = [int(np.flatnonzero(coil == c)[0]) if (coil == c).any() else -1 for c in range(3)]
+    if min(firsts) < 0:
+        raise ShapeError("a fix needs a pulse of each of the first three coils")
+    aligned = rotation.rotate(q_turned[firsts], pulses_t[firsts])
+    return closed_form(source, aligned.T, current_a[firsts])
 
 
 def _nothing(flags: TrackerFlag, ratio: float) -> Fix:

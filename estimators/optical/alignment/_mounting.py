@@ -156,6 +156,30 @@ def _liveliest(ticks: NDArray[np.int64], felt: Float, time_step_s: float) -> sli
     return slice(int(first[best]), int(last[best]))
 
 
+def _turned(seen: Float, heading_rad: float) -> Float:
+    c, s = np.cos(heading_rad), np.sin(heading_rad)
+    return np.column_stack([c * seen[:, 0] + s * seen[:, 1], c * seen[:, 1] - s * seen[:, 0], seen[:, 2]])
+
+
+def _best_of_circle(seen: Float, columns: Float, free: list[int], scale: float) -> tuple[float, Float]:
+    """Return the heading of a circle of trials whose least squares leave least, and its solution, shape (4,)."""
+    start = np.array([scale, 0.0, 0.0, 0.0])
+    normal = np.einsum("kia,kib->ab", columns, columns) + 1e-9 * np.eye(4)
+    costs = []
+    for psi in np.linspace(-np.pi, np.pi, _TRIALS, endpoint=False).tolist():
+        y, x = _turned(seen, psi), start.copy()
+        if free:
+            held = [k for k in range(4) if k not in free]
+            right = np.einsum("kia,ki->a", columns, y) - normal[:, held] @ x[held]
+            x[free] = np.linalg.solve(normal[np.ix_(free, free)], right[free])
+            x[0] = max(x[0], 1e-6)
+            # A far marker is rather a wrong heading.
+            x[1:] *= min(1.0, 0.3 * x[0] / max(float(np.linalg.norm(x[1:])), 1e-12))
+        costs.append((float(np.median(np.abs(y - columns @ x))), psi, x))
+    _, psi, x = min(costs, key=lambda cost: cost[0])
+    return psi, x
+
+
 def fit(both: Accelerations, lever_arm_m: Float | None = None, scale: float | None = 1.0) -> Fit:
     """Find heading and lever arm, and a scale unless one is held.
 
@@ -171,28 +195,10 @@ def fit(both: Accelerations, lever_arm_m: Float | None = None, scale: float | No
     free = ([] if scale is not None else [0]) + ([1, 2, 3] if given is None else [])
     if given is not None:
         columns[:, :, 0] += arm @ given
-
-    def turned(psi: float) -> Float:
-        c, s = np.cos(psi), np.sin(psi)
-        return np.column_stack([c * seen[:, 0] + s * seen[:, 1], c * seen[:, 1] - s * seen[:, 0], seen[:, 2]])
-
-    start = np.array([1.0 if scale is None else scale, 0.0, 0.0, 0.0])
-    normal = np.einsum("kia,kib->ab", columns, columns) + 1e-9 * np.eye(4)
-    costs = []
-    for psi in np.linspace(-np.pi, np.pi, _TRIALS, endpoint=False).tolist():
-        y, x = turned(psi), start.copy()
-        if free:
-            held = [k for k in range(4) if k not in free]
-            right = np.einsum("kia,ki->a", columns, y) - normal[:, held] @ x[held]
-            x[free] = np.linalg.solve(normal[np.ix_(free, free)], right[free])
-            x[0] = max(x[0], 1e-6)
-            # A far marker is rather a wrong heading.
-            x[1:] *= min(1.0, 0.3 * x[0] / max(float(np.linalg.norm(x[1:])), 1e-12))
-        costs.append((float(np.median(np.abs(y - columns @ x))), psi, x))
-    _, psi, x = min(costs, key=lambda cost: cost[0])
+    psi, x = _best_of_circle(seen, columns, free, 1.0 if scale is None else scale)
     covariance, weight, rest = np.eye(1 + len(free)), np.ones(len(seen)), seen
     for _ in range(12):
-        rest = turned(psi) - columns @ x
+        rest = _turned(seen, psi) - columns @ x
         size = np.linalg.norm(rest, axis=1)
         weight = 1.0 / np.maximum(1.0, size / (2.0 * np.median(size) + 1e-12))
         model = columns @ x

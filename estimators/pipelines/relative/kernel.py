@@ -5,11 +5,14 @@ Per packet of five ticks numpy spends its time in the calls: the same columns co
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numba import types
 from numpy.typing import NDArray
 
 from estimators._kernels import kernel, multiply, rotate
+from estimators.kernels import VOID, bundle, step
 from estimators.magnetic import CURRENT_SPAN_A, RelativeFlag
 from estimators.magnetic._coil_state import HIGHEST_COIL
 from estimators.magnetic.relative import layout as at
@@ -133,7 +136,7 @@ def take(
 @kernel(
     "void(float64[::1], int64, boolean, float64[::1], float64[::1], float64[::1], float64[::1], float64[::1])"
 )
-def tell_pose(
+def write_pose(
     out: Float,
     stated: int,
     known: bool,
@@ -181,12 +184,107 @@ def tell_pose(
         sigma[a] = sigma_along(out, 3, m[3 * a], m[3 * a + 1], m[3 * a + 2])
 
 
-@kernel(
-    "void(float64[:, ::1], uint8[::1], float64[:, :, ::1], float64[:, :, ::1], boolean[::1], float64, float64,"
-    "float64[::1], float64[::1], int64[::1], float64[:, :, ::1], float64[:, :, ::1], float64[:, :, ::1],"
-    "uint8[:, ::1], float64[:, ::1], float64[:, ::1], uint8[:, ::1], float64[:, ::1])"
+class Written(NamedTuple):
+    """Arrays of frames to fill: K ticks leading, then segments (q, point, sigma, flags) or columns (the others)."""
+
+    q: Float
+    point_m: Float
+    sigma_rad: Float
+    flags: NDArray[np.uint8]
+    angle_rad: Float
+    angle_sigma_rad: Float
+    angle_flags: NDArray[np.uint8]
+    scalar: Float
+
+
+class Running(NamedTuple):
+    """What is carried on: the account, (3,), and each angle's last value within half a turn and its whole turns."""
+
+    account: Float
+    last_angle_rad: Float
+    turns: NDArray[np.int64]
+
+
+_ROW, _TABLE, _CUBE, _BYTES = (
+    types.float64[::1],
+    types.float64[:, ::1],
+    types.float64[:, :, ::1],
+    types.uint8[:, ::1],
 )
-def tell(
+_RUNNING = bundle(Running, _ROW, _ROW, types.int64[::1])
+_WRITTEN = bundle(Written, _CUBE, _CUBE, _CUBE, _BYTES, _TABLE, _TABLE, _BYTES, _TABLE)
+
+
+@step()
+def _shown_as(stated: int) -> int:
+    """Return the flags of an orientation that say what the filter's do."""
+    bits = 0
+    for a in range(len(_SAID)):
+        if stated & _SAID[a]:
+            bits |= _SHOWN_AS[a]
+    return bits
+
+
+@step()
+def _write_source(k: int, q: Float, source_flags: int, height_m: float, out: Written) -> None:
+    """Write the segment that carries the source; its heading is that of the room, so that it cannot be wrong."""
+    for a in range(4):
+        out.q[k, 0, a] = q[a]
+    out.point_m[k, 0, 0], out.point_m[k, 0, 1], out.point_m[k, 0, 2] = 0.0, 0.0, height_m
+    out.sigma_rad[k, 0, :] = math.nan
+    out.flags[k, 0] = source_flags & _NOT_HEADING
+
+
+@step()
+def _write_sensor(k: int, i: int, q: Float, one: Float, stated: int, running: Running, out: Written) -> None:
+    """Write what one row of a filter's output says of sensor i; unknown angles neither turn nor are remembered."""
+    w, x, y, z = q[0], q[1], q[2], q[3]
+    known = stated & _INVALID == 0
+    turned = multiply(w, x, y, z, one[_Q], one[_Q + 1], one[_Q + 2], one[_Q + 3])
+    away = rotate(w, x, y, z, one[_P], one[_P + 1], one[_P + 2])
+    for a in range(4):
+        out.q[k, i + 1, a] = turned[a]
+    for a in range(3):
+        out.point_m[k, i + 1, a] = out.point_m[k, 0, a] + away[a] if known else math.nan
+    bits = _shown_as(stated)
+    out.flags[k, i + 1] = bits
+    first = SENSOR_COLUMNS * i
+    columns = slice(3 * i, 3 * i + 3)
+    write_pose(
+        one,
+        stated,
+        known,
+        out.q[k, i + 1],
+        out.scalar[k, first : first + SENSOR_COLUMNS],
+        out.angle_rad[k, columns],
+        out.angle_sigma_rad[k, columns],
+        out.sigma_rad[k, i + 1],
+    )
+    if abs(math.cos(out.angle_rad[k, 3 * i + 1])) < _SINGULAR_COSINE:
+        bits |= _SINGULAR
+    for c in range(3 * i, 3 * i + 3):
+        out.angle_flags[k, c] = bits
+        angle = out.angle_rad[k, c]
+        if math.isfinite(angle):
+            running.turns[c] -= int(np.rint((angle - running.last_angle_rad[c]) / _TWO_PI))
+            running.last_angle_rad[c] = angle
+            out.angle_rad[k, c] = angle + _TWO_PI * running.turns[c]
+
+
+@kernel(
+    VOID(
+        _TABLE,
+        types.uint8[::1],
+        _CUBE,
+        _CUBE,
+        types.boolean[::1],
+        types.float64,
+        types.float64,
+        _RUNNING,
+        _WRITTEN,
+    )
+)
+def write_frames(
     q_source: Float,
     source_flags: NDArray[np.uint8],
     samples: Float,
@@ -194,79 +292,35 @@ def tell(
     wrong: NDArray[np.bool_],
     height_m: float,
     step_s: float,
-    account: Float,
-    last_angle: Float,
-    turns: NDArray[np.int64],
-    q: Float,
-    point: Float,
-    sigma: Float,
-    flags: NDArray[np.uint8],
-    angle: Float,
-    angle_sigma: Float,
-    angle_flags: NDArray[np.uint8],
-    scalar: Float,
+    running: Running,
+    out: Written,
 ) -> None:
     """Fill the arrays of frames from outputs of the filters, (N, K, 54), and the pose of the source, (K, 4).
 
-    Angles go on beyond half a turn; unknown ones neither turn nor are remembered. `account`, `last_angle` and `turns`
-    are carried on.
+    Angles go on beyond half a turn.
     """
     sensors = outs.shape[0]
     last = sensors * SENSOR_COLUMNS
+    account = running.account
     for k in range(q_source.shape[0]):
-        w, x, y, z = q_source[k, 0], q_source[k, 1], q_source[k, 2], q_source[k, 3]
-        q[k, 0, 0], q[k, 0, 1], q[k, 0, 2], q[k, 0, 3] = w, x, y, z
-        point[k, 0, 0], point[k, 0, 1], point[k, 0, 2] = 0.0, 0.0, height_m
-        sigma[k, 0, :] = math.nan
-        # Its heading is that of the room, so that it cannot be wrong.
-        flags[k, 0] = source_flags[k] & _NOT_HEADING
-        asked = scalar[k, last + 2 : last + 5]
+        _write_source(k, q_source[k], source_flags[k], height_m, out)
+        asked = out.scalar[k, last + 2 : last + 5]
         asked[:] = 0.0
         for i in range(sensors):
-            out = outs[i, k]
-            stated = int(out[_FLAGS]) | (_FAULT if wrong[k] else 0)
-            known = stated & _INVALID == 0
-            turned = multiply(w, x, y, z, out[_Q], out[_Q + 1], out[_Q + 2], out[_Q + 3])
-            away = rotate(w, x, y, z, out[_P], out[_P + 1], out[_P + 2])
-            for a in range(4):
-                q[k, i + 1, a] = turned[a]
-            for a in range(3):
-                point[k, i + 1, a] = point[k, 0, a] + away[a] if known else math.nan
-            bits = 0
-            for a in range(len(_SAID)):
-                if stated & _SAID[a]:
-                    bits |= _SHOWN_AS[a]
-            flags[k, i + 1] = bits
-            first = SENSOR_COLUMNS * i
-            columns = slice(3 * i, 3 * i + 3)
-            tell_pose(
-                out,
-                stated,
-                known,
-                q[k, i + 1],
-                scalar[k, first : first + SENSOR_COLUMNS],
-                angle[k, columns],
-                angle_sigma[k, columns],
-                sigma[k, i + 1],
-            )
-            if abs(math.cos(angle[k, 3 * i + 1])) < _SINGULAR_COSINE:
-                bits |= _SINGULAR
-            for c in range(3 * i, 3 * i + 3):
-                angle_flags[k, c] = bits
-                if math.isfinite(angle[k, c]):
-                    turns[c] -= int(np.rint((angle[k, c] - last_angle[c]) / _TWO_PI))
-                    last_angle[c] = angle[k, c]
-                    angle[k, c] += _TWO_PI * turns[c]
+            one = outs[i, k]
+            stated = int(one[_FLAGS]) | (_FAULT if wrong[k] else 0)
+            _write_sensor(k, i, q_source[k], one, stated, running, out)
             # A start needs longer pulses than tracking: who asks for the longest goes first.
-            if out[_FIRE_TICKS] > asked[2]:
-                asked[0], asked[1], asked[2] = out[_FIRE], out[_FIRE_CURRENT], out[_FIRE_TICKS]
+            if one[_FIRE_TICKS] > asked[2]:
+                asked[0], asked[1], asked[2] = one[_FIRE], one[_FIRE_CURRENT], one[_FIRE_TICKS]
         coil, current = samples[0, k, _COIL], samples[0, k, _CURRENT]
         account[ON_TICKS] += 1.0 if coil > 0.0 else 0.0
         account[CHARGE] += abs(current) * step_s
         account[SQUARED] += current * current * step_s
-        scalar[k, last], scalar[k, last + 1] = coil, current
-        scalar[k, last + 5] = account[ON_TICKS] * step_s
-        scalar[k, last + 6], scalar[k, last + 7] = account[CHARGE], account[SQUARED]
+        row = out.scalar[k]
+        row[last], row[last + 1] = coil, current
+        row[last + 5] = account[ON_TICKS] * step_s
+        row[last + 6], row[last + 7] = account[CHARGE], account[SQUARED]
 
 
 __all__ = [
@@ -276,9 +330,11 @@ __all__ = [
     "SENSOR_COLUMNS",
     "SOURCE_COLUMNS",
     "SQUARED",
+    "Running",
+    "Written",
     "matrix",
     "sigma_along",
     "take",
-    "tell",
-    "tell_pose",
+    "write_frames",
+    "write_pose",
 ]

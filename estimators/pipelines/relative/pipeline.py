@@ -138,11 +138,17 @@ class RelativePosePipeline(Pipeline):
             outs = np.stack([one.run(part) for one, part in zip(self._filters, samples, strict=True)])
         ticks, segments, angles = chunk.tick_count, len(self._sensors) + 1, len(self._layout.angles)
         self._next_tick = chunk.first_tick + ticks
-        q, point = np.empty((ticks, segments, 4)), np.empty((ticks, segments, 3))
-        sigma, scalar = np.empty((ticks, segments, 3)), np.empty((ticks, len(self._layout.scalars)))
-        angle, angle_sigma = np.empty((ticks, angles)), np.empty((ticks, angles))
-        flags, angle_flags = np.empty((ticks, segments), np.uint8), np.empty((ticks, angles), np.uint8)
-        kernel.tell(
+        written = kernel.Written(
+            np.empty((ticks, segments, 4)),
+            np.empty((ticks, segments, 3)),
+            np.empty((ticks, segments, 3)),
+            np.empty((ticks, segments), np.uint8),
+            np.empty((ticks, angles)),
+            np.empty((ticks, angles)),
+            np.empty((ticks, angles), np.uint8),
+            np.empty((ticks, len(self._layout.scalars))),
+        )
+        kernel.write_frames(
             levelled.q_earth_sensor[0],
             levelled.flags[0],
             samples,
@@ -150,30 +156,21 @@ class RelativePosePipeline(Pipeline):
             wrong,
             self._height_m,
             self._step_s,
-            self._account,
-            self._last_angle,
-            self._turns,
-            q,
-            point,
-            sigma,
-            flags,
-            angle,
-            angle_sigma,
-            angle_flags,
-            scalar,
+            kernel.Running(self._account, self._last_angle, self._turns),
+            written,
         )
         return Frames(
             self._layout,
             chunk.first_tick,
             chunk.time_step_s,
-            q,
-            point,
-            angle,
-            angle_sigma,
-            scalar,
-            flags,
-            angle_flags,
-            sigma,
+            written.q,
+            written.point_m,
+            written.angle_rad,
+            written.angle_sigma_rad,
+            written.scalar,
+            written.flags,
+            written.angle_flags,
+            written.sigma_rad,
         )
 
     def table(self, sensor: str, chunk: ImuChunk) -> Float:

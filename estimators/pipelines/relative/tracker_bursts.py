@@ -108,14 +108,14 @@ def analyse_bursts(chunk: ImuChunk, setup: SessionSetup) -> tuple[BurstAnalysis,
         raise ShapeError(f"{chunk.sensor_count} sensors; the setup has {len(setup.placements)}")
     if chunk.coil_state is None or chunk.magnetometer_t is None:
         raise SetupError(say("setup.bursts_need"))
-    row = setup.placements.index(settings.source)
-    coil, current, _ = read_coil_state(np.nan_to_num(chunk.coil_state[row]))
-    away = _beside(coil > 0)
-    offsets = np.stack([_offset(rate, round(_STILL_S / chunk.time_step_s)) for rate in chunk.gyroscope_radps])
     if setup.orientation not in orientation.smoothers():
         raise SetupError(
             say("setup.bursts_smoother", known=list(orientation.smoothers()), name=setup.orientation)
         )
+    row = setup.placements.index(settings.source)
+    coil, current, _ = read_coil_state(np.nan_to_num(chunk.coil_state[row]))
+    away = _beside(coil > 0)
+    offsets = np.stack([_offset(rate, round(_STILL_S / chunk.time_step_s)) for rate in chunk.gyroscope_radps])
     q_world = _orientations(chunk, setup, away)
     noise = BurstNoise(
         float(magnetic.get("magnetometer_sigma_t", BurstNoise().magnetometer_sigma_t)),
@@ -123,10 +123,8 @@ def analyse_bursts(chunk: ImuChunk, setup: SessionSetup) -> tuple[BurstAnalysis,
     )
     full_scale_t = _AT_SCALE * float(magnetic.get("full_scale_t", RelativePoseParameters().full_scale_t))
     limits = TrackerLimits(gain_sigma=float(magnetic["gain_sigma"]))
-    found = []
-    for index, name in enumerate(setup.placements):
-        if index == row:
-            continue
+
+    def analysis_of(index: int, name: Placement) -> BurstAnalysis:
         signals = ModuleSignals(
             chunk.time_step_s,
             chunk.gyroscope_radps[index] - offsets[index],
@@ -138,38 +136,34 @@ def analyse_bursts(chunk: ImuChunk, setup: SessionSetup) -> tuple[BurstAnalysis,
             chunk, index, name, coil, current, signals, noise.magnetometer_sigma_t, full_scale_t
         )
         way = np.array(direction_between(settings.source, name))
+        direction = way if way.any() else None
+        to_fill = _without_fixes(signals, q_world[row], q_world[index])
         filled, followed = follow_bursts(
-            settings.coils,
-            gathered,
-            signals,
-            TrackerFusionChunk(
-                0,
-                chunk.time_step_s,
-                signals.gyroscope_radps,
-                signals.accelerometer_mps2,
-                signals.source_accelerometer_mps2,
-                q_world[row],
-                q_world[index],
-                *(np.full((chunk.tick_count, *shape), np.nan) for shape in ((3,), (4,), (6, 6))),
-            ),
-            overrides,
-            way if way.any() else None,
-            noise,
-            limits,
+            settings.coils, gathered, signals, to_fill, overrides, direction, noise, limits
         )
         smoothed, filtered = smooth_tracker_fusion(filled, overrides)
-        found.append(
-            BurstAnalysis(
-                settings.source,
-                name,
-                np.asarray(np.arange(chunk.tick_count) * chunk.time_step_s),
-                tuple(followed),
-                filtered,
-                smoothed,
-                _between(followed, chunk.tick_count),
-            )
-        )
-    return tuple(found)
+        time_s = np.asarray(np.arange(chunk.tick_count) * chunk.time_step_s)
+        between = _between(followed, chunk.tick_count)
+        return BurstAnalysis(settings.source, name, time_s, tuple(followed), filtered, smoothed, between)
+
+    return tuple(analysis_of(index, name) for index, name in enumerate(setup.placements) if index != row)
+
+
+def _without_fixes(
+    signals: ModuleSignals, q_world_source: Float, q_world_sensor: Float
+) -> TrackerFusionChunk:
+    """Return what the fusion takes, with room for the fixes of bursts."""
+    ticks = len(signals.gyroscope_radps)
+    return TrackerFusionChunk(
+        0,
+        signals.time_step_s,
+        signals.gyroscope_radps,
+        signals.accelerometer_mps2,
+        signals.source_accelerometer_mps2,
+        q_world_source,
+        q_world_sensor,
+        *(np.full((ticks, *shape), np.nan) for shape in ((3,), (4,), (6, 6))),
+    )
 
 
 def _bursts_of(

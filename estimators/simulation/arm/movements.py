@@ -16,6 +16,7 @@ from estimators.simulation.arm.exercises import (
     TRUNK,
     TRUNK_COORDINATES,
     Exercise,
+    Stop,
     hanging,
 )
 from estimators.simulation.arm.timeline import Sinusoids, Timeline, submovements, sway
@@ -200,6 +201,75 @@ class Schedule:
     """Each repetition by itself, on top of the style; then `repetitions` is None and they are as many."""
 
 
+@dataclass
+class _Score:
+    """Postures reached one after the other: when, by how many submovements, and where in its repetition each is."""
+
+    knots: list[float]
+    postures: list[Float]
+    counts: list[int]
+    places: list[float]
+
+    def go(self, posture: Float, seconds: float, pieces: int = 1, place: float = np.nan) -> None:
+        self.knots.append(self.knots[-1] + max(seconds, 1e-3))
+        self.postures.append(posture)
+        self.counts.append(pieces)
+        self.places.append(place)
+
+    def reach(
+        self,
+        reached: Float,
+        stop: Stop,
+        piece: int,
+        pace: float,
+        pieces: int,
+        one: PlannedRepetition,
+        of_other: float,
+    ) -> None:
+        """Move to a stop, with the pause that is planned on the way to the first, and hold it."""
+        left_s = stop.move_s / pace
+        if piece == 0 and one.stop_s > 0.0:
+            half = self.postures[-1] + one.stop_share * (reached - self.postures[-1])
+            self.go(half, one.stop_share * left_s, pieces, one.stop_share + of_other)
+            self.go(half, one.stop_s, 1, one.stop_share + of_other)
+            left_s *= 1.0 - one.stop_share
+        self.go(reached, left_s, pieces, 2.0 * piece + 1.0 + of_other)
+        self.go(reached, stop.hold_s, 1, 2.0 * piece + 2.0 + of_other)
+
+
+def _planned(exercise: Exercise, style: MovementStyle, schedule: Schedule, begun_s: float) -> int:
+    """Return how many repetitions there are to be."""
+    if schedule.duration_s is None:
+        planned = len(schedule.plan) or int(schedule.repetitions or 0)
+    else:
+        expected = sum(stop.move_s / style.speed + stop.hold_s for stop in exercise.stops)
+        expected += exercise.return_s / style.speed + schedule.pause_s
+        planned = int((schedule.duration_s - begun_s - schedule.settle_s) / expected)
+    if planned < 1:
+        raise SetupError(f"no repetition fits: {schedule}")
+    return planned
+
+
+def _reached(
+    stop: Stop,
+    rest: Float,
+    amplitude: float,
+    draw: Float,
+    style: MovementStyle,
+    one: PlannedRepetition,
+    both_arms: bool,
+) -> Float:
+    """Return the posture that is reached where a stop is meant, with the style and the faults of the repetition."""
+    target = _posture(stop.posture_deg, both_arms)
+    reached = rest + amplitude * (target - rest)
+    reached[ACTING] += draw[3:]
+    reached[TRUNK] += 0.3 * draw[:3]
+    _compensate(reached, style)
+    one.add_faults(reached)
+    reached[OTHER] = reached[ACTING] if both_arms else reached[OTHER]
+    return reached
+
+
 def perform(
     exercise: Exercise,
     style: MovementStyle,
@@ -241,24 +311,10 @@ def perform(
     rest = _posture(exercise.rest_deg, both_arms)
     n_pose = _n_pose(exercise, both_arms)
     n_pose = n_pose + np.random.default_rng([seed, 2]).normal(0.0, 1.0, n_pose.size) * n_pose_error_rad
-    knots, postures, counts, places = [0.0, schedule.n_pose_s], [n_pose, n_pose], [1], [np.nan, np.nan]
-
-    def go(posture: Float, seconds: float, pieces: int = 1, place: float = np.nan) -> None:
-        knots.append(knots[-1] + max(seconds, 1e-3))
-        postures.append(posture)
-        counts.append(pieces)
-        places.append(place)
-
-    go(rest, schedule.transition_s)
-    go(rest, schedule.settle_s + schedule.pause_s)
-    expected = sum(stop.move_s / style.speed + stop.hold_s for stop in exercise.stops)
-    expected += exercise.return_s / style.speed + schedule.pause_s
-    if schedule.duration_s is None:
-        planned = len(schedule.plan) or int(schedule.repetitions or 0)
-    else:
-        planned = int((schedule.duration_s - knots[-1] - schedule.settle_s) / expected)
-    if planned < 1:
-        raise SetupError(f"no repetition fits: {schedule}")
+    laid = _Score([0.0, schedule.n_pose_s], [n_pose, n_pose], [1], [np.nan, np.nan])
+    laid.go(rest, schedule.transition_s)
+    laid.go(rest, schedule.settle_s + schedule.pause_s)
+    planned = _planned(exercise, style, schedule, laid.knots[-1])
     intervals, stop_at = [], np.inf if schedule.duration_s is None else schedule.duration_s - 0.5
     for number in range(planned):
         worn_out = number / max(planned - 1, 1)
@@ -270,41 +326,29 @@ def perform(
         amplitude, pace = amplitude * one.size, pace * one.pace
         stops = EXERCISES[one.instead].stops if one.instead else exercise.stops
         needed = sum(stop.move_s / pace + stop.hold_s for stop in stops) + exercise.return_s / pace
-        if knots[-1] + needed > stop_at:
+        if laid.knots[-1] + needed > stop_at:
             break
-        start, of_other = knots[-1], np.nan if one.instead else 0.0
-        places[-1] = of_other
+        start = laid.knots[-1]
+        laid.places[-1] = of_other = np.nan if one.instead else 0.0
         for piece, stop in enumerate(stops):
             draw = draws[min(piece, len(draws) - 2)]
-            target = _posture(stop.posture_deg, both_arms)
-            reached = rest + amplitude * (target - rest)
-            reached[ACTING] += draw[3:]
-            reached[TRUNK] += 0.3 * draw[:3]
-            _compensate(reached, style)
-            one.add_faults(reached)
-            reached[OTHER] = reached[ACTING] if both_arms else reached[OTHER]
-            left_s = stop.move_s / pace
-            if piece == 0 and one.stop_s > 0.0:
-                half = postures[-1] + one.stop_share * (reached - postures[-1])
-                go(half, one.stop_share * left_s, style.submovements, one.stop_share + of_other)
-                go(half, one.stop_s, 1, one.stop_share + of_other)
-                left_s *= 1.0 - one.stop_share
-            go(reached, left_s, style.submovements, 2.0 * piece + 1.0 + of_other)
-            go(reached, stop.hold_s, 1, 2.0 * piece + 2.0 + of_other)
+            reached = _reached(stop, rest, amplitude, draw, style, one, both_arms)
+            laid.reach(reached, stop, piece, pace, style.submovements, one, of_other)
         back = rest.copy()
         back[ACTING] += 0.3 * draws[-1, 3:]
         back[OTHER] = back[ACTING] if both_arms else back[OTHER]
-        go(back, exercise.return_s / pace, style.submovements, 2.0 * len(stops) + 1.0 + of_other)
-        intervals.append((start, knots[-1]))
-        go(back, schedule.pause_s if one.pause_s is None else one.pause_s)
-    go(postures[-1], schedule.settle_s)
-    end_s = knots[-1] if schedule.duration_s is None else schedule.duration_s
+        laid.go(back, exercise.return_s / pace, style.submovements, 2.0 * len(stops) + 1.0 + of_other)
+        intervals.append((start, laid.knots[-1]))
+        laid.go(back, schedule.pause_s if one.pause_s is None else one.pause_s)
+    laid.go(laid.postures[-1], schedule.settle_s)
+    end_s = laid.knots[-1] if schedule.duration_s is None else schedule.duration_s
     every = tuple(range(len(COORDINATES)))
     wander = [sway(every, sway_rad, np.random.default_rng([seed, 3]))]
     if style.tremor_rad > 0.0:
         wander.append(_tremor(style, schedule.n_pose_s, both_arms, np.random.default_rng([seed, 4])))
-    timeline = Timeline(np.array(knots), np.array(postures), np.array(counts, dtype=np.int64), tuple(wander))
-    return Performance(timeline, np.array(intervals).reshape(-1, 2), end_s, np.array(places))
+    counts = np.array(laid.counts, dtype=np.int64)
+    timeline = Timeline(np.array(laid.knots), np.array(laid.postures), counts, tuple(wander))
+    return Performance(timeline, np.array(intervals).reshape(-1, 2), end_s, np.array(laid.places))
 
 
 def _posture(named_deg: Mapping[str, float], both_arms: bool) -> Float:

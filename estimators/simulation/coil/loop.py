@@ -1,12 +1,15 @@
 """A source that follows what the relative-pose filter asks for, and what can go wrong with it."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from numba import types
 from numpy.typing import NDArray
 
 from estimators._kernels import kernel
 from estimators.errors import SetupError
+from estimators.kernels import bundle
 from estimators.magnetic import RelativePoseFilter, RelativeResult
 from estimators.magnetic.relative import layout as at
 from estimators.magnetic.relative.run import tick
@@ -38,17 +41,24 @@ class SourceFaults:
     missing_s: tuple[float, float] = (np.inf, np.inf)
 
 
-@kernel(
-    "int64(float64[:, ::1], float64[:, :, ::1], int64[::1], float64[::1], float64[::1], float64[::1],"
-    "float64[:, ::1], float64[::1], float64[::1], float64[:, ::1], float64[::1], int64[::1], float64[:, ::1],"
-    "float64[:, ::1])"
-)
+class _Faults(NamedTuple):
+    """What is wrong: the coil fired for each, (3,); requests that are lost, (K,); limits of the rest, (5,)."""
+
+    wired_as: NDArray[np.int64]
+    lost: Float
+    limits: Float
+
+
+_ROW, _TABLE, _WHOLE = types.float64[::1], types.float64[:, ::1], types.int64[::1]
+_SAMPLES = (_TABLE, types.float64[:, :, ::1], bundle(_Faults, _WHOLE, _ROW, _ROW), _ROW)
+_FILTER = (_TABLE, _ROW, _ROW, _TABLE, _ROW, _WHOLE, _TABLE)
+
+
+@kernel(types.int64(*_SAMPLES, *_FILTER, _TABLE))
 def _closed_loop(
     samples: Float,
     per_ampere: Float,
-    wired_as: NDArray[np.int64],
-    lost: Float,
-    limits: Float,
+    faults: _Faults,
     control: Float,
     loops: Float,
     settings: Float,
@@ -61,14 +71,14 @@ def _closed_loop(
 ) -> int:
     """Run ticks until a burst must be solved; `control` is coil, ticks left, current, ticks so far, held field (3)."""
     work = np.empty((3, p.shape[0], p.shape[0]))
-    wired_from, dead_from, silent_from, full_scale, gain = limits
+    wired_from, dead_from, silent_from, full_scale, gain = faults.limits
     for k in range(samples.shape[0]):
         row, now = samples[k], control[3]
         control[3] += 1.0
         if control[1] > 0.0:
             coil = int(control[0])
             row[_COIL], row[_CURRENT] = control[0], control[2]
-            fired = wired_as[coil - 1] if now >= wired_from else coil - 1
+            fired = faults.wired_as[coil - 1] if now >= wired_from else coil - 1
             if now < dead_from:
                 for i in range(3):
                     row[_FIELD + i] += control[2] * per_ampere[k, fired, i]
@@ -79,7 +89,7 @@ def _closed_loop(
             control[4 + i] = row[_FIELD + i]
             row[_FIELD + i] = min(full_scale, max(-full_scale, row[_FIELD + i]))
         tick(row, loops, settings, nominal, p, memory, counters, ring, work, out[k])
-        if out[k, _O_COIL] > 0.0 and now < silent_from and lost[k] == 0.0:
+        if out[k, _O_COIL] > 0.0 and now < silent_from and faults.lost[k] == 0.0:
             control[0], control[1], control[2] = out[k, _O_COIL], out[k, _O_TICKS], out[k, _O_CURRENT]
         if counters[_EVENT] > 0:
             return k + 1
@@ -128,9 +138,7 @@ def run_closed_loop(
         taken += _closed_loop(
             samples[taken:],
             per_ampere[taken:],
-            wired,
-            lost[taken:],
-            limits,
+            _Faults(wired, lost[taken:], limits),
             control,
             *relative.arrays(),
             out[taken:],

@@ -121,24 +121,16 @@ def relative_scene(
     drift = np.asarray(motion.sensor_place(t, 1)) - np.asarray(motion.source_place(t, 1))
     position = r_source.inv().apply(offset)
     relative = rotation.from_scipy(r_source.inv() * r_sensor)
-    modules = []
-    for spline, track, attitude in (
-        (motion.sensor_attitude, motion.sensor_place, r_sensor),
-        (motion.source_attitude, motion.source_place, r_source),
-    ):
+
+    def module(spline: object, track: Callable[..., object], attitude: Rotation) -> tuple[Float, Float]:
         force = attitude.inv().apply(np.asarray(track(t, 2)) + up)
-        rate = _body_rate(spline, t)
-        force = (
-            force
-            + rng.normal(0.0, e.force_bias_sigma_mps2, 3)
-            + rng.normal(0.0, e.force_sigma_mps2, force.shape)
-        )
-        rate = (
-            rate
-            + rng.normal(0.0, e.rate_bias_sigma_radps, 3)
-            + rng.normal(0.0, e.rate_sigma_radps, rate.shape)
-        )
-        modules.append((rate, force))
+        force = force + rng.normal(0.0, e.force_bias_sigma_mps2, 3)
+        force = force + rng.normal(0.0, e.force_sigma_mps2, force.shape)
+        rate = _body_rate(spline, t) + rng.normal(0.0, e.rate_bias_sigma_radps, 3)
+        return rate + rng.normal(0.0, e.rate_sigma_radps, rate.shape), force
+
+    own = module(motion.sensor_attitude, motion.sensor_place, r_sensor)
+    beside = module(motion.source_attitude, motion.source_place, r_source)
     ambient = r_sensor.inv().apply(earth)
     coils = np.arange(len(source.coils))
     field = source.with_model("exact").field(coils[None, :], 1.0, position[:, None, :])
@@ -158,11 +150,9 @@ def relative_scene(
         r_source.inv().apply(drift),
         relative,
         rotation.from_scipy(r_source),
-        modules[0][0],
-        modules[0][1],
+        *own,
         ambient,
-        modules[1][0],
-        modules[1][1],
+        *beside,
         worn,
         np.ascontiguousarray(seen),
     )

@@ -44,7 +44,7 @@ def results(rng):
 
 
 @pytest.fixture
-def told():
+def written():
     """Return what went into the kernel and what came out."""
     rng = np.random.default_rng(3)
     found = results(rng)
@@ -69,9 +69,8 @@ def told():
     source_flags = np.full(TICKS, 255, dtype=np.uint8)
     account, last, turns = np.array([3.0, 1.0, 2.0]), np.zeros(angles), np.zeros(angles, dtype=np.int64)
     outs = np.stack([table_of(result) for result in found])
-    kernel.tell(
-        q_source, source_flags, samples, outs, wrong, 1.0, STEP_S, account, last, turns, *out.values()
-    )
+    running, written = kernel.Running(account, last, turns), kernel.Written(*out.values())
+    kernel.write_frames(q_source, source_flags, samples, outs, wrong, 1.0, STEP_S, running, written)
     return found, q_source, samples, wrong, account, out
 
 
@@ -87,8 +86,8 @@ def test_a_result_as_a_table_and_back():
         np.testing.assert_array_equal(getattr(again, name), values, err_msg=name)
 
 
-def test_places_and_scalars_are_those_of_numpy(told):
-    found, q_source, _, wrong, _, out = told
+def test_places_and_scalars_are_those_of_numpy(written):
+    found, q_source, _, wrong, _, out = written
     assert (len(SENSOR_SCALARS), len(SOURCE_SCALARS)) == (kernel.SENSOR_COLUMNS, kernel.SOURCE_COLUMNS)
     for i, result in enumerate(found):
         flags, known = states(result, wrong)
@@ -129,8 +128,8 @@ def test_places_and_scalars_are_those_of_numpy(told):
     assert (out["point"][:, 0] == [0.0, 0.0, 1.0]).all()
 
 
-def test_angles_and_their_sigmas_are_those_of_scipy_and_of_differences(told):
-    found, _, _, wrong, _, out = told
+def test_angles_and_their_sigmas_are_those_of_scipy_and_of_differences(written):
+    found, _, _, wrong, _, out = written
     for i, result in enumerate(found):
         _, known = states(result, wrong)
         columns = slice(3 * i, 3 * i + 3)
@@ -161,8 +160,8 @@ def test_angles_and_their_sigmas_are_those_of_scipy_and_of_differences(told):
         np.testing.assert_array_equal(singular[known], np.abs(np.cos(angle[:, 1])) < np.sin(np.radians(10.0)))
 
 
-def test_the_longest_request_goes_first_and_the_account_goes_on(told):
-    found, _, samples, _, account, out = told
+def test_the_longest_request_goes_first_and_the_account_goes_on(written):
+    found, _, samples, _, account, out = written
     last = out["scalar"][:, -len(SOURCE_SCALARS) :]
     first, second = found
     later = second.fire_ticks > first.fire_ticks
