@@ -104,20 +104,19 @@ def n_pose(
     and abduction. Those whose heading is not trusted (no magnetometer) each need the rule:
     `heading_offset_rad` turns their z axis to its expected direction.
     """
-    sensors = len(placements)
-    flags = _checked_flags(q_earth_sensor, flags, sensors)
+    flags = _checked_flags(q_earth_sensor, flags, len(placements))
     bias = static_bias(
         gyroscope_radps, accelerometer_mps2, time_step_s, require_still=False, names=placements
     )
     verdict = Verdict()
-    q_mean = np.stack(
-        [mean_orientation(q_earth_sensor[s], flags[s], placements[s], verdict) for s in range(sensors)]
-    )
+    means = [
+        mean_orientation(q, bits, p, verdict)
+        for q, bits, p in zip(q_earth_sensor, flags, placements, strict=True)
+    ]
+    q_mean = np.stack(means)
     _judge_samples(bias, accelerometer_mps2, q_mean, placements, verdict)
     _judge_flags(flags, placements, verdict)
-    outward = rotation.rotate(q_mean, [0.0, 0.0, 1.0])
-    heading_rad = np.arctan2(outward[:, 1], outward[:, 0])
-    steepness_rad = np.abs(np.arcsin(np.clip(outward[:, 2], -1.0, 1.0)))
+    heading_rad, steepness_rad = _outward(q_mean)
     own_heading = mostly(flags, OrientationFlag.HEADING_NOT_TRUSTED)
     reference: Placement | None = None
     raised = np.array([arms == "sideways" and p.startswith(_ARM) for p in placements])
@@ -129,40 +128,61 @@ def n_pose(
         facing_rad, reference, facing_sigma_rad = _facing(
             placements, heading_rad, steepness_rad, own_heading, verdict
         )
-    stated_rad = np.full((sensors, 3), np.nan) if sigma_rad is None else sigma_rad[:, -1]
-    settled_rad = np.where(np.isfinite(stated_rad), stated_rad, _SETTLED_RAD)
-    offsets: dict[Placement, float] = {}
-    for s, placement in enumerate(placements):
-        if own_heading[s]:
-            _require_compass_for_steep(placement, float(steepness_rad[s]), verdict)
-            offsets[placement] = wrapped(facing_rad + OUTWARD_HEADING_RAD[placement] - heading_rad[s])
-    q_room_segment = [_posed(placement, bool(raised[s])) for s, placement in enumerate(placements)]
-    about_z = [
-        _PUT_ON_RAD if own_heading[s] else math.hypot(settled_rad[s, 2], facing_sigma_rad or 0.0)
-        for s in range(sensors)
-    ]
-    if offsets:
-        verdict.lower(_ASSUMED_SCORE, say("calibration.put_on", where=list(offsets), sigma_rad=_PUT_ON_RAD))
+    settled_rad = _settled(sigma_rad, len(placements))
+    offsets = _put_on(placements, own_heading, steepness_rad, heading_rad, facing_rad, verdict)
     if reference is not None:
         _judge_agreement(placements, heading_rad, steepness_rad, own_heading, facing_rad, reference, verdict)
     if verdict.score < UNUSABLE_SCORE:
         raise CalibrationError(say("calibration.pose_unusable", reasons=verdict.reasons))
+    q_sensor_segment: dict[Placement, tuple[float, float, float, float]] = {}
+    mounting_sigma_rad: dict[Placement, tuple[float, float, float]] = {}
+    for s, placement in enumerate(placements):
+        posed = _posed(placement, bool(raised[s]))
+        q_sensor_segment[placement] = _seat(q_mean[s], offsets.get(placement, 0.0) - facing_rad, posed)
+        about_z = _PUT_ON_RAD if own_heading[s] else math.hypot(settled_rad[s, 2], facing_sigma_rad or 0.0)
+        mounting_sigma_rad[placement] = _in_segment(posed, settled_rad[s], about_z)
     return Calibration(
-        q_sensor_segment={
-            placement: _seat(q_mean[s], offsets.get(placement, 0.0) - facing_rad, q_room_segment[s])
-            for s, placement in enumerate(placements)
-        },
+        q_sensor_segment=q_sensor_segment,
         gyroscope_bias_radps=dict(zip(placements, map(vector, bias.gyroscope_bias_radps), strict=True)),
         facing_rad=facing_rad,
         heading_offset_rad=offsets,
         method="t_pose" if arms == "sideways" else "n_pose",
         score=verdict.score,
         reasons=tuple(verdict.reasons),
-        mounting_sigma_rad={
-            placement: _in_segment(q_room_segment[s], settled_rad[s], about_z[s])
-            for s, placement in enumerate(placements)
-        },
+        mounting_sigma_rad=mounting_sigma_rad,
     )
+
+
+def _outward(q_earth_sensor: Float) -> tuple[Float, Float]:
+    """Return where each sensor's z axis points: its heading, and how far it is from level."""
+    outward = rotation.rotate(q_earth_sensor, [0.0, 0.0, 1.0])
+    heading_rad = np.arctan2(outward[:, 1], outward[:, 0])
+    return heading_rad, np.abs(np.arcsin(np.clip(outward[:, 2], -1.0, 1.0)))
+
+
+def _put_on(
+    placements: Sequence[Placement],
+    own_heading: NDArray[np.bool_],
+    steepness_rad: Float,
+    heading_rad: Float,
+    facing_rad: float,
+    verdict: Verdict,
+) -> dict[Placement, float]:
+    """Return by how much to turn each sensor that has a heading of its own, put on as the mounting rule says."""
+    offsets: dict[Placement, float] = {}
+    for s, placement in enumerate(placements):
+        if own_heading[s]:
+            _require_compass_for_steep(placement, float(steepness_rad[s]), verdict)
+            offsets[placement] = wrapped(facing_rad + OUTWARD_HEADING_RAD[placement] - heading_rad[s])
+    if offsets:
+        verdict.lower(_ASSUMED_SCORE, say("calibration.put_on", where=list(offsets), sigma_rad=_PUT_ON_RAD))
+    return offsets
+
+
+def _settled(sigma_rad: Float | None, sensors: int) -> Float:
+    """Return the last sigmas that a filter stated, (S, 3), or those of one that has settled."""
+    stated = np.full((sensors, 3), np.nan) if sigma_rad is None else sigma_rad[:, -1]
+    return np.where(np.isfinite(stated), stated, _SETTLED_RAD)
 
 
 def _seat(q_earth_sensor: Float, turn_rad: float, q_room_segment: Float) -> tuple[float, float, float, float]:

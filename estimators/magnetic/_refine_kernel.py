@@ -73,6 +73,19 @@ def normal_equations(
     return cost
 
 
+@kernel("void(float64[::1], float64[::1], float64[::1])")
+def _move(pose: Float, change: Float, trial: Float) -> None:
+    """Write the pose after a step, by no more than 0.2 m."""
+    length = math.sqrt(change[0] * change[0] + change[1] * change[1] + change[2] * change[2])
+    shrink = min(1.0, 0.2 / length) if length > 0.0 else 1.0
+    for i in range(3):
+        trial[i] = pose[i] - shrink * change[i]
+    turned = exponential(-shrink * change[3], -shrink * change[4], -shrink * change[5])
+    q = multiply(pose[3], pose[4], pose[5], pose[6], turned[0], turned[1], turned[2], turned[3])
+    q = normalized(q[0], q[1], q[2], q[3])
+    trial[3], trial[4], trial[5], trial[6] = q[0], q[1], q[2], q[3]
+
+
 @kernel(
     "float64(float64[:, ::1], int64[::1], float64[::1], float64[:, ::1], float64[:, ::1], float64[:, ::1],"
     "float64[::1], float64, float64[::1], float64[:, ::1])"
@@ -110,14 +123,7 @@ def refine(
                 break
             continue
         solve(factor, step)
-        length = math.sqrt(step[0] * step[0] + step[1] * step[1] + step[2] * step[2])
-        shrink = min(1.0, 0.2 / length) if length > 0.0 else 1.0
-        for i in range(3):
-            trial[i] = pose[i] - shrink * step[i]
-        turned = exponential(-shrink * step[3], -shrink * step[4], -shrink * step[5])
-        q = multiply(pose[3], pose[4], pose[5], pose[6], turned[0], turned[1], turned[2], turned[3])
-        q = normalized(q[0], q[1], q[2], q[3])
-        trial[3], trial[4], trial[5], trial[6] = q[0], q[1], q[2], q[3]
+        _move(pose, step, trial)
         inside = trial[0] * trial[0] + trial[1] * trial[1] + trial[2] * trial[2] < nearest_m * nearest_m
         after = (
             math.inf

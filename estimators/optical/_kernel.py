@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from estimators._kernels import exponential, kernel, multiply, normalized, rotate
+from estimators._kernels import Scalars3, Scalars4, exponential, kernel, multiply, normalized, rotate
+from estimators.kernels import step
 from estimators.magnetic._small_algebra import (
     cholesky,
     joseph,
@@ -43,6 +44,13 @@ _COASTED, _MEASURED, _REJECTED = float(at.COASTED), float(at.MEASURED), float(at
 _RECOVERED = float(at.RECOVERED)
 
 
+@step()
+def _force_in_room(q: Scalars4, sample: Float, b: Float) -> Scalars3:
+    """Return the specific force of a sample, less its bias, in room axes."""
+    x, y, z = sample[_ACC] - b[_BA], sample[_ACC + 1] - b[_BA + 1], sample[_ACC + 2] - b[_BA + 2]
+    return rotate(q[0], q[1], q[2], q[3], x, y, z)
+
+
 @kernel("void(float64[::1], float64[::1], float64[::1], float64[::1], float64[:, ::1])")
 def predict_state(nominal: Float, before: Float, now: Float, settings: Float, phi: Float) -> None:
     """Carry the state over a step between two samples; write the transition (page 2.2).
@@ -65,25 +73,7 @@ def predict_state(nominal: Float, before: Float, now: Float, settings: Float, ph
     q = (nominal[_Q], nominal[_Q + 1], nominal[_Q + 2], nominal[_Q + 3])
     after = multiply(q[0], q[1], q[2], q[3], turn[0], turn[1], turn[2], turn[3])
     after = normalized(after[0], after[1], after[2], after[3])
-    b = nominal
-    first = rotate(
-        q[0],
-        q[1],
-        q[2],
-        q[3],
-        before[_ACC] - b[_BA],
-        before[_ACC + 1] - b[_BA + 1],
-        before[_ACC + 2] - b[_BA + 2],
-    )
-    second = rotate(
-        after[0],
-        after[1],
-        after[2],
-        after[3],
-        now[_ACC] - b[_BA],
-        now[_ACC + 1] - b[_BA + 1],
-        now[_ACC + 2] - b[_BA + 2],
-    )
+    first, second = _force_in_room(q, before, nominal), _force_in_room(after, now, nominal)
     a = (0.5 * (first[0] + second[0]), 0.5 * (first[1] + second[1]), 0.5 * (first[2] + second[2]))
     for i in range(phi.shape[0]):
         for j in range(phi.shape[0]):
@@ -326,14 +316,8 @@ def backward(
     becomes that of their first. `states` and `out` are overwritten by the smoothed.
     """
     n = covariances.shape[1]
-    phi, gain, prior, factor, change, work = (
-        np.empty((n, n)),
-        np.empty((n, n)),
-        np.empty((n, n)),
-        np.empty((n, n)),
-        np.empty((n, n)),
-        np.empty((n, n)),
-    )
+    phi, gain, prior = np.empty((n, n)), np.empty((n, n)), np.empty((n, n))
+    factor, change, work = np.empty((n, n)), np.empty((n, n)), np.empty((n, n))
     state, error, moved = np.empty(states.shape[1]), np.empty(n), np.empty(n)
     growth = out[len(states), _O_GROWTH] if not is_last else 1.0
     for k in range(len(states) - 1, -1, -1):

@@ -2,7 +2,7 @@
 
 import asyncio
 import contextlib
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, cast, get_args
 
@@ -11,6 +11,7 @@ import typer
 from app.errors import InvalidInput, TelemotionError
 from app.gateway import DeviceStream, GatewayClient, GatewayReport, Milestone, ServiceClient, stream_of
 from app.recordings.schemas import SessionIn
+from estimators.conventions import Placement
 from estimators.orientation import DEFAULT
 from estimators.simulation import (
     SENSOR_PRESETS,
@@ -98,6 +99,19 @@ Alongside = Callable[[DeviceStream, ArmScenario, str], Coroutine[Any, Any, None]
 """Runs beside a stream until its end, given the device, what is simulated and the session."""
 
 
+def _session_of(options: Options, scenario: ArmScenario, placements: Sequence[Placement]) -> SessionIn:
+    return SessionIn(
+        patient_id=options.patient_id,
+        exercise_id=options.exercise_id,
+        prescription_id=options.prescription_id,
+        purpose="template" if options.purpose == "template" else "exercise",
+        placements=list(placements),
+        rate_hz=scenario.rate_hz,
+        orientation=options.orientation or DEFAULT,
+        use_mounting=False,
+    )
+
+
 def _faults_of(options: Options, scenario: ArmScenario) -> LinkFaults:
     return LinkFaults(
         loss_fraction=options.loss_percent / 100.0,
@@ -136,18 +150,7 @@ async def stream(
     scenario = scenario_of(options)
     simulated = await asyncio.to_thread(simulate_arm, scenario)
     device = stream_of(simulated.recording)
-    created = await service.create_session(
-        SessionIn(
-            patient_id=options.patient_id,
-            exercise_id=options.exercise_id,
-            prescription_id=options.prescription_id,
-            purpose="template" if options.purpose == "template" else "exercise",
-            placements=list(simulated.setup.placements),
-            rate_hz=scenario.rate_hz,
-            orientation=options.orientation or DEFAULT,
-            use_mounting=False,
-        )
-    )
+    created = await service.create_session(_session_of(options, scenario, simulated.setup.placements))
     plan = device.plan(_faults_of(options, scenario), options.seed)
 
     async def calibrate() -> None:

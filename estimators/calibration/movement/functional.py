@@ -136,13 +136,8 @@ class _Session(JudgedSession):
         self, movements: Mapping[str, tuple[int, int]], assisted: bool, rest_pronation_rad: float
     ) -> FunctionalResult:
         rest = slice(*movements["rest"])
-        found = static_bias(
-            self.gyroscope[:, rest],
-            self.accelerometer[:, rest],
-            self.step_s,
-            require_still=False,
-            names=self.placements,
-        )
+        gyroscope, accelerometer = self.gyroscope[:, rest], self.accelerometer[:, rest]
+        found = static_bias(gyroscope, accelerometer, self.step_s, require_still=False, names=self.placements)
         self.bias = found.gyroscope_bias_radps
         sides = [side for side in SIDES if self._can(side, movements)]
         if not sides:

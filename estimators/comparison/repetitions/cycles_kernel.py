@@ -175,6 +175,23 @@ def chain(worth: Float, start: NDArray[np.int64]) -> NDArray[np.int64]:  # pragm
     return matches[:found][::-1].copy()
 
 
+@compiled(error_model="python")
+def _grown(
+    points: Float, stay: Float, low: int, high: int, longest: int, least: float, left: float, near: float
+) -> tuple[int, int]:  # pragma: no cover
+    """Return first and last point of the stay around its longest point, within the window `low` to `high`."""
+    first = end = longest
+    for j in range(low, high + 1):
+        if stay[j] >= least and np.sqrt(((points[j] - points[longest]) ** 2).sum()) < left:
+            first = min(first, j)
+            end = max(end, j)
+    while first > low and np.sqrt(((points[first - 1] - points[longest]) ** 2).sum()) < near:
+        first -= 1
+    while end < high and np.sqrt(((points[end + 1] - points[longest]) ** 2).sum()) < near:
+        end += 1
+    return first, end
+
+
 @compiled(
     "int64[:,:,::1](float64[:,::1], float64[::1], int64[:,::1],"
     " float64, float64, float64, float64, float64, float64, float64)",
@@ -263,15 +280,5 @@ def stays_at_home(
                 continue
             # Somebody who settles elsewhere, not far, before setting out stays there as well.
             least = min(max(still * stay[longest], much_slower), stay[longest])
-            first = end = longest
-            for j in range(low, high + 1):
-                if stay[j] >= least and np.sqrt(((points[j] - points[longest]) ** 2).sum()) < left:
-                    first = min(first, j)
-                    end = max(end, j)
-            while first > low and np.sqrt(((points[first - 1] - points[longest]) ** 2).sum()) < near:
-                first -= 1
-            while end < high and np.sqrt(((points[end + 1] - points[longest]) ** 2).sum()) < near:
-                end += 1
-            found[k, side, 0] = first
-            found[k, side, 1] = end
+            found[k, side] = _grown(points, stay, low, high, longest, least, left, near)
     return found

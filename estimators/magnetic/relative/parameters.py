@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
+from functools import partial
 from types import MappingProxyType
 from typing import Any
 
@@ -146,12 +147,13 @@ def read(parameters: Mapping[str, Any] | None) -> RelativePoseParameters:
     return result
 
 
+def _ticks(time_step_s: float, seconds: float) -> float:
+    return float(max(1, round(seconds / time_step_s)))
+
+
 def to_settings(p: RelativePoseParameters, time_step_s: float, coils: int) -> Float:
     """Return the settings of the compiled loop."""
-
-    def ticks(seconds: float) -> float:
-        return float(max(1, round(seconds / time_step_s)))
-
+    ticks = partial(_ticks, time_step_s)
     settings = np.zeros(at.SETTINGS)
     for position, value in (
         (at.TIME_STEP, time_step_s),
@@ -207,10 +209,15 @@ def to_settings(p: RelativePoseParameters, time_step_s: float, coils: int) -> Fl
         (at.STREAK_PULSES, p.streak_pulses),
     ):
         settings[position] = value
+    _check_length(settings)
+    return settings
+
+
+def _check_length(settings: Float) -> None:
+    """Refuse pulses that do not fit into what is remembered."""
     longest = settings[at.START_ON_TICKS] + settings[at.START_OFF_TICKS] + 60
     if longest >= at.RING or settings[at.ON_TICKS] + settings[at.OFF_TICKS] + 60 >= at.RING:
         raise SetupError("a pulse and its baseline must be shorter than 66 samples")
-    return settings
 
 
 __all__ = ["SPARING_PARAMETERS", "RelativePoseParameters", "read", "to_settings"]

@@ -93,13 +93,8 @@ def backward(
     """
     count, n = len(samples), covariance.shape[1]
     work = np.empty((3, n, n))
-    f, phi, gain, prior, change = (
-        np.empty((n, n)),
-        np.empty((n, n)),
-        np.empty((n, n)),
-        np.empty((n, n)),
-        np.empty((n, n)),
-    )
+    f, phi, gain = np.empty((n, n)), np.empty((n, n)), np.empty((n, n))
+    prior, change = np.empty((n, n)), np.empty((n, n))
     signals, error, moved = np.empty(12), np.empty(n), np.empty(n)
     t, published = settings[_T], settings[_PUBLISHED] > 0.0
     for k in range(count - 1, -1, -1):

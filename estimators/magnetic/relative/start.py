@@ -1,6 +1,7 @@
 """Starting the relative-pose filter, and finding the sensor again, from a burst of three coils (method page 3.6)."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -177,14 +178,12 @@ def _solve(
     started = bool(counters[at.STARTED])
     here = nominal[at.POSITION : at.POSITION + 3].copy()
     back = (counters[at.TICK] - 1 - rows[:, 11]) * settings[at.TIME_STEP]
-    ago_s = float(back.mean()) if started else 0.0
-    last = here if started else None
-    if started and np.trace(covariance[:3, :3]) > (_LOST_SHARE * np.linalg.norm(here)) ** 2:
-        last = usual_place_m
-    turned = None
+    ago_s, last, turned = 0.0, None, None
     if started:
+        ago_s, last = float(back.mean()), here
         turned = rotation.multiply(rotation.conjugate(nominal[at.ATTITUDE : at.ATTITUDE + 4]), rows[:, 6:10])
-    sigma = _field_sigma(settings)
+        if np.trace(covariance[:3, :3]) > (_LOST_SHARE * np.linalg.norm(here)) ** 2:
+            last = usual_place_m
     direction = np.asarray(parameters.mounting_direction, dtype=np.float64)
 
     def found(moved: Float | None, share: float = 1.0) -> Fix:
@@ -193,7 +192,7 @@ def _solve(
             np.arange(3),
             share * rows[:, 10],
             rows[:, :3],
-            sigma,
+            _field_sigma(settings),
             direction=direction if np.any(direction != 0.0) else None,
             last_position_m=last,
             moved_m=moved,
@@ -206,27 +205,39 @@ def _solve(
     knows = started and math.sqrt(float(np.trace(covariance[6:9, 6:9]))) < _WELL_KNOWN_RAD
     moved = rows[:, 3:6] - here if knows else None
     wrong, loose = np.zeros(3), 0.0
+    velocity = nominal[at.VELOCITY : at.VELOCITY + 3].copy()
     if started and not knows:
-        wrong, loose = nominal[at.VELOCITY : at.VELOCITY + 3].copy(), _RESTART_VELOCITY_MPS
+        wrong, loose = velocity, _RESTART_VELOCITY_MPS
     fix = found(moved)
     if moved is not None:
-        for _ in range(_ROUNDS):
-            if not np.isfinite(fix.covariance).all():
-                break
-            gain, error, _ = _gain(fix, here - wrong * ago_s, ago_s, nominal, covariance)
-            wrong = (gain @ error)[_VELOCITY]
-            fix = found(moved + wrong * back[:, None])
+        carried = moved
+        fix, wrong = _followed(
+            fix, lambda v: found(carried + v * back[:, None]), here, ago_s, nominal, covariance
+        )
         moved = moved + wrong * back[:, None]
         loose = _left(fix, ago_s, covariance)
         if fix.flags:
-            wrong, moved = nominal[at.VELOCITY : at.VELOCITY + 3].copy(), None
+            wrong, moved = velocity, None
             fix = found(moved)
             loose = math.sqrt(float(np.diagonal(covariance)[_VELOCITY].max()))
     by_strength = _by_strength(fix, found(moved, 1.0 - _STEP), found(moved, 1.0 + _STEP))
     # Beside a common error of the velocity: how unevenly the pulses share it.
-    within = min(loose, _RESTART_VELOCITY_MPS) * float(back.std())
-    fix.covariance[:3, :3] += within**2 * np.eye(3)
+    fix.covariance[:3, :3] += (min(loose, _RESTART_VELOCITY_MPS) * float(back.std())) ** 2 * np.eye(3)
     return _Burst(fix, ago_s, here - wrong * ago_s, *by_strength)
+
+
+def _followed(
+    fix: Fix, found: Callable[[Float], Fix], here: Float, ago_s: float, nominal: Float, covariance: Float
+) -> tuple[Fix, Float]:
+    """Return the fix of pulses that are carried by what it says itself of the velocity's error, and that error."""
+    wrong = np.zeros(3)
+    for _ in range(_ROUNDS):
+        if not np.isfinite(fix.covariance).all():
+            break
+        gain, error, _ = _gain(fix, here - wrong * ago_s, ago_s, nominal, covariance)
+        wrong = (gain @ error)[_VELOCITY]
+        fix = found(wrong)
+    return fix, wrong
 
 
 def _by_strength(fix: Fix, weaker: Fix, stronger: Fix) -> tuple[Float, float, float]:

@@ -260,32 +260,39 @@ def locate_moving(
     seen = predict(source, coil, current, place + moved, rotation.multiply(q, turned))
     rows, by_velocity = path.slopes(seen.jacobian)
     off = (seen.field_sensor_t - pulses).ravel()
-    # `locate` weighs all values alike: one step more, with their whole covariance.
-    weighed = np.linalg.solve(spread, rows).T
-    covariance = np.linalg.inv(weighed @ rows)
-    gain = covariance @ weighed
-    step = gain @ off
     allowed = spread
     if velocity_covariance is not None:
         allowed = spread + by_velocity @ velocity_covariance @ by_velocity.T
-    chi_square = _misfit(off, rows, allowed)
-    flags = fix.flags & ~TrackerFlag.DISTURBED
-    if chi_square > most_chi_square(bounds, len(pulses)):
-        flags |= TrackerFlag.DISTURBED
-    weighed_fix = replace(
-        fix,
-        position_m=place - step[:3],
-        q_source_sensor=rotation.positive(rotation.multiply(q, rotation.exp(-step[3:]))),
-        covariance=np.asarray(0.5 * (covariance + covariance.T)),
-        chi_square=chi_square,
-        flags=flags,
-    )
+    weighed, gain = _weighed(fix, off, rows, spread)
+    weighed = _judged(weighed, _misfit(off, rows, allowed), most_chi_square(bounds, len(pulses)))
     return CarriedFix(
-        weighed_fix,
+        weighed,
         velocity,
         np.asarray(gain @ by_velocity),
         np.asarray(gain @ (spread - noise_alone) @ gain.T),
     )
+
+
+def _weighed(fix: Fix, off: Float, rows: Float, spread: Float) -> tuple[Fix, Float]:
+    """Go one step more, with the whole covariance of the pulses, which `locate` weighs alike; and return its gain."""
+    weighed = np.linalg.solve(spread, rows).T
+    covariance = np.linalg.inv(weighed @ rows)
+    gain = covariance @ weighed
+    step = gain @ off
+    stepped = replace(
+        fix,
+        position_m=fix.position_m - step[:3],
+        q_source_sensor=rotation.positive(rotation.multiply(fix.q_source_sensor, rotation.exp(-step[3:]))),
+        covariance=np.asarray(0.5 * (covariance + covariance.T)),
+    )
+    return stepped, gain
+
+
+def _judged(fix: Fix, chi_square: float, most: float) -> Fix:
+    flags = fix.flags & ~TrackerFlag.DISTURBED
+    if chi_square > most:
+        flags |= TrackerFlag.DISTURBED
+    return replace(fix, chi_square=chi_square, flags=flags)
 
 
 def _misfit(off: Float, rows: Float, spread: Float) -> float:

@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from estimators._kernels import exponential, kernel, multiply, normalized, rotate
+from estimators._kernels import Scalars4, exponential, kernel, multiply, normalized, rotate
+from estimators.kernels import step
 from estimators.magnetic._small_algebra import multiply as matrix_multiply
 from estimators.magnetic._small_algebra import symmetrise
 from estimators.magnetic.relative.motion import add_skew
@@ -75,6 +76,38 @@ def inject(nominal: Float, error: Float) -> None:
     nominal[_Q], nominal[_Q + 1], nominal[_Q + 2], nominal[_Q + 3] = q
 
 
+@step()
+def _attitude_between(before: Float, now: Float) -> Scalars4:
+    """Return the source's attitude halfway between two samples."""
+    dot = 0.0
+    for i in range(4):
+        dot += before[_GM + i] * now[_GM + i]
+    sign = 1.0 if dot >= 0.0 else -1.0
+    return normalized(
+        before[_GM] + sign * now[_GM],
+        before[_GM + 1] + sign * now[_GM + 1],
+        before[_GM + 2] + sign * now[_GM + 2],
+        before[_GM + 3] + sign * now[_GM + 3],
+    )
+
+
+@step()
+def _turn_world(nominal: Float, a: Float, wander: Float, last: Float) -> None:
+    """Turn place and velocity with the world of the source's filter, and write what its error does to them."""
+    lever = np.zeros((3, 3))
+    for error in (_EP, _EV, _ET):
+        add_skew(a, error, error, 1.0, wander[0], wander[1], wander[2])
+    for start, error in ((_P, _EP), (_V, _EV)):
+        x, y, z = nominal[start], nominal[start + 1], nominal[start + 2]
+        lever[:, :] = 0.0
+        add_skew(lever, 0, 0, -1.0, x, y, z)
+        for i in range(3):
+            for j in range(3):
+                nominal[start + i] += lever[i, j] * wander[j]
+                for k in range(3):
+                    a[error + i, _EPHI + j] += lever[i, k] * last[k, j]
+
+
 @kernel("void(float64[::1], float64[::1], float64[::1], float64[::1], float64[:, ::1])")
 def propagate(nominal: Float, before: Float, now: Float, settings: Float, a: Float) -> None:
     """Carry the nominal state over a step (eq. 6.1-6.4, 6.8) and write its error matrix (page C4 2.2, E6).
@@ -91,29 +124,15 @@ def propagate(nominal: Float, before: Float, now: Float, settings: Float, a: Flo
         w[i] = 0.5 * (before[_GYR + i] + now[_GYR + i]) - nominal[_BG + i]
         f[i] = 0.5 * (before[_ACC + i] + now[_ACC + i]) - nominal[_BA + i]
         fm[i] = 0.5 * (before[_ACC_M + i] + now[_ACC_M + i]) - nominal[_BM + i]
-    dot = 0.0
-    for i in range(4):
-        dot += before[_GM + i] * now[_GM + i]
-    sign = 1.0 if dot >= 0.0 else -1.0
-    m = normalized(
-        before[_GM] + sign * now[_GM],
-        before[_GM + 1] + sign * now[_GM + 1],
-        before[_GM + 2] + sign * now[_GM + 2],
-        before[_GM + 3] + sign * now[_GM + 3],
-    )
+    m = _attitude_between(before, now)
     half = exponential(0.5 * t * w[0], 0.5 * t * w[1], 0.5 * t * w[2])
     q = multiply(
         nominal[_Q], nominal[_Q + 1], nominal[_Q + 2], nominal[_Q + 3], half[0], half[1], half[2], half[3]
     )
     own = rotate(q[0], q[1], q[2], q[3], f[0], f[1], f[2])
     worn = rotate(m[0], m[1], m[2], m[3], fm[0], fm[1], fm[2])
-    r, rm, first, last, wander = (
-        np.empty((3, 3)),
-        np.empty((3, 3)),
-        np.empty((3, 3)),
-        np.empty((3, 3)),
-        np.zeros(3),
-    )
+    r, rm, first, last = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    wander = np.zeros(3)
     turned(np.array(q), r)
     turned(np.array(m), rm)
     turned(before[_GM:], first)
@@ -140,18 +159,7 @@ def propagate(nominal: Float, before: Float, now: Float, settings: Float, a: Flo
         a[_EXI + i, _EXI + i] = a[_EPHI + i, _EPHI + i] = keep
     add_skew(a, _EP, _ET, -0.5 * t * t, own[0], own[1], own[2])
     add_skew(a, _EV, _ET, -t, own[0], own[1], own[2])
-    lever = np.zeros((3, 3))
-    for error in (_EP, _EV, _ET):
-        add_skew(a, error, error, 1.0, wander[0], wander[1], wander[2])
-    for start, error in ((_P, _EP), (_V, _EV)):
-        x, y, z = nominal[start], nominal[start + 1], nominal[start + 2]
-        lever[:, :] = 0.0
-        add_skew(lever, 0, 0, -1.0, x, y, z)
-        for i in range(3):
-            for j in range(3):
-                nominal[start + i] += lever[i, j] * wander[j]
-                for k in range(3):
-                    a[error + i, _EPHI + j] += lever[i, k] * last[k, j]
+    _turn_world(nominal, a, wander, last)
     q = multiply(q[0], q[1], q[2], q[3], half[0], half[1], half[2], half[3])
     turn = exponential(wander[0], wander[1], wander[2])
     q = multiply(turn[0], turn[1], turn[2], turn[3], q[0], q[1], q[2], q[3])
