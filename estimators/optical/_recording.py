@@ -8,20 +8,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators import rotation
-from estimators.errors import ComparisonError, ShapeError
+from estimators.errors import ShapeError
 from estimators.optical._bridging import bridging_noise
 from estimators.optical._contract import OpticalResult, Provenance
-from estimators.optical._contradictions import check_mapping, check_result, explain
+from estimators.optical._contradictions import check_result
 from estimators.optical._fusion import OpticalInertialFilter
 from estimators.optical._gaps import Gap, fill_by_spline, gap_report
-from estimators.optical._stretch import GapCheck, Stretch, check_gaps, onto_ticks, prepare
-from estimators.optical.alignment._clusters import Alignment, align_cluster, align_markers
+from estimators.optical._matching import match
+from estimators.optical._stretch import GapCheck, Stretch, check_gaps
+from estimators.optical.alignment._clusters import Alignment
 from estimators.recording import Float
 from estimators.sentences import say
 
-_ROUNDS = 6
-_SAME_CLOCK_S = 5e-5
-_FIRST_CORRELATION = 0.5
 # Frames in a row that a sound filter does not shut out: ghosts are single.
 _STREAK = 5
 _WALKS = (10.0, 100.0, 300.0, 1000.0, 3000.0)
@@ -90,14 +88,37 @@ class OpticalFusion:
     lagged: OpticalResult | None
 
 
-def _smoothed(stretches: list[Stretch]) -> tuple[list[Stretch], list[OpticalResult], float]:
-    """Smooth every stretch, again with wider markers where they fit worse than stated; returns by how much."""
+def _smoothed(stretches: list[Stretch]) -> tuple[list[Stretch], list[OpticalResult], float, list[str]]:
+    """Smooth every stretch, again with wider markers or walks where they fit worse than stated.
+
+    Returns also by how much the markers were widened, and reasons for people.
+    """
     results = [stretch.smoothed() for stretch in stretches]
     scale = _sigma_scale(results)
-    if scale <= 1.2:
-        return stretches, results, 1.0
-    stretches = [replace(s, parameters=_scaled(s.parameters, scale)) for s in stretches]
-    return stretches, [stretch.smoothed() for stretch in stretches], scale
+    if scale > 1.2:
+        stretches = [replace(s, parameters=_scaled(s.parameters, scale)) for s in stretches]
+        results = [stretch.smoothed() for stretch in stretches]
+    else:
+        scale = 1.0
+    stretches, results, walk = _with_walks(stretches, results)
+    return stretches, results, scale, [say("markers.walk", times=walk)] if walk > 1.0 else []
+
+
+def _gaps(result: OpticalResult, camera_time_s: Float, step: float) -> list[Gap]:
+    """Return the gaps; between two frames of slow cameras there is none."""
+    spacing = max(float(np.median(np.diff(camera_time_s))), 0.7 * step)
+    return [gap for gap in gap_report(result, step) if gap.length_s > 1.6 * spacing]
+
+
+def _counts(result: OpticalResult, marker_m: Float) -> tuple[float, int, int, int]:
+    """Return the mean innovation of accepted markers, and how many were seen, used and rejected."""
+    accepted = result.provenance == Provenance.MEASURED
+    return (
+        float(np.mean(result.nis[accepted])) if accepted.any() else float("nan"),
+        int(np.isfinite(marker_m).all(axis=1).sum()),
+        int(np.isin(result.provenance, (Provenance.MEASURED, Provenance.RECOVERED)).sum()),
+        int((result.provenance == Provenance.REJECTED).sum()),
+    )
 
 
 def _after(result: OpticalResult, delay_s: Float, rate_radps: Float) -> Float:
@@ -159,113 +180,49 @@ def fuse_markers(
     """
     camera_time_s, marker_m = np.asarray(camera_time_s, np.float64), np.asarray(marker_m, np.float64)
     count = len(gyroscope_radps)
-    ticks = np.arange(count, dtype=np.float64) * time_step_s
     if accelerometer_mps2.shape != (count, 3) or gyroscope_radps.shape != (count, 3):
         raise ShapeError(f"gyroscope and accelerometer both need shape ({count}, 3)")
     samples = gyroscope_radps, accelerometer_mps2
     noise, stated = _noise(*samples, time_step_s, bridged, parameters)
-    try:
-        found, stretches, reasons, on_ticks, delay = _matched(
-            camera_time_s,
-            marker_m,
-            time_step_s,
-            *samples,
-            parameters,
-            lever_arm_m,
-            cluster_m,
-            largest_offset_s,
-            noise,
-        )
-    except ComparisonError as error:
-        why = explain(camera_time_s, marker_m, time_step_s, *samples, largest_offset_s, lever_arm_m)
-        raise (why or error) from error
-    reasons += stated
+    found, stretches, reasons, on_ticks, delay = match(
+        camera_time_s, marker_m, time_step_s, *samples, parameters,
+        lever_arm_m, cluster_m, largest_offset_s, noise,
+    )  # fmt: skip
+    stretches, results, scale, widened = _smoothed(stretches)
+    reasons += [*stated, *widened]
     first = stretches[0].first
-    stretches, results, scale = _smoothed(stretches)
-    stretches, results, walk = _with_walks(stretches, results)
-    if walk > 1.0:
-        reasons.append(say("markers.walk", times=walk))
     total = stretches[-1].first + len(stretches[-1].chunk.marker_m) - first
-    result = _joined(stretches, results, first, total)
-    filtered = _joined(stretches, [stretch.filtered() for stretch in stretches], first, total)
-    part = slice(first, first + total)
-    there = _after(result, delay[part, None], gyroscope_radps[part])
+    part, time_s = slice(first, first + total), np.arange(first, first + total) * time_step_s
     # What the clocks may be apart moves a marker along its path.
-    clocks = np.hypot(found.offset_sigma_s, (ticks[part] - found.reference_s)[:, None] * found.drift_sigma)
-    result, filtered = _with_clocks(result, clocks), _with_clocks(filtered, clocks)
-    lagged = None
-    if lag_s is not None:
-        behind = _joined(stretches, [stretch.lagged(lag_s) for stretch in stretches], first, total)
-        lagged = _with_clocks(behind, clocks)
-    residual = on_ticks[part] - there
+    clocks = np.hypot(found.offset_sigma_s, (time_s - found.reference_s)[:, None] * found.drift_sigma)
+
+    def whole(pieces: list[OpticalResult]) -> OpticalResult:
+        return _with_clocks(_joined(stretches, pieces, first, total), clocks)
+
+    result = whole(results)
+    residual = on_ticks[part] - _after(result, delay[part, None], gyroscope_radps[part])
     last = results[0].lever_arm_m[-1], results[0].lever_arm_sigma_m[-1]
     check_result(residual, result.provenance, last[0], lever_arm_m is not None)
-    accepted = result.provenance == Provenance.MEASURED
-    spacing = max(float(np.median(np.diff(camera_time_s))), 0.7 * time_step_s)
     return OpticalFusion(
         first,
         time_step_s,
         found,
         result,
-        filtered,
+        whole([stretch.filtered() for stretch in stretches]),
         on_ticks[part],
         residual,
         fill_by_spline(on_ticks[part], time_step_s),
-        # Between two frames of slow cameras there is no gap.
-        [gap for gap in gap_report(result, time_step_s) if gap.length_s > 1.6 * spacing],
+        _gaps(result, camera_time_s, time_step_s),
         check_gaps(stretches[0]) if gap_checks else [],
         last[0],
         last[1],
         stretches[0].mounting.heading_sigma_rad,
         scale,
-        float(np.mean(result.nis[accepted])) if accepted.any() else float("nan"),
-        int(np.isfinite(marker_m).all(axis=1).sum()),
-        int(np.isin(result.provenance, (Provenance.MEASURED, Provenance.RECOVERED)).sum()),
-        int((result.provenance == Provenance.REJECTED).sum()),
+        *_counts(result, marker_m),
         tuple(reasons),
         0 if bridged is None else int(bridged[part].sum()),
-        lagged,
+        None if lag_s is None else whole([stretch.lagged(lag_s) for stretch in stretches]),
     )
-
-
-def _matched(
-    camera_time_s: Float,
-    marker_m: Float,
-    step: float,
-    gyroscope: Float,
-    accelerometer: Float,
-    parameters: Mapping[str, Any] | None,
-    lever: Float | None,
-    cluster: Float | None,
-    largest: float | None,
-    noise: Float | None,
-) -> tuple[Alignment, list[Stretch], list[str], Float, Float]:
-    """Return the clocks, what can be fused, what cannot and why, the frames on ticks and their delays."""
-    count = len(gyroscope)
-    ticks = np.arange(count, dtype=np.float64) * step
-    samples = gyroscope, accelerometer
-    # A far marker on a limb that turns is recognised only with its lever arm.
-    found = _best_alignment(
-        camera_time_s, marker_m, ticks, *samples, cluster, largest, lever, _FIRST_CORRELATION
-    )
-    attitudes: dict[tuple[int, int], tuple[Float, Float]] = {}
-    for _ in range(_ROUNDS):
-        at = found.inertial_time(camera_time_s)
-        on_ticks, delay = onto_ticks(at, marker_m, step, count)
-        stretches, reasons = prepare(
-            *samples, step, on_ticks, delay, at, marker_m, parameters, lever, attitudes, noise
-        )
-        # The lever arm biases the clocks, and the clocks the lever arm.
-        arm, before = stretches[0].mounting.lever_arm_m, found
-        found = _best_alignment(camera_time_s, marker_m, ticks, *samples, cluster, largest, arm)
-        # At both ends too: a drift may turn about a middle that stays.
-        ends = found.reference_s + 0.5 * found.overlap_s * np.array([-1.0, 1.0])
-        if np.abs(found.camera_time(ends) - before.camera_time(ends)).max() < _SAME_CLOCK_S:
-            break
-    _require_credible(found)
-    for stretch in stretches:
-        check_mapping(stretch.accelerations(), step, lever)
-    return found, stretches, reasons, on_ticks, delay
 
 
 def _noise(
@@ -289,32 +246,6 @@ def _noise(
 def _with_clocks(result: OpticalResult, apart_s: Float) -> OpticalResult:
     sigma = np.hypot(result.position_sigma_m, np.abs(result.velocity_mps) * apart_s)
     return replace(result, position_sigma_m=sigma)
-
-
-def _best_alignment(
-    camera_time_s: Float,
-    marker_m: Float,
-    ticks: Float,
-    gyroscope: Float,
-    accelerometer: Float,
-    cluster: Float | None,
-    largest: float | None,
-    arm: Float | None,
-    least: float | None = None,
-) -> Alignment:
-    found = align_markers(camera_time_s, marker_m, ticks, accelerometer, gyroscope, largest, arm)
-    if cluster is not None:
-        by_rate = align_cluster(camera_time_s, cluster, ticks, gyroscope, largest)
-        if by_rate.is_credible and (not found.is_credible or by_rate.offset_sigma_s < found.offset_sigma_s):
-            found = by_rate
-    if least is None or found.correlation < least:
-        _require_credible(found)
-    return found
-
-
-def _require_credible(found: Alignment) -> None:
-    if not found.is_credible:
-        raise ComparisonError(say("markers.no_correlation", correlation=found.correlation, rival=found.rival))
 
 
 def _sigma_scale(results: list[OpticalResult]) -> float:

@@ -15,7 +15,6 @@ MANY_PARAMETERS = {
 }
 _ONE_PASS = "one pass of a kernel over its state: what it carries on would go through every step's parameters"
 LONG = {
-    "app/assessment/measures:session_values": "collects what a session says, table by table",
     "estimators/balance/_live_balance_kernel:balance_live": _ONE_PASS,
     "estimators/balance/mass_centre/_worn_kernel:mass_centre": _ONE_PASS,
     "estimators/kinetics/_live_shoes_kernel:shoes_live": _ONE_PASS,
@@ -24,13 +23,13 @@ LONG = {
     "estimators/magnetic/relative/run:end_pulse": "the states of a source, one after the other",
     "estimators/magnetic/relative/run:tick": "the order of a tick, most lines a call",
     "estimators/magnetic/relative/update:update_pulse": "an iterated correction with its early ends",
-    "estimators/optical/_recording:fuse_markers": "composes what others compute; 23 lines are the result's fields",
     "estimators/orientation/_frozen:frozen": "one test of freezing; its notes explain it as a whole",
     "estimators/orientation/_screen:_judge": _ONE_PASS,
     "estimators/orientation/smoother/_kernel:backward": _ONE_PASS,
     "estimators/orientation/telemotion/_field:find_north": "one search with its fallbacks",
     "estimators/orientation/telemotion/_kernel:end_block": "the order of a block, most lines a call",
-    "estimators/orientation/telemotion/_kernel:run": "the filter's loop over ticks",
+    "estimators/orientation/telemotion/_block:predict": "one prediction of all states, a block of the matrix a line",
+    "estimators/orientation/telemotion/_kernel:follow": "the filter's loop over ticks",
     "estimators/orientation/telemotion/_parameters:settings_of": "one line a setting",
     "estimators/orientation/telemotion/_start:collect": "collects a start, sample by sample",
     "estimators/pipelines/arm/kernel:compose_python": _ONE_PASS,
