@@ -325,6 +325,70 @@ def test_a_closed_session_is_compared_with_what_was_prescribed(
     assert np.mean([row.value for row in rows]) == pytest.approx(main["value"])
 
 
+def test_what_the_therapist_draws_decides_what_is_outside(
+    therapist: Any, world: Any, store: Any, patients: SimulatedSession, template_version: dict[str, Any]
+) -> None:
+    """The same recording of somebody who leans 12 degrees, judged by four bands."""
+    lean = "trunk_lean_forward_rad"
+
+    def drawn(**design: Any) -> str:
+        answer = therapist.post(
+            f"/api/templates/{template_version['template_id']}/versions",
+            json={"based_on": template_version["id"], "design": design, "reason": "lean"},
+        )
+        assert answer.status_code == 201, answer.text
+        return str(answer.json()["id"])
+
+    def judged(session_id: str, version_id: str) -> tuple[list[Any], dict[str, Any]]:
+        made = therapist.post(
+            f"/api/sessions/{session_id}/comparisons", json={"template_version_id": version_id}
+        ).json()
+        detail = therapist.get(f"/api/comparisons/{made['id']}").json()
+        return [one["outside_band"].get(lean, []) for one in detail["repetitions"]], detail
+
+    def spent(spans: list[tuple[int, int]]) -> int:
+        return sum(end - start for start, end in spans)
+
+    session_id = store(patients, "therapist")
+    recorded, _ = judged(session_id, template_version["id"])
+    assert all(recorded), "it leaves the recorded band in each repetition"
+    # Free but for one phase: outside there and nowhere else.
+    knots = [
+        {"phase": 0.29, "below": None, "above": None},
+        {"phase": 0.3, "above": 0.5},
+        {"phase": 0.5, "above": 0.5},
+        {"phase": 0.51, "below": None, "above": None},
+    ]
+    version = drawn(
+        phases=[{"name": "Lift", "start": 0.0, "end": 0.3}, {"name": "Hold", "start": 0.3, "end": 0.5}],
+        tolerances=[{"channel": lean, "knots": knots}],
+    )
+    narrow, detail = judged(session_id, version)
+    assert all(narrow)
+    assert all(30 <= start < end <= 51 for spans in narrow for start, end in spans)
+    assert [one["name"] for one in detail["phases"]] == ["Lift", "Hold"]
+    assert any("Mostly in: Hold." in sentence for sentence in detail["findings"])
+    curve = next(one for one in detail["curves"] if one["channel"] == lean)
+    assert (curve["high"][20], curve["low"][20]) == (None, None), "free"
+    assert curve["high"][40] - curve["mean"][40] == pytest.approx(0.5 * curve["width"][40], abs=1e-3)
+    watched, detail = judged(session_id, drawn(watched=[lean]))
+    assert not any(watched)
+    assert not any("lean" in sentence.lower() for sentence in detail["findings"])
+    # A band of 3 degrees, prescribed three times as wide, holds all but the farthest of a lean of 12 degrees.
+    prescription = therapist.post(
+        f"/api/patients/{world.patient_id}/prescriptions",
+        json={
+            "exercise_id": world.exercise_id,
+            "template_id": template_version["template_id"],
+            "tolerance_scale": 3.0,
+        },
+    ).json()["id"]
+    wide, detail = judged(store(patients, "therapist", prescription_id=prescription), template_version["id"])
+    assert all(0 < spent(wide_one) < spent(one) for wide_one, one in zip(wide, recorded, strict=True))
+    curve = next(one for one in detail["curves"] if one["channel"] == lean)
+    assert curve["high"][40] - curve["mean"][40] == pytest.approx(3.0 * curve["width"][40], abs=1e-3)
+
+
 def test_progress_takes_up_the_comparison(
     therapist: Any, world: Any, store: Any, patients: SimulatedSession, template_version: dict[str, Any]
 ) -> None:

@@ -6,7 +6,14 @@ import { t } from '../../../i18n';
 import { pickCurves } from '../../../lib/assessment/comparison';
 import type { Draft } from '../../../lib/assessment/design';
 
-const SHOWN_FIRST = 6;
+const SHOWN_FIRST = 7;
+
+/** Compensation stands right after the main angle: it is what therapists limit most. */
+function rank(channel: string, primary: string): number {
+  if (channel === primary) return 0;
+  if (channel.startsWith('trunk_') || channel.startsWith('shoulder_hike')) return 1;
+  return channel.includes('.') ? 3 : 2;
+}
 
 interface Props {
   curves: readonly PhaseCurve[];
@@ -19,7 +26,7 @@ interface Props {
 
 export function CurveList({ curves, primary, draft, selected, onSelect, onWatched }: Props) {
   const [showsAll, setShowsAll] = useState(false);
-  const ordered = pickCurves(curves, true, primary);
+  const ordered = pickCurves(curves, true, primary).sort((a, b) => rank(a.channel, primary) - rank(b.channel, primary));
   const isChanged = (channel: string) =>
     channel in draft.bands || channel in draft.loose || draft.watched.includes(channel);
   const shown = ordered.filter(
