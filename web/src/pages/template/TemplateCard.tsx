@@ -68,17 +68,19 @@ export function TemplateCard({
             </p>
             <PhaseLegend withOutside={false} patient={false} />
             <div className="template-curves">
-              {pickCurves(found.content.curves, false, primary).map((curve) => (
-                <div key={curve.channel} className="template-curve">
-                  <h3>{curve.label}</h3>
-                  <PhaseChart
-                    curve={curve}
-                    phases={found.content.phases}
-                    left={new Set(found.content.repetitions.flatMap((one, index) => (one.is_kept ? [] : [index])))}
-                    height={200}
-                  />
-                </div>
-              ))}
+              {pickCurves(found.content.curves, false, primary, (channel) => Number(isDrawn(found, channel))).map(
+                (curve) => (
+                  <div key={curve.channel} className="template-curve">
+                    <h3>{curve.label}</h3>
+                    <PhaseChart
+                      curve={curve}
+                      phases={found.content.phases}
+                      left={new Set(found.content.repetitions.flatMap((one, index) => (one.is_kept ? [] : [index])))}
+                      height={200}
+                    />
+                  </div>
+                ),
+              )}
             </div>
           </>
         )}
@@ -86,6 +88,11 @@ export function TemplateCard({
       <History versions={template.versions} />
     </section>
   );
+}
+
+/** Whether the therapist drew a band of its own on a curve: those are shown first, after the main one. */
+function isDrawn(version: TemplateVersionDetail, channel: string): boolean {
+  return (version.design.tolerances ?? []).some((one) => one.channel === channel);
 }
 
 function History({ versions }: { versions: readonly TemplateVersion[] }) {
