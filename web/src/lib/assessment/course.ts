@@ -12,7 +12,7 @@ export interface CourseRow {
   sessions: number;
 }
 
-const MOST_ROWS = 14;
+const MOST_ROWS = 10;
 
 /** What is told first: the main measure as it comes, then compensation, then whatever changed for sure. */
 export function courseRows(measures: readonly ProgressMeasure[], most = MOST_ROWS): CourseRow[] {

@@ -15,7 +15,7 @@ export const MEASURE_GROUPS = [
   'path',
   'compensation',
 ] as const;
-const MOST_ROWS = 14;
+const MOST_ROWS = 11;
 
 /** The measures for one page: of each group the first ones in turn, in the order of the groups. */
 export function reportRows(

@@ -55,8 +55,10 @@ function Rows({ rows }: { rows: CourseRow[] }) {
               {quantity(row.baseline, row.measure.unit)}
             </td>
             <td className="number" data-label={t('course.newestValue')}>
-              {quantity(row.newest, row.measure.unit)}{' '}
-              <span className="paper-count">{t('report.n', { count: row.newestCount })}</span>
+              <span>
+                {quantity(row.newest, row.measure.unit)}{' '}
+                <span className="paper-count">{t('report.n', { count: row.newestCount })}</span>
+              </span>
             </td>
             <td className={row.measure.is_real_change ? 'strong' : ''} data-label={t('course.change')}>
               {verdict(row)}

@@ -126,8 +126,10 @@ export function SummarySheet(props: ReportProps) {
               <tr key={value.measure}>
                 <th scope="row">{value.label}</th>
                 <td className="number" data-label={t('report.thisSession')}>
-                  {uncertain(value.value ?? null, value.uncertainty ?? null, value.unit)}{' '}
-                  <span className="paper-count">{t('report.n', { count: value.count })}</span>
+                  <span>
+                    {uncertain(value.value ?? null, value.uncertainty ?? null, value.unit)}{' '}
+                    <span className="paper-count">{t('report.n', { count: value.count })}</span>
+                  </span>
                 </td>
                 <td className="number" data-label={t('compare.template')}>
                   {quantity(value.template_value, value.unit)}
