@@ -54,14 +54,14 @@ class Wearer:
     elevation_rad: NDArray[np.float64]
 
 
-def wearer(placements: tuple[str, ...], movement_s: float, seed: int = 5) -> Wearer:
+def wearer(placements: tuple[str, ...], movement_s: float, seed: int = 5, still_s: float = STILL_S) -> Wearer:
     """Simulate a person who stands still and then abducts the right arm."""
     scenario = ArmScenario(
         exercise="abduction",
         side="right",
         rate_hz=RATE_HZ,
         errors="nominal",
-        schedule=Schedule(n_pose_s=STILL_S, repetitions=None, duration_s=STILL_S + movement_s),
+        schedule=Schedule(n_pose_s=still_s, repetitions=None, duration_s=still_s + movement_s),
         seed=seed,
     )
     simulated = simulate_arm(scenario)
@@ -146,7 +146,7 @@ async def stream_by_gateway(
             device.deliveries(device.plan()),
             milestones=[Milestone(0.5, calibrate), Milestone(record_s, record)],
         )
-        await service.wait_for_state(made.id, "analysed", timeout_s=180.0)
+        await service.wait_for_state(made.id, "analysed", timeout_s=600.0)
         return made.id
 
 

@@ -20,13 +20,14 @@ function linkWords(recorder: RecorderState): string {
 /** The parts that are wrong, in the order in which they matter. */
 function troubles(run: RunSnapshot): string[] {
   const recorder = run.gateway?.recorder;
+  const isOver = recorder?.link.status === 'ended';
   return [
     run.gateway?.broken && t('sensors.broken'),
     recorder?.isFull && t('sensors.full'),
     recorder?.lostPackets && t('sensors.lost', { count: recorder.lostPackets }),
     recorder?.link.status === 'refused' && recorder.link.reason,
-    run.isSilent && t('sensors.silent'),
-    !run.isAwake && t('sensors.asleep'),
+    !isOver && run.isSilent && t('sensors.silent'),
+    !isOver && !run.isAwake && t('sensors.asleep'),
   ].filter((one): one is string => Boolean(one));
 }
 
