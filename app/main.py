@@ -58,6 +58,7 @@ from app.patients.endpoints import router as patients_router
 from app.recordings.analysis.jobs import Handler, JobRunner
 from app.recordings.analysis.kinds import kind_routers, kinds
 from app.recordings.analysis.reprocess import reprocess
+from app.recordings.answers.endpoints import router as answers_router
 from app.recordings.endpoints import router as sessions_router
 from app.recordings.series_endpoints import router as series_router
 from app.recordings.service import queue_closing
@@ -220,6 +221,7 @@ def all_routers() -> list[APIRouter]:
         patients_router,
         exercises_router,
         sessions_router,
+        answers_router,
         series_router,
         *kind_routers(),
         replay_router,

@@ -279,6 +279,7 @@ def _with_practice(
             times=row.times,
             tolerance_scale=row.tolerance_scale,
             stops=[StopDesign.model_validate(one) for one in row.stops],
+            question=row.question,
             is_due_today=row.starts_at <= now and (not row.days or today.isoweekday() in row.days),
             done_today=sum(1 for one in shared[row.id] if one.at.astimezone(zone).date() == today),
             starts_at=row.starts_at,

@@ -84,6 +84,8 @@ class Prescription(Identified, Base):
     """Factor on the whole band of the template for this patient."""
     stops: Mapped[list[dict[str, Any]]] = mapped_column(JSON, default=list, server_default="[]")
     """Stop rules of this patient besides those of the template: `StopDesign`."""
+    question: Mapped[str] = mapped_column(String(200), default="", server_default="")
+    """Asked after each session besides pain and effort, answered from 0 to 10; empty: nothing more."""
     prescribed_by: Mapped[str] = mapped_column(ForeignKey("account.id"))
     starts_at: Mapped[datetime] = mapped_column(UtcDateTime)
     ends_at: Mapped[datetime | None] = mapped_column(UtcDateTime)

@@ -189,6 +189,7 @@ def create_prescription(
         times=times,
         tolerance_scale=body.tolerance_scale,
         stops=[one.model_dump(mode="json") for one in body.stops],
+        question=body.question.strip(),
         prescribed_by=subject.account_id or subject.id,
         starts_at=starts_at,
         ends_at=ends_at,

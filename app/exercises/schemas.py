@@ -194,6 +194,8 @@ class PrescriptionIn(Schema):
     """Factor on the whole band of the template for this patient."""
     stops: list[StopDesign] = Field(default_factory=list, max_length=20)
     """Stop rules of this patient besides those of the template, named for the exercise's side."""
+    question: str = Field(default="", max_length=200)
+    """Asked after each session besides pain and effort, answered from 0 to 10; empty: nothing more."""
     starts_at: Moment | None = None
     ends_at: Moment | None = None
 
@@ -213,6 +215,7 @@ class PrescriptionOut(Schema):
     times: list[str]
     tolerance_scale: float
     stops: list[StopDesign]
+    question: str
     starts_at: datetime
     ends_at: datetime | None
     is_due_today: bool

@@ -208,6 +208,9 @@ class LiveManager:
             self._intakes[stored.id] = intake
             session.connected()
         self.bus.publish(topic(stored.id, "layout"), session.layout())
+        if session.guidance is not None:
+            # Who watches already has heard nothing of it: the session was not live.
+            self.bus.publish(topic(stored.id, "guidance"), session.guidance.message)
         return intake
 
     def _detach(self, intake: Intake) -> None:

@@ -100,6 +100,24 @@ class SessionEvent(Identified, Base):
     details: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
 
 
+class SessionAnswers(Base):
+    """What the patient said after an exercise; each answer 0 to 10, or none."""
+
+    __tablename__ = "session_answers"
+
+    session_id: Mapped[str] = mapped_column(
+        ForeignKey("motion_session.id", ondelete="CASCADE"), primary_key=True
+    )
+    pain: Mapped[int | None] = mapped_column(Integer)
+    effort: Mapped[int | None] = mapped_column(Integer)
+    third: Mapped[int | None] = mapped_column(Integer)
+    question: Mapped[str] = mapped_column(String(200), default="")
+    """The therapist's own, which `third` answers, as it was asked."""
+    note: Mapped[str] = mapped_column(String(2000), default="")
+    answered_at: Mapped[datetime] = mapped_column(UtcDateTime)
+    answered_by: Mapped[str] = mapped_column(String(32))
+
+
 class Result(Identified, Base):
     """One run of a pipeline over a session; every run is stored."""
 

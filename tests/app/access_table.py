@@ -330,6 +330,8 @@ LINES: tuple[Line, ...] = (
     patient("POST", "/api/sessions/{session_id}/calibration/next", RECORD, status=409),
     patient("POST", "/api/sessions/{session_id}/calibration/cancel", RECORD, status=409),
     patient("POST", "/api/sessions/{session_id}/mark", RECORD, body={"text": "here"}, status=409),
+    patient("GET", "/api/sessions/{session_id}/answers", READ),
+    patient("PUT", "/api/sessions/{session_id}/answers", RECORD, body={"pain": 2, "effort": 4}),
     patient("GET", "/api/sessions/{session_id}/guidance", READ, status=409),
     patient("POST", "/api/sessions/{session_id}/guidance", RECORD, body={"command": "pain"}, status=409),
     patient("POST", "/api/sessions/{session_id}/close", RECORD),

@@ -53,7 +53,7 @@ def exercise(page: Page, relay: Relay, moves_s: float, broken_s: float) -> None:
     """Press what the page offers, as the patient does; break the link in the middle of the movement."""
     page.get_by_role("button", name="I am standing still").click()
     page.get_by_role("button", name="Go", exact=True).click()
-    expect(page.get_by_role("heading", name="Go!")).to_be_visible()
+    expect(page.get_by_test_id("line")).to_be_visible()
     status = page.locator(".sensor-status")
     page.wait_for_timeout(1000 * (moves_s - broken_s) / 2)
     relay.break_link()
@@ -78,7 +78,8 @@ def test_the_phone_stores_every_sample_once_over_a_broken_link(
     exercise(page, relay, MOVEMENT_S, BROKEN_S)
     patient.picture("phone-measuring-390")
     page.wait_for_function("count => emulated.emitted === count", arg=len(worn.samples), timeout=60_000)
-    page.get_by_role("button", name="I have finished").click()
+    page.get_by_role("button", name="Stop", exact=True).click()
+    page.get_by_role("button", name="Finish for today").click()
     expect(page.get_by_role("heading", name="Your result is ready")).to_be_visible(timeout=60_000)
 
     first = int(page.evaluate("emulated.first"))

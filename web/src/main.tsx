@@ -9,6 +9,7 @@ import './styles/motion.css';
 import './styles/adapt.css';
 import './styles/gait.css';
 import './styles/sheets.css';
+import './styles/doing.css';
 import './styles/home.css';
 import { MantineProvider } from '@mantine/core';
 import { Notifications } from '@mantine/notifications';

@@ -28,6 +28,7 @@ from app.patients.models import Patient
 from app.patients.repository import list_grants
 from app.patients.service import patient_out
 from app.recordings import service as recordings
+from app.recordings.answers.service import stored_answers
 from app.recordings.markers import file_pieces, markers_of
 from app.recordings.models import MotionSession, SessionEvent
 from app.recordings.repository import results_of
@@ -154,6 +155,9 @@ def _write_session(archive: zipfile.ZipFile, engine: Engine, subject: Subject, s
         folder = f"sessions/{(found.started_at or found.created_at):%Y-%m-%d-%H%M}-{found.id[:8]}"
         hello = found.hello
         _json(archive, f"{folder}/session.json", _plain(recordings.describe(session, subject, found)))
+        answers = stored_answers(session, session_id)
+        if answers is not None:
+            _json(archive, f"{folder}/answers.json", _plain(answers))
         compared = session.scalars(select(Comparison.id).where(Comparison.session_id == session_id)).all()
         if compared:
             content = [_plain(comparisons.detail(session, subject, one)) for one in compared]

@@ -55,11 +55,13 @@ class Performed:
 
 
 @cache
-def performed(plan: tuple[PlannedRepetition, ...], seed: int = 3) -> Performed:
+def performed(
+    plan: tuple[PlannedRepetition, ...], seed: int = 3, exercise: ExerciseName = EXERCISE
+) -> Performed:
     """Let a patient without any impairment do what is planned."""
     made = simulate_arm(
         ArmScenario(
-            exercise=EXERCISE,
+            exercise=exercise,
             schedule=Schedule(n_pose_s=N_POSE_S, transition_s=1.5, repetitions=None, plan=plan),
             placements=PLACEMENTS,
             seed=seed,
@@ -69,10 +71,15 @@ def performed(plan: tuple[PlannedRepetition, ...], seed: int = 3) -> Performed:
 
 
 def prescribe(
-    engine: Engine, world: Any, *, repetitions: int = 10, stops: tuple[dict[str, Any], ...] = ()
+    engine: Engine,
+    world: Any,
+    *,
+    repetitions: int = 10,
+    stops: tuple[dict[str, Any], ...] = (),
+    exercise: ExerciseName = EXERCISE,
 ) -> str:
     """Store the template and a prescription of it for Ada; returns the prescription."""
-    therapist = world.accounts["therapist"]
+    therapist, content = world.accounts["therapist"], template_bytes(exercise)
     with unit_of_work(engine) as session:
         template = Template(
             clinic_id=world.clinic_id,
@@ -90,7 +97,7 @@ def prescribe(
                 source_session_id="0" * 32,
                 source_result_id="0" * 32,
                 repetitions=[asdict(Repetition(1, 0.0, 1.0))],
-                content=template_bytes(),
+                content=content,
                 created_by=therapist,
             )
         )

@@ -971,6 +971,30 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/sessions/{session_id}/answers": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Answers
+         * @description Return what the patient said after the exercise, and which question the therapist asks besides.
+         */
+        get: operations["get_answers_api_sessions__session_id__answers_get"];
+        /**
+         * Put Answers
+         * @description Store what the patient says after the exercise; saying it again replaces it.
+         */
+        put: operations["put_answers_api_sessions__session_id__answers_put"];
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/sessions/{session_id}/balance": {
         parameters: {
             query?: never;
@@ -2133,6 +2157,44 @@ export interface components {
             name: string;
             /** Rms Deg */
             rms_deg: number | null;
+        };
+        /**
+         * AnswersIn
+         * @description What a patient says; each may be left out.
+         */
+        AnswersIn: {
+            /** Effort */
+            effort?: number | null;
+            /**
+             * Note
+             * @default
+             */
+            note?: string;
+            /** Pain */
+            pain?: number | null;
+            /** Third */
+            third?: number | null;
+        };
+        /**
+         * AnswersOut
+         * @description The same as stored; all empty before it was said.
+         */
+        AnswersOut: {
+            /** Answered At */
+            answered_at?: string | null;
+            /** Effort */
+            effort?: number | null;
+            /**
+             * Note
+             * @default
+             */
+            note?: string;
+            /** Pain */
+            pain?: number | null;
+            /** Question */
+            question: string;
+            /** Third */
+            third?: number | null;
         };
         /**
          * AuditOut
@@ -4329,6 +4391,11 @@ export interface components {
             /** Exercise Id */
             exercise_id: string;
             /**
+             * Question
+             * @default
+             */
+            question?: string;
+            /**
              * Repetitions
              * @default 10
              */
@@ -4382,6 +4449,8 @@ export interface components {
             is_due_today: boolean;
             /** Is Twice */
             is_twice: boolean;
+            /** Question */
+            question: string;
             /** Repetitions */
             repetitions: number;
             /** Repetitions This Week */
@@ -7666,6 +7735,72 @@ export interface operations {
             403: components["responses"]["Error403"];
             404: components["responses"]["Error404"];
             409: components["responses"]["Error409"];
+            422: components["responses"]["Error422"];
+            429: components["responses"]["Error429"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    get_answers_api_sessions__session_id__answers_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["AnswersOut"];
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            404: components["responses"]["Error404"];
+            409: components["responses"]["Error409"];
+            422: components["responses"]["Error422"];
+            503: components["responses"]["Error503"];
+        };
+    };
+    put_answers_api_sessions__session_id__answers_put: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description From /api/me; browsers send it with every change, devices do not. */
+                "X-CSRF-Token"?: string;
+            };
+            path: {
+                session_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["AnswersIn"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["AnswersOut"];
+                };
+            };
+            401: components["responses"]["Error401"];
+            403: components["responses"]["Error403"];
+            404: components["responses"]["Error404"];
+            408: components["responses"]["Error408"];
+            409: components["responses"]["Error409"];
+            413: components["responses"]["Error413"];
             422: components["responses"]["Error422"];
             429: components["responses"]["Error429"];
             503: components["responses"]["Error503"];

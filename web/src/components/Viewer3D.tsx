@@ -23,10 +23,14 @@ export interface Viewer3DProps {
   /** What the nearest point of view shows. */
   near?: Near;
   onShown?: (shown: ViewSnapshot['shown']) => void;
+  /** From where it is looked at when it opens. */
+  from?: Preset;
+  /** Without the buttons that turn it: for whoever has no hand free. */
+  isPlain?: boolean;
 }
 
 export type Near = 'arm' | 'feet' | 'marker' | 'modules';
-type Preset = NonNullable<CameraCommand['preset']>;
+export type Preset = NonNullable<CameraCommand['preset']>;
 const PRESETS: readonly Preset[] = ['start', 'front', 'side', 'top', 'arm'];
 const TURN_DEG = 20;
 const ZOOM = 1.25;
@@ -78,6 +82,8 @@ export function Viewer3D({
   isReady = true,
   onShown,
   near = 'arm',
+  from,
+  isPlain,
 }: Viewer3DProps) {
   const scheme = useComputedColorScheme('light');
   const view = useQuery({
@@ -118,6 +124,9 @@ export function Viewer3D({
     link?.getSnapshot ?? (() => NOTHING),
   );
   useEffect(() => onShown?.(shown), [shown, onShown]);
+  useEffect(() => {
+    if (from && status === 'open') link?.camera({ preset: from });
+  }, [link, from, status]);
   // A service that was started again knows nothing of this view: after a loss a new one is opened without a hand.
   const wasLost = useRef(false);
   const { refetch } = view;
@@ -166,7 +175,7 @@ export function Viewer3D({
           </div>
         )}
       </div>
-      <CameraBar link={link} near={near} />
+      {!isPlain && <CameraBar link={link} near={near} />}
     </div>
   );
 }

@@ -4,6 +4,7 @@ import { calibration } from './en/calibration';
 import { clinic } from './en/clinic';
 import { common } from './en/common';
 import { design } from './en/design';
+import { doing } from './en/doing';
 import { home } from './en/home';
 import { magnetic } from './en/magnetic';
 import { markers } from './en/markers';
@@ -22,6 +23,7 @@ export const en = {
   ...clinic,
   ...common,
   ...design,
+  ...doing,
   ...home,
   ...magnetic,
   ...markers,

@@ -31,3 +31,10 @@ export function isWalk(movement: string | undefined): boolean {
 export function movementOf(exercises: readonly Exercise[] | undefined, id: string | null): string | undefined {
   return exercises?.find((one) => one.id === id)?.movement;
 }
+
+/** From where a movement is seen best: from where it is large. */
+export function bestSeenFrom(movement: string | undefined): 'front' | 'side' | 'arm' | undefined {
+  if (movement === 'abduction') return 'front';
+  if (movement === 'pronation') return 'arm';
+  return movement === 'flexion' || movement === 'reaching' || movement === 'drinking' ? 'side' : undefined;
+}

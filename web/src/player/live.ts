@@ -3,6 +3,7 @@ import { PROTOCOL_VERSION } from '../api/schema';
 import type {
   CalibrationMessage,
   ErrorMessage,
+  GuidanceMessage,
   HealthMessage,
   LiveMessage,
   SessionEvent,
@@ -34,6 +35,8 @@ export interface LiveSnapshot extends PlayerSnapshot {
   events: readonly SessionEvent[];
   /** The guided calibration that runs, or the last one that ran. */
   calibration: CalibrationMessage | null;
+  /** How the patient follows the template, as it was when anything but the phase last changed. */
+  guidance: GuidanceMessage | null;
   /** The last error message of the service on this socket. */
   error: ErrorMessage | null;
   /** From publication by the service to arrival here, ms. */
@@ -64,6 +67,7 @@ export class LivePlayer implements Player {
     health: null,
     events: [],
     calibration: null,
+    guidance: null,
     error: null,
     networkMs: null,
     silentSinceS: null,
@@ -200,11 +204,21 @@ export class LivePlayer implements Player {
       case 'calibration':
         this.#store.set({ calibration: message });
         break;
+      case 'guidance':
+        this.#takeGuidance(message);
+        break;
       case 'error':
         this.#store.set({ error: message });
         if (message.closing) this.#socket.refuse(message.message);
         break;
     }
+  }
+
+  /** The phase comes twenty times a second: only the 3D view draws it, no page need be drawn anew. */
+  #takeGuidance(message: GuidanceMessage): void {
+    const sign = (one: GuidanceMessage | null) =>
+      one && JSON.stringify([one.status, one.cause, one.counts, one.goal, one.last, one.cue, one.cue_number]);
+    if (sign(message) !== sign(this.#store.get().guidance)) this.#store.set({ guidance: message });
   }
 
   #forget(ring: FrameRing): void {

@@ -114,6 +114,8 @@ export const patient = {
   'audit.session.frames': 'viewed the movement of a session',
   'audit.session.layout': 'opened the movement of a session',
   'audit.session.list': 'viewed the list of sessions',
+  'audit.session.answer': 'answered the questions after an exercise',
+  'audit.session.answers': 'viewed the answers after an exercise',
   'audit.session.mark': 'added a note to the timeline',
   'audit.session.pause_exercise': 'paused an exercise',
   'audit.session.resume_exercise': 'went on with an exercise',
@@ -251,7 +253,8 @@ export const patient = {
   'exercise.emptyText': 'Add the first movement you prescribe, then record a template for it.',
 
   'mine.hello': 'Hello, {name}',
-  'mine.today': { one: '{count} exercise for you', other: '{count} exercises for you' },
+  'mine.today': { one: 'Today: {count} exercise, {time}', other: 'Today: {count} exercises, {time}' },
+  'mine.about': { one: 'about {count} minute', other: 'about {count} minutes' },
   'mine.allDone': 'All done for this week',
   'mine.start': 'Start',
   'mine.again': 'Do it again',

@@ -12,8 +12,8 @@ import { useMutation, useQueryClient } from '@tanstack/react-query';
 import { lazy, Suspense, useState } from 'react';
 import { Link, useParams } from 'react-router';
 import { api } from '../../api/client';
-import { keys, useSession } from '../../api/queries';
-import type { HealthMessage, PlayerState, SessionDetail } from '../../api/types';
+import { keys, useExercises, useSession } from '../../api/queries';
+import type { HealthMessage, Placement, PlayerState, SessionDetail } from '../../api/types';
 import { Confirm } from '../../components/forms/Confirm';
 import { Waiting } from '../../components/Feedback';
 import { Page } from '../../components/Page';
@@ -21,11 +21,16 @@ import { Viewer3D } from '../../components/Viewer3D';
 import { kindOf } from '../../kinds';
 import { t } from '../../i18n';
 import { placementLabel, placementList } from '../../lib/channels';
+import { bestSeenFrom, movementOf } from '../../lib/exercises';
 import { useLivePlayer, useSnapshot } from '../../player/hooks';
 import type { LivePlayer } from '../../player/live';
 import { StepPicture } from '../../pictures/StepPicture';
+import { WearPicture } from '../../pictures/WearPicture';
 import { useCalibrating } from '../calibration/CalibrationPanel';
 import { sendRest } from '../../sensors/registry';
+import { After } from './exercise/After';
+import { Controls, Count, isGuided, NowLine } from './exercise/Doing';
+import { useHold } from './exercise/useHold';
 import { isRecording, momentOf, type Moment } from './moment';
 import { PlainProblem } from './PlainProblem';
 
@@ -43,11 +48,15 @@ const ICONS: Partial<Record<Moment, typeof IconRun>> = {
   still: IconHandStop,
   again: IconHandStop,
   going: IconRun,
+  ready: IconCheck,
   preparing: IconCheck,
   done: IconCheck,
 };
 const BAD: readonly Moment[] = ['lost', 'silent', 'refused', 'failed'];
 const MOVING: readonly Moment[] = ['still', 'holding', 'again', 'wait', 'ready', 'going', 'silent', 'lost'];
+/** The pose was held: the picture says so by colour, word and tick. */
+const GREEN: readonly Moment[] = ['ready'];
+const DOING: readonly Moment[] = ['going', 'silent', 'lost'];
 const OPEN: readonly Moment[] = ['putOn', 'still', 'again', 'wait', 'ready', 'silent'];
 
 /** How to begin, in the order in which it is done. */
@@ -57,11 +66,17 @@ function PutOn({ session }: { session: SessionDetail }) {
       <ol>
         <li>
           {t('home.wear')}
-          <ul>
-            {session.placements.map((place) => (
-              <li key={place}>{placementLabel(place)}</li>
-            ))}
-          </ul>
+          <div className="wear">
+            <WearPicture
+              placements={session.placements as Placement[]}
+              label={t('doing.wearPicture', { places: placementList(session.placements) })}
+            />
+            <ol>
+              {session.placements.map((place) => (
+                <li key={place}>{placementLabel(place)}</li>
+              ))}
+            </ol>
+          </div>
         </li>
         <li>{t('home.switchOn')}</li>
         <li>{t('home.deviceOn')}</li>
@@ -120,8 +135,14 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
   const Icon = ICONS[moment];
   const problem = deed.error ?? error;
   const isStill = moment === 'still' || moment === 'again';
+  const { guidance } = snapshot;
+  const hold = useHold(session.id, guidance);
+  const exercises = useExercises();
+  // A service that says nothing of guidance takes no buttons either.
+  const isDoing = guidance !== null && records && DOING.includes(moment);
+  const isBad = BAD.includes(moment);
   return (
-    <div className="stack">
+    <div className={isDoing ? 'stack doing' : 'stack'}>
       {(moment === 'going' || moment === 'ready') && snapshot.health?.is_being_stored === false && (
         <div className="banner banner-alert" role="alert">
           <div>
@@ -130,81 +151,92 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
           </div>
         </div>
       )}
-      <section
-        className={`card home-moment ${BAD.includes(moment) ? 'home-moment-bad' : ''} ${moment === 'going' ? 'home-moment-go' : ''}`}
-      >
-        <div role="status">
-          <h2>
-            {Icon && <Icon size={38} aria-hidden />}
-            {t(`home.moment.${moment}`)}
-          </h2>
-          <p>{t(`home.moment.${moment}.text`)}</p>
-        </div>
-        {moment === 'holding' && guide && (
-          <Progress
-            value={100 * (guide.phase === 'evaluating' ? 1 : guide.step_progress)}
-            size="xl"
-            transitionDuration={0}
-            aria-label={t('home.holdingProgress')}
-          />
-        )}
-        {isStill && (
-          <>
-            <div className="home-figure">
-              <StepPicture picture="n_pose" />
-            </div>
+      {isDoing && !isBad ? (
+        <NowLine guidance={guidance} hold={hold} onFinish={() => deed.mutate('end')} isEnding={deed.isPending} />
+      ) : (
+        <section
+          className={`card home-moment ${isBad ? 'home-moment-bad' : ''} ${GREEN.includes(moment) ? 'home-moment-green' : ''} ${moment === 'going' ? 'home-moment-go' : ''}`}
+        >
+          <div role="status">
+            <h2>
+              {Icon && <Icon size={38} aria-hidden />}
+              {t(`home.moment.${moment}`)}
+            </h2>
+            <p>{t(`home.moment.${moment}.text`)}</p>
+          </div>
+          {moment === 'holding' && guide && (
+            <Progress
+              value={100 * (guide.phase === 'evaluating' ? 1 : guide.step_progress)}
+              size="xl"
+              transitionDuration={0}
+              aria-label={t('home.holdingProgress')}
+            />
+          )}
+          {isStill && (
+            <>
+              <div className="home-figure">
+                <StepPicture picture="n_pose" />
+              </div>
+              <Button
+                size="xl"
+                fullWidth
+                loading={start.isPending}
+                onClick={() => start.mutate({ kind: known ? 'heading_reset' : 'n_pose' })}
+              >
+                {t('home.standing')}
+              </Button>
+              <p className="muted">{t('home.cannotStand')}</p>
+            </>
+          )}
+          {moment === 'holding' && (
+            <Button size="lg" fullWidth variant="default" loading={cancel.isPending} onClick={() => cancel.mutate()}>
+              {t('home.cancelStill')}
+            </Button>
+          )}
+          {moment === 'ready' && (
             <Button
               size="xl"
               fullWidth
-              loading={start.isPending}
-              onClick={() => start.mutate({ kind: known ? 'heading_reset' : 'n_pose' })}
+              loading={deed.isPending}
+              leftSection={<IconPlayerPlayFilled size={30} aria-hidden />}
+              onClick={() => deed.mutate('record')}
             >
-              {t('home.standing')}
+              {t('home.go')}
             </Button>
-            <p className="muted">{t('home.cannotStand')}</p>
-          </>
-        )}
-        {moment === 'holding' && (
-          <Button size="lg" fullWidth variant="default" loading={cancel.isPending} onClick={() => cancel.mutate()}>
-            {t('home.cancelStill')}
-          </Button>
-        )}
-        {moment === 'ready' && (
-          <Button
-            size="xl"
-            fullWidth
-            loading={deed.isPending}
-            leftSection={<IconPlayerPlayFilled size={30} aria-hidden />}
-            onClick={() => deed.mutate('record')}
-          >
-            {t('home.go')}
-          </Button>
-        )}
-        {records && (moment === 'going' || moment === 'silent') && (
-          <Button
-            size="xl"
-            fullWidth
-            className="stop-button"
-            loading={deed.isPending}
-            leftSection={<IconPlayerStopFilled size={30} aria-hidden />}
-            onClick={() => deed.mutate('end')}
-          >
-            {t('home.finished')}
-          </Button>
-        )}
-        {moment === 'going' && snapshot.health?.is_being_stored && <p className="muted">{t('home.stored')}</p>}
-        {moment === 'done' && (
-          <Button size="xl" fullWidth component={Link} to={`/my/sessions/${session.id}`}>
-            {t('home.look')}
-          </Button>
-        )}
-        {(moment === 'preparing' || moment === 'done' || moment === 'failed' || moment === 'refused') && (
-          <Button size="lg" fullWidth variant="default" component={Link} to="/">
-            {t('home.back')}
-          </Button>
-        )}
-        {problem && <PlainProblem error={problem} />}
-      </section>
+          )}
+          {records && !isDoing && (moment === 'going' || moment === 'silent') && (
+            <Button
+              size="xl"
+              fullWidth
+              className="stop-button"
+              loading={deed.isPending}
+              leftSection={<IconPlayerStopFilled size={30} aria-hidden />}
+              onClick={() => deed.mutate('end')}
+            >
+              {t('home.finished')}
+            </Button>
+          )}
+          {moment === 'going' && snapshot.health?.is_being_stored && <p className="muted">{t('home.stored')}</p>}
+          {moment === 'done' && (
+            <Button size="xl" fullWidth component={Link} to={`/my/sessions/${session.id}`}>
+              {t('home.look')}
+            </Button>
+          )}
+          {(moment === 'preparing' || moment === 'done' || moment === 'failed' || moment === 'refused') && (
+            <Button size="lg" fullWidth variant="default" component={Link} to="/">
+              {t('home.back')}
+            </Button>
+          )}
+          {problem && !isDoing && <PlainProblem error={problem} />}
+        </section>
+      )}
+      {isDoing && isBad && hold.held !== null && (
+        <NowLine guidance={guidance} hold={hold} onFinish={() => deed.mutate('end')} isEnding={deed.isPending} />
+      )}
+      {isDoing && problem && <PlainProblem error={problem} />}
+      {(moment === 'preparing' || moment === 'done') && session.exercise_id && (
+        <After session={session} guidance={guidance} />
+      )}
       <Suspense fallback={null}>
         <ConnectSensors
           session={session}
@@ -215,14 +247,20 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
       {moment !== 'putOn' && MOVING.includes(moment) && (
         <>
           {moment !== 'lost' && moment !== 'silent' && <Sensors health={snapshot.health} />}
-          <Viewer3D
-            sessionId={session.id}
-            request={LIVE}
-            title={t('home.picture')}
-            near={kindOf(session).near}
-            onShown={setShown}
-          />
+          <div className="doing-stage">
+            <Viewer3D
+              sessionId={session.id}
+              request={LIVE}
+              title={t('home.picture')}
+              near={kindOf(session).near}
+              onShown={setShown}
+              from={bestSeenFrom(movementOf(exercises.data, session.exercise_id))}
+              isPlain={isDoing}
+            />
+            {isDoing && isGuided(guidance) && <Count guidance={guidance} />}
+          </div>
           {shown?.has_ghost && <p className="muted">{t('home.example')}</p>}
+          {isDoing && <Controls guidance={guidance} hold={hold} />}
         </>
       )}
       {!records && OPEN.includes(moment) && (

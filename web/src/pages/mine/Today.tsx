@@ -11,7 +11,7 @@ import {
   usePrescriptions,
   useProgress,
 } from '../../api/queries';
-import type { Me, Prescription, SessionIn } from '../../api/types';
+import type { Me, Prescription, Session, SessionIn } from '../../api/types';
 import { Answer, Empty } from '../../components/Feedback';
 import { Page } from '../../components/Page';
 import { useSignedIn } from '../../components/account/useSignedIn';
@@ -25,15 +25,38 @@ import { PlainProblem } from './PlainProblem';
 
 const Unsent = lazy(() => import('../../sensors/Unsent'));
 
+/** To put sensors on, and for a repetition with its rest. */
+const SENSORS_S = 120;
+const REPETITION_S = 7;
+
 function doseWords({ sets, repetitions }: Prescription, isWalked: boolean): string {
   if (isWalked) return t('mine.walk');
   return sets > 1 ? t('mine.setsOf', { sets, repetitions }) : t('mine.times', { count: repetitions });
+}
+
+/** How long it takes: as it took this patient before, sensors included; else as it usually does. */
+export function minutesOf(prescription: Prescription, sessions: readonly Session[]): number {
+  const before = sessions.filter(
+    (one) => one.exercise_id === prescription.exercise_id && one.purpose === 'exercise' && one.duration_s > 30,
+  );
+  const usual = SENSORS_S + REPETITION_S * prescription.sets * prescription.repetitions;
+  const took = before.length ? before.reduce((sum, one) => sum + one.duration_s, 0) / before.length + SENSORS_S : usual;
+  return Math.max(1, Math.round(took / 60));
+}
+
+function minutesText(minutes: readonly number[]): string {
+  return t('mine.about', { count: minutes.reduce((sum, one) => sum + one, 0) });
+}
+
+function sentenceCase(text: string): string {
+  return text.charAt(0).toUpperCase() + text.slice(1);
 }
 
 function ExerciseCard({ prescription, patientId }: { prescription: Prescription; patientId: string }) {
   const navigate = useNavigate();
   const patient = usePatient(patientId);
   const exercises = useExercises();
+  const sessions = usePatientSessions(patientId);
   const create = useNewSession();
   const exercise = exercises.data?.find((one) => one.id === prescription.exercise_id);
   const isWalked = isWalk(exercise?.movement);
@@ -56,6 +79,7 @@ function ExerciseCard({ prescription, patientId }: { prescription: Prescription;
         <h2>{prescription.exercise_name}</h2>
         {exercise?.description && <p>{exercise.description}</p>}
         {exercises.data && <p>{doseWords(prescription, isWalked)}</p>}
+        <p>{sentenceCase(minutesText([minutesOf(prescription, sessions.data ?? [])]))}</p>
         <p className="small">{weekText(prescription)}</p>
         <p className="muted">
           {isDone
@@ -97,7 +121,10 @@ function Today({ me, patientId }: { me: Me; patientId: string }) {
       lead={
         prescriptions.data && prescriptions.data.length > 0
           ? due.length > 0
-            ? t('mine.today', { count: due.length })
+            ? t('mine.today', {
+                count: due.length,
+                time: minutesText(due.map((one) => minutesOf(one, sessions.data ?? []))),
+              })
             : t(done.every(isDoneForWeek) ? 'mine.allDone' : 'mine.doneToday')
           : undefined
       }

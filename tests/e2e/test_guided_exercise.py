@@ -1,0 +1,159 @@
+"""A patient's evening on a phone: three good repetitions and a short one, counted and said, and the questions after."""
+
+import asyncio
+import contextlib
+import json
+import threading
+from collections.abc import AsyncIterator, Iterator
+from types import SimpleNamespace
+
+import pytest
+from playwright.sync_api import Browser, expect
+from sqlalchemy import select
+from websockets.asyncio.client import ClientConnection, connect
+
+from app.accounts.models import Account
+from app.database.unit_of_work import read_only
+from app.demo.people import PASSWORD, PATIENTS, THERAPIST
+from app.exercises.models import Exercise
+from app.gateway import ServiceClient
+from app.patients.models import Patient
+from tests.app.live.guided import N_POSE_S, SHORT, SOUND, Performed, performed, prescribe
+from tests.e2e.conftest import Service, Visitor, serving
+from tests.e2e.test_pages import serious
+
+pytestmark = [pytest.mark.e2e, pytest.mark.slow]
+PATIENT = PATIENTS[0]
+AT_REST_S = N_POSE_S + 1.6
+SLOW = 6.0
+"""By so much slower the patient sits at rest until Go was pressed."""
+
+
+@pytest.fixture(scope="module")
+def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    with serving(tmp_path_factory.mktemp("guided")) as running:
+        yield running
+
+
+def prescribed(service: Service) -> str:
+    """Prescribe the known template to the patient; returns her record."""
+    with read_only(service.engine) as session:
+        patient = session.scalars(select(Patient).where(Patient.given_name == PATIENT.given_name)).one()
+        exercise = session.scalars(select(Exercise).where(Exercise.movement == PATIENT.movement)).one()
+        therapist = session.scalars(select(Account).where(Account.email == THERAPIST)).one()
+        world = SimpleNamespace(
+            accounts={"therapist": therapist.id},
+            clinic_id=patient.clinic_id,
+            exercise_id=exercise.id,
+            patient_id=patient.id,
+        )
+    prescribe(service.engine, world, repetitions=10, exercise=PATIENT.movement)
+    return patient.id
+
+
+class Body:
+    """The sensors on the patient, in a thread of their own."""
+
+    def __init__(self, address: str, session_id: str, done: Performed) -> None:
+        self.is_at_rest, self.may_move = threading.Event(), threading.Event()
+        self._address, self._session_id, self._done = address, session_id, done
+        self.thread = threading.Thread(target=lambda: asyncio.run(self._stream()), name="gateway")
+        self.thread.start()
+
+    async def _stream(self) -> None:
+        stream = self._done.stream
+        async with ServiceClient(self._address) as client:
+            await client.sign_in(THERAPIST, PASSWORD)
+            async with taken(client, self._session_id, self._done) as socket:
+                reading = asyncio.create_task(drain(socket))
+                for number in range(stream.packet_count):
+                    await socket.send(stream.packet(number))
+                    rests = number * stream.packet_s >= AT_REST_S and not self.may_move.is_set()
+                    if rests:
+                        self.is_at_rest.set()
+                    await asyncio.sleep(stream.packet_s * (SLOW if rests else 1.0))
+                reading.cancel()
+
+
+@contextlib.asynccontextmanager
+async def taken(client: ServiceClient, session_id: str, done: Performed) -> AsyncIterator[ClientConnection]:
+    """A connection as soon as the service takes sessions of this kind: its filters may have to be compiled first."""
+    for _ in range(40):
+        async with connect(client.ingest_url, proxy=None) as socket:
+            hello = done.stream.hello(await client.ticket(session_id))
+            await socket.send(hello.model_dump_json(exclude_none=True))
+            if json.loads(await socket.recv())["type"] == "acknowledge":
+                yield socket
+                return
+        await asyncio.sleep(3.0)
+    raise TimeoutError("the service takes no session")
+
+
+async def drain(socket: object) -> None:
+    async for _ in socket:  # type: ignore[attr-defined]
+        pass
+
+
+def test_three_good_ones_and_a_short_one_on_a_phone(chromium: Browser, service: Service) -> None:
+    prescribed(service)
+    done = performed((SOUND, SOUND, SHORT, SOUND), exercise=PATIENT.movement)
+    context = chromium.new_context(bypass_csp=True, reduced_motion="reduce", has_touch=True)
+    patient = Visitor(context.new_page(), service.address)
+    page = patient.page
+    patient.sign_in(PATIENT.email)
+    page.set_viewport_size({"width": 390, "height": 844})
+    expect(page.get_by_text("Today: 1 exercise, about 3 minutes")).to_be_visible()
+    patient.picture("guided-today-390")
+    page.get_by_role("button", name="Start").first.click()
+    expect(page.get_by_role("heading", name="Put on the sensors")).to_be_visible()
+    expect(page.get_by_role("img", name="Where the sensors sit")).to_be_visible()
+    patient.picture("guided-wear-390")
+    assert serious(patient) == []
+    body = Body(service.address, page.url.split("/")[-2], done)
+    page.get_by_role("button", name="I am standing still").click(timeout=120_000)
+    expect(page.get_by_role("heading", name="Ready")).to_be_visible(timeout=60_000)
+    patient.picture("guided-ready-390")
+    assert body.is_at_rest.wait(60)
+    page.get_by_role("button", name="Go", exact=True).click()
+    line = page.get_by_test_id("line")
+    expect(line).to_be_visible()
+    patient.picture("guided-waiting-390")
+    body.may_move.set()
+
+    count = page.get_by_label("Counted")
+    expect(count).to_contain_text("1of 10", timeout=60_000)
+    patient.picture("guided-one-390")
+    assert serious(patient) == []
+    expect(line).to_have_text("A little further.", timeout=60_000)
+    patient.picture("guided-cue-390")
+    for width, height in ((1024, 800), (1440, 900)):
+        page.set_viewport_size({"width": width, "height": height})
+        page.wait_for_timeout(400)
+        patient.picture(f"guided-doing-{width}")
+    page.set_viewport_size({"width": 390, "height": 844})
+    expect(count).to_contain_text("1 not quite far enough", timeout=30_000)
+    expect(count).to_contain_text("3of 10", timeout=60_000)
+    patient.picture("guided-counted-390")
+
+    page.keyboard.press("Escape")
+    expect(page.get_by_role("heading", name="Take a break")).to_be_visible()
+    patient.picture("guided-pause-390")
+    assert serious(patient) == []
+    page.get_by_role("button", name="Go on").click()
+    expect(page.get_by_role("heading", name="Take a break")).to_be_hidden()
+    page.get_by_role("button", name="It hurts").click()
+    expect(page.get_by_role("heading", name="Stop and rest")).to_be_visible()
+    patient.picture("guided-pain-390")
+    page.get_by_role("button", name="Finish for today").click()
+    body.thread.join()
+
+    expect(page.get_by_role("heading", name="How was it?")).to_be_visible(timeout=30_000)
+    expect(page.get_by_text("You did 3 good movements.")).to_be_visible()
+    page.get_by_role("group", name="Did it hurt?").get_by_text("3", exact=True).click()
+    page.get_by_role("group", name="How hard was it?").get_by_text("6", exact=True).click()
+    patient.picture("guided-after-390")
+    assert serious(patient) == []
+    page.get_by_role("button", name="Send to my therapist").click()
+    expect(page.get_by_text("Thank you.")).to_be_visible()
+    assert patient.faults_outside_the_view() == []
+    context.close()

@@ -1,0 +1,106 @@
+// After an exercise: two questions with two taps, a third of the therapist's, words if wanted, and one true sentence.
+import { Button, Textarea } from '@mantine/core';
+import { IconCheck } from '@tabler/icons-react';
+import { useMutation, useQuery, useQueryClient } from '@tanstack/react-query';
+import { useState } from 'react';
+import { api } from '../../../api/client';
+import { useProgress } from '../../../api/queries';
+import type { Answers, AnswersIn, GuidanceMessage, SessionDetail } from '../../../api/types';
+import { t } from '../../../i18n';
+import { mainMeasure, plainProgress } from '../../../lib/plain';
+import { PlainProblem } from '../PlainProblem';
+
+const MARKS = Array.from({ length: 11 }, (_, mark) => mark);
+type Question = 'pain' | 'effort' | 'third';
+
+/** Eleven large marks with words at both ends. */
+function Scale({
+  name,
+  question,
+  value,
+  onChange,
+}: {
+  name: Question;
+  question: string;
+  value: number | null;
+  onChange: (mark: number) => void;
+}) {
+  return (
+    <fieldset className="after-scale">
+      <legend>{question}</legend>
+      <div className="after-marks">
+        {MARKS.map((mark) => (
+          <label key={mark} className={value === mark ? 'after-mark after-chosen' : 'after-mark'}>
+            <input type="radio" name={name} value={mark} checked={value === mark} onChange={() => onChange(mark)} />
+            {mark}
+          </label>
+        ))}
+      </div>
+      <p className="after-ends">
+        <span>{t(`after.${name}.least`)}</span>
+        <span>{t(`after.${name}.most`)}</span>
+      </p>
+    </fieldset>
+  );
+}
+
+/** One sentence that is true: a change only where it is larger than its uncertainty, else what was done. */
+function TrueWord({ session, guidance }: { session: SessionDetail; guidance: GuidanceMessage | null }) {
+  const progress = useProgress(session.patient_id, session.exercise_id ?? null);
+  const main = mainMeasure(progress.data?.measures ?? []);
+  const isNew = main?.points.some((one) => one.session_id === session.id);
+  const valid = guidance?.counts.valid ?? 0;
+  const did = valid > 0 ? t('after.did', { count: valid }) : t('after.didNone');
+  return <p className="mine-say">{isNew && main?.is_real_change ? plainProgress(main) : did}</p>;
+}
+
+export function After({ session, guidance }: { session: SessionDetail; guidance: GuidanceMessage | null }) {
+  const client = useQueryClient();
+  const path = `/api/sessions/${session.id}/answers`;
+  const stored = useQuery({ queryKey: ['answers', session.id], queryFn: () => api.get<Answers>(path) });
+  const [said, setSaid] = useState<AnswersIn>({});
+  const send = useMutation({
+    mutationFn: () => api.put<Answers>(path, said),
+    onSuccess: (answers) => client.setQueryData(['answers', session.id], answers),
+  });
+  const set = (name: Question) => (mark: number) => setSaid({ ...said, [name]: mark });
+  if (stored.data?.answered_at)
+    return (
+      <section className="card after-sent" role="status">
+        <TrueWord session={session} guidance={guidance} />
+        <p>
+          <IconCheck size={24} aria-hidden /> {t('after.sent')}
+        </p>
+      </section>
+    );
+  return (
+    <section className="card stack" aria-labelledby="after-title">
+      <TrueWord session={session} guidance={guidance} />
+      <h2 id="after-title">{t('after.title')}</h2>
+      <Scale name="pain" question={t('after.pain')} value={said.pain ?? null} onChange={set('pain')} />
+      <Scale name="effort" question={t('after.effort')} value={said.effort ?? null} onChange={set('effort')} />
+      {stored.data?.question && (
+        <Scale name="third" question={stored.data.question} value={said.third ?? null} onChange={set('third')} />
+      )}
+      <Textarea
+        size="lg"
+        autosize
+        minRows={2}
+        maxLength={2000}
+        label={t('after.note')}
+        value={said.note ?? ''}
+        onChange={(event) => setSaid({ ...said, note: event.currentTarget.value })}
+      />
+      <Button
+        size="xl"
+        fullWidth
+        disabled={Object.keys(said).length === 0}
+        loading={send.isPending}
+        onClick={() => send.mutate()}
+      >
+        {t('after.send')}
+      </Button>
+      {send.error && <PlainProblem error={send.error} />}
+    </section>
+  );
+}

@@ -1,0 +1,173 @@
+// The exercise while it is done: what to do now in one line, how many, and three buttons that are always there.
+import { Button, Switch } from '@mantine/core';
+import {
+  IconHeartBroken,
+  IconPlayerPauseFilled,
+  IconPlayerPlayFilled,
+  IconPlayerStopFilled,
+} from '@tabler/icons-react';
+import { useState } from 'react';
+import type { GuidanceMessage } from '../../../api/types';
+import { t } from '../../../i18n';
+import { useKeys } from '../../../lib/keys';
+import type { Hold } from './useHold';
+import { canSpeak, keepVoice, useVoice, wantsVoice } from './voice';
+
+/** The one thing to say; nothing is said of what is not known. */
+function lineOf(guidance: GuidanceMessage | null): string {
+  if (guidance?.cue) return guidance.cue;
+  if (guidance?.status === 'waiting') return t('doing.waiting');
+  if (guidance?.status === 'ready') return t('doing.ready');
+  if (guidance?.status === 'moving') return t('doing.moving');
+  return t('doing.free');
+}
+
+export function Count({ guidance }: { guidance: GuidanceMessage }) {
+  const { valid = 0, partial = 0, wrong = 0 } = guidance.counts;
+  return (
+    <div className="doing-count" role="status" aria-label={t('doing.count')}>
+      <p className="doing-number">
+        <span key={valid}>{valid}</span>
+        {guidance.goal ? <span className="doing-goal">{t('doing.of', { goal: guidance.goal })}</span> : null}
+      </p>
+      {(partial > 0 || wrong > 0) && (
+        <p className="doing-others">
+          {partial > 0 && <span>{t('doing.partial', { count: partial })}</span>}
+          {wrong > 0 && <span>{t('doing.wrong', { count: wrong })}</span>}
+        </p>
+      )}
+    </div>
+  );
+}
+
+function HeldCard({ hold, onFinish, isEnding }: { hold: Hold; onFinish: () => void; isEnding: boolean }) {
+  const held = hold.held ?? 'person';
+  const isOver = held === 'done' || held === 'time' || held === 'finish';
+  const goOn = (
+    <Button
+      key="go"
+      size="xl"
+      fullWidth
+      variant={isOver || held === 'pain' ? 'default' : 'filled'}
+      leftSection={<IconPlayerPlayFilled size={26} aria-hidden />}
+      loading={hold.isBusy}
+      onClick={hold.goOn}
+    >
+      {held === 'done' || held === 'time' ? t('doing.more') : t('doing.goOn')}
+    </Button>
+  );
+  const finish = (
+    <Button
+      key="finish"
+      size="xl"
+      fullWidth
+      variant={isOver || held === 'pain' ? 'filled' : 'default'}
+      leftSection={<IconPlayerStopFilled size={26} aria-hidden />}
+      loading={isEnding}
+      onClick={onFinish}
+    >
+      {t('doing.finish')}
+    </Button>
+  );
+  return (
+    <section className={`card home-moment doing-held doing-held-${held}`}>
+      <div role="status">
+        <h2>{t(`doing.held.${held}`)}</h2>
+        <p>{t(`doing.held.${held}.text`)}</p>
+      </div>
+      {hold.isUntold && (
+        <p className="problem" role="alert">
+          {t('doing.notTold')}
+        </p>
+      )}
+      <div className="doing-choice">{isOver || held === 'pain' ? [finish, goOn] : [goOn, finish]}</div>
+    </section>
+  );
+}
+
+function Buttons({ hold }: { hold: Hold }) {
+  const isHeld = hold.held !== null;
+  return (
+    <div className="doing-bar" role="group" aria-label={t('doing.buttons')}>
+      <button type="button" className="doing-button" disabled={isHeld} onClick={() => hold.hold('person')}>
+        <IconPlayerPauseFilled size={30} aria-hidden />
+        {t('doing.pause')}
+      </button>
+      <button
+        type="button"
+        className="doing-button doing-pain"
+        disabled={hold.held === 'pain'}
+        onClick={() => hold.hold('pain')}
+      >
+        <IconHeartBroken size={30} aria-hidden />
+        {t('doing.pain')}
+      </button>
+      <button
+        type="button"
+        className="doing-button"
+        disabled={hold.held === 'finish'}
+        onClick={() => hold.hold('finish')}
+      >
+        <IconPlayerStopFilled size={30} aria-hidden />
+        {t('doing.stop')}
+      </button>
+    </div>
+  );
+}
+
+/** What to do now, or why nothing is counted, and what can be done about it. */
+export function NowLine({
+  guidance,
+  hold,
+  onFinish,
+  isEnding,
+}: {
+  guidance: GuidanceMessage | null;
+  hold: Hold;
+  onFinish: () => void;
+  isEnding: boolean;
+}) {
+  if (hold.held !== null) return <HeldCard hold={hold} onFinish={onFinish} isEnding={isEnding} />;
+  return (
+    <p
+      className={guidance?.cue ? 'doing-line doing-cue' : 'doing-line'}
+      role="status"
+      aria-live="assertive"
+      data-testid="line"
+    >
+      {lineOf(guidance)}
+    </p>
+  );
+}
+
+/** Three buttons that are always there, and the count by voice. */
+export function Controls({ guidance, hold }: { guidance: GuidanceMessage | null; hold: Hold }) {
+  const [isAloud, setAloud] = useState(wantsVoice);
+  const valid = guidance?.counts.valid ?? 0;
+  const isOn = isAloud && hold.held === null;
+  useVoice(isOn, valid, t('doing.say', { count: valid }));
+  useVoice(isOn, guidance?.cue_number ?? 0, guidance?.cue ?? '');
+  useKeys({ escape: () => hold.held === null && hold.hold('person') });
+  return (
+    <>
+      {guidance?.status === 'failed' && <p className="muted">{t('doing.alone')}</p>}
+      {isGuided(guidance) && canSpeak() && (
+        <Switch
+          size="lg"
+          label={t('doing.aloud')}
+          checked={isAloud}
+          onChange={(event) => {
+            setAloud(event.currentTarget.checked);
+            keepVoice(event.currentTarget.checked);
+          }}
+        />
+      )}
+      <Buttons hold={hold} />
+    </>
+  );
+}
+
+/** Whether repetitions are counted here. */
+export function isGuided(guidance: GuidanceMessage | null): guidance is GuidanceMessage {
+  return guidance !== null && guidance.status !== 'off';
+}

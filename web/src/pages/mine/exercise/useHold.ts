@@ -1,0 +1,59 @@
+// What holds an exercise up: the patient's own wish at once, whatever the network does, and what the service says.
+import { useMutation } from '@tanstack/react-query';
+import { useState } from 'react';
+import { api } from '../../../api/client';
+import type { GuidanceMessage } from '../../../api/types';
+
+type Command = 'pause' | 'resume' | 'pain' | 'stop';
+/** Why nothing is counted now; each has its own words. */
+export type Held = 'person' | 'finish' | 'pain' | 'limit' | 'done' | 'time' | 'lost' | 'wrong_in_a_row';
+
+const BY_SERVICE: Partial<Record<GuidanceMessage['cause'] & string, Held>> = {
+  person: 'person',
+  pain: 'pain',
+  limit: 'limit',
+  valid_count: 'done',
+  attempt_count: 'done',
+  time: 'time',
+  lost: 'lost',
+  unsure: 'lost',
+  wrong_in_a_row: 'wrong_in_a_row',
+};
+
+/** The reason that the service gives, in the page's words; null while the exercise goes on. */
+export function heldBy(guidance: GuidanceMessage | null): Held | null {
+  if (!guidance || (guidance.status !== 'paused' && guidance.status !== 'stopped')) return null;
+  return BY_SERVICE[guidance.cause || 'person'] ?? 'person';
+}
+
+export interface Hold {
+  held: Held | null;
+  /** The service could not be told. */
+  isUntold: boolean;
+  isBusy: boolean;
+  hold: (wish: 'person' | 'finish' | 'pain') => void;
+  goOn: () => void;
+}
+
+export function useHold(sessionId: string, guidance: GuidanceMessage | null): Hold {
+  const [wish, setWish] = useState<'person' | 'finish' | 'pain' | null>(null);
+  const { mutate, isPending, isError, variables } = useMutation({
+    mutationFn: (command: Command) => api.post<GuidanceMessage>(`/api/sessions/${sessionId}/guidance`, { command }),
+    onSuccess: (_, command) => {
+      if (command === 'resume') setWish(null);
+    },
+  });
+  const said = heldBy(guidance);
+  // What the patient pressed comes first; pain that another page told of is never hidden by a pause.
+  const held = wish && said !== 'pain' ? wish : (said ?? wish);
+  return {
+    held,
+    isUntold: isError && (wish !== null || variables === 'resume'),
+    isBusy: isPending,
+    hold: (next) => {
+      setWish(next);
+      mutate(next === 'pain' ? 'pain' : 'pause');
+    },
+    goOn: () => mutate('resume'),
+  };
+}
