@@ -100,11 +100,12 @@ def run(settings: Settings, listener: socket.socket, lock: WriterLock) -> None:
     """
     from app.edge.slow_senders import timed_headers
     from app.main import create_app
+    from app.network.lean_sockets import LeanSocket
 
     server = uvicorn.Server(
         uvicorn.Config(
             create_app(settings, lock=lock),
-            ws="websockets-sansio",
+            ws=LeanSocket,
             loop="uvloop",
             http=timed_headers(settings.request_header_seconds, settings.request_floor_bytes_per_s),
             ws_per_message_deflate=False,

@@ -11,8 +11,9 @@ import contextlib
 import math
 import random
 import time
+from collections import deque
 from dataclasses import dataclass
-from typing import Annotated, Protocol
+from typing import Annotated, Any, Protocol
 
 from fastapi import WebSocket
 from pydantic import Field, TypeAdapter, ValidationError
@@ -21,6 +22,7 @@ from starlette.websockets import WebSocketDisconnect, WebSocketDisconnected, Web
 from app.errors import InvalidInput, PacketError, TelemotionError, Unavailable
 from app.network.conversation import until_first_ends
 from app.network.declaration import Declaration, check_hello
+from app.network.lean_sockets import lean_socket
 from app.network.messages import (
     AcknowledgeMessage,
     ActuateMessage,
@@ -43,16 +45,34 @@ ERRORS_A_SECOND = 20
 """Error messages sent; further errors of that second are counted only."""
 WRONG_IN_A_ROW = 1000
 """A connection that sends so many wrong messages and no right one between is ended."""
+BEHIND_S = 0.1
+"""Until a packet is given again that could not be taken yet."""
+_TICKS_AT = 5
+"""Of the tick count in a packet's header."""
 TURN_S = 0.005
 """A connection that has messages waiting lets the others have their turn after so long."""
+
+
+class PooledPackets(Protocol):
+    """Takes packets of many sessions together; implemented by the live side."""
+
+    def offer(
+        self, sender: "IngestConnection", data: memoryview, key: int, arrival_s: float, arrival_ns: int
+    ) -> None:
+        """Take a packet as it came, masked; it is given to its session soon, or to `IngestConnection.take_rare`."""
 
 
 class Intake(Protocol):
     """One connection's way into its session."""
 
+    pooled: PooledPackets
     ended: asyncio.Event
     """Set when the connection must end; `end_error` says why."""
     end_error: TelemotionError
+
+    @property
+    def lane(self) -> Any:
+        """The session's place among those whose packets are taken together."""
 
     @property
     def session_id(self) -> str:
@@ -84,6 +104,9 @@ class Intake(Protocol):
 
     async def next_order(self) -> ActuateMessage | ActuationPlanMessage:
         """Wait for what the magnetic source is to do next; for ever where there is none."""
+
+    def end(self, error: TelemotionError) -> None:
+        """Have the connection ended for a reason."""
 
     def detach(self) -> None:
         """Note that the connection has ended."""
@@ -129,10 +152,15 @@ class IngestConnection:
         self._websocket = websocket
         self._sink = sink
         self._pace = Pace(speed)
+        self._step_s = 0.0
         self._sending = asyncio.Lock()
         self._error_second = 0
         self._errors_sent = 0
         self._wrong_in_a_row = 0
+        self._socket = lean_socket(websocket)
+        self._intake: Intake | None = None
+        self._held: deque[tuple[bytes, float, int]] = deque()
+        """Packets of the short way that the session cannot take yet."""
 
     async def serve(self) -> None:
         """Run from hello to goodbye."""
@@ -146,9 +174,79 @@ class IngestConnection:
             return
         try:
             await self._send(intake.acknowledge())
+            if self._socket is not None:
+                self._intake, self._step_s = intake, intake.declaration.time_step_s
+                self._socket.attach(self)
             await self._converse(intake)
         finally:
             intake.detach()
+
+    # --- the short way: packets as they lie in the connection, given on many at a time -------------------
+
+    @property
+    def lane(self) -> Any:
+        """The session's place among those whose packets are taken together."""
+        return None if self._intake is None or self._held else self._intake.lane
+
+    def received(self, buffer: bytes, start: int, length: int, key: int) -> None:
+        """Take a binary message; implements `BinaryReader`."""
+        intake = self._intake
+        if intake is None or intake.ended.is_set() or length > MAX_PACKET_BYTES:
+            self.take_rare(b"", time.monotonic(), time.time_ns(), size=length)
+            return
+        ticks = 1
+        if length > _TICKS_AT:
+            ticks = (buffer[start + _TICKS_AT] ^ (key >> 8)) & 0xFF
+        arrival_s = time.monotonic()
+        intake.pooled.offer(self, memoryview(buffer)[start : start + length], key, arrival_s, time.time_ns())
+        wait_s = self._pace.take(ticks * self._step_s)
+        if wait_s > 0.0 and self._socket is not None:
+            self._socket.slow_down(wait_s)
+
+    def was_right(self) -> None:
+        """Count a packet that was taken together with others."""
+        metrics.packets += 1
+        self._wrong_in_a_row = 0
+
+    def take_rare(self, data: bytes, arrival_s: float, arrival_ns: int, size: int | None = None) -> None:
+        """Take a packet of the short way by itself, behind those that wait; `size` stands for data that is too long."""
+        if self._held:
+            self._held.append((data, arrival_s, arrival_ns))
+            return
+        intake = self._intake
+        assert intake is not None
+        try:
+            if size is not None and size > MAX_PACKET_BYTES:
+                raise PacketError(say("packet.too_long", size=size, most=MAX_PACKET_BYTES), reason="length")
+            packet = self._decode(data, intake)
+            if not intake.receive(packet, arrival_s, arrival_ns):
+                metrics.duplicates += 1
+            self.was_right()
+        except TelemotionError as error:
+            if _is_behind(error) and self._socket is not None:
+                self._held.append((data, arrival_s, arrival_ns))
+                self._socket.slow_down(BEHIND_S)
+                asyncio.get_running_loop().call_later(BEHIND_S, self._try_again)
+            elif intake.is_open and not intake.ended.is_set():
+                self._note_wrong(intake, error)
+
+    def _try_again(self) -> None:
+        if self._intake is None or self._intake.ended.is_set():
+            self._held.clear()
+            return
+        held, self._held = self._held, deque()
+        while held and not self._held:
+            self.take_rare(*held.popleft())
+        self._held.extend(held)
+
+    def _note_wrong(self, intake: Intake, error: TelemotionError) -> None:
+        answer = self._counted(error)
+        if self._wrong_in_a_row >= WRONG_IN_A_ROW:
+            intake.end(InvalidInput(say("packet.nothing_right"), reason="give_up"))
+        elif answer is not None and self._socket is not None:
+            self._socket.send_text_now(answer.model_dump_json())
+
+    # --- the ordinary way -------------------------------------------------------------------------------
 
     async def _hello(self) -> Intake:
         async with asyncio.timeout(HELLO_TIMEOUT_S):
@@ -242,9 +340,9 @@ class IngestConnection:
                 if not intake.receive(packet, arrival_s, arrival_ns):
                     metrics.duplicates += 1
             except Unavailable as error:
-                if error.details.get("reason") not in {"store_behind", "behind"}:
+                if not _is_behind(error):
                     raise
-                await asyncio.sleep(0.1)
+                await asyncio.sleep(BEHIND_S)
             else:
                 return
 
@@ -273,16 +371,21 @@ class IngestConnection:
                 checked_s = now
 
     async def _wrong(self, error: TelemotionError) -> None:
-        metrics.errors += 1
-        self._wrong_in_a_row += 1
+        answer = self._counted(error)
         if self._wrong_in_a_row >= WRONG_IN_A_ROW:
             raise InvalidInput(say("packet.nothing_right"), reason="give_up")
+        if answer is not None:
+            await self._send(answer)
+
+    def _counted(self, error: TelemotionError) -> ErrorMessage | None:
+        """Count a wrong message and return the answer to it, unless there were many within this second."""
+        metrics.errors += 1
+        self._wrong_in_a_row += 1
         second = int(time.monotonic())
         if second != self._error_second:
             self._error_second, self._errors_sent = second, 0
-        if self._errors_sent < ERRORS_A_SECOND:
-            self._errors_sent += 1
-            await self._send(as_message(error))
+        self._errors_sent += 1
+        return as_message(error) if self._errors_sent <= ERRORS_A_SECOND else None
 
     async def _end(self, error: TelemotionError) -> None:
         with contextlib.suppress(WebSocketDisconnect, WebSocketDisconnected):
@@ -296,6 +399,11 @@ class IngestConnection:
         async with self._sending:
             if self._websocket.application_state is WebSocketState.CONNECTED:
                 await self._websocket.send_text(text)
+
+
+def _is_behind(error: TelemotionError) -> bool:
+    """Whether a packet may be given again in a moment: store or estimation is behind."""
+    return isinstance(error, Unavailable) and error.details.get("reason") in {"store_behind", "behind"}
 
 
 def as_message(error: TelemotionError, *, closing: bool = False) -> ErrorMessage:

@@ -12,6 +12,20 @@ from estimators.pipelines._contract import FrameLayout, Frames
 
 MAGIC: Final = b"TMF1"
 _HEADER: Final = struct.Struct("<4sIIIddd")
+HEADER_BYTES: Final = _HEADER.size
+
+
+class PublishedBlock:
+    """A block that was made for all who watch, in a frame of a WebSocket from the server.
+
+    Parameters
+    ----------
+    block : bytes
+    """
+
+    def __init__(self, block: bytes) -> None:
+        self.block = block
+        self.frame = server_frame_head(len(block)) + block
 
 
 class PublishedFrames:
@@ -28,6 +42,7 @@ class PublishedFrames:
         self.frames = frames
         self.published_at_s = published_at_s
         self._block: bytes | None = None
+        self._frame: bytes | None = None
 
     @property
     def block(self) -> bytes:
@@ -35,6 +50,31 @@ class PublishedFrames:
         if self._block is None:
             self._block = encode_block(self.frames, self.published_at_s)
         return self._block
+
+    @property
+    def frame(self) -> bytes:
+        """The block in a frame of a WebSocket from the server, made once for all who watch."""
+        if self._frame is None:
+            self._frame = server_frame_head(len(self.block)) + self.block
+        return self._frame
+
+
+def server_frame_head(size: int) -> bytes:
+    """Return what stands before a binary message of `size` bytes that a server sends whole (RFC 6455, 5.2)."""
+    if size < 126:
+        return bytes((0x82, size))
+    if size < 1 << 16:
+        return b"\x82\x7e" + size.to_bytes(2, "big")
+    return b"\x82\x7f" + size.to_bytes(8, "big")
+
+
+def block_header(
+    ticks: int, columns: int, first_tick: int, time_step_s: float, published_at_s: float
+) -> bytes:
+    """Return the header of a block; see `app.live.messages`."""
+    return _HEADER.pack(
+        MAGIC, ticks, columns, first_tick % 2**32, first_tick * time_step_s, time_step_s, published_at_s
+    )
 
 
 def column_names(layout: FrameLayout) -> list[str]:
@@ -63,17 +103,8 @@ def encode_block(frames: Frames, published_at_s: float | None = None) -> bytes:
     points, segments = 3 * len(layout.points), len(layout.segments)
     width = 3 * angles + scalars + points + segments
     block = bytearray(_HEADER.size + 4 * ticks * width)
-    _HEADER.pack_into(
-        block,
-        0,
-        MAGIC,
-        ticks,
-        width,
-        frames.first_tick % 2**32,
-        frames.first_tick * frames.time_step_s,
-        frames.time_step_s,
-        time.time() if published_at_s is None else published_at_s,
-    )
+    at_s = time.time() if published_at_s is None else published_at_s
+    block[: _HEADER.size] = block_header(ticks, width, frames.first_tick, frames.time_step_s, at_s)
     rows = np.frombuffer(block, "<f4", offset=_HEADER.size).reshape(ticks, width)
     rows[:, :angles] = frames.angle_rad
     rows[:, angles : 2 * angles] = frames.angle_sigma_rad

@@ -4,13 +4,14 @@ A view that is slow loses the oldest messages of its own queue, counted; nothing
 another view. Recordings do not go over the bus. `MemoryBus` serves one process; another implementation of
 `Bus` can carry the same topics between machines.
 
-Topics: `session/{id}/frames` (`estimators.pipelines.Frames`), and `session/{id}/state`, `/health`, `/event`,
-`/layout`, `/guidance` (messages of `app.live.messages`).
+Topics: `session/{id}/frames` (`estimators.pipelines.Frames`), `/blocks` (the same as binary blocks), `/state`,
+`/health`, `/event`, `/layout`, `/guidance` (messages of `app.live.messages`).
 """
 
 import asyncio
+import contextlib
 from collections import deque
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Iterator
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -90,6 +91,15 @@ class Subscription:
         self.close()
 
 
+class Listener(Protocol):
+    """Takes messages at once, on the event loop's thread."""
+
+    topics: tuple[str, ...]
+
+    def put(self, topic: str, message: Any) -> bool:
+        """Take a message; False when one was dropped."""
+
+
 class Bus(Protocol):
     """What sessions and views need of a bus. All calls are made on the event loop's thread."""
 
@@ -99,6 +109,9 @@ class Bus(Protocol):
     def subscribe(self, *topics: str, size: int = DEFAULT_QUEUE) -> Subscription:
         """Listen to topics from now on; close the subscription, or use it in a `with` statement."""
 
+    def attach(self, listener: Listener) -> contextlib.AbstractContextManager[None]:
+        """Let `listener.put` be called with each message of its topics, within the context."""
+
     def has_listeners(self, topic: str) -> bool:
         """Whether anybody listens, so that costly messages are made only then."""
 
@@ -107,7 +120,7 @@ class MemoryBus:
     """The bus of one process."""
 
     def __init__(self) -> None:
-        self._listeners: dict[str, list[Subscription]] = {}
+        self._listeners: dict[str, list[Listener]] = {}
         self.metrics = BusMetrics()
 
     def publish(self, topic: str, message: Any) -> None:
@@ -121,16 +134,28 @@ class MemoryBus:
     def subscribe(self, *topics: str, size: int = DEFAULT_QUEUE) -> Subscription:
         """Listen to topics from now on; close the subscription, or use it in a `with` statement."""
         subscription = Subscription(self, topics, size)
-        for topic in topics:
-            self._listeners.setdefault(topic, []).append(subscription)
+        self._add(subscription)
         return subscription
+
+    @contextlib.contextmanager
+    def attach(self, listener: Listener) -> Iterator[None]:
+        """Let `listener.put` be called with each message of its topics, within the context."""
+        self._add(listener)
+        try:
+            yield
+        finally:
+            self.remove(listener)
+
+    def _add(self, listener: Listener) -> None:
+        for topic in listener.topics:
+            self._listeners.setdefault(topic, []).append(listener)
 
     def has_listeners(self, topic: str) -> bool:
         """Whether anybody listens, so that costly messages are made only then."""
         return topic in self._listeners
 
-    def remove(self, subscription: Subscription) -> None:
-        """Forget a subscription; `Subscription.close` calls this."""
+    def remove(self, subscription: Listener) -> None:
+        """Forget a listener; `Subscription.close` calls this."""
         for topic in subscription.topics:
             listeners = self._listeners.get(topic, [])
             if subscription in listeners:

@@ -19,6 +19,8 @@ from app.live.admission import FULL, WINDOW_S, Admission
 from app.live.bus import Bus, topic
 from app.live.checks.plausibility import CheckProcess
 from app.live.guidance.desk import GuidanceDesk
+from app.live.engine.lane import Lane
+from app.live.engine.turns import PooledEngine
 from app.live.housekeeping import GOODBYE_CLOSE_S, IDLE_CLOSE_S, LONGEST_S, Housekeeping
 from app.live.messages import StateMessage
 from app.live.patience import Patience
@@ -109,6 +111,8 @@ class LiveManager:
         self._check_process = CheckProcess()
         self._opener = Opener(engine, writer, bus, hemisphere, self._check_process)
         self._tasks: set[asyncio.Task[Any]] = set()
+        self.pooled = PooledEngine()
+        """Takes the packets of all sessions that it can take."""
 
     async def start(self) -> None:
         """Compile what estimation needs, take note of interrupted sessions, begin to watch."""
@@ -191,6 +195,7 @@ class LiveManager:
                     raise
                 self._holds[stored.id] = hold
                 self._sessions[stored.id] = session
+                session.lane = Lane(session, self.pooled)
                 self._housekeeping.taken_up(stored.id)
             else:
                 check_network(session.declaration, declaration)
@@ -200,7 +205,10 @@ class LiveManager:
             await self.check_source(stored.id)
             may_stream = partial(repository.still_allowed, self.engine, subject, stored.id, "record")
             intake = Intake(
-                session, partial(self._check_gateway, session, may_stream, Patience()), self._detach
+                session,
+                partial(self._check_gateway, session, may_stream, Patience()),
+                self._detach,
+                self.pooled,
             )
             before = self._intakes.get(stored.id)
             if before is not None:
@@ -218,6 +226,8 @@ class LiveManager:
             del self._intakes[intake.session_id]
             session = self._sessions.get(intake.session_id)
             if session is not None:
+                # What came with it counts before its end.
+                self.pooled.turn()
                 # After a goodbye with nothing missing the housekeeping closes the session; otherwise the
                 # gateway still has packets to bring.
                 session.link_lost(say("live.connection_ended"))
@@ -319,6 +329,8 @@ class LiveManager:
             if session_id in self._holds:
                 self._holds.pop(session_id).release()
             if session is not None:
+                if session.lane is not None:
+                    session.lane.leave()
                 session.is_finished = True
             self._tell_stored(session_id)
 

@@ -15,6 +15,9 @@ from collections.abc import Callable
 from typing import Final, cast
 
 from app.errors import Unavailable
+from app.live.engine.block_kernel import write_blocks
+from app.live.engine.journal import unmask
+from app.network.placing.kernel import place
 from app.network.unpack_kernel import unpack
 from app.recordings.analysis.kinds import kinds
 from app.sentences import say
@@ -22,6 +25,7 @@ from estimators import pipelines
 from estimators.compiling import Kernel, NotCompiled, only_cached
 from estimators.orientation import DEFAULT
 from estimators.pipelines import ArmPipeline, SessionSetup
+from estimators.pipelines.arm.pooled_kernel import step_arms
 
 logger = logging.getLogger(__name__)
 
@@ -53,7 +57,8 @@ def warm_up(kind: Kind) -> None:
     A body is calibrated on the way; shoes stand; a magnetic source goes from its standstill through its first burst.
     """
     pipeline, orientation = kind
-    cast(Kernel, unpack).prepare()
+    for kernel in (unpack, place, unmask, write_blocks, step_arms):
+        cast(Kernel, kernel).prepare()
     kinds()[pipeline].warm_up(orientation)
 
 

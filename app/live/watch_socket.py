@@ -11,6 +11,7 @@ import contextlib
 import random
 from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 from fastapi import APIRouter, WebSocket
 from pydantic import ValidationError
@@ -21,12 +22,13 @@ from app.accounts.dependencies import current_subject, websocket_subject
 from app.accounts.subject import Subject
 from app.errors import InvalidInput, SignInRequired, TelemotionError
 from app.live import repository
-from app.live.blocks import PublishedFrames
+from app.live.blocks import PublishedBlock, PublishedFrames
 from app.live.bus import Subscription, topic
 from app.live.manager import LiveManager
 from app.live.patience import Patience
 from app.live.session.stored import stored_layout
 from app.network.conversation import until_first_ends
+from app.network.lean_sockets import LeanSocket, lean_socket
 from app.network.messages import ErrorMessage
 from app.schemas import Schema
 from app.sentences import say
@@ -100,9 +102,12 @@ async def _serve(
     websocket: WebSocket, live: LiveManager, stored: repository.StoredSession, check: Check
 ) -> None:
     names = ("layout", "state", "health", "event", "calibration", "guidance")
+    blocks = topic(stored.id, "blocks")
+    socket = lean_socket(websocket)
     with (
-        live.bus.subscribe(topic(stored.id, "frames"), size=FRAMES_KEPT) as frames,
+        live.bus.subscribe(*(() if socket else (blocks,)), size=FRAMES_KEPT) as frames,
         live.bus.subscribe(*(topic(stored.id, name) for name in names), size=MESSAGES_KEPT) as messages,
+        contextlib.ExitStack() as stack,
     ):
         session = live.find(stored.id)
         if session is not None:
@@ -116,6 +121,8 @@ async def _serve(
             first = [layout, live.stored_state(stored)]
         for message in first:
             await websocket.send_text(message.model_dump_json())
+        if socket is not None:
+            stack.enter_context(live.bus.attach(BlockSender(blocks, socket)))
         tasks = [
             asyncio.create_task(_send_frames(websocket, frames), name="watch frames"),
             asyncio.create_task(_send_messages(websocket, messages), name="watch messages"),
@@ -125,9 +132,28 @@ async def _serve(
         await until_first_ends(tasks)
 
 
+class BlockSender:
+    """Writes blocks into a connection as they are made; a client that does not keep up loses them.
+
+    Parameters
+    ----------
+    name : str
+        Topic of the blocks.
+    socket : LeanSocket
+    """
+
+    def __init__(self, name: str, socket: LeanSocket) -> None:
+        self.topics: tuple[str, ...] = (name,)
+        self._socket = socket
+
+    def put(self, topic: str, message: Any) -> bool:
+        """Send a block; False when it was dropped."""
+        return self._socket.send_frame(message.frame)
+
+
 async def _send_frames(websocket: WebSocket, frames: Subscription) -> None:
     async for item in frames:
-        if isinstance(item, PublishedFrames):
+        if isinstance(item, PublishedFrames | PublishedBlock):
             await websocket.send_bytes(item.block)
 
 

@@ -15,6 +15,7 @@ from app.errors import PacketError
 from app.network.clock import PacketClock
 from app.network.declaration import Declaration
 from app.network.packet import Packet
+from app.network.placing.slot import SNAP_TICKS, Network
 from app.network.unpack import Unpacker
 from app.sentences import say
 from estimators.channels import CARRIED, INERTIAL, Channel, ChannelSpec
@@ -23,8 +24,6 @@ from estimators.signals import bridge
 
 REORDER_WINDOW_S = 0.150
 BRIDGE_LIMIT_S = 0.200
-_SNAP_TICKS = 0.05
-"""Device ticks this close to the common tick are taken as they are; others are interpolated."""
 _PIECE_TICKS = 1000
 _CARRIED_BITS = sum(int(spec.bit) for spec in CARRIED)
 _CARRIED = {spec.field: spec for spec in CARRIED}
@@ -68,9 +67,9 @@ class Aligner:
         self._released_end_us = 0
         self._next_tick = first_tick
         self._last_position = 0.0
-        self._last_row: Float | None = None
-        self._last_rows: Float | None = None
-        """The last row and the one before it; None where the packet held only one row."""
+        self._rows = np.empty((0, declaration.sensor_count, 2, 3))
+        self._rows_known = 0
+        """How many of the last two rows are known, the last one first; one where the packet held only one."""
         self._last_carried = _NOTHING
         self.gaps: list[Gap] = []
         """Gaps found since the caller last emptied the list."""
@@ -91,6 +90,45 @@ class Aligner:
     def waiting(self) -> int:
         """Packets held back for an earlier one."""
         return len(self._waiting)
+
+    @property
+    def is_in_order(self) -> bool:
+        """Whether nothing is awaited and nothing but motion was carried: compiled code may take the next packet."""
+        return self._unpacker is not None and not self._waiting and self._last_carried is _NOTHING
+
+    @property
+    def channel_count(self) -> int:
+        """Channels of the samples, see `Unpacker`; 0 before the first packet."""
+        return 0 if self._unpacker is None else self._unpacker.channel_count
+
+    def share(self, network: Network, slot: int) -> None:
+        """Go on over the rows of a slot, which must be called after a packet; see `app.network.placing.kernel`."""
+        assert self._unpacker is not None
+        self._rows = _moved(self._rows, network.last_rows[slot])
+        self.clip_levels = _moved(self.clip_levels, network.clip_levels[slot])
+        self._unpacker.share(network.last_sent[slot], network.same_ticks[slot], self.clip_levels)
+
+    def own(self) -> None:
+        """Go on over arrays of its own."""
+        self._rows, self.clip_levels = self._rows.copy(), self.clip_levels.copy()
+        if self._unpacker is not None:
+            self._unpacker.own(self.clip_levels)
+
+    def fill(self, x: Any) -> None:
+        """Write into a record of `SLOT` what the next packet in order must fit."""
+        assert self._unpacker is not None
+        self._unpacker.fill(x)
+        x["next_tick"], x["last_position"] = self._next_tick, self._last_position
+        x["rows_known"] = self._rows_known
+        x["step_us"], x["rate_hz"] = self._step_us, self._declaration.rate_hz
+        x["bridge_ticks"] = self._bridge_ticks
+
+    def advance(
+        self, sequence: int, end_us: int, next_tick: int, last_position: float, rows_known: int
+    ) -> None:
+        """Note the next packet in order, which compiled code has placed over the shared rows."""
+        self._next_sequence, self._released_end_us = sequence + 1, end_us
+        self._next_tick, self._last_position, self._rows_known = next_tick, last_position, rows_known
 
     def push(self, packet: Packet, sequence: int, time_us: int) -> ImuChunk | None:
         """Take one admitted packet; return what is now in order.
@@ -122,6 +160,7 @@ class Aligner:
         if self._unpacker is None:
             has_magnetometer = bool(packet.channels & Channel.MAGNETOMETER)
             self._unpacker = Unpacker(self._declaration, has_magnetometer, self.clip_levels)
+            self._rows = np.empty((self._unpacker.channel_count, self._declaration.sensor_count, 2, 3))
             self._next_sequence = sequence
             self._released_end_us = time_us
         if sequence < self._next_sequence:
@@ -161,7 +200,7 @@ class Aligner:
         spacing = packet.tick_interval_us / self._step_us
         first = round(position)
         drift = (ticks - 1) * (spacing - 1.0)
-        if abs(position - first) > _SNAP_TICKS or abs(position + drift - first) > _SNAP_TICKS:
+        if abs(position - first) > SNAP_TICKS or abs(position + drift - first) > SNAP_TICKS:
             positions: Float = position + spacing * np.arange(ticks, dtype=np.float64)
             return self._interpolate(positions, signals, quality, carried)
         skip = self._next_tick - first
@@ -175,8 +214,16 @@ class Aligner:
         self._last_carried = _last(carried)
         self._next_tick = first + signals.shape[2]
         self._last_position = self._next_tick - 1.0
-        self._last_row, self._last_rows = signals[:, :, -1], signals[:, :, -2:]
+        self._hold(signals, min(signals.shape[2], 2))
         return pieces
+
+    def _hold(self, signals: Float, rows: int) -> None:
+        self._rows[:, :, 2 - rows :] = signals[:, :, signals.shape[2] - rows :]
+        self._rows_known = rows
+
+    @property
+    def _last_row(self) -> Float | None:
+        return self._rows[:, :, 1] if self._rows_known else None
 
     def _interpolate(
         self,
@@ -200,8 +247,8 @@ class Aligner:
                 for name, values in carried.items()
             }
         tick = np.arange(self._next_tick, int(np.floor(position[-1] + 1e-9)) + 1)
-        self._last_position, self._last_row = float(position[-1]), signals[:, :, -1]
-        self._last_rows, self._last_carried = None, _last(carried)
+        self._last_position, self._last_carried = float(position[-1]), _last(carried)
+        self._hold(signals, 1)
         if not tick.size:
             return pieces
         left = np.clip(np.searchsorted(position, tick, side="right") - 1, 0, max(0, position.shape[0] - 2))
@@ -241,7 +288,7 @@ class Aligner:
             return list(self._missing(start, count))
         self.gaps.append(Gap(start, count, True))
         weight = (np.arange(1, count + 1) / (count + 1))[:, np.newaxis]
-        row, slope, last_slope = rows[:, :, 0], _slope(rows), _slope(self._last_rows)
+        row, slope, last_slope = rows[:, :, 0], _slope(rows), _slope(self._rows[:, :, 2 - self._rows_known :])
         signals = last[:, :, np.newaxis] + weight * (row - last)[:, :, np.newaxis]
         unknown = np.full_like(last[:2], np.nan)
         signals[:2] = bridge(
@@ -324,6 +371,13 @@ def _at_ticks(
     if spec.gap == "never":
         found[:, wide] = np.nan
     return found
+
+
+def _moved(values: NDArray[Any], row: NDArray[Any]) -> NDArray[Any]:
+    """Return the row with the values in it."""
+    if values is not row:
+        row[...] = values
+    return row
 
 
 def _slope(rows: Float | None) -> Float | None:

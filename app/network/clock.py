@@ -4,9 +4,11 @@ Session time is device time from the first packet on, so it depends on the packe
 can be aligned again, bit for bit. Arrival times only tell the skew and bridge a restart of the device clock.
 """
 
+from array import array
 from collections import deque
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +20,8 @@ from estimators.recording import Float
 
 MAX_GAP_US = 600_000_000
 """A session with a longer hole is two sessions."""
-_REMEMBERED = 65_536
+_REMEMBERED = 4096
+"""Packets whose times are known; one that comes again later is a duplicate whatever it says."""
 _WRAP_32 = 1 << 32
 _WRAP_64 = 1 << 64
 _SEQUENCE_JUMP = 1_000_000
@@ -55,8 +58,9 @@ class PacketClock:
     def __init__(self, declaration: Declaration) -> None:
         self.declaration = declaration
         self.time_errors = 0
-        self._times: dict[int, int] = {}
-        self._order: deque[int] = deque()
+        # Rings by sequence: a dictionary of an hour of packets would weigh more than all else of a session.
+        self._sequences = array("q", [-1]) * _REMEMBERED
+        self._times = array("q", [0]) * _REMEMBERED
         self._highest = -1
         self._highest_time_us = 0
         self._highest_duration_us = 0
@@ -96,9 +100,9 @@ class PacketClock:
         if not self.declaration.clock_epochs:
             self._add_epoch(ClockEpoch(0, packet.device_time_us, 0))
         time_us = self._place_in_epoch(sequence, packet.device_time_us)
-        known = self._times.get(sequence)
-        if known is not None:
-            if known != time_us:
+        slot = sequence % _REMEMBERED
+        if self._sequences[slot] == sequence:
+            if self._times[slot] != time_us:
                 raise PacketError(
                     say("packet.sequence_reused"),
                     reason="sequence_reused",
@@ -185,11 +189,24 @@ class PacketClock:
     def _add_epoch(self, epoch: ClockEpoch) -> None:
         self.declaration = replace(self.declaration, clock_epochs=(*self.declaration.clock_epochs, epoch))
 
+    def advance(self, sequence: int, time_us: int, duration_us: int, arrival_s: float) -> None:
+        """Note the next packet in order, whose place another has found; see `admit`."""
+        self._highest, self._highest_time_us, self._highest_duration_us = sequence, time_us, duration_us
+        self._highest_arrival_s = arrival_s
+        self._is_new_connection = False
+        self._remember(sequence, time_us)
+
+    def fill(self, x: Any) -> None:
+        """Write into a record of `SLOT` what the next packet in order must fit; there must be an epoch."""
+        epoch = self.declaration.clock_epochs[-1]
+        x["next_sequence"] = self._highest + 1
+        x["epoch_device_us"] = (epoch.device_start_us + (_WRAP_64 >> 1)) % _WRAP_64 - (_WRAP_64 >> 1)
+        x["epoch_session_us"] = epoch.session_start_us
+        x["highest_time_us"], x["highest_duration_us"] = self._highest_time_us, self._highest_duration_us
+
     def _remember(self, sequence: int, time_us: int) -> None:
-        self._times[sequence] = time_us
-        self._order.append(sequence)
-        if len(self._order) > _REMEMBERED:
-            del self._times[self._order.popleft()]
+        slot = sequence % _REMEMBERED
+        self._sequences[slot], self._times[slot] = sequence, time_us
 
 
 class SkewEstimator:

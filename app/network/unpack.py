@@ -1,5 +1,7 @@
 """One packet's values to SI signals with their quality: scales, clip levels and sensors that gave nothing."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -48,6 +50,25 @@ class Unpacker:
         self._stuck_ticks = max(2, round(STUCK_LIMIT_S * declaration.rate_hz))
         self._same_ticks = np.zeros(declaration.sensor_count, dtype=np.int64)
         self._last_sent = np.full((2, declaration.sensor_count, 3), np.nan)
+
+    def share(self, last_sent: Float, same_ticks: NDArray[np.int64], clip_levels: Float) -> None:
+        """Go on over these arrays, which another may carry on as well."""
+        if self._last_sent is not last_sent:
+            last_sent[...], same_ticks[...] = self._last_sent, self._same_ticks
+        self._last_sent, self._same_ticks, self._clip_levels = last_sent, same_ticks, clip_levels
+
+    def own(self, clip_levels: Float) -> None:
+        """Go on over arrays of its own, and these clip levels."""
+        self._last_sent, self._same_ticks = self._last_sent.copy(), self._same_ticks.copy()
+        self._clip_levels = clip_levels
+
+    def fill(self, x: Any) -> None:
+        """Write into a record of `SLOT` how packets are unpacked."""
+        scales, count_clips = self._of_encoding[INT16]
+        x["mask"] = sum(int(spec.bit) for spec in MOTION[: self.channel_count])
+        x["countable"] = bool(np.isfinite(scales[: self.channel_count]).all())
+        x["stuck_ticks"], x["scale"], x["count_clip"] = self._stuck_ticks, scales, count_clips
+        x["clip"] = self._of_encoding[FLOAT32][1]
 
     def unpack(self, packet: Packet) -> tuple[Float, NDArray[np.uint8]]:
         """Return the next packet's signals and quality.

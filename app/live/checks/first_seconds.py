@@ -3,13 +3,13 @@
 import asyncio
 import logging
 import time
-from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Final
 
 import numpy as np
 
-from app.live.checks.plausibility import Check, Checked, check
+from app.live.checks.plausibility import Check, check
+from app.live.checks.recent import RecentSamples
 from estimators.calibration import Finding, Hemisphere, RecordingCheck, in_words
 from estimators.recording import Float, ImuChunk
 
@@ -22,6 +22,7 @@ FIRST_CHECK_S: Final = 4.0
 """Rest tells units at once or not at all."""
 CHECK_EVERY_S: Final = 12.0
 """What is looked at together: some windows of movement. What came before and was not looked at is forgotten."""
+NOTHING: Final = -1
 
 
 class CheckTurns:
@@ -67,6 +68,7 @@ class FirstSeconds:
     ----------
     names : sequence of str
         Placements in the order of the chunks.
+    time_step_s : float
     tell : callable(findings, time_s)
         Called on the loop's thread with what is new.
     hemisphere : {"north", "south", "unknown"}
@@ -85,6 +87,7 @@ class FirstSeconds:
     def __init__(
         self,
         names: Sequence[str],
+        time_step_s: float,
         tell: Callable[[list[Finding], float], None],
         hemisphere: Hemisphere = "north",
         turns: CheckTurns | None = None,
@@ -95,7 +98,11 @@ class FirstSeconds:
         self._clipped = clipped
         self._turns, self._work = turns, work
         self._names, self._tell = tuple(names), tell
-        self._held: deque[ImuChunk] = deque()
+        self._step_s = time_step_s
+        self.recent = RecentSamples(round(CHECK_EVERY_S / time_step_s) + 1)
+        """The newest ticks; whoever writes them there calls `seen`."""
+        self._from_tick = NOTHING
+        """First tick not looked at yet; it may have left the ring."""
         self._state = RecordingCheck(self._names, hemisphere, clip_levels)
         self._gone: set[str] = set()
         self._known: dict[tuple[str, str], Finding] = {}
@@ -119,24 +126,31 @@ class FirstSeconds:
         self._next_s = 0.0
         self._known = {subject: found for subject, found in self._known.items() if found.sensor != name}
         self._current = [found for found in self._current if found.sensor != name]
-        self._held.clear()
+        self._from_tick = NOTHING
 
     def add(self, chunk: ImuChunk) -> None:
         """Take the newest ticks."""
-        held, step_s = self._held, chunk.time_step_s
-        held.append(chunk)
-        end_s = (chunk.first_tick + chunk.tick_count - 1) * step_s
-        while len(held) > 1 and held[1].first_tick * step_s < end_s - CHECK_EVERY_S:
-            held.popleft()
-        if end_s < self._next_s or end_s - held[0].first_tick * step_s < FIRST_CHECK_S - 1.0:
+        self.recent.add(chunk)
+        self.seen(chunk.first_tick, chunk.first_tick + chunk.tick_count)
+
+    def seen(self, first_tick: int, stop_tick: int) -> None:
+        """Note that ticks were written into `recent`, and begin a check when one is due."""
+        if self._from_tick == NOTHING:
+            self._from_tick = first_tick
+        end_s = (stop_tick - 1) * self._step_s
+        if end_s < self._next_s:
+            return
+        from_tick = max(self._from_tick, stop_tick - self.recent.ticks)
+        if end_s - from_tick * self._step_s < FIRST_CHECK_S - 1.0:
             return
         if self._checking is not None and not self._checking.done():
             return
         if self._turns is not None and not self._turns.begin():
             return
         self._next_s = end_s + CHECK_EVERY_S
-        pieces, self._held = list(self._held), deque()
-        self._checking = asyncio.get_running_loop().create_task(self._check(pieces, end_s))
+        self._from_tick = NOTHING
+        newest = self.recent.chunk(from_tick, stop_tick, self._step_s)
+        self._checking = asyncio.get_running_loop().create_task(self._check(newest, end_s))
         if self._turns is not None:
             turns, began_s = self._turns, time.monotonic()
 
@@ -147,13 +161,13 @@ class FirstSeconds:
 
             self._checking.add_done_callback(ended)
 
-    async def _check(self, pieces: list[ImuChunk], end_s: float) -> float | None:
+    async def _check(self, newest: ImuChunk, end_s: float) -> float | None:
         """Check, tell what is new and return what it cost; None when it failed."""
         gone, self._gone = self._gone, set()
         for name in gone:
             self._state.forget(name)
         try:
-            checked = await asyncio.to_thread(self._checked, pieces)
+            checked = await asyncio.to_thread(self._work, self._state, newest)
         except Exception:
             # A check that fails must not end the session.
             logger.exception("the readings could not be checked")
@@ -174,9 +188,6 @@ class FirstSeconds:
         """At rest a unit is only doubted: that it is wrong, as the movement shows, is new."""
         known = self._known.get(finding.subject)
         return known is None or (known.severity, finding.severity) == ("warning", "refuse")
-
-    def _checked(self, pieces: list[ImuChunk]) -> Checked:
-        return self._work(self._state, ImuChunk.join(pieces))
 
 
 __all__ = ["ALL_SESSIONS", "CHECK_EVERY_S", "FIRST_CHECK_S", "CheckTurns", "FirstSeconds"]

@@ -96,6 +96,17 @@ class LinkHealth:
         run = np.where(missing.all(axis=1), self._missing_ticks + trailing, trailing)
         return self._changes(run, chunk.first_tick + chunk.tick_count)
 
+    @property
+    def has_gaps(self) -> bool:
+        """Whether a sensor gives nothing at present: the next ticks must be looked at."""
+        return self._has_gaps
+
+    def add_whole(self, ticks: int) -> None:
+        """Take aligned ticks in which every sample was measured, while `has_gaps` is false."""
+        if self._present.ticks * self._step_s >= _WINDOW_S:
+            self._previous, self._present = self._present, _Window(len(self.placements))
+        self._present.ticks += ticks
+
     def _changes(self, run: NDArray[np.int64], tick: int) -> list[SensorChange]:
         self._missing_ticks = run
         lost = run * self._step_s >= LOST_AFTER_S

@@ -20,7 +20,7 @@ from app.schemas import SessionState
 
 logger = logging.getLogger(__name__)
 
-TOPICS = ("frames", "state", "health", "event", "layout", "calibration", "guidance")
+TOPICS = ("frames", "blocks", "state", "health", "event", "layout", "calibration", "guidance")
 
 
 class SessionBook(ABC):

@@ -40,6 +40,11 @@ class EstimationLine:
         self._waiting: deque[tuple[ImuChunk, float | None] | Callable[[], None]] = deque()
         self._worker: asyncio.Task[None] | None = None
 
+    @property
+    def is_idle(self) -> bool:
+        """Whether the next ticks could be estimated at once."""
+        return self.is_running and self._worker is None
+
     def push(self, chunk: ImuChunk, arrival_s: float | None) -> None:
         """Take the next ticks; `arrival_s` is None when their latency means nothing."""
         if not self.is_running:

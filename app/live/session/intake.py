@@ -5,6 +5,8 @@ import time
 from collections.abc import Awaitable, Callable
 
 from app.errors import Conflict, TelemotionError, Unavailable
+from app.ingest.websocket import PooledPackets
+from app.live.engine.lane import Lane
 from app.live.session.actuation import Order
 from app.live.session.runner import LiveSession
 from app.live.session.states import OPEN
@@ -25,7 +27,9 @@ class Intake:
         session: LiveSession,
         check_right: Callable[[], Awaitable[None]],
         detached: Callable[["Intake"], None],
+        pooled: PooledPackets,
     ) -> None:
+        self.pooled: PooledPackets = pooled
         self._session = session
         self._check_right = check_right
         self._detached = detached
@@ -44,6 +48,11 @@ class Intake:
     def declaration(self) -> Declaration:
         """What packets must fit."""
         return self._clock.declaration
+
+    @property
+    def lane(self) -> Lane | None:
+        """The session's place in the pooled engine."""
+        return self._session.lane
 
     @property
     def is_open(self) -> bool:

@@ -5,19 +5,16 @@ this session's live view only: packets are stored all the same.
 """
 
 import asyncio
-import contextlib
 import logging
 import time
 from functools import partial
 
-import numpy as np
 from sqlalchemy import Engine
 
 from app.errors import Conflict, InvalidInput, TelemotionError, Unavailable
 from app.live import repository
 from app.live.blocks import PublishedFrames, layout_message
 from app.live.bus import Bus
-from app.live.calibration.calibrated_session import CalibratedSession
 from app.live.calibration.device_rows import save_device_constants
 from app.live.checks.first_seconds import ALL_SESSIONS, FirstSeconds
 from app.live.checks.force_watch import ForceWatch
@@ -29,6 +26,7 @@ from app.live.messages import AcknowledgeMessage, HealthMessage, LayoutMessage, 
 from app.live.session.actuation import Actuation
 from app.live.session.estimation import EstimationLine
 from app.live.session.ledger import SequenceLedger
+from app.live.session.pooled import PooledSession
 from app.live.session.states import OPEN, STREAMING, streaming_state
 from app.network.alignment import Aligner
 from app.network.clock import PacketClock, SkewEstimator
@@ -52,7 +50,7 @@ BACKLOG_S = 120.0
 _BACKFILLED = int(PacketFlag.BACKFILLED)
 
 
-class LiveSession(CalibratedSession):
+class LiveSession(PooledSession):
     """The live side of one session.
 
     Parameters
@@ -115,8 +113,10 @@ class LiveSession(CalibratedSession):
         self._stray = StraySource(tell)
         self.prepare_calibration(hemisphere)
         self._forces = ForceWatch.of(pipeline)
+        self.lane = None
         self._first_seconds = FirstSeconds(
             declaration.placements,
+            declaration.time_step_s,
             self._implausible,
             hemisphere,
             ALL_SESSIONS,
@@ -186,11 +186,16 @@ class LiveSession(CalibratedSession):
                 self.line.push(chunk, arrival_s if is_live else None)
         return True
 
+    # --- frames -----------------------------------------------------------------------------------------
+
     def _after(self, chunk: ImuChunk, frames: Frames, arrival_s: float | None) -> None:
         """Publish and store what the pipeline found."""
         frames = frames.as_stored_live()
-        if self._bus.has_listeners(self._topics["frames"]):
-            self._bus.publish(self._topics["frames"], PublishedFrames(frames, time.time()))
+        has_listeners, topics = self._bus.has_listeners, self._topics
+        if has_listeners(topics["blocks"]) or has_listeners(topics["frames"]):
+            published = PublishedFrames(frames, time.time())
+            self._bus.publish(topics["blocks"], published)
+            self._bus.publish(topics["frames"], published)
         if self.guidance is not None:
             self.guidance.see(frames, is_counting=self.state == "recording", is_live=arrival_s is not None)
         if arrival_s is not None:
@@ -234,34 +239,6 @@ class LiveSession(CalibratedSession):
                 "implausible", time_s, placement=finding.sensor, text=finding.message, details=details
             )
         self._publish_state()
-
-    def store_frames(self, frames: Frames) -> None:
-        """Store frames except the ticks that were stored before a restart."""
-        if frames.first_tick < self._unstored_tick:
-            frames = frames.ticks(self._unstored_tick - frames.first_tick, frames.tick_count)
-        if frames.tick_count:
-            with contextlib.suppress(Conflict, Unavailable):
-                # A session that cannot be stored hears of it once, from `on_store_failure`.
-                self._writer.append_frames(self.id, self.result_id, frames.as_stored_live())
-
-    def _tell_changes(self, chunk: ImuChunk) -> None:
-        changes = self.health.add_chunk(chunk)
-        step_s = chunk.time_step_s
-        # All sensors at once are a gap of the link, reported as one below.
-        if changes and len(changes) < max(2, len(self.health.placements)):
-            for change in changes:
-                kind = "sensor_lost" if change.is_lost else "sensor_back"
-                if not change.is_lost:
-                    self._first_seconds.restart(change.placement)
-                    levels = self.aligner.clip_levels.copy()
-                    levels[self.declaration.placements.index(change.placement)] = np.inf
-                    self._cut_off(levels)
-                self.add_event(kind, change.tick * step_s, placement=change.placement)
-        for gap in self.aligner.gaps:
-            if not gap.is_bridged:
-                text = say("live.gap", missing_s=gap.tick_count * step_s)
-                self.add_event("gap", gap.first_tick * step_s, gap.tick_count * step_s, text=text)
-        self.aligner.gaps.clear()
 
     def silent(self) -> None:
         """Give up waiting for reordered packets: nothing has come for a while."""

@@ -189,6 +189,17 @@ class GroupCommitWriter:
             self._count_queued(size)
             return True
 
+    def has_room(self, session_id: str) -> bool:
+        """Whether packets and frames of a session are taken, with room to spare."""
+        session = self._sessions.get(session_id)
+        return (
+            session is not None
+            and session.failure is None
+            and not self._stopping
+            and self.metrics.queued_bytes < self._queue_bytes // 4
+            and session.waiting_bytes < self._session_bytes // 4
+        )
+
     def append_frames(self, session_id: str, result_id: str, frames: Frames) -> bool:
         """Take frames of a result, all ticks of them; False when they were refused because the queue is half full.
 

@@ -32,7 +32,7 @@ def sound() -> ImuChunk:
 async def watched(chunk: ImuChunk) -> tuple[FirstSeconds, list[tuple[float, Finding]]]:
     """Stream a chunk in tenths of a second; what was told, with when."""
     told: list[tuple[float, Finding]] = []
-    watch = FirstSeconds(ARM, lambda found, time_s: told.extend((time_s, finding) for finding in found))
+    watch = FirstSeconds(ARM, 0.01, lambda found, time_s: told.extend((time_s, finding) for finding in found))
     for start in range(0, chunk.tick_count - 10, 10):
         watch.add(chunk.ticks(start, start + 10))
         if watch._checking is not None:
@@ -150,7 +150,7 @@ def test_a_compass_is_judged_by_the_hemisphere_of_the_clinic(
 
     async def run() -> set[str]:
         told: list[Finding] = []
-        watch = FirstSeconds(ARM, lambda found, _: told.extend(found), hemisphere)
+        watch = FirstSeconds(ARM, 0.01, lambda found, _: told.extend(found), hemisphere)
         watch.add(sound.ticks(0, 500))
         assert watch._checking is not None
         await watch._checking

@@ -43,7 +43,7 @@ async def streamed(sent: ImuChunk, *, is_watched: bool) -> tuple[ImuChunk, list[
         aligner.clip_levels[:] = levels
         found.append((aligner.next_tick, levels.copy()))
 
-    watch = FirstSeconds(SENSORS, lambda *_: None, clipped=clipped if is_watched else None)
+    watch = FirstSeconds(SENSORS, 0.01, lambda *_: None, clipped=clipped if is_watched else None)
     assert sent.magnetometer_t is not None
     values = np.concatenate([sent.gyroscope_radps, sent.accelerometer_mps2, sent.magnetometer_t], axis=2)
     values = np.ascontiguousarray(values.transpose(1, 0, 2), dtype=np.float32)

@@ -77,7 +77,7 @@ def measured(
                 for _ in range(count):
                     receive(intake, next(packets))
                 return
-            with bus.subscribe(topic(intake.session_id, "frames"), size=16) as frames:
+            with bus.subscribe(topic(intake.session_id, "blocks"), size=16) as frames:
                 for _ in range(count):
                     receive(intake, next(packets))
                     for _, item in frames.take():

@@ -1,0 +1,1 @@
+"""The pooled engine: packets of all live sessions of a kind in one compiled call a turn."""

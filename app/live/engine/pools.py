@@ -1,0 +1,148 @@
+"""Pools of live sessions with equal sensors and settings: rows, free slots, and the compiled calls of a turn."""
+
+from collections.abc import Hashable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.live.blocks import PublishedBlock, block_header, column_names
+from app.live.engine.block_kernel import write_blocks
+from app.live.engine.journal import Journal
+from app.network.packet import MAX_TICKS
+from app.network.placing.crc import TABLES
+from app.network.placing.kernel import place
+from app.network.placing.slot import ITEM, Network, Placed, network_rows
+from estimators.pipelines import Frames, Pipeline
+from estimators.pipelines.arm.pool import ArmPool
+from estimators.pipelines.pooled import STRETCH, Columns, Pool
+
+SESSIONS: Final = 32
+"""Of a pool; its arrays are made at once, and memory is used where a session is."""
+ITEMS: Final = 64
+"""Packets of one call: between calls the interpreter's lock is taken, and a turn's memory stays small."""
+_KINDS: Final = (ArmPool,)
+"""Kinds with a compiled step."""
+_STEP_FIELDS: Final = ("slot", "first_tick", "ticks", "signals_at", "quality_at", "tick_at")
+_PLACES: Final = {name: place for place, name in enumerate(ITEM.names or ())}
+STATUS, SEQUENCE, TIME_US, DURATION_US = (
+    _PLACES[n] for n in ("status", "sequence", "time_us", "duration_us")
+)
+NEXT_TICK, LAST_POSITION, ROWS_KNOWN = (_PLACES[n] for n in ("next_tick", "last_position", "rows_known"))
+FIRST_TICK, TICKS, TICK_AT, IS_FLAWED = (_PLACES[n] for n in ("first_tick", "ticks", "tick_at", "is_flawed"))
+QUALITY_AT: Final = _PLACES["quality_at"]
+"""Places of the values of a row."""
+
+
+def pool_key(pipeline: Pipeline, channels: int) -> Hashable | None:
+    """Return what sessions of a pool have in common; None for one that can be in none."""
+    for kind in _KINDS:
+        key = kind.key(pipeline)
+        if key is not None:
+            return kind, channels, key
+    return None
+
+
+@dataclass
+class Taken:
+    """What a call gave for its packets.
+
+    Attributes
+    ----------
+    rows : list of tuple
+        Values of `ITEM`.
+    columns : Columns
+        Valid until the pool's next call.
+    """
+
+    rows: list[tuple[Any, ...]]
+    columns: Columns
+    pool: "SessionPool" = field(repr=False)
+
+    def frames(self, pipeline: Pipeline, row: tuple[Any, ...]) -> Frames:
+        """Return a copy of a packet's frames."""
+        start = row[TICK_AT]
+        return self.pool.kind.frames(pipeline, self.columns, row[FIRST_TICK], start, start + row[TICKS])
+
+
+class SessionPool:
+    """Rows for some sessions of one kind."""
+
+    def __init__(self, like: Pipeline, channels: int, recent_ticks: int) -> None:
+        sensors = len(like.setup.placements)
+        most_ticks = ITEMS * (MAX_TICKS + 1)
+        kind = next(kind for kind in _KINDS if kind.key(like) is not None)
+        self.kind: Pool = kind(like, channels, SESSIONS, most_ticks)  # type: ignore[arg-type]
+        self.sensors = sensors
+        self.network: Network = network_rows(SESSIONS, channels, sensors, recent_ticks)
+        self.free = list(range(SESSIONS))[::-1]
+        self._items = np.zeros(ITEMS, dtype=ITEM)
+        self._stretches = np.zeros(ITEMS, dtype=STRETCH)
+        self._placed = Placed(
+            np.empty(channels * sensors * most_ticks * 3), np.empty(sensors * most_ticks, dtype=np.uint8)
+        )
+        self._width = len(column_names(like.layout))
+        self._numbers = np.empty(most_ticks * self._width, dtype=np.float32)
+        self._time_step_s = 1.0 / like.setup.rate_hz
+
+    def take(self, journal: Journal, slots: Sequence[int], places: Sequence[tuple[int, int]]) -> Taken:
+        """Take up to `ITEMS` packets, in the order in which they came.
+
+        Parameters
+        ----------
+        journal : Journal
+            Unmasked.
+        slots : sequence of int
+        places : sequence of (offset, length)
+        """
+        count = len(slots)
+        items = self._items[:count]
+        items["slot"] = slots
+        items["offset"], items["length"] = np.array(places).T
+        place(
+            self._items,
+            count,
+            journal.data,
+            journal.counts,
+            journal.numbers,
+            TABLES,
+            self.network,
+            self._placed,
+        )
+        for name in _STEP_FIELDS:
+            self._stretches[name][:count] = items[name]
+        columns = self.kind.step(self._stretches, count, self._placed.signals, self._placed.quality)
+        return Taken(items.tolist(), columns, self)
+
+    def quality(self, row: tuple[Any, ...]) -> NDArray[np.uint8]:
+        """Return a copy of a packet's quality, shape (S, K)."""
+        at, ticks = row[QUALITY_AT], row[TICKS]
+        return self._placed.quality[at : at + self.sensors * ticks].reshape(self.sensors, ticks).copy()
+
+    def blocks(
+        self, taken: Taken, rows: Sequence[tuple[Any, ...]], published_at_s: float
+    ) -> Iterator[PublishedBlock]:
+        """Yield the block of each packet.
+
+        Parameters
+        ----------
+        taken : Taken
+            Of the newest call.
+        rows : sequence of tuple
+            Those of `taken.rows` that are wanted; each has ticks.
+        published_at_s : float
+            Since the epoch.
+        """
+        places, at = [], 0
+        for row in rows:
+            places.append((row[TICK_AT], row[TICKS], at))
+            at += row[TICKS] * self._width
+        write_blocks(np.array(places, dtype=np.int64), taken.columns, self._numbers)
+        numbers = self._numbers.data.cast("B")
+        for row, (_, ticks, first) in zip(rows, places, strict=True):
+            head = block_header(ticks, self._width, row[FIRST_TICK], self._time_step_s, published_at_s)
+            yield PublishedBlock(head + numbers[4 * first : 4 * (first + ticks * self._width)])
+
+
+__all__ = ["ITEMS", "SESSIONS", "SessionPool", "Taken", "pool_key"]

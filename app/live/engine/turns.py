@@ -1,0 +1,161 @@
+"""Turns of the pooled engine: what the edge received is taken together, by one compiled call a pool.
+
+A turn begins some milliseconds after the first packet that waits for it. Packets of sessions that are in a pool are
+checked, placed, estimated and written as blocks without the interpreter's lock; then Python stores and publishes them.
+Rare packets, and those of sessions in no pool, take the general way, in their order. Everything runs on the event
+loop's thread: whoever else moves a session on does so between two turns.
+"""
+
+import asyncio
+import logging
+import time
+from collections.abc import Hashable
+from typing import Final
+
+from app.live.engine.journal import Journal, Received, Sender
+from app.live.engine.lane import Lane
+from app.live.engine.pools import ITEMS, STATUS, TICKS, SessionPool
+from app.network.placing.slot import ORDINARY
+from estimators.pipelines import Pipeline
+
+logger = logging.getLogger(__name__)
+
+LONGEST_WAIT_S: Final = 0.010
+SHORTEST_WAIT_S: Final = 0.0005
+WAIT_PER_WORK: Final = 2.0
+"""A turn waits so many times as long as the one before worked: the more there is, the more is taken together."""
+RECENT_S: Final = 12.0
+
+
+class LaneSender(Sender):
+    """A sender whose session has a lane."""
+
+    lane: Lane
+
+
+class PooledEngine:
+    """Takes packets and gives them to their sessions, many at a time; on the event loop's thread only."""
+
+    def __init__(self) -> None:
+        self._journal = Journal()
+        self._timer: asyncio.TimerHandle | None = None
+        self._wait_s = SHORTEST_WAIT_S
+        self._pools: dict[Hashable, list[SessionPool]] = {}
+        self.ordinary = 0
+        """Packets that compiled code took."""
+        self.rare = 0
+        """Packets that took the general way."""
+        self.turns = 0
+        self.longest_turn_s = 0.0
+
+    def slot_for(self, key: Hashable, like: Pipeline, channels: int) -> tuple[SessionPool, int]:
+        """Return a pool for a session of this key, and a free slot in it."""
+        pools = self._pools.setdefault(key, [])
+        for pool in pools:
+            if pool.free:
+                return pool, pool.free.pop()
+        pool = SessionPool(like, channels, round(RECENT_S * like.setup.rate_hz) + 1)
+        pools.append(pool)
+        return pool, pool.free.pop()
+
+    def offer(self, sender: Sender, data: memoryview, key: int, arrival_s: float, arrival_ns: int) -> None:
+        """Take a packet; it is given to its session within a turn.
+
+        Parameters
+        ----------
+        sender : Sender
+        data : memoryview
+            As it came, masked.
+        key : int
+            The mask's four bytes, little endian; 0 for none.
+        arrival_s, arrival_ns
+            As of `LiveSession.receive`.
+        """
+        if not self._journal.has_room(len(data)):
+            self.turn()
+        self._journal.add(sender, data, key, arrival_s, arrival_ns)
+        if self._timer is None:
+            self._timer = asyncio.get_running_loop().call_later(self._wait_s, self.turn)
+
+    def turn(self) -> None:
+        """Give all packets that wait to their sessions."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        received = self._journal.received
+        if not received:
+            return
+        began_s = time.perf_counter()
+        self._journal.unmask()
+        self._journal.received = []
+        pooled: dict[SessionPool, list[Received]] = {}
+        general: list[Received] = []
+        ready: dict[int, bool] = {}
+        for one in received:
+            lane: Lane | None = getattr(one.sender, "lane", None)
+            if lane is None:
+                general.append(one)
+                continue
+            is_ready = ready.get(id(lane))
+            if is_ready is None:
+                is_ready = ready[id(lane)] = lane.is_ready
+            if is_ready and lane.pool is not None:
+                pooled.setdefault(lane.pool, []).append(one)
+            else:
+                general.append(one)
+        for pool, items in pooled.items():
+            for start in range(0, len(items), ITEMS):
+                part = items[start : start + ITEMS]
+                try:
+                    self._take(pool, part)
+                except Exception as error:
+                    logger.exception("a turn of %d packets failed", len(part))
+                    for one in part:
+                        one.sender.lane.session.line.stop(error)  # type: ignore[attr-defined]
+        for one in general:
+            self._take_rare(one)
+        self._journal.clear()
+        worked_s = time.perf_counter() - began_s
+        self.turns += 1
+        self.longest_turn_s = max(self.longest_turn_s, worked_s)
+        self._wait_s = min(max(WAIT_PER_WORK * worked_s, SHORTEST_WAIT_S), LONGEST_WAIT_S)
+
+    def _take(self, pool: SessionPool, items: list[Received]) -> None:
+        lanes = [one.sender.lane for one in items]  # type: ignore[attr-defined]
+        taken = pool.take(
+            self._journal, [lane.slot for lane in lanes], [(one.offset, one.length) for one in items]
+        )
+        watched = [
+            (lane, row)
+            for lane, row in zip(lanes, taken.rows, strict=True)
+            if row[STATUS] == ORDINARY and row[TICKS] and lane.session.is_watched
+        ]
+        if watched:
+            blocks = pool.blocks(taken, [row for _, row in watched], time.time())
+            for (lane, _), block in zip(watched, blocks, strict=True):
+                lane.session.publish_block(block)
+        rare = []
+        for one, lane, row in zip(items, lanes, taken.rows, strict=True):
+            if row[STATUS] != ORDINARY:
+                rare.append(one)
+                continue
+            self.ordinary += 1
+            one.sender.was_right()
+            data = self._journal.bytes[one.offset : one.offset + one.length]
+            try:
+                lane.took(taken, row, data, one.arrival_s, one.arrival_ns)
+            except Exception as error:
+                # One session's fault must not reach the others of its turn.
+                logger.exception("a packet of session %s could not be taken", lane.session.id)
+                lane.session.line.stop(error)
+        for one in rare:
+            one.sender.lane.forget()  # type: ignore[attr-defined]
+            self._take_rare(one)
+
+    def _take_rare(self, one: Received) -> None:
+        self.rare += 1
+        data = bytes(self._journal.bytes[one.offset : one.offset + one.length])
+        one.sender.take_rare(data, one.arrival_s, one.arrival_ns)
+
+
+__all__ = ["LaneSender", "PooledEngine"]

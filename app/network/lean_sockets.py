@@ -1,0 +1,129 @@
+"""uvicorn's WebSocket with a short way for binary messages that come or go by the thousand.
+
+Handshake, text, pings and the end are uvicorn's. Whoever serves a socket may attach to it: from then on whole binary
+messages are handed over where they lie, before any event or task is made of them, and finished frames are written as
+they are. A message that came before, or in pieces, takes the ordinary way.
+"""
+
+from typing import Any, Final, Protocol
+
+from starlette.websockets import WebSocket
+from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
+
+EXTENSION: Final = "telemotion.lean"
+LONGEST_FRAME: Final = 1 << 20
+"""Longer ones are refused by uvicorn, see `ws_max_size`."""
+MOST_WAITING: Final = 128 << 10
+"""Bytes that may wait to be sent before a frame for a view is dropped instead."""
+_CONTINUED, _TEXT, _BINARY = 0, 1, 2
+_WHOLE_BINARY: Final = 0x80 | _BINARY
+
+
+class BinaryReader(Protocol):
+    """Takes binary messages where they lie."""
+
+    def received(self, buffer: bytes, start: int, length: int, key: int) -> None:
+        """Take `buffer[start:start + length]`, masked with the four bytes of `key` (little endian)."""
+
+
+class LeanSocket(WebSocketsSansIOProtocol):
+    """One connection; ASGI applications find it in their scope, see `lean_socket`."""
+
+    def __init__(self, *args: Any, **named: Any) -> None:
+        super().__init__(*args, **named)
+        self._reader: BinaryReader | None = None
+        self._held = b""
+        self._is_in_pieces = False
+
+    def handle_connect(self, event: Any) -> None:
+        """Offer itself to the application."""
+        super().handle_connect(event)
+        if hasattr(self, "scope"):
+            self.scope["extensions"][EXTENSION] = {"socket": self}
+
+    def attach(self, reader: BinaryReader) -> None:
+        """Hand whole binary messages to `reader` from now on."""
+        self._reader = reader
+
+    def data_received(self, data: bytes) -> None:
+        """Take bytes from the connection; after the handshake they are given on frame by frame."""
+        if not self.handshake_initiated:
+            super().data_received(data)
+            return
+        buffer = self._held + data if self._held else data
+        at, size = 0, len(buffer)
+        while size - at >= 2:
+            length, head = buffer[at + 1] & 0x7F, 2
+            if length == 126:
+                head = 4
+                if size - at < head:
+                    break
+                length = buffer[at + 2] << 8 | buffer[at + 3]
+            elif length == 127:
+                head = 10
+                if size - at < head:
+                    break
+                length = int.from_bytes(buffer[at + 2 : at + 10], "big")
+            is_masked = buffer[at + 1] & 0x80
+            start = at + head + (4 if is_masked else 0)
+            end = start + length
+            if length > LONGEST_FRAME:
+                self._held = b""
+                super().data_received(buffer[at:])
+                return
+            if end > size:
+                break
+            first = buffer[at]
+            if first == _WHOLE_BINARY and is_masked and self._reader is not None and not self._is_in_pieces:
+                self._reader.received(
+                    buffer, start, length, int.from_bytes(buffer[start - 4 : start], "little")
+                )
+            else:
+                if first & 0x0F in (_CONTINUED, _TEXT, _BINARY):
+                    self._is_in_pieces = not first & 0x80
+                super().data_received(buffer[at:end])
+            at = end
+        self._held = buffer[at:] if at else buffer
+
+    def slow_down(self, seconds: float) -> None:
+        """Read nothing for a while: the sender is too fast, or what it sends cannot be taken yet."""
+        if not self.transport.is_closing():
+            self.read_paused = True
+            self.transport.pause_reading()
+            self.loop.call_later(seconds, self._go_on)
+
+    def _go_on(self) -> None:
+        if self.read_paused and self.queue.empty() and not self.transport.is_closing():
+            self.read_paused = False
+            self.transport.resume_reading()
+
+    @property
+    def is_open(self) -> bool:
+        """Whether something can be sent."""
+        return self.handshake_complete and not (
+            self.close_sent or self.disconnected or self.transport.is_closing()
+        )
+
+    def send_frame(self, frame: bytes) -> bool:
+        """Send a finished frame; False when it was dropped because the other side does not keep up."""
+        if not self.is_open:
+            return True
+        if self.transport.get_write_buffer_size() > MOST_WAITING:
+            return False
+        self.transport.write(frame)
+        return True
+
+    def send_text_now(self, text: str) -> None:
+        """Send a text message without waiting; whoever sends many must look whether they are read."""
+        if self.is_open:
+            self.conn.send_text(text.encode())
+            self.transport.write(b"".join(self.conn.data_to_send()))
+
+
+def lean_socket(websocket: WebSocket) -> LeanSocket | None:
+    """Return the connection under an accepted WebSocket; None where another server carries it."""
+    extension = websocket.scope.get("extensions", {}).get(EXTENSION)
+    return extension["socket"] if extension else None
+
+
+__all__ = ["BinaryReader", "LeanSocket", "lean_socket"]

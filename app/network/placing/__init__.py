@@ -1,0 +1,1 @@
+"""Packets of many sessions to samples at common ticks, compiled."""

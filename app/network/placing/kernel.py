@@ -1,0 +1,399 @@
+"""Packets of a turn to samples at common ticks: checks, clock, order, unpacking, stamps off the grid; compiled.
+
+What `decode_packet`, `PacketClock`, `Unpacker` and `Aligner` do to a packet that comes next in its session, in one
+call for the packets of many sessions, with the same numbers to the last bit. Whatever else comes (a gap, a repeated or
+late packet, another clock, a wrong byte) changes nothing here and is left to them.
+"""
+
+import math
+from typing import Final
+
+import numpy as np
+from numba import types
+from numpy.typing import NDArray
+
+from app.network.packet import (
+    HEADER_BYTES,
+    MAGIC,
+    MAX_TICK_INTERVAL_US,
+    MAX_TICKS,
+    MIN_TICK_INTERVAL_US,
+    VALUE_LIMIT,
+    PacketFlag,
+)
+from app.network.placing.crc import crc32
+from app.network.placing.slot import ITEM, ORDINARY, RARE, SLOT, SNAP_TICKS, Network, Placed
+from app.network.unpack_kernel import unpack
+from estimators.compiling import compiled
+from estimators.kernels import VOID, Record, bundle, rows, step
+from estimators.recording import Float, SampleQuality
+
+_MAGIC: Final = int.from_bytes(MAGIC, "little")
+_CLIPPED: Final = int(PacketFlag.SATURATED)
+_FLOAT32, _INT16 = 0, 1
+_BRIDGED, _MISSING = int(SampleQuality.BRIDGED), int(SampleQuality.MISSING)
+_LONGEST_GAP_US: Final = 1_000_000
+"""A later packet leaves a gap that the general way fills, or starts another clock."""
+
+
+@compiled("u8(u1[::1], i8, i8)")
+def _number(data: NDArray[np.uint8], start: int, size: int) -> np.uint64:
+    """Return `size` bytes as a number, little endian."""
+    value = np.uint64(0)
+    for k in range(size):
+        value |= np.uint64(data[start + k]) << np.uint64(8 * k)
+    return value
+
+
+@step()
+def _has_place(
+    item: Record, x: Record, journal: NDArray[np.uint8], tables: NDArray[np.uint32], sensors: int, width: int
+) -> bool:
+    """Check header, order and clock, and note them in the item; True when the packet comes next in its session."""
+    at, size = item.offset, item.length
+    if size < HEADER_BYTES or _number(journal, at, 4) != np.uint64(_MAGIC):
+        return False
+    ticks, mask, encoding, flags = (
+        int(journal[at + 5]),
+        int(_number(journal, at + 6, 2)),
+        int(journal[at + 8]),
+        int(journal[at + 9]),
+    )
+    interval_us = int(_number(journal, at + 24, 4))
+    if (
+        journal[at + 4] != sensors
+        or not 0 < ticks <= MAX_TICKS
+        or mask != x.mask
+        or encoding > _INT16
+        or (flags != 0 and flags != _CLIPPED)
+        or _number(journal, at + 10, 2) != 0
+        or not MIN_TICK_INTERVAL_US <= interval_us <= MAX_TICK_INTERVAL_US
+        or not 0.9 < interval_us * 1e-6 * x.rate_hz < 1.1
+        or (encoding == _INT16 and x.countable == 0)
+        or size != HEADER_BYTES + ticks * sensors * width * (2 if encoding == _INT16 else 4)
+    ):
+        return False
+    sequence = x.next_sequence
+    if _number(journal, at + 12, 4) != np.uint64(sequence) & np.uint64(0xFFFFFFFF):
+        return False
+    # Session time; a counter that has wrapped is far away and rare.
+    time_us = x.epoch_session_us + (np.int64(_number(journal, at + 16, 8)) - x.epoch_device_us)
+    gap_us = time_us - (x.highest_time_us + x.highest_duration_us)
+    if gap_us < -(interval_us // 2) or gap_us > _LONGEST_GAP_US:
+        return False
+    computed = crc32(
+        journal, at + HEADER_BYTES, at + size, crc32(journal, at, at + 28, np.uint32(0), tables), tables
+    )
+    if np.uint64(computed) != _number(journal, at + 28, 4):
+        return False
+    item.sequence, item.time_us, item.ticks = sequence, time_us, ticks
+    item.duration_us = ticks * interval_us
+    return True
+
+
+@step()
+def _unpacked(
+    s: int,
+    x: Record,
+    item: Record,
+    journal: NDArray[np.uint8],
+    counts: NDArray[np.int16],
+    numbers: NDArray[np.float32],
+    network: Network,
+    signals: Float,
+    quality: NDArray[np.uint8],
+) -> None:
+    """Unpack the item's values at the ticks of the device."""
+    channels, sensors, ticks, _ = signals.shape
+    width, at = 3 * channels, item.offset + HEADER_BYTES
+    is_clipped = journal[item.offset + 9] == _CLIPPED
+    size = ticks * sensors * width
+    if journal[item.offset + 8] == _INT16:
+        sent = counts[at // 2 : at // 2 + size].reshape((ticks, sensors, width))
+        scale, clip = x.scale[:channels].copy(), x.count_clip.copy()
+        unpack(
+            sent,
+            scale,
+            clip,
+            network.clip_levels[s],
+            is_clipped,
+            0,
+            x.stuck_ticks,
+            network.last_sent[s],
+            network.same_ticks[s],
+            signals,
+            quality,
+        )
+    else:
+        given = numbers[at // 4 : at // 4 + size].reshape((ticks, sensors, width))
+        unpack(
+            given,
+            np.ones(channels),
+            x.clip.copy(),
+            network.clip_levels[s],
+            is_clipped,
+            0,
+            x.stuck_ticks,
+            network.last_sent[s],
+            network.same_ticks[s],
+            signals,
+            quality,
+        )
+
+
+@step()
+def _are_usable(item: Record, journal: NDArray[np.uint8], numbers: NDArray[np.float32]) -> bool:
+    """Whether every number sent as it is can be one."""
+    if journal[item.offset + 8] == _INT16:
+        return True
+    first = (item.offset + HEADER_BYTES) // 4
+    for k in range(first, first + (item.length - HEADER_BYTES) // 4):  # noqa: SIM110 - compiled as it stands
+        if not abs(numbers[k]) <= VALUE_LIMIT:
+            return False
+    return True
+
+
+@step()
+def _interpolated(
+    position: Float,
+    first: int,
+    sent: Float,
+    sent_quality: NDArray[np.uint8],
+    values: Float,
+    quality: NDArray[np.uint8],
+) -> None:
+    """Write samples at common ticks from `first` on, of samples at `position`; as `Aligner` off the grid."""
+    count = position.shape[0]
+    left = 0
+    for k in range(quality.shape[1]):
+        tick = float(first + k)
+        while left < count - 2 and position[left + 1] <= tick:
+            left += 1
+        right = min(left + 1, count - 1)
+        width = position[right] - position[left]
+        weight = min(max((tick - position[left]) / (width if width > 0 else 1.0), 0.0), 1.0)
+        for s in range(quality.shape[0]):
+            for c in range(values.shape[0]):
+                for a in range(3):
+                    values[c, s, k, a] = (1.0 - weight) * sent[c, s, left, a] + weight * sent[c, s, right, a]
+            flag = sent_quality[s, left] | sent_quality[s, right]
+            nothing = False
+            for a in range(3):
+                nothing |= math.isnan(values[0, s, k, a])
+            if nothing:
+                flag = (flag & np.uint8(~_BRIDGED & 0xFF)) | np.uint8(_MISSING)
+                for c in range(values.shape[0]):
+                    for a in range(3):
+                        values[c, s, k, a] = np.nan
+            quality[s, k] = flag
+
+
+@step()
+def _keep_last(s: int, x: Record, network: Network, signals: Float, rows_known: int) -> None:
+    """Carry on the last rows of samples."""
+    ticks = signals.shape[2]
+    for c in range(signals.shape[0]):
+        for i in range(signals.shape[1]):
+            for a in range(3):
+                network.last_rows[s, c, i, 1, a] = signals[c, i, ticks - 1, a]
+                if rows_known == 2:
+                    network.last_rows[s, c, i, 0, a] = signals[c, i, ticks - 2, a]
+    x.rows_known = rows_known
+
+
+@step()
+def _remember(s: int, item: Record, network: Network, signals: Float, quality: NDArray[np.uint8]) -> None:
+    """Write the ticks into the ring of the newest, and say whether one of them is less than measured."""
+    length = network.recent.shape[3]
+    item.is_flawed = 0
+    for i in range(quality.shape[0]):
+        for k in range(quality.shape[1]):
+            at = (item.first_tick + k) % length
+            network.recent_quality[s, i, at] = quality[i, k]
+            if quality[i, k] != 0:
+                item.is_flawed = 1
+            for c in range(signals.shape[0]):
+                for a in range(3):
+                    network.recent[s, c, i, at, a] = signals[c, i, k, a]
+
+
+@step()
+def _on_grid(position: float, spacing: float, ticks: int) -> bool:
+    first = np.rint(position)
+    drift = (ticks - 1) * (spacing - 1.0)
+    return not (abs(position - first) > SNAP_TICKS or abs(position + drift - first) > SNAP_TICKS)
+
+
+@step()
+def _between(
+    s: int,
+    item: Record,
+    x: Record,
+    journal: NDArray[np.uint8],
+    counts: NDArray[np.int16],
+    numbers: NDArray[np.float32],
+    network: Network,
+    placed: Placed,
+    signals_at: int,
+    quality_at: int,
+    position: float,
+    spacing: float,
+) -> bool:
+    """Place samples between common ticks; False, and nothing changed, when there is a hole before or in them."""
+    channels, sensors, ticks = network.last_rows.shape[1], network.last_rows.shape[2], item.ticks
+    if x.rows_known == 0 or position - x.last_position - 1.0 > x.bridge_ticks:
+        return False
+    places = np.empty(ticks + 1)
+    places[0] = x.last_position
+    for k in range(ticks):
+        places[k + 1] = position + spacing * k
+    last = places[ticks]
+    before = places[ticks] - position if ticks > 1 else 0.0
+    limit = 1.5 * before / max(1, ticks - 1)
+    if limit == 0.0:
+        limit = 1.5
+    count = math.floor(last + 1e-9) + 1 - x.next_tick
+    for k in range(ticks):
+        # A tick in a stretch this wide is bridged, and a step back is none of ours.
+        if places[k + 1] - places[k] > limit or places[k + 1] <= places[k]:
+            return False
+    sent = np.empty((channels, sensors, ticks + 1, 3))
+    sent_quality = np.zeros((sensors, ticks + 1), dtype=np.uint8)
+    own, own_quality = np.empty((channels, sensors, ticks, 3)), np.empty((sensors, ticks), dtype=np.uint8)
+    _unpacked(s, x, item, journal, counts, numbers, network, own, own_quality)
+    for c in range(channels):
+        for i in range(sensors):
+            for a in range(3):
+                sent[c, i, 0, a] = network.last_rows[s, c, i, 1, a]
+                for k in range(ticks):
+                    sent[c, i, k + 1, a] = own[c, i, k, a]
+    sent_quality[:, 1:] = own_quality
+    item.first_tick, item.ticks = x.next_tick, max(count, 0)
+    x.last_position = last
+    _keep_last(s, x, network, own, 1)
+    if count > 0:
+        total = channels * sensors * count * 3
+        signals = placed.signals[signals_at : signals_at + total].reshape((channels, sensors, count, 3))
+        quality = placed.quality[quality_at : quality_at + sensors * count].reshape((sensors, count))
+        _interpolated(places, x.next_tick, sent, sent_quality, signals, quality)
+        x.next_tick += count
+    return True
+
+
+@compiled(
+    VOID(
+        rows(ITEM),
+        types.int64,
+        types.uint8[::1],
+        types.int16[::1],
+        types.float32[::1],
+        types.uint32[:, ::1],
+        bundle(
+            Network,
+            rows(SLOT),
+            types.float64[:, :, :, ::1],
+            types.int64[:, ::1],
+            types.float64[:, :, :, :, ::1],
+            types.float64[:, :, :, :, ::1],
+            types.float64[:, :, :, :, ::1],
+            types.uint8[:, :, ::1],
+        ),
+        bundle(Placed, types.float64[::1], types.uint8[::1]),
+    )
+)
+def place(
+    items: NDArray[np.void],
+    count: int,
+    journal: NDArray[np.uint8],
+    counts: NDArray[np.int16],
+    numbers: NDArray[np.float32],
+    tables: NDArray[np.uint32],
+    network: Network,
+    placed: Placed,
+) -> None:
+    """Place the packets of a turn, in their order.
+
+    Parameters
+    ----------
+    items : ndarray of ITEM
+        Of sessions of one pool; a session may come more than once. Filled from `status` on.
+    count : int
+        How many items there are.
+    journal : ndarray of uint8
+        Holds the packets.
+    counts, numbers : ndarray of int16 and float32
+        The same memory.
+    tables : ndarray of uint32, shape (8, 256)
+        `crc.TABLES`.
+    network : Network
+        Carried on for the sessions of ordinary packets.
+    placed : Placed
+        Written from its start on.
+    """
+    channels, sensors = network.last_rows.shape[1], network.last_rows.shape[2]
+    signals_at = quality_at = tick_at = 0
+    for n in range(count):
+        item = items[n]
+        s = item.slot
+        x = network.slot[s]
+        item.status, item.ticks, item.is_flawed = RARE, 0, 0
+        item.signals_at, item.quality_at, item.tick_at = signals_at, quality_at, tick_at
+        was_blocked, x.is_blocked = x.is_blocked, 1
+        if was_blocked or not _has_place(item, x, journal, tables, sensors, 3 * channels):
+            continue
+        if not _are_usable(item, journal, numbers):
+            continue
+        sent_ticks = item.ticks
+        position = item.time_us / x.step_us
+        spacing = (item.duration_us // sent_ticks) / x.step_us
+        if _on_grid(position, spacing, sent_ticks):
+            if int(np.rint(position)) != x.next_tick:
+                item.ticks = 0
+                continue
+            total = channels * sensors * sent_ticks * 3
+            signals = placed.signals[signals_at : signals_at + total].reshape(
+                (channels, sensors, sent_ticks, 3)
+            )
+            quality = placed.quality[quality_at : quality_at + sensors * sent_ticks].reshape(
+                (sensors, sent_ticks)
+            )
+            _unpacked(s, x, item, journal, counts, numbers, network, signals, quality)
+            item.first_tick = x.next_tick
+            x.next_tick += sent_ticks
+            x.last_position = x.next_tick - 1.0
+            _keep_last(s, x, network, signals, min(sent_ticks, 2))
+        elif not _between(
+            s,
+            item,
+            x,
+            journal,
+            counts,
+            numbers,
+            network,
+            placed,
+            signals_at,
+            quality_at,
+            position,
+            spacing,
+        ):
+            item.ticks = 0
+            continue
+        item.status, x.is_blocked = ORDINARY, 0
+        item.next_tick, item.last_position, item.rows_known = x.next_tick, x.last_position, x.rows_known
+        x.next_sequence = item.sequence + 1
+        x.highest_time_us, x.highest_duration_us = item.time_us, item.duration_us
+        if item.ticks > 0:
+            total = channels * sensors * item.ticks * 3
+            signals = placed.signals[signals_at : signals_at + total].reshape(
+                (channels, sensors, item.ticks, 3)
+            )
+            quality = placed.quality[quality_at : quality_at + sensors * item.ticks].reshape(
+                (sensors, item.ticks)
+            )
+            _remember(s, item, network, signals, quality)
+            signals_at += total
+            quality_at += sensors * item.ticks
+            tick_at += item.ticks
+
+
+__all__ = ["place"]

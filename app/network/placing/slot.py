@@ -1,0 +1,126 @@
+"""Where the next packet of a pooled session stands: a record a session, read and written by compiled code.
+
+`app.network.clock` and `app.network.alignment` hold the same numbers as Python objects; a session of the pooled engine
+has both, and whichever way takes a packet carries both on.
+"""
+
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.kernels import record
+from estimators.recording import Float
+
+SNAP_TICKS: Final = 0.05
+"""Device ticks this close to the common tick are taken as they are; others are interpolated."""
+SLOT: Final = record(
+    [
+        # Clock: what must come next, the epoch in force, and the newest packet.
+        ("next_sequence", "i8"),
+        ("epoch_device_us", "i8"),
+        ("epoch_session_us", "i8"),
+        ("highest_time_us", "i8"),
+        ("highest_duration_us", "i8"),
+        # Alignment: the common tick that comes next, the place of the last sample, how many last rows are known.
+        ("next_tick", "i8"),
+        ("last_position", "f8"),
+        ("rows_known", "i8"),
+        ("step_us", "f8"),
+        ("rate_hz", "f8"),
+        ("bridge_ticks", "i8"),
+        # Declaration: what a packet must be, SI values of a count, clip levels of floats and of counts.
+        ("mask", "i8"),
+        ("countable", "i8"),
+        ("stuck_ticks", "i8"),
+        ("scale", "f8", 3),
+        ("clip", "f8", 2),
+        ("count_clip", "f8", 2),
+        # A rare packet came in this turn: those behind it take the general way too.
+        ("is_blocked", "i8"),
+    ]
+)
+"""All sessions of a pool have the same sensors; what differs between them is here."""
+
+ITEM: Final = record(
+    [
+        ("slot", "i8"),
+        # In the journal, in bytes; the offset is a multiple of eight.
+        ("offset", "i8"),
+        ("length", "i8"),
+        # Filled by `place`.
+        ("status", "i8"),
+        ("sequence", "i8"),
+        ("time_us", "i8"),
+        ("duration_us", "i8"),
+        ("next_tick", "i8"),
+        ("last_position", "f8"),
+        ("rows_known", "i8"),
+        ("first_tick", "i8"),
+        ("ticks", "i8"),
+        # First value in `Placed.signals`, first quality in `Placed.quality`, first tick in what a step writes.
+        ("signals_at", "i8"),
+        ("quality_at", "i8"),
+        ("tick_at", "i8"),
+        ("is_flawed", "i8"),
+    ]
+)
+"""One packet of a turn."""
+
+ORDINARY, RARE = 0, 1
+"""An ordinary packet is wholly taken by compiled code. A rare one changed nothing: the general way takes it."""
+
+
+class Network(NamedTuple):
+    """Pooled rows of what is known of the sensors of N sessions, sessions leading.
+
+    Attributes
+    ----------
+    slot : ndarray of SLOT, shape (N,)
+    last_sent : ndarray, shape (N, 2, S, 3)
+        As `Unpacker` carries it on.
+    same_ticks : ndarray of int64, shape (N, S)
+    clip_levels : ndarray, shape (N, S, 2, 2, 3)
+    last_rows : ndarray, shape (N, C, S, 2, 3)
+        The last two rows of samples, as `Aligner` carries them on.
+    recent : ndarray, shape (N, C, S, R, 3)
+        The newest R ticks in a ring, tick modulo R.
+    recent_quality : ndarray of uint8, shape (N, S, R)
+    """
+
+    slot: NDArray[np.void]
+    last_sent: Float
+    same_ticks: NDArray[np.int64]
+    clip_levels: Float
+    last_rows: Float
+    recent: Float
+    recent_quality: NDArray[np.uint8]
+
+
+class Placed(NamedTuple):
+    """Samples of all items of a turn at common ticks, one after the other; shapes (C, S, K, 3) and (S, K) each.
+
+    Attributes
+    ----------
+    signals : ndarray, shape (values,)
+    quality : ndarray of uint8, shape (samples,)
+    """
+
+    signals: Float
+    quality: NDArray[np.uint8]
+
+
+def network_rows(sessions: int, channels: int, sensors: int, recent_ticks: int) -> Network:
+    """Return rows for so many sessions; memory is used only where a session is."""
+    return Network(
+        np.zeros(sessions, dtype=SLOT),
+        np.zeros((sessions, 2, sensors, 3)),
+        np.zeros((sessions, sensors), dtype=np.int64),
+        np.zeros((sessions, sensors, 2, 2, 3)),
+        np.zeros((sessions, channels, sensors, 2, 3)),
+        np.zeros((sessions, channels, sensors, recent_ticks, 3)),
+        np.zeros((sessions, sensors, recent_ticks), dtype=np.uint8),
+    )
+
+
+__all__ = ["ITEM", "ORDINARY", "RARE", "SLOT", "SNAP_TICKS", "Network", "Placed", "network_rows"]

@@ -1,0 +1,176 @@
+"""A pool of live arm sessions: pipelines whose arrays are views of its rows, and one step for all of them."""
+
+from collections.abc import Hashable
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.orientation.telemotion import TelemotionEstimator
+from estimators.pipelines._contract import Frames, Pipeline
+from estimators.pipelines.arm.pipeline import ArmPipeline
+from estimators.pipelines.arm.pooled_kernel import step_arms
+from estimators.pipelines.arm.rows import ArmTables, ArmWork, arm_rows, arm_work
+from estimators.pipelines.pooled import Columns, columns
+from estimators.recording import Float
+
+STRETCH_TICKS: Final = 64
+"""Most ticks of a stretch: those of the longest packet, and one more off the grid."""
+_NONE: Final = np.empty(0, dtype=np.int64)
+
+
+class ArmPool:
+    """Rows of arm sessions with equal sensors, rate and filter settings; implements `Pool`.
+
+    Sessions that are calibrated and use our own filter join, without calibrations made in the hand and without the
+    constraint of joint headings: those run through `ArmPipeline.step`.
+
+    Parameters
+    ----------
+    like : ArmPipeline
+        One of the sessions, which `key` accepts.
+    channels : int
+        Two, or three with a magnetometer.
+    sessions : int
+        Rows for so many.
+    most_ticks : int
+        What one call of `step` may hold, over all its stretches.
+    """
+
+    def __init__(self, like: ArmPipeline, channels: int, sessions: int, most_ticks: int) -> None:
+        network, model, mass = like._network, like._model, like._mass
+        assert isinstance(network._filter, TelemotionEstimator)
+        assert model is not None
+        self.sessions = sessions
+        self.layout = like.layout
+        self._sensors = network.sensor_count
+        self._time_step_s = network.time_step_s
+        self._tables = ArmTables(
+            channels,
+            network._filter._settings,
+            model._source,
+            model._point_column,
+            model._angle_column,
+            model._scalar_column,
+            _NONE if mass is None else mass._source,
+        )
+        self.rows = arm_rows(sessions, self._sensors, len(network._memory_tick))
+        self._work: ArmWork = arm_work(self._sensors, STRETCH_TICKS + 1)
+        self._columns = columns(most_ticks, self.layout)
+
+    @staticmethod
+    def key(pipeline: Pipeline) -> Hashable | None:
+        """Return what sessions of a pool have in common; None when the pipeline can be in none as it stands."""
+        if not isinstance(pipeline, ArmPipeline):
+            return None
+        network, setup = pipeline._network, pipeline.setup
+        if (
+            not isinstance(network._filter, TelemotionEstimator)
+            or pipeline._model is None
+            or pipeline._headings is not None
+            or setup.devices
+            or not network.is_calibrated
+        ):
+            return None
+        return setup.placements, setup.rate_hz, network._filter._settings.tobytes(), pipeline.layout
+
+    def join(self, slot: int, pipeline: Pipeline) -> bool:
+        """Let a pipeline go on over the rows of a slot; see `Pool.join`."""
+        if not isinstance(pipeline, ArmPipeline):
+            return False
+        network, r = pipeline._network, self.rows
+        estimator = network._filter
+        if not isinstance(estimator, TelemotionEstimator):
+            return False
+        a, b = slot * self._sensors, (slot + 1) * self._sensors
+        # A pose, a restart or another calibration gives the pipeline new arrays; what is a view already stays.
+        estimator._state = _moved(estimator._state, r.state[a:b])
+        estimator._covariance = _moved(estimator._covariance, r.covariance[a:b])
+        estimator._guard.memory = _moved(estimator._guard.memory, r.screen[a:b])
+        network._q_room_earth = _moved(network._q_room_earth, r.q_room_earth[a:b])
+        network._q_sensor_segment = _moved(network._q_sensor_segment, r.q_sensor_segment[a:b])
+        network._more_flags = _moved(network._more_flags, r.more_flags[a:b])
+        network._memory_tick = _moved(network._memory_tick, r.memory_tick[slot])
+        network._memory_q = _moved(network._memory_q, r.memory_q[slot])
+        network._memory_flags = _moved(network._memory_flags, r.memory_flags[slot])
+        pipeline._previous_angle_rad = _moved(pipeline._previous_angle_rad, r.previous_angle[slot])
+        has_mounting = len(network._mounting_variance) > 0
+        if has_mounting:
+            network._mounting_variance = _moved(network._mounting_variance, r.mounting_variance[a:b])
+        network._accelerometer_bias = _moved(network._accelerometer_bias, r.force_bias[a:b])
+        x: Any = r.session[slot]
+        x["has_force_bias"], x["has_mounting"] = network._has_accelerometer_bias, has_mounting
+        x["memory_stride"], x["step_s"] = network._stride, network.time_step_s
+        if pipeline._model is not None:
+            x["lengths"] = pipeline._model._lengths
+        mass = pipeline._mass
+        if mass is not None:
+            x["mass_settings"], x["mass_middle"] = mass._standing, mass._middle
+            r.lever[slot], r.doubt[slot], r.has_doubt[slot], r.feet[slot] = (
+                mass._lever,
+                mass._doubt,
+                mass._has_doubt,
+                mass._feet,
+            )
+        return True
+
+    def leave(self, slot: int, pipeline: Pipeline) -> None:
+        """Give a pipeline arrays of its own again."""
+        if not isinstance(pipeline, ArmPipeline):
+            return
+        network = pipeline._network
+        estimator = network._filter
+        if isinstance(estimator, TelemotionEstimator):
+            estimator._state, estimator._covariance = estimator._state.copy(), estimator._covariance.copy()
+            estimator._guard.memory = estimator._guard.memory.copy()
+        for name in (
+            "_q_room_earth",
+            "_q_sensor_segment",
+            "_more_flags",
+            "_memory_tick",
+            "_memory_q",
+            "_memory_flags",
+            "_mounting_variance",
+            "_accelerometer_bias",
+        ):
+            setattr(network, name, getattr(network, name).copy())
+        pipeline._previous_angle_rad = pipeline._previous_angle_rad.copy()
+
+    def step(
+        self, stretches: NDArray[np.void], count: int, signals: Float, quality: NDArray[np.uint8]
+    ) -> Columns:
+        """Take the next ticks of some sessions; see `Pool.step`."""
+        step_arms(stretches, count, signals, quality, self.rows, self._tables, self._work, self._columns)
+        return self._columns
+
+    def stepped(self, pipeline: Pipeline, next_tick: int) -> None:
+        """Carry on what a pipeline knows beside its rows; see `Pool.stepped`."""
+        network = pipeline._network  # type: ignore[attr-defined]
+        network._next_tick = network._filter._guard.next_tick = next_tick
+
+    def frames(self, pipeline: Pipeline, found: Columns, first_tick: int, start: int, stop: int) -> Frames:
+        """Return copies of some rows as frames; see `Pool.frames`."""
+        return Frames(
+            self.layout,
+            first_tick,
+            self._time_step_s,
+            found.q_room_segment[start:stop].copy(),
+            found.point_room_m[start:stop].copy(),
+            found.angle_rad[start:stop].copy(),
+            found.angle_sigma_rad[start:stop].copy(),
+            found.scalar[start:stop].copy(),
+            found.segment_flags[start:stop].copy(),
+            found.angle_flags[start:stop].copy(),
+            None,
+        )
+
+
+def _moved(values: NDArray[Any], row: NDArray[Any]) -> NDArray[Any]:
+    """Return the row with the values in it."""
+    if values.base is not row.base or values.ctypes.data != row.ctypes.data:
+        row[...] = values
+        return row
+    return values
+
+
+__all__ = ["STRETCH_TICKS", "ArmPool"]

@@ -1,0 +1,220 @@
+"""The step of many arm sessions at once: what `ArmPipeline.step` does, compiled whole, with the same bits."""
+
+from typing import Final
+
+import numpy as np
+from numba import types
+from numpy.typing import NDArray
+
+from estimators.arm._kernel import evaluate_kernel
+from estimators.balance.mass_centre._worn_kernel import mass_centre
+from estimators.compiling import compiled
+from estimators.kernels import VOID, Record, bundle, rows, step
+from estimators.orientation._contract import OrientationFlag
+from estimators.orientation._screen import _FIELD, _SAMPLE, _judge
+from estimators.orientation._strapdown_steps import Estimates, Ticks
+from estimators.orientation.telemotion._kernel import run
+from estimators.orientation.telemotion._records import SETTINGS, STATE
+from estimators.pipelines.arm.kernel import compose
+from estimators.pipelines.arm.rows import SESSION, ArmRows, ArmTables, ArmWork
+from estimators.pipelines.pooled import STRETCH, Columns
+from estimators.recording import Float, SampleQuality
+
+_MISSING: Final = int(SampleQuality.MISSING)
+_DISTURBANCE: Final = int(OrientationFlag.MAGNETIC_DISTURBANCE)
+
+_F1, _F2, _F3, _F4 = (types.Array(types.float64, n, "C") for n in (1, 2, 3, 4))
+_F5 = types.Array(types.float64, 5, "C")
+_U1, _U2, _U3 = (types.Array(types.uint8, n, "C") for n in (1, 2, 3))
+_I1, _I2 = (types.Array(types.int64, n, "C") for n in (1, 2))
+ROWS: Final = bundle(
+    ArmRows,
+    rows(SESSION),
+    rows(STATE),
+    _F3,
+    _F2,
+    _F2,
+    _F2,
+    _F2,
+    _F2,
+    _U1,
+    _F2,
+    _I2,
+    _F4,
+    _U3,
+    _F4,
+    _F5,
+    _U2,
+    _F3,
+)
+TABLES: Final = bundle(ArmTables, types.int64, rows(SETTINGS), _I1, _I1, _I1, _I1, _I1)
+WORK: Final = bundle(ArmWork, _F1, _F1, _F1, _F1, _F1, _F1, _F1, _U1, _U1, _U1)
+COLUMNS: Final = bundle(Columns, _F3, _F3, _F2, _F2, _F2, _U2, _U2, _F3)
+
+
+@step()
+def _without_bias(force: Float, bias: Float, out: Float) -> None:
+    for s in range(force.shape[0]):
+        for k in range(force.shape[1]):
+            for a in range(3):
+                out[s, k, a] = force[s, k, a] - bias[s, a]
+
+
+@step()
+def _take_out(
+    wild: NDArray[np.uint8],
+    rate: Float,
+    force: Float,
+    field: Float,
+    quality: NDArray[np.uint8],
+    own_rate: Float,
+    own_force: Float,
+    own_field: Float,
+    own_quality: NDArray[np.uint8],
+) -> None:
+    """Copy samples without those that cannot be true; as `SampleScreen.screened`."""
+    for s in range(quality.shape[0]):
+        for k in range(quality.shape[1]):
+            lost = (wild[s, k] & _SAMPLE) != 0
+            own_quality[s, k] = quality[s, k] | _MISSING if lost else quality[s, k]
+            for a in range(3):
+                own_rate[s, k, a] = np.nan if lost else rate[s, k, a]
+                own_force[s, k, a] = np.nan if lost else force[s, k, a]
+                if field.shape[0] > 0:
+                    own_field[s, k, a] = np.nan if wild[s, k] else field[s, k, a]
+
+
+@step()
+def _remember(
+    x: Record,
+    first_tick: int,
+    q: Float,
+    flags: NDArray[np.uint8],
+    at: NDArray[np.int64],
+    kept: Float,
+    kept_flags: Float,
+) -> None:
+    """Retain every n-th orientation for a calibration pose; as `BodyNetwork`."""
+    stride = x.memory_stride
+    k = (-first_tick) % stride
+    while k < flags.shape[1]:
+        slot = ((first_tick + k) // stride) % at.shape[0]
+        at[slot] = first_tick + k
+        for s in range(flags.shape[0]):
+            kept_flags[slot, s] = flags[s, k]
+            for a in range(4):
+                kept[slot, s, a] = q[s, k, a]
+        k += stride
+
+
+@compiled(VOID(rows(STRETCH), types.int64, _F1, _U1, ROWS, TABLES, WORK, COLUMNS))
+def step_arms(
+    stretches: NDArray[np.void],
+    count: int,
+    signals: Float,
+    quality: NDArray[np.uint8],
+    r: ArmRows,
+    tables: ArmTables,
+    work: ArmWork,
+    out: Columns,
+) -> None:
+    """Take the next ticks of some sessions; see `Pool.step`."""
+    sensors = r.lever.shape[2]
+    nothing, no_details = np.empty((0, 0, 3)), np.empty((0, 0, 0))
+    for n in range(count):
+        ticks = stretches[n].ticks
+        if ticks == 0:
+            continue
+        slot, first_tick = stretches[n].slot, stretches[n].first_tick
+        x, samples = r.session[slot], sensors * ticks
+        a, b = slot * sensors, (slot + 1) * sensors
+        at, size = stretches[n].signals_at, 3 * samples
+        rate = signals[at : at + size].reshape((sensors, ticks, 3))
+        force = signals[at + size : at + 2 * size].reshape((sensors, ticks, 3))
+        field = nothing
+        if tables.channels == 3:
+            field = signals[at + 2 * size : at + 3 * size].reshape((sensors, ticks, 3))
+        at = stretches[n].quality_at
+        grade = quality[at : at + samples].reshape((sensors, ticks))
+        if x.has_force_bias:
+            own = work.force[:size].reshape((sensors, ticks, 3))
+            _without_bias(force, r.force_bias[a:b], own)
+            force = own
+        given = Ticks(rate, force, field, grade)
+        wild = work.wild[:samples].reshape((sensors, ticks))
+        found = _judge(rate, force, field, grade, x.step_s, False, r.screen[a:b], wild)
+        if found > 0:
+            own_rate = work.rate[:size].reshape((sensors, ticks, 3))
+            own_force = work.force[:size].reshape((sensors, ticks, 3))
+            own_field = work.field[:size].reshape((sensors, ticks, 3)) if tables.channels == 3 else nothing
+            own_grade = work.quality[:samples].reshape((sensors, ticks))
+            _take_out(wild, rate, force, field, grade, own_rate, own_force, own_field, own_grade)
+            given = Ticks(own_rate, own_force, own_field, own_grade)
+        state = r.state[a:b]
+        for s in range(sensors):
+            state[s].tick = first_tick
+        q = work.q[: 4 * samples].reshape((sensors, ticks, 4))
+        bias = work.bias[:size].reshape((sensors, ticks, 3))
+        sigma = work.sigma[:size].reshape((sensors, ticks, 3))
+        flags = work.flags[:samples].reshape((sensors, ticks))
+        run(given, tables.settings, state, r.covariance[a:b], Estimates(q, bias, sigma, flags, no_details))
+        if found > 0:
+            for s in range(sensors):
+                for k in range(ticks):
+                    if wild[s, k] == _FIELD:
+                        flags[s, k] |= _DISTURBANCE
+        start = stretches[n].tick_at
+        stop = start + ticks
+        omega = work.omega[:size].reshape((ticks, sensors, 3))
+        compose(
+            q,
+            sigma,
+            rate,
+            bias,
+            flags,
+            r.q_room_earth[a:b],
+            r.q_sensor_segment[a:b],
+            r.mounting_variance[a:b] if x.has_mounting else r.mounting_variance[a:a],
+            r.more_flags[a:b],
+            out.q_room_segment[start:stop],
+            omega,
+            out.segment_sigma_rad[start:stop],
+            out.segment_flags[start:stop],
+        )
+        _remember(x, first_tick, q, flags, r.memory_tick[slot], r.memory_q[slot], r.memory_flags[slot])
+        evaluate_kernel(
+            out.q_room_segment[start:stop],
+            omega,
+            out.segment_sigma_rad[start:stop],
+            out.segment_flags[start:stop],
+            tables.source,
+            x.lengths.copy(),
+            x.step_s,
+            r.previous_angle[slot],
+            tables.point_column,
+            tables.angle_column,
+            tables.scalar_column,
+            out.point_room_m[start:stop],
+            out.angle_rad[start:stop],
+            out.angle_sigma_rad[start:stop],
+            out.scalar[start:stop],
+            out.angle_flags[start:stop],
+        )
+        if tables.mass_source.shape[0] > 0:
+            mass_centre(
+                out.q_room_segment[start:stop],
+                out.segment_sigma_rad[start:stop],
+                out.segment_flags[start:stop],
+                r.lever[slot],
+                r.doubt[slot],
+                r.has_doubt[slot],
+                x.mass_middle.copy(),
+                r.feet[slot],
+                tables.mass_source,
+                x.mass_settings.copy(),
+                out.point_room_m[start:stop],
+                out.scalar[start:stop],
+            )
+
+
+__all__ = ["step_arms"]
