@@ -39,7 +39,6 @@ from app.sentences import say
 
 HELLO_TIMEOUT_S = 10.0
 ACKNOWLEDGE_EVERY_S = 0.2
-CHECK_RIGHT_EVERY_S = 5.0
 MAX_TEXT_BYTES = 256 * 1024
 ERRORS_A_SECOND = 20
 """Error messages sent; further errors of that second are counted only."""
@@ -114,6 +113,10 @@ class Intake(Protocol):
 
 class PacketSink(Protocol):
     """Where packets go; implemented by the live side, wired by `app.main` as `Services.live`."""
+
+    @property
+    def check_every_s(self) -> float:
+        """How often the right of a connection is checked again."""
 
     async def open(self, hello: HelloMessage, declaration: Declaration) -> Intake:
         """Open the session of the hello's ticket. Raises typed errors."""
@@ -351,7 +354,7 @@ class IngestConnection:
         last = ""
         sent_s = time.monotonic()
         # Connections that came together after a restart must not all be checked at the same moment.
-        checked_s = sent_s - random.uniform(0.0, CHECK_RIGHT_EVERY_S)  # noqa: S311
+        checked_s = sent_s - random.uniform(0.0, self._sink.check_every_s)  # noqa: S311
         while True:
             with contextlib.suppress(TimeoutError):
                 await asyncio.wait_for(intake.ended.wait(), ACKNOWLEDGE_EVERY_S)
@@ -366,7 +369,7 @@ class IngestConnection:
                 last, sent_s = text, now
             if is_finished:
                 return
-            if now - checked_s > CHECK_RIGHT_EVERY_S:
+            if now - checked_s > self._sink.check_every_s:
                 await intake.check_right()
                 checked_s = now
 

@@ -41,6 +41,10 @@ logger = logging.getLogger(__name__)
 
 Answer = TypeVar("Answer")
 _NOT_CLOSED = say("live.not_closed")
+CHECK_EVERY_S: Final = 5.0
+CHECK_AT_LEAST_EVERY_S: Final = 30.0
+CHECKS_SHARE: Final = 0.03
+"""Of a processor, for checks of rights of all open sockets."""
 QUIET_S: Final = 60.0
 """A session from which nothing came for longer is not expected to stream at any moment."""
 
@@ -108,6 +112,7 @@ class LiveManager:
         self._measuring: asyncio.Task[None] | None = None
         # One thread: the checks of many sockets at once must not outnumber the event loop for the interpreter.
         self._checks = ThreadPoolExecutor(1, thread_name_prefix="live-checks")
+        self._check_cost_s = 0.0
         self._check_process = CheckProcess()
         self._opener = Opener(engine, writer, bus, hemisphere, self._check_process)
         self._tasks: set[asyncio.Task[Any]] = set()
@@ -367,7 +372,22 @@ class LiveManager:
 
     async def check(self, work: Callable[[], Answer]) -> Answer:
         """Run a small database read in the thread reserved for checks of open sockets."""
-        return await asyncio.get_running_loop().run_in_executor(self._checks, work)
+
+        def timed() -> Answer:
+            began_s = time.thread_time()
+            try:
+                return work()
+            finally:
+                self._check_cost_s += 0.1 * (time.thread_time() - began_s - self._check_cost_s)
+
+        return await asyncio.get_running_loop().run_in_executor(self._checks, timed)
+
+    @property
+    def check_every_s(self) -> float:
+        """How often the right of an open socket is checked again: more rarely where very many are open."""
+        # A session has a gateway and, mostly, somebody who watches.
+        wanted_s = 2 * len(self._sessions) * self._check_cost_s / CHECKS_SHARE
+        return min(max(wanted_s, CHECK_EVERY_S), CHECK_AT_LEAST_EVERY_S)
 
     async def _check_gateway(
         self, session: LiveSession, may_stream: Callable[[], None], patience: Patience

@@ -149,7 +149,11 @@ def still_allowed(engine: Engine, subject: Subject, session_id: str, level: Leve
             account = session.get(Account, subject.id)
             if account is None or not account.is_active:
                 raise SignInRequired(say("live.account_inactive"))
-        require_patient(session, subject, _row(session, session_id).patient_id, level)
+        # Every open socket asks this every few seconds: setup and hello of the session are not read for it.
+        patient_id = session.scalar(select(MotionSession.patient_id).where(MotionSession.id == session_id))
+        if patient_id is None:
+            raise NotFound(NO_SUCH_SESSION)
+        require_patient(session, subject, patient_id, level)
 
 
 def _require_safe(session: Session, row: MotionSession, hours: float) -> None:

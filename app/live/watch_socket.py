@@ -35,7 +35,6 @@ from app.sentences import say
 from app.services import Services, services_of
 
 TICKET_TIMEOUT_S = 10.0
-CHECK_RIGHT_EVERY_S = 5.0
 FRAMES_KEPT = 16
 MESSAGES_KEPT = 256
 
@@ -57,13 +56,14 @@ async def watch(websocket: WebSocket, session_id: str) -> None:
         try:
             subject, check = await _who(websocket, services, session_id)
             with services.limits.take("sockets", subject):
-                stored = await asyncio.to_thread(check)
+                await asyncio.to_thread(check)
+                stored = await asyncio.to_thread(repository.load, services.engine, session_id)
                 await _serve(websocket, services.get(LiveManager), stored, check)
         except TelemotionError as error:
             await _end(websocket, error)
 
 
-Check = Callable[[], repository.StoredSession]
+Check = Callable[[], None]
 
 
 async def _who(websocket: WebSocket, services: Services, session_id: str) -> tuple[Subject, Check]:
@@ -76,14 +76,7 @@ async def _who(websocket: WebSocket, services: Services, session_id: str) -> tup
     stored = await asyncio.to_thread(
         repository.authorise, engine, subject, session_id, "read", "session.watch"
     )
-    return subject, partial(_check_again, services, subject, stored)
-
-
-def _check_again(
-    services: Services, subject: Subject, stored: repository.StoredSession
-) -> repository.StoredSession:
-    repository.still_allowed(services.engine, subject, stored.id, "read")
-    return repository.load(services.engine, stored.id)
+    return subject, partial(repository.still_allowed, engine, subject, stored.id, "read")
 
 
 async def _subject_of_ticket(websocket: WebSocket, services: Services, session_id: str) -> Subject:
@@ -175,11 +168,11 @@ async def _keep_checking(websocket: WebSocket, live: LiveManager, check: Check) 
         check()
 
     # Sockets that were opened together must not all be checked at the same moment.
-    await asyncio.sleep(random.uniform(0.0, CHECK_RIGHT_EVERY_S))  # noqa: S311
+    await asyncio.sleep(random.uniform(0.0, live.check_every_s))  # noqa: S311
     patience = Patience()
     while True:
         await patience.wait(live.check(check_all))
-        await asyncio.sleep(CHECK_RIGHT_EVERY_S)
+        await asyncio.sleep(live.check_every_s)
 
 
 async def _end(websocket: WebSocket, error: TelemotionError) -> None:

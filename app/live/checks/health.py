@@ -16,6 +16,8 @@ LOST_AFTER_S = 0.5
 _NOISY_LOSS_PERCENT = 5.0
 _WINDOW_S = 1.0
 _LATENCIES = 512
+_DISTURBED = int(OrientationFlag.MAGNETIC_DISTURBANCE)
+_NO_HEADING = int(OrientationFlag.HEADING_NOT_TRUSTED)
 
 
 @dataclass
@@ -135,8 +137,9 @@ class LinkHealth:
         known = [*self._taken_s, *self.latencies_s][-_LATENCIES:]
         if not known:
             return None, None
-        median, high = np.percentile(np.array(known), [50, 99])
-        return round(1e3 * float(median), 3), round(1e3 * float(high), 3)
+        ordered = sorted(known)
+        median, high = ordered[len(ordered) // 2], ordered[min(len(ordered) - 1, round(0.99 * len(ordered)))]
+        return round(1e3 * median, 3), round(1e3 * high, 3)
 
     def sensors(self, link_is_up: bool) -> list[SensorHealth]:
         """Return the health of every sensor."""
@@ -146,18 +149,21 @@ class LinkHealth:
         found = []
         newest = [] if self._segment_flags is None else self._segment_flags[-1].tolist()
         flags_of = dict(zip(self._segments, newest, strict=True))
-        for i, placement in enumerate(self.placements):
+        jitter_ms = round(1e3 * self._jitter_s, 2)
+        each = zip(self.placements, loss.tolist(), saturated.tolist(), self._is_lost.tolist(), strict=True)
+        for placement, percent, is_saturated, is_lost in each:
             flags = flags_of.get(placement, 0)
-            is_noisy = loss[i] > _NOISY_LOSS_PERCENT or bool(saturated[i])
+            is_noisy = percent > _NOISY_LOSS_PERCENT or is_saturated
             found.append(
-                SensorHealth(
+                # Twice a second for every sensor of every session: its types are known here.
+                SensorHealth.model_construct(
                     placement=placement,
-                    status="lost" if self._is_lost[i] or not link_is_up else "noisy" if is_noisy else "ok",
-                    loss_percent=round(float(loss[i]), 2),
-                    jitter_ms=round(1e3 * self._jitter_s, 2),
-                    saturated=bool(saturated[i]),
-                    magnetic_disturbance=bool(flags & OrientationFlag.MAGNETIC_DISTURBANCE),
-                    heading_trusted=not flags & OrientationFlag.HEADING_NOT_TRUSTED,
+                    status="lost" if is_lost or not link_is_up else "noisy" if is_noisy else "ok",
+                    loss_percent=round(percent, 2),
+                    jitter_ms=jitter_ms,
+                    saturated=is_saturated,
+                    magnetic_disturbance=flags & _DISTURBED != 0,
+                    heading_trusted=flags & _NO_HEADING == 0,
                 )
             )
         return found

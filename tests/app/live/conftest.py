@@ -52,7 +52,14 @@ class ServerProcess:
 
     def start(self) -> None:
         arguments = ["--factory", "app.main:create_app", "--host", "127.0.0.1", "--port", str(self.port)]
-        arguments += ["--ws", "app.network.lean_sockets:LeanSocket", "--loop", "uvloop", "--http", "httptools"]
+        arguments += [
+            "--ws",
+            "app.network.lean_sockets:LeanSocket",
+            "--loop",
+            "uvloop",
+            "--http",
+            "httptools",
+        ]
         arguments += ["--no-access-log", "--log-level", "warning"]
         with self._log.open("ab") as log:
             self.process = subprocess.Popen(

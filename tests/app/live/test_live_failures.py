@@ -15,7 +15,6 @@ from sqlalchemy import Engine, update
 from app.database.unit_of_work import unit_of_work
 from app.errors import Conflict
 from app.gateway import DeviceStream, stream_of
-from app.ingest import websocket as ingest_websocket
 from app.live import manager as live_manager
 from app.live import repository, warmup
 from app.live.bus import MemoryBus
@@ -130,7 +129,7 @@ def test_a_session_that_is_erased_while_it_streams_harms_nobody(
     is_told: Callable[[dict[str, Any]], bool],
 ) -> None:
     """Whichever notices first, storing or the check of the right, tells the gateway."""
-    monkeypatch.setattr(ingest_websocket, "CHECK_RIGHT_EVERY_S", check_every_s)
+    monkeypatch.setattr("app.live.manager.CHECK_EVERY_S", check_every_s)
     erased = new_session(therapist, world.patient_id, stream)
     sound = new_session(therapist, world.other_patient_id, stream)
     with (

@@ -115,8 +115,8 @@ print(before, Counter.names[before:])
 
 MOST_KERNELS = 225
 """85 when this was written, 31 s of one core; 132 since a start in movement has kernels of its own; 146 since the
-filter's state is records, because what fills gaps is compiled for two of them; 217 with the pooled engine, the more being small ones of numba
-for slices, `min` and `max`; once it was 357."""
+filter's state is records, because what fills gaps is compiled for two of them; 217 with the pooled engine, the more
+being small ones of numba for slices, `min` and `max`; once it was 357."""
 
 
 @pytest.mark.slow
