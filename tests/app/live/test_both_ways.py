@@ -11,6 +11,7 @@ from app.limits import Limits
 from app.live.bus import MemoryBus, Subscription, topic
 from app.live.manager import LiveManager
 from app.live.session.runner import LiveSession
+from app.live.warmup import FIRST, warm_up
 from app.recordings.signals.group_commit import GroupCommitWriter
 from app.settings import Allowance, Settings
 from estimators.errors import CalibrationError
@@ -101,6 +102,8 @@ async def pair_of(manager: LiveManager, world: Any, stream: Any) -> Pair:
 
 @pytest.fixture
 def manager(engine: Engine, settings: Settings) -> LiveManager:
+    # Loading may take longer than a session's gateway waits, where much else runs.
+    warm_up(FIRST)
     limits = Limits({"streams": Allowance(1000, 1000, 1000)})
     return LiveManager(engine, GroupCommitWriter(engine), MemoryBus(), lambda _: None, limits=limits)
 
