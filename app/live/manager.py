@@ -18,9 +18,9 @@ from app.live import repository
 from app.live.admission import FULL, WINDOW_S, Admission
 from app.live.bus import Bus, topic
 from app.live.checks.plausibility import CheckProcess
-from app.live.guidance.desk import GuidanceDesk
 from app.live.engine.lane import Lane
 from app.live.engine.turns import PooledEngine
+from app.live.guidance.desk import GuidanceDesk
 from app.live.housekeeping import GOODBYE_CLOSE_S, IDLE_CLOSE_S, LONGEST_S, Housekeeping
 from app.live.messages import StateMessage
 from app.live.patience import Patience

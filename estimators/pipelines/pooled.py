@@ -93,7 +93,12 @@ class Pool(Protocol):
         """Carry on what a pipeline knows beside its rows, after `step` has taken its ticks up to `next_tick`."""
 
     def frames(self, pipeline: Pipeline, columns: Columns, first_tick: int, start: int, stop: int) -> Frames:
-        """Return copies of some rows as frames, as they are stored live."""
+        """Return views of some rows as frames, as they are stored live."""
+
+
+def held(found: Columns, ticks: int) -> Columns:
+    """Return a copy of the first rows, which the next step does not overwrite."""
+    return Columns._make([values[:ticks].copy() for values in found])
 
 
 def columns(ticks: int, layout: FrameLayout) -> Columns:
@@ -111,4 +116,4 @@ def columns(ticks: int, layout: FrameLayout) -> Columns:
     )
 
 
-__all__ = ["STRETCH", "Columns", "Pool", "columns"]
+__all__ = ["STRETCH", "Columns", "Pool", "columns", "held"]

@@ -68,8 +68,8 @@ class Pooled(Protocol):
     def took(self, raw: RawPacket, end_s: float, arrival_s: float) -> None:
         """Store and count a packet that was placed in order; `end_s` is its session time."""
 
-    def after_pooled(self, frames: Frames, chunk: ImuChunk | None) -> None:
-        """Publish and store what was found; `chunk` where a sample is less than measured."""
+    def after_pooled(self, frames: Frames, ticks: int, chunk: ImuChunk | None) -> None:
+        """Publish and store what was found in so many ticks; `chunk` where a sample is less than measured."""
 
 
 class Slots(Protocol):
@@ -100,7 +100,7 @@ class Lane:
         self.slot = -1
         self._engine = engine
         self._key: Hashable | None = None
-        self._known: tuple[object, ...] = ()
+        self._known: tuple[object, ...] | None = None
         self._next = (-1, -1)
 
     @property
@@ -110,12 +110,16 @@ class Lane:
         clock, aligner = session.clock, session.aligner
         if session.machine.state not in STREAMING or not session.is_plain or aligner.waiting:
             return False
-        known = (clock.declaration, session.pipeline.setup, aligner)
-        if self._next == (clock.highest, aligner.next_tick) and all(
-            one is other for one, other in zip(self._known, known, strict=False)
+        declaration, setup, known = clock.declaration, session.pipeline.setup, self._known
+        if (
+            self._next == (clock.highest, aligner.next_tick)
+            and known is not None
+            and known[0] is declaration
+            and known[1] is setup
+            and known[2] is aligner
         ):
             return True
-        return self._enter(known)
+        return self._enter((declaration, setup, aligner))
 
     def _enter(self, known: tuple[object, ...]) -> bool:
         session = self.session
@@ -155,7 +159,7 @@ class Lane:
         self.session.aligner.own()
         self.session.recent.own()
         self.pool.free.append(self.slot)
-        self.pool, self.slot, self._key, self._known = None, -1, None, ()
+        self.pool, self.slot, self._key, self._known = None, -1, None, None
 
     def forget(self) -> None:
         """Look anew where the session stands before the next packet is taken."""
@@ -214,7 +218,7 @@ class Lane:
                 nothing.magnetometer_t,
                 quality,
             )
-        session.after_pooled(taken.frames(session.pipeline, row), chunk)
+        session.after_pooled(taken.frames(session.pipeline, row), ticks, chunk)
         session.health.latencies_s.append(time.monotonic() - arrival_s)
 
 

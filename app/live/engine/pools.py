@@ -16,7 +16,7 @@ from app.network.placing.kernel import place
 from app.network.placing.slot import ITEM, Network, Placed, network_rows
 from estimators.pipelines import Frames, Pipeline
 from estimators.pipelines.arm.pool import ArmPool
-from estimators.pipelines.pooled import STRETCH, Columns, Pool
+from estimators.pipelines.pooled import STRETCH, Columns, Pool, held
 
 SESSIONS: Final = 32
 """Of a pool; its arrays are made at once, and memory is used where a session is."""
@@ -53,7 +53,7 @@ class Taken:
     rows : list of tuple
         Values of `ITEM`.
     columns : Columns
-        Valid until the pool's next call.
+        Rows of these packets alone, which nobody overwrites.
     """
 
     rows: list[tuple[Any, ...]]
@@ -61,7 +61,7 @@ class Taken:
     pool: "SessionPool" = field(repr=False)
 
     def frames(self, pipeline: Pipeline, row: tuple[Any, ...]) -> Frames:
-        """Return a copy of a packet's frames."""
+        """Return a packet's frames."""
         start = row[TICK_AT]
         return self.pool.kind.frames(pipeline, self.columns, row[FIRST_TICK], start, start + row[TICKS])
 
@@ -113,7 +113,9 @@ class SessionPool:
         for name in _STEP_FIELDS:
             self._stretches[name][:count] = items[name]
         columns = self.kind.step(self._stretches, count, self._placed.signals, self._placed.quality)
-        return Taken(items.tolist(), columns, self)
+        rows = items.tolist()
+        ticks = sum([row[TICKS] for row in rows])
+        return Taken(rows, held(columns, ticks), self)
 
     def quality(self, row: tuple[Any, ...]) -> NDArray[np.uint8]:
         """Return a copy of a packet's quality, shape (S, K)."""
@@ -128,7 +130,6 @@ class SessionPool:
         Parameters
         ----------
         taken : Taken
-            Of the newest call.
         rows : sequence of tuple
             Those of `taken.rows` that are wanted; each has ticks.
         published_at_s : float

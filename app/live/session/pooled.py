@@ -84,19 +84,23 @@ class PooledSession(CalibratedSession):
             else:
                 self.duplicates += 1
 
-    def after_pooled(self, frames: Frames, chunk: ImuChunk | None) -> None:
+    def after_pooled(self, frames: Frames, ticks: int, chunk: ImuChunk | None) -> None:
         """Publish and store what the pooled engine found; `chunk` where a sample is less than measured."""
         if self._bus.has_listeners(self._topics["frames"]):
             self._bus.publish(self._topics["frames"], PublishedFrames(frames, time.time()))
         if self.guidance is not None:
             self.guidance.see(frames, is_counting=self.state == "recording", is_live=True)
-        self.store_frames(frames)
+        if frames.first_tick < self._unstored_tick:
+            self.store_frames(frames)
+        else:
+            with contextlib.suppress(Conflict, Unavailable):
+                self._writer.append_frames(self.id, self.result_id, frames)
         self.health.set_flags(frames.layout.segments, frames.segment_flags)
         if chunk is None:
-            self.health.add_whole(frames.tick_count)
+            self.health.add_whole(ticks)
         else:
             self._tell_changes(chunk)
-        self._first_seconds.seen(frames.first_tick, frames.first_tick + frames.tick_count)
+        self._first_seconds.seen(frames.first_tick, frames.first_tick + ticks)
 
     def store_frames(self, frames: Frames) -> None:
         """Store frames except the ticks that were stored before a restart."""

@@ -149,19 +149,18 @@ class ArmPool:
         network._next_tick = network._filter._guard.next_tick = next_tick
 
     def frames(self, pipeline: Pipeline, found: Columns, first_tick: int, start: int, stop: int) -> Frames:
-        """Return copies of some rows as frames; see `Pool.frames`."""
+        """Return some rows as frames; see `Pool.frames`."""
         return Frames(
             self.layout,
             first_tick,
             self._time_step_s,
-            found.q_room_segment[start:stop].copy(),
-            found.point_room_m[start:stop].copy(),
-            found.angle_rad[start:stop].copy(),
-            found.angle_sigma_rad[start:stop].copy(),
-            found.scalar[start:stop].copy(),
-            found.segment_flags[start:stop].copy(),
-            found.angle_flags[start:stop].copy(),
-            None,
+            found.q_room_segment[start:stop],
+            found.point_room_m[start:stop],
+            found.angle_rad[start:stop],
+            found.angle_sigma_rad[start:stop],
+            found.scalar[start:stop],
+            found.segment_flags[start:stop],
+            found.angle_flags[start:stop],
         )
 
 
