@@ -234,8 +234,6 @@ def _between(
     numbers: NDArray[np.float32],
     network: Network,
     placed: Placed,
-    signals_at: int,
-    quality_at: int,
     position: float,
     spacing: float,
 ) -> bool:
@@ -273,10 +271,41 @@ def _between(
     _keep_last(s, x, network, own, 1)
     if count > 0:
         total = channels * sensors * count * 3
-        signals = placed.signals[signals_at : signals_at + total].reshape((channels, sensors, count, 3))
-        quality = placed.quality[quality_at : quality_at + sensors * count].reshape((sensors, count))
+        first, start = item.signals_at, item.quality_at
+        signals = placed.signals[first : first + total].reshape((channels, sensors, count, 3))
+        quality = placed.quality[start : start + sensors * count].reshape((sensors, count))
         _interpolated(places, x.next_tick, sent, sent_quality, signals, quality)
         x.next_tick += count
+    return True
+
+
+@step()
+def _placed(
+    s: int,
+    item: Record,
+    x: Record,
+    journal: NDArray[np.uint8],
+    counts: NDArray[np.int16],
+    numbers: NDArray[np.float32],
+    network: Network,
+    placed: Placed,
+) -> bool:
+    """Unpack a packet that comes next, on the common ticks or between them; False, and nothing changed, at a gap."""
+    channels, sensors, ticks = network.last_rows.shape[1], network.last_rows.shape[2], item.ticks
+    position = item.time_us / x.step_us
+    spacing = (item.duration_us // ticks) / x.step_us
+    if not _on_grid(position, spacing, ticks):
+        return _between(s, item, x, journal, counts, numbers, network, placed, position, spacing)
+    if int(np.rint(position)) != x.next_tick:
+        return False
+    total = channels * sensors * ticks * 3
+    signals = placed.signals[item.signals_at : item.signals_at + total].reshape((channels, sensors, ticks, 3))
+    quality = placed.quality[item.quality_at : item.quality_at + sensors * ticks].reshape((sensors, ticks))
+    _unpacked(s, x, item, journal, counts, numbers, network, signals, quality)
+    item.first_tick = x.next_tick
+    x.next_tick += ticks
+    x.last_position = x.next_tick - 1.0
+    _keep_last(s, x, network, signals, min(ticks, 2))
     return True
 
 
@@ -343,39 +372,7 @@ def place(
             continue
         if not _are_usable(item, journal, numbers):
             continue
-        sent_ticks = item.ticks
-        position = item.time_us / x.step_us
-        spacing = (item.duration_us // sent_ticks) / x.step_us
-        if _on_grid(position, spacing, sent_ticks):
-            if int(np.rint(position)) != x.next_tick:
-                item.ticks = 0
-                continue
-            total = channels * sensors * sent_ticks * 3
-            signals = placed.signals[signals_at : signals_at + total].reshape(
-                (channels, sensors, sent_ticks, 3)
-            )
-            quality = placed.quality[quality_at : quality_at + sensors * sent_ticks].reshape(
-                (sensors, sent_ticks)
-            )
-            _unpacked(s, x, item, journal, counts, numbers, network, signals, quality)
-            item.first_tick = x.next_tick
-            x.next_tick += sent_ticks
-            x.last_position = x.next_tick - 1.0
-            _keep_last(s, x, network, signals, min(sent_ticks, 2))
-        elif not _between(
-            s,
-            item,
-            x,
-            journal,
-            counts,
-            numbers,
-            network,
-            placed,
-            signals_at,
-            quality_at,
-            position,
-            spacing,
-        ):
+        if not _placed(s, item, x, journal, counts, numbers, network, placed):
             item.ticks = 0
             continue
         item.status, x.is_blocked = ORDINARY, 0

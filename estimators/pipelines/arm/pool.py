@@ -48,10 +48,10 @@ class ArmPool:
         self._tables = ArmTables(
             channels,
             network._filter._settings,
-            model._source,
-            model._point_column,
-            model._angle_column,
-            model._scalar_column,
+            model._columns.source,
+            model._columns.point,
+            model._columns.angle,
+            model._columns.scalar,
             _NONE if mass is None else mass._source,
         )
         self.rows = arm_rows(sessions, self._sensors, len(network._memory_tick))
@@ -102,10 +102,10 @@ class ArmPool:
         x["has_force_bias"], x["has_mounting"] = network._has_accelerometer_bias, has_mounting
         x["memory_stride"], x["step_s"] = network._stride, network.time_step_s
         if pipeline._model is not None:
-            x["lengths"] = pipeline._model._lengths
+            r.lengths[slot] = pipeline._model._columns.lengths_m
         mass = pipeline._mass
         if mass is not None:
-            x["mass_settings"], x["mass_middle"] = mass._standing, mass._middle
+            r.mass_settings[slot], r.mass_middle[slot] = mass._standing, mass._middle
             r.lever[slot], r.doubt[slot], r.has_doubt[slot], r.feet[slot] = (
                 mass._lever,
                 mass._doubt,

@@ -6,7 +6,8 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
-from estimators.arm._kernel import evaluate_kernel
+from estimators.arm._kernel import Columns as ModelColumns
+from estimators.arm._kernel import Filled, Segments, evaluate_kernel
 from estimators.balance.mass_centre._worn_kernel import mass_centre
 from estimators.compiling import compiled
 from estimators.kernels import VOID, Record, bundle, rows, step
@@ -46,6 +47,9 @@ ROWS: Final = bundle(
     _F5,
     _U2,
     _F3,
+    _F2,
+    _F2,
+    _F2,
 )
 TABLES: Final = bundle(ArmTables, types.int64, rows(SETTINGS), _I1, _I1, _I1, _I1, _I1)
 WORK: Final = bundle(ArmWork, _F1, _F1, _F1, _F1, _F1, _F1, _F1, _U1, _U1, _U1)
@@ -61,27 +65,41 @@ def _without_bias(force: Float, bias: Float, out: Float) -> None:
 
 
 @step()
-def _take_out(
-    wild: NDArray[np.uint8],
-    rate: Float,
-    force: Float,
-    field: Float,
-    quality: NDArray[np.uint8],
-    own_rate: Float,
-    own_force: Float,
-    own_field: Float,
-    own_quality: NDArray[np.uint8],
-) -> None:
-    """Copy samples without those that cannot be true; as `SampleScreen.screened`."""
-    for s in range(quality.shape[0]):
-        for k in range(quality.shape[1]):
+def _screened(given: Ticks, wild: NDArray[np.uint8], work: ArmWork) -> Ticks:
+    """Return copies of samples without those that cannot be true; as `SampleScreen.screened`."""
+    sensors, ticks = wild.shape
+    samples = sensors * ticks
+    size = 3 * samples
+    rate = work.rate[:size].reshape((sensors, ticks, 3))
+    force = work.force[:size].reshape((sensors, ticks, 3))
+    field = given.magnetometer_t
+    if field.shape[0] > 0:
+        field = work.field[:size].reshape((sensors, ticks, 3))
+    quality = work.quality[:samples].reshape((sensors, ticks))
+    for s in range(sensors):
+        for k in range(ticks):
             lost = (wild[s, k] & _SAMPLE) != 0
-            own_quality[s, k] = quality[s, k] | _MISSING if lost else quality[s, k]
+            quality[s, k] = given.quality[s, k] | _MISSING if lost else given.quality[s, k]
             for a in range(3):
-                own_rate[s, k, a] = np.nan if lost else rate[s, k, a]
-                own_force[s, k, a] = np.nan if lost else force[s, k, a]
+                rate[s, k, a] = np.nan if lost else given.gyroscope_radps[s, k, a]
+                force[s, k, a] = np.nan if lost else given.accelerometer_mps2[s, k, a]
                 if field.shape[0] > 0:
-                    own_field[s, k, a] = np.nan if wild[s, k] else field[s, k, a]
+                    field[s, k, a] = np.nan if wild[s, k] else given.magnetometer_t[s, k, a]
+    return Ticks(rate, force, field, quality)
+
+
+@step()
+def _flag_lost_field(wild: NDArray[np.uint8], flags: NDArray[np.uint8]) -> None:
+    for s in range(wild.shape[0]):
+        for k in range(wild.shape[1]):
+            if wild[s, k] == _FIELD:
+                flags[s, k] |= _DISTURBANCE
+
+
+@step()
+def _number(state: NDArray[np.void], first_tick: int) -> None:
+    for s in range(state.shape[0]):
+        state[s].tick = first_tick
 
 
 @step()
@@ -105,6 +123,48 @@ def _remember(
             for a in range(4):
                 kept[slot, s, a] = q[s, k, a]
         k += stride
+
+
+@step()
+def _move_arms(
+    slot: int, step_s: float, r: ArmRows, tables: ArmTables, omega: Float, start: int, stop: int, out: Columns
+) -> None:
+    """Write points, angles, scalars and the centre of mass of the rows from `start` to `stop`."""
+    evaluate_kernel(
+        Segments(
+            out.q_room_segment[start:stop],
+            omega,
+            out.segment_sigma_rad[start:stop],
+            out.segment_flags[start:stop],
+        ),
+        ModelColumns(
+            tables.source, r.lengths[slot], tables.point_column, tables.angle_column, tables.scalar_column
+        ),
+        step_s,
+        r.previous_angle[slot],
+        Filled(
+            out.point_room_m[start:stop],
+            out.angle_rad[start:stop],
+            out.angle_sigma_rad[start:stop],
+            out.scalar[start:stop],
+            out.angle_flags[start:stop],
+        ),
+    )
+    if tables.mass_source.shape[0] > 0:
+        mass_centre(
+            out.q_room_segment[start:stop],
+            out.segment_sigma_rad[start:stop],
+            out.segment_flags[start:stop],
+            r.lever[slot],
+            r.doubt[slot],
+            r.has_doubt[slot],
+            r.mass_middle[slot],
+            r.feet[slot],
+            tables.mass_source,
+            r.mass_settings[slot],
+            out.point_room_m[start:stop],
+            out.scalar[start:stop],
+        )
 
 
 @compiled(VOID(rows(STRETCH), types.int64, _F1, _U1, ROWS, TABLES, WORK, COLUMNS))
@@ -140,29 +200,20 @@ def step_arms(
             own = work.force[:size].reshape((sensors, ticks, 3))
             _without_bias(force, r.force_bias[a:b], own)
             force = own
-        given = Ticks(rate, force, field, grade)
         wild = work.wild[:samples].reshape((sensors, ticks))
         found = _judge(rate, force, field, grade, x.step_s, False, r.screen[a:b], wild)
+        given = Ticks(rate, force, field, grade)
         if found > 0:
-            own_rate = work.rate[:size].reshape((sensors, ticks, 3))
-            own_force = work.force[:size].reshape((sensors, ticks, 3))
-            own_field = work.field[:size].reshape((sensors, ticks, 3)) if tables.channels == 3 else nothing
-            own_grade = work.quality[:samples].reshape((sensors, ticks))
-            _take_out(wild, rate, force, field, grade, own_rate, own_force, own_field, own_grade)
-            given = Ticks(own_rate, own_force, own_field, own_grade)
+            given = _screened(given, wild, work)
         state = r.state[a:b]
-        for s in range(sensors):
-            state[s].tick = first_tick
+        _number(state, first_tick)
         q = work.q[: 4 * samples].reshape((sensors, ticks, 4))
         bias = work.bias[:size].reshape((sensors, ticks, 3))
         sigma = work.sigma[:size].reshape((sensors, ticks, 3))
         flags = work.flags[:samples].reshape((sensors, ticks))
         run(given, tables.settings, state, r.covariance[a:b], Estimates(q, bias, sigma, flags, no_details))
         if found > 0:
-            for s in range(sensors):
-                for k in range(ticks):
-                    if wild[s, k] == _FIELD:
-                        flags[s, k] |= _DISTURBANCE
+            _flag_lost_field(wild, flags)
         start = stretches[n].tick_at
         stop = start + ticks
         omega = work.omega[:size].reshape((ticks, sensors, 3))
@@ -182,39 +233,7 @@ def step_arms(
             out.segment_flags[start:stop],
         )
         _remember(x, first_tick, q, flags, r.memory_tick[slot], r.memory_q[slot], r.memory_flags[slot])
-        evaluate_kernel(
-            out.q_room_segment[start:stop],
-            omega,
-            out.segment_sigma_rad[start:stop],
-            out.segment_flags[start:stop],
-            tables.source,
-            x.lengths.copy(),
-            x.step_s,
-            r.previous_angle[slot],
-            tables.point_column,
-            tables.angle_column,
-            tables.scalar_column,
-            out.point_room_m[start:stop],
-            out.angle_rad[start:stop],
-            out.angle_sigma_rad[start:stop],
-            out.scalar[start:stop],
-            out.angle_flags[start:stop],
-        )
-        if tables.mass_source.shape[0] > 0:
-            mass_centre(
-                out.q_room_segment[start:stop],
-                out.segment_sigma_rad[start:stop],
-                out.segment_flags[start:stop],
-                r.lever[slot],
-                r.doubt[slot],
-                r.has_doubt[slot],
-                x.mass_middle.copy(),
-                r.feet[slot],
-                tables.mass_source,
-                x.mass_settings.copy(),
-                out.point_room_m[start:stop],
-                out.scalar[start:stop],
-            )
+        _move_arms(slot, x.step_s, r, tables, omega, start, stop, out)
 
 
 __all__ = ["step_arms"]

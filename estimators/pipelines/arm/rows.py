@@ -23,9 +23,6 @@ SESSION: Final = record(
         ("has_mounting", "i8"),
         ("memory_stride", "i8"),
         ("step_s", "f8"),
-        ("lengths", "f8", LENGTHS),
-        ("mass_settings", "f8", SETTINGS),
-        ("mass_middle", "f8", 3),
     ]
 )
 """What is known of a session beside arrays by sensor."""
@@ -54,6 +51,10 @@ class ArmRows(NamedTuple):
     doubt : ndarray, shape (N, TARGETS, S, 3, 3)
     has_doubt : ndarray of uint8, shape (N, S)
     feet : ndarray, shape (N, 2, 3)
+    mass_middle : ndarray, shape (N, 3)
+    mass_settings : ndarray, shape (N, SETTINGS)
+    lengths : ndarray, shape (N, 7)
+        Of the arm model.
     """
 
     session: NDArray[np.void]
@@ -73,6 +74,9 @@ class ArmRows(NamedTuple):
     doubt: Float
     has_doubt: NDArray[np.uint8]
     feet: Float
+    mass_middle: Float
+    mass_settings: Float
+    lengths: Float
 
 
 class ArmTables(NamedTuple):
@@ -141,6 +145,9 @@ def arm_rows(sessions: int, sensors: int, memory_ticks: int) -> ArmRows:
         np.zeros((sessions, TARGETS, sensors, 3, 3)),
         np.zeros((sessions, sensors), dtype=np.uint8),
         np.zeros((sessions, 2, 3)),
+        np.zeros((sessions, 3)),
+        np.zeros((sessions, SETTINGS)),
+        np.zeros((sessions, LENGTHS)),
     )
 
 

@@ -36,7 +36,7 @@ PACKET_CALLS = 206.3
 """Calls of Python and built-in functions for a packet of 17 sensors that nobody watches, the general way; 180.9 before
 its state could be shared with the pooled engine."""
 POOLED_CALLS = 124.3
-"""The same for a packet that is taken in a turn with seven others, watched, from the connection to the finished block."""
+"""The same for one taken in a turn with seven others, watched, from the connection to the finished block."""
 FRAME_CALLS = 22.0
 """More of them when somebody does, up to the finished block."""
 PACKET_BYTES = 16_500
