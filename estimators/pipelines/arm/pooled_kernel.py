@@ -57,6 +57,16 @@ COLUMNS: Final = bundle(Columns, _F3, _F3, _F2, _F2, _F2, _U2, _U2, _F3)
 
 
 @step()
+def _samples(signals: Float, at: int, sensors: int, ticks: int, channels: int) -> tuple[Float, Float, Float]:
+    size = 3 * sensors * ticks
+    rate = signals[at : at + size].reshape((sensors, ticks, 3))
+    force = signals[at + size : at + 2 * size].reshape((sensors, ticks, 3))
+    if channels == 2:
+        return rate, force, np.empty((0, 0, 3))
+    return rate, force, signals[at + 2 * size : at + 3 * size].reshape((sensors, ticks, 3))
+
+
+@step()
 def _without_bias(force: Float, bias: Float, out: Float) -> None:
     for s in range(force.shape[0]):
         for k in range(force.shape[1]):
@@ -180,7 +190,7 @@ def step_arms(
 ) -> None:
     """Take the next ticks of some sessions; see `Pool.step`."""
     sensors = r.lever.shape[2]
-    nothing, no_details = np.empty((0, 0, 3)), np.empty((0, 0, 0))
+    no_details = np.empty((0, 0, 0))
     for n in range(count):
         ticks = stretches[n].ticks
         if ticks == 0:
@@ -188,12 +198,8 @@ def step_arms(
         slot, first_tick = stretches[n].slot, stretches[n].first_tick
         x, samples = r.session[slot], sensors * ticks
         a, b = slot * sensors, (slot + 1) * sensors
-        at, size = stretches[n].signals_at, 3 * samples
-        rate = signals[at : at + size].reshape((sensors, ticks, 3))
-        force = signals[at + size : at + 2 * size].reshape((sensors, ticks, 3))
-        field = nothing
-        if tables.channels == 3:
-            field = signals[at + 2 * size : at + 3 * size].reshape((sensors, ticks, 3))
+        size = 3 * samples
+        rate, force, field = _samples(signals, stretches[n].signals_at, sensors, ticks, tables.channels)
         at = stretches[n].quality_at
         grade = quality[at : at + samples].reshape((sensors, ticks))
         if x.has_force_bias:
