@@ -220,8 +220,7 @@ def step_arms(
         run(given, tables.settings, state, r.covariance[a:b], Estimates(q, bias, sigma, flags, no_details))
         if found > 0:
             _flag_lost_field(wild, flags)
-        start = stretches[n].tick_at
-        stop = start + ticks
+        start, stop = stretches[n].tick_at, stretches[n].tick_at + ticks
         omega = work.omega[:size].reshape((ticks, sensors, 3))
         compose(
             q,
