@@ -23,10 +23,10 @@ MOST_BUSY: Final = 0.85
 """Share of a processor: queues grow without end at 1, and long before that in bursts."""
 LATE_S: Final = 0.25
 """Where half of the turns come later, something else uses the machine up."""
-USUAL_COST: Final = 0.011
+USUAL_COST: Final = 0.0045
 """Share of a processor for a session of 17 sensors at 100 Hz; what is measured counts as soon as something is."""
-LEAST_COST: Final = 0.002
-MOST_COST: Final = 0.03
+LEAST_COST: Final = 0.0015
+MOST_COST: Final = 0.012
 """Few sessions cannot be distinguished from whatever else the thread does."""
 RETRY_S: Final = 10
 

@@ -44,9 +44,9 @@ def test_sessions_fit_until_the_thread_has_no_room_for_one_more() -> None:
 
 def test_the_first_sessions_of_a_machine_count_as_the_usual_ones() -> None:
     admission = Admission()
-    admission.require_room(streaming=0, quiet=50)
+    admission.require_room(streaming=0, quiet=150)
     with pytest.raises(Unavailable):
-        admission.require_room(streaming=0, quiet=100)
+        admission.require_room(streaming=0, quiet=200)
 
 
 def test_cheap_sessions_leave_room_for_more_and_a_busy_page_closes_no_door() -> None:

@@ -1,10 +1,11 @@
 """The ghost: the template's posture on the patient's body, at the phase that belongs to the moment."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from app.viewer.figure.ghost import PAUSE_S, Ghost, GhostClock, ghost_from_template
-from estimators import comparison
 from estimators.body import BodyDimensions, body_from_stature
 
 
@@ -95,12 +96,10 @@ def test_a_template_without_forearm_keeps_the_palm_in(reaches) -> None:
     """What the therapist did not measure hangs as in the N-pose instead of turning the palm forward."""
     _, template, _ = reaches
     kept = [i for i, name in enumerate(template.channels) if "humerus_forearm" not in name]
-    bare = comparison.Template(
-        **{
-            **vars(template),
-            "channels": tuple(template.channels[i] for i in kept),
-            "mean": template.mean[:, kept],
-            "tolerance": template.tolerance[:, kept],
-        }
+    bare = replace(
+        template,
+        channels=tuple(template.channels[i] for i in kept),
+        mean=template.mean[:, kept],
+        tolerance=template.tolerance[:, kept],
     )
     assert np.isfinite(ghost_from_template(bare, BodyDimensions(), "right").track.wxyz).all()
