@@ -89,6 +89,16 @@ async def observe(services: Services, stack: AsyncExitStack) -> Registry:
     registry.counter(
         "live_refused_total", "Times a gateway was sent away from a full machine.", lambda: admission.refused
     )
+    pooled = services.get(LiveManager).pooled
+    registry.counter(
+        "live_packets_total",
+        "Packets taken many at a time, and those that took the general way.",
+        lambda: _by("way", Counter(pooled=pooled.ordinary, general=pooled.rare)),
+    )
+    registry.counter("live_turns_total", "Turns in which packets were taken.", lambda: pooled.turns)
+    registry.gauge(
+        "live_longest_turn_seconds", "Longest turn since the start.", lambda: pooled.longest_turn_s
+    )
     registry.gauge("views", "3D scenes that stand.", lambda: services.get(Viewer).stage_count)
     registry.counter(
         "sign_ins_refused_total", "Sign-ins refused.", lambda: services.get(RefusedSignIns).refused

@@ -41,11 +41,15 @@ from estimators.simulation import ArmScenario, Schedule, simulate_arm
 from tests.benchmarks.machine import processor
 from tests.benchmarks.service import free_port, make_patient, new_ticket, open_sessions, start_server
 
-LIMIT_MS = 50.0
-LIMIT_CORE = 0.85
-JUDGED_SESSIONS = 50
-"""Up to so many, latency and processor time are judged too; beyond, that no packet is lost."""
+FEW_SESSIONS, FEW_LIMIT_MS, LIMIT_MS = 50, 15.0, 50.0
+"""The 99th percentile from a packet to its frame, for up to so many sessions and for more."""
+LIMIT_CPU_MS = 3.5
+"""Of a processor, for a second of a session."""
+LIMIT_STORED_MB = 50.0
+"""A session hour, of packets and live frames together."""
 WARM_UP_S = 5.0
+SLICE_S = 0.002
+"""Packets that become due within it are sent together: the load shares the machine with what it measures."""
 _BLOCK = struct.Struct("<4sIIIddd")
 
 
@@ -217,6 +221,12 @@ def run_load(
             if left <= 0:
                 return
 
+    def wait_for(due: float) -> None:
+        """Return when a packet is due, or at once; reading then, many sockets together, costs the machine least."""
+        if time.perf_counter() < due:
+            time.sleep(max(0.0, due + SLICE_S - time.perf_counter()))
+            read_until(0.0)
+
     def take(one: Socket) -> None:
         for opcode, payload in one.read():
             if one.is_live and opcode == 2:
@@ -240,7 +250,7 @@ def run_load(
             cpu_from = (time.perf_counter(), cpu_s(server), cpu_s(load))
         for session in order:
             due = start + number * packet_s + phases[session]
-            read_until(due)
+            wait_for(due)
             now = time.perf_counter()
             outcome.late_ms.append(1e3 * (now - due))
             sent_at[session, number] = now + to_epoch
@@ -317,15 +327,20 @@ def report(outcome: Outcome, folder: Path, sessions: int, seconds: float, packet
     high = float(np.percentile(outcome.published_ms, 99))
     print(f"\npackets   {outcome.sent} sent, {in_database} stored")
     print(f"required  every packet stored: {verdict(whole)}")
-    if sessions > JUDGED_SESSIONS:
-        return whole
-    is_quick, is_lean = high < LIMIT_MS, outcome.server_cpu <= LIMIT_CORE
-    print(f"required  p99 below {LIMIT_MS:.0f} ms: {verdict(is_quick)} with {high:.1f} ms")
+    limit_ms = FEW_LIMIT_MS if sessions <= FEW_SESSIONS else LIMIT_MS
+    cpu_ms = 1e3 * outcome.server_cpu / sessions
+    stored_mb = sum(size for _, _, size in kept.values()) / 1e6 / sessions / seconds * 3600
+    judged = (high < limit_ms, cpu_ms <= LIMIT_CPU_MS, stored_mb <= LIMIT_STORED_MB)
+    print(f"required  p99 below {limit_ms:.0f} ms: {verdict(judged[0])} with {high:.1f} ms")
     print(
-        f"required  at most {100 * LIMIT_CORE:.0f} % of a core: {verdict(is_lean)} with"
-        f" {100 * outcome.server_cpu:.0f} %"
+        f"required  at most {LIMIT_CPU_MS} ms of a processor a session-second: {verdict(judged[1])} with"
+        f" {cpu_ms:.1f} ms"
     )
-    return whole and is_quick and is_lean
+    print(
+        f"required  at most {LIMIT_STORED_MB:.0f} MB stored a session hour: {verdict(judged[2])} with"
+        f" {stored_mb:.1f} MB"
+    )
+    return whole and all(judged)
 
 
 def verdict(is_met: bool) -> str:

@@ -21,7 +21,7 @@ from estimators.pipelines import Pipeline
 logger = logging.getLogger(__name__)
 
 LONGEST_WAIT_S: Final = 0.010
-SHORTEST_WAIT_S: Final = 0.0005
+SHORTEST_WAIT_S: Final = 0.004
 WAIT_PER_WORK: Final = 2.0
 """A turn waits so many times as long as the one before worked: the more there is, the more is taken together."""
 RECENT_S: Final = 12.0
@@ -88,21 +88,23 @@ class PooledEngine:
         began_s = time.perf_counter()
         self._journal.unmask()
         self._journal.received = []
-        pooled: dict[SessionPool, list[Received]] = {}
+        pooled: dict[SessionPool, list[tuple[Received, Lane]]] = {}
         general: list[Received] = []
-        ready: dict[int, bool] = {}
+        places: dict[int, SessionPool | None] = {}
         for one in received:
             lane: Lane | None = getattr(one.sender, "lane", None)
             if lane is None:
                 general.append(one)
                 continue
-            is_ready = ready.get(id(lane))
-            if is_ready is None:
-                is_ready = ready[id(lane)] = lane.is_ready
-            if is_ready and lane.pool is not None:
-                pooled.setdefault(lane.pool, []).append(one)
-            else:
+            # Asked once a turn: what follows a packet in its turn goes the way that this one went.
+            key = id(lane)
+            if key not in places:
+                places[key] = lane.pool if lane.is_ready else None
+            pool = places[key]
+            if pool is None:
                 general.append(one)
+            else:
+                pooled.setdefault(pool, []).append((one, lane))
         for pool, items in pooled.items():
             for start in range(0, len(items), ITEMS):
                 part = items[start : start + ITEMS]
@@ -110,8 +112,8 @@ class PooledEngine:
                     self._take(pool, part)
                 except Exception as error:
                     logger.exception("a turn of %d packets failed", len(part))
-                    for one in part:
-                        one.sender.lane.session.line.stop(error)  # type: ignore[attr-defined]
+                    for _, lane in part:
+                        lane.session.line.stop(error)
         for one in general:
             self._take_rare(one)
         self._journal.clear()
@@ -120,26 +122,24 @@ class PooledEngine:
         self.longest_turn_s = max(self.longest_turn_s, worked_s)
         self._wait_s = min(max(WAIT_PER_WORK * worked_s, SHORTEST_WAIT_S), LONGEST_WAIT_S)
 
-    def _take(self, pool: SessionPool, items: list[Received]) -> None:
-        lanes = [one.sender.lane for one in items]  # type: ignore[attr-defined]
+    def _take(self, pool: SessionPool, items: list[tuple[Received, Lane]]) -> None:
         taken = pool.take(
-            self._journal, [lane.slot for lane in lanes], [(one.offset, one.length) for one in items]
+            self._journal, [lane.slot for _, lane in items], [(one.offset, one.length) for one, _ in items]
         )
-        watched = [
-            (lane, row)
-            for lane, row in zip(lanes, taken.rows, strict=True)
-            if row[STATUS] == ORDINARY and row[TICKS] and lane.session.is_watched
-        ]
+        ordinary, watched, rare = [], [], []
+        for (one, lane), row in zip(items, taken.rows, strict=True):
+            if row[STATUS] != ORDINARY:
+                rare.append((one, lane))
+                continue
+            ordinary.append((one, lane, row))
+            if row[TICKS] and lane.session.is_watched:
+                watched.append((lane, row))
         if watched:
             blocks = pool.blocks(taken, [row for _, row in watched], time.time())
             for (lane, _), block in zip(watched, blocks, strict=True):
                 lane.session.publish_block(block)
-        rare = []
-        for one, lane, row in zip(items, lanes, taken.rows, strict=True):
-            if row[STATUS] != ORDINARY:
-                rare.append(one)
-                continue
-            self.ordinary += 1
+        self.ordinary += len(ordinary)
+        for one, lane, row in ordinary:
             one.sender.was_right()
             data = self._journal.bytes[one.offset : one.offset + one.length]
             try:
@@ -148,8 +148,8 @@ class PooledEngine:
                 # One session's fault must not reach the others of its turn.
                 logger.exception("a packet of session %s could not be taken", lane.session.id)
                 lane.session.line.stop(error)
-        for one in rare:
-            one.sender.lane.forget()  # type: ignore[attr-defined]
+        for one, lane in rare:
+            lane.forget()
             self._take_rare(one)
 
     def _take_rare(self, one: Received) -> None:
