@@ -20,6 +20,7 @@ export const keys = {
   archived: ['patients', 'archived'] as const,
   patient: (id: string) => ['patients', id] as const,
   course: (id: string, exerciseId: string) => ['patients', id, 'course', exerciseId] as const,
+  answers: (id: string) => ['sessions', id, 'answers'] as const,
   version: ['version'] as const,
   progress: (id: string, exerciseId: string | null) => ['patients', id, 'progress', exerciseId] as const,
   patientSessions: (id: string) => ['patients', id, 'sessions'] as const,
@@ -168,6 +169,8 @@ export const useProgress = (id: string, exerciseId: string | null) =>
     keys.progress(id, exerciseId),
     withQuery(`/api/patients/${id}/progress`, { exercise_id: exerciseId }),
   );
+export const useAnswers = (id: string, isAsked = true) =>
+  useGet<Wire.Answers>(keys.answers(id), `/api/sessions/${id}/answers`, { enabled: isAsked });
 export const useCourse = (id: string, exerciseId: string | null) =>
   useGet<Wire.Course>(
     keys.course(id, exerciseId ?? ''),

@@ -199,6 +199,9 @@ export const patient = {
   'prescription.tolerance': 'Width of the band',
   'prescription.toleranceHelp': '100 % is the band as drawn on the template; wider at the beginning of a therapy.',
   'prescription.stops': 'Limits for this patient',
+  'prescription.question': 'A question of yours (optional)',
+  'prescription.questionHelp':
+    'Asked after each session besides pain and effort; the patient answers from 0 (no) to 10 (yes, very much).',
   'prescription.stopsHelp': 'The exercise stops at once beyond them, besides what stops the template.',
   'prescription.band': 'Band {percent} % of the template’s',
   'prescription.limits': { one: '{count} limit of an angle', other: '{count} limits of angles' },

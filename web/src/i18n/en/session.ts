@@ -275,6 +275,12 @@ export const session = {
   'phase.legendOutside': 'Outside the band',
 
   'details.title': 'Details',
+  'said.title': 'What the patient said afterwards',
+  'said.pain': 'Pain',
+  'said.effort': 'Effort',
+  'said.note': 'In words',
+  'said.mark': '{mark} of 10',
+  'said.when': 'Answered {when}. 0 is none at all, 10 the most that can be thought of.',
   'details.recorded': 'Recorded',
   'details.length': 'Length',
   'details.sensors': 'Sensors',

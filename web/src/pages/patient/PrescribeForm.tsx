@@ -30,6 +30,7 @@ export function PrescribeForm({ patient, onDone }: { patient: Patient; onDone: (
   const [times, setTimes] = useState<string[]>([]);
   const [percent, setPercent] = useState<number | string>(100);
   const [stops, setStops] = useState<StopDesign[]>([]);
+  const [question, setQuestion] = useState('');
   const [endsAt, setEndsAt] = useState('');
   const templates = useTemplates(exerciseId, patient.id, exerciseId !== null);
   const prescribe = usePrescribe(patient.id);
@@ -52,6 +53,7 @@ export function PrescribeForm({ patient, onDone }: { patient: Patient; onDone: (
         times: days.length ? times.filter(Boolean) : [],
         tolerance_scale: hasTemplate ? Math.min(WIDEST, Math.max(NARROWEST, Number(percent) || 100)) / 100 : 1,
         stops: hasTemplate ? stops : [],
+        question,
         ends_at: endsAt ? new Date(`${endsAt}T23:59:59`).toISOString() : null,
       },
       { onSuccess: onDone },
@@ -132,6 +134,13 @@ export function PrescribeForm({ patient, onDone }: { patient: Patient; onDone: (
           <Limits exercise={exercise} stops={stops} onChange={setStops} />
         </>
       )}
+      <TextInput
+        label={t('prescription.question')}
+        description={t('prescription.questionHelp')}
+        maxLength={200}
+        value={question}
+        onChange={(event) => setQuestion(event.currentTarget.value)}
+      />
       <DateField
         label={t('prescription.until')}
         description={t('prescription.untilHelp')}

@@ -1,10 +1,10 @@
 // After an exercise: two questions with two taps, a third of the therapist's, words if wanted, and one true sentence.
 import { Button, Textarea } from '@mantine/core';
 import { IconCheck } from '@tabler/icons-react';
-import { useMutation, useQuery, useQueryClient } from '@tanstack/react-query';
+import { useMutation, useQueryClient } from '@tanstack/react-query';
 import { useState } from 'react';
 import { api } from '../../../api/client';
-import { useProgress } from '../../../api/queries';
+import { keys, useAnswers, useProgress } from '../../../api/queries';
 import type { Answers, AnswersIn, GuidanceMessage, SessionDetail } from '../../../api/types';
 import { t } from '../../../i18n';
 import { mainMeasure, plainProgress } from '../../../lib/plain';
@@ -57,11 +57,11 @@ function TrueWord({ session, guidance }: { session: SessionDetail; guidance: Gui
 export function After({ session, guidance }: { session: SessionDetail; guidance: GuidanceMessage | null }) {
   const client = useQueryClient();
   const path = `/api/sessions/${session.id}/answers`;
-  const stored = useQuery({ queryKey: ['answers', session.id], queryFn: () => api.get<Answers>(path) });
+  const stored = useAnswers(session.id);
   const [said, setSaid] = useState<AnswersIn>({});
   const send = useMutation({
     mutationFn: () => api.put<Answers>(path, said),
-    onSuccess: (answers) => client.setQueryData(['answers', session.id], answers),
+    onSuccess: (answers) => client.setQueryData(keys.answers(session.id), answers),
   });
   const set = (name: Question) => (mark: number) => setSaid({ ...said, [name]: mark });
   if (stored.data?.answered_at)

@@ -34,6 +34,7 @@ import type { ReplayPlayer } from '../../../player/replay';
 import type { PlayerState } from '../../../api/types';
 import { ComparisonPanel } from './ComparisonPanel';
 import { DetailsPanel, resultLabel } from './DetailsPanel';
+import { Said } from './Said';
 import { MarkerLegend, MarkerMotion } from './MarkerMotion';
 import { MarkersPanel } from './MarkersPanel';
 import { MassPanel } from './MassPanel';
@@ -220,6 +221,7 @@ function Replay({ session, player, resultId, comparison, hasComparison }: Replay
           </Tabs.Panel>
         </Tabs>
       </div>
+      <Said session={session} />
       {comparison && comparison.repetitions.length > 0 && (
         <RepetitionTable comparison={comparison} selected={selected} onSelect={(index) => jumpTo(index, 0)} />
       )}
