@@ -201,6 +201,8 @@ def _reason(
     prescriptions = [prescription for prescription, _ in given]
     if last is not None and last.has_pain:
         return "pain", say("caseload.pain")
+    if last is not None and last.pain_mark is not None:
+        return "pain", say("caseload.much_pain", mark=last.pain_mark)
     moved = recent_change(values)
     if moved.is_real and moved.difference is not None and moved.difference < 0.0:
         return "declining", say("caseload.declining")

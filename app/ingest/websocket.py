@@ -33,7 +33,7 @@ from app.network.messages import (
     JsonPacket,
 )
 from app.network.pace import Pace
-from app.network.packet import MAX_PACKET_BYTES, Packet, decode_packet, packet_from_json
+from app.network.packet import HEADER_BYTES, MAX_PACKET_BYTES, Packet, decode_packet, packet_from_json
 from app.schemas import Schema
 from app.sentences import say
 
@@ -182,6 +182,8 @@ class IngestConnection:
                 self._socket.attach(self)
             await self._converse(intake)
         finally:
+            if self._socket is not None:
+                self._socket.detach()
             intake.detach()
 
     # --- the short way: packets as they lie in the connection, given on many at a time -------------------
@@ -194,7 +196,7 @@ class IngestConnection:
     def received(self, buffer: bytes, start: int, length: int, key: int) -> None:
         """Take a binary message; implements `BinaryReader`."""
         intake = self._intake
-        if intake is None or intake.ended.is_set() or length > MAX_PACKET_BYTES:
+        if intake is None or intake.ended.is_set() or not HEADER_BYTES <= length <= MAX_PACKET_BYTES:
             self.take_rare(b"", time.monotonic(), time.time_ns(), size=length)
             return
         ticks = 1
@@ -217,7 +219,8 @@ class IngestConnection:
             self._held.append((data, arrival_s, arrival_ns))
             return
         intake = self._intake
-        assert intake is not None
+        if intake is None or intake.ended.is_set():
+            return
         try:
             if size is not None and size > MAX_PACKET_BYTES:
                 raise PacketError(say("packet.too_long", size=size, most=MAX_PACKET_BYTES), reason="length")
@@ -331,6 +334,9 @@ class IngestConnection:
         except ValidationError as error:
             raise PacketError(say("packet.not_understood", faults=in_words(error)), reason="json") from error
         if isinstance(message, GoodbyeMessage):
+            while self._held and not intake.ended.is_set():  # noqa: ASYNC110 - rare, and soon over
+                # Packets that wait for their place came before it.
+                await asyncio.sleep(BEHIND_S)
             intake.goodbye(message.last_sequence)
         else:
             await self._give(intake, packet_from_json(message, intake.declaration), arrival_s, arrival_ns)

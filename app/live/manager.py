@@ -309,6 +309,8 @@ class LiveManager:
                         return self.stored_state(stored)
                     await asyncio.to_thread(repository.save_state, self.engine, session_id, "closing", reason)
                 else:
+                    # What came before the wish to close is taken.
+                    self.pooled.turn()
                     session.begin_closing(reason)
                 self._housekeeping.taken_up(session_id)
                 task = asyncio.create_task(self._finish(session_id, session), name="session close")

@@ -5,6 +5,7 @@ messages are handed over where they lie, before any event or task is made of the
 they are. A message that came before, or in pieces, takes the ordinary way.
 """
 
+import asyncio
 from typing import Any, Final, Protocol
 
 from starlette.websockets import WebSocket
@@ -32,8 +33,11 @@ class LeanSocket(WebSocketsSansIOProtocol):
     def __init__(self, *args: Any, **named: Any) -> None:
         super().__init__(*args, **named)
         self._reader: BinaryReader | None = None
-        self._held = b""
+        self._held = bytearray()
+        self._needed = 0
         self._is_in_pieces = False
+        self._until_s = 0.0
+        self._timer: asyncio.TimerHandle | None = None
 
     def handle_connect(self, event: Any) -> None:
         """Offer itself to the application."""
@@ -45,36 +49,50 @@ class LeanSocket(WebSocketsSansIOProtocol):
         """Hand whole binary messages to `reader` from now on."""
         self._reader = reader
 
+    def detach(self) -> None:
+        """Hand nothing over any more."""
+        self._reader = None
+
     def data_received(self, data: bytes) -> None:
         """Take bytes from the connection; after the handshake they are given on frame by frame."""
         if not self.handshake_initiated:
             super().data_received(data)
             return
-        buffer = self._held + data if self._held else data
-        at, size = 0, len(buffer)
+        buffer = data
+        if self._held:
+            # A frame that drips in is put together once it is whole, not with every piece.
+            self._held += data
+            if len(self._held) < self._needed:
+                return
+            buffer = bytes(self._held)
+            self._held.clear()
+        at, size, self._needed = 0, len(buffer), 0
         while size - at >= 2:
             length, head = buffer[at + 1] & 0x7F, 2
             if length == 126:
                 head = 4
                 if size - at < head:
+                    self._needed = head
                     break
                 length = buffer[at + 2] << 8 | buffer[at + 3]
             elif length == 127:
                 head = 10
                 if size - at < head:
+                    self._needed = head
                     break
                 length = int.from_bytes(buffer[at + 2 : at + 10], "big")
             is_masked = buffer[at + 1] & 0x80
             start = at + head + (4 if is_masked else 0)
             end = start + length
             if length > LONGEST_FRAME:
-                self._held = b""
                 super().data_received(buffer[at:])
                 return
             if end > size:
+                self._needed = end - at
                 break
             first = buffer[at]
-            if first == _WHOLE_BINARY and is_masked and self._reader is not None and not self._is_in_pieces:
+            is_short = first == _WHOLE_BINARY and is_masked and not self._is_in_pieces
+            if is_short and self._reader is not None and self.is_open:
                 self._reader.received(
                     buffer, start, length, int.from_bytes(buffer[start - 4 : start], "little")
                 )
@@ -83,19 +101,35 @@ class LeanSocket(WebSocketsSansIOProtocol):
                     self._is_in_pieces = not first & 0x80
                 super().data_received(buffer[at:end])
             at = end
-        self._held = buffer[at:] if at else buffer
+        self._held += buffer[at:]
 
     def slow_down(self, seconds: float) -> None:
         """Read nothing for a while: the sender is too fast, or what it sends cannot be taken yet."""
-        if not self.transport.is_closing():
-            self.read_paused = True
-            self.transport.pause_reading()
-            self.loop.call_later(seconds, self._go_on)
+        if self.transport.is_closing():
+            return
+        self._until_s = max(self._until_s, self.loop.time() + seconds)
+        self.read_paused = True
+        self.transport.pause_reading()
+        if self._timer is None:
+            self._timer = self.loop.call_at(self._until_s, self._go_on)
 
     def _go_on(self) -> None:
-        if self.read_paused and self.queue.empty() and not self.transport.is_closing():
+        self._timer = None
+        if self.transport.is_closing():
+            return
+        if self.loop.time() < self._until_s - 1e-3:
+            self._timer = self.loop.call_at(self._until_s, self._go_on)
+        elif self.read_paused and self.queue.empty():
             self.read_paused = False
             self.transport.resume_reading()
+
+    async def receive(self) -> Any:
+        """Give the next event to the application; reading goes on when it is time."""
+        message = await super().receive()
+        if self.loop.time() < self._until_s and not self.transport.is_closing():
+            self.read_paused = True
+            self.transport.pause_reading()
+        return message
 
     @property
     def is_open(self) -> bool:
@@ -108,7 +142,8 @@ class LeanSocket(WebSocketsSansIOProtocol):
         """Send a finished frame; False when it was dropped because the other side does not keep up."""
         if not self.is_open:
             return True
-        if self.transport.get_write_buffer_size() > MOST_WAITING:
+        # Frames must not fill what messages wait for: those are never dropped.
+        if not self.writable.is_set() or self.transport.get_write_buffer_size() > MOST_WAITING:
             return False
         self.transport.write(frame)
         return True

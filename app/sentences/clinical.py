@@ -35,6 +35,7 @@ ENGLISH: Final[dict[str, str | dict[str, str]]] = {
     " list.",
     "comparison.no_template": "No template is prescribed, so there was no comparison.",
     "caseload.pain": "The last session was stopped because it hurt.",
+    "caseload.much_pain": "After the last session the patient marked pain {mark} of 10.",
     "caseload.compensation_angle": "{channel:channel}: {more_rad:deg} more than in the template.",
     "caseload.compensation_length": "{channel:channel}: {more_m:cm} more than in the template.",
     "caseload.few_repetitions": "{valid} of {count} prescribed repetitions were valid in the last session.",

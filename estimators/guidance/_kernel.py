@@ -163,7 +163,9 @@ def run(
         memory.window[state.tick % memory.window.shape[0]] = work.y
         if state.rested < settings.rest_ticks:
             _settle(settings, state, model, memory, work)
-            said.state[0].since_tick = state.tick
+            if said.state[0].attempts == 0:
+                # A pause in the middle gives no new time.
+                said.state[0].since_tick = state.tick
             out.follow[k, :] = np.nan
             out.follow[k, REST] = 1.0
             out.follow[k, ASTRAY] = 0.0

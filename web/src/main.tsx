@@ -34,6 +34,8 @@ const queryClient = new QueryClient({
       networkMode: 'always',
       refetchInterval: (query) => (isNotFetched(query.state.error) ? 5_000 : false),
     },
+    // Without a network what was pressed fails at once, and the page says so; it never waits in silence.
+    mutations: { networkMode: 'always' },
   },
 });
 

@@ -10,13 +10,15 @@ from sqlalchemy.orm import Session
 
 from app.assessment.models import Comparison
 from app.exercises.models import Exercise, Prescription
-from app.recordings.models import MotionSession, SessionEvent
+from app.recordings.models import MotionSession, SessionAnswers, SessionEvent
 from app.sentences import say
 from estimators.comparison import channel_name
 from estimators.gait import GUIDED_KINDS
 
 PAIN: Final = "pain"
 """Kind of the event that stands on the time line where a patient stopped because it hurt."""
+MUCH_PAIN: Final = 5
+"""Of 10, answered after a session: from here on it is a reason to look."""
 LEAST_VALID: Final = 0.5
 """Share of the prescribed repetitions below which too few were valid."""
 LEAST_MORE: Final = {"deg": 5.0, "m": 0.025}
@@ -32,13 +34,17 @@ class Last:
     ----------
     session : MotionSession
     has_pain : bool
+        It was stopped because it hurt.
     compensation : str
         What helped the arm, in words; empty where nothing did.
+    pain_mark : int or None
+        What the patient answered afterwards, where it is much.
     """
 
     session: MotionSession
     has_pain: bool
     compensation: str
+    pain_mark: int | None = None
 
     def too_few(self, given: Sequence[tuple[Prescription, Exercise]]) -> str:
         """Say that too few repetitions were valid; empty where there were enough, or none are counted.
@@ -76,6 +82,10 @@ def last_sessions(session: Session, found: Sequence[MotionSession]) -> dict[str,
             select(SessionEvent.session_id).where(SessionEvent.session_id.in_(ids), SessionEvent.kind == PAIN)
         )
     )
+    answered = select(SessionAnswers.session_id, SessionAnswers.pain).where(
+        SessionAnswers.session_id.in_(ids), SessionAnswers.pain >= MUCH_PAIN
+    )
+    marks = {row.session_id: row.pain for row in session.execute(answered)}
     compared = select(Comparison.session_id, Comparison.result_id, Comparison.summary).where(
         Comparison.session_id.in_(ids)
     )
@@ -87,7 +97,8 @@ def last_sessions(session: Session, found: Sequence[MotionSession]) -> dict[str,
         if result_id == main[session_id]
     }
     return {
-        one.patient_id: Last(one, one.id in hurt, _compensation(summaries.get(one.id, {}))) for one in found
+        one.patient_id: Last(one, one.id in hurt, _compensation(summaries.get(one.id, {})), marks.get(one.id))
+        for one in found
     }
 
 

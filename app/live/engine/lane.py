@@ -75,8 +75,13 @@ class Pooled(Protocol):
 class Slots(Protocol):
     """Where lanes get their places."""
 
-    def slot_for(self, key: Hashable, like: Pipeline, channels: int) -> tuple[SessionPool, int]:
+    def slot_for(
+        self, key: Hashable, like: Pipeline, channels: int, recent_ticks: int
+    ) -> tuple[SessionPool, int]:
         """Return a pool for a session of this key, and a free slot in it."""
+
+    def leave(self, pool: SessionPool, slot: int) -> None:
+        """Free a slot; a pool without sessions goes."""
 
 
 _FIELDS: Final = struct.Struct("<4sBBHBBHIQI")
@@ -137,7 +142,9 @@ class Lane:
             return False
         if key != self._key:
             self.leave()
-            self.pool, self.slot = self._engine.slot_for(key, session.pipeline, aligner.channel_count)
+            self.pool, self.slot = self._engine.slot_for(
+                key, session.pipeline, aligner.channel_count, session.recent.ticks
+            )
             self._key = key
         pool = self.pool
         if pool is None or not pool.kind.join(self.slot, session.pipeline):
@@ -158,7 +165,7 @@ class Lane:
         self.pool.kind.leave(self.slot, self.session.pipeline)
         self.session.aligner.own()
         self.session.recent.own()
-        self.pool.free.append(self.slot)
+        self._engine.leave(self.pool, self.slot)
         self.pool, self.slot, self._key, self._known = None, -1, None, None
 
     def forget(self) -> None:

@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 from app.live.blocks import PublishedBlock, block_header, column_names
 from app.live.engine.block_kernel import write_blocks
 from app.live.engine.journal import Journal
-from app.network.packet import MAX_TICKS
 from app.network.placing.crc import TABLES
 from app.network.placing.kernel import place
-from app.network.placing.slot import ITEM, Network, Placed, network_rows
+from app.network.placing.slot import ITEM, MOST_TICKS, Network, Placed, network_rows
 from estimators.pipelines import Frames, Pipeline
 from estimators.pipelines.arm.pool import ArmPool
 from estimators.pipelines.pooled import STRETCH, Columns, Pool, held
@@ -71,7 +70,7 @@ class SessionPool:
 
     def __init__(self, like: Pipeline, channels: int, recent_ticks: int) -> None:
         sensors = len(like.setup.placements)
-        most_ticks = ITEMS * (MAX_TICKS + 1)
+        most_ticks = ITEMS * MOST_TICKS
         kind = next(kind for kind in _KINDS if kind.key(like) is not None)
         self.kind: Pool = kind(like, channels, SESSIONS, most_ticks)  # type: ignore[arg-type]
         self.sensors = sensors

@@ -14,7 +14,7 @@ from typing import Final
 
 from app.live.engine.journal import Journal, Received, Sender
 from app.live.engine.lane import Lane
-from app.live.engine.pools import ITEMS, STATUS, TICKS, SessionPool
+from app.live.engine.pools import ITEMS, SESSIONS, STATUS, TICKS, SessionPool
 from app.network.placing.slot import ORDINARY
 from estimators.pipelines import Pipeline
 
@@ -24,7 +24,6 @@ LONGEST_WAIT_S: Final = 0.010
 SHORTEST_WAIT_S: Final = 0.004
 WAIT_PER_WORK: Final = 2.0
 """A turn waits so many times as long as the one before worked: the more there is, the more is taken together."""
-RECENT_S: Final = 12.0
 
 
 class LaneSender(Sender):
@@ -48,15 +47,27 @@ class PooledEngine:
         self.turns = 0
         self.longest_turn_s = 0.0
 
-    def slot_for(self, key: Hashable, like: Pipeline, channels: int) -> tuple[SessionPool, int]:
+    def slot_for(
+        self, key: Hashable, like: Pipeline, channels: int, recent_ticks: int
+    ) -> tuple[SessionPool, int]:
         """Return a pool for a session of this key, and a free slot in it."""
-        pools = self._pools.setdefault(key, [])
+        pools = self._pools.setdefault((key, recent_ticks), [])
         for pool in pools:
             if pool.free:
                 return pool, pool.free.pop()
-        pool = SessionPool(like, channels, round(RECENT_S * like.setup.rate_hz) + 1)
+        pool = SessionPool(like, channels, recent_ticks)
         pools.append(pool)
         return pool, pool.free.pop()
+
+    def leave(self, pool: SessionPool, slot: int) -> None:
+        """Free a slot; a pool without sessions goes."""
+        pool.free.append(slot)
+        if len(pool.free) == SESSIONS:
+            self._pools = {
+                key: left
+                for key, pools in self._pools.items()
+                if (left := [one for one in pools if one is not pool])
+            }
 
     def offer(self, sender: Sender, data: memoryview, key: int, arrival_s: float, arrival_ns: int) -> None:
         """Take a packet; it is given to its session within a turn.
@@ -88,6 +99,16 @@ class PooledEngine:
         began_s = time.perf_counter()
         self._journal.unmask()
         self._journal.received = []
+        try:
+            self._give(received)
+        finally:
+            self._journal.clear()
+        worked_s = time.perf_counter() - began_s
+        self.turns += 1
+        self.longest_turn_s = max(self.longest_turn_s, worked_s)
+        self._wait_s = min(max(WAIT_PER_WORK * worked_s, SHORTEST_WAIT_S), LONGEST_WAIT_S)
+
+    def _give(self, received: list[Received]) -> None:
         pooled: dict[SessionPool, list[tuple[Received, Lane]]] = {}
         general: list[Received] = []
         places: dict[int, SessionPool | None] = {}
@@ -99,7 +120,7 @@ class PooledEngine:
             # Asked once a turn: what follows a packet in its turn goes the way that this one went.
             key = id(lane)
             if key not in places:
-                places[key] = lane.pool if lane.is_ready else None
+                places[key] = self._pool_of(lane)
             pool = places[key]
             if pool is None:
                 general.append(one)
@@ -107,20 +128,29 @@ class PooledEngine:
                 pooled.setdefault(pool, []).append((one, lane))
         for pool, items in pooled.items():
             for start in range(0, len(items), ITEMS):
-                part = items[start : start + ITEMS]
-                try:
-                    self._take(pool, part)
-                except Exception as error:
-                    logger.exception("a turn of %d packets failed", len(part))
-                    for _, lane in part:
-                        lane.session.line.stop(error)
+                self._take_part(pool, items[start : start + ITEMS])
         for one in general:
             self._take_rare(one)
-        self._journal.clear()
-        worked_s = time.perf_counter() - began_s
-        self.turns += 1
-        self.longest_turn_s = max(self.longest_turn_s, worked_s)
-        self._wait_s = min(max(WAIT_PER_WORK * worked_s, SHORTEST_WAIT_S), LONGEST_WAIT_S)
+
+    @staticmethod
+    def _pool_of(lane: Lane) -> SessionPool | None:
+        try:
+            return lane.pool if lane.is_ready else None
+        except Exception as error:
+            logger.exception("session %s has no place in a pool", lane.session.id)
+            lane.session.line.stop(error)
+            return None
+
+    def _take_part(self, pool: SessionPool, items: list[tuple[Received, Lane]]) -> None:
+        try:
+            self._take(pool, items)
+        except Exception as error:
+            # Nothing was stored yet: the packets are, the general way, and nothing is estimated of them any more.
+            logger.exception("a turn of %d packets failed", len(items))
+            for one, lane in items:
+                lane.session.line.stop(error)
+                lane.forget()
+                self._take_rare(one)
 
     def _take(self, pool: SessionPool, items: list[tuple[Received, Lane]]) -> None:
         taken = pool.take(
@@ -155,7 +185,13 @@ class PooledEngine:
     def _take_rare(self, one: Received) -> None:
         self.rare += 1
         data = bytes(self._journal.bytes[one.offset : one.offset + one.length])
-        one.sender.take_rare(data, one.arrival_s, one.arrival_ns)
+        try:
+            one.sender.take_rare(data, one.arrival_s, one.arrival_ns)
+        except Exception as error:
+            lane: Lane | None = getattr(one.sender, "lane", None)
+            logger.exception("a packet could not be taken")
+            if lane is not None:
+                lane.session.line.stop(error)
 
 
 __all__ = ["LaneSender", "PooledEngine"]

@@ -79,6 +79,9 @@ class GuidanceDesk:
         )
         self._cause: GuidanceCause = taken_up.cause
         self._is_stopped = taken_up.is_stopped
+        if self._cause and self._following is not None:
+            # What was stopped before a restart of the service stays so.
+            self._following.hold()
         self._has_failed = bool(trouble)
         self._last: CountedRepetition | None = None
         self._cue: Cue | None = None
@@ -129,7 +132,7 @@ class GuidanceDesk:
             self._stop_by(stop, time_of(stop.tick))
         for one in chunk.repetitions if is_settled else ():
             self._count(one, time_of(one.start_tick), time_of(one.end_tick))
-        for cue in chunk.cues if is_settled else ():
+        for cue in chunk.cues if is_settled and not self._cause else ():
             self._say(cue, time_of(cue.tick), is_live=is_live)
         if self._cause in ("lost", "unsure") and following.is_tracked(chunk):
             self._go_on("")
@@ -163,6 +166,9 @@ class GuidanceDesk:
             self._cue_until_s = time_s + CUE_SHOWN_S
 
     def _stop_by(self, stop: Stopped, time_s: float) -> None:
+        if self._cause:
+            # Nothing that is noticed later takes the place of a stop, least of all of pain.
+            return
         self._cause, self._is_stopped = stop.kind, not stop.is_pause
         self._cue = None
         details = {"cause": stop.kind, "value": _number(stop.value), "limit": _number(stop.limit)}
@@ -185,7 +191,8 @@ class GuidanceDesk:
             elif self._cause:
                 raise Conflict(say("guided.ended"))
         elif command == "pause":
-            if not self._cause:
+            if not self._cause or self._cause in ("lost", "unsure"):
+                # Otherwise it would go on by itself once the sensors are seen again.
                 self._hold("person", is_stopped=False)
         elif self._cause != ("pain" if command == "pain" else "person") or not self._is_stopped:
             self._hold("pain" if command == "pain" else "person", is_stopped=True)

@@ -68,9 +68,9 @@ class Following:
             if rest is not None:
                 # What the guide took for rest before was only the beginning of the frames.
                 self._guide.prompt_rest()
-                self._guide.feed(*rest)
+                again = self._guide.feed(*rest)
                 self._is_settled = True
-                return chunk, False
+                return replace(chunk, stops=(*chunk.stops, *again.stops)), False
         return chunk, self._is_settled
 
     def is_tracked(self, chunk: GuidanceChunk) -> bool:

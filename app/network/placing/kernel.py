@@ -22,7 +22,7 @@ from app.network.packet import (
     PacketFlag,
 )
 from app.network.placing.crc import crc32
-from app.network.placing.slot import ITEM, ORDINARY, RARE, SLOT, SNAP_TICKS, Network, Placed
+from app.network.placing.slot import ITEM, MOST_TICKS, ORDINARY, RARE, SLOT, SNAP_TICKS, Network, Placed
 from app.network.unpack_kernel import unpack
 from estimators.compiling import compiled
 from estimators.kernels import VOID, Record, bundle, rows, step
@@ -251,6 +251,8 @@ def _between(
     if limit == 0.0:
         limit = 1.5
     count = math.floor(last + 1e-9) + 1 - x.next_tick
+    if count > MOST_TICKS:
+        return False
     for k in range(ticks):
         # A tick in a stretch this wide is bridged, and a step back is none of ours.
         if places[k + 1] - places[k] > limit or places[k + 1] <= places[k]:

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from estimators.kernels import record
 from estimators.recording import Float
 
+MOST_TICKS: Final = 65
+"""Common ticks of a packet: of the longest, and one more off the grid; one with more takes the general way."""
 SNAP_TICKS: Final = 0.05
 """Device ticks this close to the common tick are taken as they are; others are interpolated."""
 SLOT: Final = record(
@@ -123,4 +125,14 @@ def network_rows(sessions: int, channels: int, sensors: int, recent_ticks: int) 
     )
 
 
-__all__ = ["ITEM", "ORDINARY", "RARE", "SLOT", "SNAP_TICKS", "Network", "Placed", "network_rows"]
+__all__ = [
+    "ITEM",
+    "MOST_TICKS",
+    "ORDINARY",
+    "RARE",
+    "SLOT",
+    "SNAP_TICKS",
+    "Network",
+    "Placed",
+    "network_rows",
+]

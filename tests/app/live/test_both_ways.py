@@ -12,10 +12,11 @@ from app.live.bus import MemoryBus, Subscription, topic
 from app.live.manager import LiveManager
 from app.live.session.runner import LiveSession
 from app.live.warmup import FIRST, warm_up
+from app.network.packet import encode_packet
 from app.recordings.signals.group_commit import GroupCommitWriter
 from app.settings import Allowance, Settings
 from estimators.errors import CalibrationError
-from tests.app.live.both_ways import Faults, Sender, offer, packets_of, worn
+from tests.app.live.both_ways import MOTION, Faults, Sender, offer, packets_of, worn
 from tests.app.live.live_load import connected, remember, swaying
 
 ARM = ("sternum", "upper_arm_right", "forearm_right", "hand_right")
@@ -145,6 +146,31 @@ async def compared(manager: LiveManager, world: Any, engine: Engine, seeds: rang
 def test_twenty_streams(manager: LiveManager, world: Any, engine: Engine) -> None:
     ordinary, rare = asyncio.run(compared(manager, world, engine, range(20)))
     assert ordinary > rare
+
+
+def test_a_long_packet_off_the_grid_harms_nobody(manager: LiveManager, world: Any, engine: Engine) -> None:
+    """At the slowest rate that a hello allows, sixty-four ticks of a device are seventy common ones."""
+
+    async def run() -> None:
+        calibration, whole = swaying(SECONDS)
+        remember(engine, world.patient_id, calibration)
+        stream = worn(whole, ARM)
+        pair = await pair_of(manager, world, stream)
+        packets = []
+        for number in range(6):
+            counts = np.ascontiguousarray(stream.counts[64 * number : 64 * number + 64])
+            time_us = 1_000_000 + 64 * 10_900 * number
+            packets.append(
+                encode_packet(
+                    counts, sequence=number, device_time_us=time_us, tick_interval_us=10_900, channels=MOTION
+                )
+            )
+        pair.give(packets, np.random.default_rng(1))
+        await pair.settle()
+        pair.compare()
+        assert all(session.line.is_running for session in pair.sessions)
+
+    asyncio.run(run())
 
 
 @pytest.mark.slow

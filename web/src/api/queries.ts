@@ -10,6 +10,7 @@ import {
 import { api, ApiError, setCsrfToken, withQuery, type ListPage } from './client';
 import type * as Wire from './types';
 import { setLocale } from '../i18n';
+import { stopMeasuring } from '../sensors/registry';
 
 export const keys = {
   me: ['me'] as const,
@@ -85,6 +86,7 @@ export function useSignIn() {
   return useMutation({
     mutationFn: (request: Wire.SignInRequest) => api.post<Wire.Me>('/api/sign-in', request),
     onSuccess: (me) => {
+      stopMeasuring();
       client.clear();
       client.setQueryData(keys.me, accept(me));
     },
@@ -101,6 +103,7 @@ export function useSignOut() {
 
 /** After signing out nothing of the patient data may stay in memory. */
 export function forgetEverything(client: QueryClient): void {
+  stopMeasuring();
   setCsrfToken('');
   client.clear();
   client.setQueryData(keys.me, null);

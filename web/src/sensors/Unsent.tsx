@@ -79,6 +79,5 @@ export default function Unsent() {
   }, [me.account_id]);
   useEffect(look, [look]);
   useEffect(registerShell, []);
-  const [first] = left;
-  return first ? <Sending key={first.sessionId} network={first} onDone={look} /> : null;
+  return left.map((one) => <Sending key={one.sessionId} network={one} onDone={look} />);
 }

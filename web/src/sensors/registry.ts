@@ -21,7 +21,13 @@ export function measuringFor(sessionId: string): Measuring | null {
 
 const SETTLED_MS = 20_000;
 
-/** Before a session is ended: wait until what this page has measured for it is sent. */
-export async function sendRest(sessionId: string): Promise<void> {
-  await measuringFor(sessionId)?.settled(SETTLED_MS);
+/** Before a session is ended: wait until what this page has measured for it is sent; false when some of it is not. */
+export async function sendRest(sessionId: string): Promise<boolean> {
+  return (await measuringFor(sessionId)?.settled(SETTLED_MS)) ?? true;
+}
+
+/** Whoever signed in measures no longer: what comes next would be sent in somebody else's name. */
+export function stopMeasuring(): void {
+  measuring?.stop();
+  measuring = null;
 }

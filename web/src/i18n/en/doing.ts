@@ -25,12 +25,15 @@ export const doing = {
   'doing.held.finish.text': 'Nothing is counted until you decide.',
   'doing.held.pain': 'Stop and rest',
   'doing.held.pain.text':
-    'Let your arm rest. If the pain stays or is strong, finish for today and call your therapist. Your therapist sees that it hurt.',
+    'Let your arm rest. If the pain stays or is strong, finish for today and call your therapist.',
+  'doing.held.pain.known': 'Your therapist sees that it hurt.',
   'doing.held.limit': 'That was far enough',
   'doing.held.limit.text':
     'Your therapist does not want you to move further than this. Rest, then make smaller movements.',
   'doing.held.done': 'All done!',
   'doing.held.done.text': 'You have done everything for this exercise.',
+  'doing.held.enough': 'Enough for now',
+  'doing.held.enough.text': 'You have tried often enough. Rest.',
   'doing.held.time': 'Time is up',
   'doing.held.time.text': 'You have exercised as long as your therapist wished.',
   'doing.held.lost': 'One moment',

@@ -93,6 +93,8 @@ export const home = {
   'home.minutes': { one: 'one minute', other: '{count} minutes' },
   'home.underMinute': 'less than a minute',
   'home.beingPrepared': 'The result is being prepared.',
+  'home.stillSending':
+    'What this device measured is still being sent. Leave this page open and press the button again in a moment.',
   'home.problem.offline': 'No connection to your clinic. Check the internet connection, then try again.',
   'home.problem.notNow': 'That is not possible right now. Wait a moment, then try again.',
   'home.problem.notAllowed':

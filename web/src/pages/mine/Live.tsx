@@ -112,6 +112,18 @@ function Sensors({ health }: { health: HealthMessage | null }) {
   );
 }
 
+/** What was measured here is not with the service yet: ending now would leave it behind. */
+class StillSending extends Error {}
+
+function Trouble({ error }: { error: unknown }) {
+  if (!(error instanceof StillSending)) return <PlainProblem error={error} />;
+  return (
+    <p className="problem" role="alert">
+      {t('home.stillSending')}
+    </p>
+  );
+}
+
 function Room({ session, player }: { session: SessionDetail; player: LivePlayer }) {
   const client = useQueryClient();
   const snapshot = useSnapshot(player);
@@ -124,7 +136,7 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
     mutationFn: async (what: 'record' | 'end') => {
       if (what === 'record') return api.post<unknown>(`/api/sessions/${session.id}/record`);
       if (records) await api.post<unknown>(`/api/sessions/${session.id}/stop`);
-      await sendRest(session.id);
+      if (!(await sendRest(session.id))) throw new StillSending();
       return api.post<unknown>(`/api/sessions/${session.id}/close`);
     },
     onSettled: () => client.invalidateQueries({ queryKey: keys.session(session.id) }),
@@ -227,13 +239,13 @@ function Room({ session, player }: { session: SessionDetail; player: LivePlayer 
               {t('home.back')}
             </Button>
           )}
-          {problem && !isDoing && <PlainProblem error={problem} />}
+          {problem && !isDoing && <Trouble error={problem} />}
         </section>
       )}
       {isDoing && isBad && hold.held !== null && (
         <NowLine guidance={guidance} hold={hold} onFinish={() => deed.mutate('end')} isEnding={deed.isPending} />
       )}
-      {isDoing && problem && <PlainProblem error={problem} />}
+      {isDoing && problem && <Trouble error={problem} />}
       {(moment === 'preparing' || moment === 'done') && session.exercise_id && (
         <After session={session} guidance={guidance} />
       )}

@@ -42,7 +42,7 @@ export function Count({ guidance }: { guidance: GuidanceMessage }) {
 
 function HeldCard({ hold, onFinish, isEnding }: { hold: Hold; onFinish: () => void; isEnding: boolean }) {
   const held = hold.held ?? 'person';
-  const isOver = held === 'done' || held === 'time' || held === 'finish';
+  const isOver = held === 'done' || held === 'enough' || held === 'time' || held === 'finish';
   const goOn = (
     <Button
       key="go"
@@ -74,6 +74,7 @@ function HeldCard({ hold, onFinish, isEnding }: { hold: Hold; onFinish: () => vo
       <div role="status">
         <h2>{t(`doing.held.${held}`)}</h2>
         <p>{t(`doing.held.${held}.text`)}</p>
+        {held === 'pain' && hold.isPainKnown && <p>{t('doing.held.pain.known')}</p>}
       </div>
       {hold.isUntold && (
         <p className="problem" role="alert">

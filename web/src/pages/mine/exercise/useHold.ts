@@ -1,19 +1,19 @@
 // What holds an exercise up: the patient's own wish at once, whatever the network does, and what the service says.
 import { useMutation } from '@tanstack/react-query';
-import { useState } from 'react';
+import { useEffect, useState } from 'react';
 import { api } from '../../../api/client';
 import type { GuidanceMessage } from '../../../api/types';
 
 type Command = 'pause' | 'resume' | 'pain' | 'stop';
 /** Why nothing is counted now; each has its own words. */
-export type Held = 'person' | 'finish' | 'pain' | 'limit' | 'done' | 'time' | 'lost' | 'wrong_in_a_row';
+export type Held = 'person' | 'finish' | 'pain' | 'limit' | 'done' | 'enough' | 'time' | 'lost' | 'wrong_in_a_row';
 
 const BY_SERVICE: Partial<Record<GuidanceMessage['cause'] & string, Held>> = {
   person: 'person',
   pain: 'pain',
   limit: 'limit',
   valid_count: 'done',
-  attempt_count: 'done',
+  attempt_count: 'enough',
   time: 'time',
   lost: 'lost',
   unsure: 'lost',
@@ -31,9 +31,13 @@ export interface Hold {
   /** The service could not be told. */
   isUntold: boolean;
   isBusy: boolean;
+  /** The service has stored that it hurt. */
+  isPainKnown: boolean;
   hold: (wish: 'person' | 'finish' | 'pain') => void;
   goOn: () => void;
 }
+
+const AGAIN_MS = 2000;
 
 export function useHold(sessionId: string, guidance: GuidanceMessage | null): Hold {
   const [wish, setWish] = useState<'person' | 'finish' | 'pain' | null>(null);
@@ -43,6 +47,12 @@ export function useHold(sessionId: string, guidance: GuidanceMessage | null): Ho
       if (command === 'resume') setWish(null);
     },
   });
+  // What could not be told is told again until it arrives: a pain that nobody hears of helps nobody.
+  useEffect(() => {
+    if (!isError || wish === null || variables === 'resume') return;
+    const again = setTimeout(() => mutate(wish === 'pain' ? 'pain' : 'pause'), AGAIN_MS);
+    return () => clearTimeout(again);
+  }, [isError, isPending, wish, variables, mutate]);
   const said = heldBy(guidance);
   // What the patient pressed comes first; pain that another page told of is never hidden by a pause.
   const held = wish && said !== 'pain' ? wish : (said ?? wish);
@@ -50,6 +60,7 @@ export function useHold(sessionId: string, guidance: GuidanceMessage | null): Ho
     held,
     isUntold: isError && (wish !== null || variables === 'resume'),
     isBusy: isPending,
+    isPainKnown: guidance?.cause === 'pain',
     hold: (next) => {
       setWish(next);
       mutate(next === 'pain' ? 'pain' : 'pause');

@@ -1,0 +1,139 @@
+"""The short way of binary messages: whole frames where they lie, whatever the network does to them."""
+
+import socket
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from app.network.lean_sockets import LeanSocket, lean_socket
+from tests.app.serving import free_port, serving
+
+
+class Reader:
+    """Notes what comes the short way, and slows the sender down where it is asked to."""
+
+    def __init__(self, connection: LeanSocket, pause_s: float) -> None:
+        self.got: list[bytes] = []
+        self._connection, self._pause_s = connection, pause_s
+
+    def received(self, buffer: bytes, start: int, length: int, key: int) -> None:
+        mask = np.resize(np.frombuffer(key.to_bytes(4, "little"), np.uint8), length)
+        self.got.append((np.frombuffer(buffer, np.uint8, length, start) ^ mask).tobytes())
+        if self._pause_s:
+            self._connection.slow_down(self._pause_s)
+
+
+class Application:
+    """Attaches to its socket after the first text, and takes the rest the ordinary way."""
+
+    def __init__(self) -> None:
+        self.reader: Reader | None = None
+        self.ordinary: list[Any] = []
+
+    async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
+        websocket = WebSocket(scope, receive, send)
+        await websocket.accept()
+        connection = lean_socket(websocket)
+        assert connection is not None
+        try:
+            pause_s = float(await websocket.receive_text())
+            self.reader = Reader(connection, pause_s)
+            connection.attach(self.reader)
+            await websocket.send_text("attached")
+            while True:
+                message = await websocket.receive()
+                if message["type"] == "websocket.disconnect":
+                    return
+                self.ordinary.append(message.get("bytes") or message.get("text"))
+                if message.get("text") == "end":
+                    await websocket.close()
+                    return
+        except WebSocketDisconnect:
+            return
+
+
+@pytest.fixture
+def served() -> Iterator[tuple[Application, socket.socket]]:
+    application, port = Application(), free_port()
+    with serving(application, port, ws=LeanSocket, lifespan="off"):
+        connection = socket.create_connection(("127.0.0.1", port), timeout=20)
+        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        connection.sendall(
+            f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+            "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n".encode()
+        )
+        answer = b""
+        while b"\r\n\r\n" not in answer:
+            answer += connection.recv(4096)
+        yield application, connection
+        connection.close()
+
+
+def frame(payload: bytes, opcode: int, key: int, *, is_last: bool = True) -> bytes:
+    size = len(payload)
+    mask = key.to_bytes(4, "little")
+    head = bytes([(0x80 if is_last else 0) | opcode])
+    head += bytes([0x80 | size]) if size < 126 else b"\xfe" + size.to_bytes(2, "big")
+    masked = np.frombuffer(payload, np.uint8) ^ np.resize(np.frombuffer(mask, np.uint8), size)
+    return head + mask + masked.tobytes()
+
+
+def begin(connection: socket.socket, pause_s: float) -> None:
+    connection.sendall(frame(str(pause_s).encode(), 1, 7))
+    assert b"attached" in connection.recv(4096)
+
+
+def until(is_met: Any) -> None:
+    deadline = time.monotonic() + 20
+    while not is_met():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+def test_frames_in_any_pieces_arrive_whole_and_in_order(served: tuple[Application, socket.socket]) -> None:
+    application, connection = served
+    begin(connection, 0.0)
+    random = np.random.default_rng(5)
+    messages = [random.bytes(int(random.choice([0, 1, 125, 126, 1568, 9000]))) for _ in range(60)]
+    sent = b"".join(frame(one, 2, int(random.integers(1 << 32))) for one in messages)
+    # In pieces of its own, a message is none of the short way; a ping may come between its pieces.
+    sent += frame(b"first ", 2, 1, is_last=False) + frame(b"", 9, 1) + frame(b"second", 0, 1)
+    sent += frame(b"end", 1, 3)
+    at = 0
+    while at < len(sent):
+        size = int(random.choice([1, 2, 3, 900, 5000]))
+        connection.sendall(sent[at : at + size])
+        at += size
+    until(lambda: application.ordinary[-1:] == ["end"])
+    assert application.reader is not None
+    assert application.reader.got == messages
+    assert application.ordinary == [b"first second", "end"]
+
+
+def test_a_sender_that_is_slowed_down_waits(served: tuple[Application, socket.socket]) -> None:
+    """However many packets one reading held: the longest pause counts, and there is one timer."""
+    application, connection = served
+    begin(connection, 0.4)
+    one = frame(b"x" * 1500, 2, 9)
+    connection.sendall(20 * one)
+    until(lambda: application.reader is not None and len(application.reader.got) >= 1)
+    assert application.reader is not None
+    time.sleep(0.1)
+    first = len(application.reader.got)
+    connection.sendall(20 * one)
+    time.sleep(0.15)
+    assert len(application.reader.got) == first
+    until(lambda: application.reader is not None and len(application.reader.got) == 40)
+
+
+def test_nothing_is_handed_over_behind_the_end(served: tuple[Application, socket.socket]) -> None:
+    application, connection = served
+    begin(connection, 0.0)
+    connection.sendall(frame(b"\x03\xe8", 8, 1) + frame(b"late", 2, 1))
+    assert application.reader is not None
+    until(lambda: connection.recv(4096) == b"")
+    assert application.reader.got == []
