@@ -106,6 +106,7 @@ class LiveManager:
         self._loop: asyncio.AbstractEventLoop | None = None
         self._is_stopping = False
         self._readiness = Readiness()
+        self._being_opened: set[str] = set()
         self._sent_away: dict[str, Sentence] = {}
         """Sessions whose gateway is to come again later, and why."""
         self.admission = Admission()
@@ -191,6 +192,7 @@ class LiveManager:
                 if stored.state == "created":
                     self._admit(stored.id)
                 hold = self._limits.take("streams", subject)
+                self._being_opened.add(stored.id)
                 try:
                     session = await self._opener.open(
                         stored.id, declaration, partial(self._prepared, stored.id)
@@ -198,6 +200,8 @@ class LiveManager:
                 except BaseException:
                     hold.release()
                     raise
+                finally:
+                    self._being_opened.discard(stored.id)
                 self._holds[stored.id] = hold
                 self._sessions[stored.id] = session
                 session.lane = Lane(session, self.pooled)
@@ -244,7 +248,7 @@ class LiveManager:
         streaming = sum(now_s - one.last_arrival_s < WINDOW_S for one in measured)
         quiet = sum(now_s - one.last_arrival_s < QUIET_S for one in self.sessions) - streaming
         try:
-            self.admission.require_room(streaming, quiet)
+            self.admission.require_room(streaming, quiet + len(self._being_opened))
         except Unavailable:
             self._send_away(session_id, FULL)
             raise

@@ -255,6 +255,34 @@ def test_a_restart_loses_no_repetition(enter: Enter, engine: Engine, world: Any)
     assert len(stored(engine, first.live.id, "repetition")) == 3
 
 
+def test_pain_outlives_a_restart(enter: Enter, engine: Engine, world: Any) -> None:
+    async def half(room: Room) -> None:
+        await room.to_the_start()
+        await room.until(room.done.repetitions_s[0][1] + 0.6)
+        room.desk.obey("pain")
+
+    first = enter((SOUND, SOUND, SOUND), half, prescribe(engine, world))
+    assert first.desk.message.counts.valid == 1
+
+    async def rest(room: Room) -> None:
+        await room.to_the_end()
+        assert (room.desk.message.status, room.desk.message.cause) == ("stopped", "pain")
+
+    second = enter((SOUND, SOUND, SOUND), rest, session_id=first.live.id)
+    assert second.desk.message.counts.valid == 1
+
+
+def test_a_pause_while_the_sensors_are_lost_is_a_pause(enter: Enter, engine: Engine, world: Any) -> None:
+    async def work(room: Room) -> None:
+        await room.to_the_start()
+        room.desk._cause = "lost"
+        assert room.desk.obey("pause").cause == "person"
+        await room.to_the_end()
+        assert (room.desk.message.status, room.desk.message.cause) == ("paused", "person")
+
+    enter((SOUND, SOUND), work, prescribe(engine, world))
+
+
 def test_without_a_template_the_buttons_work(enter: Enter, engine: Engine, world: Any) -> None:
     async def work(room: Room) -> None:
         await room.to_the_start()

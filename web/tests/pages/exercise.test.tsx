@@ -130,7 +130,7 @@ describe('an exercise while it is done', () => {
       'wrong_in_a_row',
     ];
     const held = causes.map((cause) => heldBy(said({ status: 'paused', cause: cause as GuidanceMessage['cause'] })));
-    expect(held).toEqual(['person', 'pain', 'limit', 'done', 'done', 'time', 'lost', 'lost', 'wrong_in_a_row']);
+    expect(held).toEqual(['person', 'pain', 'limit', 'done', 'enough', 'time', 'lost', 'lost', 'wrong_in_a_row']);
     expect(heldBy(said())).toBeNull();
   });
 
