@@ -125,7 +125,8 @@ def test_bluetooth_sensors_store_every_sample_and_come_back(
     page.evaluate("emulated.dots[1].isAway = false")
     expect(status).not_to_contain_text("lost", timeout=8000)
     page.wait_for_function("count => emulated.emitted === count", arg=len(worn.samples), timeout=60_000)
-    page.get_by_role("button", name="I have finished").click()
+    page.get_by_role("button", name="Stop", exact=True).click()
+    page.get_by_role("button", name="Finish for today").click()
     expect(page.get_by_role("heading", name="Your result is ready")).to_be_visible(timeout=60_000)
 
     first = int(page.evaluate("emulated.first"))

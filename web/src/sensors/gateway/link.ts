@@ -231,6 +231,11 @@ export class Link {
       this.#liveFrom = this.#stored + 1;
       this.#askedMs.clear();
     }
+    // Forgotten first: whoever hears of it counts what is left.
+    if (isNews || isFirst) {
+      await store.forget(network.sessionId, message.acknowledged);
+      for (const sequence of this.#askedMs.keys()) if (sequence <= message.acknowledged) this.#askedMs.delete(sequence);
+    }
     this.#say({
       status: 'open',
       acknowledged: Math.max(this.#state.acknowledged, message.acknowledged),
@@ -238,10 +243,6 @@ export class Link {
       sessionState: message.state,
       connections: this.#state.connections + (isFirst ? 1 : 0),
     });
-    if (isNews || isFirst) {
-      await store.forget(network.sessionId, message.acknowledged);
-      for (const sequence of this.#askedMs.keys()) if (sequence <= message.acknowledged) this.#askedMs.delete(sequence);
-    }
     for (const [start, stop] of message.missing) await this.#sendAgain(start, Math.min(stop, this.#next) - 1);
     if (OVER.has(message.state)) this.#end('ended', { code: message.state, reason: '' });
     else void this.#send();

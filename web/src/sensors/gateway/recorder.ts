@@ -148,7 +148,8 @@ export class Recorder {
     // Another device sent for this session before: what comes now follows it.
     if (link.highest >= this.#sequence) this.#sequence = link.highest + 1;
     this.#say({ link });
-    if (isNews) await this.#count();
+    // A packet that was being written while it was counted must not seem to wait for good.
+    if (isNews || this.#state.waiting > 0) await this.#count();
     if (link.status === 'ended' && this.#state.waiting === 0)
       await this.#options.store.remove(this.#options.network.sessionId);
   }
